@@ -1,0 +1,49 @@
+"""Errors a user can act on: what is wrong, where, what next, and the exit code it means."""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Iterable
+
+
+class VehicledynError(Exception):
+    """Base of every error this package raises on purpose.
+
+    Its text is shown to the user as it is, so it says what is wrong, where and what next.
+    """
+
+    exit_code = 2
+
+
+class InputError(VehicledynError):
+    """A file, option or value the user gave cannot be used."""
+
+
+class NumericalError(VehicledynError):
+    """A computation failed: a loop, an equilibrium or an integration did not converge."""
+
+    exit_code = 3
+
+
+class MissingPartError(VehicledynError):
+    """An optional part (compiler, extra package) that the request needs is absent."""
+
+    exit_code = 4
+
+
+def nearest_name(name: str, known: Iterable[str]) -> str | None:
+    """Return the known name that looks most like ``name``, or None if nothing is close."""
+    matches = difflib.get_close_matches(name, list(known), n=1, cutoff=0.55)
+    return matches[0] if matches else None
+
+
+def unknown_name(what: str, name: str, known: Iterable[str]) -> str:
+    """Return the message for a name that is not known, with the nearest one suggested.
+
+    >>> unknown_name("tyre", "calspam", ["calspan", "linear"])
+    "no tyre named 'calspam'; did you mean 'calspan'? Known: calspan, linear"
+    """
+    names = sorted(known)
+    guess = nearest_name(name, names)
+    hint = f"did you mean '{guess}'? " if guess else ""
+    return f"no {what} named '{name}'; {hint}Known: {', '.join(names)}"

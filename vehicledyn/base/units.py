@@ -1,0 +1,135 @@
+"""Units at the file's edge: text such as "36 km/h" becomes an SI number or is refused."""
+
+from __future__ import annotations
+
+import math
+import re
+from typing import NamedTuple
+
+from vehicledyn.base.errors import InputError, nearest_name
+
+
+class Unit(NamedTuple):
+    """Factor to SI and the exponents of metre, kilogram, second and radian."""
+
+    factor: float
+    dimension: tuple[int, int, int, int]
+
+
+_NONE = (0, 0, 0, 0)
+_LENGTH = (1, 0, 0, 0)
+_MASS = (0, 1, 0, 0)
+_TIME = (0, 0, 1, 0)
+_ANGLE = (0, 0, 0, 1)
+_FORCE = (1, 1, -2, 0)
+
+_PREFIXES = {"": 1.0, "G": 1e9, "M": 1e6, "k": 1e3, "c": 1e-2, "m": 1e-3, "µ": 1e-6, "u": 1e-6}
+_PREFIXABLE = {
+    "m": Unit(1.0, _LENGTH),
+    "g": Unit(1e-3, _MASS),
+    "s": Unit(1.0, _TIME),
+    "rad": Unit(1.0, _ANGLE),
+    "N": Unit(1.0, _FORCE),
+    "Pa": Unit(1.0, (-1, 1, -2, 0)),
+    "J": Unit(1.0, (2, 1, -2, 0)),
+    "W": Unit(1.0, (2, 1, -3, 0)),
+    "Hz": Unit(1.0, (0, 0, -1, 0)),
+}
+_PLAIN = {
+    "1": Unit(1.0, _NONE),
+    "%": Unit(0.01, _NONE),
+    "deg": Unit(math.pi / 180.0, _ANGLE),
+    "°": Unit(math.pi / 180.0, _ANGLE),
+    "rev": Unit(2.0 * math.pi, _ANGLE),
+    "rpm": Unit(2.0 * math.pi / 60.0, (0, 0, -1, 1)),
+    "min": Unit(60.0, _TIME),
+    "h": Unit(3600.0, _TIME),
+    "t": Unit(1000.0, _MASS),
+    "bar": Unit(1e5, (-1, 1, -2, 0)),
+}
+UNITS: dict[str, Unit] = {
+    **{
+        prefix + name: Unit(scale * unit.factor, unit.dimension)
+        for name, unit in _PREFIXABLE.items()
+        for prefix, scale in _PREFIXES.items()
+    },
+    **_PLAIN,
+}
+_SUPERSCRIPTS = str.maketrans("⁻⁰¹²³⁴⁵⁶⁷⁸⁹", "-0123456789")
+_NUMBER = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(.*?)\s*$", re.DOTALL)
+_FACTOR = re.compile(r"\s*(\*\*|[*/·]?)\s*([A-Za-zµ°%]+|1)(?:\s*(?:\^|\*\*)?\s*([+-]?\d+))?\s*")
+
+
+def parse_unit(text: str) -> Unit:
+    """Return the unit that a text such as "N s/m", "kg*m^2" or "km/h" names.
+
+    Raises
+    ------
+    InputError
+        If a name in the text is not a known unit.
+    """
+    superscripts = re.sub(r"([⁻⁰¹²³⁴⁵⁶⁷⁸⁹]+)", lambda m: "^" + m[1].translate(_SUPERSCRIPTS), text)
+    rest = superscripts.replace("(", " ").replace(")", " ").strip() or "1"
+    grouped = "(" in superscripts
+    factor, dimension, seen_slash = 1.0, [0, 0, 0, 0], False
+    while rest:
+        match = _FACTOR.match(rest)
+        if match is None or match[1] == "**":
+            raise InputError(f"'{text}' is not a unit")
+        operator, name, exponent = match.groups()
+        if name not in UNITS:
+            guess = nearest_name(name, UNITS)
+            hint = f"; did you mean '{guess}'?" if guess else ""
+            raise InputError(f"'{name}' is not a known unit{hint}")
+        seen_slash = seen_slash or operator == "/"
+        inverse = operator == "/" or (grouped and seen_slash)
+        power = int(exponent or 1) * (-1 if inverse else 1)
+        factor *= UNITS[name].factor ** power
+        dimension = [d + power * e for d, e in zip(dimension, UNITS[name].dimension, strict=True)]
+        rest = rest[match.end() :]
+    return Unit(factor, (dimension[0], dimension[1], dimension[2], dimension[3]))
+
+
+def to_si(value: object, unit: str) -> float:
+    """Return a value given at the file's edge as an SI number.
+
+    Parameters
+    ----------
+    value
+        A number (taken as SI) or a text with a unit, such as "36 km/h".
+    unit
+        The SI unit the quantity has, such as "m/s".
+
+    Raises
+    ------
+    InputError
+        If the value is no number, or its unit has another dimension than ``unit``.
+    """
+    if isinstance(value, bool):
+        raise InputError(f"expected a number in {unit}, found {str(value).lower()}")
+    if isinstance(value, int | float):
+        return float(value)
+    if not isinstance(value, str):
+        raise InputError(f"expected a number with a unit of {unit}, found {describe(value)}")
+    match = _NUMBER.match(value)
+    if match is None:
+        raise InputError(f"expected a number with a unit of {unit}, found '{value}'")
+    number, unit_text = match.groups()
+    given = parse_unit(unit_text)
+    wanted = parse_unit(unit)
+    if not unit_text:
+        return float(number)
+    if given.dimension != wanted.dimension:
+        raise InputError(f"'{value}' has the wrong unit: a quantity in {unit} is needed here")
+    return float(number) * given.factor / wanted.factor
+
+
+def describe(value: object) -> str:
+    """Return what a value read from a file is, in words a user knows."""
+    if value is None:
+        return "nothing"
+    if isinstance(value, dict):
+        return "a mapping"
+    if isinstance(value, list | tuple):
+        return "a list"
+    return f"'{value}'"

@@ -1,0 +1,128 @@
+"""What a part of a system may contribute: loads, further states, unknowns, motions, outputs.
+
+A part (link, wheel, driver, sensor ...) is a small frozen class with a ``name`` and any of
+the four methods of :class:`Part`; the system calls them in this order while it derives the
+equations. Nothing configures a part from outside.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Protocol
+
+from vehicledyn.multibody.kinematics import Kinematics
+from vehicledyn.symbolic.equations import Channel, Variable
+from vehicledyn.symbolic.ops import Scalar, Vec
+
+
+@dataclass(frozen=True)
+class Wrench:
+    """A force and a torque on a body, both in the axes of that body.
+
+    ``force`` [N] acts at the origin of the body frame; ``torque`` [N m] is about it.
+    """
+
+    body: str
+    force: Vec
+    torque: Vec
+
+
+@dataclass(frozen=True)
+class Motion:
+    """Position and velocity of a driven coordinate; its acceleration comes with the loads."""
+
+    position: Scalar
+    velocity: Scalar
+
+
+@dataclass(frozen=True)
+class Clock:
+    """What is known before any kinematics: time and the part's own further states."""
+
+    time: Scalar
+    states: dict[str, Scalar]
+
+
+@dataclass(frozen=True)
+class Situation:
+    """What a part sees: time, its own states and unknowns by short name, and the kinematics."""
+
+    time: Scalar
+    states: dict[str, Scalar]
+    unknowns: dict[str, Scalar]
+    kinematics: Kinematics
+
+
+@dataclass(frozen=True)
+class Loads:
+    """What a part does to the system at a given position, velocity and time.
+
+    ``wrenches`` act on bodies, ``joint_forces`` on coordinates by name [N or N m],
+    ``rates`` are the derivatives of the part's states by short name, ``residuals`` the
+    equations of its algebraic unknowns (functions of positions and time only, in the order
+    of the unknowns), ``accelerations`` those of the coordinates it drives.
+    """
+
+    wrenches: tuple[Wrench, ...] = ()
+    joint_forces: dict[str, Scalar] = field(default_factory=dict)
+    rates: dict[str, Scalar] = field(default_factory=dict)
+    residuals: tuple[Scalar, ...] = ()
+    accelerations: dict[str, Scalar] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class Output:
+    """A channel and its expression."""
+
+    channel: Channel
+    expression: Scalar
+
+
+class Part(Protocol):
+    """A part of a system. Derive from :class:`BasePart` and define what differs from nothing."""
+
+    @property
+    def name(self) -> str:
+        """Dotted name, unique in the system; prefix of the part's states and channels."""
+
+    def states(self) -> tuple[Variable, ...]:
+        """Return the part's further states, named without the part's prefix."""
+
+    def unknowns(self) -> tuple[Variable, ...]:
+        """Return the part's algebraic unknowns, named without the part's prefix."""
+
+    def motions(self, clock: Clock) -> dict[str, Motion]:
+        """Return position and velocity of the coordinates that the part drives."""
+
+    def loads(self, situation: Situation) -> Loads:
+        """Return what the part does to the system."""
+
+    def outputs(self, situation: Situation) -> tuple[Output, ...]:
+        """Return the part's channels; here the kinematics know the accelerations too."""
+
+
+@dataclass(frozen=True)
+class BasePart:
+    """A part that contributes nothing; the base of all parts."""
+
+    name: str
+
+    def states(self) -> tuple[Variable, ...]:
+        """Return no further states."""
+        return ()
+
+    def unknowns(self) -> tuple[Variable, ...]:
+        """Return no algebraic unknowns."""
+        return ()
+
+    def motions(self, clock: Clock) -> dict[str, Motion]:
+        """Drive nothing."""
+        return {}
+
+    def loads(self, situation: Situation) -> Loads:
+        """Load nothing."""
+        return Loads()
+
+    def outputs(self, situation: Situation) -> tuple[Output, ...]:
+        """Show nothing."""
+        return ()

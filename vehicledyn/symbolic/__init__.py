@@ -1,0 +1,1 @@
+"""The only door to CasADi for mechanics: operations, rotations, parameters, Equations."""

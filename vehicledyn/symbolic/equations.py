@@ -1,0 +1,100 @@
+"""The Equations value: all that solvers and result files need to know of a system.
+
+    ẋ = f(t, x, z, p),    0 = g(t, x, z, p),    y = h(t, x, z, p)
+
+x are the states (independent coordinates, their velocities, further states), z the algebraic
+unknowns (dependent coordinates of the loops, contact coordinates), p the parameters and y the
+named outputs. g is solved block by block in the given order: the residuals of a block depend
+on its own unknowns and those of earlier blocks only, so each block is a small Newton problem.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any
+
+Expression = Any
+"""A ``casadi.SX`` column."""
+
+
+@dataclass(frozen=True)
+class Variable:
+    """A state or algebraic unknown: dotted name, unit, meaning and a value to start from."""
+
+    name: str
+    unit: str
+    description: str
+    start: float = 0.0
+
+
+@dataclass(frozen=True)
+class ParameterValue:
+    """A parameter: dotted name, unit, meaning and its value in SI."""
+
+    name: str
+    unit: str
+    description: str
+    value: float
+
+
+@dataclass(frozen=True)
+class Channel:
+    """A named output: dotted name from whole to part, unit, meaning and frame."""
+
+    name: str
+    unit: str
+    description: str
+    frame: str = ""
+
+
+@dataclass(frozen=True)
+class Block:
+    """Unknowns ``start:stop`` of z, solved from the residuals ``start:stop`` of g.
+
+    ``tolerance`` is the largest residual that counts as solved, in the residual's own unit,
+    which ``unit`` states; ``name`` says which loop or contact it is, for error messages.
+    """
+
+    name: str
+    start: int
+    stop: int
+    tolerance: float
+    unit: str = "m"
+
+
+@dataclass(frozen=True)
+class Event:
+    """A function of (t, x, z, p) whose sign change marks an event."""
+
+    name: str
+    index: int
+    terminal: bool = False
+
+
+@dataclass(frozen=True)
+class Equations:
+    """Symbolic equations of a system, see the module's text for the meaning of the parts.
+
+    ``positions`` and ``velocities`` are the indices of x that form second-order pairs: the
+    rate of ``x[positions[k]]`` is ``x[velocities[k]]``. ``structure`` holds facts for people
+    (bodies, joints, degrees of freedom), never used in computing.
+    """
+
+    name: str
+    time: Expression
+    state: Expression
+    algebraic: Expression
+    parameter: Expression
+    rate: Expression
+    residual: Expression
+    output: Expression
+    event: Expression
+    states: tuple[Variable, ...]
+    unknowns: tuple[Variable, ...]
+    parameters: tuple[ParameterValue, ...]
+    channels: tuple[Channel, ...]
+    blocks: tuple[Block, ...] = ()
+    events: tuple[Event, ...] = ()
+    positions: tuple[int, ...] = ()
+    velocities: tuple[int, ...] = ()
+    structure: dict[str, Any] = field(default_factory=dict)

@@ -1,0 +1,208 @@
+"""Elementary operations on scalars that may be numbers or CasADi expressions.
+
+CasADi is loaded at the first operation, not at import, so that reading and validating
+files stays quick.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any, TypeAlias
+
+Scalar: TypeAlias = Any
+"""A float or a 1-by-1 ``casadi.SX`` expression."""
+
+Vec: TypeAlias = Any
+"""A 3-by-1 ``casadi.SX`` (or ``casadi.DM``) column."""
+
+Mat: TypeAlias = Any
+"""A 3-by-3 ``casadi.SX`` (or ``casadi.DM``) matrix."""
+
+
+def sin(x: Scalar) -> Scalar:
+    """Return the sine of an angle [rad]."""
+    import casadi
+
+    return casadi.sin(x)
+
+
+def cos(x: Scalar) -> Scalar:
+    """Return the cosine of an angle [rad]."""
+    import casadi
+
+    return casadi.cos(x)
+
+
+def tan(x: Scalar) -> Scalar:
+    """Return the tangent of an angle [rad]."""
+    import casadi
+
+    return casadi.tan(x)
+
+
+def atan(x: Scalar) -> Scalar:
+    """Return the inverse tangent [rad]."""
+    import casadi
+
+    return casadi.atan(x)
+
+
+def atan2(y: Scalar, x: Scalar) -> Scalar:
+    """Return the angle of the point (x, y) [rad]."""
+    import casadi
+
+    return casadi.atan2(y, x)
+
+
+def asin(x: Scalar) -> Scalar:
+    """Return the inverse sine [rad]."""
+    import casadi
+
+    return casadi.asin(x)
+
+
+def exp(x: Scalar) -> Scalar:
+    """Return e to the power of x."""
+    import casadi
+
+    return casadi.exp(x)
+
+
+def log(x: Scalar) -> Scalar:
+    """Return the natural logarithm; x must be positive."""
+    import casadi
+
+    return casadi.log(x)
+
+
+def tanh(x: Scalar) -> Scalar:
+    """Return the hyperbolic tangent."""
+    import casadi
+
+    return casadi.tanh(x)
+
+
+def sqrt(x: Scalar) -> Scalar:
+    """Return the square root; keep x away from zero where it is differentiated."""
+    import casadi
+
+    return casadi.sqrt(x)
+
+
+def absolute(x: Scalar) -> Scalar:
+    """Return the magnitude of x."""
+    import casadi
+
+    return casadi.fabs(x)
+
+
+def sign(x: Scalar) -> Scalar:
+    """Return -1, 0 or 1."""
+    import casadi
+
+    return casadi.sign(x)
+
+
+def minimum(x: Scalar, y: Scalar) -> Scalar:
+    """Return the smaller of two scalars."""
+    import casadi
+
+    return casadi.fmin(x, y)
+
+
+def maximum(x: Scalar, y: Scalar) -> Scalar:
+    """Return the larger of two scalars."""
+    import casadi
+
+    return casadi.fmax(x, y)
+
+
+def where(condition: Scalar, yes: Scalar, no: Scalar) -> Scalar:
+    """Return ``yes`` where the condition holds, else ``no``; both sides are evaluated."""
+    import casadi
+
+    chosen = casadi.if_else(condition, yes, no)
+    return float(chosen) if isinstance(chosen, casadi.DM) else chosen
+
+
+def logic_and(x: Scalar, y: Scalar) -> Scalar:
+    """Return whether both conditions hold."""
+    import casadi
+
+    return casadi.logic_and(x, y)
+
+
+def smooth_norm(x: Scalar, y: Scalar, floor: Scalar) -> Scalar:
+    """Return sqrt(x² + y² + floor²), which never reaches zero; floor has the unit of x."""
+    return sqrt(x * x + y * y + floor * floor)
+
+
+def vector(x: Scalar, y: Scalar, z: Scalar) -> Vec:
+    """Return the column of three components."""
+    import casadi
+
+    return casadi.SX(casadi.vertcat(casadi.SX(x), casadi.SX(y), casadi.SX(z)))
+
+
+def column(items: Sequence[Scalar]) -> Any:
+    """Return the SX column of any number of scalars, shape (n, 1)."""
+    import casadi
+
+    return casadi.vertcat(*[casadi.SX(item) for item in items]) if items else casadi.SX(0, 1)
+
+
+def cross(a: Vec, b: Vec) -> Vec:
+    """Return the cross product of two columns."""
+    import casadi
+
+    return casadi.cross(a, b)
+
+
+def dot(a: Vec, b: Vec) -> Scalar:
+    """Return the scalar product of two columns."""
+    import casadi
+
+    return casadi.dot(a, b)
+
+
+def tilde(v: Vec) -> Mat:
+    """Return the skew-symmetric matrix with tilde(v) w = v × w."""
+    import casadi
+
+    return casadi.skew(v)
+
+
+def norm(v: Vec) -> Scalar:
+    """Return the length of a column that is never zero."""
+    return sqrt(dot(v, v))
+
+
+def unit(v: Vec) -> Vec:
+    """Return a column that is never zero, scaled to length one."""
+    return v / norm(v)
+
+
+def symbol(name: str) -> Scalar:
+    """Return a new scalar symbol."""
+    import casadi
+
+    return casadi.SX.sym(name)
+
+
+def derivative(expression: Any, variables: Any, direction: Any) -> Any:
+    """Return the directional derivative (∂expression/∂variables) direction."""
+    import casadi
+
+    return casadi.jtimes(expression, variables, direction)
+
+
+def jacobian(expression: Any, variables: Any) -> Any:
+    """Return ∂expression/∂variables, shape (n_expression, n_variables), sparse."""
+    import casadi
+
+    return casadi.jacobian(expression, variables)
+
+
+def is_structurally_zero(expression: Any) -> bool:
+    """Return whether an expression is zero whatever the values of its symbols."""
+    return bool(expression.is_zero())
