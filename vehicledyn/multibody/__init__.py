@@ -1,0 +1,1 @@
+"""General mechanics: bodies, joints, cuts, links, drives, sensors and their equations."""

@@ -1,0 +1,138 @@
+"""Loop cuts: the constraints that close a loop of the tree again (book, chapter 4.1).
+
+A cut gives residuals in the axes of the common ancestor of its two bodies, so that they depend
+on the coordinates of the loop alone. The multiplier of a residual is a force or torque.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Protocol
+
+from vehicledyn.symbolic import ops
+from vehicledyn.symbolic.ops import Mat, Scalar, Vec
+
+_AXES = ("x", "y", "z")
+
+
+@dataclass(frozen=True)
+class Residual:
+    """One scalar of a constraint: zero when closed.
+
+    ``force_channel`` names the multiplier's channel, ``sign`` turns the multiplier into it.
+    """
+
+    expression: Scalar
+    unit: str
+    force_channel: str
+    force_unit: str
+    force_description: str
+    sign: float = 1.0
+
+
+class RelativeGeometry(Protocol):
+    """Positions and rotations of two bodies in the axes of their common ancestor."""
+
+    def position(self, body: str, point: Sequence[Scalar]) -> Vec:
+        """Return the position of a point of a body [m]."""
+
+    def rotation(self, body: str) -> Mat:
+        """Return R with v_ancestor = R v_body."""
+
+
+class Cut(Protocol):
+    """A constraint between two bodies."""
+
+    @property
+    def name(self) -> str:
+        """Dotted name, unique in the system."""
+
+    @property
+    def body_a(self) -> str:
+        """First body."""
+
+    @property
+    def body_b(self) -> str:
+        """Second body."""
+
+    def residuals(self, geometry: RelativeGeometry) -> list[Residual]:
+        """Return the scalars that vanish when the loop is closed."""
+
+
+@dataclass(frozen=True)
+class BallCut:
+    """A ball joint cut open: two points coincide.
+
+    The multipliers are the force on body B at the point, in the axes of the common ancestor.
+    """
+
+    name: str
+    body_a: str
+    point_a: Sequence[Scalar]
+    body_b: str
+    point_b: Sequence[Scalar]
+
+    def residuals(self, geometry: RelativeGeometry) -> list[Residual]:
+        """Return the three components of the gap [m]."""
+        gap = geometry.position(self.body_b, self.point_b) - geometry.position(
+            self.body_a, self.point_a
+        )
+        text = f"Force on {self.body_b} in the cut ball joint"
+        return [
+            Residual(gap[k], "m", f"force_{axis}", "N", f"{text}, {axis}")
+            for k, axis in enumerate(_AXES)
+        ]
+
+
+@dataclass(frozen=True)
+class RodCut:
+    """A massless rod with a ball joint at each end, cut away: a distance is constant.
+
+    With d the vector between the ends and L the length, the residual (d² - L²)/(2 L) has the
+    unit direction of the rod as gradient, so the multiplier is the axial force.
+    """
+
+    name: str
+    body_a: str
+    point_a: Sequence[Scalar]
+    body_b: str
+    point_b: Sequence[Scalar]
+    length: Scalar
+
+    def residuals(self, geometry: RelativeGeometry) -> list[Residual]:
+        """Return the scalar that vanishes when the ends are one length apart [m]."""
+        d = geometry.position(self.body_b, self.point_b) - geometry.position(
+            self.body_a, self.point_a
+        )
+        stretch = (ops.dot(d, d) - self.length * self.length) / (2.0 * self.length)
+        return [
+            Residual(stretch, "m", "axial_force", "N", "Axial force, positive in tension", -1.0)
+        ]
+
+
+@dataclass(frozen=True)
+class BodyCut:
+    """A body cut in two: position and orientation of two frames coincide.
+
+    The orientation residuals are the axial vector of R_aᵀ R_b, (sin of the angle) times the
+    axis; they also vanish at half a turn, which assembly from a near start does not reach.
+    """
+
+    name: str
+    body_a: str
+    point_a: Sequence[Scalar]
+    body_b: str
+    point_b: Sequence[Scalar]
+
+    def residuals(self, geometry: RelativeGeometry) -> list[Residual]:
+        """Return three gaps [m] and three sines of angles [1]."""
+        ball = BallCut(self.name, self.body_a, self.point_a, self.body_b, self.point_b)
+        twist = geometry.rotation(self.body_b) @ geometry.rotation(self.body_a).T
+        axial = (twist[2, 1] - twist[1, 2], twist[0, 2] - twist[2, 0], twist[1, 0] - twist[0, 1])
+        text = f"Torque on {self.body_b} in the cut section"
+        turns = [
+            Residual(0.5 * value, "1", f"torque_{axis}", "N*m", f"{text}, {axis}")
+            for value, axis in zip(axial, _AXES, strict=True)
+        ]
+        return [*ball.residuals(geometry), *turns]

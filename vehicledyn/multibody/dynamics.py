@@ -1,0 +1,150 @@
+"""Semi-explicit recursive Newton-Euler scheme: bias forces and mass matrix of a tree.
+
+M(q) q̈ + c(q, q̇) = Q. ``inverse_dynamics`` is the backward recursion of the book's chapter
+3.3.3; with the accelerations that the loops and drives impose at q̈ = 0 it gives the bias c.
+``mass_matrix`` accumulates composite inertias from the leaves (Walker, Orin 1982).
+"""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+from vehicledyn.multibody import inertia
+from vehicledyn.multibody.inertia import Inertia
+from vehicledyn.multibody.kinematics import Kinematics
+from vehicledyn.multibody.parts import Wrench
+from vehicledyn.symbolic import ops
+from vehicledyn.symbolic.ops import Scalar, Vec
+
+
+@dataclass(frozen=True)
+class JointWrench:
+    """Force [N] and torque [N m] that a link's joint transmits, in the link's axes."""
+
+    force: Vec
+    torque: Vec
+
+
+def inverse_dynamics(
+    kinematics: Kinematics, wrenches: Iterable[Wrench], gravity: Vec
+) -> tuple[dict[str, Scalar], dict[int, JointWrench]]:
+    """Return the joint force each coordinate needs, and what each joint transmits.
+
+    Parameters
+    ----------
+    kinematics
+        Kinematics that knows its accelerations.
+    wrenches
+        What acts on the bodies besides gravity and joints.
+    gravity
+        Acceleration of free fall in world axes, shape (3, 1) [m/s²].
+
+    Returns
+    -------
+    tuple
+        Generalised force by coordinate [N or N m], and the wrench of each link's joint.
+    """
+    tree = kinematics.tree
+    applied: dict[int, list[Wrench]] = defaultdict(list)
+    for wrench in wrenches:
+        applied[tree.body_link[wrench.body]].append(wrench)
+    carried: dict[int, JointWrench] = {}
+    forces: dict[str, Scalar] = {}
+    children: dict[int, list[int]] = defaultdict(list)
+    falling = _fall(kinematics, gravity)
+    for link in reversed(range(len(tree.links))):
+        item = tree.links[link]
+        own = inertia.of_body(item.body)
+        force, torque = _newton_euler(kinematics, link, own, falling[link])
+        for wrench in applied[link]:
+            force, torque = force - wrench.force, torque - wrench.torque
+        for child in children[link]:
+            rotation, arm = kinematics.link_rotation(child), kinematics.link_arm(child)
+            passed = rotation @ carried[child].force
+            force = force + passed
+            torque = torque + rotation @ carried[child].torque + ops.cross(arm, passed)
+        carried[link] = JointWrench(force, torque)
+        children[item.parent].append(link)
+        if item.joint is not None:
+            along = torque if item.joint.is_rotation else force
+            forces[item.joint.name] = ops.dot(kinematics.link_axis(link), along)
+    return forces, carried
+
+
+def _fall(kinematics: Kinematics, gravity: Vec) -> list[Vec]:
+    """Return gravity in the axes of every link."""
+    falling: list[Vec] = []
+    for link, item in enumerate(kinematics.tree.links):
+        above = gravity if item.parent < 0 else falling[item.parent]
+        falling.append(kinematics.link_rotation(link).T @ above)
+    return falling
+
+
+def _newton_euler(
+    kinematics: Kinematics, link: int, own: Inertia, falling: Vec
+) -> tuple[Vec, Vec]:
+    """Return force and torque about the origin that the motion of one link needs."""
+    if ops.is_structurally_zero(own.mass):
+        zero = ops.vector(0.0, 0.0, 0.0)
+        return zero, zero
+    pull = kinematics.link_acceleration(link) - falling
+    omega = kinematics.link_angular_velocity(link)
+    force = own.mass * pull
+    if not ops.is_structurally_zero(own.moment):
+        force = force + kinematics.beta(link) @ own.moment
+    spin = own.matrix @ omega
+    torque = own.matrix @ kinematics.link_angular_acceleration(link) + ops.cross(omega, spin)
+    return force, torque + ops.cross(own.moment, pull)
+
+
+def mass_matrix(kinematics: Kinematics, names: set[str]) -> dict[tuple[str, str], Scalar]:
+    """Return the entries of M between the named coordinates, both triangles, nonzero ones.
+
+    Only pairs on one branch of the tree have entries.
+    """
+    tree = kinematics.tree
+    composite = [inertia.of_body(item.body) for item in tree.links]
+    entries: dict[tuple[str, str], Scalar] = {}
+    for link in reversed(range(len(tree.links))):
+        item = tree.links[link]
+        if item.parent >= 0:
+            moved = composite[link].in_parent(
+                kinematics.link_rotation(link), kinematics.link_arm(link)
+            )
+            composite[item.parent] = composite[item.parent] + moved
+        if item.joint is not None and item.joint.name in names:
+            _column(kinematics, link, composite[link], names, entries)
+    return {pair: value for pair, value in entries.items() if not value.is_zero()}
+
+
+def _column(
+    kinematics: Kinematics,
+    link: int,
+    composite: Inertia,
+    names: set[str],
+    entries: dict[tuple[str, str], Scalar],
+) -> None:
+    """Enter the column of one coordinate: the wrench of its unit acceleration, passed down."""
+    links = kinematics.tree.links
+    joint = links[link].joint
+    if joint is None:
+        return
+    axis = kinematics.link_axis(link)
+    if joint.is_rotation:
+        force, torque = ops.cross(axis, composite.moment), composite.matrix @ axis
+    else:
+        force, torque = composite.mass * axis, ops.cross(composite.moment, axis)
+    below = link
+    while below >= 0:
+        other = links[below].joint
+        if other is not None and other.name in names:
+            along = torque if other.is_rotation else force
+            value = ops.dot(kinematics.link_axis(below), along)
+            entries[joint.name, other.name] = value
+            entries[other.name, joint.name] = value
+        rotation, arm = kinematics.link_rotation(below), kinematics.link_arm(below)
+        force = rotation @ force
+        torque = rotation @ torque + ops.cross(arm, force)
+        below = links[below].parent

@@ -1,0 +1,63 @@
+"""Mass, first moment and inertia matrix of a link, and how they add up along the tree."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from vehicledyn.multibody.system import Body
+from vehicledyn.symbolic import ops, rotations
+from vehicledyn.symbolic.ops import Mat, Scalar, Vec
+
+_FULL = 6
+
+
+@dataclass(frozen=True)
+class Inertia:
+    """Rigid-body inertia about a frame's origin, in that frame's axes.
+
+    ``mass`` [kg], ``moment`` = mass times the position of the centre of mass [kg m],
+    ``matrix`` about the origin, 3 by 3 [kg m²].
+    """
+
+    mass: Scalar
+    moment: Vec
+    matrix: Mat
+
+    def __add__(self, other: Inertia) -> Inertia:
+        """Return the inertia of both together."""
+        return Inertia(
+            self.mass + other.mass, self.moment + other.moment, self.matrix + other.matrix
+        )
+
+    def in_parent(self, rotation: Mat, arm: Vec) -> Inertia:
+        """Return it in a parent frame: v_parent = rotation v, origin displaced by ``arm``."""
+        moment = rotation @ self.moment
+        shift = ops.tilde(arm)
+        cross = shift @ ops.tilde(moment)
+        turned = rotation @ self.matrix @ rotation.T
+        matrix = turned - cross - cross.T - self.mass * (shift @ shift)
+        return Inertia(self.mass, moment + self.mass * arm, matrix)
+
+
+def nothing() -> Inertia:
+    """Return the inertia of a massless frame, structurally zero."""
+    zero = ops.vector(0.0, 0.0, 0.0)
+    return Inertia(ops.vector(0.0, 0.0, 0.0)[0], zero, ops.tilde(zero))
+
+
+def of_body(body: Body | None) -> Inertia:
+    """Return the inertia of a body about the origin of its own axes."""
+    if body is None or body.mass is None:
+        return nothing()
+    com = ops.vector(*body.com)
+    shift = ops.tilde(com)
+    matrix = matrix_of(body.inertia) - body.mass * (shift @ shift)
+    return Inertia(body.mass, body.mass * com, matrix)
+
+
+def matrix_of(inertia: Sequence[Scalar]) -> Mat:
+    """Return the symmetric matrix of Ixx, Iyy, Izz and optionally Ixy, Ixz, Iyz [kg m²]."""
+    xx, yy, zz = inertia[0], inertia[1], inertia[2]
+    xy, xz, yz = inertia[3:6] if len(inertia) == _FULL else (0.0, 0.0, 0.0)
+    return rotations.matrix([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])

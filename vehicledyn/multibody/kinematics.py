@@ -1,0 +1,273 @@
+"""Forward kinematics along the tree: rotations, positions, velocities, accelerations.
+
+Vectors of the recursion are expressed in the axes of their own link (book, chapter 3.3.2).
+Everything is evaluated once, on demand.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import TYPE_CHECKING, TypeVar
+
+from vehicledyn.symbolic import ops, rotations
+from vehicledyn.symbolic.ops import Mat, Scalar, Vec
+
+if TYPE_CHECKING:
+    from vehicledyn.multibody.tree import Tree
+
+T = TypeVar("T")
+_ORIGIN = (0.0, 0.0, 0.0)
+
+
+class Kinematics:
+    """Kinematics of a tree at given coordinates, rates and (for outputs) accelerations.
+
+    Parameters
+    ----------
+    tree
+        Links of the system.
+    coordinates, rates, accelerations
+        Expression of each coordinate and its derivatives by name; ``accelerations`` is None
+        while they are not known yet.
+    """
+
+    def __init__(
+        self,
+        tree: Tree,
+        coordinates: dict[str, Scalar],
+        rates: dict[str, Scalar],
+        accelerations: dict[str, Scalar] | None = None,
+    ) -> None:
+        self.tree = tree
+        self._q = coordinates
+        self._qd = rates
+        self._qdd = accelerations
+        self._cache: dict[tuple[str, int], object] = {}
+
+    def with_accelerations(self, accelerations: dict[str, Scalar]) -> Kinematics:
+        """Return the same kinematics with the accelerations of all coordinates known."""
+        return Kinematics(self.tree, self._q, self._qd, accelerations)
+
+    # -- by body, in world axes ------------------------------------------------------------
+
+    def coordinate(self, name: str) -> Scalar:
+        """Return a joint coordinate [m or rad]."""
+        return self._q[name]
+
+    def rate(self, name: str) -> Scalar:
+        """Return the rate of a joint coordinate [m/s or rad/s]."""
+        return self._qd[name]
+
+    def rotation(self, body: str) -> Mat:
+        """Return R with v_world = R v_body."""
+        return self.rotation_in(-1, self.tree.body_link[body])
+
+    def position(self, body: str, point: Sequence[Scalar] = _ORIGIN) -> Vec:
+        """Return the world position of a point given in body axes [m]."""
+        return self.position_in(-1, self.tree.body_link[body], ops.vector(*_items(point)))
+
+    def velocity(self, body: str, point: Sequence[Scalar] = _ORIGIN) -> Vec:
+        """Return the velocity of a point of the body in world axes [m/s]."""
+        link = self.tree.body_link[body]
+        arm = ops.vector(*_items(point))
+        return self.rotation(body) @ (
+            self.link_velocity(link) + ops.cross(self.link_angular_velocity(link), arm)
+        )
+
+    def angular_velocity(self, body: str) -> Vec:
+        """Return the angular velocity of a body in its own axes [rad/s]."""
+        return self.link_angular_velocity(self.tree.body_link[body])
+
+    def acceleration(self, body: str, point: Sequence[Scalar] = _ORIGIN) -> Vec:
+        """Return the acceleration of a point of the body in world axes [m/s²]."""
+        link = self.tree.body_link[body]
+        arm = ops.vector(*_items(point))
+        return self.rotation(body) @ (self.link_acceleration(link) + self.beta(link) @ arm)
+
+    def angular_acceleration(self, body: str) -> Vec:
+        """Return the angular acceleration of a body in its own axes [rad/s²]."""
+        return self.link_angular_acceleration(self.tree.body_link[body])
+
+    # -- by link ---------------------------------------------------------------------------
+
+    def link_rotation(self, link: int) -> Mat:
+        """Return R with v_parent = R v_link."""
+        from vehicledyn.multibody.tree import joint_rotation
+
+        def build() -> Mat:
+            item = self.tree.links[link]
+            if item.joint is None or not item.joint.is_rotation:
+                return joint_rotation(item, 1.0, 0.0)
+            angle = self._q[item.joint.name]
+            return joint_rotation(item, ops.cos(angle), ops.sin(angle))
+
+        return self._once("rotation", link, build)
+
+    def link_arm(self, link: int) -> Vec:
+        """Return the vector from the parent's origin to the link's, in the parent's axes [m]."""
+
+        def build() -> Vec:
+            item = self.tree.links[link]
+            if item.joint is None or item.joint.is_rotation:
+                return item.offset
+            slide = rotations.axis_vector(item.joint.axis) * self._q[item.joint.name]
+            return item.offset + (slide if item.before is None else item.before @ slide)
+
+        return self._once("arm", link, build)
+
+    def link_axis(self, link: int) -> Vec:
+        """Return the joint's axis in the link's axes (unit column)."""
+        item = self.tree.links[link]
+        if item.joint is None:
+            raise ValueError(f"link {link} has no joint")
+        axis = rotations.axis_vector(item.joint.axis)
+        return axis if item.after is None else item.after.T @ axis
+
+    def link_angular_velocity(self, link: int) -> Vec:
+        """Return the angular velocity of a link in its own axes [rad/s]."""
+
+        def build() -> Vec:
+            if link < 0:
+                return ops.vector(0.0, 0.0, 0.0)
+            item = self.tree.links[link]
+            carried = self.link_rotation(link).T @ self.link_angular_velocity(item.parent)
+            if item.joint is None or not item.joint.is_rotation:
+                return carried
+            return carried + self.link_axis(link) * self._qd[item.joint.name]
+
+        return self._once("omega", link, build)
+
+    def link_velocity(self, link: int) -> Vec:
+        """Return the velocity of a link's origin in its own axes [m/s]."""
+
+        def build() -> Vec:
+            if link < 0:
+                return ops.vector(0.0, 0.0, 0.0)
+            item = self.tree.links[link]
+            swing = ops.cross(self.link_angular_velocity(item.parent), self.link_arm(link))
+            carried = self.link_rotation(link).T @ (self.link_velocity(item.parent) + swing)
+            if item.joint is None or item.joint.is_rotation:
+                return carried
+            return carried + self.link_axis(link) * self._qd[item.joint.name]
+
+        return self._once("velocity", link, build)
+
+    def link_angular_acceleration(self, link: int) -> Vec:
+        """Return the angular acceleration of a link in its own axes [rad/s²]."""
+
+        def build() -> Vec:
+            if link < 0:
+                return ops.vector(0.0, 0.0, 0.0)
+            item = self.tree.links[link]
+            carried = self.link_rotation(link).T @ self.link_angular_acceleration(item.parent)
+            if item.joint is None or not item.joint.is_rotation:
+                return carried
+            turning = self.link_axis(link) * self._qd[item.joint.name]
+            spin_up = self.link_axis(link) * self._acceleration(item.joint.name)
+            return carried + ops.cross(self.link_angular_velocity(link), turning) + spin_up
+
+        return self._once("alpha", link, build)
+
+    def link_acceleration(self, link: int) -> Vec:
+        """Return the acceleration of a link's origin in its own axes [m/s²]."""
+
+        def build() -> Vec:
+            if link < 0:
+                return ops.vector(0.0, 0.0, 0.0)
+            item = self.tree.links[link]
+            base = self.link_acceleration(item.parent)
+            at_joint = base + self.beta(item.parent) @ self.link_arm(link)
+            carried = self.link_rotation(link).T @ at_joint
+            if item.joint is None or item.joint.is_rotation:
+                return carried
+            axis = self.link_axis(link)
+            coriolis = 2.0 * ops.cross(
+                self.link_angular_velocity(link), axis * self._qd[item.joint.name]
+            )
+            return carried + coriolis + axis * self._acceleration(item.joint.name)
+
+        return self._once("acceleration", link, build)
+
+    def beta(self, link: int) -> Mat:
+        """Return tilde(α) + tilde(ω) tilde(ω): acceleration of a point is a + beta arm."""
+
+        def build() -> Mat:
+            w1, w2, w3 = _items(self.link_angular_velocity(link))
+            a1, a2, a3 = _items(self.link_angular_acceleration(link))
+            w11, w22, w33 = w1 * w1, w2 * w2, w3 * w3
+            w12, w13, w23 = w1 * w2, w1 * w3, w2 * w3
+            return rotations.matrix(
+                [
+                    [-(w22 + w33), w12 - a3, w13 + a2],
+                    [w12 + a3, -(w11 + w33), w23 - a1],
+                    [w13 - a2, w23 + a1, -(w11 + w22)],
+                ]
+            )
+
+        return self._once("beta", link, build)
+
+    # -- relative to an ancestor -----------------------------------------------------------
+
+    def rotation_in(self, ancestor: int, link: int) -> Mat:
+        """Return R with v_ancestor = R v_link."""
+        if link == ancestor:
+            return rotations.identity()
+        parent = self.tree.links[link].parent
+        return self._once(
+            f"rotation in {ancestor}",
+            link,
+            lambda: self.rotation_in(ancestor, parent) @ self.link_rotation(link),
+        )
+
+    def position_in(self, ancestor: int, link: int, point: Vec) -> Vec:
+        """Return the position of a point of a link from the ancestor's origin, in its axes."""
+        return self.origin_in(ancestor, link) + self.rotation_in(ancestor, link) @ point
+
+    def origin_in(self, ancestor: int, link: int) -> Vec:
+        """Return the position of a link's origin in the axes of an ancestor [m]."""
+        if link == ancestor:
+            return ops.vector(0.0, 0.0, 0.0)
+        parent = self.tree.links[link].parent
+
+        def build() -> Vec:
+            arm = self.rotation_in(ancestor, parent) @ self.link_arm(link)
+            return self.origin_in(ancestor, parent) + arm
+
+        return self._once(f"origin in {ancestor}", link, build)
+
+    def between(self, body_a: str, body_b: str) -> Relative:
+        """Return the geometry of two bodies in the axes of their common ancestor."""
+        return Relative(self, self.tree.common_ancestor(body_a, body_b))
+
+    def _acceleration(self, name: str) -> Scalar:
+        if self._qdd is None:
+            raise ValueError(f"the acceleration of '{name}' is not known at this stage")
+        return self._qdd[name]
+
+    def _once(self, what: str, link: int, build: Callable[[], T]) -> T:
+        key = (what, link)
+        if key not in self._cache:
+            self._cache[key] = build()
+        return self._cache[key]  # type: ignore[return-value]
+
+
+class Relative:
+    """Positions and rotations in the axes of one link, the common ancestor of two bodies."""
+
+    def __init__(self, kinematics: Kinematics, ancestor: int) -> None:
+        self._kinematics = kinematics
+        self.ancestor = ancestor
+
+    def position(self, body: str, point: Sequence[Scalar] = _ORIGIN) -> Vec:
+        """Return the position of a point of a body, in the ancestor's axes [m]."""
+        link = self._kinematics.tree.body_link[body]
+        return self._kinematics.position_in(self.ancestor, link, ops.vector(*_items(point)))
+
+    def rotation(self, body: str) -> Mat:
+        """Return R with v_ancestor = R v_body."""
+        return self._kinematics.rotation_in(self.ancestor, self._kinematics.tree.body_link[body])
+
+
+def _items(vector: Sequence[Scalar] | Vec) -> list[Scalar]:
+    """Return the three components of a sequence or of an SX column."""
+    return [vector[0], vector[1], vector[2]]

@@ -1,0 +1,191 @@
+"""A multibody system as data: a tree of bodies, loop cuts and parts that act on it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+
+from vehicledyn.base.errors import InputError, unknown_name
+from vehicledyn.multibody.cuts import Cut
+from vehicledyn.multibody.parts import Part
+from vehicledyn.symbolic.ops import Mat, Scalar
+from vehicledyn.symbolic.parameters import ParameterTable
+
+GROUND = "ground"
+JOINT_KINDS = ("T1", "T2", "T3", "R1", "R2", "R3")
+ROLES = ("auto", "independent", "dependent", "driven")
+
+
+@dataclass(frozen=True)
+class Joint:
+    """An elementary joint: sliding along (T) or turning about (R) axis 1, 2 or 3.
+
+    ``name`` is the dotted name of its coordinate, ``start`` and ``start_rate`` the values it
+    starts from [m, rad; m/s, rad/s]. ``role`` says whether the coordinate is a state, solved
+    from the loops, prescribed in time, or left to the automatic partition ("auto").
+    """
+
+    kind: str
+    name: str
+    start: float = 0.0
+    role: str = "auto"
+    start_rate: float = 0.0
+    description: str = ""
+
+    @property
+    def axis(self) -> int:
+        """Number of the joint's axis, 1 to 3."""
+        return int(self.kind[1])
+
+    @property
+    def is_rotation(self) -> bool:
+        """Whether the joint turns."""
+        return self.kind[0] == "R"
+
+    @property
+    def unit(self) -> str:
+        """Unit of the coordinate."""
+        return "rad" if self.is_rotation else "m"
+
+
+@dataclass(frozen=True)
+class Turn:
+    """A fixed rotation between joints of a chain: v_before = rotation v_after."""
+
+    rotation: Mat
+
+
+@dataclass(frozen=True)
+class Body:
+    """A rigid body and the chain of joints that carries it.
+
+    Parameters
+    ----------
+    name, parent
+        Names of the body and of the body (or "ground") that carries it.
+    at
+        Where the chain starts, in the axes of the parent from its origin, 3 scalars [m].
+    joints
+        Elementary joints and fixed turns, from the parent outwards.
+    mass
+        Mass [kg]; None for a massless body, which then has no inertia either.
+    com
+        Centre of mass in the axes of the body, 3 scalars [m].
+    inertia
+        Ixx, Iyy, Izz, Ixy, Ixz, Iyz about the centre of mass in the axes of the body; the
+        last three are elements of the matrix, not products with the opposite sign [kg m²].
+    spins_about
+        Axis (1, 2 or 3) of a body of revolution whose last joint turns about that axis: the
+        axes of the body then do not spin with it, which is cheaper and exact. Its centre of
+        mass must lie on the axis and the two inertias across it be the same symbol.
+    """
+
+    name: str
+    parent: str
+    at: Sequence[Scalar] = (0.0, 0.0, 0.0)
+    joints: tuple[Joint | Turn, ...] = ()
+    mass: Scalar | None = None
+    com: Sequence[Scalar] = (0.0, 0.0, 0.0)
+    inertia: Sequence[Scalar] = (0.0,) * 6
+    spins_about: int | None = None
+
+
+@dataclass(frozen=True)
+class System:
+    """A multibody system: parameters, bodies (parents first), cuts, parts and gravity.
+
+    ``gravity`` is the acceleration vector of free fall in world axes, 3 scalars [m/s²].
+    """
+
+    name: str
+    table: ParameterTable
+    bodies: tuple[Body, ...]
+    cuts: tuple[Cut, ...] = ()
+    parts: tuple[Part, ...] = ()
+    gravity: Sequence[Scalar] = (0.0, 0.0, -9.81)
+    notes: dict[str, str] = field(default_factory=dict)
+
+    def with_parts(self, *parts: Part) -> System:
+        """Return the system with more parts."""
+        return replace(self, parts=(*self.parts, *parts))
+
+    def with_starts(self, starts: dict[str, float]) -> System:
+        """Return the system with other start values of some coordinates, by name."""
+        known = {joint.name for joint in self.joints()}
+        for name in starts:
+            if name not in known:
+                raise InputError(unknown_name("coordinate", name, known))
+        return replace(self, bodies=tuple(_restart(body, starts) for body in self.bodies))
+
+    def joints(self) -> list[Joint]:
+        """Return all elementary joints, in the order of the bodies."""
+        return [j for body in self.bodies for j in body.joints if isinstance(j, Joint)]
+
+    def check(self) -> None:
+        """Raise InputError with every fault of the tree at once: names, parents, kinds."""
+        problems = [*_tree_problems(self), *_joint_problems(self), *_end_problems(self)]
+        if problems:
+            listed = "\n".join(f"  - {problem}" for problem in problems)
+            raise InputError(f"system '{self.name}' has {len(problems)} problem(s):\n{listed}")
+
+
+def _restart(body: Body, starts: dict[str, float]) -> Body:
+    joints = tuple(
+        replace(j, start=starts[j.name]) if isinstance(j, Joint) and j.name in starts else j
+        for j in body.joints
+    )
+    return replace(body, joints=joints)
+
+
+def _tree_problems(system: System) -> list[str]:
+    problems: list[str] = []
+    known = {GROUND}
+    for body in system.bodies:
+        if body.name in known:
+            problems.append(f"body '{body.name}' is defined twice")
+        if body.parent not in known:
+            problems.append(f"body '{body.name}': parent: {_unknown_parent(body, known)}")
+        if body.spins_about is not None and not _spins(body):
+            problems.append(
+                f"body '{body.name}': its last joint must be R{body.spins_about} to spin about "
+                f"axis {body.spins_about}"
+            )
+        known.add(body.name)
+    return problems
+
+
+def _unknown_parent(body: Body, known: set[str]) -> str:
+    return unknown_name("body defined before it", body.parent, known)
+
+
+def _spins(body: Body) -> bool:
+    last = body.joints[-1] if body.joints else None
+    return isinstance(last, Joint) and last.kind == f"R{body.spins_about}"
+
+
+def _joint_problems(system: System) -> list[str]:
+    problems: list[str] = []
+    seen: set[str] = set()
+    for joint in system.joints():
+        if joint.kind not in JOINT_KINDS:
+            problems.append(f"joint '{joint.name}': {unknown_name('kind', joint.kind, JOINT_KINDS)}")
+        if joint.role not in ROLES:
+            problems.append(f"joint '{joint.name}': {unknown_name('role', joint.role, ROLES)}")
+        if joint.name in seen:
+            problems.append(f"joint '{joint.name}' is defined twice")
+        seen.add(joint.name)
+    return problems
+
+
+def _end_problems(system: System) -> list[str]:
+    bodies = {GROUND, *(body.name for body in system.bodies)}
+    problems: list[str] = []
+    for cut in system.cuts:
+        problems.extend(
+            f"cut '{cut.name}': {unknown_name('body', name, bodies)}"
+            for name in (cut.body_a, cut.body_b)
+            if name not in bodies
+        )
+    names = [*(cut.name for cut in system.cuts), *(part.name for part in system.parts)]
+    problems.extend(f"'{n}' names two parts" for n in sorted({n for n in names if names.count(n) > 1}))
+    return problems

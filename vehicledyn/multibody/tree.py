@@ -1,0 +1,98 @@
+"""The tree of elementary links that a system's chains of joints unfold into."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from vehicledyn.multibody.system import GROUND, Body, Joint, System
+from vehicledyn.symbolic import ops, rotations
+from vehicledyn.symbolic.ops import Mat, Vec
+
+
+@dataclass(frozen=True)
+class Link:
+    """One elementary joint and what it carries.
+
+    ``parent`` is the index of the link before, -1 for the ground. ``offset`` [m] leads from
+    the parent's origin to the joint, in the parent's axes; ``before`` and ``after`` are fixed
+    rotations on either side of the joint. ``body`` is the body that ends the chain here.
+    """
+
+    parent: int
+    offset: Vec
+    before: Mat | None
+    joint: Joint | None
+    after: Mat | None
+    body: Body | None
+    is_ignorable_spin: bool = False
+
+
+@dataclass(frozen=True)
+class Tree:
+    """Links, parents first, and the index of the link of each body (-1 for the ground)."""
+
+    links: tuple[Link, ...]
+    body_link: dict[str, int]
+
+    def path(self, link: int) -> list[int]:
+        """Return the links from the ground to ``link``, both included, ground as -1."""
+        path = []
+        while link >= 0:
+            path.append(link)
+            link = self.links[link].parent
+        return [-1, *reversed(path)]
+
+    def common_ancestor(self, a: str, b: str) -> int:
+        """Return the outermost link that carries both bodies."""
+        path_a, path_b = self.path(self.body_link[a]), self.path(self.body_link[b])
+        shared = [x for x, y in zip(path_a, path_b, strict=False) if x == y]
+        return shared[-1]
+
+    def link_name(self, link: int) -> str:
+        """Return the name of the body whose axes the link has, "ground" for -1."""
+        names = {index: name for name, index in self.body_link.items()}
+        return names.get(link, f"link {link}")
+
+
+def unfold(system: System) -> Tree:
+    """Return the tree of elementary links of a checked system."""
+    links: list[Link] = []
+    body_link = {GROUND: -1}
+    for body in system.bodies:
+        parent = body_link[body.parent]
+        for step in _steps(body):
+            offset, before, joint, after, is_last = step
+            spin = is_last and body.spins_about is not None
+            links.append(Link(parent, offset, before, joint, after, body if is_last else None, spin))
+            parent = len(links) - 1
+        body_link[body.name] = parent
+    return Tree(tuple(links), body_link)
+
+
+def _steps(body: Body) -> list[tuple[Vec, Mat | None, Joint | None, Mat | None, bool]]:
+    """Split a chain into (offset, turn before, joint, turn after, last?) a joint."""
+    joints = [item for item in body.joints if isinstance(item, Joint)]
+    turns: list[Mat | None] = [None] * (len(joints) + 1)
+    slot = 0
+    for item in body.joints:
+        if isinstance(item, Joint):
+            slot += 1
+        else:
+            known = turns[slot]
+            turns[slot] = item.rotation if known is None else known @ item.rotation
+    here, none = ops.vector(*body.at), ops.vector(0.0, 0.0, 0.0)
+    if not joints:
+        return [(here, turns[0], None, None, True)]
+    last = len(joints) - 1
+    return [
+        (here if k == 0 else none, turns[k], joint, turns[k + 1] if k == last else None, k == last)
+        for k, joint in enumerate(joints)
+    ]
+
+
+def joint_rotation(link: Link, c: object, s: object) -> Mat:
+    """Return R with v_parent = R v_link, given cosine and sine of the joint's angle."""
+    rotation = rotations.identity() if link.before is None else link.before
+    if link.joint is not None and link.joint.is_rotation and not link.is_ignorable_spin:
+        rotation = rotation @ rotations.turn_by(link.joint.axis, c, s)
+    return rotation if link.after is None else rotation @ link.after

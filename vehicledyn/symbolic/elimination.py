@@ -1,0 +1,139 @@
+"""Unrolled elimination on sparse symbolic matrices stored as rows of {column: entry}.
+
+Pivots are chosen beforehand, from numbers or from the structure, because an expression cannot
+be compared with another.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from vehicledyn.symbolic.ops import Scalar
+
+Rows = list[dict[int, Scalar]]
+
+
+def solve_in_order(
+    matrix: Rows, right: list[dict[int, Scalar]], order: Sequence[tuple[int, int]]
+) -> list[dict[int, Scalar]]:
+    """Return the solution of A X = B by Gaussian elimination with given pivots.
+
+    Parameters
+    ----------
+    matrix
+        Rows of A, shape (n, n).
+    right
+        Rows of B, any number of columns.
+    order
+        Pivots (row, column) in the order of elimination, one a row and column.
+
+    Returns
+    -------
+    list
+        Rows of X, indexed by the columns of A.
+    """
+    rows = [dict(row) for row in matrix]
+    sides = [dict(row) for row in right]
+    for step, (pivot_row, pivot_column) in enumerate(order):
+        pivot = rows[pivot_row][pivot_column]
+        for row, _ in order[step + 1 :]:
+            entry = rows[row].pop(pivot_column, None)
+            if entry is None or _is_zero(entry):
+                continue
+            factor = entry / pivot
+            _subtract(rows[row], rows[pivot_row], factor, skip=pivot_column)
+            _subtract(sides[row], sides[pivot_row], factor)
+    solution: list[dict[int, Scalar]] = [{} for _ in order]
+    for pivot_row, pivot_column in reversed(order):
+        total = dict(sides[pivot_row])
+        for column, entry in rows[pivot_row].items():
+            if column != pivot_column:
+                _subtract(total, solution[column], entry)
+        pivot = rows[pivot_row][pivot_column]
+        solution[pivot_column] = {key: value / pivot for key, value in total.items()}
+    return solution
+
+
+def solve_symmetric(matrix: Rows, right: Sequence[Scalar]) -> list[Scalar]:
+    """Return x of A x = b, A symmetric and positive definite, by L D Lᵀ in a sparse order.
+
+    The order is the greedy minimum degree of the structure, which on a tree runs from the
+    leaves to the root.
+    """
+    remaining = [{j: v for j, v in row.items() if not _is_zero(v)} for row in matrix]
+    side = list(right)
+    steps: list[tuple[int, dict[int, Scalar]]] = []
+    open_rows = set(range(len(matrix)))
+    while open_rows:
+        pivot = min(open_rows, key=lambda i: (len(remaining[i]), i))
+        row = remaining[pivot]
+        diagonal = row.pop(pivot)
+        factors = {j: value / diagonal for j, value in row.items()}
+        for j, factor in factors.items():
+            remaining[j].pop(pivot)
+            side[j] = side[j] - factor * side[pivot]
+            for k in factors:
+                if k <= j:
+                    value = remaining[j].get(k, 0.0) - factor * row[k]
+                    remaining[j][k] = value
+                    remaining[k][j] = value
+        side[pivot] = side[pivot] / diagonal
+        steps.append((pivot, factors))
+        open_rows.discard(pivot)
+    for pivot, factors in reversed(steps):
+        for j, factor in factors.items():
+            side[pivot] = side[pivot] - factor * side[j]
+    return side
+
+
+def transpose(rows: Rows, columns: int) -> Rows:
+    """Return the rows of the transposed matrix; ``columns`` is the width of the given one."""
+    turned: Rows = [{} for _ in range(columns)]
+    for i, row in enumerate(rows):
+        for j, value in row.items():
+            turned[j][i] = value
+    return turned
+
+
+def triangular_blocks(pattern: Sequence[set[int]]) -> list[list[int]]:
+    """Return the strongly connected sets of i -> j in ``pattern[i]``, dependencies first.
+
+    With rows and columns matched (row i is solved for unknown i) these are the diagonal blocks
+    of a block-triangular system, in the order of solution (Tarjan 1972).
+    """
+    index: dict[int, int] = {}
+    low: dict[int, int] = {}
+    stack: list[int] = []
+    blocks: list[list[int]] = []
+
+    def visit(node: int) -> None:
+        index[node] = low[node] = len(index)
+        stack.append(node)
+        for other in sorted(pattern[node]):
+            if other not in index:
+                visit(other)
+                low[node] = min(low[node], low[other])
+            elif other in stack:
+                low[node] = min(low[node], index[other])
+        if low[node] == index[node]:
+            cut = stack.index(node)
+            blocks.append(sorted(stack[cut:]))
+            del stack[cut:]
+
+    for node in range(len(pattern)):
+        if node not in index:
+            visit(node)
+    return blocks
+
+
+def _subtract(
+    target: dict[int, Scalar], source: dict[int, Scalar], factor: Scalar, skip: int = -1
+) -> None:
+    for key, value in source.items():
+        if key == skip or _is_zero(value):
+            continue
+        target[key] = target.get(key, 0.0) - factor * value
+
+
+def _is_zero(value: Scalar) -> bool:
+    return value == 0.0 if isinstance(value, float | int) else bool(value.is_zero())
