@@ -43,7 +43,7 @@ class Inertia:
 def nothing() -> Inertia:
     """Return the inertia of a massless frame, structurally zero."""
     zero = ops.vector(0.0, 0.0, 0.0)
-    return Inertia(ops.vector(0.0, 0.0, 0.0)[0], zero, ops.tilde(zero))
+    return Inertia(ops.scalar(0.0), zero, ops.tilde(zero))
 
 
 def of_body(body: Body | None) -> Inertia:
@@ -53,7 +53,7 @@ def of_body(body: Body | None) -> Inertia:
     com = ops.vector(*body.com)
     shift = ops.tilde(com)
     matrix = matrix_of(body.inertia) - body.mass * (shift @ shift)
-    return Inertia(body.mass, body.mass * com, matrix)
+    return Inertia(ops.scalar(body.mass), body.mass * com, matrix)
 
 
 def matrix_of(inertia: Sequence[Scalar]) -> Mat:

@@ -17,6 +17,7 @@ if TYPE_CHECKING:
 
 T = TypeVar("T")
 _ORIGIN = (0.0, 0.0, 0.0)
+_ACCELERATED = frozenset({"alpha", "acceleration", "beta"})
 
 
 class Kinematics:
@@ -46,7 +47,9 @@ class Kinematics:
 
     def with_accelerations(self, accelerations: dict[str, Scalar]) -> Kinematics:
         """Return the same kinematics with the accelerations of all coordinates known."""
-        return Kinematics(self.tree, self._q, self._qd, accelerations)
+        known = Kinematics(self.tree, self._q, self._qd, accelerations)
+        known._cache = {k: v for k, v in self._cache.items() if k[0] not in _ACCELERATED}
+        return known
 
     # -- by body, in world axes ------------------------------------------------------------
 

@@ -35,12 +35,12 @@ def solve_in_order(
     rows = [dict(row) for row in matrix]
     sides = [dict(row) for row in right]
     for step, (pivot_row, pivot_column) in enumerate(order):
-        pivot = rows[pivot_row][pivot_column]
+        inverse = 1.0 / rows[pivot_row][pivot_column]
         for row, _ in order[step + 1 :]:
             entry = rows[row].pop(pivot_column, None)
             if entry is None or _is_zero(entry):
                 continue
-            factor = entry / pivot
+            factor = entry * inverse
             _subtract(rows[row], rows[pivot_row], factor, skip=pivot_column)
             _subtract(sides[row], sides[pivot_row], factor)
     solution: list[dict[int, Scalar]] = [{} for _ in order]
@@ -49,8 +49,8 @@ def solve_in_order(
         for column, entry in rows[pivot_row].items():
             if column != pivot_column:
                 _subtract(total, solution[column], entry)
-        pivot = rows[pivot_row][pivot_column]
-        solution[pivot_column] = {key: value / pivot for key, value in total.items()}
+        inverse = 1.0 / rows[pivot_row][pivot_column]
+        solution[pivot_column] = {key: value * inverse for key, value in total.items()}
     return solution
 
 
@@ -67,8 +67,8 @@ def solve_symmetric(matrix: Rows, right: Sequence[Scalar]) -> list[Scalar]:
     while open_rows:
         pivot = min(open_rows, key=lambda i: (len(remaining[i]), i))
         row = remaining[pivot]
-        diagonal = row.pop(pivot)
-        factors = {j: value / diagonal for j, value in row.items()}
+        inverse = 1.0 / row.pop(pivot)
+        factors = {j: value * inverse for j, value in row.items()}
         for j, factor in factors.items():
             remaining[j].pop(pivot)
             side[j] = side[j] - factor * side[pivot]
@@ -77,7 +77,7 @@ def solve_symmetric(matrix: Rows, right: Sequence[Scalar]) -> list[Scalar]:
                     value = remaining[j].get(k, 0.0) - factor * row[k]
                     remaining[j][k] = value
                     remaining[k][j] = value
-        side[pivot] = side[pivot] / diagonal
+        side[pivot] = side[pivot] * inverse
         steps.append((pivot, factors))
         open_rows.discard(pivot)
     for pivot, factors in reversed(steps):
@@ -127,7 +127,7 @@ def triangular_blocks(pattern: Sequence[set[int]]) -> list[list[int]]:
 
 
 def _subtract(
-    target: dict[int, Scalar], source: dict[int, Scalar], factor: Scalar, skip: int = -1
+    target: dict[int, Scalar], source: dict[int, Scalar], factor: Scalar, skip: int | None = None
 ) -> None:
     for key, value in source.items():
         if key == skip or _is_zero(value):

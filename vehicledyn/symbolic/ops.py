@@ -6,8 +6,12 @@ files stays quick.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import Any, TypeAlias
+from collections.abc import Callable, Sequence
+from typing import TYPE_CHECKING, Any, TypeAlias
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
 
 Scalar: TypeAlias = Any
 """A float or a 1-by-1 ``casadi.SX`` expression."""
@@ -137,6 +141,13 @@ def smooth_norm(x: Scalar, y: Scalar, floor: Scalar) -> Scalar:
     return sqrt(x * x + y * y + floor * floor)
 
 
+def scalar(x: Scalar) -> Scalar:
+    """Return a number or expression as an SX scalar."""
+    import casadi
+
+    return casadi.SX(x)
+
+
 def vector(x: Scalar, y: Scalar, z: Scalar) -> Vec:
     """Return the column of three components."""
     import casadi
@@ -206,3 +217,44 @@ def jacobian(expression: Any, variables: Any) -> Any:
 def is_structurally_zero(expression: Any) -> bool:
     """Return whether an expression is zero whatever the values of its symbols."""
     return bool(expression.is_zero())
+
+
+def symbols(name: str, count: int) -> Any:
+    """Return a column of new symbols, shape (count, 1)."""
+    import casadi
+
+    return casadi.SX.sym(name, count)
+
+
+def substitute(expression: Any, symbols: Any, values: Any) -> Any:
+    """Return the expression with symbols (a column) replaced by values (a column)."""
+    import casadi
+
+    return casadi.substitute(expression, symbols, values)
+
+
+def rows_of(matrix: Any) -> list[dict[int, Scalar]]:
+    """Return the structural nonzeros of an SX matrix as rows of {column: entry}."""
+    rows: list[dict[int, Scalar]] = [{} for _ in range(matrix.size1())]
+    for (i, j), value in zip(
+        zip(*matrix.sparsity().get_triplet(), strict=True), matrix.nonzeros(), strict=True
+    ):
+        if not value.is_zero():
+            rows[i][j] = value
+    return rows
+
+
+def numeric(inputs: list[Any], output: Any) -> Callable[..., NDArray[np.float64]]:
+    """Return a function of plain arrays that evaluates an SX matrix.
+
+    The result is a float array of the shape of ``output``.
+    """
+    import casadi
+    import numpy
+
+    function = casadi.Function("f", inputs, [casadi.densify(output)])
+
+    def evaluate(*values: Any) -> NDArray[np.float64]:
+        return numpy.asarray(function(*values).full())
+
+    return evaluate

@@ -1,0 +1,82 @@
+"""Initial assembly: coordinates near the given ones that close every loop."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vehicledyn.base.errors import NumericalError
+
+Array = NDArray[np.float64]
+_STEPS = 200
+_CLOSED = 1e-12
+_SMALLEST_DAMPING = 1e-12
+
+
+def assemble(
+    residual: Callable[[Array], Array],
+    jacobian: Callable[[Array], Array],
+    start: Array,
+    names: Sequence[str],
+) -> Array:
+    """Return the coordinates near ``start`` that make the residuals zero.
+
+    Damped Gauss-Newton steps (Levenberg 1944, Marquardt 1963), the shortest where the loops
+    leave freedom.
+
+    Parameters
+    ----------
+    residual, jacobian
+        Functions of the free coordinates, shapes (n_residuals,) and (n_residuals, n_free).
+    start
+        Coordinates to begin from, shape (n_free,) [m, rad].
+    names
+        Name of the cut each residual belongs to.
+
+    Raises
+    ------
+    NumericalError
+        If the loops cannot be closed; the message names the cut and the gap that remains.
+    """
+    q = start.copy()
+    h = residual(q)
+    damping = 1e-6
+    for _ in range(_STEPS):
+        if h.size == 0 or float(np.abs(h).max()) < _CLOSED:
+            return q
+        j = jacobian(q)
+        while True:
+            step = _damped_step(j, h, damping)
+            trial = q + step
+            h_trial = residual(trial)
+            if np.isfinite(h_trial).all() and h_trial @ h_trial < h @ h:
+                damping = max(damping * 0.1, _SMALLEST_DAMPING)
+                break
+            damping *= 10.0
+            if damping > 1e8:
+                return _accept_or_raise(q, h, names)
+        q, h = trial, h_trial
+    return _accept_or_raise(q, h, names)
+
+
+def _damped_step(j: Array, h: Array, damping: float) -> Array:
+    stacked = np.vstack([j, np.sqrt(damping) * np.eye(j.shape[1])])
+    target = np.concatenate([-h, np.zeros(j.shape[1])])
+    return np.asarray(np.linalg.lstsq(stacked, target, rcond=None)[0])
+
+
+def _accept_or_raise(q: Array, h: Array, names: Sequence[str]) -> Array:
+    gap = np.abs(h)
+    if float(gap.max()) < 1e3 * _CLOSED:
+        return q
+    open_cuts: dict[str, float] = {}
+    for name, size in zip(names, gap, strict=True):
+        open_cuts[name] = max(open_cuts.get(name, 0.0), float(size))
+    worst = sorted(open_cuts.items(), key=lambda item: -item[1])[:4]
+    listed = ", ".join(f"'{name}' by {size:.3g} m" for name, size in worst)
+    raise NumericalError(
+        f"the loops cannot be assembled: {listed} stay open after the best fit; "
+        "check the hardpoints and lengths of these parts"
+    )

@@ -1,0 +1,196 @@
+"""Outputs of a solved system: coordinates, cut forces, drive forces, energies, parts' channels."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from vehicledyn.multibody import inertia
+from vehicledyn.multibody.closure import Closure
+from vehicledyn.multibody.dynamics import inverse_dynamics
+from vehicledyn.multibody.kinematics import Kinematics
+from vehicledyn.multibody.loops import Loops
+from vehicledyn.multibody.parts import Loads, Output, Situation, Wrench
+from vehicledyn.multibody.system import System
+from vehicledyn.multibody.unknowns import Symbols, locked
+from vehicledyn.symbolic import ops
+from vehicledyn.symbolic.equations import Channel
+from vehicledyn.symbolic.ops import Scalar, Vec
+
+
+@dataclass(frozen=True)
+class Solved:
+    """Everything that is known once the accelerations are."""
+
+    kinematics: Kinematics
+    accelerations: dict[str, Scalar]
+    wrenches: list[Wrench]
+    joint_forces: dict[str, Scalar]
+    rates: dict[str, Scalar]
+    loads: dict[str, Loads]
+    gravity: Vec
+
+
+def observe(
+    system: System,
+    symbols: Symbols,
+    loops: Loops,
+    closure: Closure,
+    solved: Solved,
+    residuals: list[Scalar],
+) -> list[Output]:
+    """Return all channels of a system; they cost nothing while nobody samples them."""
+    needed, _ = inverse_dynamics(solved.kinematics, solved.wrenches, solved.gravity)
+    needed = {n: f - solved.joint_forces.get(n, 0.0) for n, f in needed.items()}
+    names = [j.name for j in symbols.joints]
+    multipliers = closure.multipliers({k: needed[names[k]] for k in loops.dependent})
+    drive = _drive_forces(symbols, closure, needed, multipliers)
+    outputs = [
+        *_coordinates(system, symbols, solved),
+        *_part_states(system, symbols),
+        *_cut_forces(system, solved, loops, multipliers),
+        *_drives(system, symbols, drive),
+        *_constraint_errors(symbols, closure, solved, residuals),
+        *_energies(system, solved, drive),
+    ]
+    for part in system.parts:
+        situation = Situation(
+            symbols.time,
+            symbols.states[part.name],
+            symbols.unknowns[part.name],
+            solved.kinematics,
+        )
+        outputs.extend(part.outputs(situation))
+    return [Output(o.channel, ops.scalar(o.expression)) for o in outputs]
+
+
+def _coordinates(system: System, symbols: Symbols, solved: Solved) -> list[Output]:
+    fixed = locked(system, symbols)
+    outputs = []
+    for joint in symbols.joints:
+        if joint.name in fixed:
+            continue
+        text = joint.description or joint.name
+        frame = "joint"
+        position = solved.kinematics.coordinate(joint.name)
+        rate = solved.kinematics.rate(joint.name)
+        outputs.append(Output(Channel(joint.name, joint.unit, text, frame), position))
+        name = f"{joint.name}_rate"
+        outputs.append(Output(Channel(name, f"{joint.unit}/s", f"Rate of {text}", frame), rate))
+    return outputs
+
+
+def _part_states(system: System, symbols: Symbols) -> list[Output]:
+    return [
+        Output(
+            Channel(f"{part.name}.{v.name}", v.unit, v.description),
+            symbols.states[part.name][v.name],
+        )
+        for part in system.parts
+        for v in part.states()
+    ]
+
+
+def _cut_forces(
+    system: System, solved: Solved, loops: Loops, multipliers: dict[int, Scalar]
+) -> list[Output]:
+    """Return the multipliers as forces; those of redundant constraints are undetermined."""
+    tree = solved.kinematics.tree
+    frames = {
+        cut.name: tree.link_name(tree.common_ancestor(cut.body_a, cut.body_b))
+        for cut in system.cuts
+    }
+    outputs = []
+    for row, constraint in enumerate(loops.constraints):
+        if row not in multipliers:
+            continue
+        r = constraint.residual
+        name = f"{constraint.cut}.{r.force_channel}"
+        channel = Channel(name, r.force_unit, r.force_description, frames[constraint.cut])
+        outputs.append(Output(channel, r.sign * multipliers[row]))
+    return outputs
+
+
+def _drive_forces(
+    symbols: Symbols,
+    closure: Closure,
+    needed: dict[str, Scalar],
+    multipliers: dict[int, Scalar],
+) -> dict[str, Scalar]:
+    """Return the force that each driven coordinate's drive supplies."""
+    forces: dict[str, Scalar] = {}
+    for k, joint in enumerate(symbols.joints):
+        if joint.role != "driven":
+            continue
+        force = needed[joint.name]
+        for row, multiplier in multipliers.items():
+            force = force - closure.jacobian[row].get(k, 0.0) * multiplier
+        forces[joint.name] = force
+    return forces
+
+
+def _drives(system: System, symbols: Symbols, forces: dict[str, Scalar]) -> list[Output]:
+    fixed = locked(system, symbols)
+    outputs = []
+    for joint in symbols.joints:
+        if joint.name in forces and joint.name not in fixed:
+            unit = "N*m" if joint.is_rotation else "N"
+            text = f"Force of the drive of {joint.description or joint.name}"
+            channel = Channel(f"{joint.name}_force", unit, text, "joint")
+            outputs.append(Output(channel, forces[joint.name]))
+    return outputs
+
+
+def _constraint_errors(
+    symbols: Symbols, closure: Closure, solved: Solved, residuals: list[Scalar]
+) -> list[Output]:
+    """Return the largest position and velocity error of all loop constraints."""
+    if not residuals:
+        return []
+    names = [j.name for j in symbols.joints]
+    position: Scalar = 0.0
+    velocity: Scalar = 0.0
+    for row, value in enumerate(residuals):
+        position = ops.maximum(position, ops.absolute(value))
+        speed = closure.rate[row]
+        for k, entry in closure.jacobian[row].items():
+            speed = speed + entry * solved.rates[names[k]]
+        velocity = ops.maximum(velocity, ops.absolute(speed))
+    return [
+        Output(Channel("constraints.position_error", "m", "Largest gap of a loop cut"), position),
+        Output(
+            Channel("constraints.velocity_error", "m/s", "Largest opening speed of a loop cut"),
+            velocity,
+        ),
+    ]
+
+
+def _energies(system: System, solved: Solved, drive: dict[str, Scalar]) -> list[Output]:
+    """Return kinetic and gravity energy, and the power of all other forces and drives."""
+    kinematics = solved.kinematics
+    kinetic: Scalar = 0.0
+    height: Scalar = 0.0
+    for body in system.bodies:
+        if body.mass is None:
+            continue
+        link = kinematics.tree.body_link[body.name]
+        omega = kinematics.link_angular_velocity(link)
+        com = ops.vector(*body.com)
+        velocity = kinematics.link_velocity(link) + ops.cross(omega, com)
+        turning = ops.dot(omega, inertia.matrix_of(body.inertia) @ omega)
+        kinetic = kinetic + 0.5 * (body.mass * ops.dot(velocity, velocity) + turning)
+        where = kinematics.position_in(-1, link, com)
+        height = height - body.mass * ops.dot(solved.gravity, where)
+    power: Scalar = 0.0
+    for wrench in solved.wrenches:
+        link = kinematics.tree.body_link[wrench.body]
+        power = power + ops.dot(wrench.force, kinematics.link_velocity(link))
+        power = power + ops.dot(wrench.torque, kinematics.link_angular_velocity(link))
+    for name, force in (*solved.joint_forces.items(), *drive.items()):
+        power = power + force * solved.rates[name]
+    return [
+        Output(Channel("energy.kinetic", "J", "Kinetic energy of all bodies"), kinetic),
+        Output(Channel("energy.gravity", "J", "Potential energy in the gravity field"), height),
+        Output(
+            Channel("power.forces", "W", "Power of all forces and drives but gravity"), power
+        ),
+    ]

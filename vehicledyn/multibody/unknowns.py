@@ -1,0 +1,89 @@
+"""Symbols of everything that is unknown: coordinates, rates, further states, contact unknowns."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from vehicledyn.base.errors import InputError
+from vehicledyn.multibody.parts import Clock, Motion, Part
+from vehicledyn.multibody.system import Joint, System
+from vehicledyn.symbolic import ops
+from vehicledyn.symbolic.equations import Variable
+from vehicledyn.symbolic.ops import Scalar
+
+
+@dataclass(frozen=True)
+class Symbols:
+    """Symbols of a system before it is known which coordinates are independent.
+
+    ``coordinates`` and ``rates`` are indexed like ``joints``; ``states`` and ``unknowns`` hold
+    the parts' symbols by part name and short name.
+    """
+
+    time: Scalar
+    joints: list[Joint]
+    coordinates: dict[str, Scalar]
+    rates: dict[str, Scalar]
+    states: dict[str, dict[str, Scalar]]
+    unknowns: dict[str, dict[str, Scalar]]
+
+    @property
+    def coordinate_column(self) -> Scalar:
+        """All coordinates, shape (n, 1)."""
+        return ops.column([self.coordinates[j.name] for j in self.joints])
+
+    @property
+    def rate_column(self) -> Scalar:
+        """All rates, shape (n, 1)."""
+        return ops.column([self.rates[j.name] for j in self.joints])
+
+
+def declare(system: System) -> Symbols:
+    """Return fresh symbols for a system."""
+    joints = system.joints()
+    return Symbols(
+        time=ops.symbol("time"),
+        joints=joints,
+        coordinates={j.name: ops.symbol(j.name) for j in joints},
+        rates={j.name: ops.symbol(f"{j.name}_rate") for j in joints},
+        states={p.name: _named(p.name, p.states()) for p in system.parts},
+        unknowns={p.name: _named(p.name, p.unknowns()) for p in system.parts},
+    )
+
+
+def _named(part: str, variables: tuple[Variable, ...]) -> dict[str, Scalar]:
+    return {v.name: ops.symbol(f"{part}.{v.name}") for v in variables}
+
+
+def motions(system: System, symbols: Symbols) -> dict[str, Motion]:
+    """Return the motion of every driven coordinate; undriven ones stay at their start.
+
+    Raises
+    ------
+    InputError
+        If two parts drive a coordinate, or one drives a coordinate that is not "driven".
+    """
+    driven = {j.name: Motion(j.start, 0.0) for j in symbols.joints if j.role == "driven"}
+    owners: dict[str, Part] = {}
+    for part in system.parts:
+        for name, motion in part.motions(Clock(symbols.time, symbols.states[part.name])).items():
+            if name not in driven:
+                raise InputError(f"part '{part.name}' drives '{name}', which is not a driven joint")
+            if name in owners:
+                raise InputError(f"'{name}' is driven by '{owners[name].name}' and '{part.name}'")
+            owners[name] = part
+            driven[name] = motion
+    return {
+        name: Motion(ops.scalar(m.position), ops.scalar(m.velocity))
+        for name, m in driven.items()
+    }
+
+
+def locked(system: System, symbols: Symbols) -> set[str]:
+    """Return the driven coordinates that no part moves."""
+    moved = {
+        name
+        for part in system.parts
+        for name in part.motions(Clock(symbols.time, symbols.states[part.name]))
+    }
+    return {j.name for j in symbols.joints if j.role == "driven" and j.name not in moved}
