@@ -1,0 +1,166 @@
+"""Magic Formula of 1987 in the paper's own units and signs: curves at pure and combined slip.
+
+    Y = D sin(C atan(B φ)) + S_v,    φ = (1 - E)(x + S_h) + E/B atan(B (x + S_h))
+
+Loads are in kN, angles in degrees, the longitudinal slip in per cent, forces in N, moments in
+N m. A positive slip angle gives a positive side force and mostly a negative aligning moment.
+
+References
+----------
+Bakker, Nyborg, Pacejka (1987), SAE 870421, by way of public programs that agree; the camber
+corrections of B and E are those of the programs that have them.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+
+from vehicledyn.road.magic_formula_sets import (
+    AligningCoefficients,
+    LateralCoefficients,
+    LongitudinalCoefficients,
+)
+from vehicledyn.road.smooth import floored
+from vehicledyn.symbolic import ops
+from vehicledyn.symbolic.ops import Scalar
+
+SHAPE_LATERAL, SHAPE_ALIGNING, SHAPE_LONGITUDINAL = 1.30, 2.40, 1.65
+"""C of the three curves, constants of the paper [1]."""
+
+LOAD_FLOOR_KN = 1e-3
+"""Load below which the shape of the curves no longer changes [kN]."""
+
+LOAD_LIMIT_KN = 20.0
+"""Load above which forces grow in proportion; the fits are far outside their data [kN]."""
+
+CAMBER_FACTOR_FLOOR = 0.1
+"""Least value of the corrections 1 - a12 |γ| and 1 - a13 |γ| [1]."""
+
+
+@dataclass(frozen=True)
+class Curve:
+    """One curve of the formula at a given load and camber.
+
+    Attributes
+    ----------
+    peak, shape, stiffness_factor, curvature
+        D [N or N m], C [1], B [1/deg or 1/%] and E [1].
+    horizontal_shift, vertical_shift
+        S_h [deg] and S_v [N or N m].
+    """
+
+    peak: Scalar
+    shape: float
+    stiffness_factor: Scalar
+    curvature: Scalar
+    horizontal_shift: Scalar = 0.0
+    vertical_shift: Scalar = 0.0
+
+    def symmetric(self, slip: Scalar) -> Scalar:
+        """Return D sin(C atan(B φ)) of a slip that is already shifted."""
+        u = self.stiffness_factor * slip
+        bent = (1.0 - self.curvature) * u + self.curvature * ops.atan(u)
+        return self.peak * ops.sin(self.shape * ops.atan(bent))
+
+    def value(self, slip: Scalar) -> Scalar:
+        """Return Y of a slip [deg or %]."""
+        return self.symmetric(slip + self.horizontal_shift) + self.vertical_shift
+
+    def peak_slip(self) -> Scalar:
+        """Return the shifted slip at the peak, where C atan(B φ) = π/2 [deg or %].
+
+        Two Newton steps from the value for E = 0: within 1 % for loads to 20 kN, within
+        0.1 % from 2 to 8 kN. It only scales combined slip, pure slip does not depend on it.
+        """
+        target = math.tan(0.5 * math.pi / self.shape)
+        u: Scalar = target
+        for _ in range(2):
+            error = (1.0 - self.curvature) * u + self.curvature * ops.atan(u) - target
+            u = u - error / (1.0 - self.curvature + self.curvature / (1.0 + u * u))
+        return u / self.stiffness_factor
+
+    def on_friction(self, friction: Scalar) -> Curve:
+        """Return the curve on a road of another friction, of the same slope at no slip.
+
+        Similarity: Y(x; μ) = μ Y(x/μ); shifts by camber are kept.
+        """
+        return replace(
+            self,
+            peak=friction * self.peak,
+            stiffness_factor=self.stiffness_factor / friction,
+        )
+
+
+def lateral_curve(load_kN: Scalar, camber_deg: Scalar, c: LateralCoefficients) -> Curve:
+    """Return the curve of the side force over the slip angle."""
+    F = _fitted_load(load_kN)
+    D = c.a1 * F + c.a2
+    BCD = c.a3 * ops.sin(c.a4 * ops.atan(c.a5 * F)) / F
+    E = c.a6 * F * F + c.a7 * F + c.a8
+    return _cambered(load_kN, F, camber_deg, c, (D, SHAPE_LATERAL, BCD, E))
+
+
+def aligning_curve(load_kN: Scalar, camber_deg: Scalar, c: AligningCoefficients) -> Curve:
+    """Return the curve of the aligning moment over the slip angle."""
+    F = _fitted_load(load_kN)
+    D = c.a1 * F + c.a2
+    BCD = (c.a3 * F + c.a4) / ops.exp(c.a5 * F)
+    E = c.a6 * F * F + c.a7 * F + c.a8
+    return _cambered(load_kN, F, camber_deg, c, (D, SHAPE_ALIGNING, BCD, E))
+
+
+def longitudinal_curve(load_kN: Scalar, c: LongitudinalCoefficients) -> Curve:
+    """Return the curve of the longitudinal force over the longitudinal slip."""
+    F = _fitted_load(load_kN)
+    D = c.a1 * F + c.a2
+    BCD = (c.a3 * F + c.a4) / ops.exp(c.a5 * F)
+    E = c.a6 * F * F + c.a7 * F + c.a8
+    B = BCD / (SHAPE_LONGITUDINAL * D)
+    return Curve(load_kN * D, SHAPE_LONGITUDINAL, B, ops.minimum(E, 1.0))
+
+
+def lateral_force(
+    load_kN: Scalar, slip_angle_deg: Scalar, camber_deg: Scalar, coefficients: LateralCoefficients
+) -> Scalar:
+    """Return the side force at pure side slip [N], in the paper's sign."""
+    return lateral_curve(load_kN, camber_deg, coefficients).value(slip_angle_deg)
+
+
+def aligning_moment(
+    load_kN: Scalar, slip_angle_deg: Scalar, camber_deg: Scalar, coefficients: AligningCoefficients
+) -> Scalar:
+    """Return the aligning moment at pure side slip [N m], in the paper's sign."""
+    return aligning_curve(load_kN, camber_deg, coefficients).value(slip_angle_deg)
+
+
+def longitudinal_force(
+    load_kN: Scalar, slip_percent: Scalar, coefficients: LongitudinalCoefficients
+) -> Scalar:
+    """Return the longitudinal force at pure longitudinal slip [N]."""
+    return longitudinal_curve(load_kN, coefficients).value(slip_percent)
+
+
+def _fitted_load(load_kN: Scalar) -> Scalar:
+    return ops.minimum(floored(load_kN, LOAD_FLOOR_KN), LOAD_LIMIT_KN)
+
+
+def _cambered(
+    load_kN: Scalar,
+    F: Scalar,
+    camber_deg: Scalar,
+    c: LateralCoefficients | AligningCoefficients,
+    uncambered: tuple[Scalar, float, Scalar, Scalar],
+) -> Curve:
+    """Return the curve from D/F, C, BCD/F and E, corrected for camber."""
+    D, C, BCD, E = uncambered
+    lean = ops.absolute(camber_deg)
+    B = BCD / (C * D) * floored(1.0 - c.a12 * lean, CAMBER_FACTOR_FLOOR)
+    return Curve(
+        peak=load_kN * D,
+        shape=C,
+        stiffness_factor=B,
+        curvature=ops.minimum(E / floored(1.0 - c.a13 * lean, CAMBER_FACTOR_FLOOR), 1.0),
+        horizontal_shift=c.a9 * camber_deg,
+        vertical_shift=load_kN * (c.a10 * F + c.a11) * camber_deg,
+    )

@@ -1,0 +1,34 @@
+"""What a road surface is: a height z(x, y) with its gradient, in world axes."""
+
+from __future__ import annotations
+
+from abc import abstractmethod
+from typing import ClassVar
+
+from vehicledyn.base.parameters import ParameterSet
+from vehicledyn.symbolic import ops
+from vehicledyn.symbolic.ops import Scalar, Vec
+
+
+class RoadSurface(ParameterSet):
+    """Ground z = height(x, y); every surface of the catalogue derives from it.
+
+    ``is_flat`` says that the ground is one plane, so that the contact point of a wheel has
+    a closed form; otherwise it is found by Newton's method together with the loops.
+    """
+
+    is_flat: ClassVar[bool] = False
+
+    @abstractmethod
+    def height(self, x: Scalar, y: Scalar) -> Scalar:
+        """Return the height z of the ground [m] at a place [m, m] of the world."""
+
+    @abstractmethod
+    def gradient(self, x: Scalar, y: Scalar) -> tuple[Scalar, Scalar]:
+        """Return the slopes ∂z/∂x and ∂z/∂y [1] at a place [m, m] of the world."""
+
+
+def ground_normal(surface: RoadSurface, x: Scalar, y: Scalar) -> Vec:
+    """Return the upward unit normal of the ground in world axes, n ∝ (-∂z/∂x, -∂z/∂y, 1)."""
+    slope_x, slope_y = surface.gradient(x, y)
+    return ops.unit(ops.vector(-slope_x, -slope_y, 1.0))

@@ -1,0 +1,96 @@
+"""Magic Formula of Bakker, Nyborg and Pacejka (1987) with combined slip by similarity."""
+
+from __future__ import annotations
+
+import math
+
+from vehicledyn.base.parameters import quantity
+from vehicledyn.base.registry import register
+from vehicledyn.road.magic_formula import (
+    Curve,
+    aligning_curve,
+    lateral_curve,
+    longitudinal_curve,
+)
+from vehicledyn.road.magic_formula_sets import (
+    AligningCoefficients,
+    LateralCoefficients,
+    LongitudinalCoefficients,
+)
+from vehicledyn.road.tyre import Tyre, TyreForces, TyreInput
+from vehicledyn.symbolic import ops
+from vehicledyn.symbolic.ops import Scalar
+
+SLIP_FLOOR = 1e-6
+"""Rounds the magnitude of the relative slip at zero slip [1]."""
+
+LARGEST_ANGLE = 89.0
+"""Shifted slip angles beyond this one are taken as this one [deg]."""
+
+LARGEST_PEAK_ANGLE = 60.0
+"""Bound of the slip angle of the peak, for coefficients that would put it beyond 90° [deg]."""
+
+_DEGREE = math.pi / 180.0
+
+
+@register("tyre", "magic_formula_1987")
+class MagicFormula1987(Tyre):
+    """Magic Formula of 1987; see :mod:`vehicledyn.road.magic_formula` for the pure curves.
+
+    Combined slip by similarity: with the slips at the peaks of the pure curves, κ_m and α_m,
+    and α_s = α + S_h,
+
+    a = κ/κ_m,    b = tan α_s / tan α_m,    ρ = √(a² + b²),
+
+    F_x = a/ρ X(κ_m ρ),    F_y = b/ρ Y(atan(ρ tan α_m)) + S_v,
+
+    and M_z like F_y with its own shifts. At pure slip these are the pure curves. The vector
+    (κ, tan α) is the theoretical slip times 1 + κ: of the same direction, and finite for a
+    locked wheel. Side force from camber alone (S_v) does not fade with longitudinal slip.
+    Camber beyond some 20° and loads beyond 20 kN are outside the fits; results stay finite.
+    The paper's side force and moment are turned to ISO 8855 by a change of sign.
+
+    References
+    ----------
+    Bakker, Nyborg, Pacejka (1987), SAE 870421; combined slip in the manner of Bakker,
+    Pacejka, Lidner (1989), SAE 890087, which was not at hand.
+    """
+
+    lateral: LateralCoefficients = LateralCoefficients()
+    aligning: AligningCoefficients = AligningCoefficients()
+    longitudinal: LongitudinalCoefficients = LongitudinalCoefficients()
+    friction: float = quantity(
+        "1", "Friction of the road over that of the tests", default=1.0, gt=0
+    )
+
+    def forces(self, contact: TyreInput) -> TyreForces:
+        """Return the forces at combined slip, in ISO 8855 signs."""
+        load, camber = contact.normal_force / 1000.0, contact.camber / _DEGREE
+        slip, angle = 100.0 * contact.longitudinal_slip, contact.slip_angle / _DEGREE
+        along = longitudinal_curve(load, self.longitudinal).on_friction(self.friction)
+        across = lateral_curve(load, camber, self.lateral).on_friction(self.friction)
+        moment = aligning_curve(load, camber, self.aligning).on_friction(self.friction)
+
+        peak_slip = along.peak_slip()
+        peak_tangent = _tangent(ops.minimum(across.peak_slip(), LARGEST_PEAK_ANGLE))
+        a = slip / peak_slip
+        b = _tangent(angle + across.horizontal_shift) / peak_tangent
+        magnitude = ops.smooth_norm(a, b, SLIP_FLOOR)
+        return TyreForces(
+            a / magnitude * along.symmetric(peak_slip * magnitude),
+            -_across(across, angle, a, peak_tangent),
+            -_across(moment, angle, a, peak_tangent),
+        )
+
+
+def _across(curve: Curve, angle: Scalar, a: Scalar, peak_tangent: Scalar) -> Scalar:
+    """Return side force or moment at a slip angle [deg] and a relative longitudinal slip."""
+    b = _tangent(angle + curve.horizontal_shift) / peak_tangent
+    magnitude = ops.smooth_norm(a, b, SLIP_FLOOR)
+    equivalent = ops.atan(magnitude * peak_tangent) / _DEGREE
+    return b / magnitude * curve.symmetric(equivalent) + curve.vertical_shift
+
+
+def _tangent(angle: Scalar) -> Scalar:
+    limited = ops.minimum(ops.maximum(angle, -LARGEST_ANGLE), LARGEST_ANGLE)
+    return ops.tan(limited * _DEGREE)
