@@ -144,7 +144,8 @@ def _read_parts(family: str, value: Any) -> Any:
             parts.append(read_part(family, item))
         except ValidationError as error:
             complaints += [
-                Complaint((index, *line["loc"]), line["msg"], item) for line in error.errors()
+                Complaint((index, *line["loc"]), line["msg"], item, line["type"])
+                for line in error.errors()
             ]
     if complaints:
         raise complain(family, complaints)

@@ -33,6 +33,11 @@ def register(family: str, name: str) -> Callable[[type[T]], type[T]]:
     return enter
 
 
+def families() -> tuple[str, ...]:
+    """Return the names of all catalogues, sorted."""
+    return tuple(sorted(_catalogues))
+
+
 def kinds(family: str) -> tuple[str, ...]:
     """Return the names registered under a family, sorted."""
     return tuple(sorted(_catalogues.get(family, {})))

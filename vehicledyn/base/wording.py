@@ -13,6 +13,7 @@ from vehicledyn.base.errors import nearest_name
 from vehicledyn.base.units import describe
 
 Place = tuple[str | int, ...]
+UNKNOWN_KEY = "unknown_key"
 _WORDED = "worded"
 _BOUNDS = {
     "greater_than": ("gt", "greater than"),
@@ -39,18 +40,26 @@ _TYPES = {
 
 
 class Complaint(NamedTuple):
-    """Where in a set something is wrong, what, and the value that was given."""
+    """Where in a set something is wrong, what, and the value that was given.
+
+    ``code`` is "unknown_key" if the key itself is wrong, not its value.
+    """
 
     place: Place
     message: str
     given: Any
+    code: str = _WORDED
 
 
 def complain(title: str, complaints: Sequence[Complaint]) -> ValidationError:
     """Return the validation error that holds these complaints word for word."""
     lines = [
         InitErrorDetails(
-            type=PydanticCustomError(_WORDED, "{text}", {"text": complaint.message}),
+            type=PydanticCustomError(
+                UNKNOWN_KEY if complaint.code == UNKNOWN_KEY else _WORDED,
+                "{text}",
+                {"text": complaint.message},
+            ),
             loc=complaint.place,
             input=complaint.given,
         )
@@ -95,10 +104,11 @@ def _complaint(
 ) -> Complaint:
     place, kind = line["loc"], line["type"]
     name = str(place[0]) if place else ""
-    if kind == _WORDED:
-        return Complaint(place, line["msg"], line["input"])
+    if kind in (_WORDED, UNKNOWN_KEY):
+        return Complaint(place, line["msg"], line["input"], kind)
     if kind == "extra_forbidden":
-        return Complaint(place, _unknown_key(name, list(parameters.model_fields)), line["input"])
+        words = _unknown_key(name, list(parameters.model_fields))
+        return Complaint(place, words, line["input"], UNKNOWN_KEY)
     if kind == "missing" and len(place) == 1:
         return Complaint(place, _missing(name, parameters, units.get(name)), line["input"])
     if kind in ("missing", "too_long"):
@@ -115,7 +125,8 @@ def _unknown_key(name: str, known: list[str]) -> str:
 
 def _missing(name: str, parameters: type[BaseModel], unit: str | None) -> str:
     meaning = parameters.model_fields[name].description
-    words = ", ".join(filter(None, (meaning, f"in {unit}" if unit else None)))
+    measure = f"in {unit}" if unit and unit != "1" else None
+    words = ", ".join(filter(None, (meaning, measure)))
     return f"missing: {words}" if words else "missing"
 
 

@@ -1,0 +1,148 @@
+"""From a scenario file to a validated, resolved run; every problem of the file is told at once."""
+
+from __future__ import annotations
+
+import copy
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from pydantic import ValidationError
+
+from vehicledyn.base.parameters import ParameterSet, as_plain, units_of
+from vehicledyn.base.problems import START, Problem, refusal
+from vehicledyn.base.registry import find, kinds
+from vehicledyn.base.units import describe
+from vehicledyn.base.wording import UNKNOWN_KEY
+from vehicledyn.base.yaml import Document, read_yaml
+from vehicledyn.scenario.checks import check_times
+from vehicledyn.scenario.merge import merge_parameters
+from vehicledyn.scenario.overrides import apply_override
+from vehicledyn.scenario.sets import Scenario
+from vehicledyn.scenario.sources import Sources
+
+
+@dataclass(frozen=True)
+class LoadedScenario:
+    """A scenario that may run.
+
+    ``text`` is the file as it was read, ``overrides`` what changed it. ``model_parameters`` is
+    the vehicle's complete set. ``resolved`` is everything that will be used, as plain mappings,
+    lists and SI numbers, and ``units`` the unit of each quantity in it by dotted name.
+    """
+
+    path: Path
+    text: str
+    overrides: tuple[str, ...]
+    scenario: Scenario
+    model_parameters: ParameterSet
+    resolved: dict[str, Any]
+    units: dict[str, str]
+
+
+def load_scenario(path: Path, overrides: Sequence[str] = ()) -> LoadedScenario:
+    """Read, validate and resolve a scenario file.
+
+    Parameters
+    ----------
+    path
+        YAML file.
+    overrides
+        Changes ``key=value`` with dotted keys, applied in order.
+
+    Raises
+    ------
+    InputError
+        If anything is wrong; the text has one line ``file:line:column: field: message`` for
+        each problem of the file and ``--set key: message`` for each of the overrides.
+    """
+    document = read_yaml(path)
+    problems = [*document.problems, *_check_top(document)]
+    if not isinstance(document.data, dict):
+        raise refusal(problems, document.name)
+    data, sources = copy.deepcopy(document.data), Sources(document)
+    found = (apply_override(data, override, sources) for override in overrides)
+    problems += [problem for problem in found if problem is not None]
+    scenario, wrong = _read_scenario(data, sources)
+    parameters, wrong_parameters = _read_parameters(data, sources)
+    problems += _unless_told(problems, wrong) + wrong_parameters
+    problems += check_times(data, scenario, sources)
+    if problems or scenario is None or parameters is None:
+        raise refusal(problems, document.name)
+    resolved = as_plain(scenario) | {"parameters": as_plain(parameters)}
+    units = units_of(scenario) | units_of(parameters, "parameters.")
+    return LoadedScenario(
+        path, document.text, tuple(overrides), scenario, parameters, resolved, units
+    )
+
+
+@dataclass(frozen=True)
+class LoadedModel:
+    """A vehicle of the catalogue with its complete parameters, on its own."""
+
+    name: str
+    model_parameters: ParameterSet
+
+
+def load_model(name: str, overrides: Sequence[str] = ()) -> LoadedModel:
+    """Return a vehicle of the catalogue with its own parameters and changes of them.
+
+    Parameters
+    ----------
+    name
+        Name of the model.
+    overrides
+        Changes ``parameters.key=value``, applied in order.
+
+    Raises
+    ------
+    InputError
+        If there is no such model or a change is wrong; one line for each problem.
+    """
+    model = find("model", name)
+    document = Document(name, "")
+    data: dict[str, Any] = {"parameters": {}}
+    sources = Sources(document)
+    found = (apply_override(data, override, sources) for override in overrides)
+    problems = [problem for problem in found if problem is not None]
+    words = "only 'parameters' of a model can be set; give a scenario to change more"
+    problems += [sources.problem((key,), words) for key in data if key != "parameters"]
+    parameters, wrong = merge_parameters(model, data["parameters"], sources)
+    if problems or wrong or parameters is None:
+        raise refusal(problems + wrong, name)
+    return LoadedModel(name, parameters)
+
+
+def _check_top(document: Document) -> list[Problem]:
+    if isinstance(document.data, dict):
+        return []
+    empty = document.data is None and not document.problems
+    words = "the file is empty" if empty else f"the file holds {describe(document.data)}"
+    text = f"{words}; a scenario is a mapping with title, model, manoeuvre and so on"
+    return [Problem(document.name, START, "file", text)]
+
+
+def _unless_told(told: list[Problem], new: list[Problem]) -> list[Problem]:
+    """Return the new problems but for those at a place where one is told already."""
+    places = {(problem.mark, problem.field) for problem in told if problem.mark is not None}
+    return [problem for problem in new if (problem.mark, problem.field) not in places]
+
+
+def _read_scenario(data: dict[str, Any], sources: Sources) -> tuple[Scenario | None, list[Problem]]:
+    try:
+        return Scenario.model_validate(data), []
+    except ValidationError as error:
+        return None, [
+            sources.problem(line["loc"], line["msg"], at_key=line["type"] == UNKNOWN_KEY)
+            for line in error.errors()
+        ]
+
+
+def _read_parameters(
+    data: dict[str, Any], sources: Sources
+) -> tuple[ParameterSet | None, list[Problem]]:
+    name, changes = data.get("model"), data.get("parameters") or {}
+    if name not in kinds("model") or not isinstance(changes, dict):
+        return None, []
+    return merge_parameters(find("model", str(name)), changes, sources)

@@ -1,0 +1,77 @@
+"""Changes of a scenario from outside the file: ``--set key=value``."""
+
+from __future__ import annotations
+
+import re
+from typing import Any
+
+from vehicledyn.base.errors import InputError
+from vehicledyn.base.problems import Place, Problem
+from vehicledyn.base.units import describe
+from vehicledyn.base.yaml import parse_yaml
+from vehicledyn.scenario.sources import Sources
+
+_COMPONENTS = {"x": 0, "y": 1, "z": 2}
+
+
+def apply_override(data: dict[str, Any], override: str, sources: Sources) -> Problem | None:
+    """Change one value of a scenario's data in place and note where it came from.
+
+    Parameters
+    ----------
+    data
+        Content of the scenario file.
+    override
+        ``key=value`` with a dotted key; the value is YAML, such as ``36 km/h`` or ``[1, 2, 3]``.
+    sources
+        Where each value came from; the overridden place is entered.
+
+    Returns
+    -------
+    Problem or None
+        What is wrong with the override, if anything.
+    """
+    key, equals, text = override.partition("=")
+    option = f"--set {key.strip()}"
+    place: Place = tuple(filter(None, re.split(r"[.\[\]]+", key.strip())))
+    if not equals or not place:
+        return Problem(f"--set {override}", None, "", "write key=value, such as speed='36 km/h'")
+    try:
+        document = parse_yaml(text, option)
+    except InputError:
+        return Problem(option, None, "", f"'{text}' is not a YAML value; put a text in quotes")
+    if document.problems:
+        return Problem(option, None, "", document.problems[0].message)
+    return _put(data, place, document.data, option, sources)
+
+
+def _put(data: Any, place: Place, value: Any, option: str, sources: Sources) -> Problem | None:
+    holder, reached = data, 0
+    for reached, step in enumerate(place):
+        key = _step(holder, str(step))
+        if key is None:
+            name = ".".join(map(str, place[:reached]))
+            words = f"'{name}' is {describe(holder)} and has no '{step}'"
+            return Problem(option, None, "", words)
+        place = (*place[:reached], key, *place[reached + 1 :])
+        if reached == len(place) - 1:
+            break
+        holder = _inside(holder, key)
+    holder[place[-1]] = value
+    sources.override(place, option)
+    return None
+
+
+def _step(holder: Any, step: str) -> str | int | None:
+    if isinstance(holder, dict):
+        return step
+    if not isinstance(holder, list):
+        return None
+    index = int(step) if step.isdecimal() else _COMPONENTS.get(step, -1)
+    return index if 0 <= index < len(holder) else None
+
+
+def _inside(holder: Any, key: str | int) -> Any:
+    if isinstance(holder, dict) and holder.get(str(key)) is None:
+        holder[str(key)] = {}
+    return holder[key]

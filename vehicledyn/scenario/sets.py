@@ -1,0 +1,78 @@
+"""What a scenario file may say: the vehicle, its parts, what it does and what is kept of it."""
+
+from __future__ import annotations
+
+from typing import Any, Literal
+
+from pydantic import Field, ValidationInfo, field_validator
+
+from vehicledyn.base.errors import unknown_name
+from vehicledyn.base.parameters import ParameterSet, part, quantity, read_part
+from vehicledyn.base.registry import kinds
+from vehicledyn.base.units import describe
+
+
+class Tyres(ParameterSet):
+    """Tyres by axle; left and right are equal."""
+
+    front: ParameterSet = part("tyre", "Tyres of the front axle")
+    rear: ParameterSet = part("tyre", "Tyres of the rear axle")
+
+
+class Output(ParameterSet):
+    """What the result file keeps and what is drawn from it."""
+
+    interval: float = quantity("s", "Time between two samples of the result", gt=0)
+    channels: tuple[str, ...] | None = Field(
+        default=None, description="Channels to keep, as shell patterns; all if left out"
+    )
+    plots: tuple[str, ...] | None = Field(
+        default=None, description="Figures to draw, by name; all of the run if left out"
+    )
+
+
+class Scenario(ParameterSet):
+    """One run: a vehicle with its parts on a road, driven by a manoeuvre."""
+
+    title: str = Field(description="What happens, in a sentence")
+    description: str = Field(default="", description="More about the run, for people")
+    model: str = Field(description="Name of the vehicle, see 'vehicledyn models list'")
+    parameters: dict[str, Any] = Field(
+        default_factory=dict, description="Changes of the vehicle's parameters"
+    )
+    tyres: Tyres | None = Field(
+        default=None, description="Tyre law: one for all wheels, or 'front' and 'rear'"
+    )
+    road: ParameterSet | None = part("road", "Surface of the road", default=None)
+    manoeuvre: ParameterSet = part("manoeuvre", "What the vehicle does")
+    wheel_spin: Literal["free", "prescribed"] | None = Field(
+        default=None, description="Whether the wheels turn freely or as the speed prescribes"
+    )
+    speed: float = quantity("m/s", "Speed at the start", ge=0)
+    duration: float = quantity("s", "Simulated time", gt=0)
+    solver: ParameterSet = part("solver", "Integration method")
+    output: Output = Field(description="What the result file keeps")
+
+    @field_validator("parameters", mode="before")
+    @classmethod
+    def _nothing_is_no_change(cls, value: Any) -> Any:
+        return {} if value is None else value
+
+    @field_validator("model")
+    @classmethod
+    def _know_model(cls, value: str, info: ValidationInfo) -> str:
+        if value not in kinds("model"):
+            raise ValueError(unknown_name("model", value, kinds("model")))
+        return value
+
+    @field_validator("tyres", mode="before")
+    @classmethod
+    def _one_for_all(cls, value: Any) -> Any:
+        if isinstance(value, dict) and not {"front", "rear"} & set(value):
+            tyre = read_part("tyre", value)
+            return Tyres(front=tyre, rear=tyre)
+        if value is None or isinstance(value, dict | Tyres):
+            return value
+        raise ValueError(
+            f"expected a mapping with 'kind', or with 'front' and 'rear', found {describe(value)}"
+        )
