@@ -1,0 +1,1 @@
+"""Result files: store, description, comparison, plots and scalar metrics; no mechanics."""

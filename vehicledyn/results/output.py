@@ -1,0 +1,127 @@
+"""Where a result may be written: checks before a run, a lock while it lasts, clear errors."""
+
+from __future__ import annotations
+
+import errno
+import os
+import re
+from pathlib import Path
+from typing import IO
+
+from vehicledyn.base.errors import InputError
+
+try:
+    import fcntl
+except ImportError:  # systems without POSIX locks: two runs on one output are not noticed
+    fcntl = None  # type: ignore[assignment]
+
+
+def check_output(path: str | Path) -> Path:
+    """Return the resolved path of an output after testing that it can be written.
+
+    Call it before anything is computed. An existing result at that name is left alone.
+
+    Raises
+    ------
+    InputError
+        If the folder is missing or not writable, if the name is a folder or another thing
+        than a file, or if another run is writing there.
+    """
+    target = Path(path).resolve()
+    folder = target.parent
+    if target.is_dir():
+        raise InputError(f"{path}: is a folder; give the name of a file in it with -o")
+    if target.exists() and not target.is_file():
+        raise InputError(f"{path}: is not a regular file; choose another output with -o")
+    if not folder.is_dir():
+        raise InputError(f"{path}: the folder {folder} does not exist; create it first")
+    if not os.access(folder, os.W_OK | os.X_OK):
+        raise InputError(f"{path}: no permission to write in {folder}; choose another with -o")
+    if target.exists() and not os.access(target, os.W_OK):
+        raise InputError(f"{path}: exists and is read-only; choose another output with -o")
+    if is_being_written(target):
+        raise _busy(target)
+    return target
+
+
+def write_failed(path: Path, error: Exception, where: str = "") -> InputError:
+    """Return the message for an output that could not be written.
+
+    Parameters
+    ----------
+    path
+        The output.
+    error
+        What HDF5 or the system raised.
+    where
+        How far the run had come, such as " at t = 3.2 s".
+    """
+    match = re.search(r"error message = '([^']+)'", str(error))
+    text = match[1] if match else str(getattr(error, "strerror", None) or error)
+    full = getattr(error, "errno", None) in (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
+    advice = "free some space or choose" if full else "choose"
+    return InputError(f"{path}: cannot be written{where}: {text}; {advice} another output with -o")
+
+
+class OutputLock:
+    """Says to other processes that an output is being written; vanishes with the process.
+
+    HDF5 gives its own lock up when it starts writing for concurrent readers, so a second
+    run would destroy the file of the first. A hidden file beside the output holds ours.
+    """
+
+    def __init__(self, target: Path) -> None:
+        self._path = _lock_path(target)
+        self._file: IO[str] | None = None
+        if fcntl is None:
+            return
+        while self._file is None:
+            self._file = self._acquire(target)
+
+    def _acquire(self, target: Path) -> IO[str] | None:
+        try:
+            file = self._path.open("a")
+        except OSError as error:
+            raise write_failed(target, error) from error
+        try:
+            fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
+            file.close()
+            raise _busy(target) from None
+        # The holder before us may have removed the file between our opening and locking it.
+        if os.fstat(file.fileno()).st_nlink == 0:
+            file.close()
+            return None
+        return file
+
+    def release(self) -> None:
+        """Let other runs write there; releasing twice does nothing."""
+        if self._file is not None:
+            self._path.unlink(missing_ok=True)
+            self._file.close()
+            self._file = None
+
+
+def is_being_written(target: Path) -> bool:
+    """Return whether a living process holds the lock of this output."""
+    path = _lock_path(target)
+    if fcntl is None or not path.exists():
+        return False
+    try:
+        with path.open("r") as file:
+            fcntl.flock(file, fcntl.LOCK_SH | fcntl.LOCK_NB)
+    except BlockingIOError:
+        return True
+    except OSError:
+        return False
+    return False
+
+
+def _lock_path(target: Path) -> Path:
+    return target.with_name(f".{target.name}.lock")
+
+
+def _busy(target: Path) -> InputError:
+    return InputError(
+        f"{target}: another run is writing this file; wait for it or choose another with -o"
+    )

@@ -1,0 +1,332 @@
+"""Reading a result file: finished, still being written, or left behind by a killed run."""
+
+from __future__ import annotations
+
+import contextlib
+import json
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from types import TracebackType
+from typing import TYPE_CHECKING, Any, Self
+
+import h5py
+import numpy as np
+from numpy.typing import NDArray
+
+from vehicledyn.base.errors import InputError, unknown_name
+from vehicledyn.results import superblock
+from vehicledyn.results.layout import (
+    FORMAT,
+    FORMAT_VERSION,
+    STATUSES,
+    EventRecord,
+    SceneItem,
+    SummaryEntry,
+    dataset_path,
+)
+from vehicledyn.results.output import is_being_written
+
+if TYPE_CHECKING:
+    import pandas
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Series:
+    """One channel: SI values of shape (n_times,), with unit, meaning and frame."""
+
+    name: str
+    values: Floats
+    unit: str
+    description: str
+    frame: str
+
+
+@dataclass(frozen=True)
+class StateTable:
+    """States and algebraic unknowns by column; ``values`` has shape (n_times, n_states)."""
+
+    names: tuple[str, ...]
+    units: tuple[str, ...]
+    values: Floats
+
+
+def open_result(path: str | Path) -> Result:
+    """Open a result file for reading; use the result in a ``with`` statement.
+
+    A file that is still being written shows the samples it had when it was opened.
+
+    Raises
+    ------
+    InputError
+        If there is no such file, or it is not HDF5, damaged, of another or a newer format.
+    """
+    place = Path(path)
+    concurrent = _is_concurrent(place)
+    with _reading(place):
+        file = h5py.File(place, "r", swmr=concurrent)
+    try:
+        return Result(place, file, closed=not concurrent)
+    except InputError:
+        file.close()
+        raise
+
+
+class Result:
+    """An open result file. Metadata are read at once, values when asked for.
+
+    Attributes
+    ----------
+    path
+        The file.
+    status
+        running, ok, failed or interrupted; a killed run stays at running.
+    status_message
+        Why the run ended, if not as planned.
+    channels
+        Names of the channels in the order of the model.
+    time
+        Times of the samples, shape (n_times,) [s].
+    """
+
+    def __init__(self, path: Path, file: h5py.File, *, closed: bool) -> None:
+        self.path = path
+        self._file = file
+        with _reading(path):
+            self._check_format()
+            self.title = str(file.attrs["title"])
+            self.model = str(file.attrs["model"])
+            self.model_hash = str(file.attrs["model_hash"])
+            self.created = str(file.attrs["created"])
+            self.program_version = str(file.attrs["vehicledyn_version"])
+            self.status = str(file.attrs["status"])
+            self.status_message = str(file.attrs["status_message"])
+            self.channels = tuple(str(name) for name in file.attrs["channels"])
+            self.time = np.asarray(file["time"][()], dtype=float)
+            self._check_lengths(closed)
+        if self.status not in STATUSES:
+            raise InputError(f"{path}: status '{self.status}' is unknown; the file is damaged")
+
+    @property
+    def is_whole(self) -> bool:
+        """Whether the run came to its planned end."""
+        return self.status == "ok"
+
+    @property
+    def state_of_run(self) -> str:
+        """How the run ended, in words: "complete" or "partial: ..." with the last time."""
+        if self.is_whole:
+            return "complete"
+        verb = self.status
+        if self.status == "running":
+            verb = "still running" if is_being_written(self.path.resolve()) else "broken off"
+        end = f" at t = {self.time[-1]:.6g} s" if len(self.time) else " before the first sample"
+        reason = f": {self.status_message}" if self.status_message else ""
+        return f"partial: {verb}{end}{reason}"
+
+    def channel(self, name: str) -> Series:
+        """Return a channel.
+
+        Raises
+        ------
+        InputError
+            If the file has no such channel; the nearest name is suggested.
+        """
+        self.require(name)
+        with _reading(self.path):
+            dataset = self._file[dataset_path(name)]
+            return Series(
+                name=name,
+                values=np.asarray(dataset[: len(self.time)], dtype=float),
+                unit=str(dataset.attrs["units"]),
+                description=str(dataset.attrs["long_name"]),
+                frame=str(dataset.attrs.get("frame", "")),
+            )
+
+    def require(self, name: str) -> None:
+        """Raise an InputError unless the file has this channel."""
+        if name not in self.channels:
+            raise InputError(f"{self.path}: {unknown_name('channel', name, self.channels)}")
+
+    @property
+    def states(self) -> StateTable:
+        """States and algebraic unknowns at the times of the samples, for a restart."""
+        with _reading(self.path):
+            group = self._file["states"]
+            if "value" not in group:
+                return StateTable((), (), np.empty((len(self.time), 0)))
+            return StateTable(
+                names=_texts(group["name"]),
+                units=_texts(group["units"]),
+                values=np.asarray(group["value"][: len(self.time)], dtype=float),
+            )
+
+    @property
+    def events(self) -> tuple[EventRecord, ...]:
+        """Events in the order in which they happened."""
+        with _reading(self.path):
+            group = self._file["events"]
+            if "at" not in group:
+                return ()
+            instants = group["at"][()].tolist()
+            return tuple(
+                EventRecord(at, name)
+                for at, name in zip(instants, _texts(group["name"]), strict=True)
+            )
+
+    @property
+    def summary(self) -> dict[str, SummaryEntry]:
+        """Entries of the summary by name; empty for a run that was killed."""
+        entries: dict[str, SummaryEntry] = {}
+
+        def visit(place: str, item: Any) -> None:
+            if isinstance(item, h5py.Dataset):
+                name = place.replace("/", ".")
+                unit, meaning = str(item.attrs["units"]), str(item.attrs["long_name"])
+                entries[name] = SummaryEntry(name, _scalar(item), unit, meaning)
+
+        with _reading(self.path):
+            self._file["summary"].visititems(visit)
+        return entries
+
+    @property
+    def solver(self) -> dict[str, Any]:
+        """Statistics of the solver by name."""
+        return self._attributes("solver")
+
+    @property
+    def versions(self) -> dict[str, Any]:
+        """Versions of the packages that made the file."""
+        return self._attributes("versions")
+
+    @property
+    def scenario_text(self) -> str:
+        """Text of the scenario file, as it was run."""
+        return self._text("scenario/text")
+
+    @property
+    def configuration(self) -> dict[str, Any]:
+        """The resolved scenario."""
+        return dict(self._json("scenario/configuration"))
+
+    @property
+    def plots(self) -> list[dict[str, Any]]:
+        """Descriptions of the plots this file asks for."""
+        return list(self._json("plots/descriptions"))
+
+    @property
+    def scene(self) -> dict[str, SceneItem]:
+        """Static data by name, such as the cones of a course."""
+        with _reading(self.path):
+            return {
+                name: _scene_item(item)
+                for name, item in self._file["scene"].items()
+                if item.attrs.get("CLASS") != b"DIMENSION_SCALE"
+            }
+
+    def as_frame(self) -> pandas.DataFrame:
+        """Return all channels as a table with one column a channel and the time as index."""
+        import pandas
+
+        columns = {name: self.channel(name).values for name in self.channels}
+        return pandas.DataFrame(columns, index=pandas.Index(self.time, name="time"))
+
+    def close(self) -> None:
+        """Close the file; closing twice does nothing."""
+        self._file.close()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        self.close()
+
+    def _check_format(self) -> None:
+        if self._file.attrs.get("format") != FORMAT:
+            raise InputError(f"{self.path}: is HDF5, but not a result of this program")
+        version = int(self._file.attrs["format_version"])
+        if version > FORMAT_VERSION:
+            raise InputError(
+                f"{self.path}: has format version {version}, this program reads up to "
+                f"{FORMAT_VERSION}; update vehicledyn"
+            )
+
+    def _check_lengths(self, closed: bool) -> None:
+        for name in self.channels:
+            length = self._file[dataset_path(name)].shape[0]
+            if length < len(self.time) or (closed and length != len(self.time)):
+                raise InputError(
+                    f"{self.path}: is damaged: {length} samples of {name}, "
+                    f"but {len(self.time)} of time; run it again"
+                )
+
+    def _attributes(self, place: str) -> dict[str, Any]:
+        with _reading(self.path):
+            return {name: _plain(value) for name, value in self._file[place].attrs.items()}
+
+    def _text(self, place: str) -> str:
+        with _reading(self.path):
+            return str(self._file[place].asstr()[()])
+
+    def _json(self, place: str) -> Any:
+        text = self._text(place)
+        with _reading(self.path):
+            return json.loads(text)
+
+
+def _is_concurrent(path: Path) -> bool:
+    """Return whether the file was opened for writing with readers and never closed."""
+    try:
+        with path.open("rb") as file:
+            start = file.read(superblock.SIZE)
+    except FileNotFoundError:
+        raise InputError(f"{path}: no such file") from None
+    except OSError as error:
+        raise InputError(f"{path}: cannot be read: {error.strerror}") from error
+    if not start.startswith(superblock.SIGNATURE):
+        raise InputError(f"{path}: is not an HDF5 file; give a result of 'vehicledyn run'")
+    return superblock.is_open_with_readers(start)
+
+
+@contextlib.contextmanager
+def _reading(path: Path) -> Iterator[None]:
+    """Turn what h5py raises on broken files into one clear message."""
+    try:
+        yield
+    except BlockingIOError as error:
+        raise InputError(f"{path}: another program is writing this file; try later") from error
+    except (OSError, KeyError, RuntimeError, ValueError, TypeError, AttributeError) as error:
+        detail = str(error).strip("\"'")
+        raise InputError(f"{path}: is damaged ({detail}); run it again") from error
+
+
+def _texts(dataset: h5py.Dataset) -> tuple[str, ...]:
+    return tuple(str(text) for text in dataset.asstr()[()])
+
+
+def _scalar(dataset: h5py.Dataset) -> float | int | bool | str:
+    if h5py.check_string_dtype(dataset.dtype) is not None:
+        return str(dataset.asstr()[()])
+    value: float | int = dataset[()].item()
+    return bool(value) if dataset.attrs.get("dtype") == "bool" else value
+
+
+def _scene_item(dataset: h5py.Dataset) -> SceneItem:
+    own = {"units", "long_name", "DIMENSION_LIST"}
+    return SceneItem(
+        values=np.asarray(dataset[()], dtype=float),
+        unit=str(dataset.attrs["units"]),
+        description=str(dataset.attrs["long_name"]),
+        attributes={k: _plain(v) for k, v in dataset.attrs.items() if k not in own},
+    )
+
+
+def _plain(value: Any) -> Any:
+    return value.item() if isinstance(value, np.generic) else value

@@ -1,0 +1,21 @@
+"""The door to result files: write one, check where it may go, open one."""
+
+from __future__ import annotations
+
+from vehicledyn.results.layout import EventRecord, ResultHeader, SceneItem, SummaryEntry
+from vehicledyn.results.output import check_output
+from vehicledyn.results.reader import Result, Series, StateTable, open_result
+from vehicledyn.results.writer import ResultWriter
+
+__all__ = [
+    "EventRecord",
+    "Result",
+    "ResultHeader",
+    "ResultWriter",
+    "SceneItem",
+    "Series",
+    "StateTable",
+    "SummaryEntry",
+    "check_output",
+    "open_result",
+]

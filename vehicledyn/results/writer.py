@@ -1,0 +1,262 @@
+"""Writing a result while it is computed, so that a killed run keeps what it had."""
+
+from __future__ import annotations
+
+import contextlib
+import shutil
+import time
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from types import TracebackType
+from typing import Any, NamedTuple, Self
+
+import h5py
+import numpy as np
+from numpy.typing import NDArray
+
+from vehicledyn.base.errors import InputError
+from vehicledyn.results import sections
+from vehicledyn.results.disk import Container
+from vehicledyn.results.layout import (
+    STATUSES,
+    Described,
+    EventRecord,
+    Framed,
+    ResultHeader,
+    SummaryEntry,
+    check_names,
+    clean_text,
+)
+from vehicledyn.results.output import OutputLock, check_output, write_failed
+
+LARGEST_CHUNK = 4096  # samples
+FLUSH_INTERVAL = 0.5  # s of wall time
+
+Floats = NDArray[np.float64]
+
+
+class _Time(NamedTuple):
+    name: str = "time"
+    unit: str = "s"
+    description: str = "Time"
+
+
+class _Block(NamedTuple):
+    times: Floats
+    channels: Floats
+    states: Floats
+
+
+class ResultWriter:
+    """Writes one result file; use it in a ``with`` statement.
+
+    The file appears under its name at once, with status ``running``, and replaces an older
+    one. It is readable at any time, also after the process was killed. :meth:`close` gives
+    it its final status in one atomic step. Leaving the ``with`` block by an error closes it
+    as failed, by Ctrl-C as interrupted.
+
+    Parameters
+    ----------
+    path
+        Output file.
+    channels
+        Channels in the order of the columns of :meth:`append`.
+    header
+        What is known of the run before it starts.
+    states
+        States and algebraic unknowns, in the order of the columns of :meth:`append`.
+    expected_samples
+        How many samples will come, if known; it keeps small files small.
+
+    Raises
+    ------
+    InputError
+        If the output cannot be written or another run is writing it.
+    """
+
+    def __init__(
+        self,
+        path: str | Path,
+        *,
+        channels: Sequence[Framed],
+        header: ResultHeader,
+        states: Sequence[Described] = (),
+        expected_samples: int = 1024,
+    ) -> None:
+        check_names(channel.name for channel in channels)
+        self.path = check_output(path)
+        self.samples = 0
+        self._chunk = min(max(expected_samples, 1), LARGEST_CHUNK)
+        self._widths = (len(channels), len(states))
+        self._buffer: list[_Block] = []
+        self._last_time = -np.inf
+        self._flushed_at = time.monotonic()
+        self._scratch = self.path.with_name(f".{self.path.name}.new")
+        self._lock = OutputLock(self.path)
+        self._container: Container | None = None
+        try:
+            self._container = Container(self._scratch, new=True)
+            self._create(self._container.file, channels, states, header)
+            self._container.flush()
+            self._scratch.replace(self.path)
+        except (OSError, RuntimeError) as error:
+            raise self._failed(error) from error
+
+    def append(self, times: Floats, channels: Floats, states: Floats | None = None) -> None:
+        """Add samples; they reach the file with the next append after half a second.
+
+        Parameters
+        ----------
+        times
+            Times, not falling, shape (n,) [s].
+        channels
+            Values, shape (n, n_channels), SI.
+        states
+            Values, shape (n, n_states), SI.
+
+        Raises
+        ------
+        InputError
+            If the file cannot be written any further; what was written stays readable.
+        """
+        if self._container is None:
+            raise ValueError(f"{self.path} is closed")
+        self._buffer.append(self._checked(times, channels, states))
+        overdue = time.monotonic() - self._flushed_at >= FLUSH_INTERVAL
+        if overdue or sum(len(block.times) for block in self._buffer) >= self._chunk:
+            self._flush(self._container)
+
+    def close(
+        self,
+        status: str = "ok",
+        message: str = "",
+        *,
+        summary: Sequence[SummaryEntry] = (),
+        solver: Mapping[str, Any] | None = None,
+        events: Sequence[EventRecord] = (),
+    ) -> None:
+        """Write what is left and give the file its final status; closing twice does nothing.
+
+        Parameters
+        ----------
+        status
+            ok, failed or interrupted.
+        message
+            Why the run ended, if not as planned.
+        summary
+            The run's summary.
+        solver
+            Statistics of the solver, by name.
+        events
+            Events in the order in which they happened.
+
+        Raises
+        ------
+        InputError
+            If the file cannot be written; what was written before stays readable.
+        """
+        if status not in STATUSES[1:]:
+            raise ValueError(f"'{status}' is no final status; use one of {STATUSES[1:]}")
+        if self._container is None:
+            return
+        self._flush(self._container)
+        try:
+            self._container.close()
+            # A copy is finished and put in place, so that no moment leaves a broken file.
+            shutil.copyfile(self.path, self._scratch)
+            self._container = finished = Container(self._scratch, new=False)
+            finished.file.attrs["status"] = status
+            finished.file.attrs["status_message"] = clean_text(message)
+            sections.write_attributes(finished.file["solver"], solver or {})
+            sections.write_summary(finished.file["summary"], summary)
+            sections.write_events(finished.file["events"], events)
+            finished.close()
+            self._scratch.replace(self.path)
+        except (OSError, RuntimeError) as error:
+            raise self._failed(error) from error
+        self._release()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        if error is None:
+            self.close()
+        elif isinstance(error, KeyboardInterrupt):
+            self.close("interrupted", "stopped by the user")
+        else:
+            self.close("failed", str(error))
+
+    def _create(
+        self,
+        file: h5py.File,
+        channels: Sequence[Framed],
+        states: Sequence[Described],
+        header: ResultHeader,
+    ) -> None:
+        sections.write_header(file, header)
+        self._time = sections.create_column(file, _Time(), self._chunk, None)
+        self._channels = []
+        for channel in channels:
+            dataset = sections.create_column(file, channel, self._chunk, self._time)
+            sections.write_attributes(dataset, {"frame": channel.frame})
+            self._channels.append(dataset)
+        names = [channel.name for channel in channels]
+        file.attrs["channels"] = np.array(names, dtype=h5py.string_dtype())
+        self._states = sections.create_states(file.create_group("states"), states, self._time)
+        for group in ("events", "summary", "solver"):
+            file.create_group(group, track_order=True)
+        file.swmr_mode = True
+
+    def _checked(self, times: Floats, channels: Floats, states: Floats | None) -> _Block:
+        instants = np.array(times, dtype=float)
+        table = np.array(channels, dtype=float)
+        further = np.empty((len(instants), 0)) if states is None else np.array(states, dtype=float)
+        for values, width in zip((table, further), self._widths, strict=True):
+            if values.shape != (len(instants), width):
+                raise ValueError(f"shape {values.shape}, expected {(len(instants), width)}")
+        steps = np.diff(instants, prepend=self._last_time)
+        if np.any(steps < 0.0):
+            raise ValueError("time runs backwards")
+        self._last_time = instants[-1] if len(instants) else self._last_time
+        return _Block(instants, table, further)
+
+    def _flush(self, container: Container) -> None:
+        """Write the buffer; the times come last, so that they never promise missing values."""
+        if not self._buffer:
+            return
+        block = _Block(*(np.concatenate(part) for part in zip(*self._buffer, strict=True)))
+        try:
+            columns = np.ascontiguousarray(block.channels.T)
+            for dataset, values in zip(self._channels, columns, strict=True):
+                sections.extend(dataset, self.samples, values)
+            if self._states is not None:
+                sections.extend(self._states, self.samples, block.states)
+            container.flush()
+            sections.extend(self._time, self.samples, block.times)
+            container.flush()
+        except (OSError, RuntimeError) as error:
+            raise self._failed(error) from error
+        self.samples += len(block.times)
+        self._buffer.clear()
+        self._flushed_at = time.monotonic()
+
+    def _failed(self, error: Exception) -> InputError:
+        cause = self._container.failure if self._container is not None else None
+        self._release()
+        reached = f" at t = {self._last_time:.6g} s" if np.isfinite(self._last_time) else ""
+        return write_failed(self.path, cause or error, reached)
+
+    def _release(self) -> None:
+        """Let go of files and lock, whatever state they are in."""
+        if self._container is not None:
+            with contextlib.suppress(OSError, RuntimeError):
+                self._container.close()
+        self._container = None
+        self._scratch.unlink(missing_ok=True)
+        self._lock.release()
