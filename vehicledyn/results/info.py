@@ -1,0 +1,163 @@
+"""What a result file holds, for people and for programs."""
+
+from __future__ import annotations
+
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from vehicledyn.results.layout import SummaryEntry
+from vehicledyn.results.reader import Result, open_result
+
+
+@dataclass(frozen=True)
+class ChannelRange:
+    """A channel with its smallest and largest value; both are None without finite samples."""
+
+    name: str
+    unit: str
+    description: str
+    frame: str
+    smallest: float | None
+    largest: float | None
+    not_finite: int
+
+
+@dataclass(frozen=True)
+class ResultDescription:
+    """What a result file holds. Times are in seconds."""
+
+    path: str
+    title: str
+    status: str
+    state_of_run: str
+    whole: bool
+    model: str
+    model_hash: str
+    created: str
+    program_version: str
+    versions: dict[str, str]
+    samples: int
+    start: float | None
+    end: float | None
+    summary: tuple[SummaryEntry, ...]
+    channels: tuple[ChannelRange, ...]
+    states: int
+    solver: dict[str, Any]
+    plots: tuple[str, ...]
+
+    def as_dict(self) -> dict[str, Any]:
+        """Return plain data that JSON can hold."""
+        return asdict(self)
+
+    def as_text(self) -> str:
+        """Return lines for a person; a partial file says so first."""
+        return "\n".join([*self._heading(), *self._summary(), *self._solver(), *self._channels()])
+
+    def _heading(self) -> list[str]:
+        span = "no samples" if self.start is None else f"{self.start:.6g} to {self.end:.6g} s"
+        versions = ", ".join(f"{name} {version}" for name, version in self.versions.items())
+        model = f"{self.model} ({self.model_hash[:12]})" if self.model_hash else self.model
+        return [
+            *(
+                []
+                if self.whole
+                else [self.state_of_run.replace("partial", "PARTIAL RESULT", 1), ""]
+            ),
+            f"{self.path}: {self.title}",
+            f"  status    {self.status}",
+            f"  model     {model}",
+            f"  time      {span}, {self.samples} samples",
+            f"  holds     {len(self.channels)} channels, {self.states} states",
+            f"  plots     {', '.join(self.plots) or 'none described'}",
+            f"  created   {self.created} by vehicledyn {self.program_version} ({versions})",
+        ]
+
+    def _summary(self) -> list[str]:
+        rows = [
+            (entry.description or entry.name, _with_unit(entry.value, entry.unit))
+            for entry in self.summary
+        ]
+        return _table("Summary", rows)
+
+    def _solver(self) -> list[str]:
+        rows = [(name, _with_unit(value, "1")) for name, value in self.solver.items()]
+        return _table("Solver", rows)
+
+    def _channels(self) -> list[str]:
+        rows = [
+            (
+                channel.name,
+                f"{_span(channel):<26}  {channel.unit:<8} {channel.description}".rstrip(),
+            )
+            for channel in self.channels
+        ]
+        return _table("Channels", rows)
+
+
+def describe_result(path: str | Path) -> ResultDescription:
+    """Return what a result file holds.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be read as a result.
+    """
+    with open_result(path) as result:
+        return ResultDescription(
+            path=str(path),
+            title=result.title,
+            status=result.status,
+            state_of_run=result.state_of_run,
+            whole=result.is_whole,
+            model=result.model,
+            model_hash=result.model_hash,
+            created=result.created,
+            program_version=result.program_version,
+            versions=result.versions,
+            samples=len(result.time),
+            start=float(result.time[0]) if len(result.time) else None,
+            end=float(result.time[-1]) if len(result.time) else None,
+            summary=tuple(result.summary.values()),
+            channels=tuple(_range(result, name) for name in result.channels),
+            states=len(result.states.names),
+            solver=result.solver,
+            plots=tuple(str(plot.get("name", "?")) for plot in result.plots),
+        )
+
+
+def _range(result: Result, name: str) -> ChannelRange:
+    series = result.channel(name)
+    finite = series.values[np.isfinite(series.values)]
+    return ChannelRange(
+        name=name,
+        unit=series.unit,
+        description=series.description,
+        frame=series.frame,
+        smallest=float(finite.min()) if finite.size else None,
+        largest=float(finite.max()) if finite.size else None,
+        not_finite=int(series.values.size - finite.size),
+    )
+
+
+def _span(channel: ChannelRange) -> str:
+    if channel.smallest is None:
+        return "no values"
+    text = f"{channel.smallest:.6g} .. {channel.largest:.6g}"
+    return text + (f" ({channel.not_finite} not finite)" if channel.not_finite else "")
+
+
+def _with_unit(value: Any, unit: str) -> str:
+    if isinstance(value, bool):
+        return "yes" if value else "no"
+    text = f"{value:.6g}" if isinstance(value, float) else str(value)
+    return text if unit in ("", "1") else f"{text} {unit}"
+
+
+def _table(heading: str, rows: list[tuple[str, str]]) -> list[str]:
+    if not rows:
+        return []
+    width = max(len(name) for name, _ in rows)
+    return ["", heading, *(f"  {name:<{width}}  {text}" for name, text in rows)]
