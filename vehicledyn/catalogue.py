@@ -5,7 +5,16 @@ from __future__ import annotations
 import vehicledyn.manoeuvres
 import vehicledyn.models
 import vehicledyn.road
-import vehicledyn.solve
-from vehicledyn.base.registry import families, kinds
+import vehicledyn.solve  # noqa: F401
+from vehicledyn.base.registry import families, find, kinds
 
-__all__ = ["families", "kinds"]
+
+def first_lines(family: str) -> dict[str, str]:
+    """Return the first line of the description of each entry of a catalogue, by name."""
+    descriptions = {name: find(family, name).__doc__ or "" for name in kinds(family)}
+    return {name: text.strip().partition("\n")[0] for name, text in descriptions.items()}
+
+
+def counts() -> dict[str, int]:
+    """Return the number of entries of each catalogue, by family."""
+    return {family: len(kinds(family)) for family in families()}

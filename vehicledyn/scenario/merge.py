@@ -92,7 +92,9 @@ def merge_parameters(
     """
     merge = _Merge()
     merged = merge.merge(model.default_parameters(), changes, ())
-    problems = [sources.problem((_ROOT, *place), words) for place, words in merge.problems]
+    problems = [
+        sources.problem((_ROOT, *place), words, at_key=True) for place, words in merge.problems
+    ]
     try:
         parameters = model.parameter_class.model_validate(merged)
     except ValidationError as error:

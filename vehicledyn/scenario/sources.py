@@ -41,8 +41,10 @@ class Sources:
             exact = any(self.options.get(name) == option for name in _names(place))
             return Problem(option, None, "" if exact else dotted(place), message)
         known = next(p for p in _outwards(place) if p in self.document.keys or not p)
-        marks = self.document.values if known == place and not at_key else self.document.keys
-        return Problem(self.document.name, marks.get(known, START), dotted(place), message)
+        key = self.document.keys.get(known, START)
+        value = self.document.values.get(known, START)
+        at_value = known in _names(place) and not at_key and value.line == key.line
+        return Problem(self.document.name, value if at_value else key, dotted(place), message)
 
     def _option(self, place: Place) -> str | None:
         for outer in _outwards(place):

@@ -1,0 +1,29 @@
+"""A small catalogue in place of the real one, so that these tests rest on nothing else."""
+
+import pytest
+from small_catalogue import ENTRIES, SCENARIO
+
+import vehicledyn.catalogue  # noqa: F401  the real parts register now, not into the small catalogue
+from vehicledyn.base import registry
+
+
+@pytest.fixture
+def catalogue(monkeypatch):
+    monkeypatch.setattr(registry, "_catalogues", {})
+    for family, kind, entry in ENTRIES:
+        registry.register(family, kind)(entry)
+
+
+@pytest.fixture
+def write(tmp_path, catalogue):
+    """Write the good scenario with pieces of its text replaced; return the file."""
+
+    def write_file(*changes, text=SCENARIO):
+        for old, new in changes:
+            assert text.count(old) == 1, f"'{old}' is not in the scenario exactly once"
+            text = text.replace(old, new)
+        path = tmp_path / "cart.yaml"
+        path.write_text(text, encoding="utf-8")
+        return path
+
+    return write_file

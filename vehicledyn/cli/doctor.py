@@ -1,0 +1,89 @@
+"""What this installation consists of, for a report of a problem."""
+
+from __future__ import annotations
+
+import os
+import platform
+import sys
+from dataclasses import asdict, dataclass
+from importlib import metadata
+from typing import Any
+
+import vehicledyn
+from vehicledyn.catalogue import counts
+
+_PACKAGES = (
+    "casadi",
+    "h5py",
+    "matplotlib",
+    "numpy",
+    "pandas",
+    "platformdirs",
+    "pydantic",
+    "ruamel.yaml",
+    "scipy",
+    "typer",
+)
+
+
+@dataclass(frozen=True)
+class Examination:
+    """Versions, compiler, cache and catalogues of an installation.
+
+    ``compiler`` is None where CasADi's interpreter will be used instead.
+    """
+
+    version: str
+    python: str
+    platform: str
+    packages: dict[str, str]
+    compiler: str | None
+    cache_folder: str
+    cache_writable: bool
+    cached_kernels: int
+    catalogues: dict[str, int]
+
+    def as_text(self) -> str:
+        """Return one line for each fact."""
+        writable = "writable" if self.cache_writable else "NOT writable: nothing will be kept"
+        facts = {
+            "vehicledyn": self.version,
+            "python": f"{self.python}, {self.platform}",
+            **self.packages,
+            "C compiler": self.compiler or "none: CasADi's interpreter is used, slower",
+            "cache": f"{self.cache_folder} ({writable}), {self.cached_kernels} kernels",
+            "catalogues": ", ".join(f"{count} {name}" for name, count in self.catalogues.items()),
+        }
+        width = max(map(len, facts))
+        return "\n".join(f"{name:{width}}  {fact}" for name, fact in facts.items())
+
+    def as_dict(self) -> dict[str, Any]:
+        """Return the facts as plain data."""
+        return asdict(self)
+
+
+def examine() -> Examination:
+    """Return what this installation consists of; nothing heavy is loaded."""
+    from vehicledyn.solve.cache import cache_folder
+    from vehicledyn.solve.compiler import find_compiler
+
+    compiler, folder = find_compiler(), cache_folder()
+    nearest = next(path for path in (folder, *folder.parents) if path.exists())
+    return Examination(
+        version=vehicledyn.__version__,
+        python=platform.python_version(),
+        platform=f"{sys.platform} {platform.machine()}",
+        packages={name: _version(name) for name in _PACKAGES},
+        compiler=None if compiler is None else str(compiler),
+        cache_folder=str(folder),
+        cache_writable=os.access(nearest, os.W_OK | os.X_OK),
+        cached_kernels=0,
+        catalogues=counts(),
+    )
+
+
+def _version(package: str) -> str:
+    try:
+        return metadata.version(package)
+    except metadata.PackageNotFoundError:
+        return "not installed"

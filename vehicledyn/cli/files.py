@@ -1,0 +1,118 @@
+"""Verbs on result files: compare, plot, info; and how a run's outcome is shown."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from vehicledyn.base.errors import InputError
+from vehicledyn.cli.options import Format, Json, ResultFile, tolerance_of_channels
+from vehicledyn.cli.terminal import emit, emit_report, write_text
+
+if TYPE_CHECKING:
+    from vehicledyn.run import RunOutcome
+    from vehicledyn.scenario import LoadedScenario
+
+
+def add_verbs(app: typer.Typer) -> None:
+    """Add the verbs of this module to the command line."""
+    for verb in (compare, plot, info):
+        app.command()(verb)
+
+
+def read_scenario(path: Path, overrides: list[str] | None) -> LoadedScenario:
+    """Return a scenario, read with all catalogues present."""
+    import vehicledyn.catalogue  # noqa: F401
+    from vehicledyn.scenario import load_scenario
+
+    return load_scenario(path, overrides or ())
+
+
+def outcome_as_dict(outcome: RunOutcome) -> dict[str, Any]:
+    """Return what a run came to, as plain data."""
+    summary = {
+        name: {"value": entry.value, "unit": entry.unit, "text": entry.text}
+        for name, entry in outcome.summary.items()
+    }
+    return {
+        "result": outcome.path,
+        "status": outcome.status,
+        "summary": summary,
+        "messages": outcome.messages,
+    }
+
+
+def outcome_as_text(outcome: RunOutcome) -> str:
+    """Return what a run came to, as lines of text."""
+    entries = outcome.summary
+    width = max(map(len, entries), default=0)
+    lines = [f"  {name:{width}}  {entry.text}" for name, entry in entries.items()]
+    return "\n".join([f"{outcome.path}: {outcome.status}", *lines])
+
+
+def compare(
+    result: ResultFile,
+    reference: Annotated[Path, typer.Argument(metavar="REFERENCE", help="Result it should equal.")],
+    *,
+    relative: Annotated[
+        float, typer.Option(min=0.0, help="Tolerance relative to the reference's range.")
+    ] = 1e-6,
+    absolute: Annotated[float, typer.Option(min=0.0, help="Tolerance in SI, added to it.")] = 0.0,
+    tolerances: Annotated[
+        list[str] | None,
+        typer.Option("--tolerance", metavar="PATTERN=VALUE", help="Relative, for some channels."),
+    ] = None,
+    channels: Annotated[
+        list[str] | None,
+        typer.Option("--channel", metavar="PATTERN", help="Compare these channels only."),
+    ] = None,
+    junit: Annotated[Path | None, typer.Option(help="Write a JUnit report to this file.")] = None,
+    as_json: Json = False,
+) -> None:
+    """Compare a result file with a reference; exit code 0 if equal within tolerance, else 1."""
+    from vehicledyn.results.compare import compare_files
+
+    comparison = compare_files(
+        result,
+        reference,
+        relative=relative,
+        absolute=absolute,
+        channel_tolerances=tolerance_of_channels(tolerances or []),
+        channels=channels or None,
+    )
+    if junit is not None:
+        write_text(junit, comparison.as_junit())
+    emit_report(comparison, as_json=as_json)
+    raise typer.Exit(comparison.exit_code)
+
+
+def plot(
+    result: ResultFile,
+    folder: Annotated[
+        Path | None, typer.Option("--output", "-o", help="Folder; the result's name with _plots.")
+    ] = None,
+    only: Annotated[
+        list[str] | None, typer.Option(metavar="NAME", help="Draw this figure; may be repeated.")
+    ] = None,
+    formats: Annotated[
+        str, typer.Option("--format", metavar="FORMATS", help="png, svg or both.")
+    ] = "png,svg",
+) -> None:
+    """Draw the figures of a result file; print the names of the files written."""
+    wanted = tuple(filter(None, (text.strip() for text in formats.split(","))))
+    if not wanted or not set(wanted) <= set(Format):
+        raise InputError(f"--format {formats}: write png, svg or png,svg")
+    from vehicledyn.results.plots import draw_plots
+
+    target = folder or result.with_name(f"{result.stem}_plots")
+    for path in draw_plots(result, target, only or None, wanted):
+        emit(str(path))
+
+
+def info(result: ResultFile, as_json: Json = False) -> None:
+    """Show what a result file holds."""
+    from vehicledyn.results.info import describe_result
+
+    emit_report(describe_result(result), as_json=as_json)

@@ -1,0 +1,68 @@
+"""Options that several verbs share."""
+
+from __future__ import annotations
+
+from enum import StrEnum
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from vehicledyn.base.errors import InputError
+from vehicledyn.base.units import to_si
+
+
+class Backend(StrEnum):
+    """How the equations are evaluated."""
+
+    AUTO = "auto"
+    COMPILED = "compiled"
+    INTERPRETED = "interpreted"
+
+
+class Format(StrEnum):
+    """File formats of figures."""
+
+    PNG = "png"
+    SVG = "svg"
+
+
+ScenarioFile = Annotated[Path, typer.Argument(metavar="SCENARIO", help="Scenario file.")]
+ResultFile = Annotated[Path, typer.Argument(metavar="RESULT", help="Result file.")]
+Target = Annotated[
+    str, typer.Argument(metavar="SCENARIO|MODEL", help="Scenario file, or name of a model.")
+]
+Overrides = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--set", metavar="KEY=VALUE", help="Change a value of the scenario; may be repeated."
+    ),
+]
+BackendChoice = Annotated[
+    Backend, typer.Option("--backend", help="Compiled C code, CasADi's interpreter, or the best.")
+]
+Json = Annotated[bool, typer.Option("--json", help="Write JSON to standard output.")]
+Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="Show errors only.")]
+Verbose = Annotated[bool, typer.Option("--verbose", "-v", help="Say more about what is done.")]
+
+
+def speed_in_si(text: str) -> float:
+    """Return a speed such as "20 m/s" or "72 km/h" in m/s."""
+    try:
+        return to_si(text, "m/s")
+    except InputError as error:
+        raise InputError(f"--speed {text}: {error}") from None
+
+
+def tolerance_of_channels(texts: list[str]) -> dict[str, float]:
+    """Return the tolerances that options ``PATTERN=VALUE`` give."""
+    tolerances = {}
+    for text in texts:
+        pattern, equals, value = text.rpartition("=")
+        try:
+            tolerances[pattern] = float(value)
+        except ValueError:
+            equals = ""
+        if not equals or not pattern or not tolerances[pattern] >= 0.0:
+            raise InputError(f"--tolerance {text}: write PATTERN=VALUE, such as 'chassis.*=1e-4'")
+    return tolerances

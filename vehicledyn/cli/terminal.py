@@ -1,0 +1,124 @@
+"""What the user sees: results on standard output, progress and messages on standard error."""
+
+from __future__ import annotations
+
+import json
+import logging
+import math
+import os
+import sys
+import time
+from pathlib import Path
+from typing import Any, NoReturn, Protocol
+
+from vehicledyn.base.errors import InputError
+
+_PIPE_CLOSED = 141
+_REFRESH = 0.1
+
+
+class Report(Protocol):
+    """What a public function returns for people and for programs."""
+
+    def as_text(self) -> str:
+        """Return the report as lines of text."""
+
+    def as_dict(self) -> dict[str, Any]:
+        """Return the report as plain data."""
+
+
+def emit(text: str) -> None:
+    """Write a result to standard output; leave quietly if nobody reads it any more."""
+    try:
+        sys.stdout.write(text if text.endswith("\n") else f"{text}\n")
+        sys.stdout.flush()
+    except BrokenPipeError:
+        _leave_pipe()
+
+
+def emit_report(report: Report, *, as_json: bool, file: Path | None = None) -> None:
+    """Write a report as text or JSON to standard output, and as JSON to a file if one is given."""
+    if file is not None:
+        write_text(file, to_json(report.as_dict()))
+    emit(to_json(report.as_dict()) if as_json else report.as_text())
+
+
+def tell(text: str) -> None:
+    """Write a message to standard error."""
+    sys.stderr.write(f"{text}\n")
+    sys.stderr.flush()
+
+
+def to_json(value: Any) -> str:
+    """Return plain data as JSON text; numbers that are not finite become null."""
+    return json.dumps(_plain(value), indent=2, ensure_ascii=False, allow_nan=False)
+
+
+def write_text(path: Path, text: str) -> None:
+    """Write a text file.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be written.
+    """
+    try:
+        path.write_text(f"{text}\n", encoding="utf-8")
+    except OSError as error:
+        raise InputError(
+            f"{path}: cannot be written: {error.strerror}; choose another file"
+        ) from None
+
+
+class Progress:
+    """Shows one line that is written over, on a terminal only; with ``verbose`` also elsewhere."""
+
+    def __init__(self, *, quiet: bool = False, verbose: bool = False) -> None:
+        self.live = not quiet and sys.stderr.isatty()
+        self.lines = verbose and not self.live
+        self.stage = ""
+        self.shown = -math.inf
+
+    def __call__(self, text: str, fraction: float | None = None) -> None:
+        """Show a stage and, if it is known, the fraction of it that is done."""
+        new_stage, self.stage = text != self.stage, text
+        if self.lines and new_stage:
+            tell(text)
+        now = time.monotonic()
+        if self.live and (new_stage or now - self.shown > _REFRESH):
+            self.shown = now
+            done = "" if fraction is None else f" {fraction:4.0%}"
+            sys.stderr.write(f"\r\x1b[2K{text}{done}")
+            sys.stderr.flush()
+
+    def clear(self) -> None:
+        """Take the line away."""
+        if self.live and self.stage:
+            sys.stderr.write("\r\x1b[2K")
+            sys.stderr.flush()
+
+
+def listen(*, quiet: bool, verbose: bool) -> None:
+    """Send the program's log to standard error: warnings, more if verbose, errors only if quiet."""
+    level = logging.ERROR if quiet else logging.INFO if verbose else logging.WARNING
+    logging.basicConfig(level=level, format="%(message)s", stream=sys.stderr)
+
+
+def _leave_pipe() -> NoReturn:
+    # The interpreter flushes standard output once more at its end; give it somewhere to go.
+    os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+    sys.exit(_PIPE_CLOSED)
+
+
+def _plain(value: Any) -> Any:
+    if isinstance(value, dict):
+        return {str(key): _plain(item) for key, item in value.items()}
+    if isinstance(value, list | tuple):
+        return [_plain(item) for item in value]
+    if hasattr(value, "tolist"):
+        return _plain(value.tolist())
+    if isinstance(value, complex):
+        return {"real": _plain(value.real), "imaginary": _plain(value.imag)}
+    if isinstance(value, float) and not math.isfinite(value):
+        return None
+    return str(value) if isinstance(value, Path) else value

@@ -1,0 +1,133 @@
+"""The verbs of the command line."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+import vehicledyn
+from vehicledyn.base.errors import InputError
+from vehicledyn.cli import analyses, files
+from vehicledyn.cli.options import (
+    Backend,
+    BackendChoice,
+    Json,
+    Overrides,
+    Quiet,
+    ScenarioFile,
+    Verbose,
+)
+from vehicledyn.cli.terminal import Progress, emit, emit_report, listen, tell, to_json, write_text
+
+app = typer.Typer(
+    name="vehicledyn",
+    help="Vehicle dynamics from symbolic multibody equations: scenario in, result file out.",
+    add_completion=False,
+    no_args_is_help=True,
+    rich_markup_mode=None,
+    pretty_exceptions_enable=False,
+)
+
+
+def _show_version(wanted: bool) -> None:
+    if wanted:
+        emit(f"vehicledyn {vehicledyn.__version__}")
+        raise typer.Exit
+
+
+@app.callback()
+def common(
+    version: Annotated[
+        bool,
+        typer.Option("--version", is_eager=True, callback=_show_version, help="Show the version."),
+    ] = False,
+) -> None:
+    """Vehicle dynamics from symbolic multibody equations: scenario in, result file out."""
+
+
+@app.command()
+def run(
+    scenario: ScenarioFile,
+    *,
+    output: Annotated[
+        Path | None,
+        typer.Option("--output", "-o", help="Result file; the scenario's name with .h5 if absent."),
+    ] = None,
+    overrides: Overrides = None,
+    plots: Annotated[
+        Path | None, typer.Option(help="Folder of the figures; the result's name with _plots.")
+    ] = None,
+    no_plots: Annotated[bool, typer.Option("--no-plots", help="Draw nothing.")] = False,
+    backend: BackendChoice = Backend.AUTO,
+    as_json: Json = False,
+    quiet: Quiet = False,
+    verbose: Verbose = False,
+) -> None:
+    """Simulate a scenario; write its result file and figures."""
+    loaded = files.read_scenario(scenario, overrides)
+    from vehicledyn.run import run_scenario
+
+    listen(quiet=quiet, verbose=verbose)
+    result = output or Path(f"{scenario.stem}.h5")
+    folder = None if no_plots else plots or result.with_name(f"{result.stem}_plots")
+    progress = Progress(quiet=quiet, verbose=verbose)
+    try:
+        outcome = run_scenario(
+            loaded, output=result, backend=backend.value, plots=folder, progress=progress
+        )
+    finally:
+        progress.clear()
+    for message in () if quiet and outcome.exit_code == 0 else outcome.messages:
+        tell(message)
+    if as_json:
+        emit(to_json(files.outcome_as_dict(outcome)))
+    elif not quiet:
+        emit(files.outcome_as_text(outcome))
+    raise typer.Exit(outcome.exit_code)
+
+
+@app.command()
+def validate(
+    scenarios: Annotated[list[Path], typer.Argument(metavar="SCENARIO...", help="Scenario files.")],
+    overrides: Overrides = None,
+) -> None:
+    """Check scenario files completely, without running them."""
+    wrong = 0
+    for scenario in scenarios:
+        try:
+            files.read_scenario(scenario, overrides)
+        except InputError as error:
+            tell(str(error))
+            wrong = error.exit_code
+        else:
+            emit(f"{scenario}: ok")
+    raise typer.Exit(wrong)
+
+
+@app.command()
+def schema(
+    output: Annotated[Path | None, typer.Option("--output", "-o", help="File to write.")] = None,
+) -> None:
+    """Write the JSON schema of scenario files, for editors."""
+    import vehicledyn.catalogue  # noqa: F401
+    from vehicledyn.scenario import scenario_schema
+
+    text = to_json(scenario_schema())
+    if output is None:
+        emit(text)
+    else:
+        write_text(output, text)
+
+
+@app.command()
+def doctor(as_json: Json = False) -> None:
+    """Show versions, C compiler, cache and catalogues of this installation."""
+    from vehicledyn.cli.doctor import examine
+
+    emit_report(examine(), as_json=as_json)
+
+
+files.add_verbs(app)
+analyses.add_verbs(app)
