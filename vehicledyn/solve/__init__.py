@@ -1,0 +1,1 @@
+"""Make equations run: compile, integrate, balance, linearise."""

@@ -1,0 +1,104 @@
+"""The engine that calls compiled C through ctypes."""
+
+from __future__ import annotations
+
+import ctypes
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from vehicledyn.solve.engine import Ledger, March, Rows, Status, Vector
+from vehicledyn.solve.source import COUNTED
+from vehicledyn.symbolic.equations import Equations
+
+_D, _I, _L, _P = ctypes.c_double, ctypes.c_int, ctypes.c_longlong, ctypes.c_void_p
+_SIGNATURES: dict[str, tuple[Any, Sequence[Any]]] = {
+    "vd_prepare": (None, [_P, _P]),
+    "vd_rates": (None, [_D, _P, _P, _P, _P]),
+    "vd_outputs": (None, [_D, _P, _P, _P, _P]),
+    "vd_block": (None, [_I, _D, _P, _P, _P, _P, _P]),
+    "vd_solve": (_I, [_D, _P, _P, _P, _P, _P]),
+    "vd_advance": (_I, [_I, _L, _L, _L, _D, _D, *[_P] * 9]),
+}
+
+
+class CompiledEngine:
+    """Machine code of one model."""
+
+    def __init__(self, equations: Equations, path: Path) -> None:
+        """Load a library.
+
+        Raises
+        ------
+        OSError, AttributeError, ValueError
+            If the file is no library, or not one of a kernel.
+        """
+        library = ctypes.CDLL(str(path))
+        for name, (result, arguments) in _SIGNATURES.items():
+            function = getattr(library, name)
+            function.restype, function.argtypes = result, arguments
+        self._library = library
+        self._sizes = [block.stop - block.start for block in equations.blocks]
+        self._n_rates = len(equations.states)
+        self._n_outputs = len(equations.channels)
+        self._n_constants = int(_I.in_dll(library, "vd_constants").value)
+        counts = (_I * len(COUNTED)).in_dll(library, "vd_operations")
+        self.operations = dict(zip(COUNTED, counts, strict=True))
+
+    def prepare(self, parameters: Vector) -> Vector:
+        """Return what depends on the parameters alone."""
+        constants = np.zeros(self._n_constants)
+        self._library.vd_prepare(parameters.ctypes.data, constants.ctypes.data)
+        return constants
+
+    def rates(self, time: float, state: Vector, unknowns: Vector, constants: Vector) -> Vector:
+        """Return the rates of the states."""
+        rates = np.empty(self._n_rates)
+        pointers = [item.ctypes.data for item in (state, unknowns, constants, rates)]
+        self._library.vd_rates(time, *pointers)
+        return rates
+
+    def outputs(self, time: float, state: Vector, unknowns: Vector, constants: Vector) -> Vector:
+        """Return the named outputs."""
+        outputs = np.empty(self._n_outputs)
+        pointers = [item.ctypes.data for item in (state, unknowns, constants, outputs)]
+        self._library.vd_outputs(time, *pointers)
+        return outputs
+
+    def block(
+        self, index: int, time: float, state: Vector, unknowns: Vector, constants: Vector
+    ) -> tuple[Vector, Vector]:
+        """Return residual and Jacobian of a block."""
+        size = self._sizes[index]
+        residual, jacobian = np.empty(size), np.empty((size, size), order="F")
+        arrays = (state, unknowns, constants, residual, jacobian)
+        self._library.vd_block(index, time, *[item.ctypes.data for item in arrays])
+        return residual, jacobian
+
+    def solve(
+        self, time: float, state: Vector, unknowns: Vector, constants: Vector, ledger: Ledger
+    ) -> Status:
+        """Solve the blocks in order, changing the unknowns in place."""
+        pointers = [item.ctypes.data for item in (state, unknowns, constants)]
+        pointers += [ledger.counts.ctypes.data, ledger.figures.ctypes.data]
+        return Status(self._library.vd_solve(time, *pointers))
+
+    def advance(self, march: March, n_steps: int, constants: Vector, rows: Rows) -> Status:
+        """Take steps and write a row for each whole interval."""
+        arrays = [constants, march.state, march.unknowns, march.memory]
+        arrays += [rows.states, rows.unknowns, rows.outputs]
+        pointers = [array.ctypes.data for array in arrays]
+        pointers += [march.ledger.counts.ctypes.data, march.ledger.figures.ctypes.data]
+        return Status(
+            self._library.vd_advance(
+                int(march.method),
+                march.step,
+                n_steps,
+                march.per_interval,
+                march.start,
+                march.interval,
+                *pointers,
+            )
+        )

@@ -1,0 +1,152 @@
+"""The SX functions a kernel runs, with what depends on the parameters alone moved apart.
+
+    prepare: p -> c,    rates, outputs: (t, x, z, c) -> ẋ, y,    blocks: (t, x, z, c) -> g, ∂g/∂z
+
+Parameters are all symbolic, so a good part of every expression does not change in a run;
+``prepare`` computes it once for each parameter set.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from dataclasses import dataclass
+from typing import Any
+
+from vehicledyn.symbolic.equations import Equations
+
+_NO_WORK = ("OP_INPUT", "OP_OUTPUT", "OP_CONST", "OP_PARAMETER")
+
+
+@dataclass(frozen=True)
+class KernelFunctions:
+    """CasADi functions of a kernel; ``blocks`` are in the order of the equations' blocks."""
+
+    prepare: Any
+    rates: Any
+    outputs: Any
+    blocks: tuple[Any, ...]
+
+
+def derive_functions(equations: Equations) -> KernelFunctions:
+    """Return the functions of a kernel for some equations."""
+    import casadi
+
+    time, state, unknown = equations.time, equations.state, equations.algebraic
+    expressions = [equations.rate, equations.output]
+    for block in equations.blocks:
+        residual = equations.residual[block.start : block.stop]
+        expressions += [residual, casadi.jacobian(residual, unknown[block.start : block.stop])]
+    expressions = casadi.cse([casadi.densify(casadi.SX(item)) for item in expressions])
+    inputs = [time, state, unknown, equations.parameter]
+    expressions = _use_reciprocals(casadi.Function("all", inputs, expressions))(*inputs)
+    expressions, symbols, values = casadi.extract_parametric(
+        list(expressions), [equations.parameter], {"extract_trivial": True}
+    )
+    constants = casadi.vertcat(*symbols) if symbols else casadi.SX(0, 1)
+    values = casadi.vertcat(*values) if values else casadi.SX(0, 1)
+    inputs = [time, state, unknown, constants]
+    return KernelFunctions(
+        prepare=casadi.Function("prepare", [equations.parameter], [values]),
+        rates=casadi.Function("rates", inputs, expressions[:1]),
+        outputs=casadi.Function("outputs", inputs, expressions[1:2]),
+        blocks=tuple(
+            casadi.Function(f"block_{k}", inputs, expressions[2 + 2 * k : 4 + 2 * k])
+            for k in range(len(equations.blocks))
+        ),
+    )
+
+
+def count_operations(equations: Equations) -> dict[str, int]:
+    """Return the number of operations of prepare, rates, outputs and blocks (all together)."""
+    return operations_of(derive_functions(equations))
+
+
+def operations_of(functions: KernelFunctions) -> dict[str, int]:
+    """Return the number of operations of each part; loads and constants do not count."""
+    return {
+        "prepare": _operations(functions.prepare),
+        "rates": _operations(functions.rates),
+        "outputs": _operations(functions.outputs),
+        "blocks": sum(_operations(block) for block in functions.blocks),
+    }
+
+
+def _operations(function: Any) -> int:
+    import casadi
+
+    free = {getattr(casadi, name) for name in _NO_WORK}
+    return sum(function.instruction_id(k) not in free for k in range(function.n_instructions()))
+
+
+def _use_reciprocals(function: Any) -> Any:
+    """Return the function with a / b replaced by a times 1/b where 1/b is used again or fixed.
+
+    The last input is the parameters: 1/b is fixed where b depends on them alone. The results
+    change by rounding.
+    """
+    import casadi
+
+    nodes, results = _read_nodes(function)
+    divided = Counter(operands[1] for code, operands, _ in nodes if code == casadi.OP_DIV)
+    fixed = _fixed_values(nodes, function.n_in() - 1)
+    inputs = [casadi.SX.sym(f"i{k}", function.sparsity_in(k)) for k in range(function.n_in())]
+    elements = [casadi.vertsplit(item) if item.numel() else [] for item in inputs]
+    values: list[Any] = []
+    inverse: dict[int, Any] = {}
+    for code, operands, detail in nodes:
+        if code == casadi.OP_INPUT:
+            values.append(elements[operands[0]][operands[1]])
+        elif code == casadi.OP_CONST:
+            values.append(casadi.SX(detail))
+        elif code == casadi.OP_DIV and (fixed[operands[1]] or divided[operands[1]] > 1):
+            if operands[1] not in inverse:
+                inverse[operands[1]] = 1.0 / values[operands[1]]
+            values.append(values[operands[0]] * inverse[operands[1]])
+        elif len(operands) == 2:
+            values.append(casadi.SX.binary(code, values[operands[0]], values[operands[1]]))
+        else:
+            values.append(casadi.SX.unary(code, values[operands[0]]))
+    outputs = []
+    for k in range(function.n_out()):
+        column = [values[value] for _, value in sorted(results[k])]
+        outputs.append(casadi.reshape(casadi.vertcat(*column), function.size_out(k)))
+    return casadi.Function("reciprocal", inputs, outputs)
+
+
+Node = tuple[int, tuple[int, ...], float]
+
+
+def _read_nodes(function: Any) -> tuple[list[Node], list[list[tuple[int, int]]]]:
+    """Return operation, operands and constant of each value, and (element, value) pairs."""
+    import casadi
+
+    nodes: list[Node] = []
+    results: list[list[tuple[int, int]]] = [[] for _ in range(function.n_out())]
+    slot: dict[int, int] = {}
+    for k in range(function.n_instructions()):
+        code = function.instruction_id(k)
+        given, target = function.instruction_input(k), function.instruction_output(k)
+        if code == casadi.OP_OUTPUT:
+            results[target[0]].append((target[1], slot[given[0]]))
+            continue
+        if code == casadi.OP_INPUT:
+            nodes.append((code, (given[0], given[1]), 0.0))
+        elif code == casadi.OP_CONST:
+            nodes.append((code, (), function.instruction_constant(k)))
+        else:
+            nodes.append((code, tuple(slot[item] for item in given), 0.0))
+        slot[target[0]] = len(nodes) - 1
+    return nodes, results
+
+
+def _fixed_values(nodes: list[Node], parameter_input: int) -> list[bool]:
+    """Return for each value whether it depends on nothing but the parameters."""
+    import casadi
+
+    fixed: list[bool] = []
+    for code, operands, _ in nodes:
+        if code == casadi.OP_INPUT:
+            fixed.append(operands[0] == parameter_input)
+        else:
+            fixed.append(all(fixed[item] for item in operands))
+    return fixed

@@ -1,0 +1,216 @@
+"""The engine that runs CasADi's virtual machine, with the algorithm of loop.c."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from vehicledyn.solve.engine import Count, Figure, Ledger, March, Method, Rows, Status, Vector
+from vehicledyn.solve.functions import KernelFunctions
+from vehicledyn.symbolic.equations import Equations
+
+MAX_ITERATIONS = 12
+SMALL_STEP, ROUNDING = 1e-8, 1e-13
+
+
+class _Point(NamedTuple):
+    time: float
+    state: Vector
+    unknowns: Vector
+    constants: Vector
+
+
+class BufferedFunction:
+    """A CasADi function with dense arguments, called with little overhead."""
+
+    def __init__(self, function: Any) -> None:
+        """Make room for arguments and results."""
+        self._buffer, self._evaluate = function.buffer()
+        n_in, n_out = function.n_in(), function.n_out()
+        self._arguments = [np.zeros(max(1, function.nnz_in(k))) for k in range(n_in)]
+        self._sizes = [function.nnz_in(k) for k in range(n_in)]
+        self._results = [np.zeros(max(1, function.nnz_out(k))) for k in range(n_out)]
+        self._shapes = [(function.nnz_out(k), function.size_out(k)) for k in range(n_out)]
+        for k, array in enumerate(self._arguments):
+            self._buffer.set_arg(k, array.data)
+        for k, array in enumerate(self._results):
+            self._buffer.set_res(k, array.data)
+
+    def __call__(self, *arguments: float | Vector) -> list[Vector]:
+        """Return copies of the results: columns flat, matrices by their shape."""
+        for array, size, value in zip(self._arguments, self._sizes, arguments, strict=True):
+            array[:size] = value
+        self._evaluate()
+        return [
+            array[:size].copy() if shape[1] == 1 else array[:size].reshape(shape, order="F").copy()
+            for array, (size, shape) in zip(self._results, self._shapes, strict=True)
+        ]
+
+
+class InterpretedEngine:
+    """CasADi's virtual machine on the same functions that would be compiled."""
+
+    def __init__(self, equations: Equations, functions: KernelFunctions) -> None:
+        """Prepare the functions for quick calls."""
+        self._equations = equations
+        self._spans = [slice(block.start, block.stop) for block in equations.blocks]
+        self._positions = list(equations.positions)
+        self._velocities = list(equations.velocities)
+        self._prepare = BufferedFunction(functions.prepare)
+        self._rates = BufferedFunction(functions.rates)
+        self._outputs = BufferedFunction(functions.outputs)
+        self._blocks = [BufferedFunction(block) for block in functions.blocks]
+        self._steps: dict[Method, Callable[[March, int, Vector], Status]] = {
+            Method.RK4: self._step_rk4,
+            Method.SYMPLECTIC_EULER: self._step_symplectic,
+        }
+
+    def prepare(self, parameters: Vector) -> Vector:
+        """Return what depends on the parameters alone."""
+        return self._prepare(parameters)[0]
+
+    def rates(self, time: float, state: Vector, unknowns: Vector, constants: Vector) -> Vector:
+        """Return the rates of the states."""
+        return self._rates(time, state, unknowns, constants)[0]
+
+    def outputs(self, time: float, state: Vector, unknowns: Vector, constants: Vector) -> Vector:
+        """Return the named outputs."""
+        return self._outputs(time, state, unknowns, constants)[0]
+
+    def block(
+        self, index: int, time: float, state: Vector, unknowns: Vector, constants: Vector
+    ) -> tuple[Vector, Vector]:
+        """Return residual and Jacobian of a block."""
+        residual, jacobian = self._blocks[index](time, state, unknowns, constants)
+        return residual, jacobian.reshape((residual.size, residual.size), order="F")
+
+    def solve(
+        self, time: float, state: Vector, unknowns: Vector, constants: Vector, ledger: Ledger
+    ) -> Status:
+        """Solve the blocks in order, changing the unknowns in place."""
+        point = _Point(time, state, unknowns, constants)
+        for k in range(len(self._spans)):
+            status = self._newton(k, point, ledger)
+            if status is not Status.SOLVED:
+                ledger.counts[Count.WHERE] = k
+                ledger.figures[Figure.FAILED_RESIDUAL] = self._residual(k, point)
+                return status
+        return Status.SOLVED
+
+    def advance(self, march: March, n_steps: int, constants: Vector, rows: Rows) -> Status:
+        """Take steps and write a row for each whole interval."""
+        step_once = self._steps[march.method]
+        for step in range(march.step, march.step + n_steps):
+            status = step_once(march, step, constants)
+            if status is Status.SOLVED:
+                march.ledger.counts[Count.STEPS] += 1
+                if (step + 1) % march.per_interval == 0:
+                    status = self._sample(march, march.time(step + 1), constants, rows)
+            if status is not Status.SOLVED:
+                return status
+        return Status.SOLVED
+
+    def _sample(self, march: March, time: float, constants: Vector, rows: Rows) -> Status:
+        state, unknowns = march.state, march.unknowns
+        counts, figures = march.ledger.counts, march.ledger.figures
+        for k, block in enumerate(self._equations.blocks):
+            residual = self._residual(k, _Point(time, state, unknowns, constants))
+            figures[Figure.LARGEST_RESIDUAL] = max(figures[Figure.LARGEST_RESIDUAL], residual)
+            if not residual <= block.tolerance:
+                counts[Count.WHERE] = k
+                figures[Figure.FAILED_RESIDUAL] = residual
+                return Status.INACCURATE
+        row = counts[Count.SAMPLES]
+        rows.states[row], rows.unknowns[row] = state, unknowns
+        rows.outputs[row] = self.outputs(time, state, unknowns, constants)
+        counts[Count.SAMPLES] += 1
+        return Status.SOLVED
+
+    def _residual(self, index: int, point: _Point) -> float:
+        return float(np.abs(self.block(index, *point)[0]).max())
+
+    def _newton(self, index: int, point: _Point, ledger: Ledger) -> Status:
+        unknown = point.unknowns[self._spans[index]]
+        for _ in range(MAX_ITERATIONS):
+            residual, jacobian = self.block(index, *point)
+            ledger.counts[Count.ITERATIONS] += 1
+            if not (np.isfinite(jacobian).all() and np.isfinite(residual).all()):
+                return Status.NOT_CONVERGED
+            try:
+                step = np.linalg.solve(jacobian, residual)
+            except np.linalg.LinAlgError:
+                return Status.SINGULAR
+            unknown -= step
+            if not np.isfinite(unknown).all():
+                return Status.NOT_CONVERGED
+            if (np.abs(step) <= SMALL_STEP + ROUNDING * np.abs(unknown)).all():
+                return Status.SOLVED
+        return Status.NOT_CONVERGED
+
+    def _stage(self, point: _Point, ledger: Ledger) -> tuple[Status, Vector]:
+        status = _check_finite(point.state, ledger)
+        if status is Status.SOLVED:
+            status = self.solve(*point, ledger)
+        if status is not Status.SOLVED:
+            return status, point.state
+        ledger.counts[Count.EVALUATIONS] += 1
+        return status, self.rates(*point)
+
+    def _step_rk4(self, march: March, step: int, constants: Vector) -> Status:
+        """Classical Runge-Kutta step, with the guesses of the unknowns of loop.c."""
+        x, z, ledger = march.state, march.unknowns, march.ledger
+        h = march.interval / march.per_interval
+        middle, end = march.time(step, 0.5), march.time(step + 1)
+        before, between = march.memory[1:].reshape(2, z.size)
+        known = march.memory[0]
+        bend = known * (z - 2.0 * between + before)
+        k1 = self.rates(march.time(step), x, z, constants)
+        ledger.counts[Count.EVALUATIONS] += 1
+        z2 = z + known * 0.5 * (3.0 * z - 4.0 * between + before)
+        status, k2 = self._stage(_Point(middle, x + 0.5 * h * k1, z2, constants), ledger)
+        if status is not Status.SOLVED:
+            return status
+        z3 = z2 + bend
+        status, k3 = self._stage(_Point(middle, x + 0.5 * h * k2, z3, constants), ledger)
+        if status is not Status.SOLVED:
+            return status
+        z4 = 2.0 * z3 - z
+        status, k4 = self._stage(_Point(end, x + h * k3, z4, constants), ledger)
+        if status is not Status.SOLVED:
+            return status
+        new = x + h / 6.0 * (k1 + 2.0 * k2 + 2.0 * k3 + k4)
+        return self._accept(march, end, (new, z4, 0.5 * (z2 + z3)), constants)
+
+    def _step_symplectic(self, march: March, step: int, constants: Vector) -> Status:
+        """Semi-implicit Euler step: positions move with the new velocities."""
+        x, z = march.state, march.unknowns
+        h = march.interval / march.per_interval
+        before = march.memory[1 : 1 + z.size]
+        new = x + h * self.rates(march.time(step), x, z, constants)
+        march.ledger.counts[Count.EVALUATIONS] += 1
+        new[self._positions] = x[self._positions] + h * new[self._velocities]
+        guess = 2.0 * z - before if march.memory[0] else z.copy()
+        return self._accept(march, march.time(step + 1), (new, guess, z), constants)
+
+    def _accept(
+        self, march: March, end: float, result: tuple[Vector, Vector, Vector], constants: Vector
+    ) -> Status:
+        """Solve the unknowns at the end of a step, and make state and memory the new ones."""
+        state, unknowns, between = result
+        status = _check_finite(state, march.ledger)
+        if status is Status.SOLVED:
+            status = self.solve(end, state, unknowns, constants, march.ledger)
+        if status is Status.SOLVED:
+            march.memory[0] = 1.0
+            march.memory[1:] = np.concatenate([march.unknowns, between])
+            march.state[:], march.unknowns[:] = state, unknowns
+        return status
+
+
+def _check_finite(state: Vector, ledger: Ledger) -> Status:
+    if np.isfinite(state).all():
+        return Status.SOLVED
+    ledger.counts[Count.WHERE] = int(np.flatnonzero(~np.isfinite(state))[0])
+    return Status.NOT_FINITE
