@@ -22,19 +22,19 @@ from dataclasses import dataclass, fields
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from vehicledyn.base.errors import InputError, NumericalError
 from vehicledyn.road.smooth import floored
 from vehicledyn.road.surface import RoadSurface, ground_normal
 from vehicledyn.symbolic import ops
-from vehicledyn.symbolic.numeric import Array, evaluator
 from vehicledyn.symbolic.ops import Scalar, Vec
 
 AXIS_FLOOR = 1e-3
 """Sine of the angle between spin axis and normal that is never divided by less [1]."""
 
-Residual = Callable[[Array], list[Array]]
+Array = NDArray[np.float64]
+Residual = Callable[[Array], tuple[Array, Array]]
 
 _TOLERANCE = 1e-14  # [m]
 _STALLED = 1e-11  # [m], rounding far from the origin of the world
@@ -171,23 +171,30 @@ def find_contact(
         If the wheel lies flat on the ground or no contact point is found.
     """
     place, axis = _checked(centre, spin_axis, radius)
-    c, a, o = (ops.vector(*map(ops.symbol, "xyz")) for _ in range(3))
-    offset = (o[0], o[1])
-    residual = ops.column(contact_residuals(surface, c, a, offset))
-    solve = evaluator([c, a, o], [residual, ops.jacobian(residual, o[:2])])
-    solution = _nearest_solution(lambda at: solve(place, axis, [*at, 0.0]), axis, radius)
-    contact = contact_at_offset(surface, c, a, radius, offset=offset)
-    names = [field.name for field in fields(Contact)]
-    parts = [getattr(contact, name) for name in names]
-    values = evaluator([c, a, o], parts)(place, axis, [*solution, 0.0])
-    numbers = [value if value.size > 1 else float(value[0]) for value in values]
-    found = Contact(**dict(zip(names, numbers, strict=True)))
-    if np.linalg.norm(np.cross(axis, found.normal)) < 2.0 * AXIS_FLOOR:
+    if np.linalg.norm(np.cross(axis, _normal_below(surface, place))) < 2.0 * AXIS_FLOOR:
         raise NumericalError(
             "the wheel lies flat on the ground: its spin axis is along the ground normal, so "
             "it has no contact point; check the wheel's orientation"
         )
-    return found
+    c, a, o = (ops.vector(*map(ops.symbol, "xyz")) for _ in range(3))
+    offset = (o[0], o[1])
+    residual = ops.column(contact_residuals(surface, c, a, offset))
+    error, slope = (ops.numeric([c, a, o], e) for e in (residual, ops.jacobian(residual, o[:2])))
+    solution = _nearest_solution(
+        lambda at: (error(place, axis, [*at, 0.0])[:, 0], slope(place, axis, [*at, 0.0])),
+        axis,
+        radius,
+    )
+    contact = contact_at_offset(surface, c, a, radius, offset=offset)
+    parts = ops.column([getattr(contact, field.name) for field in fields(Contact)])
+    numbers = ops.numeric([c, a, o], parts)(place, axis, [*solution, 0.0])[:, 0]
+    vectors = numbers[:12].reshape(4, 3)
+    return Contact(*vectors, *(float(number) for number in numbers[12:]))
+
+
+def _normal_below(surface: RoadSurface, place: Array) -> Array:
+    normal = ground_normal(surface, float(place[0]), float(place[1]))
+    return np.array([float(normal[k]) for k in range(3)])
 
 
 def _reach(surface: RoadSurface, centre: Vec, offset: tuple[Scalar, Scalar]) -> Vec:
