@@ -1,0 +1,81 @@
+"""Drawing one figure from a result: a canvas, lines in a fixed style, labelled axes."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from vehicledyn.results.path_figure import draw_path
+from vehicledyn.results.plot_description import Panel, PathPlot, Plot, TimePlot, unit_factor
+from vehicledyn.results.plot_style import LINE_STYLES, PALETTE, WIDTH, axis_label
+from vehicledyn.results.reader import Result
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+PANEL_HEIGHT = 1.75  # inch
+HEADING_HEIGHT = 0.95  # inch: title, time axis and footer
+
+
+def draw_figure(result: Result, plot: Plot) -> Figure:
+    """Return the figure a plot asks for, ready to be saved.
+
+    Raises
+    ------
+    InputError
+        If the result lacks a channel or a unit does not fit.
+    """
+    figure = _time_figure(result, plot) if isinstance(plot, TimePlot) else _path(result, plot)
+    figure.suptitle(_title(result, plot), fontsize=10.5, fontweight="bold", x=0.01, ha="left")
+    figure.supxlabel(_origin(result), fontsize=6.5, color="0.45", x=0.99, ha="right")
+    return figure
+
+
+def new_figure(height: float) -> Figure:
+    """Return an empty figure of the report's width on a canvas without a window."""
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(WIDTH, height), layout="constrained")
+    FigureCanvasAgg(figure)
+    return figure
+
+
+def _path(result: Result, plot: PathPlot) -> Figure:
+    return draw_path(result, plot, new_figure)
+
+
+def _time_figure(result: Result, plot: TimePlot) -> Figure:
+    figure = new_figure(HEADING_HEIGHT + PANEL_HEIGHT * max(len(plot.panels), 1.4))
+    axes = figure.subplots(len(plot.panels), 1, sharex=True, squeeze=False)[:, 0]
+    for place, panel in zip(axes, plot.panels, strict=True):
+        _draw_panel(place, result, panel)
+    axes[-1].set_xlabel(axis_label("Time", "s"))
+    figure.align_ylabels(axes)
+    return figure
+
+
+def _draw_panel(axes: Axes, result: Result, panel: Panel) -> None:
+    for index, (name, label) in enumerate(zip(panel.channels, panel.labels, strict=True)):
+        series = result.channel(name)
+        style: dict[str, Any] = {
+            "color": PALETTE[index % len(PALETTE)],
+            "linestyle": LINE_STYLES[index % len(LINE_STYLES)],
+        }
+        values = series.values * unit_factor(series.unit, panel.unit)
+        axes.plot(result.time, values, label=label, **style)
+    axes.set_ylabel(axis_label(panel.label, panel.unit))
+    if len(result.time) > 1:
+        axes.set_xlim(float(result.time[0]), float(result.time[-1]))
+    if len(panel.channels) > 1:
+        columns = 4 if max(map(len, panel.labels)) < 18 else 2
+        axes.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=columns)
+
+
+def _title(result: Result, plot: Plot) -> str:
+    return plot.title if result.is_whole else f"{plot.title}\n({result.state_of_run})"
+
+
+def _origin(result: Result) -> str:
+    model = f"{result.model} {result.model_hash[:12]}".strip()
+    return f"{result.title}   |   {model}   |   vehicledyn {result.program_version}"

@@ -1,0 +1,129 @@
+"""Descriptions of plots, as a run stores them in its result file.
+
+A description is plain data. Values against time, one panel above the other::
+
+    {"name": "yaw", "kind": "time", "title": "Yaw",
+     "panels": [{"label": "Yaw rate", "unit": "deg/s",
+                 "channels": ["chassis.yaw_rate"], "labels": ["chassis"]}]}
+
+A path seen from above, with the cones and the body's outline where the file's scene has them::
+
+    {"name": "path", "kind": "path", "title": "Path", "x": "chassis.x", "y": "chassis.y",
+     "heading": "chassis.yaw", "cones": true}
+
+``labels`` (names of the lines), ``heading`` and ``cones`` may be left out.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from vehicledyn.base.errors import InputError, unknown_name
+from vehicledyn.base.units import parse_unit
+
+
+@dataclass(frozen=True)
+class Panel:
+    """Channels that share one axis, shown in ``unit``."""
+
+    label: str
+    unit: str
+    channels: tuple[str, ...]
+    labels: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class TimePlot:
+    """Values against time."""
+
+    name: str
+    title: str
+    panels: tuple[Panel, ...]
+
+
+@dataclass(frozen=True)
+class PathPlot:
+    """A path seen from above; ``heading`` is empty where no outline is to be drawn."""
+
+    name: str
+    title: str
+    x: str
+    y: str
+    heading: str
+    cones: bool
+
+
+Plot = TimePlot | PathPlot
+
+
+def read_plots(descriptions: Iterable[Mapping[str, Any]]) -> tuple[Plot, ...]:
+    """Return the plots that descriptions ask for.
+
+    Raises
+    ------
+    InputError
+        If a description lacks a part or is of an unknown kind.
+    """
+    plots = tuple(_read_plot(description) for description in descriptions)
+    names = [plot.name for plot in plots]
+    for name in names:
+        if names.count(name) > 1:
+            raise InputError(f"two plots are named '{name}'; rename one")
+    return plots
+
+
+def unit_factor(unit: str, shown: str) -> float:
+    """Return what to multiply values in one unit with to show them in another.
+
+    >>> round(unit_factor("rad/s", "deg/s"), 3)
+    57.296
+
+    Raises
+    ------
+    InputError
+        If a unit is unknown or the two have different dimensions.
+    """
+    if unit == shown:
+        return 1.0
+    given, wanted = parse_unit(unit), parse_unit(shown)
+    if given.dimension != wanted.dimension:
+        raise InputError(f"values in {unit} cannot be shown in {shown}")
+    return given.factor / wanted.factor
+
+
+def _read_plot(description: Mapping[str, Any]) -> Plot:
+    name = str(description.get("name", ""))
+    if not name or "/" in name or name.startswith("."):
+        raise InputError(f"a plot is named '{name}'; give it a name that a file can have")
+    try:
+        kind = description["kind"]
+        title = str(description.get("title") or name)
+        if kind == "time":
+            panels = tuple(_read_panel(panel) for panel in description["panels"])
+            if not panels:
+                raise InputError(f"plot '{name}' has no panels")
+            return TimePlot(name, title, panels)
+        if kind == "path":
+            return PathPlot(
+                name,
+                title,
+                x=str(description["x"]),
+                y=str(description["y"]),
+                heading=str(description.get("heading") or ""),
+                cones=bool(description.get("cones", False)),
+            )
+    except KeyError as error:
+        raise InputError(f"plot '{name}' says nothing of its {error}") from None
+    raise InputError(f"plot '{name}': {unknown_name('kind', str(kind), ('time', 'path'))}")
+
+
+def _read_panel(panel: Mapping[str, Any]) -> Panel:
+    channels = tuple(str(channel) for channel in panel["channels"])
+    labels = tuple(str(label) for label in panel.get("labels") or channels)
+    if len(labels) != len(channels):
+        raise InputError(
+            f"panel '{panel['label']}' has {len(labels)} labels for {len(channels)} channels"
+        )
+    return Panel(str(panel["label"]), str(panel["unit"]), channels, labels)

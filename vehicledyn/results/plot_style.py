@@ -1,0 +1,52 @@
+"""How figures look: size, colours that colour-blind readers tell apart, fonts, labels.
+
+References
+----------
+Okabe, Ito (2008), Color universal design: the palette, without its yellow, which is too
+light for lines on white.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+WIDTH = 6.6  # inch, the text width of an A4 report
+BLUE, VERMILION, GREEN, ORANGE = "#0072B2", "#D55E00", "#009E73", "#E69F00"
+PALETTE = (BLUE, VERMILION, GREEN, "#CC79A7", ORANGE, "#56B4E9", "#000000")
+LINE_STYLES = ("-", "--", "-.", ":")
+
+STYLE: dict[str, Any] = {
+    "axes.axisbelow": True,
+    "axes.grid": True,
+    "axes.labelsize": 9.0,
+    "axes.spines.right": False,
+    "axes.spines.top": False,
+    "figure.dpi": 150.0,
+    "font.family": "DejaVu Sans",
+    "font.size": 8.5,
+    "grid.color": "0.88",
+    "grid.linewidth": 0.6,
+    "legend.borderaxespad": 0.1,
+    "legend.fontsize": 8.0,
+    "legend.frameon": False,
+    "legend.handlelength": 2.6,
+    "lines.linewidth": 1.4,
+    "savefig.dpi": 150.0,
+    "svg.hashsalt": "vehicledyn",
+}
+
+_SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
+
+
+def axis_label(quantity: str, unit: str) -> str:
+    """Return the label of an axis: quantity and unit.
+
+    >>> axis_label("Lateral acceleration", "m/s^2")
+    'Lateral acceleration [m/s²]'
+    """
+    head, *powers = unit.split("^")
+    shown = head
+    for power in powers:
+        digits = power[: len(power) - len(power.lstrip("-0123456789"))]
+        shown += digits.translate(_SUPERSCRIPTS) + power[len(digits) :]
+    return f"{quantity} [{'–' if unit in ('', '1') else shown}]"
