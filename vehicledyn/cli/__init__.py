@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import os
 import sys
 from typing import NoReturn
@@ -42,6 +43,9 @@ def main() -> NoReturn:
 def _run() -> NoReturn:
     from vehicledyn.cli.verbs import app
 
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, io.TextIOWrapper):
+            stream.reconfigure(errors="backslashreplace")
     app(prog_name="vehicledyn")
     sys.exit(0)
 

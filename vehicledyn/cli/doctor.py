@@ -30,7 +30,7 @@ _PACKAGES = (
 class Examination:
     """Versions, compiler, cache and catalogues of an installation.
 
-    ``compiler`` is None where CasADi's interpreter will be used instead.
+    ``compiler`` is None where CasADi's interpreter is used instead; ``compiler_remark`` says why.
     """
 
     version: str
@@ -38,6 +38,7 @@ class Examination:
     platform: str
     packages: dict[str, str]
     compiler: str | None
+    compiler_remark: str
     cache_folder: str
     cache_writable: bool
     cached_kernels: int
@@ -50,7 +51,7 @@ class Examination:
             "vehicledyn": self.version,
             "python": f"{self.python}, {self.platform}",
             **self.packages,
-            "C compiler": self.compiler or "none: CasADi's interpreter is used, slower",
+            "C compiler": self.compiler or f"{self.compiler_remark}; CasADi interprets, slower",
             "cache": f"{self.cache_folder} ({writable}), {self.cached_kernels} kernels",
             "catalogues": ", ".join(f"{count} {name}" for name, count in self.catalogues.items()),
         }
@@ -65,21 +66,33 @@ class Examination:
 def examine() -> Examination:
     """Return what this installation consists of; nothing heavy is loaded."""
     from vehicledyn.solve.cache import cache_folder
-    from vehicledyn.solve.compiler import find_compiler
+    from vehicledyn.solve.compiler import library_suffix
 
-    compiler, folder = find_compiler(), cache_folder()
+    compiler, remark = _compiler()
+    folder = cache_folder()
     nearest = next(path for path in (folder, *folder.parents) if path.exists())
     return Examination(
         version=vehicledyn.__version__,
         python=platform.python_version(),
         platform=f"{sys.platform} {platform.machine()}",
         packages={name: _version(name) for name in _PACKAGES},
-        compiler=None if compiler is None else str(compiler),
+        compiler=compiler,
+        compiler_remark=remark,
         cache_folder=str(folder),
-        cache_writable=os.access(nearest, os.W_OK | os.X_OK),
-        cached_kernels=0,
+        cache_writable=nearest.is_dir() and os.access(nearest, os.W_OK | os.X_OK),
+        cached_kernels=len(list(folder.glob(f"*{library_suffix()}"))),
         catalogues=counts(),
     )
+
+
+def _compiler() -> tuple[str | None, str]:
+    from vehicledyn.solve.compiler import CompilationError, find_compiler
+
+    try:
+        compiler = find_compiler()
+    except CompilationError as error:
+        return None, str(error)
+    return f"{compiler.description} ({' '.join(compiler.command)})", ""
 
 
 def _version(package: str) -> str:

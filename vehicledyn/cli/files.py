@@ -68,6 +68,12 @@ def compare(
         list[str] | None,
         typer.Option("--channel", metavar="PATTERN", help="Compare these channels only."),
     ] = None,
+    allow_missing: Annotated[
+        bool, typer.Option("--allow-missing", help="Channels may be missing from the result.")
+    ] = False,
+    interpolate: Annotated[
+        bool, typer.Option("--interpolate", help="Sample times may differ.")
+    ] = False,
     junit: Annotated[Path | None, typer.Option(help="Write a JUnit report to this file.")] = None,
     as_json: Json = False,
 ) -> None:
@@ -81,6 +87,8 @@ def compare(
         absolute=absolute,
         channel_tolerances=tolerance_of_channels(tolerances or []),
         channels=channels or None,
+        allow_missing=allow_missing,
+        interpolate=interpolate,
     )
     if junit is not None:
         write_text(junit, comparison.as_junit())

@@ -49,9 +49,12 @@ Verbose = Annotated[bool, typer.Option("--verbose", "-v", help="Say more about w
 def speed_in_si(text: str) -> float:
     """Return a speed such as "20 m/s" or "72 km/h" in m/s."""
     try:
-        return to_si(text, "m/s")
+        speed = to_si(text, "m/s")
     except InputError as error:
         raise InputError(f"--speed {text}: {error}") from None
+    if not 0.0 <= speed < float("inf"):
+        raise InputError(f"--speed {text}: must not be negative or infinite")
+    return speed
 
 
 def tolerance_of_channels(texts: list[str]) -> dict[str, float]:

@@ -9,7 +9,7 @@ import os
 import sys
 import time
 from pathlib import Path
-from typing import Any, NoReturn, Protocol
+from typing import Any, Protocol
 
 from vehicledyn.base.errors import InputError
 
@@ -28,12 +28,22 @@ class Report(Protocol):
 
 
 def emit(text: str) -> None:
-    """Write a result to standard output; leave quietly if nobody reads it any more."""
+    """Write a result to standard output; leave quietly if nobody reads it any more.
+
+    Raises
+    ------
+    InputError
+        If standard output cannot be written for another reason, such as a full disk.
+    """
     try:
         sys.stdout.write(text if text.endswith("\n") else f"{text}\n")
         sys.stdout.flush()
     except BrokenPipeError:
-        _leave_pipe()
+        _give_up_stdout()
+        sys.exit(_PIPE_CLOSED)
+    except OSError as error:
+        _give_up_stdout()
+        raise InputError(f"standard output cannot be written: {error.strerror}") from None
 
 
 def emit_report(report: Report, *, as_json: bool, file: Path | None = None) -> None:
@@ -104,10 +114,9 @@ def listen(*, quiet: bool, verbose: bool) -> None:
     logging.basicConfig(level=level, format="%(message)s", stream=sys.stderr)
 
 
-def _leave_pipe() -> NoReturn:
+def _give_up_stdout() -> None:
     # The interpreter flushes standard output once more at its end; give it somewhere to go.
     os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-    sys.exit(_PIPE_CLOSED)
 
 
 def _plain(value: Any) -> Any:

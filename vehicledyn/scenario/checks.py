@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from typing import Any
 
@@ -66,10 +67,15 @@ def _stepping(interval: float, step: float) -> Iterator[str]:
     if interval > _MOST_SAMPLES * step:
         yield f"{step:g} s is too short for the output interval of {interval:g} s"
     elif not _divides(step, interval):
-        nearest = interval / max(1, round(interval / step))
-        yield (
-            f"{step:g} s does not divide the output interval of {interval:g} s; take {nearest:g} s"
-        )
+        better = _dividing_step(interval, step)
+        yield f"{step:g} s does not divide the output interval of {interval:g} s; take {better} s"
+
+
+def _dividing_step(interval: float, step: float) -> str:
+    """Return the longest step below this one that divides the interval and is short to write."""
+    fewest = math.ceil(interval / step)
+    steps = (f"{interval / count:g}" for count in range(fewest, 10 * fewest + 1))
+    return next((text for text in steps if _divides(float(text), interval)), f"{interval:g}")
 
 
 def _divides(part: float, whole: float) -> bool:

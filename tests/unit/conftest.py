@@ -1,14 +1,17 @@
 """A small catalogue in place of the real one, so that these tests rest on nothing else."""
 
+import importlib
+
 import pytest
 from small_catalogue import ENTRIES, SCENARIO
 
-import vehicledyn.catalogue  # noqa: F401  the real parts register now, not into the small catalogue
 from vehicledyn.base import registry
 
 
 @pytest.fixture
 def catalogue(monkeypatch):
+    """Show the small catalogue only; the real parts register before, as modules load once."""
+    importlib.import_module("vehicledyn.catalogue")
     monkeypatch.setattr(registry, "_catalogues", {})
     for family, kind, entry in ENTRIES:
         registry.register(family, kind)(entry)

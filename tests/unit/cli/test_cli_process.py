@@ -1,0 +1,173 @@
+"""The command line as users run it: in a process of its own."""
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+
+import pytest
+
+HEAVY = ("casadi", "h5py", "matplotlib", "pandas", "rich", "scipy")
+STANDING = """\
+title: The Iltis rolls
+model: iltis
+parameters: {chassis: {mass: 1300 m}}
+speed: -3
+"""
+
+
+def command(*arguments, **options):
+    environment = os.environ | options.pop("env", {})
+    return subprocess.run(
+        [sys.executable, "-m", "vehicledyn", *arguments],
+        check=False, capture_output=True, text=True, env=environment, timeout=60, **options,
+    )  # fmt: skip
+
+
+def test_version_and_help():
+    assert command("--version").stdout.startswith("vehicledyn ")
+    assert "validate" in command("--help").stdout
+    assert command("run", "--help").returncode == 0
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [(), ("bla",), ("run",), ("run", "--bla"), ("validate",), ("models", "bla"),
+     ("run", "x.yaml", "--backend", "quick"), ("compare", "a.h5", "b.h5", "--relative", "-1")],
+)  # fmt: skip
+def test_wrong_usage_exits_with_2(arguments):
+    done = command(*arguments)
+    assert done.returncode == 2
+    assert "Usage: vehicledyn" in done.stderr + done.stdout
+    assert "Traceback" not in done.stderr
+
+
+@pytest.mark.parametrize("verb", ["--help", "--version", "validate", "schema"])
+def test_quick_verbs_load_nothing_heavy(tmp_path, verb):
+    scenario = tmp_path / "iltis.yaml"
+    scenario.write_text(STANDING)
+    arguments = [verb, *([str(scenario)] if verb == "validate" else [])]
+    code = (
+        "import sys\nfrom vehicledyn.cli import main\n"
+        f"sys.argv = ['vehicledyn', *{arguments!r}]\n"
+        "try:\n    main()\nexcept SystemExit as end:\n    print('exit code', end.code)\n"
+        f"print('loaded', sorted(set({HEAVY!r}) & set(sys.modules)))\n"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", code], check=False, capture_output=True, text=True, timeout=60
+    )
+    assert done.stdout.endswith("loaded []\n")
+    assert f"exit code {2 if verb == 'validate' else 0}" in done.stdout
+
+
+def test_validate_tells_every_problem_on_standard_error(tmp_path):
+    scenario = tmp_path / "iltis.yaml"
+    scenario.write_text(STANDING)
+    done = command("validate", str(scenario), "--set", "parameters.gravity=3 kg")
+    assert (done.returncode, done.stdout) == (2, "")
+    assert f"{scenario}:3:30: parameters.chassis.mass: '1300 m' has the wrong unit" in done.stderr
+    assert f"{scenario}:4:8: speed: must be at least 0 m/s" in done.stderr
+    assert "--set parameters.gravity: '3 kg' has the wrong unit" in done.stderr
+
+
+def test_schema_goes_to_a_file_or_standard_output(tmp_path):
+    file = tmp_path / "schema.json"
+    assert command("schema", "-o", str(file)).stdout == ""
+    assert json.loads(command("schema").stdout) == json.loads(file.read_text())
+
+
+def test_file_that_cannot_be_written(tmp_path):
+    done = command("schema", "-o", str(tmp_path / "none" / "schema.json"))
+    assert (done.returncode, done.stdout) == (2, "")
+    assert "schema.json: cannot be written: No such file" in done.stderr
+
+
+def test_closed_pipe_is_quiet():
+    process = subprocess.Popen(
+        [sys.executable, "-m", "vehicledyn", "schema"],
+        stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+    )  # fmt: skip
+    process.stdout.close()
+    with process.stderr as messages:
+        assert messages.read() == b""
+    assert process.wait(60) == 141
+
+
+@pytest.mark.skipif(not os.path.exists("/dev/full"), reason="needs /dev/full")  # noqa: PTH110
+def test_full_standard_output_is_told():
+    with open("/dev/full", "w") as full:  # noqa: PTH123
+        done = subprocess.run(
+            [sys.executable, "-m", "vehicledyn", "schema"],
+            check=False, stdout=full, stderr=subprocess.PIPE, text=True, timeout=60,
+        )  # fmt: skip
+    assert done.returncode == 2
+    assert done.stderr == "standard output cannot be written: No space left on device\n"
+
+
+@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="needs named pipes")
+def test_interrupt_exits_with_130(tmp_path):
+    fifo = tmp_path / "scenario.yaml"
+    os.mkfifo(fifo)
+    process = subprocess.Popen(
+        [sys.executable, "-m", "vehicledyn", "validate", str(fifo)],
+        stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
+    )  # fmt: skip
+    writer = os.open(fifo, os.O_WRONLY)  # returns once the program reads
+    time.sleep(0.1)
+    process.send_signal(signal.SIGINT)
+    _, messages = process.communicate(timeout=60)
+    os.close(writer)
+    assert process.returncode == 130
+    assert "Traceback" not in messages
+
+
+def test_text_that_the_terminal_cannot_show(tmp_path):
+    scenario = tmp_path / "größe.yaml"
+    done = command("validate", str(scenario), env={"PYTHONIOENCODING": "ascii"})
+    assert done.returncode == 2
+    assert "there is no such file" in done.stderr
+
+
+def test_doctor(tmp_path):
+    folder = tmp_path / "cache"
+    folder.mkdir()
+    (folder / "abc-123.so").write_bytes(b"")
+    environment = {"VEHICLEDYN_CACHE": str(folder), "VEHICLEDYN_CC": "none"}
+    facts = json.loads(command("doctor", "--json", env=environment).stdout)
+    assert facts["compiler"] is None
+    assert "VEHICLEDYN_CC=none" in facts["compiler_remark"]
+    assert (facts["cache_folder"], facts["cache_writable"]) == (str(folder), True)
+    assert facts["cached_kernels"] == 1
+    assert facts["packages"]["casadi"] != "not installed"
+    assert facts["catalogues"]["model"] >= 1
+    assert "C compiler" in command("doctor", env=environment).stdout
+
+
+def test_models_are_listed():
+    assert "iltis" in json.loads(command("models", "list", "--json").stdout)
+    assert command("models", "list").stdout.startswith("iltis")
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (("models", "show", "ilti"), "no model named 'ilti'; did you mean 'iltis'?"),
+        (("equilibrium", "ilti"), "neither a file nor a model; did you mean 'iltis'?"),
+        (("eig", "none.yaml"), "none.yaml:1:1: file: there is no such file"),
+        (("eig", "iltis", "--speed", "20 kg"), "--speed 20 kg: '20 kg' has the wrong unit"),
+        (("eig", "iltis", "--speed=-1"), "--speed -1: must not be negative"),
+        (("eig", "iltis", "--set", "parameters.chassis.mass=0"), "must be greater than 0 kg"),
+        (("plot", "a.h5", "--format", "gif"), "--format gif: write png, svg or png,svg"),
+        (("info", "none.h5"), "none.h5"),
+        (("compare", "a.h5", "b.h5", "--tolerance", "x"), "--tolerance x: write PATTERN=VALUE"),
+        (("compare", "a.h5", "b.h5", "--tolerance", "x=nan"), "--tolerance x=nan: write"),
+        (("compare", "a.h5", "b.h5"), "a.h5: no such file"),
+    ],
+)  # fmt: skip
+def test_bad_input_is_one_clear_message(arguments, words):
+    done = command(*arguments)
+    assert done.returncode == 2
+    assert words in done.stderr + done.stdout
+    assert "Traceback" not in done.stderr

@@ -1,0 +1,244 @@
+"""The verbs with the functions that they call replaced, and how every error ends."""
+
+import json
+import sys
+from pathlib import Path
+from types import SimpleNamespace
+
+import pytest
+
+from vehicledyn.base.errors import InputError, MissingPartError, NumericalError
+from vehicledyn.cli import main
+from vehicledyn.cli.terminal import Progress, to_json
+
+
+@pytest.fixture
+def call(monkeypatch, capsys):
+    """Run the command line in this process; return exit code, standard output and error."""
+
+    def run(*arguments):
+        monkeypatch.setattr(sys, "argv", ["vehicledyn", *map(str, arguments)])
+        with pytest.raises(SystemExit) as end:
+            main()
+        captured = capsys.readouterr()
+        return end.value.code, captured.out, captured.err
+
+    return run
+
+
+@pytest.fixture
+def pipeline(monkeypatch):
+    """Stand in for the pipeline; remember what it was asked and answer or raise."""
+    asked = {}
+    entry = SimpleNamespace(value=float("nan"), unit="m/s^2", text="6.1 m/s^2 at 3.2 s")
+    outcome = SimpleNamespace(
+        path=Path("cart.h5"), status="ok", summary={"acceleration": entry},
+        messages=["compiled in 3 s"], exit_code=0,
+    )  # fmt: skip
+
+    def answer(name):
+        def function(target, **options):
+            asked.update(options, function=name, target=target)
+            if isinstance(asked.get("raise"), BaseException):
+                raise asked["raise"]
+            return outcome if name == "run_scenario" else report
+
+        return function
+
+    report = SimpleNamespace(as_text=lambda: "text", as_dict=lambda: {"modes": [1 + 2j]})
+    names = ("run_scenario", "find_equilibrium", "find_modes", "describe_model")
+    monkeypatch.setitem(
+        sys.modules, "vehicledyn.run", SimpleNamespace(**{name: answer(name) for name in names})
+    )
+    return SimpleNamespace(asked=asked, outcome=outcome)
+
+
+def test_validate_several_files(call, write, tmp_path):
+    good, bad = write(), tmp_path / "bad.yaml"
+    bad.write_text("title: 1")
+    code, out, err = call("validate", good, bad)
+    assert code == 2
+    assert out == f"{good}: ok\n"
+    assert f"problems in {bad}" in err
+    assert call("validate", good, "--set", "speed=30 m/s") == (0, f"{good}: ok\n", "")
+
+
+def test_run_names_its_files_after_the_scenario(call, write, pipeline):
+    code, out, err = call("run", write(), "--set", "speed=3")
+    assert (code, err) == (0, "compiled in 3 s\n")
+    assert out == "cart.h5: ok\n  acceleration  6.1 m/s^2 at 3.2 s\n"
+    assert pipeline.asked["target"].scenario.speed == 3.0
+    assert pipeline.asked["output"] == Path("cart.h5")
+    assert pipeline.asked["plots"] == Path("cart_plots")
+    assert pipeline.asked["backend"] == "auto"
+
+
+def test_run_with_everything_chosen(call, write, pipeline, tmp_path):
+    output = tmp_path / "a.b.h5"
+    options = ("-o", output, "--plots", "figures", "--backend", "interpreted", "--json")
+    code, out, _ = call("run", write(), *options)
+    assert code == 0
+    assert json.loads(out) == {
+        "result": "cart.h5",
+        "status": "ok",
+        "summary": {"acceleration": {"value": None, "unit": "m/s^2",
+                                     "text": "6.1 m/s^2 at 3.2 s"}},
+        "messages": ["compiled in 3 s"],
+    }  # fmt: skip
+    assert pipeline.asked["output"] == output
+    assert pipeline.asked["plots"] == Path("figures")
+    assert pipeline.asked["backend"] == "interpreted"
+
+
+def test_quiet_run_without_figures(call, write, pipeline):
+    assert call("run", write(), "-q", "--no-plots") == (0, "", "")
+    assert pipeline.asked["plots"] is None
+
+
+def test_failed_run_passes_its_exit_code_and_messages_on(call, write, pipeline):
+    pipeline.outcome.exit_code = 3
+    pipeline.outcome.messages = ["loop front_left opened at 3.1 s"]
+    code, _, err = call("run", write(), "-q")
+    assert (code, err) == (3, "loop front_left opened at 3.1 s\n")
+
+
+@pytest.mark.parametrize(
+    ("error", "code", "words"),
+    [
+        (InputError("no such channel"), 2, "no such channel\n"),
+        (NumericalError("no equilibrium"), 3, "no equilibrium\n"),
+        (MissingPartError("no compiler"), 4, "no compiler\n"),
+        (PermissionError(13, "Permission denied", "a.h5"), 2, "a.h5: Permission denied\n"),
+        (MemoryError(), 2, "out of memory\n"),
+        (KeyError("wheel\nbase"), 70, "this is a bug of vehicledyn: KeyError: "),
+    ],
+)
+def test_every_error_is_one_message_and_an_exit_code(call, write, pipeline, error, code, words):
+    pipeline.asked["raise"] = error
+    got, out, err = call("run", write())
+    assert (got, out) == (code, "")
+    assert err.startswith(words)
+    assert len(err.splitlines()) == 1
+
+
+def test_interrupt_exits_with_130(call, write, pipeline):
+    pipeline.asked["raise"] = KeyboardInterrupt()
+    assert call("run", write())[0] == 130
+
+
+def test_traceback_on_request(call, write, pipeline, monkeypatch):
+    monkeypatch.setenv("VEHICLEDYN_TRACEBACK", "1")
+    pipeline.asked["raise"] = KeyError("wheel")
+    with pytest.raises(KeyError):
+        call("run", write())
+
+
+def test_equilibrium_of_a_model(call, catalogue, pipeline, tmp_path):
+    file = tmp_path / "report.json"
+    options = ("--speed", "36 km/h", "-o", file, "--set", "parameters.wheel_radius=31 cm")
+    assert call("equilibrium", "cart", *options) == (0, "text\n", "")
+    assert pipeline.asked["function"] == "find_equilibrium"
+    assert pipeline.asked["speed"] == pytest.approx(10.0, rel=1e-15)
+    assert pipeline.asked["target"].name == "cart"
+    assert pipeline.asked["target"].model_parameters.wheel_radius == pytest.approx(0.31)
+    assert json.loads(file.read_text()) == {"modes": [{"real": 1.0, "imaginary": 2.0}]}
+
+
+def test_equilibrium_of_a_scenario_takes_its_speed(call, write, pipeline):
+    assert call("equilibrium", write())[0] == 0
+    assert pipeline.asked["speed"] is None
+    assert pipeline.asked["target"].scenario.speed == pytest.approx(10.0, rel=1e-15)
+
+
+def test_modes_at_several_speeds(call, write, pipeline):
+    code, out, _ = call("eig", write(), "--speed", "5", "--speed", "72 km/h", "--json")
+    assert code == 0
+    assert pipeline.asked["speeds"] == pytest.approx([5.0, 20.0])
+    assert json.loads(out) == {"modes": [{"real": 1.0, "imaginary": 2.0}]}
+
+
+def test_show_model(call, catalogue, pipeline):
+    assert call("models", "show", "cart", "--backend", "compiled") == (0, "text\n", "")
+    assert (pipeline.asked["target"], pipeline.asked["backend"]) == ("cart", "compiled")
+
+
+def test_list_models(call, catalogue):
+    _, out, _ = call("models", "list")
+    assert out.splitlines()[1] == "cart         A cart whose parameters are kept in this file."
+
+
+def test_compare_passes_everything_on(call, monkeypatch, tmp_path):
+    asked = {}
+    comparison = SimpleNamespace(
+        exit_code=1, as_text=lambda: "different", as_dict=dict, as_junit=lambda: "<testsuite/>"
+    )
+
+    def compare_files(result, reference, **options):
+        asked.update(options)
+        return comparison
+
+    monkeypatch.setitem(
+        sys.modules, "vehicledyn.results.compare", SimpleNamespace(compare_files=compare_files)
+    )
+    junit = tmp_path / "report.xml"
+    options = ("--relative", "1e-3", "--tolerance", "a=b.*=0.1", "--channel", "x.*")
+    code, out, _ = call("compare", "a.h5", "b.h5", *options, "--junit", junit)
+    assert (code, out) == (1, "different\n")
+    assert asked["relative"] == 1e-3
+    assert asked["channel_tolerances"] == {"a=b.*": 0.1}
+    assert asked["channels"] == ["x.*"]
+    assert junit.read_text() == "<testsuite/>\n"
+
+
+def test_plot_prints_what_it_wrote(call, monkeypatch):
+    def draw_plots(path, folder, names, formats):
+        assert (path, folder, names) == (Path("runs/a.h5"), Path("runs/a_plots"), ["yaw"])
+        return [folder / f"yaw.{end}" for end in formats]
+
+    monkeypatch.setitem(
+        sys.modules, "vehicledyn.results.plots", SimpleNamespace(draw_plots=draw_plots)
+    )
+    code, out, _ = call("plot", "runs/a.h5", "--only", "yaw", "--format", "svg")
+    assert (code, out) == (0, "runs/a_plots/yaw.svg\n")
+
+
+class Stream:
+    """A standard error that says whether it is a terminal."""
+
+    def __init__(self, *, terminal):
+        self.terminal, self.text = terminal, ""
+
+    def isatty(self):
+        return self.terminal
+
+    def write(self, text):
+        self.text += text
+
+    def flush(self):
+        pass
+
+
+@pytest.mark.parametrize(
+    ("terminal", "options", "shown"),
+    [
+        (True, {}, "\r\x1b[2Ksimulate  50%\r\x1b[2K"),
+        (True, {"quiet": True}, ""),
+        (False, {}, ""),
+        (False, {"verbose": True}, "simulate\n"),
+    ],
+)
+def test_progress_is_shown_on_a_terminal_only(monkeypatch, terminal, options, shown):
+    stream = Stream(terminal=terminal)
+    monkeypatch.setattr(sys, "stderr", stream)
+    progress = Progress(**options)
+    progress("simulate", 0.5)
+    progress("simulate", 0.50001)
+    progress.clear()
+    assert stream.text == shown
+
+
+def test_json_has_no_numbers_that_json_lacks():
+    assert json.loads(to_json({"a": [float("inf"), (1, 2.5)], 3: Path("x")})) == {
+        "a": [None, [1, 2.5]],
+        "3": "x",
+    }
