@@ -22,5 +22,5 @@ def floored(value: Scalar, floor: Scalar) -> Scalar:
     """
     half_width = BLEND * floor
     over = ops.maximum(value - (floor - half_width), 0.0)
-    rounded = floor + over * over / (4.0 * half_width)
+    rounded = floor + over * over * (0.25 / half_width)
     return ops.where(value > floor + half_width, value, rounded)

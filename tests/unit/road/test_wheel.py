@@ -97,7 +97,8 @@ def moving(rig, seed):
     rng = np.random.default_rng(seed)
     x, y = rng.uniform(-3, 3, size=2)
     z = float(rig.wheel.surface.height(x, y)) + rng.uniform(0.30, 0.35)
-    values = dict(x=x, y=y, z=z, yaw=rng.uniform(-3, 3), roll=rng.uniform(-0.2, 0.2))
+    yaw, roll = rng.uniform([-3, -0.2], [3, 0.2])
+    values = {"x": x, "y": y, "z": z, "yaw": yaw, "roll": roll}
     rates = {f"{n}_rate": rng.normal() for n in ("y", "z", "yaw", "roll")}
     return rig.state(**values, **rates, x_rate=15 * rng.choice([-1, 1]), spin_rate=40.0)
 
@@ -238,17 +239,17 @@ def test_relaxed_slip_becomes_the_steady_slip():
     plain = steady.state(**{n: state[rig[n]] for n in steady.names})
     relaxed, expected = rig.outputs(share), steady.outputs(plain)
     for name in ("longitudinal_force", "lateral_force", "aligning_moment"):
-        name = f"wheel.tyre.{name}"
-        assert relaxed[name] == pytest.approx(expected[name], rel=1e-10)
+        channel = f"wheel.tyre.{name}"
+        assert relaxed[channel] == pytest.approx(expected[channel], rel=1e-10)
 
 
 def test_spinning_at_standstill_does_not_wind_up():
+    """36 m/s of sliding for 10 ms on top of 15 % of 0.2 m; without the leak it is metres."""
     rig = Rig(turning=False, relaxation=RELAXED)
     state = rig.state(z=LOADED, spin_rate=100.0)
     for _ in range(10):
         state = rig.run(state, 0.01)
-        deflection = state[rig["wheel.tyre.longitudinal_deflection"]]
-        assert deflection < 0.2 * transient.HOLDING_SLIP + 36.4 * transient.LEAK_TIME
+        assert state[rig["wheel.tyre.longitudinal_deflection"]] < 0.4
 
 
 @pytest.mark.parametrize("name", ["DAMPING_TIME", "LEAK_TIME", "HOLDING_SLIP"])

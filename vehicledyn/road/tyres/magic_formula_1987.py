@@ -31,6 +31,7 @@ LARGEST_PEAK_ANGLE = 60.0
 """Bound of the slip angle of the peak, for coefficients that would put it beyond 90° [deg]."""
 
 _DEGREE = math.pi / 180.0
+_PER_RADIAN = 180.0 / math.pi
 
 
 @register("tyre", "magic_formula_1987")
@@ -65,8 +66,8 @@ class MagicFormula1987(Tyre):
 
     def forces(self, contact: TyreInput) -> TyreForces:
         """Return the forces at combined slip, in ISO 8855 signs."""
-        load, camber = contact.normal_force / 1000.0, contact.camber / _DEGREE
-        slip, angle = 100.0 * contact.longitudinal_slip, contact.slip_angle / _DEGREE
+        load, camber = 0.001 * contact.normal_force, _PER_RADIAN * contact.camber
+        slip, angle = 100.0 * contact.longitudinal_slip, _PER_RADIAN * contact.slip_angle
         along = longitudinal_curve(load, self.longitudinal).on_friction(self.friction)
         across = lateral_curve(load, camber, self.lateral).on_friction(self.friction)
         moment = aligning_curve(load, camber, self.aligning).on_friction(self.friction)
@@ -87,7 +88,7 @@ def _across(curve: Curve, angle: Scalar, a: Scalar, peak_tangent: Scalar) -> Sca
     """Return side force or moment at a slip angle [deg] and a relative longitudinal slip."""
     b = _tangent(angle + curve.horizontal_shift) / peak_tangent
     magnitude = ops.smooth_norm(a, b, SLIP_FLOOR)
-    equivalent = ops.atan(magnitude * peak_tangent) / _DEGREE
+    equivalent = _PER_RADIAN * ops.atan(magnitude * peak_tangent)
     return b / magnitude * curve.symmetric(equivalent) + curve.vertical_shift
 
 
