@@ -83,6 +83,8 @@ def parse_unit(text: str) -> Unit:
             raise InputError(f"'{name}' is not a known unit{hint}")
         seen_slash = seen_slash or operator == "/"
         inverse = operator == "/" or (grouped and seen_slash)
+        if len((exponent or "").lstrip("+-0")) > 1:
+            raise InputError(f"'{text}' is not a unit: the exponent {exponent} is too large")
         power = int(exponent or 1) * (-1 if inverse else 1)
         factor *= UNITS[name].factor ** power
         dimension = [d + power * e for d, e in zip(dimension, UNITS[name].dimension, strict=True)]
@@ -108,7 +110,10 @@ def to_si(value: object, unit: str) -> float:
     if isinstance(value, bool):
         raise InputError(f"expected a number in {unit}, found {str(value).lower()}")
     if isinstance(value, int | float):
-        return float(value)
+        try:
+            return float(value)
+        except OverflowError:
+            raise InputError("the number is too large") from None
     if not isinstance(value, str):
         raise InputError(f"expected a number with a unit of {unit}, found {describe(value)}")
     match = _NUMBER.match(value)

@@ -105,3 +105,10 @@ def test_finished_part_is_kept():
 def test_sets_are_frozen():
     with pytest.raises(ValidationError):
         Body.model_validate(GOOD).mass = 3.0
+
+
+@pytest.mark.parametrize(
+    ("mass", "words"), [(10**400, "too large"), ("1 Gg^99", "exponent 99 is too large")]
+)
+def test_absurd_numbers_are_refused(mass, words):
+    assert words in complaints(mass=mass)["mass",]
