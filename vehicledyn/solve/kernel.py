@@ -148,6 +148,20 @@ class Kernel:
                 ledger.figures[Figure.FAILED_RESIDUAL] = residual
                 raise NumericalError(self.failure(Status.INACCURATE, time, ledger))
 
+    def evaluate(self, time: float, state: Vector, unknowns: Vector, ledger: Ledger) -> Vector:
+        """Solve the unknowns in place and return the rates; arrays must be contiguous.
+
+        Raises
+        ------
+        NumericalError
+            If a block is not solved.
+        """
+        status = self.engine.solve(time, state, unknowns, self._constants, ledger)
+        if status is not Status.SOLVED:
+            raise NumericalError(self.failure(status, time, ledger))
+        ledger.counts[Count.EVALUATIONS] += 1
+        return self.engine.rates(time, state, unknowns, self._constants)
+
     def advance(self, march: March, n_steps: int, rows: Rows) -> Status:
         """Take steps of a run and write its samples into the rows.
 
@@ -185,6 +199,25 @@ class Kernel:
             f"{where_when}: Newton's method did not converge (residual {largest}); the loop "
             "cannot close here, or the step is too large"
         )
+
+    def checked_state(self, state: Any) -> Vector:
+        """Return a copy of a state vector.
+
+        Raises
+        ------
+        InputError
+            If it has not the right length or holds a value that is not finite.
+        """
+        x = np.array(state, dtype=float)
+        if x.shape != (len(self.equations.states),):
+            raise InputError(
+                f"model '{self.equations.name}' has {len(self.equations.states)} states, "
+                f"{x.size} were given"
+            )
+        if not np.isfinite(x).all():
+            name = self.equations.states[int(np.flatnonzero(~np.isfinite(x))[0])].name
+            raise InputError(f"the starting value of state '{name}' is not a finite number")
+        return x
 
     def _checked(self, state: Any, unknowns: Any) -> tuple[Vector, Vector]:
         x = np.ascontiguousarray(state, dtype=float)

@@ -1,0 +1,126 @@
+"""Implicit integration with CasADi's integrators, loops as algebraic equations.
+
+CasADi integrates a whole chunk of samples in one call that cannot be interrupted, and starts
+its method anew with the next chunk; so chunks are short for methods that start cheaply.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from vehicledyn.base.errors import NumericalError
+from vehicledyn.solve.engine import Count, Vector
+from vehicledyn.solve.explicit_pair import steepest_state
+from vehicledyn.solve.task import SampleBuffer, Statistics, Task
+
+
+def run_casadi(
+    task: Task, plugin: str, *, chunk: int, options: Mapping[str, float | bool]
+) -> Statistics:
+    """Integrate a task with an integrator of CasADi.
+
+    Parameters
+    ----------
+    task
+        What to integrate.
+    plugin
+        Name of the integrator, also for the statistics.
+    chunk
+        Sampling intervals to integrate in one call.
+    options
+        Options of the integrator.
+    """
+    buffer = SampleBuffer(task, task.state, task.unknowns)
+    integrators = _Integrators(task, plugin, options)
+    state, unknowns, index = task.state, task.unknowns, 0
+    try:
+        while index < task.n_intervals:
+            size = min(chunk, task.n_intervals - index)
+            try:
+                result = integrators.run(size, task.time(index), state, unknowns)
+            except _Stopped:
+                size = 1
+                result = _single(integrators, task, index, (state, unknowns))
+            states, guesses = result
+            for row in range(size):
+                buffer.add(states[row], guesses[row])
+            state, unknowns, index = states[-1], guesses[-1], index + size
+    finally:
+        buffer.flush()
+    return task.statistics(plugin, steps=integrators.steps)
+
+
+class _Stopped(Exception):  # noqa: N818
+    """CasADi gave up a call; how far it came is not known."""
+
+
+class _Integrators:
+    """Integrators of some lengths, made when first needed."""
+
+    def __init__(self, task: Task, plugin: str, options: Mapping[str, float | bool]) -> None:
+        self._task, self._plugin, self._options = task, plugin, dict(options)
+        self._made: dict[int, Any] = {}
+        self.steps = 0
+
+    def run(
+        self, size: int, start: float, state: Vector, unknowns: Vector
+    ) -> tuple[Vector, Vector]:
+        """Return states and unknowns at the next ``size`` samples, one row each."""
+        if size not in self._made:
+            self._task.progress("deriving the integrator", None)
+            self._made[size] = self._make(size)
+        integrator = self._made[size]
+        parameters = np.append(self._task.kernel.parameters, start)
+        try:
+            result = integrator(x0=state, z0=unknowns, p=parameters)
+        except RuntimeError:
+            raise _Stopped from None
+        self._count(integrator.stats())
+        states, guesses = (np.array(result[key]).T.copy() for key in ("xf", "zf"))
+        if not np.isfinite(states).all():
+            raise _Stopped
+        return states, guesses.reshape(size, unknowns.size)
+
+    def _make(self, size: int) -> Any:
+        import casadi
+
+        e = self._task.kernel.equations
+        begin, elapsed = casadi.SX.sym("begin"), casadi.SX.sym("elapsed")
+        inputs = [e.time, e.state, e.algebraic, e.parameter]
+        rates = casadi.Function("dae", inputs, [e.rate, e.residual])
+        rate, residual = rates(begin + elapsed, e.state, e.algebraic, e.parameter)
+        dae = {
+            "t": elapsed,
+            "x": e.state,
+            "z": e.algebraic,
+            "p": casadi.vertcat(e.parameter, begin),
+            "ode": casadi.densify(rate),
+            "alg": casadi.densify(residual),
+        }
+        if not e.unknowns:
+            del dae["z"], dae["alg"]
+        grid = [self._task.interval * k for k in range(1, size + 1)]
+        return casadi.integrator(f"chunk_{size}", self._plugin, dae, 0.0, grid, self._options)
+
+    def _count(self, stats: Mapping[str, Any]) -> None:
+        self.steps += int(stats.get("n_steps", stats.get("nsteps", 0)))
+        evaluations = int(stats.get("n_rhs", stats.get("nfevals", 0)))
+        self._task.ledger.counts[Count.EVALUATIONS] += evaluations
+
+
+def _single(
+    integrators: _Integrators, task: Task, index: int, point: tuple[Vector, Vector]
+) -> tuple[Vector, Vector]:
+    """Integrate one interval of a chunk that failed, to find where it fails."""
+    moment = task.time(index)
+    try:
+        return integrators.run(1, moment, *point)
+    except _Stopped:
+        raise NumericalError(
+            f"integration stopped between t = {moment:.9g} s and "
+            f"{task.time(index + 1):.9g} s: the steps became too small or too many; "
+            f"state '{steepest_state(task.kernel, moment, *point)}' changes fastest there"
+        ) from None

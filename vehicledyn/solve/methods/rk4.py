@@ -1,0 +1,28 @@
+"""Classical Runge-Kutta method of order four with a fixed step."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from vehicledyn.base.parameters import ParameterSet, quantity
+from vehicledyn.base.registry import register
+
+if TYPE_CHECKING:
+    from vehicledyn.solve.task import Statistics, Task
+
+
+@register("solver", "rk4")
+class RungeKutta4(ParameterSet):
+    """Classical Runge-Kutta method, order 4, fixed step; the whole loop runs compiled.
+
+    Hairer, Nørsett, Wanner (1993), Solving Ordinary Differential Equations I, section II.1.
+    """
+
+    step: float = quantity("s", "Step size; divides the sampling interval", gt=0)
+
+    def integrate(self, task: Task) -> Statistics:
+        """Integrate a task."""
+        from vehicledyn.solve.engine import Method
+        from vehicledyn.solve.fixed_step import run_fixed
+
+        return run_fixed(task, "rk4", Method.RK4, self.step)

@@ -1,0 +1,36 @@
+"""Rosenbrock-Wanner method with adaptive steps, for stiff systems with loops."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from vehicledyn.base.parameters import ParameterSet, quantity
+from vehicledyn.base.registry import register
+
+if TYPE_CHECKING:
+    from vehicledyn.solve.task import Statistics, Task
+
+_CHUNK = 8
+
+
+@register("solver", "rosenbrock")
+class Rosenbrock(ParameterSet):
+    """Linearly implicit Rosenbrock method of order 5(4), for stiff systems with loops.
+
+    Hairer, Wanner (1996), Solving Ordinary Differential Equations II, section IV.7; CasADi's
+    implementation, with the loops as algebraic equations of index 1.
+    """
+
+    relative_tolerance: float = quantity(
+        "1", "Local error allowed for each state, part of its value", gt=0, lt=1
+    )
+    absolute_tolerance: float = quantity(
+        "1", "Local error allowed for each state, in its own unit", gt=0
+    )
+
+    def integrate(self, task: Task) -> Statistics:
+        """Integrate a task."""
+        from vehicledyn.solve.casadi_integrator import run_casadi
+
+        options = {"reltol": self.relative_tolerance, "abstol": self.absolute_tolerance}
+        return run_casadi(task, "rosenbrock", chunk=_CHUNK, options=options)

@@ -1,0 +1,28 @@
+"""Semi-implicit Euler method with a fixed step."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from vehicledyn.base.parameters import ParameterSet, quantity
+from vehicledyn.base.registry import register
+
+if TYPE_CHECKING:
+    from vehicledyn.solve.task import Statistics, Task
+
+
+@register("solver", "symplectic_euler")
+class SymplecticEuler(ParameterSet):
+    """Semi-implicit Euler method, order 1, fixed step: positions move with new velocities.
+
+    Hairer, Lubich, Wanner (2006), Geometric Numerical Integration, section I.1.2.
+    """
+
+    step: float = quantity("s", "Step size; divides the sampling interval", gt=0)
+
+    def integrate(self, task: Task) -> Statistics:
+        """Integrate a task."""
+        from vehicledyn.solve.engine import Method
+        from vehicledyn.solve.fixed_step import run_fixed
+
+        return run_fixed(task, "symplectic_euler", Method.SYMPLECTIC_EULER, self.step)

@@ -1,0 +1,84 @@
+"""Integrate a kernel over time with any method, sampling at equal intervals."""
+
+from __future__ import annotations
+
+import math
+from typing import Any, Protocol
+
+from vehicledyn.base.errors import InputError
+from vehicledyn.solve.kernel import Kernel, Progress
+from vehicledyn.solve.task import Sink, Statistics, Task
+
+
+class Solver(Protocol):
+    """Settings of a method that know how to integrate; see :mod:`vehicledyn.solve.methods`."""
+
+    def integrate(self, task: Task) -> Statistics:
+        """Integrate from the first to the last sample, delivering all of them."""
+
+
+def simulate(
+    kernel: Kernel,
+    solver: Solver,
+    *,
+    start: float,
+    stop: float,
+    state: Any,
+    unknowns: Any,
+    interval: float,
+    sink: Sink,
+    progress: Progress | None = None,
+) -> Statistics:
+    """Integrate from ``start`` to ``stop`` and hand samples to a sink.
+
+    Parameters
+    ----------
+    kernel
+        The model with its parameters set.
+    solver
+        Settings of a method, one of the family "solver".
+    start, stop
+        First and last time [s]; the last sample is the last multiple of the interval.
+    state
+        States at the start, shape (n_states,).
+    unknowns
+        Guess of the algebraic unknowns at the start, shape (n_unknowns,).
+    interval
+        Time between samples [s].
+    sink
+        Called with times, states, unknowns and outputs as they are found, also those found
+        before an error or an interrupt.
+    progress
+        Told the part done.
+
+    Raises
+    ------
+    InputError
+        If the times make no sense, or the step of a method does not divide the interval.
+    NumericalError
+        If the integration cannot go on; all good samples have gone to the sink.
+    """
+    for name, value in (("start", start), ("stop", stop), ("interval", interval)):
+        if not math.isfinite(value):
+            raise InputError(f"the {name} of a simulation must be a finite time, not {value}")
+    if interval <= 0.0:
+        raise InputError(f"the sampling interval must be positive, not {interval:g} s")
+    if stop < start:
+        raise InputError(f"the simulation stops at {stop:g} s, before its start at {start:g} s")
+    n_intervals = math.floor((stop - start) / interval * (1.0 + 1e-12) + 1e-9)
+    consistent = kernel.solve_unknowns(start, state, unknowns)
+    task = Task(
+        kernel=kernel,
+        start=start,
+        interval=interval,
+        n_intervals=n_intervals,
+        state=kernel.checked_state(state),
+        unknowns=consistent,
+        sink=sink,
+        progress=progress or _silent,
+    )
+    return solver.integrate(task)
+
+
+def _silent(what: str, part: float | None) -> None:
+    """Tell nobody."""

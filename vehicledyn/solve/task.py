@@ -1,0 +1,149 @@
+"""What an integration method is given and gives back: a task with a sink, and statistics."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import TypeAlias
+
+import numpy as np
+
+from vehicledyn.solve.engine import Count, Figure, Ledger, Rows, Vector
+from vehicledyn.solve.kernel import Kernel, Progress
+
+Sink: TypeAlias = Callable[[Vector, Vector, Vector, Vector], None]
+"""Takes times (n,), states, unknowns and outputs (n, ...) of samples, in order."""
+
+_MOST_NUMBERS = 1_000_000
+
+
+@dataclass(frozen=True)
+class Statistics:
+    """What an integration took.
+
+    ``evaluations`` of the rates, ``newton_iterations`` of all blocks together, step sizes [s]
+    where the method tells them, ``largest_residual`` of the blocks at the samples, in the
+    residual's unit.
+    """
+
+    method: str
+    backend: str
+    samples: int
+    steps: int
+    evaluations: int
+    newton_iterations: int
+    largest_residual: float
+    wall_seconds: float
+    smallest_step: float | None = None
+    largest_step: float | None = None
+
+
+@dataclass
+class Task:
+    """One integration: where it starts, when it is sampled, and where the samples go.
+
+    Sample number k is taken at ``start + k * interval``; ``state`` and ``unknowns`` are those
+    of sample 0, consistent.
+    """
+
+    kernel: Kernel
+    start: float
+    interval: float
+    n_intervals: int
+    state: Vector
+    unknowns: Vector
+    sink: Sink
+    progress: Progress
+    delivered: int = 0
+    ledger: Ledger = field(default_factory=Ledger)
+    started: float = field(default_factory=time.perf_counter)
+
+    @property
+    def finished(self) -> bool:
+        """Whether the last sample has been delivered."""
+        return self.delivered > self.n_intervals
+
+    def time(self, index: int) -> float:
+        """Return the time of a sample [s], without rounding that adds up."""
+        return self.start + self.interval * index
+
+    def rows(self, n_samples: int) -> Rows:
+        """Return room for this many samples, or as many as fit into the memory set aside."""
+        equations = self.kernel.equations
+        widths = [len(equations.states), len(equations.unknowns), len(equations.channels)]
+        n_rows = max(2, min(n_samples, _MOST_NUMBERS // max(1, sum(widths))))
+        return Rows(*[np.zeros((n_rows, width)) for width in widths])
+
+    def deliver(self, rows: Rows, n_samples: int) -> None:
+        """Hand the first samples of the rows to the sink."""
+        if n_samples:
+            indices = range(self.delivered, self.delivered + n_samples)
+            times = np.array([self.time(index) for index in indices])
+            parts = (rows.states, rows.unknowns, rows.outputs)
+            self.sink(times, *[part[:n_samples].copy() for part in parts])
+            self.delivered += n_samples
+        part = (self.delivered - 1) / self.n_intervals if self.n_intervals else 1.0
+        self.progress("simulating", part)
+
+    def statistics(
+        self,
+        method: str,
+        *,
+        steps: int,
+        sizes: tuple[float, float] | None = None,
+    ) -> Statistics:
+        """Return the statistics, from the ledger and what the method adds."""
+        return Statistics(
+            method=method,
+            backend=self.kernel.description,
+            samples=self.delivered,
+            steps=steps,
+            evaluations=int(self.ledger.counts[Count.EVALUATIONS]),
+            newton_iterations=int(self.ledger.counts[Count.ITERATIONS]),
+            largest_residual=float(self.ledger.figures[Figure.LARGEST_RESIDUAL]),
+            wall_seconds=time.perf_counter() - self.started,
+            smallest_step=sizes[0] if sizes else None,
+            largest_step=sizes[1] if sizes else None,
+        )
+
+
+class SampleBuffer:
+    """Collects samples found one at a time, and hands them on every tenth of a second."""
+
+    def __init__(self, task: Task, state: Vector, unknowns: Vector) -> None:
+        """Start at sample 0 with these values."""
+        self._task = task
+        self._rows = task.rows(task.n_intervals + 1)
+        self._count = 0
+        self._flushed = time.perf_counter()
+        self._unknowns = unknowns
+        self.add(state, unknowns)
+
+    @property
+    def next_index(self) -> int:
+        """Number of the sample to come."""
+        return self._task.delivered + self._count
+
+    def add(self, state: Vector, guess: Vector) -> None:
+        """Enter the next sample: solve its unknowns from a guess and find its outputs.
+
+        Raises
+        ------
+        NumericalError
+            If a block is not solved.
+        """
+        task, rows = self._task, self._rows
+        moment = task.time(self.next_index)
+        unknowns = task.kernel.count_solve(moment, state, guess, task.ledger)
+        rows.states[self._count], rows.unknowns[self._count] = state, unknowns
+        rows.outputs[self._count] = task.kernel.outputs(moment, state, unknowns)
+        self._count += 1
+        if self._count == len(rows.states) or time.perf_counter() > self._flushed + 0.1:
+            self.flush()
+
+    def flush(self) -> None:
+        """Hand on what has been collected."""
+        count, self._count = self._count, 0
+        self._task.deliver(self._rows, count)
+        self._flushed = time.perf_counter()
