@@ -11,7 +11,7 @@ from vehicledyn.multibody.dynamics import inverse_dynamics, mass_matrix
 from vehicledyn.multibody.kinematics import Kinematics
 from vehicledyn.multibody.loops import Loops, close
 from vehicledyn.multibody.observation import Solved, observe
-from vehicledyn.multibody.parts import Loads, Output, Part, Situation
+from vehicledyn.multibody.parts import Loads, Motion, Output, Part, Situation
 from vehicledyn.multibody.reduction import independent_accelerations
 from vehicledyn.multibody.system import Joint, System
 from vehicledyn.multibody.tree import Tree, unfold
@@ -41,10 +41,9 @@ def derive(system: System) -> Equations:
     moved = motions(system, symbols)
     loops = close(system, tree, symbols, moved)
     roles = _roles(symbols, loops)
-    closure = _drive(loops.closure, symbols, moved)
-    motion = _motion(system, tree, symbols, roles, closure, moved)
-    solved = _dynamics(system, symbols, roles, closure, motion)
-    return _collect(system, symbols, loops, roles, closure, solved)
+    motion = _motion(system, tree, symbols, roles, loops.closure)
+    solved = _dynamics(system, symbols, roles, loops.closure, motion)
+    return _collect(system, symbols, loops, roles, solved, moved)
 
 
 @dataclass(frozen=True)
@@ -62,7 +61,6 @@ class _MotionState:
 
     kinematics: Kinematics
     rates: dict[str, Scalar]
-    coordinates: dict[str, Scalar]
     loads: dict[str, Loads]
 
 
@@ -74,45 +72,24 @@ def _roles(symbols: Symbols, loops: Loops) -> _Roles:
     return _Roles(independent, dependent, driven)
 
 
-def _drive(closure: Closure, symbols: Symbols, moved: dict) -> Closure:
-    """Replace the symbols of the driven coordinates by their motions."""
-    old = [symbols.coordinates[n] for n in moved] + [symbols.rates[n] for n in moved]
-    new = [m.position for m in moved.values()] + [m.velocity for m in moved.values()]
-    old_column, new_column = ops.column(old), ops.column(new)
-
-    def put(expression: Scalar) -> Scalar:
-        return ops.substitute(expression, old_column, new_column)
-
-    jacobian = [{c: put(v) for c, v in row.items()} for row in closure.jacobian]
-    jacobian = [{c: v for c, v in row.items() if not v.is_zero()} for row in jacobian]
-    return replace(
-        closure,
-        jacobian=jacobian,
-        rate=[put(v) for v in closure.rate],
-        quadratic=[put(v) for v in closure.quadratic],
-    )
-
-
 def _motion(
     system: System,
     tree: Tree,
     symbols: Symbols,
     roles: _Roles,
     closure: Closure,
-    moved: dict,
 ) -> _MotionState:
     """Close the velocities and ask the parts for their loads."""
     joints = symbols.joints
-    coordinates = {**symbols.coordinates, **{n: m.position for n, m in moved.items()}}
-    rates = {**symbols.rates, **{n: m.velocity for n, m in moved.items()}}
+    rates = dict(symbols.rates)
     known = {k: rates[joints[k].name] for k in (*roles.independent, *roles.driven)}
     for k, rate in closure.dependent_rates(known).items():
         rates[joints[k].name] = rate
-    kinematics = Kinematics(tree, coordinates, rates)
+    kinematics = Kinematics(tree, symbols.coordinates, rates)
     loads = {
         part.name: part.loads(_situation(symbols, part, kinematics)) for part in system.parts
     }
-    return _MotionState(kinematics, rates, coordinates, loads)
+    return _MotionState(kinematics, rates, loads)
 
 
 def _situation(symbols: Symbols, part: Part, kinematics: Kinematics) -> Situation:
@@ -189,8 +166,8 @@ def _collect(
     symbols: Symbols,
     loops: Loops,
     roles: _Roles,
-    closure: Closure,
     solved: Solved,
+    moved: dict[str, Motion],
 ) -> Equations:
     """Put everything in the order of the Equations value."""
     joints = symbols.joints
@@ -198,7 +175,6 @@ def _collect(
     part_unknowns = [(p, v) for p in system.parts for v in p.unknowns()]
     independent = [joints[k] for k in roles.independent]
     dependent = [joints[k] for k in roles.dependent]
-    moved = _drive_residuals(system, symbols, loops)
     state = [
         *(symbols.coordinates[j.name] for j in independent),
         *(symbols.rates[j.name] for j in independent),
@@ -214,8 +190,10 @@ def _collect(
         *(symbols.unknowns[p.name][v.name] for p, v in part_unknowns),
     ]
     contact = [r for p in system.parts for r in solved.loads[p.name].residuals]
-    kept = [moved[row] for row, _ in closure.partition.pairs]
-    outputs = observe(system, symbols, loops, closure, solved, moved)
+    kept = [
+        loops.constraints[row].residual.expression for row, _ in loops.closure.partition.pairs
+    ]
+    outputs = observe(system, symbols, loops, solved)
     _check_unique(outputs)
     n = len(independent)
     return Equations(
@@ -224,9 +202,9 @@ def _collect(
         state=ops.column(state),
         algebraic=ops.column(algebraic),
         parameter=ops.column([e.symbol for e in system.table.entries]),
-        rate=ops.column(rate),
-        residual=ops.column([*kept, *contact]),
-        output=ops.column([o.expression for o in outputs]),
+        rate=_put_motions(ops.column(rate), symbols, moved),
+        residual=_put_motions(ops.column([*kept, *contact]), symbols, moved),
+        output=_put_motions(ops.column([o.expression for o in outputs]), symbols, moved),
         event=ops.column([]),
         states=(*_coordinate_states(independent, loops), *_part_variables(part_states)),
         unknowns=(
@@ -244,12 +222,11 @@ def _collect(
     )
 
 
-def _drive_residuals(system: System, symbols: Symbols, loops: Loops) -> list[Scalar]:
-    """Return the residuals of all constraints with driven coordinates replaced."""
-    moved = motions(system, symbols)
-    old = ops.column([symbols.coordinates[n] for n in moved])
-    new = ops.column([m.position for m in moved.values()])
-    return [ops.substitute(c.residual.expression, old, new) for c in loops.constraints]
+def _put_motions(expression: Scalar, symbols: Symbols, moved: dict[str, Motion]) -> Scalar:
+    """Return an expression with the driven coordinates and rates replaced by their motions."""
+    old = [symbols.coordinates[n] for n in moved] + [symbols.rates[n] for n in moved]
+    new = [m.position for m in moved.values()] + [m.velocity for m in moved.values()]
+    return ops.substitute(expression, ops.column(old), ops.column(new))
 
 
 def _coordinate(joint: Joint, start: float) -> Variable:

@@ -27,9 +27,10 @@ class Kinematics:
     ----------
     tree
         Links of the system.
-    coordinates, rates, accelerations
-        Expression of each coordinate and its derivatives by name; ``accelerations`` is None
-        while they are not known yet.
+    coordinates
+        Symbol of each coordinate by name.
+    rates, accelerations
+        Expressions of their derivatives; ``accelerations`` is None while not known yet.
     """
 
     def __init__(
@@ -208,6 +209,15 @@ class Kinematics:
             )
 
         return self._once("beta", link, build)
+
+    def time_derivative(self, expression: Scalar) -> Scalar:
+        """Return the rate of an expression of the coordinates, by the chain rule."""
+        names = list(self._q)
+        return ops.derivative(
+            expression,
+            ops.column([self._q[n] for n in names]),
+            ops.column([self._qd[n] for n in names]),
+        )
 
     # -- relative to an ancestor -----------------------------------------------------------
 

@@ -34,11 +34,10 @@ def observe(
     system: System,
     symbols: Symbols,
     loops: Loops,
-    closure: Closure,
     solved: Solved,
-    residuals: list[Scalar],
 ) -> list[Output]:
     """Return all channels of a system; they cost nothing while nobody samples them."""
+    closure = loops.closure
     needed, _ = inverse_dynamics(solved.kinematics, solved.wrenches, solved.gravity)
     needed = {n: f - solved.joint_forces.get(n, 0.0) for n, f in needed.items()}
     names = [j.name for j in symbols.joints]
@@ -49,7 +48,7 @@ def observe(
         *_part_states(system, symbols),
         *_cut_forces(system, solved, loops, multipliers),
         *_drives(system, symbols, drive),
-        *_constraint_errors(symbols, closure, solved, residuals),
+        *_constraint_errors(symbols, loops, solved),
         *_energies(system, solved, drive),
     ]
     for part in system.parts:
@@ -140,17 +139,16 @@ def _drives(system: System, symbols: Symbols, forces: dict[str, Scalar]) -> list
     return outputs
 
 
-def _constraint_errors(
-    symbols: Symbols, closure: Closure, solved: Solved, residuals: list[Scalar]
-) -> list[Output]:
+def _constraint_errors(symbols: Symbols, loops: Loops, solved: Solved) -> list[Output]:
     """Return the largest position and velocity error of all loop constraints."""
-    if not residuals:
+    if not loops.constraints:
         return []
+    closure = loops.closure
     names = [j.name for j in symbols.joints]
     position: Scalar = 0.0
     velocity: Scalar = 0.0
-    for row, value in enumerate(residuals):
-        position = ops.maximum(position, ops.absolute(value))
+    for row, constraint in enumerate(loops.constraints):
+        position = ops.maximum(position, ops.absolute(constraint.residual.expression))
         speed = closure.rate[row]
         for k, entry in closure.jacobian[row].items():
             speed = speed + entry * solved.rates[names[k]]

@@ -87,7 +87,7 @@ def contact_on_plane(surface: RoadSurface, centre: Vec, spin_axis: Vec, radius: 
     """
     x, y, z = centre[0], centre[1], centre[2]
     normal = ground_normal(surface, x, y)
-    longitudinal, spoke, cosine = _wheel_axes(spin_axis, normal)
+    longitudinal, spoke, cosine = wheel_axes(spin_axis, normal)
     loaded_radius = (z - surface.height(x, y)) * normal[2] / cosine
     return Contact(
         position=centre - loaded_radius * spoke,
@@ -119,7 +119,7 @@ def contact_at_offset(
     """
     reach = _reach(surface, centre, offset)
     normal = ground_normal(surface, centre[0] + offset[0], centre[1] + offset[1])
-    longitudinal, spoke, cosine = _wheel_axes(spin_axis, normal)
+    longitudinal, spoke, cosine = wheel_axes(spin_axis, normal)
     loaded_radius = -ops.dot(reach, spoke)
     return Contact(
         position=centre + reach,
@@ -138,7 +138,7 @@ def contact_residuals(
     """Return (P - C)·e_x(P) and (P - C)·e_y, zero at the contact point [m, m]."""
     reach = _reach(surface, centre, offset)
     normal = ground_normal(surface, centre[0] + offset[0], centre[1] + offset[1])
-    longitudinal, _, _ = _wheel_axes(spin_axis, normal)
+    longitudinal, _, _ = wheel_axes(spin_axis, normal)
     return ops.dot(reach, longitudinal), ops.dot(reach, spin_axis)
 
 
@@ -202,7 +202,7 @@ def _reach(surface: RoadSurface, centre: Vec, offset: tuple[Scalar, Scalar]) -> 
     return ops.vector(offset[0], offset[1], height - centre[2])
 
 
-def _wheel_axes(spin_axis: Vec, normal: Vec) -> tuple[Vec, Vec, Scalar]:
+def wheel_axes(spin_axis: Vec, normal: Vec) -> tuple[Vec, Vec, Scalar]:
     """Return e_x, the upward spoke e_s and n·e_s; finite for a wheel that lies flat."""
     along = ops.cross(spin_axis, normal)
     cosine = ops.sqrt(floored(ops.dot(along, along), AXIS_FLOOR**2))

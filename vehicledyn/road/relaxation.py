@@ -17,6 +17,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from vehicledyn.base.parameters import ParameterSet, quantity
+from vehicledyn.base.registry import register
 from vehicledyn.road.slip import WheelMotion
 from vehicledyn.symbolic import ops
 from vehicledyn.symbolic.ops import Scalar
@@ -34,6 +35,7 @@ LEAK_TIME = 0.01
 """Time in which more deflection than that is lost [s]."""
 
 
+@register("relaxation", "first_order")
 class Relaxation(ParameterSet):
     """Relaxation lengths of a tyre."""
 

@@ -72,3 +72,14 @@ def longitudinal_slip(motion: WheelMotion, floor: Scalar) -> Scalar:
 def slip_angle(motion: WheelMotion, floor: Scalar) -> Scalar:
     """Return α = atan(v_y / max(|v_x|, floor)), rounded near the floor [rad]."""
     return ops.atan(motion.lateral / floored(ops.absolute(motion.longitudinal), floor))
+
+
+def rolling_share(speed: Scalar) -> Scalar:
+    """Return the share of camber thrust that a wheel at |v_x| builds up [1].
+
+    Camber thrust comes of rolling: zero at standstill, 1 - (1 - (v/v1)²)² up to
+    v1 = 1.25 LATERAL_FLOOR and exactly one above, so that with steady slip a standing car is
+    in static equilibrium without forces along the ground.
+    """
+    missing = ops.maximum(1.0 - (speed / (1.25 * LATERAL_FLOOR)) ** 2, 0.0)
+    return 1.0 - missing * missing

@@ -11,8 +11,15 @@ from vehicledyn.road.contact import (
     contact_on_plane,
     contact_residuals,
 )
+from vehicledyn.road.contact_below import contact_below
 from vehicledyn.road.relaxation import Relaxation, TransientSlip, transient_slip
-from vehicledyn.road.slip import SlipFloors, WheelMotion, longitudinal_slip, slip_angle
+from vehicledyn.road.slip import (
+    SlipFloors,
+    WheelMotion,
+    longitudinal_slip,
+    rolling_share,
+    slip_angle,
+)
 from vehicledyn.road.surface import RoadSurface
 from vehicledyn.road.tyre import Tyre, TyreForces, TyreInput
 from vehicledyn.symbolic import ops
@@ -47,8 +54,8 @@ class RoadWheel(BasePart):
     The rolling radius of the longitudinal slip is the loaded radius, so that slip is the
     velocity of the disc's lowest point and its force always dissipates.
 
-    On ground that is not one plane the contact point adds two algebraic unknowns, its
-    horizontal offset from the wheel centre.
+    On ground that is not one plane the contact point of a disc adds two algebraic unknowns,
+    its horizontal offset from the wheel centre.
 
     Parameters
     ----------
@@ -63,6 +70,9 @@ class RoadWheel(BasePart):
         Unloaded radius R [m].
     stiffness, damping
         Vertical stiffness k [N/m] and damping c [N s/m].
+    contact
+        "disc" for the geometric contact of a disc (:mod:`vehicledyn.road.contact`), "vertical"
+        for the rules of the Iltis benchmark (:mod:`vehicledyn.road.contact_below`).
     relaxation
         Relaxation lengths; None for steady slip. Needed to stand still under load.
     floors
@@ -76,6 +86,7 @@ class RoadWheel(BasePart):
     radius: Scalar
     stiffness: Scalar
     damping: Scalar = 0.0
+    contact: str = "disc"
     relaxation: Relaxation | None = None
     floors: SlipFloors = field(default_factory=SlipFloors)
 
@@ -90,7 +101,7 @@ class RoadWheel(BasePart):
 
     def unknowns(self) -> tuple[Variable, ...]:
         """Return the offset of the contact point from the wheel centre, if it is implicit."""
-        if self.surface.is_flat:
+        if not self._is_implicit:
             return ()
         return (
             Variable(_OFFSET[0], "m", "Contact point from the wheel centre along world x"),
@@ -125,7 +136,7 @@ class RoadWheel(BasePart):
             ("tyre.aligning_moment", "N*m", "Tyre moment about the ground", moment, "contact"),
             ("tyre.longitudinal_slip", "1", "Longitudinal slip", felt.longitudinal_slip, ""),
             ("tyre.slip_angle", "rad", "Slip angle", felt.slip_angle, ""),
-            ("tyre.camber", "rad", "Camber to the ground", felt.camber, ""),
+            ("tyre.camber", "rad", "Camber to the ground", contact.camber, ""),
             ("tyre.deflection", "m", "Radial deflection", contact.deflection, ""),
             ("contact_x", "m", "Contact point, x", x, "world"),
             ("contact_y", "m", "Contact point, y", y, "world"),
@@ -142,27 +153,35 @@ class RoadWheel(BasePart):
         contact = self._contact(situation)
         motion = self._motion(situation, contact)
         transient = self._transient(situation, motion)
+        load, camber = self._normal_force(situation, contact), contact.camber
         if transient is None:
             slip = longitudinal_slip(motion, self.floors.longitudinal)
             angle = slip_angle(motion, self.floors.lateral)
+            camber = camber * rolling_share(ops.absolute(motion.longitudinal))
         else:
             slip, angle = transient.longitudinal_slip, transient.slip_angle
-        load = self._normal_force(situation, contact)
-        felt = TyreInput(load, slip, angle, contact.camber)
+        felt = TyreInput(load, slip, angle, camber)
         return WheelState(contact, motion, felt, self.tyre.forces(felt), transient)
 
     def _contact(self, situation: Situation) -> Contact:
         centre, axis = self._pose(situation)
+        if self.contact == "vertical":
+            return contact_below(self.surface, centre, axis, self.radius)
         if self.surface.is_flat:
             return contact_on_plane(self.surface, centre, axis, self.radius)
         offset = self._offset(situation)
         return contact_at_offset(self.surface, centre, axis, self.radius, offset=offset)
 
     def _residuals(self, situation: Situation) -> tuple[Scalar, ...]:
-        if self.surface.is_flat:
+        if not self._is_implicit:
             return ()
         centre, axis = self._pose(situation)
         return contact_residuals(self.surface, centre, axis, self._offset(situation))
+
+    @property
+    def _is_implicit(self) -> bool:
+        """Whether the contact point is an unknown of the equations."""
+        return self.contact == "disc" and not self.surface.is_flat
 
     def _pose(self, situation: Situation) -> tuple[Vec, Vec]:
         """Return wheel centre [m] and unit spin axis in world axes."""

@@ -45,10 +45,23 @@ class Scenario(ParameterSet):
     )
     road: ParameterSet | None = part("road", "Surface of the road", default=None)
     manoeuvre: ParameterSet = part("manoeuvre", "What the vehicle does")
+    contact: Literal["disc", "vertical"] | None = Field(
+        default=None,
+        description="How wheels touch the ground: 'disc' by geometry (the default), 'vertical' "
+        "by the rules of the Iltis benchmark",
+    )
+    relaxation: ParameterSet | None = part(
+        "relaxation", "Transient slip of the tyres; needed to stand on a slope", default=None
+    )
     wheel_spin: Literal["free", "prescribed"] | None = Field(
         default=None, description="Whether the wheels turn freely or as the speed prescribes"
     )
     speed: float = quantity("m/s", "Speed at the start", ge=0)
+    start: Literal["static", "steady"] | None = Field(
+        default=None,
+        description="Equilibrium to start from: 'static' as standing, 'steady' at the speed "
+        "(the default)",
+    )
     duration: float = quantity("s", "Simulated time", gt=0)
     solver: ParameterSet = part("solver", "Integration method")
     output: Output = Field(description="What the result file keeps")

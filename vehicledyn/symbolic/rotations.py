@@ -45,12 +45,29 @@ def axis_vector(axis: int) -> Vec:
     return ops.vector(*[1.0 if k == axis else 0.0 for k in (1, 2, 3)])
 
 
-def yaw_pitch_roll(rotation: Mat) -> tuple[Scalar, Scalar, Scalar]:
-    """Return yaw, pitch and roll [rad] of R = Rz(yaw) Ry(pitch) Rx(roll), ISO 8855.
+def columns(first: Vec, second: Vec, third: Vec) -> Mat:
+    """Return the matrix with these three columns."""
+    return matrix([[first[k], second[k], third[k]] for k in range(3)])
 
-    Singular at a pitch of ±π/2.
+
+def tait_bryan(rotation: Mat, sequence: tuple[int, int, int]) -> tuple[Scalar, Scalar, Scalar]:
+    """Return the angles (a, b, c) of R = turn(i, a) turn(j, b) turn(k, c) [rad].
+
+    Parameters
+    ----------
+    rotation
+        Rotation matrix.
+    sequence
+        Three different axes (i, j, k). Singular where the second angle is ±π/2.
     """
-    yaw = ops.atan2(rotation[1, 0], rotation[0, 0])
-    pitch = ops.atan2(-rotation[2, 0], ops.smooth_norm(rotation[2, 1], rotation[2, 2], 0.0))
-    roll = ops.atan2(rotation[2, 1], rotation[2, 2])
-    return yaw, pitch, roll
+    i, j, k = (axis - 1 for axis in sequence)
+    cyclic = 1.0 if (j - i) % 3 == 1 else -1.0
+    first = ops.atan2(-cyclic * rotation[j, k], rotation[k, k])
+    third = ops.atan2(-cyclic * rotation[i, j], rotation[i, i])
+    across = ops.sqrt(rotation[i, i] * rotation[i, i] + rotation[i, j] * rotation[i, j])
+    return first, ops.atan2(cyclic * rotation[i, k], across), third
+
+
+def yaw_pitch_roll(rotation: Mat) -> tuple[Scalar, Scalar, Scalar]:
+    """Return yaw, pitch and roll [rad] of R = Rz(yaw) Ry(pitch) Rx(roll), ISO 8855."""
+    return tait_bryan(rotation, (3, 2, 1))

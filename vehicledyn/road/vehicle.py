@@ -1,0 +1,69 @@
+"""What a road vehicle offers to manoeuvres, drivers, plots and summaries."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+from vehicledyn.multibody.parts import Part
+from vehicledyn.multibody.system import System
+from vehicledyn.road.relaxation import Relaxation
+from vehicledyn.road.surface import RoadSurface
+from vehicledyn.road.tyre import Tyre
+from vehicledyn.symbolic.ops import Scalar
+
+
+@dataclass(frozen=True)
+class RoadOptions:
+    """Parts that a scenario chooses for a road vehicle.
+
+    ``contact`` is "disc" or "vertical" (see :class:`vehicledyn.road.wheel.RoadWheel`).
+    ``free_wheels`` says whether the wheels turn freely or at the constant rate speed / unloaded
+    radius; ``speed`` is the forward speed at the start [m/s].
+    """
+
+    front_tyre: Tyre
+    rear_tyre: Tyre
+    surface: RoadSurface
+    free_wheels: bool
+    speed: float
+    contact: str = "disc"
+    relaxation: Relaxation | None = None
+
+
+@dataclass(frozen=True)
+class Corner:
+    """A wheel: its body, its spin coordinate and its place; ``radius`` unloaded [m]."""
+
+    name: str
+    body: str
+    spin: str
+    is_front: bool
+    is_left: bool
+    radius: float
+
+
+@dataclass(frozen=True)
+class RoadVehicle:
+    """A road vehicle: its system and the names others need.
+
+    ``chassis`` is the body whose coordinates are ``<chassis>.x, y, z, yaw, pitch, roll``
+    (position of its origin, ISO 8855 angles); ``rack`` is the driven coordinate of the steering
+    rack [m], positive to the left; ``steering_gain`` the road-wheel angle it gives [rad/m].
+    ``outline`` holds the corners of the body seen from above in chassis axes, shape (m, 2) [m].
+    ``speed`` is the symbol of the forward speed at the start [m/s].
+    """
+
+    system: System
+    chassis: str
+    rack: str
+    steering_gain: Scalar
+    wheelbase: Scalar
+    front_distance: Scalar
+    outline: tuple[tuple[float, float], ...]
+    corners: tuple[Corner, ...]
+    free_wheels: bool
+    speed: Scalar
+
+    def with_parts(self, *parts: Part) -> RoadVehicle:
+        """Return the vehicle with more parts in its system."""
+        return replace(self, system=self.system.with_parts(*parts))
