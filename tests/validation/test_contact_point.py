@@ -7,7 +7,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from vehicledyn.road.contact import contact_on_plane, find_contact
+from vehicledyn.road.contact import contact_on_plane
+from vehicledyn.road.contact_search import find_contact
 from vehicledyn.road.surfaces.flat import Flat
 from vehicledyn.road.surfaces.plane import Plane
 from vehicledyn.road.surfaces.sine import Sine

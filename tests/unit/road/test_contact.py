@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from vehicledyn.base.errors import InputError, NumericalError
-from vehicledyn.road.contact import contact_on_plane, find_contact
+from vehicledyn.road.contact import contact_on_plane
+from vehicledyn.road.contact_search import find_contact
 from vehicledyn.road.surfaces.bump import Bump
 from vehicledyn.road.surfaces.flat import Flat
 from vehicledyn.road.surfaces.plane import Plane

@@ -8,7 +8,7 @@ import pytest
 from vehicledyn.multibody.derive import derive
 from vehicledyn.multibody.system import Body, Joint, System
 from vehicledyn.road import relaxation as transient
-from vehicledyn.road.contact import find_contact
+from vehicledyn.road.contact_search import find_contact
 from vehicledyn.road.relaxation import Relaxation
 from vehicledyn.road.slip import SlipFloors
 from vehicledyn.road.surfaces.flat import Flat
