@@ -138,3 +138,24 @@ def describe(value: object) -> str:
     if isinstance(value, list | tuple):
         return "a list"
     return f"'{value}'"
+
+
+_SHOWN_AS = {
+    "rad": "deg",
+    "rad/s": "deg/s",
+    "1": "",
+}
+
+
+def shown(value: float | int | bool | str, unit: str) -> str:
+    """Return a value in SI as a person reads it: angles in degrees, four significant digits.
+
+    >>> shown(0.05, "rad")
+    '2.865 deg'
+    """
+    if isinstance(value, bool | str):
+        return str(value)
+    wanted = _SHOWN_AS.get(unit, unit)
+    factor = parse_unit(unit).factor / parse_unit(wanted or "1").factor if unit else 1.0
+    number = str(value) if isinstance(value, int) else f"{value * factor:.4g}"
+    return f"{number} {wanted}".rstrip()

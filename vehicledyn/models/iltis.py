@@ -9,11 +9,13 @@ guided link at its outer end. The carrier turns about the line between the two b
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from pathlib import Path
 from typing import Any, ClassVar
 
 from vehicledyn.base.parameters import ParameterSet
-from vehicledyn.base.registry import register
+from vehicledyn.base.registry import find, register
 from vehicledyn.models.iltis_parameters import (
+    DATA_FILE,
     AArm,
     Axle,
     Hardpoints,
@@ -45,12 +47,19 @@ class Iltis:
     """VW/Bombardier Iltis 4x4, the IAVSD road-vehicle benchmark of 1990."""
 
     parameter_class: ClassVar[type[ParameterSet]] = IltisParameters
-    summary: ClassVar[str] = "Bombardier Iltis, IAVSD benchmark: 10 to 14 degrees of freedom"
+    parameter_file: ClassVar[Path] = DATA_FILE
 
     @classmethod
     def default_parameters(cls) -> dict[str, Any]:
         """Return the parameters of the data file, with units."""
         return default_parameters()
+
+    @classmethod
+    def standard_options(cls) -> RoadOptions:
+        """Return the parts of the benchmark: its tyres on a flat road, wheels prescribed."""
+        tyre = find("tyre", "calspan")()
+        flat = find("road", "flat")()
+        return RoadOptions(tyre, tyre, flat, free_wheels=False, speed=0.0, contact="vertical")
 
     @classmethod
     def build(cls, parameters: IltisParameters, options: RoadOptions) -> RoadVehicle:

@@ -115,7 +115,7 @@ class ShockAbsorber(ParameterSet):
 class Steering(ParameterSet):
     """What a driver knows of the steering."""
 
-    gain: float = quantity("rad/m", "Road-wheel angle a rack displacement", gt=0)
+    gain: float = quantity("rad/m", "Road-wheel angle, to the left, a rack displacement along +y")
 
 
 class IltisParameters(ParameterSet):

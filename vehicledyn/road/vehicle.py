@@ -48,7 +48,8 @@ class RoadVehicle:
 
     ``chassis`` is the body whose coordinates are ``<chassis>.x, y, z, yaw, pitch, roll``
     (position of its origin, ISO 8855 angles); ``rack`` is the driven coordinate of the steering
-    rack [m], positive to the left; ``steering_gain`` the road-wheel angle it gives [rad/m].
+    rack [m] along +y; ``steering_gain`` the road-wheel angle to the left that it gives [rad/m],
+    negative for tie rods behind the axle.
     ``outline`` holds the corners of the body seen from above in chassis axes, shape (m, 2) [m].
     ``speed`` is the symbol of the forward speed at the start [m/s].
     """

@@ -1,0 +1,18 @@
+"""What a summary is made from: the channels a manoeuvre asked for, over all samples of a run."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
+
+@dataclass(frozen=True)
+class Recording:
+    """Samples of a run: ``time``, shape (n,) [s], and channels by name, shape (n,), in SI."""
+
+    time: NDArray[np.float64]
+    channels: dict[str, NDArray[np.float64]]

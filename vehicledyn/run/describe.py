@@ -1,0 +1,92 @@
+"""The verb "models show": structure, coordinates and operation counts of a model."""
+
+from __future__ import annotations
+
+import textwrap
+from dataclasses import dataclass
+from typing import Any
+
+from vehicledyn.base.registry import find
+from vehicledyn.run.prepare import Progress, prepare
+from vehicledyn.scenario import load_model
+from vehicledyn.solve.kernel import Backend, KernelReport
+from vehicledyn.symbolic.equations import Equations
+
+
+@dataclass(frozen=True)
+class ModelReport:
+    """What a model is made of and what its equations cost."""
+
+    summary: str
+    equations: Equations
+    kernel: str
+    report: KernelReport
+
+    def as_text(self) -> str:
+        """Return the report as text."""
+        s = self.equations.structure
+        parts = [
+            f"{self.equations.name}: {self.summary}",
+            "",
+            f"{s['degrees_of_freedom']} degrees of freedom, {len(s['bodies'])} bodies, "
+            f"{len(s['cuts'])} loop cuts, {len(self.equations.parameters)} parameters, "
+            f"{len(self.equations.channels)} channels",
+            "",
+            "bodies",
+            *(_body_line(b) for b in s["bodies"]),
+            "",
+            *_listed("independent coordinates", s["independent"]),
+            *_listed("dependent coordinates", s["dependent"]),
+            *_listed("driven coordinates", s["driven"]),
+            *_listed("loops, in the order of solution", [", ".join(c) for c in s["loops"]], "; "),
+            *_listed("redundant constraints", s["redundant"]),
+            *_listed("parts", s["parts"]),
+            f"operations ({self.kernel})",
+            *(f"  {name:12} {count}" for name, count in self.report.operations.items()),
+        ]
+        return "\n".join(parts)
+
+    def as_dict(self) -> dict[str, Any]:
+        """Return the report as plain data."""
+        e = self.equations
+        return {
+            "name": e.name,
+            "summary": self.summary,
+            **e.structure,
+            "states": [{"name": v.name, "unit": v.unit, "start": v.start} for v in e.states],
+            "parameters": {
+                p.name: {"value": p.value, "unit": p.unit, "description": p.description}
+                for p in e.parameters
+            },
+            "channels": {
+                c.name: {"unit": c.unit, "description": c.description, "frame": c.frame}
+                for c in e.channels
+            },
+            "kernel": self.kernel,
+            "operations": self.report.operations,
+            "generation_seconds": self.report.generation_seconds,
+            "compilation_seconds": self.report.compilation_seconds,
+        }
+
+
+def describe_model(name: str, *, backend: Backend, progress: Progress) -> ModelReport:
+    """Return what a model of the catalogue is made of, with its standard parts."""
+    prepared = prepare(load_model(name), backend=backend, progress=progress)
+    kernel = prepared.kernel
+    summary = (find("model", name).__doc__ or "").strip().partition("\n")[0]
+    return ModelReport(summary, prepared.equations, kernel.description, kernel.report)
+
+
+def _body_line(body: dict[str, Any]) -> str:
+    joints = ", ".join(body["joints"]) or "fixed"
+    massless = " (massless)" if body["massless"] else ""
+    return f"  {body['name']}{massless} on {body['parent']}: {joints}"
+
+
+def _listed(title: str, names: list[str], separator: str = ", ") -> list[str]:
+    if not names:
+        return []
+    text = textwrap.fill(
+        separator.join(names), 96, initial_indent="  ", subsequent_indent="  "
+    )
+    return [title, text, ""]

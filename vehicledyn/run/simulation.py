@@ -1,0 +1,280 @@
+"""One run from scenario to result file: the whole pipeline on one page."""
+
+from __future__ import annotations
+
+import fnmatch
+import hashlib
+import json
+from collections.abc import Sequence
+from dataclasses import dataclass, field, fields
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vehicledyn.base.errors import InputError, NumericalError, nearest_name, unknown_name
+from vehicledyn.base.units import shown
+from vehicledyn.manoeuvres.recording import Recording
+from vehicledyn.results.layout import ResultHeader, SummaryEntry
+from vehicledyn.results.output import check_output
+from vehicledyn.results.plots import draw_plots
+from vehicledyn.results.writer import ResultWriter
+from vehicledyn.run.prepare import Point, Prepared, Progress, equilibrium_point, prepare
+from vehicledyn.run.vehicle import manoeuvre_of
+from vehicledyn.scenario import LoadedScenario
+from vehicledyn.solve.kernel import Backend
+from vehicledyn.solve.simulate import simulate
+from vehicledyn.solve.task import Statistics
+
+Matrix = NDArray[np.float64]
+EXIT_OK, EXIT_FAILED, EXIT_INTERRUPTED = 0, 3, 130
+
+
+@dataclass(frozen=True)
+class ShownEntry:
+    """A line of the summary: value in SI, unit, and the text a person reads."""
+
+    value: float | int | bool | str
+    unit: str
+    text: str
+
+
+@dataclass(frozen=True)
+class RunOutcome:
+    """What came of a run: the result file, how it ended, key figures, messages."""
+
+    path: Path
+    status: str
+    exit_code: int
+    summary: dict[str, ShownEntry]
+    messages: list[str]
+
+
+def run_scenario(
+    loaded: LoadedScenario,
+    *,
+    output: Path,
+    backend: Backend,
+    plots: Path | None,
+    progress: Progress,
+) -> RunOutcome:
+    """Simulate a scenario and write its result file and figures.
+
+    Parameters
+    ----------
+    loaded
+        The validated scenario.
+    output
+        Result file; it is checked before anything is computed.
+    backend
+        "auto", "compiled" or "interpreted".
+    plots
+        Folder for the figures, None for no figures.
+    progress
+        Told what is going on and the part done.
+
+    Returns
+    -------
+    RunOutcome
+        A failed or interrupted run keeps what it computed and says so in its status.
+
+    Raises
+    ------
+    InputError
+        If the scenario does not make a vehicle or the output cannot be written.
+    NumericalError
+        If the loops cannot be assembled or there is no equilibrium to start from.
+    """
+    check_output(output)
+    prepared = prepare(loaded, backend=backend, progress=progress)
+    kept = _kept_channels(loaded, prepared)
+    described = _plots(loaded, prepared, kept)
+    progress("finding the equilibrium to start from", None)
+    s = loaded.scenario
+    start = equilibrium_point(prepared, s.speed, s.start or "steady")
+    run = _Run(loaded, prepared, kept, described)
+    run.simulate(start, output, progress)
+    messages = [_kernel_message(prepared), *run.messages]
+    if plots is not None and run.samples and described:
+        progress("drawing the figures", None)
+        pictures = draw_plots(output, plots)
+        messages.append(f"{len(pictures)} figures in {plots}")
+    return RunOutcome(
+        output, run.status, run.exit_code, {e.name: _shown(e) for e in run.summary}, messages
+    )
+
+
+@dataclass
+class _Run:
+    """A simulation while it runs: writes samples and collects what the summary needs."""
+
+    loaded: LoadedScenario
+    prepared: Prepared
+    kept: list[int]
+    plots: list[dict[str, Any]]
+    status: str = "ok"
+    exit_code: int = EXIT_OK
+    samples: int = 0
+    messages: list[str] = field(default_factory=list)
+    summary: list[SummaryEntry] = field(default_factory=list)
+    _times: list[Matrix] = field(default_factory=list)
+    _values: list[Matrix] = field(default_factory=list)
+
+    def simulate(self, start: Point, output: Path, progress: Progress) -> None:
+        """Integrate and write the result; an error or Ctrl-C closes the file as partial."""
+        s = self.loaded.scenario
+        statistics: Statistics | None = None
+        message = ""
+        with self._writer(output) as writer:
+            try:
+                statistics = simulate(
+                    self.prepared.kernel,
+                    s.solver,  # type: ignore[arg-type]
+                    start=0.0,
+                    stop=s.duration,
+                    state=start.state,
+                    unknowns=start.unknowns,
+                    interval=s.output.interval,
+                    sink=lambda t, x, z, y: self._take(writer, t, x, z, y),
+                    progress=progress,
+                )
+            except NumericalError as error:
+                self.status, self.exit_code, message = "failed", EXIT_FAILED, str(error)
+            except KeyboardInterrupt:
+                self.status, self.exit_code = "interrupted", EXIT_INTERRUPTED
+                message = f"stopped by the user at t = {self._end():g} s"
+            self._summarise()
+            solver = self._solver(statistics)
+            writer.close(self.status, message, summary=self.summary, solver=solver)
+        if message:
+            self.messages.append(f"{message}; the partial result is kept in {output}")
+
+    def _writer(self, output: Path) -> ResultWriter:
+        e, s = self.prepared.equations, self.loaded.scenario
+        vehicle, manoeuvre = self.prepared.vehicle, manoeuvre_of(self.loaded)
+        header = ResultHeader(
+            title=s.title,
+            model=s.model,
+            model_hash=_model_hash(self.prepared),
+            scenario_text=self.loaded.text,
+            configuration={
+                **self.loaded.resolved,
+                "overrides": list(self.loaded.overrides),
+                "units": self.loaded.units,
+            },
+            plots=self.plots,
+            scene=manoeuvre.scene(vehicle),
+        )
+        return ResultWriter(
+            output,
+            channels=[e.channels[k] for k in self.kept],
+            header=header,
+            states=[*e.states, *e.unknowns],
+            expected_samples=round(s.duration / s.output.interval) + 1,
+        )
+
+    def _take(self, writer: ResultWriter, t: Matrix, x: Matrix, z: Matrix, y: Matrix) -> None:
+        writer.append(t, y[:, self.kept], np.hstack([x, z]))
+        self._times.append(t.copy())
+        self._values.append(y[:, self._needed()].copy())
+        self.samples += len(t)
+
+    def _needed(self) -> list[int]:
+        names = [c.name for c in self.prepared.equations.channels]
+        wanted = manoeuvre_of(self.loaded).channels(self.prepared.vehicle)
+        return [names.index(name) for name in wanted]
+
+    def _summarise(self) -> None:
+        if not self.samples:
+            return
+        wanted = manoeuvre_of(self.loaded).channels(self.prepared.vehicle)
+        values = np.vstack(self._values)
+        columns = {name: values[:, k] for k, name in enumerate(wanted)}
+        recording = Recording(np.concatenate(self._times), columns)
+        self.summary = manoeuvre_of(self.loaded).summarise(recording, self.prepared.vehicle)
+
+    def _end(self) -> float:
+        return float(self._times[-1][-1]) if self._times else 0.0
+
+    def _solver(self, statistics: Statistics | None) -> dict[str, Any]:
+        kernel = self.prepared.kernel
+        known: dict[str, Any] = {
+            "kernel": kernel.description,
+            "operations": json.dumps(kernel.report.operations),
+            "generation_seconds": kernel.report.generation_seconds,
+            "compilation_seconds": kernel.report.compilation_seconds,
+            "kernel_from_cache": kernel.report.cached,
+        }
+        if statistics is not None:
+            values = {f.name: getattr(statistics, f.name) for f in fields(statistics)}
+            known.update({k: v for k, v in values.items() if v is not None})
+        return known
+
+
+def _kept_channels(loaded: LoadedScenario, prepared: Prepared) -> list[int]:
+    """Return the channels to write; an unknown pattern is an error before the run."""
+    names = [c.name for c in prepared.equations.channels]
+    patterns = loaded.scenario.output.channels
+    if patterns is None:
+        return list(range(len(names)))
+    problems = []
+    for pattern in patterns:
+        if not fnmatch.filter(names, pattern):
+            guess = nearest_name(pattern, names)
+            hint = f"; did you mean '{guess}'?" if guess else ""
+            problems.append(
+                f"{loaded.path}: output.channels: '{pattern}' matches no channel{hint}"
+            )
+    if problems:
+        raise InputError("\n".join(problems))
+    return [k for k, n in enumerate(names) if any(fnmatch.fnmatchcase(n, p) for p in patterns)]
+
+
+def _plots(loaded: LoadedScenario, prepared: Prepared, kept: Sequence[int]) -> list[dict[str, Any]]:
+    """Return the figures asked for, those whose channels are kept."""
+    described = manoeuvre_of(loaded).plots(prepared.vehicle)
+    names = {prepared.equations.channels[k].name for k in kept}
+    wanted = loaded.scenario.output.plots
+    known = [str(plot["name"]) for plot in described]
+    for name in wanted or ():
+        if name not in known:
+            raise InputError(f"{loaded.path}: output.plots: {unknown_name('plot', name, known)}")
+    chosen = [p for p in described if wanted is None or p["name"] in wanted]
+    return [plot for plot in chosen if _plot_channels(plot) <= names]
+
+
+def _plot_channels(plot: dict[str, Any]) -> set[str]:
+    if plot["kind"] == "path":
+        return {plot["x"], plot["y"], plot["heading"]}
+    return {channel for panel in plot["panels"] for channel in panel["channels"]}
+
+
+def _model_hash(prepared: Prepared) -> str:
+    """Return a digest of the structure and the parameter values of the model."""
+    e = prepared.equations
+    facts = {
+        "structure": e.structure,
+        "parameters": {p.name: p.value for p in e.parameters},
+        "channels": [c.name for c in e.channels],
+    }
+    text = json.dumps(facts, sort_keys=True, default=str)
+    return hashlib.sha256(text.encode()).hexdigest()
+
+
+def _kernel_message(prepared: Prepared) -> str:
+    report = prepared.kernel.report
+    total = report.operations.get("rates", 0)
+    origin = "cached" if report.cached else f"built in {_built(prepared):.1f} s"
+    text = f"kernel: {prepared.kernel.description}, {total} operations a right-hand side, {origin}"
+    return f"{text} ({report.remark})" if report.remark else text
+
+
+def _built(prepared: Prepared) -> float:
+    report = prepared.kernel.report
+    return report.generation_seconds + report.compilation_seconds
+
+
+def _shown(entry: SummaryEntry) -> ShownEntry:
+    text = shown(entry.value, entry.unit)
+    return ShownEntry(entry.value, entry.unit, f"{text:<14} {entry.description}")

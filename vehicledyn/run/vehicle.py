@@ -1,0 +1,69 @@
+"""Build the vehicle of a scenario, or of a model by itself, ready to be derived."""
+
+from __future__ import annotations
+
+from vehicledyn.base.errors import InputError
+from vehicledyn.base.registry import find
+from vehicledyn.manoeuvres.manoeuvre import RoadManoeuvre
+from vehicledyn.manoeuvres.straight import Straight
+from vehicledyn.road.vehicle import RoadOptions, RoadVehicle
+from vehicledyn.scenario import LoadedModel, LoadedScenario
+
+Target = LoadedScenario | LoadedModel
+
+
+def manoeuvre_of(target: Target) -> RoadManoeuvre:
+    """Return the manoeuvre of a scenario; a model by itself goes straight."""
+    if isinstance(target, LoadedModel):
+        return Straight()
+    manoeuvre = target.scenario.manoeuvre
+    if not isinstance(manoeuvre, RoadManoeuvre):
+        raise InputError(f"{target.path}: manoeuvre '{manoeuvre.kind}' is not for a road vehicle")
+    return manoeuvre
+
+
+def build_vehicle(target: Target) -> RoadVehicle:
+    """Return the vehicle with its tyres on its road, steered by its manoeuvre.
+
+    Raises
+    ------
+    InputError
+        If the scenario lacks a part that the vehicle needs, all missing parts at once.
+    """
+    if isinstance(target, LoadedModel):
+        model = find("model", target.name)
+        options: RoadOptions = model.standard_options()
+    else:
+        model = find("model", target.scenario.model)
+        options = _options(target)
+    vehicle: RoadVehicle = model.build(target.model_parameters, options)
+    return manoeuvre_of(target).fit(vehicle)
+
+
+def _options(loaded: LoadedScenario) -> RoadOptions:
+    s = loaded.scenario
+    problems = [
+        f"{loaded.path}: {key}: missing: {why}"
+        for key, value, why in (
+            ("tyres", s.tyres, "a road vehicle needs a tyre law, such as 'kind: calspan'"),
+            ("road", s.road, "a road vehicle needs a road, such as 'kind: flat'"),
+            ("wheel_spin", s.wheel_spin, "say 'free' or 'prescribed'"),
+        )
+        if value is None
+    ]
+    is_free = s.wheel_spin == "free"
+    problems += [
+        f"{loaded.path}: manoeuvre: {text}"
+        for text in manoeuvre_of(loaded).problems(free_wheels=is_free)
+    ]
+    if problems:
+        raise InputError("\n".join([*problems, f"{len(problems)} problem(s) in {loaded.path}"]))
+    return RoadOptions(
+        front_tyre=s.tyres.front,  # type: ignore[union-attr, arg-type]
+        rear_tyre=s.tyres.rear,  # type: ignore[union-attr, arg-type]
+        surface=s.road,  # type: ignore[arg-type]
+        free_wheels=is_free,
+        speed=s.speed,
+        contact=s.contact or "disc",
+        relaxation=s.relaxation,  # type: ignore[arg-type]
+    )
