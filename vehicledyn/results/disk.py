@@ -1,13 +1,18 @@
 """An HDF5 file that may be written to on a disk that fills up.
 
 HDF5 does not survive a failed write: it tries again when objects are closed, and again when
-the process ends, where it crashes. Here the first failure is kept for the caller to ask for
-and later writes are dropped, so that the disk holds what a kill at that instant would leave.
+the process ends, where it crashes. Here the first failure is kept for the caller to ask for and
+later writes stay in memory, where HDF5 finds them again. So HDF5 ends its work in peace, and
+the disk holds what a kill at that instant would leave.
 """
 
 from __future__ import annotations
 
+import contextlib
 import os
+import signal
+import threading
+from collections.abc import Iterator
 from pathlib import Path
 
 import h5py
@@ -62,12 +67,30 @@ class Container:
             raise self.failure
 
 
+@contextlib.contextmanager
+def undisturbed() -> Iterator[None]:
+    """Put Ctrl-C off until the block is done: it would break HDF5's writing half way."""
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    pressed: list[int] = []
+    before = signal.getsignal(signal.SIGINT)
+    signal.signal(signal.SIGINT, lambda number, _: pressed.append(number))
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGINT, before)
+        if pressed:
+            signal.raise_signal(signal.SIGINT)
+
+
 class _SteadyFile:
     """File object for h5py's ``fileobj`` driver; see the module's text."""
 
     def __init__(self, path: Path, *, new: bool) -> None:
         self._file = path.open("w+b" if new else "r+b", buffering=0)
         self.error: OSError | None = None
+        self._kept: list[tuple[int, bytes]] = []
 
     def seek(self, offset: int, whence: int = os.SEEK_SET) -> int:
         """Move to an offset and return it."""
@@ -83,23 +106,36 @@ class _SteadyFile:
 
     def readinto(self, buffer: bytearray | memoryview) -> int:
         """Fill the buffer and return how many bytes there were."""
-        return self._file.readinto(buffer) or 0
+        start = self.tell()
+        count = self._file.readinto(buffer) or 0
+        if self.error is None:
+            return count
+        view = memoryview(buffer).cast("B")
+        view[count:] = bytes(len(view) - count)
+        for offset, data in self._kept:
+            first, last = max(offset, start), min(offset + len(data), start + len(view))
+            if first < last:
+                view[first - start : last - start] = data[first - offset : last - offset]
+        return len(view)
 
     def write(self, data: bytes | memoryview) -> int:
-        """Write all bytes, unless a write failed before."""
-        rest = memoryview(data)
-        if self.tell() == 0 and superblock.is_open_with_readers(bytes(rest[: superblock.SIZE])):
-            start = superblock.with_writing_flag(bytes(rest[: superblock.SIZE]))
-            rest = memoryview(start + bytes(rest[superblock.SIZE :]))
+        """Write all bytes, or keep them in memory once a write has failed."""
+        start, rest = self.tell(), memoryview(bytes(data))
+        if start == 0 and superblock.is_open_with_readers(bytes(rest[: superblock.SIZE])):
+            first = superblock.with_writing_flag(bytes(rest[: superblock.SIZE]))
+            rest = memoryview(first + bytes(rest[superblock.SIZE :]))
+        whole = bytes(rest)
         try:
             while rest and self.error is None:
                 rest = rest[self._file.write(rest) or 0 :]
         except OSError as error:
             self.error = error
+        if self.error is not None:
+            self._kept.append((start, whole))
         return len(data)
 
     def truncate(self, size: int) -> int:
-        """Set the size of the file, unless a write failed before."""
+        """Set the size of the file, unless a write has failed."""
         try:
             if self.error is None:
                 self._file.truncate(size)

@@ -179,17 +179,10 @@ class Result:
     @property
     def summary(self) -> dict[str, SummaryEntry]:
         """Entries of the summary by name; empty for a run that was killed."""
-        entries: dict[str, SummaryEntry] = {}
-
-        def visit(place: str, item: Any) -> None:
-            if isinstance(item, h5py.Dataset):
-                name = place.replace("/", ".")
-                unit, meaning = str(item.attrs["units"]), str(item.attrs["long_name"])
-                entries[name] = SummaryEntry(name, _scalar(item), unit, meaning)
-
         with _reading(self.path):
-            self._file["summary"].visititems(visit)
-        return entries
+            group = self._file["summary"]
+            names = [str(name) for name in group.attrs.get("entries", ())]
+            return {name: _entry(name, group[dataset_path(name)[1:]]) for name in names}
 
     @property
     def solver(self) -> dict[str, Any]:
@@ -309,6 +302,11 @@ def _reading(path: Path) -> Iterator[None]:
 
 def _texts(dataset: h5py.Dataset) -> tuple[str, ...]:
     return tuple(str(text) for text in dataset.asstr()[()])
+
+
+def _entry(name: str, dataset: h5py.Dataset) -> SummaryEntry:
+    unit, meaning = str(dataset.attrs["units"]), str(dataset.attrs["long_name"])
+    return SummaryEntry(name, _scalar(dataset), unit, meaning)
 
 
 def _scalar(dataset: h5py.Dataset) -> float | int | bool | str:

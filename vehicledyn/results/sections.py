@@ -115,8 +115,9 @@ def extend(dataset: h5py.Dataset, start: int, values: NDArray[np.float64]) -> No
     dataset.id.write(h5py.h5s.create_simple(shape), place, values)
 
 
-def write_summary(group: h5py.Group, summary: Iterable[SummaryEntry]) -> None:
-    """Write the summary's entries as scalar datasets."""
+def write_summary(group: h5py.Group, summary: Sequence[SummaryEntry]) -> None:
+    """Write the summary's entries as scalar datasets; an attribute keeps their order."""
+    write_names(group, "entries", [entry.name for entry in summary])
     for entry in summary:
         place = dataset_path(entry.name)[1:]
         if isinstance(entry.value, str):
@@ -138,6 +139,11 @@ def write_events(group: h5py.Group, events: Sequence[EventRecord]) -> None:
     instants.make_scale("at")
     names = _write_texts(group, "name", (event.name for event in events))
     names.dims[0].attach_scale(instants)
+
+
+def write_names(place: h5py.Group, attribute_name: str, names: Sequence[str]) -> None:
+    """Write names as an attribute, in their order."""
+    place.attrs[attribute_name] = np.array(names, dtype=h5py.string_dtype())
 
 
 def write_attributes(place: h5py.Group | h5py.Dataset, values: Mapping[str, Any]) -> None:

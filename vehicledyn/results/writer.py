@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from vehicledyn.base.errors import InputError
 from vehicledyn.results import sections
-from vehicledyn.results.disk import Container
+from vehicledyn.results.disk import Container, undisturbed
 from vehicledyn.results.layout import (
     STATUSES,
     Described,
@@ -95,10 +95,11 @@ class ResultWriter:
         self._lock = OutputLock(self.path)
         self._container: Container | None = None
         try:
-            self._container = Container(self._scratch, new=True)
-            self._create(self._container.file, channels, states, header)
-            self._container.flush()
-            self._scratch.replace(self.path)
+            with undisturbed():
+                self._container = Container(self._scratch, new=True)
+                self._create(self._container.file, channels, states, header)
+                self._container.flush()
+                self._scratch.replace(self.path)
         except (OSError, RuntimeError) as error:
             raise self._failed(error) from error
 
@@ -126,6 +127,7 @@ class ResultWriter:
         if overdue or sum(len(block.times) for block in self._buffer) >= self._chunk:
             self._flush(self._container)
 
+    @undisturbed()
     def close(
         self,
         status: str = "ok",
@@ -206,8 +208,7 @@ class ResultWriter:
             dataset = sections.create_column(file, channel, self._chunk, self._time)
             sections.write_attributes(dataset, {"frame": channel.frame})
             self._channels.append(dataset)
-        names = [channel.name for channel in channels]
-        file.attrs["channels"] = np.array(names, dtype=h5py.string_dtype())
+        sections.write_names(file, "channels", [channel.name for channel in channels])
         self._states = sections.create_states(file.create_group("states"), states, self._time)
         for group in ("events", "summary", "solver"):
             file.create_group(group, track_order=True)
@@ -226,6 +227,7 @@ class ResultWriter:
         self._last_time = instants[-1] if len(instants) else self._last_time
         return _Block(instants, table, further)
 
+    @undisturbed()
     def _flush(self, container: Container) -> None:
         """Write the buffer; the times come last, so that they never promise missing values."""
         if not self._buffer:
