@@ -9,6 +9,8 @@ Parameters are all symbolic, so a good part of every expression does not change 
 from __future__ import annotations
 
 from collections import Counter
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Any
 
@@ -32,18 +34,20 @@ def derive_functions(equations: Equations) -> KernelFunctions:
     import casadi
 
     time, state, unknown = equations.time, equations.state, equations.algebraic
-    expressions = [equations.rate, equations.output]
+    expressions: Any = [equations.rate, equations.output]
     for block in equations.blocks:
         residual = equations.residual[block.start : block.stop]
         expressions += [residual, casadi.jacobian(residual, unknown[block.start : block.stop])]
     expressions = casadi.cse([casadi.densify(casadi.SX(item)) for item in expressions])
     inputs = [time, state, unknown, equations.parameter]
-    expressions = _use_reciprocals(casadi.Function("all", inputs, expressions))(*inputs)
-    expressions, symbols, values = casadi.extract_parametric(
-        list(expressions), [equations.parameter], {"extract_trivial": True}
+    with _as_written():
+        expressions = _use_reciprocals(casadi.Function("all", inputs, expressions), inputs)
+        expressions, symbols, fixed = casadi.extract_parametric(
+            expressions, [equations.parameter], {"extract_trivial": True}
+        )
+    constants, values = (
+        casadi.vertcat(*items) if items else casadi.SX(0, 1) for items in (symbols, fixed)
     )
-    constants = casadi.vertcat(*symbols) if symbols else casadi.SX(0, 1)
-    values = casadi.vertcat(*values) if values else casadi.SX(0, 1)
     inputs = [time, state, unknown, constants]
     return KernelFunctions(
         prepare=casadi.Function("prepare", [equations.parameter], [values]),
@@ -78,18 +82,30 @@ def _operations(function: Any) -> int:
     return sum(function.instruction_id(k) not in free for k in range(function.n_instructions()))
 
 
-def _use_reciprocals(function: Any) -> Any:
-    """Return the function with a / b replaced by a times 1/b where 1/b is used again or fixed.
+@contextmanager
+def _as_written() -> Iterator[None]:
+    """Keep CasADi from turning a times 1/b back into a / b."""
+    import casadi
 
-    The last input is the parameters: 1/b is fixed where b depends on them alone. The results
-    change by rounding.
+    casadi.GlobalOptions.setSimplificationOnTheFly(False)
+    try:
+        yield
+    finally:
+        casadi.GlobalOptions.setSimplificationOnTheFly(True)
+
+
+def _use_reciprocals(function: Any, inputs: list[Any]) -> list[Any]:
+    """Return the results of a function with a / b replaced by a times 1/b where that pays.
+
+    It pays where 1/b is used again, or depends on nothing but the last input, the parameters.
+    The results change by rounding.
     """
     import casadi
 
     nodes, results = _read_nodes(function)
-    divided = Counter(operands[1] for code, operands, _ in nodes if code == casadi.OP_DIV)
+    dividing = (casadi.OP_DIV, casadi.OP_INV)
+    divided = Counter(operands[-1] for code, operands, _ in nodes if code in dividing)
     fixed = _fixed_values(nodes, function.n_in() - 1)
-    inputs = [casadi.SX.sym(f"i{k}", function.sparsity_in(k)) for k in range(function.n_in())]
     elements = [casadi.vertsplit(item) if item.numel() else [] for item in inputs]
     values: list[Any] = []
     inverse: dict[int, Any] = {}
@@ -98,10 +114,13 @@ def _use_reciprocals(function: Any) -> Any:
             values.append(elements[operands[0]][operands[1]])
         elif code == casadi.OP_CONST:
             values.append(casadi.SX(detail))
-        elif code == casadi.OP_DIV and (fixed[operands[1]] or divided[operands[1]] > 1):
-            if operands[1] not in inverse:
-                inverse[operands[1]] = 1.0 / values[operands[1]]
-            values.append(values[operands[0]] * inverse[operands[1]])
+        elif code in dividing and (fixed[operands[-1]] or divided[operands[-1]] > 1):
+            divisor = operands[-1]
+            if divisor not in inverse:
+                inverse[divisor] = casadi.SX.unary(casadi.OP_INV, values[divisor])
+            numerator = casadi.SX(1.0) if code == casadi.OP_INV else values[operands[0]]
+            is_one = numerator.is_constant() and float(numerator) == 1.0
+            values.append(inverse[divisor] if is_one else numerator * inverse[divisor])
         elif len(operands) == 2:
             values.append(casadi.SX.binary(code, values[operands[0]], values[operands[1]]))
         else:
@@ -110,7 +129,7 @@ def _use_reciprocals(function: Any) -> Any:
     for k in range(function.n_out()):
         column = [values[value] for _, value in sorted(results[k])]
         outputs.append(casadi.reshape(casadi.vertcat(*column), function.size_out(k)))
-    return casadi.Function("reciprocal", inputs, outputs)
+    return outputs
 
 
 Node = tuple[int, tuple[int, ...], float]

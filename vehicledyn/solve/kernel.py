@@ -5,7 +5,6 @@ This is the one place where the backend is chosen.
 
 from __future__ import annotations
 
-import hashlib
 import logging
 import time
 from collections.abc import Callable
@@ -20,6 +19,8 @@ from vehicledyn.solve import cache
 from vehicledyn.solve.compiled import CompiledEngine
 from vehicledyn.solve.compiler import CompilationError, Compiler, build_library, find_compiler
 from vehicledyn.solve.engine import Count, Engine, Figure, Ledger, March, Rows, Status, Vector
+from vehicledyn.solve.failures import describe_failure
+from vehicledyn.solve.fingerprint import fingerprint, generator_fingerprint
 from vehicledyn.solve.functions import derive_functions, operations_of
 from vehicledyn.solve.interpreted import InterpretedEngine
 from vehicledyn.solve.source import kernel_source
@@ -30,7 +31,6 @@ Progress: TypeAlias = Callable[[str, float | None], None]
 """Told what is being done and the done part of it, between 0 and 1, where that is known."""
 
 _log = logging.getLogger(__name__)
-_GENERATORS = ("code.py", "functions.py", "source.py", "loop.c")
 
 
 @dataclass(frozen=True)
@@ -49,7 +49,7 @@ class KernelReport:
     remark: str = ""
 
 
-@dataclass
+@dataclass(eq=False)
 class Kernel:
     """Rates, outputs, blocks and fixed-step runs of one model with one set of parameters."""
 
@@ -175,30 +175,7 @@ class Kernel:
 
     def failure(self, status: Status, time: float, ledger: Ledger) -> str:
         """Return the message for a computation that did not end well near a time [s]."""
-        where = int(ledger.counts[Count.WHERE])
-        if status is Status.NOT_FINITE:
-            name = self.equations.states[where].name
-            return (
-                f"state '{name}' is no longer a finite number after t = {time:.9g} s; "
-                "take a smaller step, or check parameters and starting values"
-            )
-        block = self.equations.blocks[where]
-        largest = f"{ledger.figures[Figure.FAILED_RESIDUAL]:.3g} {block.unit}"
-        where_when = f"block '{block.name}' at t = {time:.9g} s"
-        if status is Status.SINGULAR:
-            return (
-                f"{where_when}: its equations are singular (residual {largest}); the loop is at "
-                "a dead centre, or other coordinates must be the dependent ones"
-            )
-        if status is Status.INACCURATE:
-            return (
-                f"{where_when}: the residual {largest} stays above its tolerance "
-                f"{block.tolerance:.3g} {block.unit}"
-            )
-        return (
-            f"{where_when}: Newton's method did not converge (residual {largest}); the loop "
-            "cannot close here, or the step is too large"
-        )
+        return describe_failure(self.equations, status, time, ledger)
 
     def checked_state(self, state: Any) -> Vector:
         """Return a copy of a state vector.
@@ -280,7 +257,7 @@ def _compiled(equations: Equations, compiler: Compiler, tell: Progress) -> Kerne
         seconds["compilation"] = time.perf_counter() - started - seconds["generation"]
         return library
 
-    key = cache.key_of(_fingerprint(equations), *_generator_texts(), compiler.identity)
+    key = cache.key_of(fingerprint(equations), generator_fingerprint(), compiler.identity)
     engine, entry = _load(equations, key, build)
     if entry.remark:
         _log.warning(entry.remark)
@@ -327,23 +304,6 @@ def _interpreted(equations: Equations, remark: str, tell: Progress) -> Kernel:
     tell("ready", 1.0)
     report = KernelReport(operations_of(functions), seconds, remark=remark)
     return Kernel(equations, "interpreted", "CasADi virtual machine", report, engine)
-
-
-def _fingerprint(equations: Equations) -> str:
-    """Return a text that is equal for equal equations, whatever the parameters' values."""
-    import casadi
-
-    e = equations
-    inputs = [e.time, e.state, e.algebraic, e.parameter]
-    function = casadi.Function("equations", inputs, [e.rate, e.residual, e.output])
-    facts = [casadi.CasadiMeta.version(), repr(e.positions), repr(e.velocities)]
-    facts += [f"{block.start}:{block.stop}:{block.tolerance!r}" for block in e.blocks]
-    return hashlib.sha256("\n".join([*facts, function.serialize()]).encode()).hexdigest()
-
-
-def _generator_texts() -> list[str]:
-    folder = Path(__file__).parent
-    return [(folder / name).read_text(encoding="utf-8") for name in _GENERATORS]
 
 
 def _check_blocks(blocks: tuple[Block, ...], n_unknowns: int) -> None:

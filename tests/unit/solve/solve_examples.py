@@ -125,8 +125,7 @@ def double_pendulum():
         residuals=[
             elbow_x - la * ca.sin(a),
             elbow_y + la * ca.cos(a) + 0.1 * (elbow_x - la * ca.sin(a)) ** 3,
-            (tip_x - elbow_x) * ca.exp(tip_x - elbow_x)
-            - lb * ca.sin(b) * ca.exp(lb * ca.sin(b)),
+            (tip_x - elbow_x) * ca.exp(tip_x - elbow_x) - lb * ca.sin(b) * ca.exp(lb * ca.sin(b)),
             tip_y - elbow_y + lb * ca.cos(b),
         ],
         outputs=[

@@ -1,0 +1,171 @@
+"""Finding compilers, keeping what they build, and what happens when either fails."""
+
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+from solve_examples import oscillator, slider_crank, starts
+
+from vehicledyn.base.errors import MissingPartError
+from vehicledyn.solve.compiler import CompilationError, find_compiler
+from vehicledyn.solve.kernel import compile_kernel
+
+RATES = [0.0, -4.0]
+
+
+@pytest.fixture
+def folder(tmp_path, monkeypatch, needs_compiler):
+    """An empty cache of this test."""
+    monkeypatch.setenv("VEHICLEDYN_CACHE", str(tmp_path / "cache"))
+    return tmp_path / "cache"
+
+
+def script(path, text):
+    path.write_text(f"#!/bin/sh\n{text}\n")
+    path.chmod(0o755)
+    return str(path)
+
+
+def rates_of(kernel):
+    return kernel.rates(0.0, [1.0, 0.0], [])
+
+
+def test_second_kernel_comes_from_the_cache(folder):
+    assert not compile_kernel(oscillator()).report.cached
+    again = compile_kernel(oscillator(stiffness=9.0))
+    assert again.report.cached
+    assert again.report.operations["rates"] > 0
+    assert rates_of(again) == pytest.approx([0.0, -9.0])
+    assert not compile_kernel(slider_crank()).report.cached
+
+
+@pytest.mark.parametrize("damage", ["truncate", "flip", "empty"])
+def test_damaged_entry_is_rebuilt(folder, damage):
+    compile_kernel(oscillator())
+    (entry,) = folder.glob("*.so")
+    content = bytearray(entry.read_bytes())
+    content[len(content) // 2] ^= 0xFF
+    damaged = {"truncate": content[: len(content) // 3], "flip": content, "empty": b""}[damage]
+    entry.unlink()
+    entry.write_bytes(damaged)
+    kernel = compile_kernel(oscillator())
+    assert not kernel.report.cached
+    assert rates_of(kernel) == pytest.approx(RATES)
+    assert compile_kernel(oscillator()).report.cached
+
+
+def test_whole_entry_that_is_no_library_is_rebuilt(folder):
+    import hashlib
+
+    compile_kernel(oscillator())
+    (entry,) = folder.glob("*.so")
+    key = entry.stem.partition("-")[0]
+    entry.unlink()
+    text = b"not a library"
+    (folder / f"{key}-{hashlib.sha256(text).hexdigest()}.so").write_bytes(text)
+    kernel = compile_kernel(oscillator())
+    assert kernel.backend == "compiled"
+    assert rates_of(kernel) == pytest.approx(RATES)
+
+
+BUILD = """
+import sys
+sys.path.insert(0, sys.argv[1])
+from solve_examples import slider_crank
+from vehicledyn.solve.kernel import compile_kernel
+kernel = compile_kernel(slider_crank(), backend="compiled")
+print(kernel.rates(0.0, [0.3, 3.0], [0.15, 2.9])[1])
+"""
+
+
+def test_two_processes_build_the_same_entry(folder):
+    command = [sys.executable, "-c", BUILD, str(Path(__file__).parent)]
+    processes = [
+        subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        for _ in range(3)
+    ]
+    results = [process.communicate(timeout=120) for process in processes]
+    assert [process.returncode for process in processes] == [0, 0, 0], results
+    assert len({out for out, _ in results}) == 1
+    assert len(list(folder.glob("*.so"))) == 1
+    assert not list(folder.glob("build-*"))
+
+
+def test_folder_that_cannot_be_written(tmp_path, monkeypatch, needs_compiler):
+    (tmp_path / "file").write_text("in the way")
+    monkeypatch.setenv("VEHICLEDYN_CACHE", str(tmp_path / "file" / "cache"))
+    kernel = compile_kernel(oscillator())
+    assert kernel.backend == "compiled"
+    assert "cannot be used" in kernel.report.remark
+    assert rates_of(kernel) == pytest.approx(RATES)
+
+
+def test_cache_on_a_full_disk(folder, tmp_path, monkeypatch):
+    real = shutil.which("cc") or shutil.which("gcc") or shutil.which("clang")
+    full = f"""
+case "$*" in *{folder}*) echo "fatal error: No space left on device" >&2; exit 1;; esac
+exec {real} "$@" """
+    monkeypatch.setenv("VEHICLEDYN_CC", script(tmp_path / "cc", full))
+    kernel = compile_kernel(oscillator())
+    assert kernel.backend == "compiled"
+    assert "No space left" in kernel.report.remark
+    assert not list(folder.iterdir())
+
+
+def test_no_compiler_wanted(monkeypatch):
+    monkeypatch.setenv("VEHICLEDYN_CC", "none")
+    kernel = compile_kernel(oscillator())
+    assert kernel.backend == "interpreted"
+    assert "VEHICLEDYN_CC=none" in kernel.report.remark
+    with pytest.raises(MissingPartError, match="VEHICLEDYN_CC=none"):
+        compile_kernel(oscillator(), backend="compiled")
+
+
+def test_no_compiler_found(monkeypatch, tmp_path):
+    monkeypatch.delenv("VEHICLEDYN_CC", raising=False)
+    monkeypatch.delenv("CC", raising=False)
+    monkeypatch.setenv("PATH", str(tmp_path))
+    with pytest.raises(CompilationError, match="no C compiler"):
+        find_compiler()
+    assert compile_kernel(oscillator()).backend == "interpreted"
+
+
+VERSION = 'case "$*" in *--version*) echo "gcc 1.0"; exit 0;; esac; '
+BROKEN = {
+    "fails": VERSION + 'echo "x.c:1: error: math.h" >&2; exit 1',
+    "is silent": "exit 1",
+    "writes nothing": VERSION,
+    "writes nonsense": VERSION
+    + 'while [ $# -gt 1 ]; do [ "$1" = -o ] && echo no > "$2"; shift; done',
+}
+
+
+@pytest.mark.parametrize("fault", BROKEN)
+def test_broken_compiler(folder, tmp_path, monkeypatch, caplog, fault):
+    monkeypatch.setenv("VEHICLEDYN_CC", script(tmp_path / "brokencc", BROKEN[fault]))
+    kernel = compile_kernel(oscillator())
+    assert kernel.backend == "interpreted"
+    assert "\n" not in kernel.report.remark
+    assert [record.getMessage() for record in caplog.records] == [kernel.report.remark]
+    assert rates_of(kernel) == pytest.approx(RATES)
+    assert not list(folder.glob("*")) if folder.exists() else True
+
+
+def test_progress_is_told(folder):
+    told = []
+    compile_kernel(slider_crank(), progress=lambda what, part: told.append((what, part)))
+    assert any("compiling" in what for what, _ in told)
+    assert told[-1][1] == 1.0
+
+
+def test_interpreted_and_compiled_agree(needs_compiler):
+    equations = slider_crank()
+    state, unknowns = starts(equations)
+    one, two = (compile_kernel(equations, backend=b) for b in ("compiled", "interpreted"))
+    assert one.description != two.description
+    z = one.solve_unknowns(0.0, state, unknowns)
+    assert z == pytest.approx(two.solve_unknowns(0.0, state, unknowns), abs=1e-15)
+    assert np.array_equal(one.rates(0.0, state, z), two.rates(0.0, state, z))

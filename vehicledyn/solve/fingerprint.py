@@ -1,0 +1,29 @@
+"""Fingerprints of equations and of the generator: equal ones give equal machine code."""
+
+from __future__ import annotations
+
+import hashlib
+from pathlib import Path
+
+from vehicledyn.symbolic.equations import Equations
+
+_GENERATORS = ("code.py", "functions.py", "source.py", "loop.c")
+
+
+def fingerprint(equations: Equations) -> str:
+    """Return a text that is equal for equal equations, whatever the parameters' values."""
+    import casadi
+
+    e = equations
+    inputs = [e.time, e.state, e.algebraic, e.parameter]
+    function = casadi.Function("equations", inputs, [e.rate, e.residual, e.output])
+    facts = [casadi.CasadiMeta.version(), repr(e.positions), repr(e.velocities)]
+    facts += [f"{block.start}:{block.stop}:{block.tolerance!r}" for block in e.blocks]
+    return hashlib.sha256("\n".join([*facts, function.serialize()]).encode()).hexdigest()
+
+
+def generator_fingerprint() -> str:
+    """Return a text that changes with the modules that turn equations into C."""
+    folder = Path(__file__).parent
+    texts = [(folder / name).read_text(encoding="utf-8") for name in _GENERATORS]
+    return hashlib.sha256("\n".join(texts).encode()).hexdigest()
