@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from vehicledyn.base.units import shown
 from vehicledyn.results.layout import SummaryEntry
 from vehicledyn.results.reader import Result, open_result
 
@@ -77,13 +78,13 @@ class ResultDescription:
 
     def _summary(self) -> list[str]:
         rows = [
-            (entry.description or entry.name, _with_unit(entry.value, entry.unit))
+            (entry.description or entry.name, _reading(entry.value, entry.unit))
             for entry in self.summary
         ]
         return _table("Summary", rows)
 
     def _solver(self) -> list[str]:
-        rows = [(name, _with_unit(value, "1")) for name, value in self.solver.items()]
+        rows = [(name, _reading(value, "1")) for name, value in self.solver.items()]
         return _table("Solver", rows)
 
     def _channels(self) -> list[str]:
@@ -149,11 +150,8 @@ def _span(channel: ChannelRange) -> str:
     return text + (f" ({channel.not_finite} not finite)" if channel.not_finite else "")
 
 
-def _with_unit(value: Any, unit: str) -> str:
-    if isinstance(value, bool):
-        return "yes" if value else "no"
-    text = f"{value:.6g}" if isinstance(value, float) else str(value)
-    return text if unit in ("", "1") else f"{text} {unit}"
+def _reading(value: Any, unit: str) -> str:
+    return ("yes" if value else "no") if isinstance(value, bool) else shown(value, unit)
 
 
 def _table(heading: str, rows: list[tuple[str, str]]) -> list[str]:

@@ -1,4 +1,7 @@
-"""Scalars drawn from channels: extreme values with their times, clearance of a body to cones."""
+"""Scalars drawn from channels: extreme values with their times, clearance of a body to cones.
+
+An extreme of samples that hold NaN is NaN, at the time of the first of them.
+"""
 
 from __future__ import annotations
 
@@ -60,7 +63,8 @@ def clearance(
 
     d = min over poses of the signed distance of the cone's axis to the polygon, less the
     radius. The distance to the polygon is exact, negative inside. Between the poses nothing
-    is tested, so they must lie closer than the clearance should be accurate.
+    is tested, so they must lie closer than the clearance should be accurate. Poses that are
+    not finite are passed over; without any other the distances are NaN.
 
     Parameters
     ----------
@@ -88,10 +92,13 @@ def clearance(
         raise InputError(f"an outline needs at least three corners, found {corners.shape}")
     if not len(position):
         raise InputError("clearance needs at least one pose")
-    distance = np.empty(len(points))
-    sample = np.empty(len(points), dtype=np.int64)
+    distance = np.full(len(points), np.nan)
+    sample = np.zeros(len(points), dtype=np.int64)
+    known = np.flatnonzero(np.isfinite(position).all(axis=1) & np.isfinite(angle))
+    if not len(known):
+        return Clearance(distance, sample)
     for index, cone in enumerate(points):
-        near = _near_poses(corners, position - cone)
+        near = known[_near_poses(corners, position[known] - cone)]
         local = _in_body_axes(cone - position[near], angle[near])
         signed = distance_to_polygon(local, corners)
         closest = int(np.argmin(signed))
@@ -138,8 +145,6 @@ def distance_to_polygon(points: ArrayLike, corners: ArrayLike) -> Floats:
 def _pick(time: ArrayLike, values: ArrayLike, rank: Floats) -> Extreme:
     if not rank.size:
         raise InputError("an extreme value needs at least one sample")
-    if not np.all(np.isfinite(rank)):
-        raise InputError("an extreme value needs finite samples")
     index = int(np.argmax(rank))
     return Extreme(float(np.asarray(values)[index]), float(np.asarray(time)[index]))
 

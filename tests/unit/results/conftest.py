@@ -18,7 +18,9 @@ def make_result(tmp_path):
         time = given_time if time is None else time
         values = given_values if values is None else values
         quantities = [Quantity(name, unit) for name, (unit, _) in values.items()]
-        table = np.array([column for _, column in values.values()]).reshape(len(values), -1).T
+        table = (
+            np.array([column for _, column in values.values()]).reshape(len(values), len(time)).T
+        )
         path = tmp_path / name
         writer = ResultWriter(
             path,
@@ -28,7 +30,7 @@ def make_result(tmp_path):
             expected_samples=len(time),
         )
         states = np.stack([time, time + 1.0], axis=1)
-        writer.append(time, table if values else np.empty((len(time), 0)), states)
+        writer.append(time, table, states)
         writer.close(
             status,
             message,

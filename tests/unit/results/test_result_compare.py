@@ -1,0 +1,273 @@
+import json
+from xml.etree import ElementTree
+
+import h5py
+import numpy as np
+import pytest
+from result_files import slalom_values
+
+from vehicledyn.results.compare import compare_files
+
+TIME, VALUES = slalom_values()
+ROLL = VALUES["chassis.roll"][1]
+LOAD = VALUES["wheel_fl.tyre.normal_force"][1]
+
+
+def changed(**columns):
+    """Values with some channels replaced; double underscores stand for dots."""
+    return {**VALUES, **{name.replace("__", "."): column for name, column in columns.items()}}
+
+
+@pytest.fixture
+def reference(make_result):
+    return make_result("reference.h5")
+
+
+def test_equal_files(reference, make_result):
+    comparison = compare_files(make_result(), reference, relative=0.0)
+    assert (comparison.exit_code, comparison.verdict) == (0, "equal")
+    assert "6 of 6 channels agree" in comparison.as_text()
+
+
+def test_tolerance_is_relative_to_the_range(reference, make_result):
+    span = np.ptp(LOAD)
+    for share, code in ((0.9e-3, 0), (1.1e-3, 1)):
+        off = LOAD.copy()
+        off[17] += share * span
+        path = make_result(values=changed(wheel_fl__tyre__normal_force=("N", off)))
+        assert compare_files(path, reference, relative=1e-3).exit_code == code
+
+
+@pytest.mark.parametrize("level", [5.0, -5.0])
+def test_tolerance_of_a_constant_is_relative_to_its_magnitude(make_result, level):
+    noise = np.where(np.arange(len(TIME)) % 2, np.spacing(level), 0.0)
+    reference = make_result("reference.h5", values={"a": ("m", level + noise)})
+    for share, code in ((0.9e-3, 0), (1.1e-3, 1)):
+        path = make_result(values={"a": ("m", np.full_like(TIME, level * (1.0 + share)))})
+        assert compare_files(path, reference, relative=1e-3).exit_code == code
+
+
+def test_a_zero_reference_needs_an_absolute_tolerance(make_result):
+    reference = make_result("reference.h5", values={"a": ("m", np.zeros_like(TIME))})
+    path = make_result(values={"a": ("m", np.full_like(TIME, 1e-15))})
+    assert compare_files(path, reference, relative=1.0).exit_code == 1
+    assert compare_files(path, reference, relative=0.0, absolute=2e-15).exit_code == 0
+    assert compare_files(reference, reference, relative=0.0).exit_code == 0
+
+
+def test_the_worst_channel_its_values_and_time_are_named(reference, make_result):
+    off, slightly = LOAD.copy(), ROLL.copy()
+    off[30] += 100.0
+    slightly[5] += 1e-5
+    path = make_result(
+        values=changed(wheel_fl__tyre__normal_force=("N", off), chassis__roll=("rad", slightly))
+    )
+    comparison = compare_files(path, reference)
+    worst = comparison.worst
+    assert worst.name == comparison.failed[0].name == "wheel_fl.tyre.normal_force"
+    assert worst.time == TIME[30]
+    assert (worst.value, worst.reference) == (off[30], LOAD[30])
+    assert worst.difference == pytest.approx(100.0, rel=1e-12)
+    assert "wheel_fl.tyre.normal_force: off by 100 N" in comparison.as_text()
+    assert [channel.name for channel in comparison.failed][1] == "chassis.roll"
+
+
+def test_tolerances_by_pattern(reference, make_result):
+    path = make_result(values=changed(wheel_fl__tyre__normal_force=("N", LOAD + 10.0)))
+    assert compare_files(path, reference).exit_code == 1
+    loose = {"wheel_*.normal_force": 1e-2}
+    assert compare_files(path, reference, channel_tolerances=loose).exit_code == 0
+    last = {**loose, "wheel_fl.*": 1e-6}
+    assert compare_files(path, reference, channel_tolerances=last).exit_code == 1
+
+
+def test_only_the_chosen_channels_are_compared(reference, make_result):
+    path = make_result(values=changed(chassis__roll=("rad", ROLL + 1.0)))
+    assert compare_files(path, reference, channels=["wheel_*"]).exit_code == 0
+    assert compare_files(path, reference, channels=["wheel_*", "chassis.r*"]).exit_code == 1
+
+
+@pytest.mark.parametrize(
+    "options", [{"channels": ["wheeel_fl"]}, {"channel_tolerances": {"x.*": 1}}]
+)
+def test_a_pattern_that_matches_nothing_is_unusable(reference, options):
+    comparison = compare_files(reference, reference, **options)
+    assert comparison.exit_code == 2
+    assert "no channel matches" in comparison.as_text()
+
+
+@pytest.mark.parametrize(
+    "options",
+    [
+        {"relative": -1.0},
+        {"relative": np.nan},
+        {"absolute": np.inf},
+        {"channel_tolerances": {"*": -1}},
+    ],
+)
+def test_tolerances_that_are_none(reference, options):
+    assert compare_files(reference, reference, **options).exit_code == 2
+
+
+def test_a_missing_channel_fails_unless_allowed(reference, make_result):
+    fewer = {name: column for name, column in VALUES.items() if name != "chassis.roll"}
+    path = make_result(values=fewer)
+    comparison = compare_files(path, reference)
+    assert comparison.exit_code == 1
+    assert "chassis.roll: missing from the result" in comparison.as_text()
+    allowed = compare_files(path, reference, allow_missing=True)
+    assert (allowed.exit_code, allowed.skipped) == (0, ("chassis.roll",))
+    nothing = compare_files(path, reference, channels=["chassis.roll"], allow_missing=True)
+    assert nothing.exit_code == 2
+
+
+def test_extra_channels_are_listed(reference, make_result):
+    path = make_result(values={**VALUES, "chassis.pitch": ("rad", ROLL)})
+    comparison = compare_files(path, reference)
+    assert (comparison.exit_code, comparison.extra) == (0, ("chassis.pitch",))
+    assert "only in the result, not compared: chassis.pitch" in comparison.as_text()
+
+
+def test_units_must_be_equal(reference, make_result):
+    path = make_result(values=changed(chassis__roll=("deg", ROLL)))
+    comparison = compare_files(path, reference)
+    assert comparison.exit_code == 1
+    assert "unit is deg, in the reference rad" in comparison.as_text()
+
+
+@pytest.mark.parametrize("value", [np.nan, np.inf, -np.inf])
+@pytest.mark.parametrize("place", ["result", "reference", "both"])
+def test_values_that_are_not_finite_fail(make_result, value, place):
+    bad = ROLL.copy()
+    bad[40] = value
+    holed = changed(chassis__roll=("rad", bad))
+    reference = make_result("ref.h5", values=VALUES if place == "result" else holed)
+    path = make_result(values=VALUES if place == "reference" else holed)
+    comparison = compare_files(path, reference, relative=1e9)
+    assert comparison.exit_code == 1
+    assert f"{value} in the" in comparison.as_text()
+
+
+@pytest.mark.parametrize("interpolate", [False, True])
+@pytest.mark.parametrize("cut", [slice(None, -1), slice(1, None)])
+def test_a_shorter_run_fails(reference, make_result, cut, interpolate):
+    short = {name: (unit, column[cut]) for name, (unit, column) in VALUES.items()}
+    path = make_result(time=TIME[cut], values=short)
+    comparison = compare_files(path, reference, interpolate=interpolate)
+    assert comparison.exit_code == 1
+    assert "the result ends at" in comparison.as_text() or "starts at" in comparison.as_text()
+
+
+def test_another_grid_needs_interpolation(make_result):
+    def line(time):
+        return {"a": ("m", 3.0 * time)}
+
+    coarse, fine = np.linspace(0.0, 1.0, 11), np.linspace(0.0, 1.2, 49)
+    reference = make_result("ref.h5", time=coarse, values=line(coarse))
+    path = make_result(time=fine, values=line(fine))
+    refused = compare_files(path, reference)
+    assert refused.exit_code == 1
+    assert "49 samples, the reference has 11" in refused.as_text()
+    assert compare_files(path, reference, interpolate=True, relative=1e-12).exit_code == 0
+
+
+def test_a_moved_sample_is_another_grid(reference, make_result):
+    moved = TIME.copy()
+    moved[100] += 1e-6
+    comparison = compare_files(make_result(time=moved), reference)
+    assert comparison.exit_code == 1
+    assert "sample 100 lies at" in comparison.as_text()
+    rounded = TIME * (1.0 + 1e-15)
+    assert compare_files(make_result(time=rounded), reference, relative=0.0).exit_code == 0
+
+
+@pytest.mark.parametrize("status", ["failed", "interrupted"])
+def test_partial_files_are_refused(reference, make_result, status):
+    partial = make_result("partial.h5", status=status, message="because")
+    for pair in ((partial, reference), (reference, partial)):
+        comparison = compare_files(*pair)
+        assert comparison.exit_code == 2
+        assert f"partial: {status}" in comparison.as_text()
+
+
+def test_a_killed_file_is_refused(reference, make_result):
+    killed = make_result("killed.h5")
+    with h5py.File(killed, "r+") as file:
+        file.attrs["status"] = "running"
+    comparison = compare_files(killed, reference)
+    assert comparison.exit_code == 2
+    assert "not a complete run (partial: broken off" in comparison.as_text()
+
+
+def test_unusable_files_are_told_of_together(tmp_path, make_result):
+    (tmp_path / "text.h5").write_text("no")
+    comparison = compare_files(tmp_path / "none.h5", tmp_path / "text.h5")
+    assert comparison.exit_code == 2
+    assert "no such file" in comparison.as_text()
+    assert "not an HDF5 file" in comparison.as_text()
+
+
+def test_a_newer_format_is_refused(reference, make_result):
+    newer = make_result()
+    with h5py.File(newer, "r+") as file:
+        file.attrs["format_version"] = 99
+    assert compare_files(newer, reference).exit_code == 2
+
+
+def test_a_reference_without_channels_or_samples_is_unusable(make_result):
+    bare = make_result("bare.h5", values={})
+    assert compare_files(bare, bare).exit_code == 2
+    empty = make_result("empty.h5", time=TIME[:0], values={"a": ("m", TIME[:0])})
+    assert compare_files(empty, empty).exit_code == 2
+
+
+def test_one_flipped_channel_length_is_not_overlooked(reference, make_result):
+    path = make_result()
+    with h5py.File(path, "r+") as file:
+        file["chassis/roll"].resize((len(TIME) - 1,))
+    assert compare_files(path, reference).exit_code == 2
+
+
+def test_another_model_is_noted(reference, make_result):
+    path = make_result(model_hash="fedc")
+    assert "other equations" in compare_files(path, reference).as_text()
+    assert "model is bicycle" in compare_files(make_result(model="bicycle"), reference).as_text()
+
+
+def test_json_is_strict(make_result):
+    bad = ROLL.copy()
+    bad[3] = np.nan
+    path = make_result(values=changed(chassis__roll=("rad", bad)))
+    found = json.loads(json.dumps(compare_files(path, path).as_dict(), allow_nan=False))
+    assert (found["verdict"], found["exit_code"], found["worst"]) == (
+        "different",
+        1,
+        "chassis.roll",
+    )
+    assert len(found["channels"]) == 6
+
+
+def test_junit_has_a_case_a_channel(reference, make_result):
+    path = make_result(values=changed(chassis__roll=("rad", ROLL + 1.0)))
+    suite = ElementTree.fromstring(compare_files(path, reference).as_junit()).find("testsuite")
+    counts = {name: suite.get(name) for name in ("tests", "failures", "errors", "skipped")}
+    assert counts == {"tests": "7", "failures": "1", "errors": "0", "skipped": "0"}
+    cases = suite.findall("testcase")
+    assert [case.get("name") for case in cases] == ["files", *VALUES]
+    failed = [case.get("name") for case in cases if case.find("failure") is not None]
+    assert failed == ["chassis.roll"]
+
+
+def test_junit_escapes_what_xml_cannot_hold(make_result):
+    values = {'a<b>&"c\x01': ("m", TIME)}
+    path = make_result(values=values)
+    reference = make_result("ref.h5", values={'a<b>&"c\x01': ("m", TIME + 1.0)})
+    root = ElementTree.fromstring(compare_files(path, reference).as_junit())
+    assert root.find("testsuite/testcase[2]").get("name") == 'a<b>&"c?'
+
+
+def test_junit_of_unusable_files_is_an_error(tmp_path):
+    junit = compare_files(tmp_path / "a.h5", tmp_path / "b.h5").as_junit()
+    suite = ElementTree.fromstring(junit).find("testsuite")
+    assert suite.get("errors") == "1"
+    assert "no such file" in suite.find("testcase/error").get("message")
