@@ -312,3 +312,13 @@ def test_interrupt_is_honoured_quickly(backend):
     assert line.startswith("interrupted"), (line, out, err)
     assert waited < 0.5
     assert int(line.split()[1]) >= 3
+
+
+def test_reading_settings_loads_nothing_heavy():
+    code = (
+        "import sys, vehicledyn.solve; "
+        "heavy = {'casadi', 'numpy', 'scipy', 'matplotlib', 'pandas', 'h5py'} & set(sys.modules); "
+        "sys.exit(', '.join(sorted(heavy)) or 0)"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
+    assert (done.returncode, done.stderr) == (0, "")
