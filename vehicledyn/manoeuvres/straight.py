@@ -4,8 +4,14 @@ from __future__ import annotations
 
 from vehicledyn.base.registry import register
 from vehicledyn.manoeuvres.manoeuvre import RoadManoeuvre
+from vehicledyn.multibody.drives import TimeLaw
+from vehicledyn.road.vehicle import RoadVehicle
 
 
 @register("manoeuvre", "straight")
 class Straight(RoadManoeuvre):
     """Hold the rack in the middle."""
+
+    def fit(self, vehicle: RoadVehicle) -> RoadVehicle:
+        """Return the vehicle with the rack held."""
+        return super().fit(vehicle).with_parts(TimeLaw("steer", vehicle.rack, lambda _: 0.0))

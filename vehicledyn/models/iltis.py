@@ -29,7 +29,7 @@ from vehicledyn.multibody.cuts import Cut, RodCut
 from vehicledyn.multibody.drives import ConstantRate
 from vehicledyn.multibody.links import Attachment, GuidedLink, Link
 from vehicledyn.multibody.parts import Part
-from vehicledyn.multibody.sensors import Accelerometer, BodySensor
+from vehicledyn.multibody.sensors import Accelerometer, BodySensor, SequenceSensor
 from vehicledyn.multibody.system import GROUND, Body, Joint, System, Turn
 from vehicledyn.road.vehicle import Corner, RoadOptions, RoadVehicle
 from vehicledyn.road.wheel import RoadWheel
@@ -77,6 +77,7 @@ class Iltis:
         parts: list[Part] = [
             BodySensor("body", CHASSIS),
             Accelerometer("accelerometer", CHASSIS),
+            SequenceSensor("benchmark", CHASSIS, (2, 1, 3)),
         ]
         cuts: list[Cut] = []
         for corner in corners:
@@ -103,6 +104,7 @@ class Iltis:
             corners=tuple(corner.description for corner in corners),
             free_wheels=options.free_wheels,
             speed=speed,
+            surface=options.surface,
         )
 
 

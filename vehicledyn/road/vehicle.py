@@ -51,7 +51,8 @@ class RoadVehicle:
     rack [m] along +y; ``steering_gain`` the road-wheel angle to the left that it gives [rad/m],
     negative for tie rods behind the axle.
     ``outline`` holds the corners of the body seen from above in chassis axes, shape (m, 2) [m].
-    ``speed`` is the symbol of the forward speed at the start [m/s].
+    ``speed`` is the symbol of the forward speed at the start [m/s], ``surface`` the road with
+    numbers.
     """
 
     system: System
@@ -64,6 +65,7 @@ class RoadVehicle:
     corners: tuple[Corner, ...]
     free_wheels: bool
     speed: Scalar
+    surface: RoadSurface
 
     def with_parts(self, *parts: Part) -> RoadVehicle:
         """Return the vehicle with more parts in its system."""

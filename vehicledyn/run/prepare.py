@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Literal
@@ -115,13 +116,36 @@ def set_speed(prepared: Prepared, speed: float) -> None:
 
 
 def _start_state(prepared: Prepared, speed: float) -> Vector:
-    """Return the start values of the states with forward speed and rolling wheels."""
+    """Return the start values of the states, level with the road, with rolling wheels."""
     state = np.array([s.start for s in prepared.equations.states])
-    state[prepared.index(f"{prepared.vehicle.chassis}.x_rate")] = speed
+    chassis = prepared.vehicle.chassis
+    height, pose = _on_road(prepared.vehicle, state[prepared.index(f"{chassis}.z")])
+    state[prepared.index(f"{chassis}.z")] = height
+    state[prepared.index(f"{chassis}.pitch")] = pose.pitch
+    state[prepared.index(f"{chassis}.roll")] = pose.roll
+    state[prepared.index(f"{chassis}.x_rate")] = speed
+    state[prepared.index(f"{chassis}.z_rate")] = speed * pose.slope
     if prepared.vehicle.free_wheels:
         for corner in prepared.vehicle.corners:
             state[prepared.index(f"{corner.spin}_rate")] = speed / corner.radius
     return state
+
+
+@dataclass(frozen=True)
+class _Pose:
+    """Pitch and roll of a chassis that stands on a plane [rad], and its slope ahead [1]."""
+
+    pitch: float
+    roll: float
+    slope: float
+
+
+def _on_road(vehicle: RoadVehicle, clearance: float) -> tuple[float, _Pose]:
+    """Return height and pose of a chassis at the origin, ``clearance`` above its road [m]."""
+    ahead, left = (float(g) for g in vehicle.surface.gradient(0.0, 0.0))
+    length = math.sqrt(1.0 + ahead * ahead + left * left)
+    pose = _Pose(-math.atan(ahead), math.asin(left / length), ahead)
+    return float(vehicle.surface.height(0.0, 0.0)) + clearance * length, pose
 
 
 def _balance_pairs(prepared: Prepared, speed: float) -> tuple[list[int], list[int]]:
