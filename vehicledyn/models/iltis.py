@@ -18,7 +18,6 @@ from vehicledyn.models.iltis_parameters import (
     DATA_FILE,
     AArm,
     Axle,
-    Hardpoints,
     IltisParameters,
     LeafSpring,
     ShockAbsorber,

@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any, Self
+from typing import Any, TypeVar
 
-from pydantic import model_validator
+from pydantic import ValidationInfo, field_validator
 
 from vehicledyn.base.parameters import ParameterSet, Vector, quantity
 from vehicledyn.base.yaml import read_yaml
+
+S = TypeVar("S", bound=ParameterSet)
+
+_ROUNDING = 1e-9
 
 DATA_FILE = Path(__file__).with_name("iltis.yaml")
 
@@ -22,9 +26,10 @@ class Chassis(ParameterSet):
     inertia_pitch: float = quantity("kg*m^2", "Inertia about y", gt=0)
     inertia_yaw: float = quantity("kg*m^2", "Inertia about z", gt=0)
 
-    @model_validator(mode="after")
-    def _is_a_body(self) -> Self:
-        return check_triangle(self, "inertia_roll", "inertia_pitch", "inertia_yaw")
+    @field_validator("inertia_yaw")
+    @classmethod
+    def _is_a_body(cls, value: float, info: ValidationInfo) -> float:
+        return check_triangle(value, info, "inertia_roll", "inertia_pitch")
 
 
 class Outline(ParameterSet):
@@ -64,9 +69,10 @@ class AArm(ParameterSet):
     inertia_along: float = quantity("kg*m^2", "Inertia about the line between the joints", gt=0)
     inertia_across: float = quantity("kg*m^2", "Inertia about the third axis", gt=0)
 
-    @model_validator(mode="after")
-    def _is_a_body(self) -> Self:
-        return check_triangle(self, "inertia_x", "inertia_along", "inertia_across")
+    @field_validator("inertia_across")
+    @classmethod
+    def _is_a_body(cls, value: float, info: ValidationInfo) -> float:
+        return check_triangle(value, info, "inertia_x", "inertia_along")
 
 
 class Wheel(ParameterSet):
@@ -78,9 +84,10 @@ class Wheel(ParameterSet):
     vertical_stiffness: float = quantity("N/m", "Radial stiffness of the tyre", gt=0)
     vertical_damping: float = quantity("N*s/m", "Radial damping of the tyre", ge=0)
 
-    @model_validator(mode="after")
-    def _is_a_body(self) -> Self:
-        return check_triangle(self, "inertia_spin", "inertia_across", "inertia_across")
+    @field_validator("inertia_across")
+    @classmethod
+    def _is_a_body(cls, value: float, info: ValidationInfo) -> float:
+        return check_triangle(value, info, "inertia_spin", "inertia_across")
 
 
 class LeafSpring(ParameterSet):
@@ -139,20 +146,33 @@ def default_parameters() -> dict[str, Any]:
     return content
 
 
-def check_triangle(parameters: Any, first: str, second: str, third: str) -> Any:
-    """Return the set if its three principal inertias can belong to a body.
+def check_triangle(value: float, info: ValidationInfo, *others: str) -> float:
+    """Return the last of three principal inertias if a body can have them.
+
+    Parameters
+    ----------
+    value
+        The inertia being read [kg m²].
+    info
+        What was read before it; a value that was refused is told already and skipped.
+    others
+        Names of the other two; the field's own name where a body has the same value twice.
 
     Raises
     ------
     ValueError
-        If one of them exceeds the sum of the other two.
+        If one of the three exceeds the sum of the other two.
     """
-    values = {name: getattr(parameters, name) for name in (first, second, third)}
-    three = [getattr(parameters, name) for name in (first, second, third)]
-    largest = max(values, key=lambda name: values[name])
-    if max(three) > (sum(three) - max(three)) * (1.0 + 1e-9):
+    own = str(info.field_name)
+    known = {**info.data, own: value}
+    if not all(name in known for name in others):
+        return value
+    three = [(own, value), *((name, float(known[name])) for name in others)]
+    name, largest = max(three, key=lambda item: item[1])
+    rest = sum(number for _, number in three) - largest
+    if largest > rest * (1.0 + _ROUNDING):
         raise ValueError(
-            f"{largest} = {values[largest]:g} kg*m^2 is larger than the sum of the other two "
-            f"inertias, {sum(three) - max(three):g} kg*m^2: no body has that (triangle inequality)"
+            f"{name} = {largest:g} kg*m^2 exceeds the sum of the other two inertias, "
+            f"{rest:g} kg*m^2: no body has that (triangle inequality)"
         )
-    return parameters
+    return value

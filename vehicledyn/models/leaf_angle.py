@@ -1,4 +1,4 @@
-"""The angle of the Iltis's leaf spring, a coordinate of the benchmark that the tree does not have."""
+"""The angle of the Iltis's leaf spring, a coordinate of the benchmark that our tree lacks."""
 
 from __future__ import annotations
 

@@ -6,8 +6,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from vehicledyn.base.units import shown
-from vehicledyn.run.prepare import BEFORE_START, equilibrium_point, prepare
-from vehicledyn.run.prepare import Progress as Progress
+from vehicledyn.run.prepare import BEFORE_START, Progress, equilibrium_point, prepare
 from vehicledyn.run.vehicle import Target
 from vehicledyn.scenario import LoadedScenario
 from vehicledyn.solve.kernel import Backend
