@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any
 
 from pydantic import ValidationInfo, field_validator
 
 from vehicledyn.base.parameters import ParameterSet, Vector, quantity
 from vehicledyn.base.yaml import read_yaml
-
-S = TypeVar("S", bound=ParameterSet)
 
 _ROUNDING = 1e-9
 

@@ -49,7 +49,8 @@ def load_scenario(path: Path, overrides: Sequence[str] = ()) -> LoadedScenario:
     path
         YAML file.
     overrides
-        Changes ``key=value`` with dotted keys, applied in order.
+        Changes ``key=value`` with dotted keys, applied in order; ``parameters.`` may be left
+        out before a parameter of the model.
 
     Raises
     ------
@@ -62,7 +63,8 @@ def load_scenario(path: Path, overrides: Sequence[str] = ()) -> LoadedScenario:
     if not isinstance(document.data, dict):
         raise refusal(problems, document.name)
     data, sources = copy.deepcopy(document.data), Sources(document)
-    found = (apply_override(data, override, sources) for override in overrides)
+    groups = _parameter_groups(data.get("model"))
+    found = (apply_override(data, override, sources, groups) for override in overrides)
     problems += [problem for problem in found if problem is not None]
     scenario, wrong = _read_scenario(data, sources)
     parameters, wrong_parameters = _read_parameters(data, sources)
@@ -93,7 +95,7 @@ def load_model(name: str, overrides: Sequence[str] = ()) -> LoadedModel:
     name
         Name of the model.
     overrides
-        Changes ``parameters.key=value``, applied in order.
+        Changes ``parameters.key=value``, or short ``key=value``, applied in order.
 
     Raises
     ------
@@ -104,7 +106,8 @@ def load_model(name: str, overrides: Sequence[str] = ()) -> LoadedModel:
     document = Document(name, "")
     data: dict[str, Any] = {"parameters": {}}
     sources = Sources(document)
-    found = (apply_override(data, override, sources) for override in overrides)
+    groups = _parameter_groups(name)
+    found = (apply_override(data, override, sources, groups) for override in overrides)
     problems = [problem for problem in found if problem is not None]
     words = "only 'parameters' of a model can be set; give a scenario to change more"
     problems += [sources.problem((key,), words) for key in data if key != "parameters"]
@@ -112,6 +115,13 @@ def load_model(name: str, overrides: Sequence[str] = ()) -> LoadedModel:
     if problems or wrong or parameters is None:
         raise refusal(problems + wrong, name)
     return LoadedModel(name, parameters)
+
+
+def _parameter_groups(model: Any) -> set[str]:
+    """Return the first words of a model's parameters that no scenario field has."""
+    if model not in kinds("model"):
+        return set()
+    return set(find("model", model).parameter_class.model_fields) - set(Scenario.model_fields)
 
 
 def _check_top(document: Document) -> list[Problem]:

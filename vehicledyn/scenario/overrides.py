@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Collection
 from typing import Any
 
 from vehicledyn.base.errors import InputError
@@ -14,7 +15,9 @@ from vehicledyn.scenario.sources import Sources
 _COMPONENTS = {"x": 0, "y": 1, "z": 2}
 
 
-def apply_override(data: dict[str, Any], override: str, sources: Sources) -> Problem | None:
+def apply_override(
+    data: dict[str, Any], override: str, sources: Sources, groups: Collection[str] = ()
+) -> Problem | None:
     """Change one value of a scenario's data in place and note where it came from.
 
     Parameters
@@ -25,6 +28,9 @@ def apply_override(data: dict[str, Any], override: str, sources: Sources) -> Pro
         ``key=value`` with a dotted key; the value is YAML, such as ``36 km/h`` or ``[1, 2, 3]``.
     sources
         Where each value came from; the overridden place is entered.
+    groups
+        Names of the groups of the model's parameters; a key that begins with one of them is
+        short for ``parameters.<key>``.
 
     Returns
     -------
@@ -36,6 +42,8 @@ def apply_override(data: dict[str, Any], override: str, sources: Sources) -> Pro
     place: Place = tuple(filter(None, re.split(r"[.\[\]]+", key.strip())))
     if not equals or not place:
         return Problem(f"--set {override}", None, "", "write key=value, such as speed='36 km/h'")
+    if place[0] in groups:
+        place = ("parameters", *place)
     try:
         document = parse_yaml(text, option)
     except InputError:
