@@ -13,6 +13,7 @@ from result_files import Quantity, header, slalom_values
 
 from vehicledyn.base.errors import InputError
 from vehicledyn.results import writer as writer_module
+from vehicledyn.results.output import OutputLock
 from vehicledyn.results.store import (
     EventRecord,
     ResultWriter,
@@ -247,6 +248,15 @@ def test_two_runs_cannot_write_one_file(tmp_path, make_result):
     assert [entry.name for entry in tmp_path.iterdir()] == ["live.h5"]
 
 
+def test_of_two_runs_that_start_together_one_is_refused(tmp_path):
+    lock = OutputLock(tmp_path / "a.h5")
+    with pytest.raises(InputError, match="another run is writing"):
+        OutputLock(tmp_path / "a.h5")
+    lock.release()
+    OutputLock(tmp_path / "a.h5").release()
+    assert list(tmp_path.iterdir()) == []
+
+
 def test_an_older_result_is_replaced_at_once(make_result):
     path = make_result()
     with open_result(path) as older:
@@ -258,7 +268,7 @@ def test_an_older_result_is_replaced_at_once(make_result):
         writer.close()
 
 
-@pytest.mark.parametrize("limit", [3_000, 20_000, 40_000, 90_000, 400_000])
+@pytest.mark.parametrize("limit", [3_000, 20_000, 26_000, 40_000, 90_000, 400_000])
 def test_a_full_disk_is_one_message_and_a_partial_result(tmp_path, limit):
     path = tmp_path / "full.h5"
     done = subprocess.run(
@@ -266,6 +276,7 @@ def test_a_full_disk_is_one_message_and_a_partial_result(tmp_path, limit):
         capture_output=True,
         text=True,
         check=False,
+        timeout=60.0,
     )
     assert (done.returncode, done.stderr) == (0, "")
     assert done.stdout.count("\n") == 1
