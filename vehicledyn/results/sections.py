@@ -28,7 +28,7 @@ from vehicledyn.results.layout import (
 )
 
 PACKAGES = ("casadi", "h5py", "numpy")
-STATE_ROWS = 256  # samples in a chunk of the states, which are rarely read column by column
+STATE_ROWS = 256  # most samples in a chunk of the states, rarely read column by column
 
 
 def write_header(file: h5py.File, header: ResultHeader) -> None:
@@ -79,7 +79,7 @@ def create_column(
 
 
 def create_states(
-    group: h5py.Group, states: Sequence[Described], time: h5py.Dataset
+    group: h5py.Group, states: Sequence[Described], chunk: int, time: h5py.Dataset
 ) -> h5py.Dataset | None:
     """Create the growing table of states and the texts that name its columns."""
     if not states:
@@ -95,7 +95,7 @@ def create_states(
         (0, len(states)),
         "f8",
         maxshape=(None, len(states)),
-        chunks=(STATE_ROWS, len(states)),
+        chunks=(min(chunk, STATE_ROWS), len(states)),
         fillvalue=np.nan,
     )
     value.dims[0].attach_scale(time)

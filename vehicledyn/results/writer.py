@@ -209,7 +209,8 @@ class ResultWriter:
             sections.write_attributes(dataset, {"frame": channel.frame})
             self._channels.append(dataset)
         sections.write_names(file, "channels", [channel.name for channel in channels])
-        self._states = sections.create_states(file.create_group("states"), states, self._time)
+        group = file.create_group("states")
+        self._states = sections.create_states(group, states, self._chunk, self._time)
         for group in ("events", "summary", "solver"):
             file.create_group(group, track_order=True)
         file.swmr_mode = True
