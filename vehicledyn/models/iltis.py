@@ -244,7 +244,7 @@ class _Corner:
             inner,
             carrier,
             self.from_ball(h.tie_rod_outer),
-            _distance(h.tie_rod_inner, h.tie_rod_outer),
+            _distance(h.tie_rod_inner, h.tie_rod_outer) + self.axle.tie_rod_adjustment,
         )
         return leaf, tie_rod
 

@@ -56,6 +56,9 @@ class Axle(ParameterSet):
     """What differs between front and rear."""
 
     hardpoints: Hardpoints
+    tie_rod_adjustment: float = quantity(
+        "m", "Length of the tie rod beyond the distance of its nominal points, sets the toe"
+    )
     unloaded_radius: float = quantity("m", "Radius of the unloaded tyre", gt=0)
 
 
