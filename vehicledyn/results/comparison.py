@@ -10,6 +10,7 @@ from xml.etree import ElementTree
 
 EQUAL, DIFFERENT, UNUSABLE = 0, 1, 2
 
+LISTED = 4  # names of channels in a note; the JSON lists all
 _NOT_IN_XML = re.compile("[^\t\n\r\u0020-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
 _SHOWN = 20  # differing channels listed in the text; JSON and JUnit list all
 
@@ -142,8 +143,13 @@ class Comparison:
         if self.skipped:
             notes.append(f"not in the result, skipped: {', '.join(self.skipped)}")
         if self.extra:
-            notes.append(f"only in the result, not compared: {', '.join(self.extra)}")
+            notes.append(f"only in the result, not compared: {_few(self.extra)}")
         return notes
+
+
+def _few(names: tuple[str, ...]) -> str:
+    shown = ", ".join(names[:LISTED])
+    return shown if len(names) <= LISTED else f"{shown} and {len(names) - LISTED} more"
 
 
 def _sentence(channel: ChannelComparison) -> str:

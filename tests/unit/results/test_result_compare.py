@@ -125,7 +125,15 @@ def test_extra_channels_are_listed(reference, make_result):
     path = make_result(values={**VALUES, "chassis.pitch": ("rad", ROLL)})
     comparison = compare_files(path, reference)
     assert (comparison.exit_code, comparison.extra) == (0, ("chassis.pitch",))
-    assert "only in the result, not compared: chassis.pitch" in comparison.as_text()
+    assert comparison.as_text().endswith("only in the result, not compared: chassis.pitch")
+
+
+def test_many_extra_channels_are_counted(reference, make_result):
+    more = {f"further.channel_{number}": ("rad", ROLL) for number in range(9)}
+    comparison = compare_files(make_result(values=VALUES | more), reference)
+    assert len(comparison.as_dict()["extra"]) == 9
+    listed = "further.channel_0, further.channel_1, further.channel_2, further.channel_3"
+    assert comparison.as_text().endswith(f"not compared: {listed} and 5 more")
 
 
 def test_units_must_be_equal(reference, make_result):
