@@ -93,7 +93,7 @@ def run_scenario(
     progress("finding the equilibrium to start from", None)
     s = loaded.scenario
     start = equilibrium_point(prepared, s.speed, s.start or "steady")
-    run = _Run(loaded, prepared, kept, described)
+    run = _Run(loaded, prepared, kept, _needed_channels(loaded, prepared), described)
     run.simulate(start, output, progress)
     messages = [_kernel_message(prepared), *run.messages]
     if plots is not None and run.samples and described:
@@ -112,6 +112,7 @@ class _Run:
     loaded: LoadedScenario
     prepared: Prepared
     kept: list[int]
+    needed: list[int]
     plots: list[dict[str, Any]]
     status: str = "ok"
     exit_code: int = EXIT_OK
@@ -177,20 +178,15 @@ class _Run:
     def _take(self, writer: ResultWriter, t: Matrix, x: Matrix, z: Matrix, y: Matrix) -> None:
         writer.append(t, y[:, self.kept], np.hstack([x, z]))
         self._times.append(t.copy())
-        self._values.append(y[:, self._needed()].copy())
+        self._values.append(y[:, self.needed].copy())
         self.samples += len(t)
-
-    def _needed(self) -> list[int]:
-        names = [c.name for c in self.prepared.equations.channels]
-        wanted = manoeuvre_of(self.loaded).channels(self.prepared.vehicle)
-        return [names.index(name) for name in wanted]
 
     def _summarise(self) -> None:
         if not self.samples:
             return
-        wanted = manoeuvre_of(self.loaded).channels(self.prepared.vehicle)
         values = np.vstack(self._values)
-        columns = {name: values[:, k] for k, name in enumerate(wanted)}
+        names = [self.prepared.equations.channels[k].name for k in self.needed]
+        columns = {name: values[:, k] for k, name in enumerate(names)}
         recording = Recording(np.concatenate(self._times), columns)
         self.summary = manoeuvre_of(self.loaded).summarise(recording, self.prepared.vehicle)
 
@@ -229,6 +225,12 @@ def _kept_channels(loaded: LoadedScenario, prepared: Prepared) -> list[int]:
     if problems:
         raise InputError("\n".join(problems))
     return [k for k, n in enumerate(names) if any(fnmatch.fnmatchcase(n, p) for p in patterns)]
+
+
+def _needed_channels(loaded: LoadedScenario, prepared: Prepared) -> list[int]:
+    """Return the channels the summary is made from, kept or not."""
+    names = [c.name for c in prepared.equations.channels]
+    return [names.index(n) for n in manoeuvre_of(loaded).channels(prepared.vehicle)]
 
 
 def _plots(loaded: LoadedScenario, prepared: Prepared, kept: Sequence[int]) -> list[dict[str, Any]]:
