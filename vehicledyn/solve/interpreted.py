@@ -13,6 +13,8 @@ from vehicledyn.symbolic.equations import Equations
 
 MAX_ITERATIONS = 12
 SMALL_STEP, ROUNDING = 1e-8, 1e-13
+INSIDE = 1e-8
+"""Where a step looks at its ends, as a part of the step; see loop.c."""
 
 
 class _Point(NamedTuple):
@@ -166,7 +168,7 @@ class InterpretedEngine:
         before, between = march.memory[1:].reshape(2, z.size)
         known = march.memory[0]
         bend = known * (z - 2.0 * between + before)
-        k1 = self.rates(march.time(step), x, z, constants)
+        k1 = self.rates(march.time(step, INSIDE), x, z, constants)
         ledger.counts[Count.EVALUATIONS] += 1
         z2 = z + known * 0.5 * (3.0 * z - 4.0 * between + before)
         status, k2 = self._stage(_Point(middle, x + 0.5 * h * k1, z2, constants), ledger)
@@ -177,7 +179,8 @@ class InterpretedEngine:
         if status is not Status.SOLVED:
             return status
         z4 = 2.0 * z3 - z
-        status, k4 = self._stage(_Point(end, x + h * k3, z4, constants), ledger)
+        last = march.time(step, 1.0 - INSIDE)
+        status, k4 = self._stage(_Point(last, x + h * k3, z4, constants), ledger)
         if status is not Status.SOLVED:
             return status
         new = x + h / 6.0 * (k1 + 2.0 * k2 + 2.0 * k3 + k4)
@@ -188,7 +191,7 @@ class InterpretedEngine:
         x, z = march.state, march.unknowns
         h = march.interval / march.per_interval
         before = march.memory[1 : 1 + z.size]
-        new = x + h * self.rates(march.time(step), x, z, constants)
+        new = x + h * self.rates(march.time(step, INSIDE), x, z, constants)
         march.ledger.counts[Count.EVALUATIONS] += 1
         new[self._positions] = x[self._positions] + h * new[self._velocities]
         guess = 2.0 * z - before if march.memory[0] else z.copy()

@@ -9,6 +9,10 @@ enum { SAMPLES, STEPS, EVALUATIONS, ITERATIONS, WHERE };
 enum { LARGEST_RESIDUAL, FAILED_RESIDUAL };
 enum { MAX_ITERATIONS = 12 };
 
+/* Where a step looks at its ends, as a part of the step: just inside, so that a corner of a law
+   in time that falls on the end belongs to one step only, in spite of rounding. */
+static const double INSIDE = 1e-8;
+
 /* A Newton step this small leaves an error of its square times the curvature: below 1e-14. */
 static const double SMALL_STEP = 1e-8, ROUNDING = 1e-13;
 
@@ -124,9 +128,11 @@ static int stage(double t, const double *x, double *z, const double *c, double *
 }
 
 /* Classical Runge-Kutta step. The guesses of the unknowns extrapolate the start and middle of
-   the last step, kept in memory as flag, start, middle: errors of third order in h. */
-static int step_rk4(double t, double middle, double end, double h, double *x, double *z,
-                    const double *c, double *memory, long long *counts, double *figures) {
+   the last step, kept in memory as flag, start, middle: errors of third order in h. Times t and
+   last lie just inside the step. */
+static int step_rk4(double t, double middle, double last, double end, double h, double *x,
+                    double *z, const double *c, double *memory, long long *counts,
+                    double *figures) {
   double k1[NX1], k2[NX1], k3[NX1], k4[NX1], xs[NX1], zs[NZ1], zm[NZ1], bend[NZ1];
   double *before = memory + 1, *between = memory + 1 + NZ;
   int status;
@@ -150,7 +156,7 @@ static int step_rk4(double t, double middle, double end, double h, double *x, do
     zs[i] = 2.0 * zs[i] - z[i];
   }
   for (int i = 0; i < NX; i++) xs[i] = x[i] + h * k3[i];
-  if ((status = stage(end, xs, zs, c, k4, counts, figures)) != SOLVED) return status;
+  if ((status = stage(last, xs, zs, c, k4, counts, figures)) != SOLVED) return status;
   for (int i = 0; i < NX; i++)
     xs[i] = x[i] + h / 6.0 * (k1[i] + 2.0 * k2[i] + 2.0 * k3[i] + k4[i]);
   if ((status = check_finite(xs, counts)) != SOLVED) return status;
@@ -223,11 +229,13 @@ VD_EXPORT int vd_advance(int method, long long first_step, long long n_steps,
                          double *zs, double *ys, long long *counts, double *figures) {
   const double h = interval / (double)per_interval;
   for (long long step = first_step; step < first_step + n_steps; step++) {
-    const double t = time_of(step, 0.0, start, interval, per_interval);
+    const double t = time_of(step, INSIDE, start, interval, per_interval);
     const double middle = time_of(step, 0.5, start, interval, per_interval);
     const double end = time_of(step + 1, 0.0, start, interval, per_interval);
-    int status = method == RK4 ? step_rk4(t, middle, end, h, x, z, c, memory, counts, figures)
-                               : step_symplectic(t, end, h, x, z, c, memory, counts, figures);
+    const double last = time_of(step, 1.0 - INSIDE, start, interval, per_interval);
+    int status = method == RK4
+                     ? step_rk4(t, middle, last, end, h, x, z, c, memory, counts, figures)
+                     : step_symplectic(t, end, h, x, z, c, memory, counts, figures);
     if (status != SOLVED) return status;
     counts[STEPS]++;
     if ((step + 1) % per_interval) continue;
