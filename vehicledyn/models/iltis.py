@@ -195,7 +195,7 @@ class _Corner:
             self.on_chassis(h.a_arm_inner),
             (Joint("R1", f"{prefix}.a_arm_angle", description="A-arm angle"),),
             mass=self.p.a_arm.mass,
-            com=tuple(0.5 * c for c in outer),
+            com=_towards_origin(outer, self.p.a_arm.centre_of_mass),
             inertia=_arm_inertia(self.p.a_arm, outer),
         )
         kingpin = _frame_along(self.from_ball(h.leaf_outer))
@@ -344,6 +344,12 @@ def _frame_along(axis: Point) -> Mat:
 
 def _minus(a: Point, b: Point) -> Point:
     return (a[0] - b[0], a[1] - b[1], a[2] - b[2])
+
+
+def _towards_origin(point: Point, distance: Scalar) -> Point:
+    """Return the point that lies a distance nearer to the origin."""
+    part = 1.0 - distance / ops.norm(ops.vector(*point))
+    return (part * point[0], part * point[1], part * point[2])
 
 
 def _distance(a: Point, b: Point) -> Scalar:
