@@ -9,7 +9,7 @@ import time
 
 import pytest
 
-HEAVY = ("casadi", "h5py", "matplotlib", "pandas", "rich", "scipy")
+HEAVY = ("casadi", "h5py", "matplotlib", "numpy", "pandas", "rich", "scipy")
 STANDING = """\
 title: The Iltis rolls
 model: iltis
@@ -166,8 +166,8 @@ def test_models_are_listed():
         (("compare", "a.h5", "b.h5"), "a.h5: no such file"),
     ],
 )  # fmt: skip
-def test_bad_input_is_one_clear_message(arguments, words):
-    done = command(*arguments)
+def test_bad_input_is_one_clear_message(tmp_path, arguments, words):
+    done = command(*arguments, cwd=tmp_path)
     assert done.returncode == 2
     assert words in done.stderr + done.stdout
     assert "Traceback" not in done.stderr
