@@ -66,7 +66,9 @@ class AArm(ParameterSet):
     """Lower wishbone; its centre of mass lies on the line between its joints."""
 
     mass: float = quantity("kg", "Mass", gt=0)
-    centre_of_mass: float = quantity("m", "Distance of the centre of mass from the outer ball joint")
+    centre_of_mass: float = quantity(
+        "m", "Distance of the centre of mass from the outer ball joint"
+    )
     inertia_x: float = quantity("kg*m^2", "Inertia about x of the chassis", gt=0)
     inertia_along: float = quantity("kg*m^2", "Inertia about the line between the joints", gt=0)
     inertia_across: float = quantity("kg*m^2", "Inertia about the third axis", gt=0)
