@@ -26,9 +26,9 @@ def check_bodies(system: System) -> None:
     for body in system.bodies:
         if body.mass is None:
             continue
-        numbers = ops.numeric(
-            [symbols], ops.column([body.mass, *_flat(matrix_of(body.inertia))])
-        )(values)[:, 0]
+        numbers = ops.numeric([symbols], ops.column([body.mass, *_flat(matrix_of(body.inertia))]))(
+            values
+        )[:, 0]
         problems.extend(f"body '{body.name}': {text}" for text in _faults(numbers))
     if problems:
         listed = "\n".join(f"  - {problem}" for problem in problems)

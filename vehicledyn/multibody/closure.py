@@ -53,9 +53,7 @@ class Closure:
         turned = transpose(square, len(pairs))
         right = [{_BIAS: forces[column]} for _, column in pairs]
         solution = solve_in_order(turned, right, _transposed_order(self.partition))
-        return {
-            row: solution[k].get(_BIAS, ops.scalar(0.0)) for k, (row, _) in enumerate(pairs)
-        }
+        return {row: solution[k].get(_BIAS, ops.scalar(0.0)) for k, (row, _) in enumerate(pairs)}
 
     def _solve(self, known: dict[int, Scalar], bias: list[Scalar]) -> dict[int, Scalar]:
         right: list[dict[int, Scalar]] = []

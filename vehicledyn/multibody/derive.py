@@ -86,9 +86,7 @@ def _motion(
     for k, rate in closure.dependent_rates(known).items():
         rates[joints[k].name] = rate
     kinematics = Kinematics(tree, symbols.coordinates, rates)
-    loads = {
-        part.name: part.loads(_situation(symbols, part, kinematics)) for part in system.parts
-    }
+    loads = {part.name: part.loads(_situation(symbols, part, kinematics)) for part in system.parts}
     return _MotionState(kinematics, rates, loads)
 
 
@@ -130,9 +128,7 @@ def _dynamics(
         for u, row in closure.influence(roles.independent).items()
     }
     independent = [names[k] for k in roles.independent]
-    solved = independent_accelerations(
-        mass, {n: bias[n] for n in moving}, independent, influence
-    )
+    solved = independent_accelerations(mass, {n: bias[n] for n in moving}, independent, influence)
     accelerations = {**bias_accelerations, **solved}
     for u, row in influence.items():
         for v, entry in row.items():
@@ -190,9 +186,7 @@ def _collect(
         *(symbols.unknowns[p.name][v.name] for p, v in part_unknowns),
     ]
     contact = [r for p in system.parts for r in solved.loads[p.name].residuals]
-    kept = [
-        loops.constraints[row].residual.expression for row, _ in loops.closure.partition.pairs
-    ]
+    kept = [loops.constraints[row].residual.expression for row, _ in loops.closure.partition.pairs]
     outputs = observe(system, symbols, loops, solved)
     _check_unique(outputs)
     n = len(independent)
@@ -295,9 +289,7 @@ def _structure(system: System, symbols: Symbols, loops: Loops, roles: _Roles) ->
         "driven": [name[k] for k in roles.driven],
         "locked": sorted(locked(system, symbols)),
         "cuts": [cut.name for cut in system.cuts],
-        "loops": [
-            [loops.constraints[row].cut for row, _ in block] for block in partition.blocks
-        ],
+        "loops": [[loops.constraints[row].cut for row, _ in block] for block in partition.blocks],
         "redundant": [loops.constraints[row].cut for row in partition.redundant],
         "parts": [part.name for part in system.parts],
         "degrees_of_freedom": len(roles.independent),

@@ -53,11 +53,11 @@ def inverse_dynamics(
     carried: dict[int, JointWrench] = {}
     forces: dict[str, Scalar] = {}
     children: dict[int, list[int]] = defaultdict(list)
-    falling = _fall(kinematics, gravity)
+    lifted = kinematics.in_lift(-gravity)
     for link in reversed(range(len(tree.links))):
         item = tree.links[link]
         own = inertia.of_body(item.body)
-        force, torque = _newton_euler(kinematics, link, own, falling[link])
+        force, torque = _newton_euler(lifted, link, own)
         for wrench in applied[link]:
             force, torque = force - wrench.force, torque - wrench.torque
         for child in children[link]:
@@ -73,23 +73,12 @@ def inverse_dynamics(
     return forces, carried
 
 
-def _fall(kinematics: Kinematics, gravity: Vec) -> list[Vec]:
-    """Return gravity in the axes of every link."""
-    falling: list[Vec] = []
-    for link, item in enumerate(kinematics.tree.links):
-        above = gravity if item.parent < 0 else falling[item.parent]
-        falling.append(kinematics.link_rotation(link).T @ above)
-    return falling
-
-
-def _newton_euler(
-    kinematics: Kinematics, link: int, own: Inertia, falling: Vec
-) -> tuple[Vec, Vec]:
-    """Return force and torque about the origin that the motion of one link needs."""
+def _newton_euler(kinematics: Kinematics, link: int, own: Inertia) -> tuple[Vec, Vec]:
+    """Return force and torque about the origin that motion and weight of one link need."""
     if ops.is_structurally_zero(own.mass):
         zero = ops.vector(0.0, 0.0, 0.0)
         return zero, zero
-    pull = kinematics.link_acceleration(link) - falling
+    pull = kinematics.link_acceleration(link)
     omega = kinematics.link_angular_velocity(link)
     force = own.mass * pull
     if not ops.is_structurally_zero(own.moment):

@@ -33,10 +33,7 @@ class Inertia:
     def in_parent(self, rotation: Mat, arm: Vec) -> Inertia:
         """Return it in a parent frame: v_parent = rotation v, origin displaced by ``arm``."""
         moment = rotation @ self.moment
-        shift = ops.tilde(arm)
-        cross = shift @ ops.tilde(moment)
-        turned = rotation @ self.matrix @ rotation.T
-        matrix = turned - cross - cross.T - self.mass * (shift @ shift)
+        matrix = rotations.congruent(rotation, self.matrix) + _shifted(self.mass, moment, arm)
         return Inertia(self.mass, moment + self.mass * arm, matrix)
 
 
@@ -51,13 +48,25 @@ def of_body(body: Body | None) -> Inertia:
     if body is None or body.mass is None:
         return nothing()
     com = ops.vector(*body.com)
-    shift = ops.tilde(com)
-    matrix = matrix_of(body.inertia) - body.mass * (shift @ shift)
+    nowhere = ops.vector(0.0, 0.0, 0.0)
+    matrix = matrix_of(body.inertia) + _shifted(body.mass, nowhere, com)
     return Inertia(ops.scalar(body.mass), body.mass * com, matrix)
+
+
+def _shifted(mass: Scalar, moment: Vec, arm: Vec) -> Mat:
+    """Return what an inertia matrix gains when its reference moves away by ``-arm`` [kg m²].
+
+    With s = 2 moment + mass · arm the gain is (arm · s) 1 - (arm sᵀ + s armᵀ) / 2, which is
+    Steiner's term for a first moment of zero.
+    """
+    s = 2.0 * moment + mass * arm
+    xx, yy, zz = (arm[k] * s[k] for k in range(3))
+    xy, xz, yz = (-0.5 * (arm[i] * s[j] + arm[j] * s[i]) for i, j in ((0, 1), (0, 2), (1, 2)))
+    return rotations.symmetric(yy + zz, xx + zz, xx + yy, xy, xz, yz)
 
 
 def matrix_of(inertia: Sequence[Scalar]) -> Mat:
     """Return the symmetric matrix of Ixx, Iyy, Izz and optionally Ixy, Ixz, Iyz [kg m²]."""
     xx, yy, zz = inertia[0], inertia[1], inertia[2]
     xy, xz, yz = inertia[3:6] if len(inertia) == _FULL else (0.0, 0.0, 0.0)
-    return rotations.matrix([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
+    return rotations.symmetric(xx, yy, zz, xy, xz, yz)

@@ -31,6 +31,9 @@ class Kinematics:
         Symbol of each coordinate by name.
     rates, accelerations
         Expressions of their derivatives; ``accelerations`` is None while not known yet.
+    ground
+        Acceleration of the ground in its own axes, shape (3, 1) [m/s²]; None for a ground at
+        rest.
     """
 
     def __init__(
@@ -39,18 +42,33 @@ class Kinematics:
         coordinates: dict[str, Scalar],
         rates: dict[str, Scalar],
         accelerations: dict[str, Scalar] | None = None,
+        ground: Vec | None = None,
     ) -> None:
         self.tree = tree
         self._q = coordinates
         self._qd = rates
         self._qdd = accelerations
+        self._ground = ops.vector(0.0, 0.0, 0.0) if ground is None else ground
         self._cache: dict[tuple[str, int], object] = {}
 
     def with_accelerations(self, accelerations: dict[str, Scalar]) -> Kinematics:
         """Return the same kinematics with the accelerations of all coordinates known."""
-        known = Kinematics(self.tree, self._q, self._qd, accelerations)
-        known._cache = {k: v for k, v in self._cache.items() if k[0] not in _ACCELERATED}
-        return known
+        return self._sharing(accelerations, self._ground, forget=_ACCELERATED)
+
+    def in_lift(self, acceleration: Vec) -> Kinematics:
+        """Return the same kinematics on a ground that accelerates, world axes [m/s²].
+
+        On a ground that accelerates against gravity the weights of bodies are inertia forces
+        (d'Alembert), so that gravity needs no terms of its own.
+        """
+        return self._sharing(self._qdd, acceleration, forget=frozenset({"acceleration"}))
+
+    def _sharing(
+        self, accelerations: dict[str, Scalar] | None, ground: Vec, *, forget: frozenset[str]
+    ) -> Kinematics:
+        other = Kinematics(self.tree, self._q, self._qd, accelerations, ground)
+        other._cache = {k: v for k, v in self._cache.items() if k[0] not in forget}
+        return other
 
     # -- by body, in world axes ------------------------------------------------------------
 
@@ -177,7 +195,7 @@ class Kinematics:
 
         def build() -> Vec:
             if link < 0:
-                return ops.vector(0.0, 0.0, 0.0)
+                return self._ground
             item = self.tree.links[link]
             base = self.link_acceleration(item.parent)
             at_joint = base + self.beta(item.parent) @ self.link_arm(link)

@@ -61,12 +61,10 @@ def close(
     chosen = _partition(system, symbols, jacobian, q)
     rate = ops.derivative(h, symbols.time, 1.0)
     first = ops.derivative(h, symbols.coordinate_column, symbols.rate_column) + rate
-    second = ops.derivative(
-        first, symbols.coordinate_column, symbols.rate_column
-    ) + ops.derivative(first, symbols.time, 1.0)
-    closure = Closure(
-        chosen, ops.rows_of(jacobian), _scalars(rate), _scalars(second)
+    second = ops.derivative(first, symbols.coordinate_column, symbols.rate_column) + ops.derivative(
+        first, symbols.time, 1.0
     )
+    closure = Closure(chosen, ops.rows_of(jacobian), _scalars(rate), _scalars(second))
     start = {j.name: float(value) for j, value in zip(symbols.joints, q, strict=True)}
     return Loops(constraints, closure, start)
 

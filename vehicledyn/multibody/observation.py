@@ -188,7 +188,5 @@ def _energies(system: System, solved: Solved, drive: dict[str, Scalar]) -> list[
     return [
         Output(Channel("energy.kinetic", "J", "Kinetic energy of all bodies"), kinetic),
         Output(Channel("energy.gravity", "J", "Potential energy in the gravity field"), height),
-        Output(
-            Channel("power.forces", "W", "Power of all forces and drives but gravity"), power
-        ),
+        Output(Channel("power.forces", "W", "Power of all forces and drives but gravity"), power),
     ]

@@ -109,9 +109,7 @@ def _blocks(
     return grouped
 
 
-def _pivot_order(
-    jacobian: Array, rows: list[int], columns: list[int]
-) -> list[tuple[int, int]]:
+def _pivot_order(jacobian: Array, rows: list[int], columns: list[int]) -> list[tuple[int, int]]:
     """Return full-pivoting pairs of one block."""
     work = jacobian.copy()
     rows, columns, order = list(rows), list(columns), []

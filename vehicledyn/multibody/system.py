@@ -168,7 +168,9 @@ def _joint_problems(system: System) -> list[str]:
     seen: set[str] = set()
     for joint in system.joints():
         if joint.kind not in JOINT_KINDS:
-            problems.append(f"joint '{joint.name}': {unknown_name('kind', joint.kind, JOINT_KINDS)}")
+            problems.append(
+                f"joint '{joint.name}': {unknown_name('kind', joint.kind, JOINT_KINDS)}"
+            )
         if joint.role not in ROLES:
             problems.append(f"joint '{joint.name}': {unknown_name('role', joint.role, ROLES)}")
         if joint.name in seen:
@@ -187,5 +189,7 @@ def _end_problems(system: System) -> list[str]:
             if name not in bodies
         )
     names = [*(cut.name for cut in system.cuts), *(part.name for part in system.parts)]
-    problems.extend(f"'{n}' names two parts" for n in sorted({n for n in names if names.count(n) > 1}))
+    problems.extend(
+        f"'{n}' names two parts" for n in sorted({n for n in names if names.count(n) > 1})
+    )
     return problems

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 from vehicledyn.multibody.system import GROUND, Body, Joint, System
 from vehicledyn.symbolic import ops, rotations
-from vehicledyn.symbolic.ops import Mat, Vec
+from vehicledyn.symbolic.ops import Mat, Scalar, Vec
 
 
 @dataclass(frozen=True)
@@ -63,7 +63,9 @@ def unfold(system: System) -> Tree:
         for step in _steps(body):
             offset, before, joint, after, is_last = step
             spin = is_last and body.spins_about is not None
-            links.append(Link(parent, offset, before, joint, after, body if is_last else None, spin))
+            links.append(
+                Link(parent, offset, before, joint, after, body if is_last else None, spin)
+            )
             parent = len(links) - 1
         body_link[body.name] = parent
     return Tree(tuple(links), body_link)
@@ -90,9 +92,29 @@ def _steps(body: Body) -> list[tuple[Vec, Mat | None, Joint | None, Mat | None, 
     ]
 
 
-def joint_rotation(link: Link, c: object, s: object) -> Mat:
-    """Return R with v_parent = R v_link, given cosine and sine of the joint's angle."""
-    rotation = rotations.identity() if link.before is None else link.before
-    if link.joint is not None and link.joint.is_rotation and not link.is_ignorable_spin:
-        rotation = rotation @ rotations.turn_by(link.joint.axis, c, s)
-    return rotation if link.after is None else rotation @ link.after
+def joint_rotation(link: Link, c: Scalar, s: Scalar) -> Mat:
+    """Return R with v_parent = R v_link, given cosine and sine of the joint's angle [1].
+
+    Between two fixed turns B and A the joint's R = e eᵀ + c (1 - e eᵀ) + s tilde(e) gives
+    B R A as a sum of three constant matrices, which costs half of the two products.
+    """
+    turns = link.joint is not None and link.joint.is_rotation and not link.is_ignorable_spin
+    if link.joint is None or not turns:
+        return _product(link.before, link.after)
+    if link.before is None or link.after is None:
+        return _product(link.before, rotations.turn_by(link.joint.axis, c, s), link.after)
+    axis = rotations.axis_vector(link.joint.axis)
+    along = axis @ axis.T
+    kept, turned, across = (
+        link.before @ part @ link.after
+        for part in (along, rotations.identity() - along, ops.tilde(axis))
+    )
+    return kept + c * turned + s * across
+
+
+def _product(*factors: Mat | None) -> Mat:
+    """Return the product of the matrices that are there."""
+    product = rotations.identity()
+    for factor in factors:
+        product = product if factor is None else product @ factor
+    return product

@@ -74,8 +74,7 @@ def motions(system: System, symbols: Symbols) -> dict[str, Motion]:
             owners[name] = part
             driven[name] = motion
     return {
-        name: Motion(ops.scalar(m.position), ops.scalar(m.velocity))
-        for name, m in driven.items()
+        name: Motion(ops.scalar(m.position), ops.scalar(m.velocity)) for name, m in driven.items()
     }
 
 

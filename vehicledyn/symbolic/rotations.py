@@ -10,6 +10,9 @@ from __future__ import annotations
 from vehicledyn.symbolic import ops
 from vehicledyn.symbolic.ops import Mat, Scalar, Vec
 
+_SIX = ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))
+"""Rows and columns of the elements xx, yy, zz, xy, xz, yz."""
+
 
 def turn(axis: int, angle: Scalar) -> Mat:
     """Return the rotation matrix about axis 1, 2 or 3 by an angle [rad]."""
@@ -31,6 +34,24 @@ def matrix(rows: list[list[Scalar]]) -> Mat:
     import casadi
 
     return casadi.SX(casadi.vertcat(*[casadi.horzcat(*[casadi.SX(x) for x in r]) for r in rows]))
+
+
+def symmetric(xx: Scalar, yy: Scalar, zz: Scalar, xy: Scalar, xz: Scalar, yz: Scalar) -> Mat:
+    """Return the symmetric matrix with these elements."""
+    return matrix([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
+
+
+def congruent(rotation: Mat, tensor: Mat) -> Mat:
+    """Return R T Rᵀ of a symmetric T: its elements in the frame that R leads to.
+
+    Only one triangle is computed, which is why this is not two products.
+    """
+    half = rotation @ tensor
+
+    def element(i: int, j: int) -> Scalar:
+        return ops.dot(half[i, :], rotation[j, :])
+
+    return symmetric(*(element(i, j) for i, j in _SIX))
 
 
 def identity() -> Mat:
