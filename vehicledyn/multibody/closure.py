@@ -85,8 +85,9 @@ class Closure:
                 matrix.append({local[c]: v for c, v in entries.items() if c in local})
                 sides.append(side)
             order = [(k, k) for k in range(len(block))]
-            for (_, column), row in zip(block, solve_in_order(matrix, sides, order), strict=True):
-                solved[column] = row
+            solution = solve_in_order(matrix, sides, order)
+            for (_, column), entries in zip(block, solution, strict=True):
+                solved[column] = entries
             first += len(block)
         return solved
 

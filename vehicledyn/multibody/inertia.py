@@ -62,11 +62,10 @@ def _shifted(mass: Scalar, moment: Vec, arm: Vec) -> Mat:
     s = 2.0 * moment + mass * arm
     xx, yy, zz = (arm[k] * s[k] for k in range(3))
     xy, xz, yz = (-0.5 * (arm[i] * s[j] + arm[j] * s[i]) for i, j in ((0, 1), (0, 2), (1, 2)))
-    return rotations.symmetric(yy + zz, xx + zz, xx + yy, xy, xz, yz)
+    return rotations.symmetric((yy + zz, xx + zz, xx + yy), (xy, xz, yz))
 
 
 def matrix_of(inertia: Sequence[Scalar]) -> Mat:
     """Return the symmetric matrix of Ixx, Iyy, Izz and optionally Ixy, Ixz, Iyz [kg m²]."""
-    xx, yy, zz = inertia[0], inertia[1], inertia[2]
-    xy, xz, yz = inertia[3:6] if len(inertia) == _FULL else (0.0, 0.0, 0.0)
-    return rotations.symmetric(xx, yy, zz, xy, xz, yz)
+    beside = inertia[3:6] if len(inertia) == _FULL else (0.0, 0.0, 0.0)
+    return rotations.symmetric(inertia[:3], beside)

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
+from vehicledyn.base.errors import InputError, NumericalError
 from vehicledyn.multibody import assembly, partition
 from vehicledyn.multibody.closure import Closure
 from vehicledyn.multibody.cuts import Residual
@@ -16,7 +18,12 @@ from vehicledyn.multibody.system import System
 from vehicledyn.multibody.tree import Tree
 from vehicledyn.multibody.unknowns import Symbols
 from vehicledyn.symbolic import ops
+from vehicledyn.symbolic.elimination import Rows
 from vehicledyn.symbolic.ops import Scalar
+
+Array = NDArray[np.float64]
+_STEP_ASIDE = 1e-3
+"""Step that tells a singular configuration from redundant constraints [m, rad]."""
 
 
 @dataclass(frozen=True)
@@ -45,10 +52,37 @@ class Loops:
         return [column for _, column in self.closure.partition.pairs]
 
 
+@dataclass(frozen=True)
+class _Gaps:
+    """Residuals and Jacobian of all constraints at given values of all coordinates."""
+
+    residual: Callable[[Array], Array]
+    jacobian: Callable[[Array], Array]
+    cuts: list[str]
+
+
 def close(
     system: System, tree: Tree, symbols: Symbols, motion: dict[str, Motion], time: float = 0.0
 ) -> Loops:
-    """Assemble the loops, partition the coordinates and derive the closure."""
+    """Assemble the loops, partition the coordinates and derive the closure.
+
+    Parameters
+    ----------
+    system, tree, symbols
+        The system, its links and its symbols.
+    motion
+        Position and velocity of the driven coordinates.
+    time
+        Time at which the loops are assembled [s].
+
+    Raises
+    ------
+    NumericalError
+        If the loops cannot be assembled; the message names the cuts that stay open.
+    InputError
+        If a coordinate declared dependent is not determined by the loops, or the assembled
+        configuration is singular.
+    """
     bare = Kinematics(tree, symbols.coordinates, symbols.rates)
     constraints = [
         Constraint(cut.name, residual)
@@ -57,8 +91,10 @@ def close(
     ]
     h = ops.column([c.residual.expression for c in constraints])
     jacobian = ops.jacobian(h, symbols.coordinate_column)
-    q = _assembled(system, symbols, motion, constraints, h, jacobian, time)
-    chosen = _partition(system, symbols, jacobian, q)
+    gaps = _gaps(system, symbols, constraints, h, jacobian)
+    q = _start(system, symbols, motion, time)
+    q = _assembled(symbols, gaps, q)
+    chosen = _partition(symbols, gaps, ops.rows_of(jacobian), q)
     rate = ops.derivative(h, symbols.time, 1.0)
     first = ops.derivative(h, symbols.coordinate_column, symbols.rate_column) + rate
     second = ops.derivative(first, symbols.coordinate_column, symbols.rate_column) + ops.derivative(
@@ -73,61 +109,100 @@ def _scalars(column: Scalar) -> list[Scalar]:
     return [column[k] for k in range(column.shape[0])]
 
 
-def _values(system: System) -> NDArray[np.float64]:
-    return np.array([entry.value for entry in system.table.entries])
-
-
-def _parameters(system: System) -> Scalar:
-    return ops.column([entry.symbol for entry in system.table.entries])
-
-
-def _assembled(
+def _gaps(
     system: System,
     symbols: Symbols,
-    motion: dict[str, Motion],
     constraints: list[Constraint],
     h: Scalar,
     jacobian: Scalar,
-    time: float,
-) -> NDArray[np.float64]:
-    """Return all coordinates at the start, with every loop closed."""
+) -> _Gaps:
+    entries = system.table.entries
+    inputs = [symbols.coordinate_column, ops.column([entry.symbol for entry in entries])]
+    values = np.array([entry.value for entry in entries])
+    residual, slopes = ops.numeric(inputs, h), ops.numeric(inputs, jacobian)
+    return _Gaps(
+        lambda q: residual(q, values)[:, 0],
+        lambda q: slopes(q, values),
+        [c.cut for c in constraints],
+    )
+
+
+def _start(system: System, symbols: Symbols, motion: dict[str, Motion], time: float) -> Array:
+    """Return the start values of all coordinates, driven ones from their motion."""
     q = np.array([j.start for j in symbols.joints])
     states = [s for part in symbols.states.values() for s in part.values()]
     starts = [v.start for part in system.parts for v in part.states()]
+    entries = system.table.entries
+    known = [symbols.time, ops.column(states), ops.column([e.symbol for e in entries])]
     driven = [k for k, j in enumerate(symbols.joints) if j.name in motion]
     positions = ops.column([motion[symbols.joints[k].name].position for k in driven])
-    known = [symbols.time, ops.column(states), _parameters(system)]
-    q[driven] = ops.numeric(known, positions)(time, starts, _values(system))[:, 0]
-    fixed = ("independent", "driven")
-    free = [k for k, j in enumerate(symbols.joints) if j.role not in fixed]
-    inputs = [symbols.coordinate_column, symbols.time, _parameters(system)]
-    gaps, slopes = ops.numeric(inputs, h), ops.numeric(inputs, jacobian)
-    rest = (time, _values(system))
-
-    def at(values: NDArray[np.float64]) -> NDArray[np.float64]:
-        full = q.copy()
-        full[free] = values
-        return full
-
-    q[free] = assembly.assemble(
-        lambda values: gaps(at(values), *rest)[:, 0],
-        lambda values: slopes(at(values), *rest)[:, free],
-        q[free],
-        [c.cut for c in constraints],
-    )
+    q[driven] = ops.numeric(known, positions)(time, starts, [e.value for e in entries])[:, 0]
     return q
 
 
-def _partition(
-    system: System, symbols: Symbols, jacobian: Scalar, q: NDArray[np.float64]
-) -> partition.Partition:
-    inputs = [symbols.coordinate_column, symbols.time, _parameters(system)]
-    numbers = ops.numeric(inputs, jacobian)(q, 0.0, _values(system))
+def _assembled(symbols: Symbols, gaps: _Gaps, start: Array) -> Array:
+    """Return all coordinates with every loop closed, near the given ones."""
+    fixed = ("independent", "driven")
+    free = [k for k, j in enumerate(symbols.joints) if j.role not in fixed]
+
+    def at(values: Array) -> Array:
+        full = start.copy()
+        full[free] = values
+        return full
+
+    found = assembly.assemble(
+        lambda values: gaps.residual(at(values)),
+        lambda values: gaps.jacobian(at(values))[:, free],
+        start[free],
+        gaps.cuts,
+    )
+    return at(found)
+
+
+def _partition(symbols: Symbols, gaps: _Gaps, rows: Rows, q: Array) -> partition.Partition:
+    chosen = _choose(symbols, gaps, rows, q)
+    if chosen.redundant:
+        _refuse_singular(symbols, gaps, rows, q, chosen)
+    return chosen
+
+
+def _choose(symbols: Symbols, gaps: _Gaps, rows: Rows, q: Array) -> partition.Partition:
     roles = [j.role for j in symbols.joints]
     return partition.choose(
-        numbers,
-        [set(row) for row in ops.rows_of(jacobian)],
+        gaps.jacobian(q),
+        [set(row) for row in rows],
         must=[k for k, role in enumerate(roles) if role == "dependent"],
         may=[k for k, role in enumerate(roles) if role == "auto"],
         names=[j.name for j in symbols.joints],
     )
+
+
+def _refuse_singular(
+    symbols: Symbols, gaps: _Gaps, rows: Rows, q: Array, chosen: partition.Partition
+) -> None:
+    """Raise InputError if constraints that look redundant are not so a little further on.
+
+    The system moves by a small step that the constraints allow to first order, and is
+    assembled again. Redundant constraints stay so; at a singular configuration (book, figure
+    2.5) the rank grows with the step.
+    """
+    moving = [k for k, j in enumerate(symbols.joints) if j.role in ("auto", "dependent")]
+    _, sizes, directions = np.linalg.svd(gaps.jacobian(q)[:, moving])
+    rank = int(np.sum(sizes > partition.RANK_TOLERANCE * max(1.0, sizes.max(initial=0.0))))
+    allowed = directions[rank:]
+    if not len(allowed):
+        return
+    step = q.copy()
+    # Any direction will do that no symmetry prefers.
+    step[moving] += _STEP_ASIDE * allowed.T @ np.cos(np.arange(len(allowed)) + 1.0)
+    try:
+        near = _assembled(symbols, gaps, step)
+    except NumericalError:
+        return
+    lost = len(chosen.redundant) - len(_choose(symbols, gaps, rows, near).redundant)
+    if lost > 0:
+        cuts = ", ".join(f"'{gaps.cuts[row]}'" for row in chosen.redundant)
+        raise InputError(
+            f"the assembled configuration is singular: {lost} of the constraints of {cuts} "
+            "do not act there; start the coordinates of these loops elsewhere"
+        )

@@ -18,7 +18,6 @@ from vehicledyn.symbolic.elimination import triangular_blocks
 
 Array = NDArray[np.float64]
 RANK_TOLERANCE = 1e-9
-_REDUNDANT_GAP = 1e-8
 
 
 @dataclass(frozen=True)

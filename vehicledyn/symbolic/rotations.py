@@ -7,11 +7,10 @@ of the parent; the book writes its transpose.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 from vehicledyn.symbolic import ops
 from vehicledyn.symbolic.ops import Mat, Scalar, Vec
-
-_SIX = ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))
-"""Rows and columns of the elements xx, yy, zz, xy, xz, yz."""
 
 
 def turn(axis: int, angle: Scalar) -> Mat:
@@ -36,8 +35,9 @@ def matrix(rows: list[list[Scalar]]) -> Mat:
     return casadi.SX(casadi.vertcat(*[casadi.horzcat(*[casadi.SX(x) for x in r]) for r in rows]))
 
 
-def symmetric(xx: Scalar, yy: Scalar, zz: Scalar, xy: Scalar, xz: Scalar, yz: Scalar) -> Mat:
-    """Return the symmetric matrix with these elements."""
+def symmetric(diagonal: Sequence[Scalar], beside: Sequence[Scalar]) -> Mat:
+    """Return the symmetric matrix of the elements xx, yy, zz and xy, xz, yz."""
+    (xx, yy, zz), (xy, xz, yz) = diagonal, beside
     return matrix([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
 
 
@@ -51,7 +51,9 @@ def congruent(rotation: Mat, tensor: Mat) -> Mat:
     def element(i: int, j: int) -> Scalar:
         return ops.dot(half[i, :], rotation[j, :])
 
-    return symmetric(*(element(i, j) for i, j in _SIX))
+    return symmetric(
+        [element(k, k) for k in range(3)], [element(0, 1), element(0, 2), element(1, 2)]
+    )
 
 
 def identity() -> Mat:

@@ -1,0 +1,185 @@
+"""Put a solved system into the order of the Equations value: states, unknowns, channels, blocks."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+from vehicledyn.base.errors import InputError
+from vehicledyn.multibody.loops import Loops
+from vehicledyn.multibody.observation import Solved, observe
+from vehicledyn.multibody.parts import Motion, Output, Part
+from vehicledyn.multibody.system import Joint, System
+from vehicledyn.multibody.unknowns import Symbols, locked
+from vehicledyn.symbolic import ops
+from vehicledyn.symbolic.equations import Block, Equations, ParameterValue, Variable
+from vehicledyn.symbolic.ops import Scalar
+
+LOOP_TOLERANCE = 1e-12
+"""Residual at which a loop counts as closed [m]; a hundredth of what users are promised."""
+
+
+@dataclass(frozen=True)
+class Roles:
+    """Indices of independent, dependent (in the order of solution) and driven coordinates."""
+
+    independent: list[int]
+    dependent: list[int]
+    driven: list[int]
+
+
+def roles_of(symbols: Symbols, loops: Loops) -> Roles:
+    """Return the roles of all coordinates once the loops are partitioned."""
+    dependent = loops.dependent
+    driven = [k for k, j in enumerate(symbols.joints) if j.role == "driven"]
+    taken = {*dependent, *driven}
+    independent = [k for k in range(len(symbols.joints)) if k not in taken]
+    return Roles(independent, dependent, driven)
+
+
+def collect(
+    system: System,
+    symbols: Symbols,
+    *,
+    loops: Loops,
+    roles: Roles,
+    solved: Solved,
+    moved: dict[str, Motion],
+) -> Equations:
+    """Return the equations of a solved system.
+
+    States are the independent coordinates, their rates and the parts' states; unknowns are
+    the dependent coordinates in the order of solution and the parts' unknowns.
+
+    Raises
+    ------
+    InputError
+        If two parts give a channel of the same name.
+    """
+    joints = symbols.joints
+    part_states = [(p, v) for p in system.parts for v in p.states()]
+    part_unknowns = [(p, v) for p in system.parts for v in p.unknowns()]
+    independent = [joints[k] for k in roles.independent]
+    dependent = [joints[k] for k in roles.dependent]
+    state = [
+        *(symbols.coordinates[j.name] for j in independent),
+        *(symbols.rates[j.name] for j in independent),
+        *(symbols.states[p.name][v.name] for p, v in part_states),
+    ]
+    rate = [
+        *(symbols.rates[j.name] for j in independent),
+        *(solved.accelerations[j.name] for j in independent),
+        *(solved.loads[p.name].rates[v.name] for p, v in part_states),
+    ]
+    algebraic = [
+        *(symbols.coordinates[j.name] for j in dependent),
+        *(symbols.unknowns[p.name][v.name] for p, v in part_unknowns),
+    ]
+    contact = [r for p in system.parts for r in solved.loads[p.name].residuals]
+    kept = [loops.constraints[row].residual.expression for row, _ in loops.closure.partition.pairs]
+    outputs = observe(system, symbols, loops, solved)
+    _check_unique(outputs)
+    n = len(independent)
+    return Equations(
+        name=system.name,
+        time=symbols.time,
+        state=ops.column(state),
+        algebraic=ops.column(algebraic),
+        parameter=ops.column([e.symbol for e in system.table.entries]),
+        rate=_put_motions(ops.column(rate), symbols, moved),
+        residual=_put_motions(ops.column([*kept, *contact]), symbols, moved),
+        output=_put_motions(ops.column([o.expression for o in outputs]), symbols, moved),
+        event=ops.column([]),
+        states=(*_coordinate_states(independent, loops), *_part_variables(part_states)),
+        unknowns=(
+            *(_coordinate(j, loops.start[j.name]) for j in dependent),
+            *_part_variables(part_unknowns),
+        ),
+        parameters=tuple(
+            ParameterValue(e.name, e.unit, e.description, e.value) for e in system.table.entries
+        ),
+        channels=tuple(o.channel for o in outputs),
+        blocks=(*_loop_blocks(loops), *_part_blocks(system, len(dependent))),
+        positions=tuple(range(n)),
+        velocities=tuple(range(n, 2 * n)),
+        structure=_structure(system, symbols, loops, roles),
+    )
+
+
+def _put_motions(expression: Scalar, symbols: Symbols, moved: dict[str, Motion]) -> Scalar:
+    """Return an expression with the driven coordinates and rates replaced by their motions."""
+    old = [symbols.coordinates[n] for n in moved] + [symbols.rates[n] for n in moved]
+    new = [m.position for m in moved.values()] + [m.velocity for m in moved.values()]
+    return ops.substitute(expression, ops.column(old), ops.column(new))
+
+
+def _coordinate(joint: Joint, start: float) -> Variable:
+    return Variable(joint.name, joint.unit, joint.description or joint.name, start)
+
+
+def _coordinate_states(joints: list[Joint], loops: Loops) -> tuple[Variable, ...]:
+    positions = [_coordinate(j, loops.start[j.name]) for j in joints]
+    rates = [
+        Variable(
+            f"{j.name}_rate", f"{j.unit}/s", f"Rate of {j.description or j.name}", j.start_rate
+        )
+        for j in joints
+    ]
+    return (*positions, *rates)
+
+
+def _part_variables(pairs: list[tuple[Part, Variable]]) -> tuple[Variable, ...]:
+    return tuple(replace(v, name=f"{p.name}.{v.name}") for p, v in pairs)
+
+
+def _loop_blocks(loops: Loops) -> tuple[Block, ...]:
+    blocks, first = [], 0
+    for pairs in loops.closure.partition.blocks:
+        names = dict.fromkeys(loops.constraints[row].cut for row, _ in pairs)
+        last = first + len(pairs)
+        blocks.append(Block(", ".join(names), first, last, LOOP_TOLERANCE))
+        first = last
+    return tuple(blocks)
+
+
+def _part_blocks(system: System, first: int) -> tuple[Block, ...]:
+    blocks = []
+    for part in system.parts:
+        count = len(part.unknowns())
+        if count:
+            blocks.append(Block(part.name, first, first + count, LOOP_TOLERANCE))
+            first += count
+    return tuple(blocks)
+
+
+def _check_unique(outputs: list[Output]) -> None:
+    seen: set[str] = set()
+    for output in outputs:
+        if output.channel.name in seen:
+            raise InputError(f"two parts give a channel named '{output.channel.name}'")
+        seen.add(output.channel.name)
+
+
+def _structure(system: System, symbols: Symbols, loops: Loops, roles: Roles) -> dict[str, object]:
+    """Return facts for people: bodies, coordinates by role, cuts, redundant constraints."""
+    name = [j.name for j in symbols.joints]
+    partition = loops.closure.partition
+    return {
+        "bodies": [
+            {
+                "name": b.name,
+                "parent": b.parent,
+                "joints": [f"{j.kind} {j.name}" for j in b.joints if isinstance(j, Joint)],
+                "massless": b.mass is None,
+            }
+            for b in system.bodies
+        ],
+        "independent": [name[k] for k in roles.independent],
+        "dependent": [name[k] for k in roles.dependent],
+        "driven": [name[k] for k in roles.driven],
+        "locked": sorted(locked(system, symbols)),
+        "cuts": [cut.name for cut in system.cuts],
+        "loops": [[loops.constraints[row].cut for row, _ in block] for block in partition.blocks],
+        "redundant": [loops.constraints[row].cut for row in partition.redundant],
+        "parts": [part.name for part in system.parts],
+        "degrees_of_freedom": len(roles.independent),
+    }
