@@ -9,7 +9,7 @@ from evaluation import Derived
 from random_systems import CLOSED, Builder, Motor, Wind, pull, tree
 
 from vehicledyn.multibody import inertia
-from vehicledyn.multibody.derive import derive
+from vehicledyn.multibody.derivation import derive
 from vehicledyn.multibody.dynamics import inverse_dynamics, mass_matrix
 from vehicledyn.multibody.kinematics import Kinematics
 from vehicledyn.multibody.links import Attachment, GuidedLink, Link

@@ -1,1 +1,84 @@
-"""General mechanics: bodies, joints, cuts, links, drives, sensors and their equations."""
+"""General mechanics: bodies, joints, cuts, links, drives, sensors and their equations.
+
+A system is built from plain values and derived once; every number entered in the parameter
+table stays a symbol of the equations. A double pendulum of two rods, 1 m and 1 kg each:
+
+>>> from vehicledyn.multibody import GROUND, Body, Joint, ParameterTable, System, derive
+>>> table = ParameterTable()
+>>> length = table.add("length", 1.0, "m", "Length of each rod")
+>>> mass = table.add("mass", 1.0, "kg", "Mass of each rod")
+>>> def rod(name, parent, at):
+...     across = mass * length * length / 12.0
+...     joint = Joint("R2", f"{name}.angle", start=0.5)
+...     return Body(name, parent, at, (joint,), mass=mass, com=(0.0, 0.0, -length / 2.0),
+...                 inertia=(across, across, 0.0))
+>>> upper = rod("upper", GROUND, (0.0, 0.0, 0.0))
+>>> lower = rod("lower", "upper", (0.0, 0.0, -length))
+>>> equations = derive(System("double pendulum", table, (upper, lower)))
+>>> [state.name for state in equations.states]
+['upper.angle', 'lower.angle', 'upper.angle_rate', 'lower.angle_rate']
+>>> equations.rate.shape
+(4, 1)
+
+Importing this package loads no CasADi; :func:`derive` and the first parameter do.
+"""
+
+from __future__ import annotations
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from vehicledyn.multibody.cuts import BallCut, BodyCut, RodCut
+    from vehicledyn.multibody.derivation import derive
+    from vehicledyn.multibody.drives import ConstantRate, TimeLaw
+    from vehicledyn.multibody.links import Attachment, GuidedLink, Link
+    from vehicledyn.multibody.parts import BasePart, Loads, Motion, Output, Wrench
+    from vehicledyn.multibody.sensors import Accelerometer, BodySensor, SequenceSensor
+    from vehicledyn.multibody.system import GROUND, Body, Joint, System, Turn
+    from vehicledyn.symbolic.parameters import ParameterTable
+
+__all__ = [
+    "GROUND",
+    "Accelerometer",
+    "Attachment",
+    "BallCut",
+    "BasePart",
+    "Body",
+    "BodyCut",
+    "BodySensor",
+    "ConstantRate",
+    "GuidedLink",
+    "Joint",
+    "Link",
+    "Loads",
+    "Motion",
+    "Output",
+    "ParameterTable",
+    "RodCut",
+    "SequenceSensor",
+    "System",
+    "TimeLaw",
+    "Turn",
+    "Wrench",
+    "derive",
+]
+
+_HOMES = {
+    "multibody.cuts": ("BallCut", "BodyCut", "RodCut"),
+    "multibody.derivation": ("derive",),
+    "multibody.drives": ("ConstantRate", "TimeLaw"),
+    "multibody.links": ("Attachment", "GuidedLink", "Link"),
+    "multibody.parts": ("BasePart", "Loads", "Motion", "Output", "Wrench"),
+    "multibody.sensors": ("Accelerometer", "BodySensor", "SequenceSensor"),
+    "multibody.system": ("GROUND", "Body", "Joint", "System", "Turn"),
+    "symbolic.parameters": ("ParameterTable",),
+}
+
+
+def __getattr__(name: str) -> Any:
+    """Import a public name when it is first used, so that reading files stays quick."""
+    for home, names in _HOMES.items():
+        if name in names:
+            return getattr(import_module(f"vehicledyn.{home}"), name)
+    raise AttributeError(f"module '{__name__}' has no attribute '{name}'")

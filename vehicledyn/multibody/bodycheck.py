@@ -17,8 +17,9 @@ _ROUNDING = 1e-9
 def check_bodies(system: System) -> None:
     """Raise InputError, all faults at once, for masses and inertias no body can have.
 
-    A mass must be positive; the principal moments of inertia must be positive and none larger
-    than the sum of the other two (triangle inequality).
+    A mass must be positive; the principal moments of inertia must not be negative and none
+    larger than the sum of the other two (triangle inequality). A body with ``spins_about``
+    must be one of revolution about that axis.
     """
     symbols = ops.column([entry.symbol for entry in system.table.entries])
     values = [entry.value for entry in system.table.entries]
@@ -26,32 +27,48 @@ def check_bodies(system: System) -> None:
     for body in system.bodies:
         if body.mass is None:
             continue
-        numbers = ops.numeric([symbols], ops.column([body.mass, *_flat(matrix_of(body.inertia))]))(
-            values
-        )[:, 0]
-        problems.extend(f"body '{body.name}': {text}" for text in _faults(numbers))
+        matrix = matrix_of(body.inertia)
+        column = ops.column([body.mass, *body.com, *(matrix[k] for k in range(9))])
+        numbers = ops.numeric([symbols], column)(values)[:, 0]
+        faults = [*_faults(numbers), *_spin_faults(numbers, body.spins_about)]
+        problems.extend(f"body '{body.name}': {text}" for text in faults)
     if problems:
         listed = "\n".join(f"  - {problem}" for problem in problems)
         raise InputError(f"system '{system.name}' has {len(problems)} problem(s):\n{listed}")
 
 
-def _flat(matrix: object) -> list[object]:
-    return [matrix[i, j] for i in range(3) for j in range(3)]  # type: ignore[index]
-
-
 def _faults(numbers: np.ndarray) -> list[str]:
-    mass, matrix = float(numbers[0]), numbers[1:].reshape(3, 3)
+    mass, matrix = float(numbers[0]), numbers[4:].reshape(3, 3)
     faults = []
     if not (math.isfinite(mass) and mass > 0.0):
         faults.append(f"its mass is {mass:g} kg; it must be positive")
     if not np.isfinite(matrix).all():
         return [*faults, "its inertia is not a number"]
+    if not np.isfinite(numbers[1:4]).all():
+        faults.append("its centre of mass is not a number")
     least, middle, largest = np.linalg.eigvalsh(matrix)
-    if least < -_ROUNDING * max(largest, 1.0):
+    if least < -_ROUNDING * abs(largest):
         faults.append(f"its smallest moment of inertia is {least:g} kg m²; none may be negative")
     elif largest > (least + middle) * (1.0 + _ROUNDING):
         faults.append(
             f"its principal moments of inertia {least:g}, {middle:g}, {largest:g} kg m² break "
             "the triangle inequality: the largest exceeds the sum of the other two"
         )
+    return faults
+
+
+def _spin_faults(numbers: np.ndarray, axis: int | None) -> list[str]:
+    """Return what keeps a body from being one of revolution about an axis."""
+    if axis is None or not np.isfinite(numbers).all():
+        return []
+    com, matrix = numbers[1:4], numbers[4:].reshape(3, 3)
+    along = axis - 1
+    across = [k for k in range(3) if k != along]
+    plane = matrix[np.ix_(across, across)]
+    even = np.allclose(plane, plane[0, 0] * np.eye(2), rtol=_ROUNDING, atol=0.0)
+    faults = []
+    if np.any(com[across] != 0.0):
+        faults.append(f"its centre of mass is not on axis {axis}, which it spins about")
+    if not even or np.any(matrix[along, across] != 0.0):
+        faults.append(f"its inertia is not that of a body of revolution about axis {axis}")
     return faults

@@ -77,7 +77,8 @@ class Body:
     spins_about
         Axis (1, 2 or 3) of a body of revolution whose last joint turns about that axis: the
         axes of the body then do not spin with it, which is cheaper and exact. Its centre of
-        mass must lie on the axis and the two inertias across it be the same symbol.
+        mass must lie on the axis and the two inertias across it be equal; nothing hangs on
+        such a body, and points of it off the axis stay where they are.
     """
 
     name: str
@@ -151,7 +152,21 @@ def _tree_problems(system: System) -> list[str]:
                 f"axis {body.spins_about}"
             )
         known.add(body.name)
-    return problems
+    return [*problems, *_spin_problems(system)]
+
+
+def _spin_problems(system: System) -> list[str]:
+    """Return what hangs on bodies whose axes do not spin with them."""
+    spinning = {body.name for body in system.bodies if body.spins_about is not None}
+    hanging = [(f"body '{b.name}'", b.parent) for b in system.bodies]
+    for cut in system.cuts:
+        hanging.extend((f"cut '{cut.name}'", body) for body in (cut.body_a, cut.body_b))
+    return [
+        f"{what}: hangs on '{body}', whose axes do not spin with it (spins_about); "
+        f"hang it on the body before, or leave spins_about out"
+        for what, body in hanging
+        if body in spinning
+    ]
 
 
 def _unknown_parent(body: Body, known: set[str]) -> str:

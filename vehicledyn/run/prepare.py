@@ -10,7 +10,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from vehicledyn.multibody.derive import derive
+from vehicledyn.multibody.derivation import derive
 from vehicledyn.road.vehicle import RoadVehicle
 from vehicledyn.run.vehicle import Target, build_vehicle
 from vehicledyn.solve.derivatives import Derivatives

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Any, TypeVar
+from typing import Any, TypeVar, cast
 
 from vehicledyn.base.parameters import ParameterSet, field_unit
 from vehicledyn.symbolic import ops
@@ -60,4 +60,5 @@ class ParameterTable:
                 symbols[name] = tuple(self.add(f"{path}.{k}", v, unit, meaning) for k, v in pairs)
             else:
                 symbols[name] = self.add(path, value, unit, meaning)
-        return type(parameters).model_construct(**symbols)
+        # The pydantic plugin of mypy reads model_construct as that of the bound.
+        return cast("S", type(parameters).model_construct(**symbols))

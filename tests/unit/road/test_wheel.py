@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from vehicledyn.multibody.derive import derive
+from vehicledyn.multibody.derivation import derive
 from vehicledyn.multibody.system import Body, Joint, System
 from vehicledyn.road import relaxation as transient
 from vehicledyn.road.contact_search import find_contact
