@@ -5,6 +5,8 @@ from __future__ import annotations
 import math
 from typing import Literal
 
+from pydantic import Field
+
 from vehicledyn.base.parameters import quantity
 from vehicledyn.base.registry import register
 from vehicledyn.road.surface import RoadSurface
@@ -24,7 +26,9 @@ class Bump(RoadSurface):
     crest: float = quantity("m", "Height h of the crest; negative for a hole")
     length: float = quantity("m", "Length along world x", gt=0)
     start: float = quantity("m", "World x where the bump begins")
-    mode: Literal["in_phase", "anti_phase"] = "in_phase"
+    mode: Literal["in_phase", "anti_phase"] = Field(
+        default="in_phase", description="Whether the right half of the road has the bump, or a hole"
+    )
 
     def height(self, x: Scalar, y: Scalar) -> Scalar:
         """Return the height of the ground [m]."""

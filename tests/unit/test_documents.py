@@ -1,0 +1,117 @@
+"""Every command and every listing of README and CONTRIBUTING works."""
+
+import os
+import re
+import shutil
+import subprocess
+import sys
+import tomllib
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import vehicledyn
+from vehicledyn.results.reader import open_result
+
+ROOT = Path(__file__).parents[2]
+README = (ROOT / "README.md").read_text(encoding="utf-8")
+CONTRIBUTING = (ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8")
+BLOCK = re.compile(r"^```(\w+)\n(.*?)^```", re.MULTILINE | re.DOTALL)
+SLALOM = "scenarios/iltis_slalom.yaml"
+FILE = re.compile(r"^# (\S+)\n")
+
+
+def blocks(text, language):
+    return [body for kind, body in BLOCK.findall(text) if kind == language]
+
+
+def run(command, folder, **changes):
+    path = f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"
+    environment = os.environ | {"PATH": path} | changes
+    done = subprocess.run(
+        command, shell=isinstance(command, str), cwd=folder, env=environment, check=False,
+        capture_output=True, text=True, timeout=300,
+    )  # fmt: skip
+    assert done.returncode == 0, f"{command}\n{done.stdout}\n{done.stderr}"
+    return done.stdout
+
+
+def test_readme_begins_with_installing_and_running_then_testing():
+    first, second = blocks(README, "sh")[:2]
+    assert first.strip().endswith("/pip install . && .venv/bin/vehicledyn run " + SLALOM)
+    assert second.strip().endswith('/pip install ".[test]" && .venv/bin/pytest')
+    assert (ROOT / SLALOM).is_file()
+
+
+def test_listings_of_the_readme(tmp_path):
+    (scenario,) = blocks(README, "yaml")
+    (tmp_path / "my_ramp.yaml").write_text(scenario, encoding="utf-8")
+    for block in blocks(README, "sh")[2:]:
+        for line in block.splitlines():
+            run(line, tmp_path)
+    with open_result(tmp_path / "loaded.h5") as loaded, open_result(tmp_path / "light.h5") as light:
+        heavier = loaded.as_frame().filter(like="normal_force").iloc[0].sum()
+        lighter = light.as_frame().filter(like="normal_force").iloc[0].sum()
+    assert heavier - lighter == pytest.approx(300 * 9.81, rel=1e-6)
+    assert (tmp_path / "loaded_plots" / "path.png").is_file()
+    assert "<testsuite " in (tmp_path / "report.xml").read_text()
+
+
+def test_reading_a_result_in_python(tmp_path):
+    (listing,) = blocks(README, "python")
+    run(["vehicledyn", "run", str(ROOT / SLALOM), "--no-plots"], tmp_path)
+    clearance, *table = run([sys.executable, "-c", listing], tmp_path).splitlines()
+    assert re.fullmatch(r"0\.\d+ m", clearance)
+    assert "chassis.roll" in table[0]
+
+
+def test_readme_lists_every_command_and_folder():
+    told = set(re.findall(r"^\| `(\w+)", README, re.MULTILINE))
+    listed = run(["vehicledyn", "--help"], ROOT).partition("Commands:")[2]
+    assert told == set(re.findall(r"^  (\w+)", listed, re.MULTILINE))
+    packages = {path.parent.name for path in (ROOT / "vehicledyn").glob("*/__init__.py")}
+    assert packages <= set(re.findall(r"\(vehicledyn/(\w+)\)", README))
+
+
+@pytest.mark.parametrize("text", [README, CONTRIBUTING], ids=["readme", "contributing"])
+def test_links_lead_to_files(text):
+    links = re.findall(r"\]\(([^)#:]+)\)", text)
+    assert links
+    assert [link for link in links if not (ROOT / link).exists()] == []
+
+
+def test_examples_of_contributing_make_a_vehicle_that_changes_the_lane(tmp_path):
+    """Each example is put where its first line says, into a copy of the package, and runs."""
+    ignored = shutil.ignore_patterns("__pycache__")
+    shutil.copytree(Path(vehicledyn.__file__).parent, tmp_path / "vehicledyn", ignore=ignored)
+    examples = [*blocks(CONTRIBUTING, "python"), *blocks(CONTRIBUTING, "yaml")]
+    assert len(examples) == 9
+    for example in examples:
+        path = tmp_path / FILE.match(example)[1]
+        assert not path.exists()
+        path.parent.mkdir(exist_ok=True)
+        path.write_text(example, encoding="utf-8")
+    command = [sys.executable, "-m", "vehicledyn", "run", "scenarios/lane_change.yaml"]
+    run([*command, "--no-plots"], tmp_path, PYTHONSAFEPATH="")
+    with open_result(tmp_path / "lane_change.h5") as result:
+        assert result.is_whole
+        table = result.as_frame()
+    assert table["chassis.y"].iloc[-1] == pytest.approx(3.0, abs=0.1)
+    assert np.allclose(table["air_drag.force"], -0.5 * 1.2 * 1.6 * 15.0**2, rtol=0.01)
+    assert 0.1 < table["load.first_angle"].abs().max() < 1.0  # swings, does not go over
+
+
+def test_all_data_files_are_packed():
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
+    patterns = project["tool"]["setuptools"]["package-data"]["*"]
+    packages = {path.parent for path in (ROOT / "vehicledyn").rglob("__init__.py")}
+    files = [
+        path
+        for path in (ROOT / "vehicledyn").rglob("*")
+        if path.is_file() and path.suffix not in (".py", ".pyc")
+    ]
+    assert len(files) >= 5
+    for path in files:
+        assert path.parent in packages
+        assert any(path.match(pattern) for pattern in patterns), path
