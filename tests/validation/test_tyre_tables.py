@@ -1,24 +1,16 @@
 """Tyre laws against published tables and independently stated figures."""
 
-import csv
 import math
-from pathlib import Path
 
 import pytest
-from ruamel.yaml import YAML
+from reference_cases.tables import read_figures
+from reference_cases.tyre_tables import curve, rows
 
-from vehicledyn.road import magic_formula
 from vehicledyn.road.tyre import TyreInput
 from vehicledyn.road.tyres.calspan import Calspan
 from vehicledyn.road.tyres.magic_formula_1987 import MagicFormula1987
 
-DATA = Path(__file__).parent / "data"
-TABLE = (DATA / "magic_formula_1987.csv").read_text().splitlines()
-ROWS = [
-    (row["quantity"], *(float(row[k]) for k in ("Fz_kN", "x", "gamma_deg", "value")))
-    for row in csv.DictReader(line for line in TABLE if not line.startswith("#"))
-]
-CALSPAN = YAML(typ="safe", pure=True).load((DATA / "calspan_iltis.yaml").read_text())
+CALSPAN = read_figures("calspan_iltis.yaml")
 TABLE_TOLERANCE = 1e-6  # N, N m: one unit of the last printed digit
 
 pytestmark = pytest.mark.validation
@@ -26,23 +18,18 @@ pytestmark = pytest.mark.validation
 
 @pytest.mark.parametrize("quantity", ["Fx", "Fy", "Mz"])
 def test_magic_formula_curves(quantity):
-    tyre = MagicFormula1987()
-    curves = {
-        "Fy": lambda load, x, camber: magic_formula.lateral_force(load, x, camber, tyre.lateral),
-        "Mz": lambda load, x, camber: magic_formula.aligning_moment(load, x, camber, tyre.aligning),
-        "Fx": lambda load, x, _: magic_formula.longitudinal_force(load, x, tyre.longitudinal),
-    }
-    rows = [row[1:] for row in ROWS if row[0] == quantity]
-    assert len(rows) > 100
-    for load, x, camber, value in rows:
-        assert curves[quantity](load, x, camber) == pytest.approx(value, abs=TABLE_TOLERANCE)
+    table = rows(quantity)
+    assert len(table) > 100
+    for load, x, camber, value in table:
+        found = curve(quantity, load, x, camber)
+        assert found == pytest.approx(value, abs=TABLE_TOLERANCE)
 
 
 @pytest.mark.parametrize("quantity", ["Fx", "Fy", "Mz"])
 def test_magic_formula_tyre_at_pure_slip(quantity):
     """In ISO signs side force and moment turn over; combined slip reduces to the curves."""
     tyre = MagicFormula1987()
-    for load, x, camber, value in [row[1:] for row in ROWS if row[0] == quantity]:
+    for load, x, camber, value in rows(quantity):
         slip, angle = (0.01 * x, 0.0) if quantity == "Fx" else (0.0, math.radians(x))
         forces = tyre.forces(TyreInput(1000.0 * load, slip, angle, math.radians(camber)))
         found = {

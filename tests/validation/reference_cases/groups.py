@@ -1,0 +1,39 @@
+"""All groups of comparisons, in the order of the report; each is computed once a process."""
+
+from __future__ import annotations
+
+from functools import lru_cache
+
+from reference_cases import (
+    contact_points,
+    convergence,
+    histories,
+    kinematics,
+    mechanics,
+    modes,
+    positions,
+    repeatability,
+    slalom,
+    standstill,
+    tyre_tables,
+)
+
+GROUPS = {
+    "positions": positions.compare,
+    "kinematics": kinematics.compare,
+    "histories": histories.compare,
+    "convergence": convergence.compare,
+    "modes": modes.compare,
+    "mechanics": mechanics.compare,
+    "slalom": slalom.compare,
+    "standstill": standstill.compare,
+    "repeatability": repeatability.compare,
+    "contact_points": contact_points.compare,
+    "tyre_tables": tyre_tables.compare,
+}
+
+
+@lru_cache(maxsize=len(GROUPS))
+def computed(name):
+    """Return a group of comparisons."""
+    return GROUPS[name]()

@@ -1,0 +1,43 @@
+"""Every group of comparisons with references lies within its bands."""
+
+import pytest
+from reference_cases import histories, positions
+from reference_cases.groups import GROUPS, computed
+
+pytestmark = pytest.mark.validation
+
+ROWS = {
+    "positions": 12,
+    "kinematics": 7,
+    "histories": 24,
+    "convergence": 20,
+    "modes": 16,
+    "mechanics": 4,
+    "slalom": 4,
+    "standstill": 2,
+    "repeatability": 2,
+    "contact_points": 6,
+    "tyre_tables": 3,
+}
+
+
+@pytest.mark.parametrize("name", GROUPS)
+def test_group(name):
+    group = computed(name)
+    assert len(group.rows) == ROWS[name]
+    assert not group.failures(), "\n".join(map(str, group.failures()))
+
+
+def test_a_heavier_chassis_is_noticed():
+    """One per mill of mass is enough to leave the bands."""
+    failures = positions.compare("chassis.mass=1261.3 kg").failures()
+    assert {"chassis sinks, equilibrium", "front wheel load, equilibrium"} <= {
+        row.quantity for row in failures
+    }
+
+
+def test_a_shifted_history_is_noticed():
+    """A hundredth of a second is far out of the band, so samples and times belong together."""
+    reference, computed_columns, _ = histories.both("ramp")
+    shifted = abs(computed_columns["y"][1:] - reference["y"][:-1]).max()
+    assert shifted > 1000 * histories.STEERING_BANDS["y"]
