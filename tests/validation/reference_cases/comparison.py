@@ -60,6 +60,13 @@ def deviation(source, quantity, *, reference, largest, band, unit):
     )
 
 
+def exactly(source, quantity, reference, computed):
+    """Compare two counts or texts."""
+    return Comparison(
+        source, quantity, str(reference), str(computed), "exact", reference == computed
+    )
+
+
 def size(value, band):
     """Return a deviation in two digits, or a decade above it where it is far below the band.
 
