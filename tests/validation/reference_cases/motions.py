@@ -76,5 +76,10 @@ def standard_model():
     return prepare(load_model("iltis"), backend="auto", progress=quiet)
 
 
+def is_compiled():
+    """Return whether runs are compiled here."""
+    return standard_model().kernel.backend == "compiled"
+
+
 def quiet(what, part):
     """Show no progress."""
