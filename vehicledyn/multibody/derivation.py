@@ -25,10 +25,25 @@ from vehicledyn.symbolic.ops import Scalar
 def derive(system: System) -> Equations:
     """Return the symbolic equations of a system.
 
+    M(q) q̈ + c(q, q̇, loads) = Jᵀ λ of the tree, reduced to the independent coordinates by the
+    partitioned constraints (book, chapters 3.3 and 4.5.1). The order of states, unknowns and
+    residuals is told in :func:`~vehicledyn.multibody.collect.collect`.
+
+    Parameters
+    ----------
+    system
+        Bodies, cuts and parts; its parameter values are used for assembly and partition only.
+
+    Returns
+    -------
+    Equations
+        Symbolic in time, states, unknowns and every parameter of the system's table.
+
     Raises
     ------
     InputError
-        If the system is not well formed, or a body has an impossible mass or inertia.
+        If the system is not well formed, a body has an impossible mass or inertia, a part
+        drives or loads what it cannot, or the assembled configuration is singular.
     NumericalError
         If its loops cannot be assembled.
     """

@@ -1,4 +1,4 @@
-"""Drives: parts that prescribe a coordinate in time, and torques on a coordinate."""
+"""Drives: parts that prescribe a coordinate in time (book, chapter 4.2.2)."""
 
 from __future__ import annotations
 

@@ -59,6 +59,18 @@ def solve_symmetric(matrix: Rows, right: Sequence[Scalar]) -> list[Scalar]:
 
     The order is the greedy minimum degree of the structure, which on a tree runs from the
     leaves to the root.
+
+    Parameters
+    ----------
+    matrix
+        Rows of A with both triangles, shape (n, n).
+    right
+        b, shape (n,).
+
+    Returns
+    -------
+    list
+        x, shape (n,).
     """
     remaining = [{j: v for j, v in row.items() if not _is_zero(v)} for row in matrix]
     side = list(right)

@@ -247,7 +247,8 @@ def rows_of(matrix: Any) -> list[dict[int, Scalar]]:
 def numeric(inputs: list[Any], output: Any) -> Callable[..., NDArray[np.float64]]:
     """Return a function of plain arrays that evaluates an SX matrix.
 
-    The result is a float array of the shape of ``output``.
+    ``inputs`` are columns of symbols, none at all for an expression of numbers; the result is
+    a float array of the shape of ``output``.
     """
     import casadi
     import numpy
@@ -255,6 +256,6 @@ def numeric(inputs: list[Any], output: Any) -> Callable[..., NDArray[np.float64]
     function = casadi.Function("f", inputs, [casadi.densify(output)])
 
     def evaluate(*values: Any) -> NDArray[np.float64]:
-        return numpy.asarray(function(*values).full())
+        return numpy.asarray(casadi.DM(function.call(list(values))[0]).full())
 
     return evaluate
