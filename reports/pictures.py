@@ -21,8 +21,8 @@ CAPTIONS = {
     "sine": "Sine steer of 2 mm at 20 m/s: reference (dashed) and computed, and their difference.",
     "bump": "Bump of all wheels at 5 m/s: reference (dashed) and computed, and their difference.",
     "kinematics": "Front left wheel over its travel, for three displacements of the rack.",
-    "eigenvalues": "Eigenvalues about straight running over speed; zeros and decay beyond -60 1/s left out.",
-    "slalom": "Slalom at 36 km/h: path, ground swept by the body, cones (y enlarged); lateral acceleration.",
+    "eigenvalues": "Eigenvalues over speed; zeros and decay faster than 60 1/s left out.",
+    "slalom": "Slalom: path, ground swept by the body, cones (y enlarged); lateral acceleration.",
 }
 PANELS = {
     "ramp": (("y", "Lateral position"), ("yaw", "Yaw"), ("Fz_FL", "Right front wheel load")),
