@@ -9,7 +9,6 @@ from evaluation import Derived
 from random_systems import CLOSED, Builder, Motor, Wind, pull, tree
 
 from vehicledyn.multibody import inertia
-from vehicledyn.multibody.derivation import derive
 from vehicledyn.multibody.dynamics import inverse_dynamics, mass_matrix
 from vehicledyn.multibody.kinematics import Kinematics
 from vehicledyn.multibody.links import Attachment, GuidedLink, Link
@@ -220,7 +219,7 @@ def test_momentum_rate_is_the_outer_force(seed):
     assert rates == pytest.approx(expected, abs=IDENTITY * scale)
 
 
-@pytest.mark.parametrize("seed", SEEDS)
+@pytest.mark.parametrize("seed", range(5))
 @pytest.mark.parametrize("make", [tree, *CLOSED])
 def test_moving_and_turning_the_world_changes_nothing(make, seed):
     """The whole system on a stage elsewhere, gravity turned with it."""
@@ -364,7 +363,7 @@ def test_the_order_of_the_blocks_is_the_order_of_solution():
     """The residuals of a block depend on its own unknowns and those of earlier blocks."""
     for make in CLOSED:
         for seed in range(4):
-            e = derive(make(seed))
+            e = derived(make, seed).equations
             pattern = ops.rows_of(ops.jacobian(e.residual, e.algebraic))
             for block in e.blocks:
                 for row in pattern[block.start : block.stop]:
