@@ -86,7 +86,5 @@ def _body_line(body: dict[str, Any]) -> str:
 def _listed(title: str, names: list[str], separator: str = ", ") -> list[str]:
     if not names:
         return []
-    text = textwrap.fill(
-        separator.join(names), 96, initial_indent="  ", subsequent_indent="  "
-    )
+    text = textwrap.fill(separator.join(names), 96, initial_indent="  ", subsequent_indent="  ")
     return [title, text, ""]

@@ -76,9 +76,7 @@ def nominal_point(prepared: Prepared, speed: float) -> Point:
     return Point(state, assemble(prepared.kernel, BEFORE_START, state, guess))
 
 
-def equilibrium_point(
-    prepared: Prepared, speed: float, kind: Literal["static", "steady"]
-) -> Point:
+def equilibrium_point(prepared: Prepared, speed: float, kind: Literal["static", "steady"]) -> Point:
     """Return the equilibrium of the vehicle, moving at a speed.
 
     "static" balances the standing vehicle and then gives it the speed; "steady" balances all

@@ -219,9 +219,7 @@ def _kept_channels(loaded: LoadedScenario, prepared: Prepared) -> list[int]:
         if not fnmatch.filter(names, pattern):
             guess = nearest_name(pattern, names)
             hint = f"; did you mean '{guess}'?" if guess else ""
-            problems.append(
-                f"{loaded.path}: output.channels: '{pattern}' matches no channel{hint}"
-            )
+            problems.append(f"{loaded.path}: output.channels: '{pattern}' matches no channel{hint}")
     if problems:
         raise InputError("\n".join(problems))
     return [k for k, n in enumerate(names) if any(fnmatch.fnmatchcase(n, p) for p in patterns)]
