@@ -10,9 +10,9 @@ from vehicledyn.multibody.closure import Closure
 from vehicledyn.multibody.collect import Roles, collect, roles_of
 from vehicledyn.multibody.dynamics import inverse_dynamics, mass_matrix
 from vehicledyn.multibody.kinematics import Kinematics
-from vehicledyn.multibody.loops import close
+from vehicledyn.multibody.loops import Loops, close
 from vehicledyn.multibody.observation import Solved
-from vehicledyn.multibody.parts import Loads, Part, Situation
+from vehicledyn.multibody.parts import Loads, Motion, Part, Situation
 from vehicledyn.multibody.reduction import independent_accelerations
 from vehicledyn.multibody.system import System
 from vehicledyn.multibody.tree import Tree, unfold
@@ -47,6 +47,24 @@ def derive(system: System) -> Equations:
     NumericalError
         If its loops cannot be assembled.
     """
+    return equations_of(solve_motion(system))
+
+
+@dataclass(frozen=True)
+class Derivation:
+    """A system solved for its accelerations, with everything found on the way."""
+
+    system: System
+    tree: Tree
+    symbols: Symbols
+    moved: dict[str, Motion]
+    loops: Loops
+    roles: Roles
+    solved: Solved
+
+
+def solve_motion(system: System) -> Derivation:
+    """Return a checked system solved for its accelerations, see :func:`derive`."""
     system.check()
     check_bodies(system)
     tree = unfold(system)
@@ -56,7 +74,15 @@ def derive(system: System) -> Equations:
     roles = roles_of(symbols, loops)
     motion = _motion(system, tree, symbols, roles, loops.closure)
     solved = _dynamics(system, symbols, roles, loops.closure, motion)
-    return collect(system, symbols, loops=loops, roles=roles, solved=solved, moved=moved)
+    return Derivation(system, tree, symbols, moved, loops, roles, solved)
+
+
+def equations_of(derivation: Derivation) -> Equations:
+    """Return the equations of a solved system, in the order of states and channels."""
+    d = derivation
+    return collect(
+        d.system, d.symbols, loops=d.loops, roles=d.roles, solved=d.solved, moved=d.moved
+    )
 
 
 @dataclass(frozen=True)

@@ -270,6 +270,10 @@ class Kinematics:
         """Return the geometry of two bodies in the axes of their common ancestor."""
         return Relative(self, self.tree.common_ancestor(body_a, body_b))
 
+    def evaluated(self) -> dict[tuple[str, int], Scalar]:
+        """Return what has been evaluated so far, by what it is and the link it belongs to."""
+        return dict(self._cache)
+
     def _acceleration(self, name: str) -> Scalar:
         if self._qdd is None:
             raise ValueError(f"the acceleration of '{name}' is not known at this stage")
