@@ -10,7 +10,6 @@ from numpy.typing import NDArray
 
 from vehicledyn.base.units import shown
 from vehicledyn.run.prepare import (
-    BEFORE_START,
     Point,
     Prepared,
     Progress,
@@ -123,7 +122,9 @@ def find_equilibrium(
 
 def _channels(prepared: Prepared, point: Point) -> NDArray[np.float64]:
     """Return all outputs at a point, evaluated now while its speed is set."""
-    return np.array(prepared.kernel.outputs(BEFORE_START, point.state, point.unknowns))
+    return np.array(
+        prepared.kernel.outputs(prepared.subject.balance_time, point.state, point.unknowns)
+    )
 
 
 def _tables(

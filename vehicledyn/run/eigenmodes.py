@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from vehicledyn.base.units import shown
-from vehicledyn.run.prepare import BEFORE_START, Progress, equilibrium_point, prepare
+from vehicledyn.run.prepare import Progress, equilibrium_point, prepare
 from vehicledyn.run.vehicle import Target
 from vehicledyn.scenario import LoadedScenario
 from vehicledyn.solve.kernel import Backend
@@ -86,7 +86,7 @@ def find_modes(
         linear = linearise(
             prepared.equations,
             prepared.kernel.parameters,
-            BEFORE_START,
+            prepared.subject.balance_time,
             point.state,
             point.unknowns,
             derivatives=prepared.derivatives,

@@ -20,8 +20,7 @@ from vehicledyn.results.layout import ResultHeader, SummaryEntry
 from vehicledyn.results.output import check_output
 from vehicledyn.results.plots import draw_plots
 from vehicledyn.results.writer import ResultWriter
-from vehicledyn.run.prepare import Point, Prepared, Progress, equilibrium_point, prepare
-from vehicledyn.run.vehicle import manoeuvre_of
+from vehicledyn.run.prepare import Point, Prepared, Progress, prepare, start_point
 from vehicledyn.scenario import LoadedScenario
 from vehicledyn.solve.kernel import Backend
 from vehicledyn.solve.simulate import simulate
@@ -82,7 +81,7 @@ def run_scenario(
     Raises
     ------
     InputError
-        If the scenario does not make a vehicle or the output cannot be written.
+        If the scenario lacks a part that what it runs needs, or the output cannot be written.
     NumericalError
         If the loops cannot be assembled or there is no equilibrium to start from.
     """
@@ -90,10 +89,10 @@ def run_scenario(
     prepared = prepare(loaded, backend=backend, progress=progress)
     kept = _kept_channels(loaded, prepared)
     described = _plots(loaded, prepared, kept)
-    progress("finding the equilibrium to start from", None)
+    progress("finding the point to start from", None)
     s = loaded.scenario
-    start = equilibrium_point(prepared, s.speed, s.start or "steady")
-    run = _Run(loaded, prepared, kept, _needed_channels(loaded, prepared), described)
+    start = start_point(prepared, s.speed, s.start)
+    run = _Run(loaded, prepared, kept, _needed_channels(prepared), described)
     run.simulate(start, output, progress)
     messages = [_kernel_message(prepared), *run.messages]
     if plots is not None and run.samples and described:
@@ -153,7 +152,6 @@ class _Run:
 
     def _writer(self, output: Path) -> ResultWriter:
         e, s = self.prepared.equations, self.loaded.scenario
-        vehicle, manoeuvre = self.prepared.vehicle, manoeuvre_of(self.loaded)
         header = ResultHeader(
             title=s.title,
             model=s.model,
@@ -165,7 +163,7 @@ class _Run:
                 "units": self.loaded.units,
             },
             plots=self.plots,
-            scene=manoeuvre.scene(vehicle),
+            scene=self.prepared.subject.scene(),
         )
         return ResultWriter(
             output,
@@ -188,7 +186,7 @@ class _Run:
         names = [self.prepared.equations.channels[k].name for k in self.needed]
         columns = {name: values[:, k] for k, name in enumerate(names)}
         recording = Recording(np.concatenate(self._times), columns)
-        self.summary = manoeuvre_of(self.loaded).summarise(recording, self.prepared.vehicle)
+        self.summary = self.prepared.subject.summarise(recording)
 
     def _end(self) -> float:
         return float(self._times[-1][-1]) if self._times else 0.0
@@ -225,15 +223,15 @@ def _kept_channels(loaded: LoadedScenario, prepared: Prepared) -> list[int]:
     return [k for k, n in enumerate(names) if any(fnmatch.fnmatchcase(n, p) for p in patterns)]
 
 
-def _needed_channels(loaded: LoadedScenario, prepared: Prepared) -> list[int]:
+def _needed_channels(prepared: Prepared) -> list[int]:
     """Return the channels the summary is made from, kept or not."""
     names = [c.name for c in prepared.equations.channels]
-    return [names.index(n) for n in manoeuvre_of(loaded).channels(prepared.vehicle)]
+    return [names.index(n) for n in prepared.subject.channels(prepared.equations)]
 
 
 def _plots(loaded: LoadedScenario, prepared: Prepared, kept: Sequence[int]) -> list[dict[str, Any]]:
     """Return the figures asked for, those whose channels are kept."""
-    described = manoeuvre_of(loaded).plots(prepared.vehicle)
+    described = prepared.subject.plots(prepared.equations)
     names = {prepared.equations.channels[k].name for k in kept}
     wanted = loaded.scenario.output.plots
     known = [str(plot["name"]) for plot in described]

@@ -1,4 +1,4 @@
-"""Build the vehicle of a scenario, or of a model by itself, ready to be derived."""
+"""Build what a scenario runs, or a model by itself, ready to be derived."""
 
 from __future__ import annotations
 
@@ -7,9 +7,16 @@ from vehicledyn.base.registry import find
 from vehicledyn.manoeuvres.manoeuvre import RoadManoeuvre
 from vehicledyn.manoeuvres.straight import Straight
 from vehicledyn.road.vehicle import RoadOptions, RoadVehicle
+from vehicledyn.run.road_subject import RoadSubject
+from vehicledyn.run.subject import Subject
 from vehicledyn.scenario import LoadedModel, LoadedScenario
 
 Target = LoadedScenario | LoadedModel
+
+
+def build_subject(target: Target) -> Subject:
+    """Return what a scenario runs, or a model by itself."""
+    return RoadSubject(build_vehicle(target), manoeuvre_of(target))
 
 
 def manoeuvre_of(target: Target) -> RoadManoeuvre:
