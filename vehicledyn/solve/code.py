@@ -5,10 +5,10 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
-from functools import cache
 from typing import Any
 
 from vehicledyn.solve.compiler import CompilationError
+from vehicledyn.solve.instructions import CONST, INPUT, read_function
 
 PIECE = 1000
 """Instructions a C function holds at most.
@@ -100,39 +100,23 @@ def print_function(function: Any, name: str, inputs: Sequence[str], *, piece: in
 
 
 def _read(function: Any, inputs: Sequence[str]) -> _Program:
-    operations = _operations()
-    program = _Program()
-    slot: dict[int, int] = {}
-    for k in range(function.n_instructions()):
-        operation = operations[function.instruction_id(k)]
-        given, target = function.instruction_input(k), function.instruction_output(k)
-        if operation == "OUTPUT":
-            program.results.append((target[0], target[1], slot[given[0]]))
-            continue
-        operands: tuple[int, ...] = ()
-        if operation == "INPUT":
-            text = f"{inputs[given[0]]}[{given[1]}]"
-        elif operation == "CONST":
-            text = _literal(function.instruction_constant(k))
-        elif operation in _TEMPLATES:
-            text = _TEMPLATES[operation]
-            operands = tuple(slot[item] for item in given)
+    read = read_function(function)
+    program = _Program(results=read.results)
+    for item in read.instructions:
+        if item.operation == INPUT:
+            text = f"{inputs[item.source[0]]}[{item.source[1]}]"
+        elif item.operation == CONST:
+            text = _literal(item.number)
+        elif item.operation in _TEMPLATES:
+            text = _TEMPLATES[item.operation]
         else:
             raise CompilationError(
-                f"the operation {operation} in '{function.name()}' has no translation to C; "
+                f"the operation {item.operation} in '{function.name()}' has no translation to C; "
                 "write the expression with elementary functions to have it compiled"
             )
-        slot[target[0]] = len(program.texts)
         program.texts.append(text)
-        program.operands.append(operands)
+        program.operands.append(item.operands)
     return program
-
-
-@cache
-def _operations() -> dict[int, str]:
-    import casadi
-
-    return {getattr(casadi, name): name[3:] for name in dir(casadi) if name.startswith("OP_")}
 
 
 def _literal(value: float) -> str:

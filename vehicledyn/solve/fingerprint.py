@@ -7,7 +7,7 @@ from pathlib import Path
 
 from vehicledyn.symbolic.equations import Equations
 
-_GENERATORS = ("code.py", "functions.py", "source.py", "loop.c")
+_GENERATORS = ("code.py", "functions.py", "instructions.py", "source.py", "loop.c")
 
 
 def fingerprint(equations: Equations) -> str:
