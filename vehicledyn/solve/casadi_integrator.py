@@ -15,6 +15,7 @@ from vehicledyn.base.errors import NumericalError
 from vehicledyn.solve.engine import Count, Vector
 from vehicledyn.solve.explicit_pair import steepest_state
 from vehicledyn.solve.task import SampleBuffer, Statistics, Task
+from vehicledyn.symbolic.equations import Equations
 
 
 def run_casadi(
@@ -33,6 +34,10 @@ def run_casadi(
     options
         Options of the integrator.
     """
+    if task.watch.active:
+        from vehicledyn.solve.casadi_events import run_casadi_with_events
+
+        return run_casadi_with_events(task, plugin, options)
     buffer = SampleBuffer(task, task.state, task.unknowns)
     integrators = _Integrators(task, plugin, options)
     state, unknowns, index = task.state, task.unknowns, 0
@@ -41,7 +46,7 @@ def run_casadi(
             size = min(chunk, task.n_intervals - index)
             try:
                 result = integrators.run(size, task.time(index), state, unknowns)
-            except _Stopped:
+            except Stopped:
                 size = 1
                 result = _single(integrators, task, index, (state, unknowns))
             states, guesses = result
@@ -53,7 +58,7 @@ def run_casadi(
     return task.statistics(plugin, steps=integrators.steps)
 
 
-class _Stopped(Exception):  # noqa: N818
+class Stopped(Exception):  # noqa: N818
     """CasADi gave up a call; how far it came is not known."""
 
 
@@ -77,38 +82,50 @@ class _Integrators:
         try:
             result = integrator(x0=state, z0=unknowns, p=parameters)
         except RuntimeError:
-            raise _Stopped from None
-        self._count(integrator.stats())
+            raise Stopped from None
+        self.steps += count_work(integrator.stats(), self._task)
         states, guesses = (np.array(result[key]).T.copy() for key in ("xf", "zf"))
         if not np.isfinite(states).all():
-            raise _Stopped
+            raise Stopped
         return states, guesses.reshape(size, unknowns.size)
 
     def _make(self, size: int) -> Any:
         import casadi
 
-        e = self._task.kernel.equations
-        begin, elapsed = casadi.SX.sym("begin"), casadi.SX.sym("elapsed")
-        inputs = [e.time, e.state, e.algebraic, e.parameter]
-        rates = casadi.Function("dae", inputs, [e.rate, e.residual])
-        rate, residual = rates(begin + elapsed, e.state, e.algebraic, e.parameter)
-        dae = {
-            "t": elapsed,
-            "x": e.state,
-            "z": e.algebraic,
-            "p": casadi.vertcat(e.parameter, begin),
-            "ode": casadi.densify(rate),
-            "alg": casadi.densify(residual),
-        }
-        if not e.unknowns:
-            del dae["z"], dae["alg"]
+        dae = elapsed_equations(self._task.kernel.equations)
         grid = [self._task.interval * k for k in range(1, size + 1)]
         return casadi.integrator(f"chunk_{size}", self._plugin, dae, 0.0, grid, self._options)
 
-    def _count(self, stats: Mapping[str, Any]) -> None:
-        self.steps += int(stats.get("n_steps", stats.get("nsteps", 0)))
-        evaluations = int(stats.get("n_rhs", stats.get("nfevals", 0)))
-        self._task.ledger.counts[Count.EVALUATIONS] += evaluations
+
+def elapsed_equations(equations: Equations) -> dict[str, Any]:
+    """Return the equations as CasADi's integrators take them.
+
+    Their time is what elapsed since ``begin``, which is the last of their parameters.
+    """
+    import casadi
+
+    e = equations
+    begin, elapsed = casadi.SX.sym("begin"), casadi.SX.sym("elapsed")
+    inputs = [e.time, e.state, e.algebraic, e.parameter]
+    rates = casadi.Function("dae", inputs, [e.rate, e.residual])
+    rate, residual = rates(begin + elapsed, e.state, e.algebraic, e.parameter)
+    dae = {
+        "t": elapsed,
+        "x": e.state,
+        "z": e.algebraic,
+        "p": casadi.vertcat(e.parameter, begin),
+        "ode": casadi.densify(rate),
+        "alg": casadi.densify(residual),
+    }
+    if not e.unknowns:
+        del dae["z"], dae["alg"]
+    return dae
+
+
+def count_work(stats: Mapping[str, Any], task: Task) -> int:
+    """Add the evaluations of a call to a task's account, and return its steps."""
+    task.ledger.counts[Count.EVALUATIONS] += int(stats.get("n_rhs", stats.get("nfevals", 0)))
+    return int(stats.get("n_steps", stats.get("nsteps", 0)))
 
 
 def _single(
@@ -118,9 +135,16 @@ def _single(
     moment = task.time(index)
     try:
         return integrators.run(1, moment, *point)
-    except _Stopped:
-        raise NumericalError(
-            f"integration stopped between t = {moment:.9g} s and "
-            f"{task.time(index + 1):.9g} s: the steps became too small or too many; "
-            f"state '{steepest_state(task.kernel, moment, *point)}' changes fastest there"
-        ) from None
+    except Stopped:
+        raise stopped_between(task, (moment, task.time(index + 1)), *point) from None
+
+
+def stopped_between(
+    task: Task, times: tuple[float, float], state: Vector, unknowns: Vector
+) -> NumericalError:
+    """Return the error for a method that gave up between two times [s], from this point on."""
+    return NumericalError(
+        f"integration stopped between t = {times[0]:.9g} s and "
+        f"{times[1]:.9g} s: the steps became too small or too many; "
+        f"state '{steepest_state(task.kernel, times[0], state, unknowns)}' changes fastest there"
+    )

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from vehicledyn.solve.engine import Ledger, March, Rows, Status, Vector
+from vehicledyn.solve.engine import Ledger, March, Rows, Span, Status, Vector
 from vehicledyn.solve.source import COUNTED
 from vehicledyn.symbolic.equations import Equations
 
@@ -20,7 +20,10 @@ _SIGNATURES: dict[str, tuple[Any, Sequence[Any]]] = {
     "vd_outputs": (None, [_D, _P, _P, _P, _P]),
     "vd_block": (None, [_I, _D, _P, _P, _P, _P, _P]),
     "vd_solve": (_I, [_D, _P, _P, _P, _P, _P]),
-    "vd_advance": (_I, [_I, _L, _L, _L, _D, _D, *[_P] * 9]),
+    "vd_advance": (_I, [_I, _L, _L, _L, _D, _D, *[_P] * 10]),
+    "vd_advance_part": (_I, [_I, _L, _D, _D, _L, _D, _D, *[_P] * 5]),
+    "vd_events": (None, [_D, _P, _P, _P, _P]),
+    "vd_resets": (None, [_D, _P, _P, _P, _P]),
 }
 
 
@@ -43,6 +46,8 @@ class CompiledEngine:
         self._sizes = [block.stop - block.start for block in equations.blocks]
         self._n_rates = len(equations.states)
         self._n_outputs = len(equations.channels)
+        self._n_events = len(equations.events)
+        self._n_resets = 0 if equations.reset is None else equations.reset.numel()
         self._n_constants = int(_I.in_dll(library, "vd_constants").value)
         counts = (_I * len(COUNTED)).in_dll(library, "vd_operations")
         self.operations = dict(zip(COUNTED, counts, strict=True))
@@ -88,8 +93,8 @@ class CompiledEngine:
     def advance(self, march: March, n_steps: int, constants: Vector, rows: Rows) -> Status:
         """Take steps and write a row for each whole interval."""
         arrays = [constants, march.state, march.unknowns, march.memory]
-        arrays += [rows.states, rows.unknowns, rows.outputs]
-        pointers = [array.ctypes.data for array in arrays]
+        pointers = [array.ctypes.data for array in arrays] + [march.sides.ctypes.data]
+        pointers += [array.ctypes.data for array in (rows.states, rows.unknowns, rows.outputs)]
         pointers += [march.ledger.counts.ctypes.data, march.ledger.figures.ctypes.data]
         return Status(
             self._library.vd_advance(
@@ -102,3 +107,33 @@ class CompiledEngine:
                 *pointers,
             )
         )
+
+    def advance_part(self, march: March, part: Span, constants: Vector) -> Status:
+        """Take a part of one step, moving state and unknowns but neither step nor sides."""
+        pointers = [array.ctypes.data for array in (constants, march.state, march.unknowns)]
+        pointers += [march.ledger.counts.ctypes.data, march.ledger.figures.ctypes.data]
+        return Status(
+            self._library.vd_advance_part(
+                int(march.method),
+                march.step,
+                *part,
+                march.per_interval,
+                march.start,
+                march.interval,
+                *pointers,
+            )
+        )
+
+    def events(self, time: float, state: Vector, unknowns: Vector, constants: Vector) -> Vector:
+        """Return the functions of the events."""
+        values = np.empty(self._n_events)
+        pointers = [item.ctypes.data for item in (state, unknowns, constants, values)]
+        self._library.vd_events(time, *pointers)
+        return values
+
+    def resets(self, time: float, state: Vector, unknowns: Vector, constants: Vector) -> Vector:
+        """Return the new values that events give to states."""
+        values = np.empty(self._n_resets)
+        pointers = [item.ctypes.data for item in (state, unknowns, constants, values)]
+        self._library.vd_resets(time, *pointers)
+        return values

@@ -10,6 +10,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 Vector: TypeAlias = NDArray[np.float64]
+Sides: TypeAlias = NDArray[np.intc]
+
+
+Span: TypeAlias = tuple[float, float]
+"""Begin and end of a part of something whole, between 0 and 1."""
 
 
 class Status(IntEnum):
@@ -20,6 +25,7 @@ class Status(IntEnum):
     SINGULAR = 2
     NOT_FINITE = 3
     INACCURATE = 4
+    EVENT = 5
 
 
 class Method(IntEnum):
@@ -61,7 +67,8 @@ class March:
     ``state`` (n_states,) and ``unknowns`` (n_unknowns,) are consistent and belong to step
     number ``step``, at ``start + interval * step / per_interval``; ``memory`` holds what the
     guesses of the unknowns extrapolate from, so that a run cut into chunks gives the same
-    numbers as a run in one piece.
+    numbers as a run in one piece. ``sides`` (n_events,) are the signs of the functions of the
+    events there, see :class:`vehicledyn.solve.events.EventWatch`.
     """
 
     method: Method
@@ -73,6 +80,7 @@ class March:
     step: int = 0
     memory: Vector = field(default_factory=lambda: np.zeros(0))
     ledger: Ledger = field(default_factory=Ledger)
+    sides: Sides = field(default_factory=lambda: np.zeros(0, dtype=np.intc))
 
     def __post_init__(self) -> None:
         """Own the arrays that change."""
@@ -118,4 +126,19 @@ class Engine(Protocol):
         """Solve the blocks in order, changing the unknowns in place."""
 
     def advance(self, march: March, n_steps: int, constants: Vector, rows: Rows) -> Status:
-        """Take steps and write a row for each whole interval; the counts are those of this call."""
+        """Take steps and write a row for each whole interval; the counts are those of this call.
+
+        A step in which an event fires is not taken: it ends the call with Status.EVENT.
+        """
+
+    def advance_part(self, march: March, part: Span, constants: Vector) -> Status:
+        """Take a part of one step, moving state and unknowns but neither step nor sides.
+
+        The guesses of the unknowns are not extrapolated into the part, nor from it.
+        """
+
+    def events(self, time: float, state: Vector, unknowns: Vector, constants: Vector) -> Vector:
+        """Return the functions of the events."""
+
+    def resets(self, time: float, state: Vector, unknowns: Vector, constants: Vector) -> Vector:
+        """Return the new values that events give to states."""

@@ -3,14 +3,19 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 
 from vehicledyn.base.errors import NumericalError
 from vehicledyn.solve.engine import Vector
+from vehicledyn.solve.events import Point
 from vehicledyn.solve.kernel import Kernel
 from vehicledyn.solve.task import SampleBuffer, Statistics, Task
+
+_LOOKS = 8
+"""Points at which a step is looked at for events."""
 
 
 def run_explicit(
@@ -31,26 +36,37 @@ def run_explicit(
     """
     import scipy.integrate
 
+    def begin(point: Point) -> Any:
+        return getattr(scipy.integrate, scheme)(
+            rates,
+            point.time,
+            point.state,
+            task.time(task.n_intervals),
+            rtol=relative_tolerance,
+            atol=absolute_tolerance,
+        )
+
     buffer = SampleBuffer(task, task.state, task.unknowns)
     rates = _Rates(task)
     sizes: list[float] = []
+    last: Point | None = None
     try:
         if task.n_intervals:
             rates.check_start()
-            solver = getattr(scipy.integrate, scheme)(
-                rates,
-                task.start,
-                task.state,
-                task.time(task.n_intervals),
-                rtol=relative_tolerance,
-                atol=absolute_tolerance,
-            )
-            while buffer.next_index <= task.n_intervals:
+            solver = begin(Point(task.start, task.state, task.unknowns))
+            while buffer.next_index <= task.n_intervals and not task.watch.ended_by:
                 _advance(solver, rates, task)
                 sizes.append(solver.step_size)
-                _take_samples(solver, rates, task, buffer)
+                event = _watch_step(solver, rates, task, buffer) if task.watch.active else None
+                if event is None:
+                    _take_samples(solver, rates, task, buffer)
+                else:
+                    last, solver = event, begin(event)
     finally:
         buffer.flush()
+    if last is not None and task.watch.ended_by:
+        task.deliver_point(last)
+    sizes = [size for size in sizes if size > 0.0]
     span = (float(min(sizes)), float(max(sizes))) if sizes else None
     return task.statistics(name, steps=len(sizes), sizes=span)
 
@@ -99,6 +115,39 @@ def _advance(solver: Any, rates: _Rates, task: Task) -> None:
             f"state '{steepest_state(task.kernel, solver.t, solver.y, rates.accepted)}' "
             "changes fastest there"
         )
+
+
+def _watch_step(solver: Any, rates: _Rates, task: Task, buffer: SampleBuffer) -> Point | None:
+    """Return where the motion starts anew if an event fires in the last step.
+
+    The watched points are looks into the step, as explicit steps of high order are long.
+    """
+    dense, begin, watch = solver.dense_output(), solver.t_old, task.watch
+
+    def trial(time: float) -> Point:
+        state = np.ascontiguousarray(dense(time))
+        guess = rates.latest
+        return Point(time, state, task.kernel.count_solve(time, state, guess, task.ledger))
+
+    for end in np.linspace(solver.t_old, solver.t, _LOOKS + 1)[1:]:
+        point = trial(float(end))
+        if watch.fires(point):
+            time, point = watch.cross(trial, begin, float(end), 1.0)
+            _take_samples_before(time, trial, task, buffer)
+            rates.latest = point.unknowns.copy()
+            return point
+        watch.passed(point)
+        begin = float(end)
+    return None
+
+
+def _take_samples_before(
+    time: float, trial: Callable[[float], Point], task: Task, buffer: SampleBuffer
+) -> None:
+    """Enter the samples up to an event; one at its time shows the state after it."""
+    while buffer.next_index <= task.n_intervals and task.time(buffer.next_index) < time:
+        point = trial(task.time(buffer.next_index))
+        buffer.add(point.state, point.unknowns)
 
 
 def _take_samples(solver: Any, rates: _Rates, task: Task, buffer: SampleBuffer) -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 from pathlib import Path
 
+from vehicledyn.solve.functions import event_expressions
 from vehicledyn.symbolic.equations import Equations
 
 _GENERATORS = ("code.py", "functions.py", "instructions.py", "source.py", "loop.c")
@@ -16,9 +17,11 @@ def fingerprint(equations: Equations) -> str:
 
     e = equations
     inputs = [e.time, e.state, e.algebraic, e.parameter]
-    function = casadi.Function("equations", inputs, [e.rate, e.residual, e.output])
+    results = [e.rate, e.residual, e.output, *event_expressions(e)]
+    function = casadi.Function("equations", inputs, results)
     facts = [casadi.CasadiMeta.version(), repr(e.positions), repr(e.velocities)]
     facts += [f"{block.start}:{block.stop}:{block.tolerance!r}" for block in e.blocks]
+    facts += [event.direction for event in e.events]
     return hashlib.sha256("\n".join([*facts, function.serialize()]).encode()).hexdigest()
 
 

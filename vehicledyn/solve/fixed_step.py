@@ -3,14 +3,24 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Callable
+from dataclasses import replace
 
 from vehicledyn.base.errors import InputError, NumericalError
 from vehicledyn.solve.engine import Count, Figure, March, Method, Rows, Status
+from vehicledyn.solve.events import Point
 from vehicledyn.solve.task import SampleBuffer, Statistics, Task
 
 _CHUNK_SECONDS = 0.08
 _FIRST_CHUNK = 16
 _GROWTH = 8
+
+_SHORTEST, _REACH = 1e-9, 1.25
+"""First part of a step behind an event [s], and how much longer the next ones are.
+
+Of order one only: a single long part would turn a flight shorter than the step into one that
+ends at rest.
+"""
 
 
 def run_fixed(task: Task, name: str, method: Method, step: float) -> Statistics:
@@ -29,37 +39,90 @@ def run_fixed(task: Task, name: str, method: Method, step: float) -> Statistics:
     """
     per_interval = steps_per_interval(step, task.interval)
     SampleBuffer(task, task.state, task.unknowns).flush()
-    march = March(method, task.start, task.interval, per_interval, task.state, task.unknowns)
+    march = March(
+        method,
+        task.start,
+        task.interval,
+        per_interval,
+        task.state,
+        task.unknowns,
+        sides=task.watch.sides,
+    )
     size, remaining = _FIRST_CHUNK, task.n_intervals * per_interval
     rows = task.rows(task.n_intervals + 1)
     steps = 0
-    while remaining:
+    while remaining and not task.watch.ended_by:
         size = min(size, remaining, (len(rows.states) - 1) * per_interval + 1)
         started = time.perf_counter()
         try:
             status = task.kernel.advance(march, size, rows)
         finally:
-            steps += int(march.ledger.counts[Count.STEPS])
+            taken = int(march.ledger.counts[Count.STEPS])
             _settle(task, march, rows)
-        if status is not Status.SOLVED:
+        if status is Status.EVENT:
+            _take_step_with_events(task, march)
+            taken += 1
+        elif status is not Status.SOLVED:
             raise NumericalError(task.kernel.failure(status, march.time(march.step), march.ledger))
-        remaining -= size
+        steps, remaining = steps + taken, remaining - taken
         seconds = max(time.perf_counter() - started, 1e-6)
-        size = max(1, min(_GROWTH * size, int(size * _CHUNK_SECONDS / seconds)))
+        size = max(1, min(_GROWTH * size, int(taken * _CHUNK_SECONDS / seconds)))
     actual = task.interval / per_interval
     return task.statistics(name, steps=steps, sizes=(actual, actual))
 
 
 def _settle(task: Task, march: March, rows: Rows) -> None:
     """Deliver the samples of a chunk, whole or cut short, and add up its account."""
+    _account(task, march)
     samples = int(march.ledger.counts[Count.SAMPLES])
-    for item in (Count.EVALUATIONS, Count.ITERATIONS):
-        task.ledger.counts[item] += march.ledger.counts[item]
     march.ledger.counts[: Count.WHERE] = 0
     largest = march.ledger.figures[Figure.LARGEST_RESIDUAL]
     figures = task.ledger.figures
     figures[Figure.LARGEST_RESIDUAL] = max(figures[Figure.LARGEST_RESIDUAL], largest)
     task.deliver(rows, samples)
+
+
+def _account(task: Task, march: March) -> None:
+    for item in (Count.EVALUATIONS, Count.ITERATIONS):
+        task.ledger.counts[item] += march.ledger.counts[item]
+        march.ledger.counts[item] = 0
+
+
+def _take_step_with_events(task: Task, march: March) -> None:
+    """Take the step that is due in parts, from event to event, up to its end or that of the run.
+
+    Each trial is a shorter step of the method itself, so its order holds across an event.
+    """
+    watch, fraction, reach = task.watch, 0.0, 1.0
+    step = march.interval / march.per_interval
+    while fraction < 1.0 and not watch.ended_by:
+        trial, end = _trials(task, march, fraction), min(fraction + reach, 1.0)
+        point = trial(end)
+        if watch.fires(point):
+            fraction, point = watch.cross(trial, fraction, end, step)
+            reach = _SHORTEST / step if march.method is Method.SYMPLECTIC_EULER else 1.0
+        else:
+            watch.passed(point)
+            fraction, reach = end, _REACH * reach
+        march.state[:], march.unknowns[:] = point.state, point.unknowns
+    march.memory[:] = 0.0
+    march.step += 1
+    _account(task, march)
+    if watch.ended_by or march.step % march.per_interval == 0:
+        task.deliver_point(point)
+
+
+def _trials(task: Task, march: March, begin: float) -> Callable[[float], Point]:
+    def trial(end: float) -> Point:
+        part = replace(march)
+        status = task.kernel.advance_part(part, (begin, end))
+        if status is not Status.SOLVED:
+            moment = march.time(march.step, begin)
+            raise NumericalError(task.kernel.failure(status, moment, march.ledger))
+        moment = march.time(march.step, end) if end < 1.0 else march.time(march.step + 1)
+        return Point(moment, part.state, part.unknowns)
+
+    return trial
 
 
 def steps_per_interval(step: float, interval: float) -> int:

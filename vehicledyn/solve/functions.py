@@ -1,6 +1,7 @@
 """The SX functions a kernel runs, with what depends on the parameters alone moved apart.
 
-    prepare: p -> c,    rates, outputs: (t, x, z, c) -> ẋ, y,    blocks: (t, x, z, c) -> g, ∂g/∂z
+    prepare: p -> c,    rates, outputs: (t, x, z, c) -> ẋ, y,    blocks: (t, x, z, c) -> g, ∂g/∂z,
+    events, resets: (t, x, z, c) -> functions whose sign change marks events, new values of states
 
 Parameters are all symbolic, so a good part of every expression does not change in a run;
 ``prepare`` computes it once for each parameter set.
@@ -27,6 +28,8 @@ class KernelFunctions:
     rates: Any
     outputs: Any
     blocks: tuple[Any, ...]
+    events: Any
+    resets: Any
 
 
 def derive_functions(equations: Equations) -> KernelFunctions:
@@ -34,7 +37,7 @@ def derive_functions(equations: Equations) -> KernelFunctions:
     import casadi
 
     time, state, unknown = equations.time, equations.state, equations.algebraic
-    expressions: Any = [equations.rate, equations.output]
+    expressions: Any = [equations.rate, equations.output, *event_expressions(equations)]
     for block in equations.blocks:
         residual = equations.residual[block.start : block.stop]
         expressions += [residual, casadi.jacobian(residual, unknown[block.start : block.stop])]
@@ -54,10 +57,21 @@ def derive_functions(equations: Equations) -> KernelFunctions:
         rates=casadi.Function("rates", inputs, expressions[:1]),
         outputs=casadi.Function("outputs", inputs, expressions[1:2]),
         blocks=tuple(
-            casadi.Function(f"block_{k}", inputs, expressions[2 + 2 * k : 4 + 2 * k])
+            casadi.Function(f"block_{k}", inputs, expressions[4 + 2 * k : 6 + 2 * k])
             for k in range(len(equations.blocks))
         ),
+        events=casadi.Function("events", inputs, expressions[2:3]),
+        resets=casadi.Function("resets", inputs, expressions[3:4]),
     )
+
+
+def event_expressions(equations: Equations) -> list[Any]:
+    """Return the functions of the events, in their order, and the column of new values."""
+    import casadi
+
+    marks = [equations.event[event.index] for event in equations.events]
+    reset = casadi.SX(0, 1) if equations.reset is None else equations.reset
+    return [casadi.vertcat(*marks) if marks else casadi.SX(0, 1), reset]
 
 
 def count_operations(equations: Equations) -> dict[str, int]:

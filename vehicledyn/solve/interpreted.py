@@ -7,8 +7,19 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from vehicledyn.solve.engine import Count, Figure, Ledger, March, Method, Rows, Status, Vector
+from vehicledyn.solve.engine import (
+    Count,
+    Figure,
+    Ledger,
+    March,
+    Method,
+    Rows,
+    Span,
+    Status,
+    Vector,
+)
 from vehicledyn.solve.functions import KernelFunctions
+from vehicledyn.solve.sides import fired, note_sides
 from vehicledyn.symbolic.equations import Equations
 
 MAX_ITERATIONS = 12
@@ -22,6 +33,28 @@ class _Point(NamedTuple):
     state: Vector
     unknowns: Vector
     constants: Vector
+
+
+class _Stretch(NamedTuple):
+    """Size and times of a step, or of a part of one; first and last lie just inside."""
+
+    size: float
+    first: float
+    middle: float
+    last: float
+    end: float
+
+    @staticmethod
+    def of(march: March, step: int, part: Span = (0.0, 1.0)) -> _Stretch:
+        begin, to = part
+        share = to - begin
+        return _Stretch(
+            march.interval / march.per_interval * share,
+            march.time(step, begin + INSIDE * share),
+            march.time(step, begin + 0.5 * share),
+            march.time(step, to - INSIDE * share),
+            march.time(step, to) if to < 1.0 else march.time(step + 1),
+        )
 
 
 class BufferedFunction:
@@ -64,7 +97,9 @@ class InterpretedEngine:
         self._rates = BufferedFunction(functions.rates)
         self._outputs = BufferedFunction(functions.outputs)
         self._blocks = [BufferedFunction(block) for block in functions.blocks]
-        self._steps: dict[Method, Callable[[March, int, Vector], Status]] = {
+        self._events = BufferedFunction(functions.events)
+        self._resets = BufferedFunction(functions.resets)
+        self._steps: dict[Method, Callable[[March, _Stretch, Vector], Status]] = {
             Method.RK4: self._step_rk4,
             Method.SYMPLECTIC_EULER: self._step_symplectic,
         }
@@ -104,14 +139,43 @@ class InterpretedEngine:
     def advance(self, march: March, n_steps: int, constants: Vector, rows: Rows) -> Status:
         """Take steps and write a row for each whole interval."""
         step_once = self._steps[march.method]
+        watched = bool(self._equations.events)
         for step in range(march.step, march.step + n_steps):
-            status = step_once(march, step, constants)
+            held = [march.state.copy(), march.unknowns.copy(), march.memory.copy()]
+            status = step_once(march, _Stretch.of(march, step), constants)
+            if watched and status is Status.SOLVED:
+                status = self._watch(march, march.time(step + 1), constants)
+                if status is Status.EVENT:
+                    march.state[:], march.unknowns[:], march.memory[:] = held
             if status is Status.SOLVED:
                 march.ledger.counts[Count.STEPS] += 1
                 if (step + 1) % march.per_interval == 0:
                     status = self._sample(march, march.time(step + 1), constants, rows)
             if status is not Status.SOLVED:
                 return status
+        return Status.SOLVED
+
+    def advance_part(self, march: March, part: Span, constants: Vector) -> Status:
+        """Take a part of one step, moving state and unknowns but neither step nor sides."""
+        stretch = _Stretch.of(march, march.step, part)
+        held, march.memory = march.memory, np.zeros_like(march.memory)
+        status = self._steps[march.method](march, stretch, constants)
+        march.memory = held
+        return status
+
+    def events(self, time: float, state: Vector, unknowns: Vector, constants: Vector) -> Vector:
+        """Return the functions of the events."""
+        return self._events(time, state, unknowns, constants)[0]
+
+    def resets(self, time: float, state: Vector, unknowns: Vector, constants: Vector) -> Vector:
+        """Return the new values that events give to states."""
+        return self._resets(time, state, unknowns, constants)[0]
+
+    def _watch(self, march: March, time: float, constants: Vector) -> Status:
+        values = self.events(time, march.state, march.unknowns, constants)
+        if fired(self._equations.events, march.sides, values).any():
+            return Status.EVENT
+        note_sides(march.sides, values)
         return Status.SOLVED
 
     def _sample(self, march: March, time: float, constants: Vector, rows: Rows) -> Status:
@@ -160,15 +224,14 @@ class InterpretedEngine:
         ledger.counts[Count.EVALUATIONS] += 1
         return status, self.rates(*point)
 
-    def _step_rk4(self, march: March, step: int, constants: Vector) -> Status:
+    def _step_rk4(self, march: March, stretch: _Stretch, constants: Vector) -> Status:
         """Classical Runge-Kutta step, with the guesses of the unknowns of loop.c."""
         x, z, ledger = march.state, march.unknowns, march.ledger
-        h = march.interval / march.per_interval
-        middle, end = march.time(step, 0.5), march.time(step + 1)
+        h, middle, end = stretch.size, stretch.middle, stretch.end
         before, between = march.memory[1:].reshape(2, z.size)
         known = march.memory[0]
         bend = known * (z - 2.0 * between + before)
-        k1 = self.rates(march.time(step, INSIDE), x, z, constants)
+        k1 = self.rates(stretch.first, x, z, constants)
         ledger.counts[Count.EVALUATIONS] += 1
         z2 = z + known * 0.5 * (3.0 * z - 4.0 * between + before)
         status, k2 = self._stage(_Point(middle, x + 0.5 * h * k1, z2, constants), ledger)
@@ -179,23 +242,22 @@ class InterpretedEngine:
         if status is not Status.SOLVED:
             return status
         z4 = 2.0 * z3 - z
-        last = march.time(step, 1.0 - INSIDE)
-        status, k4 = self._stage(_Point(last, x + h * k3, z4, constants), ledger)
+        status, k4 = self._stage(_Point(stretch.last, x + h * k3, z4, constants), ledger)
         if status is not Status.SOLVED:
             return status
         new = x + h / 6.0 * (k1 + 2.0 * k2 + 2.0 * k3 + k4)
         return self._accept(march, end, (new, z4, 0.5 * (z2 + z3)), constants)
 
-    def _step_symplectic(self, march: March, step: int, constants: Vector) -> Status:
+    def _step_symplectic(self, march: March, stretch: _Stretch, constants: Vector) -> Status:
         """Semi-implicit Euler step: positions move with the new velocities."""
         x, z = march.state, march.unknowns
-        h = march.interval / march.per_interval
+        h = stretch.size
         before = march.memory[1 : 1 + z.size]
-        new = x + h * self.rates(march.time(step, INSIDE), x, z, constants)
+        new = x + h * self.rates(stretch.first, x, z, constants)
         march.ledger.counts[Count.EVALUATIONS] += 1
         new[self._positions] = x[self._positions] + h * new[self._velocities]
         guess = 2.0 * z - before if march.memory[0] else z.copy()
-        return self._accept(march, march.time(step + 1), (new, guess, z), constants)
+        return self._accept(march, stretch.end, (new, guess, z), constants)
 
     def _accept(
         self, march: March, end: float, result: tuple[Vector, Vector, Vector], constants: Vector

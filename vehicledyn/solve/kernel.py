@@ -18,7 +18,17 @@ from vehicledyn.base.errors import InputError, MissingPartError, NumericalError
 from vehicledyn.solve import cache
 from vehicledyn.solve.compiled import CompiledEngine
 from vehicledyn.solve.compiler import CompilationError, Compiler, build_library, find_compiler
-from vehicledyn.solve.engine import Count, Engine, Figure, Ledger, March, Rows, Status, Vector
+from vehicledyn.solve.engine import (
+    Count,
+    Engine,
+    Figure,
+    Ledger,
+    March,
+    Rows,
+    Span,
+    Status,
+    Vector,
+)
 from vehicledyn.solve.failures import describe_failure
 from vehicledyn.solve.fingerprint import fingerprint, generator_fingerprint
 from vehicledyn.solve.functions import derive_functions, operations_of
@@ -165,6 +175,8 @@ class Kernel:
     def advance(self, march: March, n_steps: int, rows: Rows) -> Status:
         """Take steps of a run and write its samples into the rows.
 
+        It ends with Status.EVENT before a step in which an event fires.
+
         ``march`` moves on by the good steps; its counts are those of this call. Rows must
         have room for ``n_steps // march.per_interval + 1`` samples.
         """
@@ -172,6 +184,20 @@ class Kernel:
         status = self.engine.advance(march, n_steps, self._constants, rows)
         march.step += int(march.ledger.counts[Count.STEPS])
         return status
+
+    def advance_part(self, march: March, part: Span) -> Status:
+        """Take a part of the step that is due, see :class:`vehicledyn.solve.engine.Engine`."""
+        return self.engine.advance_part(march, part, self._constants)
+
+    def event_values(self, time: float, state: Any, unknowns: Any) -> Vector:
+        """Return the functions whose sign changes mark the events, shape (n_events,)."""
+        x, z = self._checked(state, unknowns)
+        return self.engine.events(time, x, z, self._constants)
+
+    def reset_values(self, time: float, state: Any, unknowns: Any) -> Vector:
+        """Return the new values that events give to states, shape (n_resets,)."""
+        x, z = self._checked(state, unknowns)
+        return self.engine.resets(time, x, z, self._constants)
 
     def failure(self, status: Status, time: float, ledger: Ledger) -> str:
         """Return the message for a computation that did not end well near a time [s]."""

@@ -1,9 +1,10 @@
 /* The part of every kernel that does not depend on the model: Newton's method on the blocks,
    fixed-step integration and sampling. The generated part above defines the sizes NX, NZ, NY,
-   NB and NW (largest block), the functions rates and outputs, and the tables of blocks.
+   NB, NW (largest block) and NE, the functions rates, outputs, events and resets, and the
+   tables of blocks and events.
    interpreted.py holds the same algorithm; change both together. */
 
-enum { SOLVED = 0, NOT_CONVERGED = 1, SINGULAR = 2, NOT_FINITE = 3, INACCURATE = 4 };
+enum { SOLVED = 0, NOT_CONVERGED = 1, SINGULAR = 2, NOT_FINITE = 3, INACCURATE = 4, EVENT = 5 };
 enum { RK4 = 0, SYMPLECTIC_EULER = 1 };
 enum { SAMPLES, STEPS, EVALUATIONS, ITERATIONS, WHERE };
 enum { LARGEST_RESIDUAL, FAILED_RESIDUAL };
@@ -221,22 +222,81 @@ VD_EXPORT int vd_solve(double t, const double *x, double *z, const double *c,
   return solve_blocks(t, x, z, c, counts, figures);
 }
 
+VD_EXPORT void vd_events(double t, const double *x, const double *z, const double *c,
+                         double *values) {
+  events(&t, x, z, c, values);
+}
+
+VD_EXPORT void vd_resets(double t, const double *x, const double *z, const double *c,
+                         double *values) {
+  resets(&t, x, z, c, values);
+}
+
+/* Tell whether an event fires between a point whose signs are in sides and this one; where none
+   does, the signs become those of this point. A value of zero lies on no side: an event fires
+   when it is reached, and the sign of a value that does not fire there stays. */
+static int event_fires(double t, const double *x, const double *z, const double *c, int *sides) {
+  double values[NE1];
+  events(&t, x, z, c, values);
+  for (int k = 0; k < NE; k++) {
+    if (sides[k] < 0 && values[k] >= 0.0 && fires_rising[k]) return 1;
+    if (sides[k] > 0 && values[k] <= 0.0 && fires_falling[k]) return 1;
+  }
+  for (int k = 0; k < NE; k++)
+    if (values[k] != 0.0) sides[k] = values[k] > 0.0 ? 1 : -1;
+  return 0;
+}
+
+/* Take the part of a step from one fraction of it to another. */
+static int take_step(int method, long long step, double from, double to, long long per_interval,
+                     double start, double interval, const double *c, double *x, double *z,
+                     double *memory, long long *counts, double *figures) {
+  const double part = to - from, h = interval / (double)per_interval * part;
+  const double t = time_of(step, from + INSIDE * part, start, interval, per_interval);
+  const double middle = time_of(step, from + 0.5 * part, start, interval, per_interval);
+  const double end = to < 1.0 ? time_of(step, to, start, interval, per_interval)
+                              : time_of(step + 1, 0.0, start, interval, per_interval);
+  const double last = time_of(step, to - INSIDE * part, start, interval, per_interval);
+  return method == RK4
+             ? step_rk4(t, middle, last, end, h, x, z, c, memory, counts, figures)
+             : step_symplectic(t, end, h, x, z, c, memory, counts, figures);
+}
+
+/* The guesses of the unknowns are not extrapolated into the part, nor from it. */
+VD_EXPORT int vd_advance_part(int method, long long step, double from, double to,
+                              long long per_interval, double start, double interval,
+                              const double *c, double *x, double *z, long long *counts,
+                              double *figures) {
+  double memory[1 + 2 * NZ1] = {0.0};
+  return take_step(method, step, from, to, per_interval, start, interval, c, x, z, memory,
+                   counts, figures);
+}
+
 /* Take n_steps steps; after each whole interval check the loops and write a sample.
-   x and z are consistent on entry and left at the last good step. */
+   x and z are consistent on entry and left at the last good step; a step in which an event
+   fires is not taken. */
 VD_EXPORT int vd_advance(int method, long long first_step, long long n_steps,
                          long long per_interval, double start, double interval,
-                         const double *c, double *x, double *z, double *memory, double *xs,
-                         double *zs, double *ys, long long *counts, double *figures) {
-  const double h = interval / (double)per_interval;
+                         const double *c, double *x, double *z, double *memory, int *sides,
+                         double *xs, double *zs, double *ys, long long *counts,
+                         double *figures) {
+  double held_x[NX1], held_z[NZ1], held_memory[1 + 2 * NZ1];
   for (long long step = first_step; step < first_step + n_steps; step++) {
-    const double t = time_of(step, INSIDE, start, interval, per_interval);
-    const double middle = time_of(step, 0.5, start, interval, per_interval);
     const double end = time_of(step + 1, 0.0, start, interval, per_interval);
-    const double last = time_of(step, 1.0 - INSIDE, start, interval, per_interval);
-    int status = method == RK4
-                     ? step_rk4(t, middle, last, end, h, x, z, c, memory, counts, figures)
-                     : step_symplectic(t, end, h, x, z, c, memory, counts, figures);
+    if (NE) {
+      memcpy(held_x, x, NX * sizeof(double));
+      memcpy(held_z, z, NZ * sizeof(double));
+      memcpy(held_memory, memory, (1 + 2 * NZ) * sizeof(double));
+    }
+    int status = take_step(method, step, 0.0, 1.0, per_interval, start, interval, c, x, z,
+                           memory, counts, figures);
     if (status != SOLVED) return status;
+    if (NE && event_fires(end, x, z, c, sides)) {
+      memcpy(x, held_x, NX * sizeof(double));
+      memcpy(z, held_z, NZ * sizeof(double));
+      memcpy(memory, held_memory, (1 + 2 * NZ) * sizeof(double));
+      return EVENT;
+    }
     counts[STEPS]++;
     if ((step + 1) % per_interval) continue;
     if ((status = check_residuals(end, x, z, c, counts, figures)) != SOLVED) return status;

@@ -7,7 +7,7 @@ from typing import Any, Protocol
 
 from vehicledyn.base.errors import InputError
 from vehicledyn.solve.kernel import Kernel, Progress
-from vehicledyn.solve.task import Sink, Statistics, Task
+from vehicledyn.solve.task import Happened, Sink, Statistics, Task
 
 
 class Solver(Protocol):
@@ -28,6 +28,7 @@ def simulate(
     interval: float,
     sink: Sink,
     progress: Progress | None = None,
+    happened: Happened | None = None,
 ) -> Statistics:
     """Integrate from ``start`` to ``stop`` and hand samples to a sink.
 
@@ -50,6 +51,10 @@ def simulate(
         before an error or an interrupt.
     progress
         Told the part done.
+    happened
+        Told name and time [s] of each event when it happens. A terminal event ends the
+        integration, with a last sample at its time; a sample at the time of an event shows
+        the state after its reset.
 
     Raises
     ------
@@ -76,9 +81,14 @@ def simulate(
         unknowns=consistent,
         sink=sink,
         progress=progress or _silent,
+        happened=happened or _tell_nobody,
     )
     return solver.integrate(task)
 
 
 def _silent(what: str, part: float | None) -> None:
     """Tell nobody."""
+
+
+def _tell_nobody(name: str, time: float) -> None:
+    """Let an event pass unnoticed."""

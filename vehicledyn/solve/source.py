@@ -36,6 +36,8 @@ def kernel_source(equations: Equations, functions: KernelFunctions) -> str:
         print_function(functions.prepare, "prepare", ["p"]),
         print_function(functions.rates, "rates", arguments),
         print_function(functions.outputs, "outputs", arguments),
+        print_function(functions.events, "events", arguments),
+        print_function(functions.resets, "resets", arguments),
         *[print_function(b, f"block_{k}", arguments) for k, b in enumerate(functions.blocks)],
         _tables(equations, functions),
         loop_source(),
@@ -60,6 +62,8 @@ def _tables(equations: Equations, functions: KernelFunctions) -> str:
         "NB": len(blocks),
         "NW": max([1, *[block.stop - block.start for block in blocks]]),
         "NQ": len(equations.positions),
+        "NE": len(equations.events),
+        "NE1": max(1, len(equations.events)),
     }
     counts = operations_of(functions)
     starts = [block.start for block in blocks] + [n_unknowns]
@@ -72,12 +76,18 @@ def _tables(equations: Equations, functions: KernelFunctions) -> str:
             _table("static const double", "block_tolerance", [b.tolerance for b in blocks]),
             _table("static const int", "positions", equations.positions),
             _table("static const int", "velocities", equations.velocities),
+            _table("static const int", "fires_rising", _fires(equations, "rising")),
+            _table("static const int", "fires_falling", _fires(equations, "falling")),
             f"typedef void (*block_function)({signature});",
             _table("static const block_function", "block_functions", names),
             f"VD_EXPORT const int vd_constants = {functions.prepare.numel_out(0)};",
             _table("VD_EXPORT const int", "vd_operations", [counts[key] for key in COUNTED]),
         ]
     )
+
+
+def _fires(equations: Equations, direction: str) -> list[int]:
+    return [int(event.direction in (direction, "either")) for event in equations.events]
 
 
 def _table(kind: str, name: str, values: Sequence[float | int | str]) -> str:

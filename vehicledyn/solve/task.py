@@ -10,10 +10,14 @@ from typing import TypeAlias
 import numpy as np
 
 from vehicledyn.solve.engine import Count, Figure, Ledger, Rows, Vector
+from vehicledyn.solve.events import EventWatch, Point
 from vehicledyn.solve.kernel import Kernel, Progress
 
 Sink: TypeAlias = Callable[[Vector, Vector, Vector, Vector], None]
 """Takes times (n,), states, unknowns and outputs (n, ...) of samples, in order."""
+
+Happened: TypeAlias = Callable[[str, float], None]
+"""Told name and time [s] of each event, in order, when it happens."""
 
 _MOST_NUMBERS = 1_000_000
 
@@ -24,7 +28,8 @@ class Statistics:
 
     ``evaluations`` of the rates, ``newton_iterations`` of all blocks together, step sizes [s]
     where the method tells them, ``largest_residual`` of the blocks at the samples, in the
-    residual's unit.
+    residual's unit. ``events`` is the number of events that happened, ``ended_by`` the
+    name of the terminal event that ended the run early.
     """
 
     method: str
@@ -37,6 +42,8 @@ class Statistics:
     wall_seconds: float
     smallest_step: float | None = None
     largest_step: float | None = None
+    events: int = 0
+    ended_by: str | None = None
 
 
 @dataclass
@@ -55,9 +62,16 @@ class Task:
     unknowns: Vector
     sink: Sink
     progress: Progress
+    happened: Happened
     delivered: int = 0
     ledger: Ledger = field(default_factory=Ledger)
     started: float = field(default_factory=time.perf_counter)
+    watch: EventWatch = field(init=False)
+
+    def __post_init__(self) -> None:
+        """Watch the events from the start on."""
+        start = Point(self.start, self.state, self.unknowns)
+        self.watch = EventWatch(self.kernel, start, self.ledger, self.happened)
 
     @property
     def finished(self) -> bool:
@@ -86,6 +100,22 @@ class Task:
         part = (self.delivered - 1) / self.n_intervals if self.n_intervals else 1.0
         self.progress("simulating", part)
 
+    def deliver_point(self, point: Point) -> None:
+        """Hand one sample to the sink, at the end of an interval or where an event ends the run.
+
+        Raises
+        ------
+        NumericalError
+            If a block is not solved there.
+        """
+        self.kernel.check_residuals(*point, self.ledger)
+        outputs = self.kernel.outputs(*point)
+        parts = (point.state, point.unknowns, outputs)
+        self.sink(np.array([point.time]), *[np.array([part]) for part in parts])
+        self.delivered += 1
+        part = self.delivered / (self.n_intervals + 1)
+        self.progress("simulating", 1.0 if self.watch.ended_by else part)
+
     def statistics(
         self,
         method: str,
@@ -105,6 +135,8 @@ class Task:
             wall_seconds=time.perf_counter() - self.started,
             smallest_step=sizes[0] if sizes else None,
             largest_step=sizes[1] if sizes else None,
+            events=self.watch.count,
+            ended_by=self.watch.ended_by or None,
         )
 
 

@@ -11,10 +11,12 @@ on its own unknowns and those of earlier blocks only, so each block is a small N
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, Literal, TypeAlias
 
 Expression = Any
 """A ``casadi.SX`` column."""
+
+Direction: TypeAlias = Literal["rising", "falling", "either"]
 
 
 @dataclass(frozen=True)
@@ -64,11 +66,19 @@ class Block:
 
 @dataclass(frozen=True)
 class Event:
-    """A function of (t, x, z, p) whose sign change marks an event."""
+    """A function of (t, x, z, p) whose sign change along the motion marks an event.
+
+    ``index`` is its row of the equations' ``event``; only changes of the ``direction`` count.
+    A terminal event ends the run. ``resets`` are pairs (state, row of the equations' ``reset``):
+    at the event these states take the new values r(t, x, z, p), all at once, after which the
+    unknowns are solved anew.
+    """
 
     name: str
     index: int
+    direction: Direction = "either"
     terminal: bool = False
+    resets: tuple[tuple[int, int], ...] = ()
 
 
 @dataclass(frozen=True)
@@ -76,7 +86,8 @@ class Equations:
     """Symbolic equations of a system, see the module's text for the meaning of the parts.
 
     ``positions`` and ``velocities`` are the indices of x that form second-order pairs: the
-    rate of ``x[positions[k]]`` is ``x[velocities[k]]``. ``structure`` holds facts for people
+    rate of ``x[positions[k]]`` is ``x[velocities[k]]``. ``reset`` is a column of new values of
+    states for the resets of events, None where there are none. ``structure`` holds facts for people
     (bodies, joints, degrees of freedom), never used in computing.
     """
 
@@ -97,4 +108,5 @@ class Equations:
     events: tuple[Event, ...] = ()
     positions: tuple[int, ...] = ()
     velocities: tuple[int, ...] = ()
+    reset: Expression = None
     structure: dict[str, Any] = field(default_factory=dict)
