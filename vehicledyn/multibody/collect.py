@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 from vehicledyn.base.errors import InputError
 from vehicledyn.multibody.loops import Loops
 from vehicledyn.multibody.observation import Solved, observe
+from vehicledyn.multibody.part_events import collect_events
 from vehicledyn.multibody.parts import Motion, Output, Part
 from vehicledyn.multibody.system import Joint, System
 from vehicledyn.multibody.unknowns import Symbols, locked
@@ -78,6 +79,8 @@ def collect(
     kept = [loops.constraints[row].residual.expression for row, _ in loops.closure.partition.pairs]
     outputs = observe(system, symbols, loops, solved)
     _check_unique(outputs)
+    states = (*_coordinate_states(independent, loops), *_part_variables(part_states))
+    found = collect_events(system, symbols, solved, [s.name for s in states])
     n = len(independent)
     return Equations(
         name=system.name,
@@ -88,8 +91,8 @@ def collect(
         rate=_put_motions(ops.column(rate), symbols, moved),
         residual=_put_motions(ops.column([*kept, *contact]), symbols, moved),
         output=_put_motions(ops.column([o.expression for o in outputs]), symbols, moved),
-        event=ops.column([]),
-        states=(*_coordinate_states(independent, loops), *_part_variables(part_states)),
+        event=_put_motions(ops.column(found.functions), symbols, moved),
+        states=states,
         unknowns=(
             *(_coordinate(j, loops.start[j.name]) for j in dependent),
             *_part_variables(part_unknowns),
@@ -100,7 +103,9 @@ def collect(
         channels=tuple(o.channel for o in outputs),
         blocks=(*_loop_blocks(loops), *_part_blocks(system, len(dependent))),
         positions=tuple(range(n)),
+        events=tuple(found.events),
         velocities=tuple(range(n, 2 * n)),
+        reset=_put_motions(ops.column(found.new_values), symbols, moved),
         structure=_structure(system, symbols, loops, roles),
     )
 

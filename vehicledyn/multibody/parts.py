@@ -1,7 +1,7 @@
 """What a part of a system may contribute: loads, further states, unknowns, motions, outputs.
 
 A part (link, wheel, driver, sensor ...) is a small frozen class with a ``name`` and any of
-the four methods of :class:`Part`; the system calls them in this order while it derives the
+the methods of :class:`Part`; the system calls them in this order while it derives the
 equations. Nothing configures a part from outside.
 """
 
@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 from typing import Protocol
 
 from vehicledyn.multibody.kinematics import Kinematics
-from vehicledyn.symbolic.equations import Channel, Variable
+from vehicledyn.symbolic.equations import Channel, Direction, Variable
 from vehicledyn.symbolic.ops import Scalar, Vec
 
 
@@ -78,6 +78,24 @@ class Output:
     expression: Scalar
 
 
+@dataclass(frozen=True)
+class PartEvent:
+    """A function whose sign change along the motion is an event, by a name within its part.
+
+    A terminal event ends the run. ``resets`` are the new values of states by the states' full
+    names: an independent coordinate, its rate (``{coordinate}_rate``) or a part's state
+    (``{part}.{state}``). They take effect all at once, after which the loops close anew; nothing
+    carries an impulse over to other rates, the expressions must say all that changes. A state
+    of rate zero that only events change is a switch.
+    """
+
+    name: str
+    expression: Scalar
+    direction: Direction = "either"
+    terminal: bool = False
+    resets: dict[str, Scalar] = field(default_factory=dict)
+
+
 class Part(Protocol):
     """A part of a system. Derive from :class:`BasePart` and define what differs from nothing."""
 
@@ -99,6 +117,9 @@ class Part(Protocol):
 
     def outputs(self, situation: Situation) -> tuple[Output, ...]:
         """Return the part's channels; here the kinematics know the accelerations too."""
+
+    def events(self, situation: Situation) -> tuple[PartEvent, ...]:
+        """Return the part's events; the kinematics know the accelerations."""
 
 
 @dataclass(frozen=True)
@@ -125,4 +146,8 @@ class BasePart:
 
     def outputs(self, situation: Situation) -> tuple[Output, ...]:
         """Show nothing."""
+        return ()
+
+    def events(self, situation: Situation) -> tuple[PartEvent, ...]:
+        """Watch nothing."""
         return ()
