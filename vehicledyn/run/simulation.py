@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from vehicledyn.base.errors import InputError, NumericalError, nearest_name, unknown_name
 from vehicledyn.base.units import shown
 from vehicledyn.manoeuvres.recording import Recording
-from vehicledyn.results.layout import ResultHeader, SummaryEntry
+from vehicledyn.results.layout import EventRecord, ResultHeader, SummaryEntry
 from vehicledyn.results.output import check_output
 from vehicledyn.results.plots import draw_plots
 from vehicledyn.results.writer import ResultWriter
@@ -118,6 +118,7 @@ class _Run:
     samples: int = 0
     messages: list[str] = field(default_factory=list)
     summary: list[SummaryEntry] = field(default_factory=list)
+    events: list[EventRecord] = field(default_factory=list)
     _times: list[Matrix] = field(default_factory=list)
     _values: list[Matrix] = field(default_factory=list)
 
@@ -138,15 +139,24 @@ class _Run:
                     interval=s.output.interval,
                     sink=lambda t, x, z, y: self._take(writer, t, x, z, y),
                     progress=progress,
+                    happened=lambda name, t: self.events.append(EventRecord(t, name)),
                 )
             except NumericalError as error:
                 self.status, self.exit_code, message = "failed", EXIT_FAILED, str(error)
             except KeyboardInterrupt:
                 self.status, self.exit_code = "interrupted", EXIT_INTERRUPTED
                 message = f"stopped by the user at t = {self._end():g} s"
+            ending = self._ending(statistics)
             self._summarise()
-            solver = self._solver(statistics)
-            writer.close(self.status, message, summary=self.summary, solver=solver)
+            writer.close(
+                self.status,
+                message or ending,
+                summary=self.summary,
+                solver=self._solver(statistics),
+                events=self.events,
+            )
+        if ending:
+            self.messages.append(ending)
         if message:
             self.messages.append(f"{message}; the partial result is kept in {output}")
 
@@ -190,6 +200,12 @@ class _Run:
 
     def _end(self) -> float:
         return float(self._times[-1][-1]) if self._times else 0.0
+
+    def _ending(self, statistics: Statistics | None) -> str:
+        """Return which event ended the run before its time, if one did."""
+        if statistics is None or statistics.ended_by is None:
+            return ""
+        return f"event '{statistics.ended_by}' ended the run at t = {self._end():.9g} s"
 
     def _solver(self, statistics: Statistics | None) -> dict[str, Any]:
         kernel = self.prepared.kernel
