@@ -8,14 +8,14 @@ M(q) q̈ + c(q, q̇) = Q. ``inverse_dynamics`` is the backward recursion of the 
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 from vehicledyn.multibody import inertia
-from vehicledyn.multibody.inertia import Inertia
+from vehicledyn.multibody.inertia import CYCLES, Inertia
 from vehicledyn.multibody.kinematics import Kinematics
 from vehicledyn.multibody.parts import Wrench
-from vehicledyn.symbolic import ops
+from vehicledyn.symbolic import ops, rotations
 from vehicledyn.symbolic.ops import Scalar, Vec
 
 
@@ -28,7 +28,10 @@ class JointWrench:
 
 
 def inverse_dynamics(
-    kinematics: Kinematics, wrenches: Iterable[Wrench], gravity: Vec
+    kinematics: Kinematics,
+    wrenches: Iterable[Wrench],
+    gravity: Vec,
+    inertias: Sequence[Inertia] | None = None,
 ) -> tuple[dict[str, Scalar], dict[int, JointWrench]]:
     """Return the joint force each coordinate needs, and what each joint transmits.
 
@@ -40,6 +43,9 @@ def inverse_dynamics(
         What acts on the bodies besides gravity and joints.
     gravity
         Acceleration of free fall in world axes, shape (3, 1) [m/s²].
+    inertias
+        Inertia of each link, those of the bodies if None. With barycentric parameters the
+        joint forces are the same and cheaper, but not what the joints transmit.
 
     Returns
     -------
@@ -47,19 +53,13 @@ def inverse_dynamics(
         Generalised force by coordinate [N or N m], and the wrench of each link's joint.
     """
     tree = kinematics.tree
-    applied: dict[int, list[Wrench]] = defaultdict(list)
-    for wrench in wrenches:
-        applied[tree.body_link[wrench.body]].append(wrench)
+    own = needed_wrenches(kinematics, wrenches, gravity, inertias)
     carried: dict[int, JointWrench] = {}
     forces: dict[str, Scalar] = {}
     children: dict[int, list[int]] = defaultdict(list)
-    lifted = kinematics.in_lift(-gravity)
     for link in reversed(range(len(tree.links))):
         item = tree.links[link]
-        own = inertia.of_body(item.body)
-        force, torque = _newton_euler(lifted, link, own)
-        for wrench in applied[link]:
-            force, torque = force - wrench.force, torque - wrench.torque
+        force, torque = own[link].force, own[link].torque
         for child in children[link]:
             rotation, arm = kinematics.link_rotation(child), kinematics.link_arm(child)
             passed = rotation @ carried[child].force
@@ -73,28 +73,77 @@ def inverse_dynamics(
     return forces, carried
 
 
-def _newton_euler(kinematics: Kinematics, link: int, own: Inertia) -> tuple[Vec, Vec]:
-    """Return force and torque about the origin that motion and weight of one link need."""
-    if ops.is_structurally_zero(own.mass):
-        zero = ops.vector(0.0, 0.0, 0.0)
-        return zero, zero
-    pull = kinematics.link_acceleration(link)
-    omega = kinematics.link_angular_velocity(link)
-    force = own.mass * pull
-    if not ops.is_structurally_zero(own.moment):
-        force = force + kinematics.beta(link) @ own.moment
-    spin = own.matrix @ omega
-    torque = own.matrix @ kinematics.link_angular_acceleration(link) + ops.cross(omega, spin)
-    return force, torque + ops.cross(own.moment, pull)
+def needed_wrenches(
+    kinematics: Kinematics,
+    wrenches: Iterable[Wrench],
+    gravity: Vec,
+    inertias: Sequence[Inertia] | None = None,
+) -> list[JointWrench]:
+    """Return what each link lacks for its motion: inertia and weight less what acts on it.
 
-
-def mass_matrix(kinematics: Kinematics, names: set[str]) -> dict[tuple[str, str], Scalar]:
-    """Return the entries of M between the named coordinates, both triangles, nonzero ones.
-
-    Only pairs on one branch of the tree have entries.
+    Parameters are those of :func:`inverse_dynamics`; forces act at the link's origin.
     """
     tree = kinematics.tree
-    composite = [inertia.of_body(item.body) for item in tree.links]
+    own = inertias or [inertia.of_body(item.body) for item in tree.links]
+    applied: dict[int, list[Wrench]] = defaultdict(list)
+    for wrench in wrenches:
+        applied[tree.body_link[wrench.body]].append(wrench)
+    lifted = kinematics.in_lift(-gravity)
+    needed = []
+    for link, item in enumerate(own):
+        force, torque = _newton_euler(lifted, link, item)
+        for wrench in applied[link]:
+            force, torque = force - wrench.force, torque - wrench.torque
+        needed.append(JointWrench(force, torque))
+    return needed
+
+
+def _newton_euler(kinematics: Kinematics, link: int, own: Inertia) -> tuple[Vec, Vec]:
+    """Return force and torque about the origin that motion and weight of one link need."""
+    force = torque = ops.vector(0.0, 0.0, 0.0)
+    if not ops.is_structurally_zero(own.mass):
+        force = own.mass * kinematics.link_acceleration(link)
+    if not ops.is_structurally_zero(own.matrix):
+        torque = _spin_torque(kinematics, link, own)
+    if not ops.is_structurally_zero(own.moment):
+        force = force + kinematics.beta(link) @ own.moment
+        torque = torque + ops.cross(own.moment, kinematics.link_acceleration(link))
+    return force, torque
+
+
+def _spin_torque(kinematics: Kinematics, link: int, own: Inertia) -> Vec:
+    """Return I α + ω × I ω [N m] of an inertia matrix I.
+
+    With P = ½ tr(I) 1 - I, the integral of x xᵀ dm, it is the axial vector of β P - (β P)ᵀ,
+    cheaper where β is needed anyway.
+    """
+    matrix = own.matrix
+    if rotations.is_diagonal(matrix) and ops.is_structurally_zero(own.moment):
+        omega = kinematics.link_angular_velocity(link)
+        spin = matrix @ omega
+        return matrix @ kinematics.link_angular_acceleration(link) + ops.cross(omega, spin)
+    beta, spread = kinematics.beta(link), own.spread()
+    return ops.vector(
+        *(
+            beta[k, j] * spread[j]
+            - beta[j, k] * spread[k]
+            + (beta[j, j] - beta[k, k]) * matrix[j, k]
+            + (beta[j, i] * matrix[k, i] - beta[k, i] * matrix[i, j])
+            for i, j, k in CYCLES
+        )
+    )
+
+
+def mass_matrix(
+    kinematics: Kinematics, names: set[str], inertias: Sequence[Inertia] | None = None
+) -> dict[tuple[str, str], Scalar]:
+    """Return the entries of M between the named coordinates, both triangles, nonzero ones.
+
+    Only pairs on one branch of the tree have entries. ``inertias`` are those of the links,
+    about their origins and in their axes; those of the bodies if None.
+    """
+    tree = kinematics.tree
+    composite = list(inertias or (inertia.of_body(item.body) for item in tree.links))
     entries: dict[tuple[str, str], Scalar] = {}
     for link in reversed(range(len(tree.links))):
         item = tree.links[link]

@@ -10,6 +10,7 @@ from vehicledyn.symbolic import ops, rotations
 from vehicledyn.symbolic.ops import Mat, Scalar, Vec
 
 _FULL = 6
+CYCLES = ((0, 1, 2), (1, 2, 0), (2, 0, 1))
 
 
 @dataclass(frozen=True)
@@ -17,12 +18,14 @@ class Inertia:
     """Rigid-body inertia about a frame's origin, in that frame's axes.
 
     ``mass`` [kg], ``moment`` = mass times the position of the centre of mass [kg m],
-    ``matrix`` about the origin, 3 by 3 [kg m²].
+    ``matrix`` about the origin, 3 by 3 [kg m²]. ``thin`` is the axis, 0 to 2, along which the
+    body is known to have no extent, if any.
     """
 
     mass: Scalar
     moment: Vec
     matrix: Mat
+    thin: int | None = None
 
     def __add__(self, other: Inertia) -> Inertia:
         """Return the inertia of both together."""
@@ -35,6 +38,14 @@ class Inertia:
         moment = rotation @ self.moment
         matrix = rotations.congruent(rotation, self.matrix) + _shifted(self.mass, moment, arm)
         return Inertia(self.mass, moment + self.mass * arm, matrix)
+
+    def spread(self) -> list[Scalar]:
+        """Return the integrals of x² dm, y² dm and z² dm about the origin [kg m²]."""
+        m = self.matrix
+        return [
+            ops.scalar(0.0) if i == self.thin else 0.5 * (m[j, j] + m[k, k] - m[i, i])
+            for i, j, k in CYCLES
+        ]
 
 
 def nothing() -> Inertia:

@@ -56,6 +56,11 @@ def congruent(rotation: Mat, tensor: Mat) -> Mat:
     )
 
 
+def is_diagonal(tensor: Mat) -> bool:
+    """Return whether a matrix is diagonal whatever the values of its symbols."""
+    return all(tensor[i, j].is_zero() for i in range(3) for j in range(3) if i != j)
+
+
 def identity() -> Mat:
     """Return the matrix that turns nothing."""
     import casadi
