@@ -33,7 +33,7 @@ if TYPE_CHECKING:
     from vehicledyn.multibody.derivation import derive
     from vehicledyn.multibody.drives import ConstantRate, TimeLaw
     from vehicledyn.multibody.links import Attachment, GuidedLink, Link
-    from vehicledyn.multibody.parts import BasePart, Loads, Motion, Output, Wrench
+    from vehicledyn.multibody.parts import BasePart, Loads, Motion, Output, PartEvent, Wrench
     from vehicledyn.multibody.sensors import Accelerometer, BodySensor, SequenceSensor
     from vehicledyn.multibody.system import GROUND, Body, Joint, System, Turn
     from vehicledyn.symbolic.parameters import ParameterTable
@@ -55,6 +55,7 @@ __all__ = [
     "Motion",
     "Output",
     "ParameterTable",
+    "PartEvent",
     "RodCut",
     "SequenceSensor",
     "System",
@@ -69,7 +70,7 @@ _HOMES = {
     "multibody.derivation": ("derive",),
     "multibody.drives": ("ConstantRate", "TimeLaw"),
     "multibody.links": ("Attachment", "GuidedLink", "Link"),
-    "multibody.parts": ("BasePart", "Loads", "Motion", "Output", "Wrench"),
+    "multibody.parts": ("BasePart", "Loads", "Motion", "Output", "PartEvent", "Wrench"),
     "multibody.sensors": ("Accelerometer", "BodySensor", "SequenceSensor"),
     "multibody.system": ("GROUND", "Body", "Joint", "System", "Turn"),
     "symbolic.parameters": ("ParameterTable",),
