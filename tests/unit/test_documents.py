@@ -1,5 +1,6 @@
 """Every command and every listing of README and CONTRIBUTING works."""
 
+import math
 import os
 import re
 import shutil
@@ -81,12 +82,31 @@ def test_links_lead_to_files(text):
     assert [link for link in links if not (ROOT / link).exists()] == []
 
 
+END_STOP = """
+import vehicledyn.solve
+from vehicledyn.base.registry import find
+from vehicledyn.multibody import GROUND, Body, Joint, ParameterTable, System, derive
+from vehicledyn.multibody.stop import EndStop
+from vehicledyn.solve.kernel import compile_kernel
+from vehicledyn.solve.simulate import simulate
+
+ball = Body("ball", GROUND, joints=(Joint("T3", "height", start=-1.0),), mass=1.0)
+stop = EndStop("stop", "height", 0.0, 0.5)
+system = System("ball", ParameterTable(), (ball,), parts=(stop,), gravity=(0.0, 0.0, 9.81))
+simulate(
+    compile_kernel(derive(system), backend="interpreted"), find("solver", "rk4")(step=0.01),
+    start=0.0, stop=1.2, interval=0.1, state=[-1.0, 0.0], unknowns=[],
+    sink=lambda *samples: None, happened=lambda name, time: print(time),
+)
+"""
+
+
 def test_examples_of_contributing_make_a_vehicle_that_changes_the_lane(tmp_path):
     """Each example is put where its first line says, into a copy of the package, and runs."""
     ignored = shutil.ignore_patterns("__pycache__")
     shutil.copytree(Path(vehicledyn.__file__).parent, tmp_path / "vehicledyn", ignore=ignored)
     examples = [*blocks(CONTRIBUTING, "python"), *blocks(CONTRIBUTING, "yaml")]
-    assert len(examples) == 9
+    assert len(examples) == 10
     for example in examples:
         path = tmp_path / FILE.match(example)[1]
         assert not path.exists()
@@ -100,6 +120,11 @@ def test_examples_of_contributing_make_a_vehicle_that_changes_the_lane(tmp_path)
     assert table["chassis.y"].iloc[-1] == pytest.approx(3.0, abs=0.1)
     assert np.allclose(table["air_drag.force"], -0.5 * 1.2 * 1.6 * 15.0**2, rtol=0.01)
     assert 0.1 < table["load.first_angle"].abs().max() < 1.0  # swings, does not go over
+    impacts = run([sys.executable, "-c", END_STOP], tmp_path, PYTHONSAFEPATH="").split()
+    # From rest, 1 m above: after √(2h/g), then flights of 2 e √(2h/g) and e times that.
+    fall = math.sqrt(2.0 / 9.81)
+    expected = [fall, 2.0 * fall, 2.5 * fall]
+    assert [float(time) for time in impacts] == pytest.approx(expected, abs=1e-6)
 
 
 def test_all_data_files_are_packed():
