@@ -86,6 +86,41 @@ def test_adaptive_methods_follow_their_tolerance(backend, solver):
     assert errors[0] > 30 * errors[1] > 900 * errors[2]
 
 
+@pytest.mark.parametrize(
+    ("solver", "order", "band"),
+    [
+        ("dop853", 8, 0.3),
+        ("rk45", 5, 0.3),
+        ("rosenbrock", 5, 0.3),
+        # Of variable order up to five, changed along the way: only the trend is sure.
+        ("cvodes", 5, 1.0),
+        ("idas", 5, 1.0),
+    ],
+)
+def test_order_of_adaptive_methods(solver, order, band):
+    """The error falls with the number of steps to the power of the order."""
+    kernel = compile_kernel(oscillator(), backend="auto")
+    exact = np.array([np.cos(80.0), -2.0 * np.sin(80.0)])
+    work = []
+    for tolerance in 10.0 ** -np.arange(5.0, 11.0):
+        sink, statistics = run(kernel, solver, stop=40.0, interval=40.0, **tolerances(tolerance))
+        work.append((statistics.steps, np.abs(sink.states[-1] - exact).max()))
+    steps, errors = np.log(np.array(work)).T
+    assert -np.polyfit(steps, errors, 1)[0] == pytest.approx(order, abs=band)
+
+
+@pytest.mark.parametrize("solver", ADAPTIVE)
+def test_sampling_is_dense(solver):
+    """Samples many a step, few a step and less than one a step lie on the same motion."""
+    kernel = compile_kernel(oscillator(), backend="auto")
+    for interval in (0.0037, 0.11, 1.7):
+        sink, statistics = run(kernel, solver, stop=5.1, interval=interval, **tolerances(1e-8))
+        assert len(sink.times) == 1 + int(5.1 / interval + 1e-9)
+        assert sink.states[:, 0] == pytest.approx(np.cos(2.0 * sink.times), abs=5e-6)
+        if interval < 0.01 and solver in ("dop853", "rk45"):
+            assert statistics.steps < 0.5 * len(sink.times)
+
+
 @pytest.mark.parametrize("solver", [kind for kind in ADAPTIVE if kind != "cvodes"])
 def test_adaptive_methods_close_the_loops(backend, solver):
     kernel = compile_kernel(slider_crank(), backend=backend)
