@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 from vehicledyn.base.errors import InputError
 from vehicledyn.multibody.loops import Loops
@@ -21,20 +21,27 @@ LOOP_TOLERANCE = 1e-12
 
 @dataclass(frozen=True)
 class Roles:
-    """Indices of independent, dependent (in the order of solution) and driven coordinates."""
+    """Indices of coordinates by what they are to the equations.
+
+    ``independent`` ones are states with their rates, ``dependent`` ones (in the order of
+    solution) unknowns, ``driven`` ones known in time. ``following`` ones are states too, but
+    non-holonomic constraints give their rates.
+    """
 
     independent: list[int]
     dependent: list[int]
     driven: list[int]
+    following: list[int] = field(default_factory=list)
 
 
 def roles_of(symbols: Symbols, loops: Loops) -> Roles:
     """Return the roles of all coordinates once the loops are partitioned."""
     dependent = loops.dependent
     driven = [k for k, j in enumerate(symbols.joints) if j.role == "driven"]
-    taken = {*dependent, *driven}
+    following = loops.following
+    taken = {*dependent, *driven, *following}
     independent = [k for k in range(len(symbols.joints)) if k not in taken]
-    return Roles(independent, dependent, driven)
+    return Roles(independent, dependent, driven, following)
 
 
 def collect(
@@ -48,8 +55,9 @@ def collect(
 ) -> Equations:
     """Return the equations of a solved system.
 
-    States are the independent coordinates, their rates and the parts' states; unknowns are
-    the dependent coordinates in the order of solution and the parts' unknowns.
+    States are the independent coordinates, their rates, the coordinates whose rates alone are
+    dependent, and the parts' states; unknowns are the dependent coordinates in the order of
+    solution and the parts' unknowns.
 
     Raises
     ------
@@ -61,14 +69,17 @@ def collect(
     part_unknowns = [(p, v) for p in system.parts for v in p.unknowns()]
     independent = [joints[k] for k in roles.independent]
     dependent = [joints[k] for k in roles.dependent]
+    following = [joints[k] for k in roles.following]
     state = [
         *(symbols.coordinates[j.name] for j in independent),
         *(symbols.rates[j.name] for j in independent),
+        *(symbols.coordinates[j.name] for j in following),
         *(symbols.states[p.name][v.name] for p, v in part_states),
     ]
     rate = [
         *(symbols.rates[j.name] for j in independent),
         *(solved.accelerations[j.name] for j in independent),
+        *(solved.rates[j.name] for j in following),
         *(solved.loads[p.name].rates[v.name] for p, v in part_states),
     ]
     algebraic = [
@@ -76,10 +87,14 @@ def collect(
         *(symbols.unknowns[p.name][v.name] for p, v in part_unknowns),
     ]
     contact = [r for p in system.parts for r in solved.loads[p.name].residuals]
-    kept = [loops.constraints[row].residual.expression for row, _ in loops.closure.partition.pairs]
+    kept = [loops.constraints[row].residual.expression for row, _ in loops.positions.pairs]
     outputs = observe(system, symbols, loops, solved)
     _check_unique(outputs)
-    states = (*_coordinate_states(independent, loops), *_part_variables(part_states))
+    states = (
+        *_coordinate_states(independent, loops),
+        *(_coordinate(j, loops.start[j.name]) for j in following),
+        *_part_variables(part_states),
+    )
     found = collect_events(system, symbols, solved, [s.name for s in states])
     n = len(independent)
     return Equations(
@@ -138,7 +153,7 @@ def _part_variables(pairs: list[tuple[Part, Variable]]) -> tuple[Variable, ...]:
 
 def _loop_blocks(loops: Loops) -> tuple[Block, ...]:
     blocks, first = [], 0
-    for pairs in loops.closure.partition.blocks:
+    for pairs in loops.positions.blocks:
         names = dict.fromkeys(loops.constraints[row].cut for row, _ in pairs)
         last = first + len(pairs)
         blocks.append(Block(", ".join(names), first, last, LOOP_TOLERANCE))
@@ -181,10 +196,15 @@ def _structure(system: System, symbols: Symbols, loops: Loops, roles: Roles) -> 
         "independent": [name[k] for k in roles.independent],
         "dependent": [name[k] for k in roles.dependent],
         "driven": [name[k] for k in roles.driven],
+        "rate_dependent": [name[k] for k in roles.following],
         "locked": sorted(locked(system, symbols)),
         "cuts": [cut.name for cut in system.cuts],
-        "loops": [[loops.constraints[row].cut for row, _ in block] for block in partition.blocks],
+        "constraints": [constraint.name for constraint in system.constraints],
+        "loops": [
+            [loops.constraints[row].cut for row, _ in block] for block in loops.positions.blocks
+        ],
         "redundant": [loops.constraints[row].cut for row in partition.redundant],
+        "redundancies": loops.redundancies,
         "parts": [part.name for part in system.parts],
         "degrees_of_freedom": len(roles.independent),
     }

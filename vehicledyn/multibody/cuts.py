@@ -115,8 +115,11 @@ class RodCut:
 class BodyCut:
     """A body cut in two: position and orientation of two frames coincide.
 
-    The orientation residuals are the axial vector of R_aᵀ R_b, (sin of the angle) times the
-    axis; they also vanish at half a turn, which assembly from a near start does not reach.
+    The orientation residuals are twice the Rodrigues vector of the rotation from A to B,
+    2 tan(θ/2) n = 2 axial(R)/(1 + tr R) with axial(R) = (R₃₂ - R₂₃, ...): they vanish where
+    the frames coincide and nowhere else, have the angular velocity as rate there, and grow
+    without bound towards half a turn, so that no assembly ends with a frame upside down. The
+    multipliers are the torque on body B in the axes of the common ancestor.
     """
 
     name: str
@@ -126,13 +129,14 @@ class BodyCut:
     point_b: Sequence[Scalar]
 
     def residuals(self, geometry: RelativeGeometry) -> list[Residual]:
-        """Return three gaps [m] and three sines of angles [1]."""
+        """Return three gaps [m] and three pseudo-rotations [rad]."""
         ball = BallCut(self.name, self.body_a, self.point_a, self.body_b, self.point_b)
         twist = geometry.rotation(self.body_b) @ geometry.rotation(self.body_a).T
         axial = (twist[2, 1] - twist[1, 2], twist[0, 2] - twist[2, 0], twist[1, 0] - twist[0, 1])
+        scale = 2.0 / (1.0 + twist[0, 0] + twist[1, 1] + twist[2, 2])
         text = f"Torque on {self.body_b} in the cut section"
         turns = [
-            Residual(0.5 * value, "1", f"torque_{axis}", "N*m", f"{text}, {axis}")
+            Residual(scale * value, "rad", f"torque_{axis}", "N*m", f"{text}, {axis}")
             for value, axis in zip(axial, _AXES, strict=True)
         ]
         return [*ball.residuals(geometry), *turns]

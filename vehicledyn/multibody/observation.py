@@ -41,15 +41,15 @@ def observe(
     needed, _ = inverse_dynamics(solved.kinematics, solved.wrenches, solved.gravity)
     needed = {n: f - solved.joint_forces.get(n, 0.0) for n, f in needed.items()}
     names = [j.name for j in symbols.joints]
-    multipliers = closure.multipliers({k: needed[names[k]] for k in loops.dependent})
+    multipliers = closure.multipliers({k: needed[names[k]] for k in closure.partition.columns})
     drive = _drive_forces(symbols, closure, needed, multipliers)
     outputs = [
         *_coordinates(system, symbols, solved),
         *_part_states(system, symbols),
-        *_cut_forces(system, solved, loops, multipliers),
+        *_cut_forces(loops, multipliers),
         *_drives(system, symbols, drive),
         *_constraint_errors(symbols, loops, solved),
-        *_energies(system, solved, drive),
+        *_energies(system, solved, drive, _driven_power(loops, multipliers)),
     ]
     for part in system.parts:
         situation = Situation(
@@ -89,22 +89,14 @@ def _part_states(system: System, symbols: Symbols) -> list[Output]:
     ]
 
 
-def _cut_forces(
-    system: System, solved: Solved, loops: Loops, multipliers: dict[int, Scalar]
-) -> list[Output]:
+def _cut_forces(loops: Loops, multipliers: dict[int, Scalar]) -> list[Output]:
     """Return the multipliers as forces; those of redundant constraints are undetermined."""
-    tree = solved.kinematics.tree
-    frames = {
-        cut.name: tree.link_name(tree.common_ancestor(cut.body_a, cut.body_b))
-        for cut in system.cuts
-    }
     outputs = []
     for row, constraint in enumerate(loops.constraints):
         if row not in multipliers:
             continue
         r = constraint.residual
-        name = f"{constraint.cut}.{r.force_channel}"
-        channel = Channel(name, r.force_unit, r.force_description, frames[constraint.cut])
+        channel = Channel(constraint.label, r.force_unit, r.force_description, constraint.frame)
         outputs.append(Output(channel, r.sign * multipliers[row]))
     return outputs
 
@@ -148,7 +140,8 @@ def _constraint_errors(symbols: Symbols, loops: Loops, solved: Solved) -> list[O
     position: Scalar = 0.0
     velocity: Scalar = 0.0
     for row, constraint in enumerate(loops.constraints):
-        position = ops.maximum(position, ops.absolute(constraint.residual.expression))
+        if constraint.is_holonomic:
+            position = ops.maximum(position, ops.absolute(constraint.residual.expression))
         speed = closure.rate[row]
         for k, entry in closure.jacobian[row].items():
             speed = speed + entry * solved.rates[names[k]]
@@ -162,7 +155,17 @@ def _constraint_errors(symbols: Symbols, loops: Loops, solved: Solved) -> list[O
     ]
 
 
-def _energies(system: System, solved: Solved, drive: dict[str, Scalar]) -> list[Output]:
+def _driven_power(loops: Loops, multipliers: dict[int, Scalar]) -> Scalar:
+    """Return the power of the constraints that depend on time, -λᵀ (∂h/∂t, b) [W]."""
+    power = ops.scalar(0.0)
+    for row, multiplier in multipliers.items():
+        power = power - multiplier * loops.closure.rate[row]
+    return power
+
+
+def _energies(
+    system: System, solved: Solved, drive: dict[str, Scalar], constraint_power: Scalar
+) -> list[Output]:
     """Return kinetic and gravity energy, and the power of all other forces and drives."""
     kinematics = solved.kinematics
     kinetic: Scalar = 0.0
@@ -178,7 +181,7 @@ def _energies(system: System, solved: Solved, drive: dict[str, Scalar]) -> list[
         kinetic = kinetic + 0.5 * (body.mass * ops.dot(velocity, velocity) + turning)
         where = kinematics.position_in(-1, link, com)
         height = height - body.mass * ops.dot(solved.gravity, where)
-    power: Scalar = 0.0
+    power = constraint_power
     for wrench in solved.wrenches:
         link = kinematics.tree.body_link[wrench.body]
         power = power + ops.dot(wrench.force, kinematics.link_velocity(link))

@@ -7,7 +7,7 @@ coordinates, rows left over are redundant.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -21,22 +21,58 @@ RANK_TOLERANCE = 1e-9
 
 
 @dataclass(frozen=True)
+class Redundancy:
+    """A row that says nothing new: row + Σ weight · other vanishes in every free column.
+
+    ``rest`` are its entries that do not vanish, {column: entry}, in columns that are not free.
+    """
+
+    row: int
+    weights: dict[int, float]
+    rest: dict[int, float]
+
+
+@dataclass(frozen=True)
 class Partition:
     """Result of the partitioning, as indices of residuals (rows) and coordinates (columns).
 
     ``pairs`` matches each kept residual with the dependent coordinate it determines, in the
     order of elimination within ``blocks``; ``blocks`` lists the pairs of each block in the
-    order of solution; ``redundant`` are the residuals that follow from the others.
+    order of solution; ``redundancies`` are the residuals that follow from the others.
+    ``smallest_pivot`` was met in column ``weakest``, -1 if there is none.
     """
 
     blocks: tuple[tuple[tuple[int, int], ...], ...]
-    redundant: tuple[int, ...]
+    redundancies: tuple[Redundancy, ...]
     smallest_pivot: float
+    weakest: int = -1
 
     @property
     def pairs(self) -> list[tuple[int, int]]:
         """All (residual, dependent coordinate) pairs in the order of solution."""
         return [pair for block in self.blocks for pair in block]
+
+    @property
+    def redundant(self) -> tuple[int, ...]:
+        """The residuals that follow from the others."""
+        return tuple(item.row for item in self.redundancies)
+
+    @property
+    def columns(self) -> list[int]:
+        """The dependent coordinates in the order of solution."""
+        return [column for _, column in self.pairs]
+
+
+@dataclass(frozen=True)
+class Choice:
+    """Partition of the coordinates by the holonomic rows, of the rates by all rows.
+
+    They are one and the same where no constraint is non-holonomic; else every dependent
+    coordinate has a dependent rate, and some more rates are dependent.
+    """
+
+    positions: Partition
+    rates: Partition
 
 
 def choose(
@@ -45,8 +81,10 @@ def choose(
     must: Sequence[int],
     may: Sequence[int],
     names: Sequence[str],
-) -> Partition:
-    """Choose the dependent coordinates.
+    *,
+    holonomic: int | None = None,
+) -> Choice:
+    """Choose the dependent coordinates and rates.
 
     Parameters
     ----------
@@ -58,36 +96,91 @@ def choose(
         Columns declared dependent, and those left to the choice.
     names
         Names of the coordinates.
+    holonomic
+        Number of the first rows that are holonomic; all if None.
 
     Raises
     ------
     InputError
         If a coordinate declared dependent is not determined by the loops.
     """
-    scale = max(1.0, float(np.abs(jacobian).max(initial=0.0)))
-    work = jacobian.copy()
-    rows = list(range(len(work)))
-    pairs: list[tuple[int, int]] = []
-    pivots: list[float] = []
-    for candidates in (list(must), list(may)):
+    count = len(jacobian) if holonomic is None else holonomic
+    work = _Elimination(jacobian)
+    groups = [list(must), list(may)]
+    for candidates in groups:
+        work.eliminate(list(range(count)), candidates)
+    first = work.partition(jacobian, structure, range(count), groups)
+    if count < len(jacobian):
+        for candidates in groups:
+            work.eliminate(list(range(count, len(jacobian))), candidates)
+    if groups[0]:
+        listed = ", ".join(f"'{names[c]}'" for c in groups[0])
+        raise InputError(
+            f"the loops do not determine {listed} at the assembled configuration; "
+            "declare other coordinates dependent or leave the choice to the program"
+        )
+    if count == len(jacobian):
+        return Choice(first, first)
+    return Choice(first, work.partition(jacobian, structure, range(len(jacobian)), groups))
+
+
+class _Elimination:
+    """Gaussian elimination with full pivoting, which remembers how rows were combined."""
+
+    def __init__(self, jacobian: Array) -> None:
+        self._scale = max(1.0, float(np.abs(jacobian).max(initial=0.0)))
+        self._work = jacobian.copy()
+        self._combined = np.eye(len(jacobian))
+        self._open = list(range(len(jacobian)))
+        self._pairs: list[tuple[int, int]] = []
+        self._pivots: list[float] = []
+
+    def eliminate(self, rows: list[int], candidates: list[int]) -> None:
+        """Pair rows with candidates, which are taken from their list, as long as pivots last."""
+        rows = [row for row in rows if row in self._open]
         while rows and candidates:
-            block = np.abs(work[np.ix_(rows, candidates)])
+            block = np.abs(self._work[np.ix_(rows, candidates)])
             i, j = np.unravel_index(int(_first_largest(block)), block.shape)
-            if block[i, j] <= RANK_TOLERANCE * scale:
+            if block[i, j] <= RANK_TOLERANCE * self._scale:
                 break
             row, column = rows.pop(int(i)), candidates.pop(int(j))
-            pivots.append(float(block[i, j]))
-            pairs.append((row, column))
-            for other in rows:
-                work[other] -= work[row] * (work[other, column] / work[row, column])
-        if candidates and candidates[0] in set(must):
-            listed = ", ".join(f"'{names[c]}'" for c in candidates)
-            raise InputError(
-                f"the loops do not determine {listed} at the assembled configuration; "
-                "declare other coordinates dependent or leave the choice to the program"
-            )
-    blocks = _blocks(jacobian, structure, pairs)
-    return Partition(tuple(blocks), tuple(rows), min(pivots, default=1.0))
+            self._open.remove(row)
+            self._pivots.append(float(block[i, j]))
+            self._pairs.append((row, column))
+            for other in self._open:
+                factor = self._work[other, column] / self._work[row, column]
+                if factor != 0.0:
+                    self._work[other] -= self._work[row] * factor
+                    self._combined[other] -= self._combined[row] * factor
+
+    def partition(
+        self,
+        jacobian: Array,
+        structure: Sequence[set[int]],
+        rows: Iterable[int],
+        free: Sequence[Sequence[int]],
+    ) -> Partition:
+        """Return what has been found, with the rows among these that were left over."""
+        blocks = _blocks(jacobian, structure, self._pairs)
+        moving = {*(c for group in free for c in group), *(c for _, c in self._pairs)}
+        left = tuple(self._redundancy(row, moving) for row in rows if row in self._open)
+        weakest = int(np.argmin(self._pivots)) if self._pivots else -1
+        if weakest < 0:
+            return Partition(tuple(blocks), left, 1.0)
+        return Partition(tuple(blocks), left, self._pivots[weakest], self._pairs[weakest][1])
+
+    def _redundancy(self, row: int, free: set[int]) -> Redundancy:
+        weights = {
+            int(k): float(self._combined[row, k])
+            for k in np.flatnonzero(np.abs(self._combined[row]) > RANK_TOLERANCE)
+            if k != row
+        }
+        rest = {
+            int(c): float(self._work[row, c])
+            for c in np.flatnonzero(np.abs(self._work[row]) > RANK_TOLERANCE * self._scale)
+            if c not in free
+        }
+        return Redundancy(row, weights, rest)
 
 
 def _first_largest(block: Array) -> int:

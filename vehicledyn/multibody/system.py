@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 
 from vehicledyn.base.errors import InputError, unknown_name
+from vehicledyn.multibody.constraints import Constraint
 from vehicledyn.multibody.cuts import Cut
 from vehicledyn.multibody.parts import Part
 from vehicledyn.symbolic.ops import Mat, Scalar
@@ -95,7 +96,8 @@ class Body:
 class System:
     """A multibody system: parameters, bodies (parents first), cuts, parts and gravity.
 
-    ``gravity`` is the acceleration vector of free fall in world axes, 3 scalars [m/s²].
+    ``gravity`` is the acceleration vector of free fall in world axes, 3 scalars [m/s²];
+    ``constraints`` are those that are no cuts of a loop.
     """
 
     name: str
@@ -105,6 +107,7 @@ class System:
     parts: tuple[Part, ...] = ()
     gravity: Sequence[Scalar] = (0.0, 0.0, -9.81)
     notes: dict[str, str] = field(default_factory=dict)
+    constraints: tuple[Constraint, ...] = ()
 
     def with_parts(self, *parts: Part) -> System:
         """Return the system with more parts."""
@@ -204,6 +207,7 @@ def _end_problems(system: System) -> list[str]:
             if name not in bodies
         )
     names = [*(cut.name for cut in system.cuts), *(part.name for part in system.parts)]
+    names += [constraint.name for constraint in system.constraints]
     problems.extend(
         f"'{n}' names two parts" for n in sorted({n for n in names if names.count(n) > 1})
     )

@@ -233,6 +233,28 @@ def substitute(expression: Any, symbols: Any, values: Any) -> Any:
     return casadi.substitute(expression, symbols, values)
 
 
+def stacked(*parts: Any) -> Any:
+    """Return columns or matrices of equal width, one above the other."""
+    import casadi
+
+    return casadi.vertcat(*parts)
+
+
+def depends_on(expression: Any, symbols: Any) -> bool:
+    """Return whether any of the symbols (a column) occurs in an expression."""
+    import casadi
+
+    return bool(casadi.depends_on(expression, symbols))
+
+
+def free_symbols(expression: Any, known: Any) -> list[str]:
+    """Return the names of the symbols of an expression that are not in the known column."""
+    import casadi
+
+    held = {known[k].element_hash() for k in range(known.shape[0])}
+    return [s.name() for s in casadi.symvar(expression) if s.element_hash() not in held]
+
+
 def rows_of(matrix: Any) -> list[dict[int, Scalar]]:
     """Return the structural nonzeros of an SX matrix as rows of {column: entry}."""
     rows: list[dict[int, Scalar]] = [{} for _ in range(matrix.size1())]
