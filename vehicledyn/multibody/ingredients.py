@@ -2,10 +2,11 @@
 
 In all coordinates q of the tree, with the parts' states s and unknowns u,
 
-    M(q) q̈ + c(t, q, q̇, s, u) = Jᵀ λ + forces of the drives,    h(t, q) = 0,    J = ∂h/∂q,
-    J q̇ + ∂h/∂t = 0,    J q̈ + γ(t, q, q̇) = 0,
+    M(q) q̈ + c(t, q, q̇, s, u) = Jᵀ λ + forces of the drives,    h(t, q) = 0,
+    J(t, q) q̇ + b(t, q) = 0,    J q̈ + γ(t, q, q̇) = 0,
 
-and in states x and unknowns z as in :mod:`~vehicledyn.symbolic.equations`, the solution.
+where the rows of J and b are ∂h/∂q and ∂h/∂t, then those of non-holonomic constraints; and
+in states x and unknowns z as in :mod:`~vehicledyn.symbolic.equations`, the solution.
 """
 
 from __future__ import annotations
@@ -21,20 +22,10 @@ from vehicledyn.multibody.system import System
 from vehicledyn.multibody.tree import Tree
 from vehicledyn.symbolic import ops
 from vehicledyn.symbolic.equations import Equations, Variable
-from vehicledyn.symbolic.ops import Scalar, Vec
+from vehicledyn.symbolic.ops import Scalar
 
 Entries = dict[tuple[int, int], Scalar]
 """Structural nonzeros of a matrix by row and column."""
-
-_QUANTITIES = {
-    "rotation": "R",
-    "arm": "d",
-    "omega": "om",
-    "velocity": "v",
-    "alpha": "al",
-    "beta": "be",
-    "acceleration": "a",
-}
 
 
 @dataclass(frozen=True)
@@ -62,11 +53,14 @@ class Ingredients:
 
     ``coordinates``, ``rates``, ``accelerations``, ``part_states`` and ``part_unknowns`` are
     columns of symbols; ``roles`` says of each coordinate whether it is independent, dependent
-    or driven. ``bias`` and ``forces`` (inverse dynamics) have an entry a coordinate;
-    ``constraints``, the rows of ``jacobian``, ``constraint_rate`` (∂h/∂t) and ``quadratic``
-    (γ) one a constraint, named by its cut in ``constraint_names``. ``positions_of_state``,
+    or driven, or that only its rate is dependent. ``bias`` and ``forces`` (inverse dynamics) have
+    an entry a coordinate; the rows of ``jacobian``, ``constraint_rate`` (b) and ``quadratic`` (γ)
+    one a constraint, named in ``constraint_names``; ``constraints`` (h) one of each holonomic
+    one, which come first. ``positions_of_state``,
     ``rates_of_state`` and ``accelerations_of_state`` are all coordinates, rates and
-    accelerations as functions of t, x, z and p.
+    accelerations as functions of t, x, z and p. ``labels`` name what the mass matrix ("mass"),
+    the bias ("bias"), the inverse dynamics ("forces"), the functions of the states ("state") and
+    the channels ("channels") are made of, in the order of computation.
     """
 
     equations: Equations
@@ -91,8 +85,7 @@ class Ingredients:
     positions_of_state: list[Scalar]
     rates_of_state: list[Scalar]
     accelerations_of_state: list[Scalar]
-    tree_labels: tuple[Label, ...]
-    state_labels: tuple[Label, ...]
+    labels: dict[str, tuple[Label, ...]]
 
 
 def derive_ingredients(system: System) -> Ingredients:
@@ -130,15 +123,16 @@ def derive_ingredients(system: System) -> Ingredients:
         bias=[free.bias[n] for n in names],
         forces=[free.forces[n] for n in names],
         constraint_names=tuple(c.cut for c in d.loops.constraints),
-        constraints=[c.residual.expression for c in d.loops.constraints],
+        constraints=[
+            c.residual.expression for c in d.loops.constraints if getattr(c, "is_holonomic", True)
+        ],
         jacobian={(i, j): v for i, row in enumerate(closure.jacobian) for j, v in row.items()},
         constraint_rate=closure.rate,
         quadratic=closure.quadratic,
         positions_of_state=reduced.positions,
         rates_of_state=reduced.rates,
         accelerations_of_state=reduced.accelerations,
-        tree_labels=free.labels,
-        state_labels=reduced.labels,
+        labels={**free.labels, **reduced.labels},
     )
 
 
@@ -149,7 +143,7 @@ class _Tree:
     mass: dict[tuple[str, str], Scalar]
     bias: dict[str, Scalar]
     forces: dict[str, Scalar]
-    labels: tuple[Label, ...]
+    labels: dict[str, tuple[Label, ...]]
 
     @classmethod
     def of(cls, d: Derivation, accelerations: dict[str, Scalar]) -> _Tree:
@@ -172,19 +166,24 @@ class _Tree:
         for load in loads.values():
             for name, force in load.joint_forces.items():
                 given[name] = given.get(name, 0.0) + force
-        labels = [
-            *_kinematic_labels(d.tree, bare),
-            *_kinematic_labels(d.tree, _accelerated(at_rest, gravity)),
-            *_kinematic_labels(d.tree, _accelerated(moving, gravity)),
-            *_load_labels(loads),
-            *_wrench_labels(d.tree, held),
-            *_wrench_labels(d.tree, carried),
-        ]
+        common = (*_kinematic_labels(d.tree, bare), *_load_labels(loads))
         return cls(
             mass_matrix(bare, set(accelerations)),
             {n: f - given.get(n, 0.0) for n, f in bias.items()},
             {n: f - given.get(n, 0.0) for n, f in forces.items()},
-            tuple(labels),
+            {
+                "mass": tuple(label for label in common if label.name[0] in "Rd"),
+                "bias": (
+                    *common,
+                    *_acceleration_labels(d.tree, at_rest.in_lift(-gravity)),
+                    *_wrench_labels(d.tree, held),
+                ),
+                "forces": (
+                    *common,
+                    *_acceleration_labels(d.tree, moving.in_lift(-gravity)),
+                    *_wrench_labels(d.tree, carried),
+                ),
+            },
         )
 
 
@@ -195,38 +194,40 @@ class _InStates:
     positions: list[Scalar]
     rates: list[Scalar]
     accelerations: list[Scalar]
-    labels: tuple[Label, ...]
+    labels: dict[str, tuple[Label, ...]]
 
     @classmethod
     def of(cls, d: Derivation) -> _InStates:
         names = [j.name for j in d.symbols.joints]
+        rates, accelerations = d.solved.rates, d.solved.accelerations
         dependent = [names[k] for k in d.roles.dependent]
-        labels = [
-            *(
-                Label("Rates of the dependent coordinates", f"{n}_rate", d.solved.rates[n])
-                for n in dependent
-            ),
+        title = "Rates of the dependent coordinates"
+        shared = [
+            *(Label(title, f"{n}_rate", rates[n]) for n in dependent),
             *_kinematic_labels(d.tree, d.solved.kinematics),
             *_load_labels(d.solved.loads),
+            *(Label("Accelerations", f"{n}_acceleration", accelerations[n]) for n in names),
         ]
-        n, m = len(names), len(labels)
+        labels = [*shared, *_acceleration_labels(d.tree, d.solved.kinematics)]
+        n = len(names)
         column = _with_motions(
             d,
             [
                 *(d.symbols.coordinates[name] for name in names),
-                *(d.solved.rates[name] for name in names),
-                *(d.solved.accelerations[name] for name in names),
+                *(rates[name] for name in names),
+                *(accelerations[name] for name in names),
                 *(label.expression for label in labels),
             ],
+        )
+        found = tuple(
+            replace(label, expression=expression)
+            for label, expression in zip(labels, column[3 * n :], strict=True)
         )
         return cls(
             column[:n],
             column[n : 2 * n],
             column[2 * n : 3 * n],
-            tuple(
-                Label(label.section, label.name, expression)
-                for label, expression in zip(labels, column[3 * n : 3 * n + m], strict=True)
-            ),
+            {"state": found[: len(shared)], "channels": found},
         )
 
 
@@ -239,23 +240,26 @@ def _with_motions(d: Derivation, items: list[Scalar]) -> list[Scalar]:
     return [column[k] for k in range(len(items))]
 
 
-def _accelerated(kinematics: Kinematics, gravity: Vec) -> Kinematics:
-    """Return the kinematics of the backward recursion, with all accelerations evaluated."""
-    lifted = kinematics.in_lift(-gravity)
-    for link in range(len(lifted.tree.links)):
-        lifted.link_acceleration(link)
-        lifted.beta(link)
-    return lifted
-
-
 def _kinematic_labels(tree: Tree, kinematics: Kinematics) -> Iterator[Label]:
-    """Yield what the kinematics evaluated, link by link from the ground outwards."""
-    known = kinematics.evaluated()
+    """Yield rotations, arms and velocities, link by link from the ground outwards."""
+    k = kinematics
+    quantities = {
+        "R": k.link_rotation, "d": k.link_arm, "om": k.link_angular_velocity, "v": k.link_velocity,
+    }  # fmt: skip
     for link in range(len(tree.links)):
         section = f"Link {link + 1}: {_joint_text(tree, link)}"
-        for what, stem in _QUANTITIES.items():
-            if (what, link) in known:
-                yield from _elements(section, f"{stem}{link + 1}", known[what, link])
+        for stem, evaluate in quantities.items():
+            yield from _elements(section, f"{stem}{link + 1}", evaluate(link))
+
+
+def _acceleration_labels(tree: Tree, kinematics: Kinematics) -> Iterator[Label]:
+    """Yield accelerations, link by link from the ground outwards."""
+    k = kinematics
+    quantities = {"al": k.link_angular_acceleration, "be": k.beta, "a": k.link_acceleration}
+    for link in range(len(tree.links)):
+        section = f"Link {link + 1}: {_joint_text(tree, link)}, acceleration"
+        for stem, evaluate in quantities.items():
+            yield from _elements(section, f"{stem}{link + 1}", evaluate(link))
 
 
 def _load_labels(loads: Mapping[str, Loads]) -> Iterator[Label]:
@@ -304,7 +308,7 @@ def _roles(d: Derivation) -> tuple[str, ...]:
     roles = dict.fromkeys(d.roles.independent, "independent")
     roles |= dict.fromkeys(d.roles.dependent, "dependent")
     roles |= dict.fromkeys(d.roles.driven, "driven")
-    return tuple(roles[k] for k in range(len(d.symbols.joints)))
+    return tuple(roles.get(k, "rate dependent") for k in range(len(d.symbols.joints)))
 
 
 def _named(pairs: list[tuple[Part, Variable]]) -> tuple[Variable, ...]:
