@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import casadi as ca
 import numpy as np
-from solve_examples import Samples, build, oscillator, starts, symbols
+from solve_examples import Samples, build, oscillator, slider_crank, starts, symbols
 
 from vehicledyn.base.registry import find
 from vehicledyn.solve.simulate import simulate
@@ -82,6 +82,15 @@ def kicked_oscillator():
     equations = oscillator()
     x, v = equations.state[0], equations.state[1]
     return with_events(equations, ("brake", x, "falling", False, {1: 0.5 * v}))
+
+
+def jumping_crank():
+    """Slider-crank whose crank jumps on by 0.5 rad and halves its rate at 2 m of the slider."""
+    equations = slider_crank()
+    angle, rate = equations.state[0], equations.state[1]
+    resets = {0: angle + 0.5, 1: 0.5 * rate}
+    far = equations.algebraic[1] - 2.0
+    return with_events(equations, ("far", far, "falling", False, resets))
 
 
 class Run:
