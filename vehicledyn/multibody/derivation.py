@@ -136,7 +136,7 @@ def _dynamics(
     wrenches = [w for load in motion.loads.values() for w in load.wrenches]
     joint_forces = _joint_forces(symbols, motion.loads)
     needed, _ = inverse_dynamics(motion.kinematics.with_accelerations(at_rest), wrenches, gravity)
-    moving = [names[k] for k in (*roles.independent, *roles.dependent)]
+    moving = [names[k] for k in (*roles.independent, *roles.dependent, *roles.following)]
     bias = {n: needed[n] - joint_forces.get(n, 0.0) for n in moving}
     influence = {
         names[u]: {names[v]: entry for v, entry in row.items()}
