@@ -13,6 +13,8 @@ Array = NDArray[np.float64]
 _STEPS = 200
 _CLOSED = 1e-12
 _SMALLEST_DAMPING = 1e-12
+_ASIDE = 1e-3
+"""Step away from a start where the residuals are not finite [m, rad]."""
 
 
 def assemble(
@@ -40,7 +42,7 @@ def assemble(
     NumericalError
         If the loops cannot be closed; the message names the cut and the gap that remains.
     """
-    q = start.copy()
+    q = _away_from_poles(residual, jacobian, start)
     h = residual(q)
     damping = 1e-6
     for _ in range(_STEPS):
@@ -59,6 +61,24 @@ def assemble(
                 return _accept_or_raise(q, h, names)
         q, h = trial, h_trial
     return _accept_or_raise(q, h, names)
+
+
+def _away_from_poles(
+    residual: Callable[[Array], Array], jacobian: Callable[[Array], Array], start: Array
+) -> Array:
+    """Return the start, or a point beside it where a residual there is not finite.
+
+    Such is the pseudo-rotation of a frame that is exactly half a turn away.
+    """
+    aside = np.cos(np.arange(start.size) + 1.0)
+    for step in (0.0, _ASIDE, -_ASIDE):
+        q = start + step * aside
+        if np.isfinite(residual(q)).all() and np.isfinite(jacobian(q)).all():
+            return q
+    raise NumericalError(
+        "the loops cannot be assembled: their residuals are no finite numbers at the start; "
+        "start the coordinates elsewhere"
+    )
 
 
 def _damped_step(j: Array, h: Array, damping: float) -> Array:
