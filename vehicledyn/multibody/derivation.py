@@ -5,15 +5,15 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 from vehicledyn.base.errors import InputError
+from vehicledyn.multibody.barycentric import augmented_inertias
 from vehicledyn.multibody.bodycheck import check_bodies
 from vehicledyn.multibody.closure import Closure
 from vehicledyn.multibody.collect import Roles, collect, roles_of
-from vehicledyn.multibody.dynamics import inverse_dynamics, mass_matrix
+from vehicledyn.multibody.forward import Formulation, TreeProblem, solve_closed, solve_tree
 from vehicledyn.multibody.kinematics import Kinematics
 from vehicledyn.multibody.loops import Loops, close
 from vehicledyn.multibody.observation import Solved
 from vehicledyn.multibody.parts import Loads, Motion, Part, Situation
-from vehicledyn.multibody.reduction import independent_accelerations
 from vehicledyn.multibody.system import System
 from vehicledyn.multibody.tree import Tree, unfold
 from vehicledyn.multibody.unknowns import Symbols, declare, motions
@@ -22,7 +22,7 @@ from vehicledyn.symbolic.equations import Equations
 from vehicledyn.symbolic.ops import Scalar
 
 
-def derive(system: System) -> Equations:
+def derive(system: System, *, formulation: Formulation = "auto") -> Equations:
     """Return the symbolic equations of a system.
 
     M(q) q̈ + c(q, q̇, loads) = Jᵀ λ of the tree, reduced to the independent coordinates by the
@@ -33,6 +33,9 @@ def derive(system: System) -> Equations:
     ----------
     system
         Bodies, cuts and parts; its parameter values are used for assembly and partition only.
+    formulation
+        "composite" factorises the mass matrix, "articulated" is the recursion of order N, for
+        trees without cuts only; "auto" takes the one with fewer operations.
 
     Returns
     -------
@@ -47,7 +50,7 @@ def derive(system: System) -> Equations:
     NumericalError
         If its loops cannot be assembled.
     """
-    return equations_of(solve_motion(system))
+    return equations_of(solve_motion(system, formulation))
 
 
 @dataclass(frozen=True)
@@ -63,17 +66,22 @@ class Derivation:
     solved: Solved
 
 
-def solve_motion(system: System) -> Derivation:
+def solve_motion(system: System, formulation: Formulation = "auto") -> Derivation:
     """Return a checked system solved for its accelerations, see :func:`derive`."""
     system.check()
     check_bodies(system)
     tree = unfold(system)
     symbols = declare(system)
+    if formulation == "articulated" and (system.cuts or system.constraints):
+        raise InputError(
+            f"system '{system.name}' has cuts or constraints; the articulated recursion is for "
+            "open trees only"
+        )
     moved = motions(system, symbols)
     loops = close(system, tree, symbols, moved)
     roles = roles_of(symbols, loops)
     motion = _motion(system, tree, symbols, roles, loops.closure)
-    solved = _dynamics(system, symbols, roles, loops.closure, motion)
+    solved = _dynamics(system, symbols, roles, loops.closure, motion, formulation=formulation)
     return Derivation(system, tree, symbols, moved, loops, roles, solved)
 
 
@@ -124,6 +132,8 @@ def _dynamics(
     roles: Roles,
     closure: Closure,
     motion: _MotionState,
+    *,
+    formulation: Formulation,
 ) -> Solved:
     """Solve the equations of motion for all accelerations."""
     names = [j.name for j in symbols.joints]
@@ -135,19 +145,22 @@ def _dynamics(
     gravity = ops.vector(*system.gravity)
     wrenches = [w for load in motion.loads.values() for w in load.wrenches]
     joint_forces = _joint_forces(symbols, motion.loads)
-    needed, _ = inverse_dynamics(motion.kinematics.with_accelerations(at_rest), wrenches, gravity)
-    moving = [names[k] for k in (*roles.independent, *roles.dependent, *roles.following)]
-    bias = {n: needed[n] - joint_forces.get(n, 0.0) for n in moving}
+    problem = TreeProblem(
+        motion.kinematics.with_accelerations(at_rest),
+        augmented_inertias(motion.kinematics.tree),
+        wrenches,
+        joint_forces,
+        gravity,
+        [names[k] for k in (*roles.independent, *roles.dependent, *roles.following)],
+    )
     influence = {
         names[u]: {names[v]: entry for v, entry in row.items()}
         for u, row in closure.influence(roles.independent).items()
     }
-    solved = independent_accelerations(
-        mass_matrix(motion.kinematics, set(moving)),
-        bias,
-        [names[k] for k in roles.independent],
-        influence,
-    )
+    if influence:
+        solved = solve_closed(problem, [names[k] for k in roles.independent], influence)
+    else:
+        solved = solve_tree(problem, formulation)
     accelerations = {**at_rest, **solved}
     for u, row in influence.items():
         for v, entry in row.items():
