@@ -84,10 +84,22 @@ def _draw_all(
     with matplotlib.rc_context(STYLE):
         for plot in plots:
             figure = draw_figure(result, plot)
+            _settle(figure)
             for kind in formats:
                 written.append(_save(figure, folder / f"{plot.name}.{kind}", kind))
-                figure.set_layout_engine("none")  # the first picture has settled the layout
     return written
+
+
+def _settle(figure: Figure) -> None:
+    """Lay the figure out once; rounded, as the layout is repeatable to rounding errors only."""
+    engine = figure.get_layout_engine()
+    if engine is None:
+        return
+    engine.execute(figure)
+    figure.set_layout_engine("none")
+    for axes in figure.axes:
+        left, bottom, width, height = axes.get_position(original=True).bounds
+        axes.set_position((round(left, 6), round(bottom, 6), round(width, 6), round(height, 6)))
 
 
 def _save(figure: Figure, target: Path, kind: str) -> Path:
