@@ -15,6 +15,8 @@ try:
 except ImportError:  # systems without POSIX locks: two runs on one output are not noticed
     fcntl = None  # type: ignore[assignment]
 
+_HDF5_SIGNATURE = b"\x89HDF\r\n\x1a\n"
+
 
 def check_output(path: str | Path) -> Path:
     """Return the resolved path of an output after testing that it can be written.
@@ -25,7 +27,7 @@ def check_output(path: str | Path) -> Path:
     ------
     InputError
         If the folder is missing or not writable, if the name is a folder or another thing
-        than a file, or if another run is writing there.
+        than a file, if it is a file that no run wrote, or if another run is writing there.
     """
     target = Path(path).resolve()
     folder = target.parent
@@ -39,6 +41,10 @@ def check_output(path: str | Path) -> Path:
         raise InputError(f"{path}: no permission to write in {folder}; choose another with -o")
     if target.exists() and not os.access(target, os.W_OK):
         raise InputError(f"{path}: exists and is read-only; choose another output with -o")
+    if target.exists() and not _may_be_replaced(target):
+        raise InputError(
+            f"{path}: exists and is no HDF5 file, so it is kept; choose another output with -o"
+        )
     if is_being_written(target):
         raise _busy(target)
     return target
@@ -115,6 +121,15 @@ def is_being_written(target: Path) -> bool:
     except OSError:
         return False
     return False
+
+
+def _may_be_replaced(target: Path) -> bool:
+    """Return whether a file is empty or HDF5, so that a slip does not cost a scenario."""
+    try:
+        with target.open("rb") as file:
+            return file.read(len(_HDF5_SIGNATURE)) in (b"", _HDF5_SIGNATURE)
+    except OSError:
+        return True
 
 
 def _lock_path(target: Path) -> Path:

@@ -340,6 +340,16 @@ def test_outputs_that_cannot_be(tmp_path):
             ResultWriter(path, channels=CHANNEL, header=header())
 
 
+def test_a_file_that_is_no_result_is_never_replaced(tmp_path, make_result):
+    scenario, result, empty = tmp_path / "ramp.yaml", make_result(), tmp_path / "empty.h5"
+    scenario.write_text("title: Do not lose me")
+    empty.touch()
+    with pytest.raises(InputError, match="exists and is no HDF5 file, so it is kept"):
+        check_output(scenario)
+    assert check_output(result) == result
+    assert check_output(empty) == empty
+
+
 @pytest.mark.skipif(os.geteuid() == 0, reason="the administrator may write anywhere")
 def test_a_folder_without_permission(tmp_path):
     folder = tmp_path / "locked"
