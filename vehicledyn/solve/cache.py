@@ -113,6 +113,9 @@ def _build_apart(build: Callable[[Path], Path], reason: str) -> Entry:
     except CompilationError:
         workplace.cleanup()
         raise
+    except OSError as error:
+        workplace.cleanup()
+        raise CompilationError(f"{reason}, nor can {workplace.name} ({error})") from None
 
 
 def _checksum(path: Path) -> str:

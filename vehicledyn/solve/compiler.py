@@ -71,7 +71,7 @@ def find_compiler() -> Compiler:
     named = os.environ.get("VEHICLEDYN_CC") or os.environ.get("CC")
     if named == _DISABLED:
         raise CompilationError("compilation is switched off by VEHICLEDYN_CC=none")
-    commands = [tuple(shlex.split(named))] if named else [(name,) for name in _CANDIDATES]
+    commands = [_split(named)] if named else [(name,) for name in _CANDIDATES]
     reasons = []
     for command in commands:
         path = shutil.which(command[0])
@@ -107,6 +107,16 @@ def build_library(compiler: Compiler, source: str, folder: Path) -> Path:
     if not library.is_file():
         raise CompilationError(f"{compiler.command[0]} wrote no library")
     return library
+
+
+def _split(named: str) -> tuple[str, ...]:
+    try:
+        command = tuple(shlex.split(named))
+    except ValueError as error:
+        raise CompilationError(f"VEHICLEDYN_CC or CC is '{named}': {error}") from None
+    if not command:
+        raise CompilationError("VEHICLEDYN_CC or CC is blank")
+    return command
 
 
 def _ask_version(command: tuple[str, ...]) -> Compiler:

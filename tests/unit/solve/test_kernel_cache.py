@@ -115,6 +115,24 @@ exec {real} "$@" """
     assert not list(folder.iterdir())
 
 
+def test_no_place_to_build_in(folder, monkeypatch, needs_compiler):
+    def full(*_arguments):
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr("vehicledyn.solve.kernel.build_library", full)
+    kernel = compile_kernel(oscillator())
+    assert kernel.backend == "interpreted"
+    assert "No space left" in kernel.report.remark
+    assert not list(folder.glob("*"))
+
+
+@pytest.mark.parametrize(("named", "words"), [('gcc "', "No closing quotation"), (" ", "blank")])
+def test_compiler_named_badly(monkeypatch, named, words):
+    monkeypatch.setenv("VEHICLEDYN_CC", named)
+    with pytest.raises(CompilationError, match=words):
+        find_compiler()
+
+
 def test_no_compiler_wanted(monkeypatch):
     monkeypatch.setenv("VEHICLEDYN_CC", "none")
     kernel = compile_kernel(oscillator())
