@@ -114,7 +114,7 @@ def plot(
         raise InputError(f"--format {formats}: write png, svg or png,svg")
     from vehicledyn.results.plots import draw_plots
 
-    target = folder or result.with_name(f"{result.stem}_plots")
+    target = folder or result.parent / f"{result.stem}_plots"
     for path in draw_plots(result, target, only or None, wanted):
         emit(str(path))
 

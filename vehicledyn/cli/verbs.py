@@ -71,7 +71,7 @@ def run(
 
     listen(quiet=quiet, verbose=verbose)
     result = output or Path(f"{scenario.stem}.h5")
-    folder = None if no_plots else plots or result.with_name(f"{result.stem}_plots")
+    folder = None if no_plots else plots or result.parent / f"{result.stem}_plots"
     progress = Progress(quiet=quiet, verbose=verbose)
     try:
         outcome = run_scenario(
