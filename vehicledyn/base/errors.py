@@ -31,6 +31,12 @@ class MissingPartError(VehicledynError):
     exit_code = 4
 
 
+class StoppedError(VehicledynError):
+    """The user stopped the program."""
+
+    exit_code = 130
+
+
 def nearest_name(name: str, known: Iterable[str]) -> str | None:
     """Return the known name that looks most like ``name``, or None if nothing is close."""
     matches = difflib.get_close_matches(name, list(known), n=1, cutoff=0.55)

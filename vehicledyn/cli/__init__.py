@@ -7,11 +7,10 @@ import os
 import sys
 from typing import NoReturn
 
-from vehicledyn.base.errors import VehicledynError
+from vehicledyn.base.errors import StoppedError, VehicledynError
 
 __all__ = ["main"]
 
-INTERRUPTED = 130
 BUG = 70
 
 
@@ -21,6 +20,7 @@ def main() -> NoReturn:
     0 ok, 1 negative result, 2 invalid input or usage, 3 numerical failure, 4 missing optional
     part, 70 a bug of this program, 130 interrupted.
     """
+    _open_closed_streams()
     if os.environ.get("VEHICLEDYN_TRACEBACK"):
         _run()
     try:
@@ -28,7 +28,7 @@ def main() -> NoReturn:
     except VehicledynError as error:
         _leave(str(error), error.exit_code)
     except KeyboardInterrupt:
-        _leave("interrupted", INTERRUPTED)
+        _leave("interrupted", StoppedError.exit_code)
     except MemoryError:
         _leave("out of memory", VehicledynError.exit_code)
     except OSError as error:
@@ -38,6 +38,17 @@ def main() -> NoReturn:
         text = " ".join(f"{type(error).__name__}: {error}".split())
         hint = "Set VEHICLEDYN_TRACEBACK=1 to see where, and please report it."
         _leave(f"this is a bug of vehicledyn: {text}. {hint}", BUG)
+
+
+def _open_closed_streams() -> None:
+    """Give closed standard streams somewhere to go; a result file could take their numbers."""
+    for number in range(3):
+        try:
+            os.fstat(number)
+        except OSError:
+            os.open(os.devnull, os.O_RDWR)  # takes the lowest free number, this one
+    sys.stdout = sys.stdout or open(os.devnull, "w", encoding="utf-8")  # noqa: PTH123, SIM115
+    sys.stderr = sys.stderr or open(os.devnull, "w", encoding="utf-8")  # noqa: PTH123, SIM115
 
 
 def _run() -> NoReturn:

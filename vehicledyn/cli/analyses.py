@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -19,7 +17,7 @@ from vehicledyn.cli.options import (
     Target,
     speed_in_si,
 )
-from vehicledyn.cli.terminal import Progress, emit, emit_report, to_json
+from vehicledyn.cli.terminal import emit, emit_report, show_progress, to_json
 
 if TYPE_CHECKING:
     from vehicledyn.scenario import LoadedModel, LoadedScenario
@@ -63,7 +61,7 @@ def show_model(
     find("model", name)
     from vehicledyn.run import describe_model
 
-    with _progress() as progress:
+    with show_progress() as progress:
         report = describe_model(name, backend=backend.value, progress=progress)
     emit_report(report, as_json=as_json)
 
@@ -83,7 +81,7 @@ def equilibrium(
     loaded, wanted = _load(target, overrides), None if speed is None else speed_in_si(speed)
     from vehicledyn.run import find_equilibrium
 
-    with _progress() as progress:
+    with show_progress() as progress:
         report = find_equilibrium(loaded, speed=wanted, backend=backend.value, progress=progress)
     emit_report(report, as_json=as_json, file=output)
 
@@ -104,7 +102,7 @@ def eig(
     loaded, speeds = _load(target, overrides), [speed_in_si(text) for text in speed or []]
     from vehicledyn.run import find_modes
 
-    with _progress() as progress:
+    with show_progress() as progress:
         report = find_modes(loaded, speeds=speeds, backend=backend.value, progress=progress)
     emit_report(report, as_json=as_json, file=output)
 
@@ -123,12 +121,3 @@ def _load(target: str, overrides: list[str] | None) -> LoadedScenario | LoadedMo
         known = ", ".join(kinds("model"))
         raise InputError(f"'{target}' is neither a file nor a model{hint} Known models: {known}")
     return read_scenario(Path(target), overrides)
-
-
-@contextmanager
-def _progress() -> Iterator[Progress]:
-    progress = Progress()
-    try:
-        yield progress
-    finally:
-        progress.clear()

@@ -8,10 +8,12 @@ import math
 import os
 import sys
 import time
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, Protocol
 
-from vehicledyn.base.errors import InputError
+from vehicledyn.base.errors import InputError, StoppedError
 
 _PIPE_CLOSED = 141
 _REFRESH = 0.1
@@ -106,6 +108,19 @@ class Progress:
         if self.live and self.stage:
             sys.stderr.write("\r\x1b[2K")
             sys.stderr.flush()
+
+
+@contextmanager
+def show_progress(*, quiet: bool = False, verbose: bool = False) -> Iterator[Progress]:
+    """Show the progress of the block, and where it was when the user interrupts it."""
+    progress = Progress(quiet=quiet, verbose=verbose)
+    try:
+        yield progress
+    except KeyboardInterrupt:
+        place = f" at: {progress.stage}" if progress.stage else ""
+        raise StoppedError(f"interrupted{place}") from None
+    finally:
+        progress.clear()
 
 
 def listen(*, quiet: bool, verbose: bool) -> None:

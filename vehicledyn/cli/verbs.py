@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
+from typer.core import TyperGroup
 
 import vehicledyn
-from vehicledyn.base.errors import InputError
+from vehicledyn.base.errors import InputError, StoppedError
 from vehicledyn.cli import analyses, files
 from vehicledyn.cli.options import (
     Backend,
@@ -19,10 +20,29 @@ from vehicledyn.cli.options import (
     ScenarioFile,
     Verbose,
 )
-from vehicledyn.cli.terminal import Progress, emit, emit_report, listen, tell, to_json, write_text
+from vehicledyn.cli.terminal import (
+    emit,
+    emit_report,
+    listen,
+    show_progress,
+    tell,
+    to_json,
+    write_text,
+)
+
+
+class _Verbs(TyperGroup):
+    def invoke(self, ctx: Any) -> Any:
+        """Run a verb; Ctrl-C becomes an error with a message, typer would say nothing."""
+        try:
+            return super().invoke(ctx)
+        except KeyboardInterrupt:
+            raise StoppedError("interrupted") from None
+
 
 app = typer.Typer(
     name="vehicledyn",
+    cls=_Verbs,
     help="Vehicle dynamics from symbolic multibody equations: scenario in, result file out.",
     add_completion=False,
     no_args_is_help=True,
@@ -72,13 +92,10 @@ def run(
     listen(quiet=quiet, verbose=verbose)
     result = output or Path(f"{scenario.stem}.h5")
     folder = None if no_plots else plots or result.parent / f"{result.stem}_plots"
-    progress = Progress(quiet=quiet, verbose=verbose)
-    try:
+    with show_progress(quiet=quiet, verbose=verbose) as progress:
         outcome = run_scenario(
             loaded, output=result, backend=backend.value, plots=folder, progress=progress
         )
-    finally:
-        progress.clear()
     for message in () if quiet and outcome.exit_code == 0 else outcome.messages:
         tell(message)
     if as_json:

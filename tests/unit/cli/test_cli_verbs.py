@@ -7,9 +7,9 @@ from types import SimpleNamespace
 
 import pytest
 
-from vehicledyn.base.errors import InputError, MissingPartError, NumericalError
+from vehicledyn.base.errors import InputError, MissingPartError, NumericalError, StoppedError
 from vehicledyn.cli import main
-from vehicledyn.cli.terminal import Progress, to_json
+from vehicledyn.cli.terminal import Progress, show_progress, to_json
 
 
 @pytest.fixture
@@ -123,7 +123,16 @@ def test_every_error_is_one_message_and_an_exit_code(call, write, pipeline, erro
 
 def test_interrupt_exits_with_130(call, write, pipeline):
     pipeline.asked["raise"] = KeyboardInterrupt()
-    assert call("run", write())[0] == 130
+    assert call("run", write()) == (130, "", "interrupted\n")
+
+
+def test_interrupt_says_where():
+    with (
+        pytest.raises(StoppedError, match="interrupted at: compiling 9 operations"),
+        show_progress() as progress,
+    ):
+        progress("compiling 9 operations")
+        raise KeyboardInterrupt
 
 
 def test_traceback_on_request(call, write, pipeline, monkeypatch):
