@@ -8,11 +8,7 @@ the disk holds what a kill at that instant would leave.
 
 from __future__ import annotations
 
-import contextlib
 import os
-import signal
-import threading
-from collections.abc import Iterator
 from pathlib import Path
 
 import h5py
@@ -65,23 +61,6 @@ class Container:
     def _check(self) -> None:
         if self.failure is not None:
             raise self.failure
-
-
-@contextlib.contextmanager
-def undisturbed() -> Iterator[None]:
-    """Put Ctrl-C off until the block is done: it would break HDF5's writing half way."""
-    if threading.current_thread() is not threading.main_thread():
-        yield
-        return
-    pressed: list[int] = []
-    before = signal.getsignal(signal.SIGINT)
-    signal.signal(signal.SIGINT, lambda number, _: pressed.append(number))
-    try:
-        yield
-    finally:
-        signal.signal(signal.SIGINT, before)
-        if pressed:
-            signal.raise_signal(signal.SIGINT)
 
 
 class _SteadyFile:

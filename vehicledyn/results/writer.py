@@ -15,8 +15,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vehicledyn.base.errors import InputError
+from vehicledyn.base.signals import undisturbed
 from vehicledyn.results import sections
-from vehicledyn.results.disk import Container, undisturbed
+from vehicledyn.results.disk import Container
 from vehicledyn.results.layout import (
     STATUSES,
     Described,

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vehicledyn.base.errors import InputError
+from vehicledyn.base.signals import undisturbed
 from vehicledyn.multibody.derivation import derive
 from vehicledyn.road.vehicle import RoadVehicle
 from vehicledyn.run.road_subject import RoadSubject
@@ -75,8 +76,9 @@ class Point:
 def prepare(target: Target, *, backend: Backend, progress: Progress) -> Prepared:
     """Return the derived and compiled system of a scenario or model."""
     progress("deriving the equations of motion", None)
-    subject = build_subject(target)
-    equations = derive(subject.system)
+    with undisturbed():
+        subject = build_subject(target)
+        equations = derive(subject.system)
     kernel = compile_kernel(equations, backend=backend, progress=progress)
     return Prepared(subject, equations, kernel)
 
