@@ -5,7 +5,8 @@ from __future__ import annotations
 import vehicledyn.manoeuvres
 import vehicledyn.models
 import vehicledyn.road
-import vehicledyn.solve  # noqa: F401
+import vehicledyn.solve
+import vehicledyn.systems  # noqa: F401
 from vehicledyn.base.registry import families, find, kinds
 
 

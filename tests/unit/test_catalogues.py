@@ -52,7 +52,7 @@ def test_entry_says_what_it_is(family, kind):
     own = vars(entry).get("__doc__")
     assert own, f"{family} '{kind}' has no description"
     assert own.strip().partition("\n")[0].rstrip().endswith(SENTENCE_END)
-    assert re.fullmatch(r"[a-z][a-z0-9_]*", kind)
+    assert re.fullmatch(r"[a-z][a-z0-9_]*|[TR][123]", kind)
     assert inspect.getmodule(entry).__doc__
 
 
@@ -81,9 +81,13 @@ def test_tests_run_over_all_kinds_of_the_family(family):
 
 
 def test_scenarios_reach_every_family():
-    """Every catalogue but that of models stands behind a field of some set."""
+    """Every catalogue but those of models stands behind a field of some set."""
     from vehicledyn.scenario.sets import Scenario, Tyres
+    from vehicledyn.systems.fields import fact
+    from vehicledyn.systems.sets import SystemFile
 
-    sets = {s for entry in ENTRIES for s in sets_of(find(*entry))} | {Scenario, Tyres}
-    reached = {field_family(s, name) for s in sets for name in s.model_fields} - {None}
-    assert reached | {"model"} == set(families())
+    sets = {s for entry in ENTRIES for s in sets_of(find(*entry))}
+    sets |= {Scenario, Tyres, *sets_of(SystemFile)}
+    reached = {field_family(s, name) for s in sets for name in s.model_fields}
+    reached |= {fact(s, name, "section") for s in sets for name in s.model_fields}
+    assert (reached - {None}) | {"model", "model_file"} == set(families())

@@ -87,7 +87,7 @@ class EquilibriumReport:
 def find_equilibrium(
     target: Target, *, speed: float | None, backend: Backend, progress: Progress
 ) -> EquilibriumReport:
-    """Return the equilibrium of a vehicle.
+    """Return the equilibrium of a vehicle, or of a system at rest.
 
     Parameters
     ----------
@@ -107,8 +107,8 @@ def find_equilibrium(
     kind, wanted = "static", 0.0
     if speed is not None:
         kind, wanted = ("steady" if speed > 0.0 else "static"), speed
-    elif isinstance(target, LoadedScenario):
-        kind, wanted = target.scenario.start or "steady", target.scenario.speed
+    elif isinstance(target, LoadedScenario) and prepared.subject.usual_start == "steady":
+        kind, wanted = target.scenario.start or "steady", target.scenario.speed or 0.0
     shown_speed = 0.0 if kind == "static" else wanted
     progress("finding the equilibrium", None)
     nominal = _channels(prepared, nominal_point(prepared, shown_speed))

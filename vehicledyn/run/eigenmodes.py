@@ -6,7 +6,15 @@ from dataclasses import dataclass
 from typing import Any
 
 from vehicledyn.base.units import shown
-from vehicledyn.run.prepare import Progress, equilibrium_point, prepare
+from vehicledyn.run.prepare import (
+    Point,
+    Prepared,
+    Progress,
+    equilibrium_point,
+    prepare,
+    start_point,
+)
+from vehicledyn.run.system_subject import SystemSubject
 from vehicledyn.run.vehicle import Target
 from vehicledyn.scenario import LoadedScenario
 from vehicledyn.solve.kernel import Backend
@@ -61,7 +69,10 @@ class ModesReport:
 def find_modes(
     target: Target, *, speeds: list[float], backend: Backend, progress: Progress
 ) -> ModesReport:
-    """Return the modes of a vehicle about its steady motion straight ahead.
+    """Return the modes of a vehicle about its steady motion straight ahead, or of a system.
+
+    A system is linearised about the start that its scenario names, else about the equilibrium
+    near its start values.
 
     Parameters
     ----------
@@ -78,11 +89,11 @@ def find_modes(
         If there is no steady motion at a speed.
     """
     prepared = prepare(target, backend=backend, progress=progress)
-    own = target.scenario.speed if isinstance(target, LoadedScenario) else 0.0
+    own = target.scenario.speed or 0.0 if isinstance(target, LoadedScenario) else 0.0
     found = []
     for speed in speeds or [own]:
         progress(f"linearising at {shown(speed, 'm/s')}", None)
-        point = equilibrium_point(prepared, speed, "steady" if speed > 0.0 else "static")
+        point = _reference_point(prepared, target, speed)
         linear = linearise(
             prepared.equations,
             prepared.kernel.parameters,
@@ -93,6 +104,14 @@ def find_modes(
         )
         found.append(ModesAtSpeed(speed, eigenmodes(linear.matrix, linear.names)))
     return ModesReport(prepared.equations.name, found)
+
+
+def _reference_point(prepared: Prepared, target: Target, speed: float) -> Point:
+    """Return the point to linearise about: of a system the start that its scenario names."""
+    if isinstance(prepared.subject, SystemSubject):
+        start = target.scenario.start if isinstance(target, LoadedScenario) else None
+        return start_point(prepared, speed, start or "static")
+    return equilibrium_point(prepared, speed, "steady" if speed > 0.0 else "static")
 
 
 def _mode_line(mode: Mode) -> str:

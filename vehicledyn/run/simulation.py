@@ -91,7 +91,7 @@ def run_scenario(
     described = _plots(loaded, prepared, kept)
     progress("finding the point to start from", None)
     s = loaded.scenario
-    start = start_point(prepared, s.speed, s.start)
+    start = start_point(prepared, s.speed or 0.0, s.start)
     run = _Run(loaded, prepared, kept, _needed_channels(prepared), described)
     run.simulate(start, output, progress)
     messages = [_kernel_message(prepared), *run.messages]

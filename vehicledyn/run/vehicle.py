@@ -9,13 +9,25 @@ from vehicledyn.manoeuvres.straight import Straight
 from vehicledyn.road.vehicle import RoadOptions, RoadVehicle
 from vehicledyn.run.road_subject import RoadSubject
 from vehicledyn.run.subject import Subject
+from vehicledyn.run.system_subject import SystemSubject
 from vehicledyn.scenario import LoadedModel, LoadedScenario
+from vehicledyn.systems import construct
+from vehicledyn.systems.read import SystemModel
 
 Target = LoadedScenario | LoadedModel
 
 
 def build_subject(target: Target) -> Subject:
-    """Return what a scenario runs, or a model by itself."""
+    """Return what a scenario runs, or a model by itself.
+
+    Raises
+    ------
+    InputError
+        If the scenario lacks a part that it needs.
+    """
+    written = target.written
+    if isinstance(written, SystemModel) and not written.is_vehicle:
+        return SystemSubject(construct.build_system(written, _choice(target)))
     return RoadSubject(build_vehicle(target), manoeuvre_of(target))
 
 
@@ -24,6 +36,8 @@ def manoeuvre_of(target: Target) -> RoadManoeuvre:
     if isinstance(target, LoadedModel):
         return Straight()
     manoeuvre = target.scenario.manoeuvre
+    if manoeuvre is None:
+        return Straight()
     if not isinstance(manoeuvre, RoadManoeuvre):
         raise InputError(f"{target.path}: manoeuvre '{manoeuvre.kind}' is not for a road vehicle")
     return manoeuvre
@@ -37,6 +51,8 @@ def build_vehicle(target: Target) -> RoadVehicle:
     InputError
         If the scenario lacks a part that the vehicle needs, all missing parts at once.
     """
+    if isinstance(target.written, SystemModel):
+        return manoeuvre_of(target).fit(construct.build_vehicle(target.written, _choice(target)))
     if isinstance(target, LoadedModel):
         model = find("model", target.name)
         options: RoadOptions = model.standard_options()
@@ -70,7 +86,26 @@ def _options(loaded: LoadedScenario) -> RoadOptions:
         rear_tyre=s.tyres.rear,  # type: ignore[union-attr, arg-type]
         surface=s.road,  # type: ignore[arg-type]
         free_wheels=is_free,
-        speed=s.speed,
+        speed=s.speed or 0.0,
         contact=s.contact or "disc",
         relaxation=s.relaxation,  # type: ignore[arg-type]
+    )
+
+
+def _choice(target: Target) -> construct.RoadChoice:
+    """Return what a scenario chooses for the wheels of a system file."""
+    if isinstance(target, LoadedModel):
+        return construct.RoadChoice()
+    s = target.scenario
+    problems = manoeuvre_of(target).problems(free_wheels=s.wheel_spin != "prescribed")
+    if problems:
+        raise InputError("\n".join(f"{target.path}: manoeuvre: {text}" for text in problems))
+    return construct.RoadChoice(
+        front_tyre=s.tyres.front if s.tyres else None,
+        rear_tyre=s.tyres.rear if s.tyres else None,
+        surface=s.road,
+        free_wheels=s.wheel_spin != "prescribed",
+        speed=s.speed or 0.0,
+        contact=s.contact or "disc",
+        relaxation=s.relaxation,
     )

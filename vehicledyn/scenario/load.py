@@ -19,8 +19,15 @@ from vehicledyn.base.yaml import Document, read_yaml
 from vehicledyn.scenario.checks import check_times
 from vehicledyn.scenario.merge import merge_parameters
 from vehicledyn.scenario.overrides import apply_override
-from vehicledyn.scenario.sets import Scenario
+from vehicledyn.scenario.sets import Scenario, is_file
 from vehicledyn.scenario.sources import Sources
+from vehicledyn.scenario.written import (
+    WrittenModel,
+    is_system,
+    parameter_groups,
+    read_model,
+    unsuitable,
+)
 
 
 @dataclass(frozen=True)
@@ -28,17 +35,19 @@ class LoadedScenario:
     """A scenario that may run.
 
     ``text`` is the file as it was read, ``overrides`` what changed it. ``model_parameters`` is
-    the vehicle's complete set. ``resolved`` is everything that will be used, as plain mappings,
-    lists and SI numbers, and ``units`` the unit of each quantity in it by dotted name.
+    the vehicle's complete set, None where the model is the file ``written``. ``resolved`` is
+    everything that will be used, as plain mappings, lists and SI numbers, and ``units`` the unit
+    of each quantity in it by dotted name.
     """
 
     path: Path
     text: str
     overrides: tuple[str, ...]
     scenario: Scenario
-    model_parameters: ParameterSet
+    model_parameters: ParameterSet | None
     resolved: dict[str, Any]
     units: dict[str, str]
+    written: WrittenModel | None = None
 
 
 def load_scenario(path: Path, overrides: Sequence[str] = ()) -> LoadedScenario:
@@ -63,65 +72,111 @@ def load_scenario(path: Path, overrides: Sequence[str] = ()) -> LoadedScenario:
     if not isinstance(document.data, dict):
         raise refusal(problems, document.name)
     data, sources = copy.deepcopy(document.data), Sources(document)
-    groups = _parameter_groups(data.get("model"))
+    groups = _parameter_groups(data.get("model"), path)
     found = (apply_override(data, override, sources, groups) for override in overrides)
     problems += [problem for problem in found if problem is not None]
     scenario, wrong = _read_scenario(data, sources)
     parameters, wrong_parameters = _read_parameters(data, sources)
-    problems += _unless_told(problems, wrong) + wrong_parameters
+    written, wrong_model = _read_written(data, path, sources)
+    problems += _unless_told(problems, wrong) + wrong_parameters + wrong_model
+    problems += _unless_told(problems, unsuitable(data, written, sources))
     problems += check_times(data, scenario, sources)
-    if problems or scenario is None or parameters is None:
+    if problems or scenario is None or (parameters is None and written is None):
         raise refusal(problems, document.name)
-    resolved = as_plain(scenario) | {"parameters": as_plain(parameters)}
-    units = units_of(scenario) | units_of(parameters, "parameters.")
+    resolved, units = as_plain(scenario), units_of(scenario)
+    if parameters is not None:
+        resolved["parameters"] = as_plain(parameters)
+        units |= units_of(parameters, "parameters.")
+    if written is not None:
+        resolved |= {"parameters": written.resolved, "system": written.text}
+        units |= {f"parameters.{name}": unit for name, unit in written.units.items()}
     return LoadedScenario(
-        path, document.text, tuple(overrides), scenario, parameters, resolved, units
+        path, document.text, tuple(overrides), scenario, parameters, resolved, units, written
     )
 
 
 @dataclass(frozen=True)
 class LoadedModel:
-    """A vehicle of the catalogue with its complete parameters, on its own."""
+    """A model on its own: a vehicle of the catalogue with its parameters, or a system file."""
 
     name: str
-    model_parameters: ParameterSet
+    model_parameters: ParameterSet | None
+    written: WrittenModel | None = None
 
 
 def load_model(name: str, overrides: Sequence[str] = ()) -> LoadedModel:
-    """Return a vehicle of the catalogue with its own parameters and changes of them.
+    """Return a vehicle of the catalogue or a system file with changes of its parameters.
 
     Parameters
     ----------
     name
-        Name of the model.
+        Name of the model, or the path of a system file.
     overrides
-        Changes ``parameters.key=value``, or short ``key=value``, applied in order.
+        Changes ``parameters.key=value``, or short ``key=value``, applied in order; of a system
+        file also ``initial.coordinate=value``.
 
     Raises
     ------
     InputError
         If there is no such model or a change is wrong; one line for each problem.
     """
-    model = find("model", name)
-    document = Document(name, "")
-    data: dict[str, Any] = {"parameters": {}}
-    sources = Sources(document)
-    groups = _parameter_groups(name)
+    is_written = is_file(name) and name not in kinds("model")
+    model = None if is_written else find("model", name)
+    sources = Sources(Document(name, ""))
+    data: dict[str, Any] = {"parameters": {}, **({"initial": {}} if is_written else {})}
+    may_change = tuple(data)
+    groups = _parameter_groups(name, Path("-"))
     found = (apply_override(data, override, sources, groups) for override in overrides)
     problems = [problem for problem in found if problem is not None]
     words = "only 'parameters' of a model can be set; give a scenario to change more"
-    problems += [sources.problem((key,), words) for key in data if key != "parameters"]
-    parameters, wrong = merge_parameters(model, data["parameters"], sources)
-    if problems or wrong or parameters is None:
+    problems += [sources.problem((key,), words) for key in data if key not in may_change]
+    parameters, written = None, None
+    if model is None:
+        written, wrong = read_model(Path(name), data, sources)
+    else:
+        parameters, wrong = merge_parameters(model, data["parameters"], sources)
+    if problems or wrong:
         raise refusal(problems + wrong, name)
-    return LoadedModel(name, parameters)
+    return LoadedModel(name if written is None else written.name, parameters, written)
 
 
-def _parameter_groups(model: Any) -> set[str]:
+def is_system_file(path: Path) -> bool:
+    """Return whether a file holds a system rather than a scenario.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be read or is no YAML.
+    """
+    return is_system(read_yaml(path).data)
+
+
+def _parameter_groups(model: Any, path: Path) -> set[str]:
     """Return the first words of a model's parameters that no scenario field has."""
-    if model not in kinds("model"):
-        return set()
-    return set(find("model", model).parameter_class.model_fields) - set(Scenario.model_fields)
+    if isinstance(model, str) and model in kinds("model"):
+        groups = set(find("model", model).parameter_class.model_fields)
+    elif is_file(model) and _beside(path, model).is_file():
+        groups = parameter_groups(_beside(path, model))
+    else:
+        groups = set()
+    return groups - set(Scenario.model_fields)
+
+
+def _beside(path: Path, model: str) -> Path:
+    """Return the file that a scenario means by a relative name."""
+    return path.parent / model
+
+
+def _read_written(
+    data: dict[str, Any], path: Path, sources: Sources
+) -> tuple[WrittenModel | None, list[Problem]]:
+    model = data.get("model")
+    if not is_file(model) or model in kinds("model"):
+        return None, []
+    file = _beside(path, str(model))
+    if not file.is_file():
+        return None, [sources.problem(("model",), f"there is no file {file}")]
+    return read_model(file, data, sources)
 
 
 def _check_top(document: Document) -> list[Problem]:

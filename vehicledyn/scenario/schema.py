@@ -14,6 +14,9 @@ from vehicledyn.scenario.sets import Scenario, Tyres
 Schema = dict[str, Any]
 
 DIALECT = "https://json-schema.org/draft/2020-12/schema"
+FILE_NAME = r"\.[yY][aA]?[mM][lL]$"
+"""Pattern of the names of system files."""
+
 _NUMBER_WITH_UNIT = r"^\s*[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?(\s*[^\s\d.].*)?\s*$"
 
 
@@ -28,7 +31,8 @@ def scenario_schema() -> Schema:
     definitions = _definitions(families, models)
     root = definitions.pop(Scenario.__name__)
     properties = root["properties"]
-    properties["model"]["enum"] = list(models)
+    named = [{"enum": list(models)}, {"type": "string", "pattern": FILE_NAME}]
+    properties["model"] = {"description": properties["model"]["description"], "anyOf": named}
     properties["tyres"] = _tyre_choice(properties["tyres"]["description"])
     properties["parameters"] = {"description": properties["parameters"]["description"]}
     choices = []
@@ -113,7 +117,10 @@ def _tyre_choice(description: str) -> Schema:
 
 def _when_model(name: str, reference: Schema) -> Schema:
     chosen = {"properties": {"model": {"const": name}}, "required": ["model"]}
-    changes = {"properties": {"parameters": {"anyOf": [reference, {"type": "null"}]}}}
+    changes = {
+        "properties": {"parameters": {"anyOf": [reference, {"type": "null"}]}, "initial": False},
+        "required": ["manoeuvre", "speed"],
+    }
     return {"if": chosen, "then": changes}
 
 

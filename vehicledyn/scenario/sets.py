@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from pathlib import PurePath
 from typing import Any, Literal
 
 from pydantic import Field, ValidationInfo, field_validator
@@ -32,19 +33,22 @@ class Output(ParameterSet):
 
 
 class Scenario(ParameterSet):
-    """One run: a vehicle with its parts on a road, driven by a manoeuvre."""
+    """One run: a vehicle with its parts on a road, driven by a manoeuvre, or any system."""
 
     title: str = Field(description="What happens, in a sentence")
     description: str = Field(default="", description="More about the run, for people")
-    model: str = Field(description="Name of the vehicle, see 'vehicledyn models list'")
+    model: str = Field(
+        description="Name of the vehicle, see 'vehicledyn models list', or a system file beside "
+        "this one, such as my_system.yaml"
+    )
     parameters: dict[str, Any] = Field(
-        default_factory=dict, description="Changes of the vehicle's parameters"
+        default_factory=dict, description="Changes of the model's parameters"
     )
     tyres: Tyres | None = Field(
         default=None, description="Tyre law: one for all wheels, or 'front' and 'rear'"
     )
     road: ParameterSet | None = part("road", "Surface of the road", default=None)
-    manoeuvre: ParameterSet = part("manoeuvre", "What the vehicle does")
+    manoeuvre: ParameterSet | None = part("manoeuvre", "What the vehicle does", default=None)
     contact: Literal["disc", "vertical"] | None = Field(
         default=None,
         description="How wheels touch the ground: 'disc' by geometry (the default), 'vertical' "
@@ -56,17 +60,22 @@ class Scenario(ParameterSet):
     wheel_spin: Literal["free", "prescribed"] | None = Field(
         default=None, description="Whether the wheels turn freely or as the speed prescribes"
     )
-    speed: float = quantity("m/s", "Speed at the start", ge=0)
-    start: Literal["static", "steady"] | None = Field(
+    speed: float | None = quantity("m/s", "Speed at the start", default=None, ge=0)
+    start: Literal["nominal", "static", "steady"] | None = Field(
         default=None,
-        description="Equilibrium to start from: 'static' as standing, 'steady' at the speed "
-        "(the default)",
+        description="Where to start: 'nominal' as assembled (the usual of systems), in the "
+        "equilibrium 'static' as standing, or 'steady' at the speed (the usual of vehicles)",
+    )
+    initial: dict[str, Any] = Field(
+        default_factory=dict,
+        description="Where coordinates of a system start, and rates under the coordinate's name "
+        "with _rate",
     )
     duration: float = quantity("s", "Simulated time", gt=0)
     solver: ParameterSet = part("solver", "Integration method")
     output: Output = Field(description="What the result file keeps")
 
-    @field_validator("parameters", mode="before")
+    @field_validator("parameters", "initial", mode="before")
     @classmethod
     def _nothing_is_no_change(cls, value: Any) -> Any:
         return {} if value is None else value
@@ -74,7 +83,7 @@ class Scenario(ParameterSet):
     @field_validator("model")
     @classmethod
     def _know_model(cls, value: str, info: ValidationInfo) -> str:
-        if value not in kinds("model"):
+        if value not in kinds("model") and not is_file(value):
             raise ValueError(unknown_name("model", value, kinds("model")))
         return value
 
@@ -89,3 +98,8 @@ class Scenario(ParameterSet):
         raise ValueError(
             f"expected a mapping with 'kind', or with 'front' and 'rear', found {describe(value)}"
         )
+
+
+def is_file(model: Any) -> bool:
+    """Return whether a model is named by a system file."""
+    return isinstance(model, str) and PurePath(model).suffix.lower() in (".yaml", ".yml")

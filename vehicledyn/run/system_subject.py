@@ -1,0 +1,144 @@
+"""A system without manoeuvre as a thing to run."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+from vehicledyn.manoeuvres.recording import Recording
+from vehicledyn.multibody.system import System
+from vehicledyn.run.subject import Vector, start_values
+from vehicledyn.symbolic.equations import Channel, Equations
+
+if TYPE_CHECKING:
+    from vehicledyn.results.layout import SceneItem, SummaryEntry
+
+MOST_COORDINATES = 12
+"""Coordinates whose ranges the summary tells."""
+
+_LINES = 6
+_SHOWN_IN = {"rad": "deg", "rad/s": "deg/s"}
+_GAP, _OPENING = "constraints.position_error", "constraints.velocity_error"
+_ENERGIES, _POWER = ("energy.kinetic", "energy.gravity"), "power.forces"
+
+
+@dataclass(frozen=True)
+class SystemSubject:
+    """A system that starts where its own start values assemble to."""
+
+    system: System
+    usual_start: str = "nominal"
+    balance_time: float = 0.0
+
+    def parameters_at(self, speed: float) -> dict[str, float]:
+        """Return the speed where wheels are prescribed by it."""
+        known = any(entry.name == "speed" for entry in self.system.table.entries)
+        return {"speed": speed} if known and speed > 0.0 else {}
+
+    def start_state(self, equations: Equations, speed: float) -> Vector:
+        """Return the start values of the system."""
+        return start_values(equations)
+
+    def still_state(self, equations: Equations) -> Vector:
+        """Return the start values with all velocities zero."""
+        state = start_values(equations)
+        state[list(equations.velocities)] = 0.0
+        return state
+
+    def balance_pairs(self, equations: Equations, speed: float) -> tuple[list[int], list[int]]:
+        """Return all coordinates with their accelerations, and all further states.
+
+        Coordinates whose rates follow from others, as those of a rolling wheel, are held.
+        """
+        e = equations
+        taken = {*e.positions, *e.velocities}
+        held = {joint.name for joint in self.system.joints()}
+        further = [
+            k for k, state in enumerate(e.states) if k not in taken and state.name not in held
+        ]
+        return [*e.positions, *further], [*e.velocities, *further]
+
+    def scene(self) -> dict[str, SceneItem]:
+        """Return nothing."""
+        return {}
+
+    def plots(self, equations: Equations) -> list[dict[str, Any]]:
+        """Return coordinates, rates, energies and the forces of links against time."""
+        names = [j.name for j in self.system.joints()]
+        by_name = {c.name: c for c in equations.channels}
+        coordinates = [by_name[n] for n in names if n in by_name]
+        rates = [by_name[f"{n}_rate"] for n in names if f"{n}_rate" in by_name]
+        energies = [by_name[n] for n in _ENERGIES if n in by_name]
+        forces = [c for c in equations.channels if c.name.endswith((".force", "_force"))]
+        figures = [
+            _figure("coordinates", "Coordinates", "Coordinate", coordinates),
+            _figure("rates", "Rates of the coordinates", "Rate", rates),
+            _figure("forces", "Forces", "Force", forces),
+            _figure("energy", "Energy", "Energy", energies),
+        ]
+        return [figure for figure in figures if figure["panels"]]
+
+    def channels(self, equations: Equations) -> list[str]:
+        """Return the channels that the summary is made from."""
+        known = {c.name for c in equations.channels}
+        wanted = [*self._coordinates(known), _GAP, _OPENING, *_ENERGIES, _POWER]
+        return [name for name in wanted if name in known]
+
+    def summarise(self, recording: Recording) -> list[SummaryEntry]:
+        """Return the ranges of the coordinates, the errors of the loops and of the energy."""
+        from vehicledyn.results.layout import SummaryEntry
+
+        values = recording.channels
+        units = {j.name: j.unit for j in self.system.joints()}
+        entries = []
+        for name in self._coordinates(set(values)):
+            low, high = float(values[name].min()), float(values[name].max())
+            text = f"value of {name}"
+            entries.append(SummaryEntry(f"{name}.smallest", low, units[name], f"Smallest {text}"))
+            entries.append(SummaryEntry(f"{name}.largest", high, units[name], f"Largest {text}"))
+        for name, key, unit, text in (
+            (_GAP, "largest_loop_gap", "m", "Largest position error of a constraint"),
+            (_OPENING, "largest_loop_speed", "m/s", "Largest velocity error of a constraint"),
+        ):
+            if name in values:
+                entries.append(SummaryEntry(key, float(values[name].max()), unit, text))
+        return [*entries, *_energy_error(recording)]
+
+    def _coordinates(self, known: set[str]) -> list[str]:
+        names = [j.name for j in self.system.joints() if j.name in known]
+        return names if len(names) <= MOST_COORDINATES else []
+
+
+def _energy_error(recording: Recording) -> Iterator[SummaryEntry]:
+    """Yield the largest difference between the energy gained and the work of all forces."""
+    import numpy as np
+    from scipy.interpolate import CubicSpline
+
+    from vehicledyn.results.layout import SummaryEntry
+
+    time, values = recording.time, recording.channels
+    if len(time) < 2 or not {*_ENERGIES, _POWER} <= set(values):
+        return
+    energy = values[_ENERGIES[0]] + values[_ENERGIES[1]]
+    kept, first = np.unique(time, return_index=True)
+    work = CubicSpline(kept, values[_POWER][first]).antiderivative()(time)
+    error = float(np.abs(energy - energy[0] - work).max())
+    yield SummaryEntry(
+        "energy_drift",
+        error,
+        "J",
+        "Largest difference of energy gained and work done, as far as the samples tell",
+    )
+
+
+def _figure(name: str, title: str, label: str, channels: list[Channel]) -> dict[str, Any]:
+    """Return a figure with one panel a unit, of a few lines each."""
+    by_unit: dict[str, list[str]] = {}
+    for channel in channels:
+        by_unit.setdefault(channel.unit, []).append(channel.name)
+    panels = [
+        {"label": label, "unit": _SHOWN_IN.get(unit, unit), "channels": names[:_LINES]}
+        for unit, names in by_unit.items()
+    ]
+    return {"name": name, "title": title, "kind": "time", "panels": panels}

@@ -1,0 +1,117 @@
+"""Models that are system files: how a scenario reads them and what goes with them."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any, Protocol
+
+from vehicledyn.base.problems import Problem
+from vehicledyn.base.registry import find, kinds
+from vehicledyn.scenario.sets import Scenario, is_file
+from vehicledyn.scenario.sources import Sources
+
+_FAMILY = "model_file"
+_ON_WHEELS = ("tyres", "road", "contact", "relaxation", "wheel_spin", "speed")
+_IN_MANOEUVRES = ("manoeuvre", "speed")
+
+
+class WrittenModel(Protocol):
+    """What a scenario needs to know of a model that is a file."""
+
+    @property
+    def path(self) -> Path:
+        """The file."""
+
+    @property
+    def text(self) -> str:
+        """Its text."""
+
+    @property
+    def name(self) -> str:
+        """Name of the model."""
+
+    @property
+    def has_wheels(self) -> bool:
+        """Whether it needs a road and tyres."""
+
+    @property
+    def is_vehicle(self) -> bool:
+        """Whether it can drive a manoeuvre."""
+
+    @property
+    def resolved(self) -> dict[str, float]:
+        """Parameters in SI by dotted name."""
+
+    @property
+    def units(self) -> dict[str, str]:
+        """Unit of each parameter."""
+
+
+def is_system(data: Any) -> bool:
+    """Return whether a file's data is a system, not a scenario."""
+    return any(find(_FAMILY, kind).is_one(data) for kind in kinds(_FAMILY))
+
+
+def read_model(
+    path: Path, given: dict[str, Any], sources: Sources
+) -> tuple[WrittenModel | None, list[Problem]]:
+    """Return the model of a file, or None, and all that is wrong with it.
+
+    Parameters
+    ----------
+    path
+        The file.
+    given
+        What the scenario changes, under "parameters" and "initial".
+    sources
+        Where the scenario's values came from.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be read or is no YAML.
+    """
+    model, problems = find(_FAMILY, "system").read(path, given, sources)
+    return model, problems
+
+
+def parameter_groups(path: Path) -> set[str]:
+    """Return the first words of a file's parameters."""
+    groups: set[str] = find(_FAMILY, "system").groups(path)
+    return groups
+
+
+def unsuitable(data: dict[str, Any], model: WrittenModel | None, sources: Sources) -> list[Problem]:
+    """Return what a scenario lacks for its model, and what does not go with it.
+
+    ``model`` is that of the file the scenario names; None for a vehicle of the catalogue.
+    """
+    if not is_file(data.get("model")):
+        wrong = _lacking(data)
+        if data.get("initial"):
+            wrong["initial"] = "only for system files; a vehicle starts straight ahead"
+    elif model is None:
+        return []
+    elif model.is_vehicle:
+        wrong = _lacking(data)
+    else:
+        wheels = () if model.has_wheels else _ON_WHEELS
+        text = f"{model.path.name} has no wheels; leave this out"
+        wrong = {key: text for key in wheels if data.get(key) is not None}
+        if data.get("manoeuvre") is not None:
+            wrong["manoeuvre"] = f"{model.path.name} has no section 'vehicle'; leave this out"
+        if data.get("start") == "steady":
+            wrong["start"] = "'steady' is for vehicles; take 'nominal' or 'static'"
+    return [
+        sources.problem((key,), words, at_key=data.get(key) is not None)
+        for key, words in wrong.items()
+    ]
+
+
+def _lacking(data: dict[str, Any]) -> dict[str, str]:
+    wrong = {}
+    for key in _IN_MANOEUVRES:
+        if data.get(key) is None:
+            unit = ", in m/s" if key == "speed" else ""
+            wrong[key] = f"missing: {Scenario.model_fields[key].description}{unit}"
+    return wrong

@@ -1,0 +1,285 @@
+"""Checks of a whole system file: names, units, bounds, the tree and what drives it."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Iterator
+from typing import Any
+
+from vehicledyn.base.errors import unknown_name
+from vehicledyn.base.problems import Place
+from vehicledyn.multibody.system import GROUND
+from vehicledyn.systems.algebra import NUMBERS, ExpressionError
+from vehicledyn.systems.dimensions import MEASURES, Measure, measure_of
+from vehicledyn.systems.expressions import Expression
+from vehicledyn.systems.joints import Coordinate
+from vehicledyn.systems.parameters import Parameters, is_name
+from vehicledyn.systems.sets import BodySet, Sections, SystemFile
+from vehicledyn.systems.walk import Found, Reference, walk
+
+Problems = Iterator[tuple[Place, str]]
+_ROUNDING = 1e-9
+_PARTS = tuple(name for name in Sections.model_fields if name not in ("bodies", "initial"))
+
+
+def check(file: SystemFile, coordinates: dict[str, Coordinate], parameters: Parameters) -> Problems:
+    """Yield what is wrong in a file whose parts are well formed, with places.
+
+    Parameters
+    ----------
+    file
+        The file, repetition and mirror images carried out.
+    coordinates
+        All coordinates by name.
+    parameters
+        The parameters, those without mistakes.
+    """
+    yield from _names(file)
+    yield from _coordinates_twice(file)
+    yield from tree_problems(file.bodies)
+    known = _Known(file, coordinates, parameters)
+    for item in walk(file, coordinates):
+        if isinstance(item, Reference):
+            yield from _reference(item, known)
+        else:
+            yield from _expression(item, known)
+    yield from _initial(file, known)
+    yield from _drives(file, known)
+    yield from _inertias(file, parameters)
+    yield from _spins(file)
+    yield from _massless_ends(file, known)
+
+
+class _Known:
+    """Names that expressions and references may use."""
+
+    def __init__(
+        self, file: SystemFile, coordinates: dict[str, Coordinate], parameters: Parameters
+    ) -> None:
+        self.bodies = {GROUND, *file.bodies}
+        self.coordinates = coordinates
+        self.parameters = parameters
+        self.driven = {drive.coordinate for drive in file.drives.values()}
+
+    def failed(self, expression: Expression) -> bool:
+        """Return whether an expression rests on a parameter that has been complained about."""
+        bad = self.parameters.declared - set(self.parameters.values)
+        return any(n in bad or n.rpartition(".")[0] in bad for n in expression.names)
+
+
+def variables(
+    kind: str, length: str, coordinates: dict[str, Coordinate], points: Iterable[str] = ()
+) -> dict[str, Any]:
+    """Return the measures of the names that an expression may use besides parameters.
+
+    Parameters
+    ----------
+    kind
+        As in :func:`vehicledyn.systems.fields.measured`, or "geometry" or "movement".
+    length
+        Unit of the length or coordinate that a law is about.
+    coordinates
+        All coordinates.
+    points
+        Names of points.
+    """
+    rate = f"{length}/s"
+    found: dict[str, Any] = {}
+    if kind == "law":
+        found = {"length": measure_of(length), "rate": measure_of(rate)}
+    if kind == "force":
+        found = {"position": measure_of(length), "rate": measure_of(rate)}
+    if kind in ("time", "motion", "force", "geometry", "movement"):
+        found["time"] = measure_of("s")
+    if kind in ("motion", "force", "geometry", "movement"):
+        found |= {name: measure_of(c.unit) for name, c in coordinates.items()}
+    if kind in ("motion", "force", "movement"):
+        found |= {f"{name}_rate": measure_of(f"{c.unit}/s") for name, c in coordinates.items()}
+    for point in points:
+        found[point] = (measure_of("m"),) * 3
+        if kind == "movement":
+            found[f"{point}_velocity"] = (measure_of("m/s"),) * 3
+    return found
+
+
+def tree_problems(bodies: dict[str, BodySet]) -> Problems:
+    """Yield bodies that hang on each other in a circle."""
+    safe = {GROUND}
+    for start in bodies:
+        path: list[str] = []
+        name = start
+        while name not in safe and name in bodies and name not in path:
+            path.append(name)
+            name = bodies[name].parent
+        if name in path and name == start:
+            circle = " -> ".join([*path[path.index(name) :], name])
+            yield ("bodies", name, "parent"), f"the bodies hang on each other: {circle}"
+        if name in safe:
+            safe.update(path)
+
+
+def _names(file: SystemFile) -> Problems:
+    seen: dict[str, str] = {}
+    for section in ("bodies", *_PARTS):
+        for name in getattr(file, section):
+            place = (section, name)
+            if not all(is_name(piece) for piece in name.split(".")):
+                yield place, f"'{name}' cannot be a name; use letters, digits, _ and dots"
+            if section == "bodies" and ("." in name or name == GROUND):
+                yield place, f"'{name}' cannot be a body's name"
+            if section != "bodies" and name in seen:
+                yield place, f"the name is taken: {seen[name]} '{name}' has it"
+            if section != "bodies":
+                seen[name] = section
+
+
+def _coordinates_twice(file: SystemFile) -> Problems:
+    owners: dict[str, str] = {}
+    for name, body in file.bodies.items():
+        for number, joint in enumerate(body.joints):
+            for coordinate in joint.coordinates(name):
+                place = ("bodies", name, "joints", number)
+                if coordinate.name in owners:
+                    yield (
+                        place,
+                        f"coordinate '{coordinate.name}' is defined twice, first in body "
+                        f"'{owners[coordinate.name]}'; give this one a name",
+                    )
+                if not all(is_name(piece) for piece in coordinate.name.split(".")):
+                    yield place, f"'{coordinate.name}' cannot be the name of a coordinate"
+                owners.setdefault(coordinate.name, name)
+
+
+def _reference(item: Reference, known: _Known) -> Problems:
+    if item.what == "body" and item.name not in known.bodies:
+        yield item.place, unknown_name("body", item.name, known.bodies)
+    if item.what == "coordinate" and item.name not in known.coordinates:
+        yield item.place, unknown_name("coordinate", item.name, known.coordinates)
+
+
+def _expression(item: Found, known: _Known) -> Problems:
+    if known.failed(item.expression):
+        return
+    extra = variables(item.variables, item.length, known.coordinates, item.points)
+    for name in item.expression.names:
+        if name in extra and name in known.parameters.declared:
+            yield item.place, f"'{name}' is also a parameter; give that another name"
+            return
+    try:
+        found = item.expression.value({**known.parameters.measures, **extra}, MEASURES)
+    except ExpressionError as error:
+        yield item.place, str(error)
+        return
+    wrong = unfit(found, item.unit, is_vector=item.is_vector)
+    if wrong:
+        yield item.place, wrong
+    elif not extra:
+        yield from _bounds(item, known)
+
+
+def unfit(measure: Any, unit: str, *, is_vector: bool) -> str:
+    """Return what is wrong with what an expression is measured in, or nothing."""
+    if isinstance(measure, tuple) != is_vector:
+        return f"expected {'a vector' if is_vector else 'one number'}"
+    for part in measure if is_vector else (measure,):
+        if unit and not part.fits(unit):
+            return _wrong_unit(part, unit)
+    return ""
+
+
+def _wrong_unit(measure: Measure, unit: str) -> str:
+    needed = "a pure number" if unit == "1" else f"a quantity in {unit}"
+    if measure.is_pure and not any(measure.powers):
+        return f"this is a pure number, {needed} is needed here; write numbers with their unit"
+    return f"this is in {measure.unit}, {needed} is needed here"
+
+
+def _bounds(item: Found, known: _Known) -> Problems:
+    try:
+        value = item.expression.value(known.parameters.values, NUMBERS)
+    except ExpressionError as error:
+        yield item.place, str(error)
+        return
+    if item.above is not None and not value > item.above:
+        yield item.place, f"must be greater than {item.above:g} {item.unit}, is {value:g}"
+    if item.least is not None and not value >= item.least:
+        yield item.place, f"must be at least {item.least:g} {item.unit}, is {value:g}"
+
+
+def _initial(file: SystemFile, known: _Known) -> Problems:
+    for name, expression in file.initial.items():
+        place = ("initial", name)
+        rate = name not in known.coordinates and name.endswith("_rate")
+        coordinate = known.coordinates.get(name.removesuffix("_rate") if rate else name)
+        if coordinate is None:
+            names = [*known.coordinates, *(f"{n}_rate" for n in known.coordinates)]
+            yield place, unknown_name("coordinate", name, names)
+            continue
+        if coordinate.name in known.driven:
+            yield place, f"'{coordinate.name}' is driven; its law says where it starts"
+        unit = f"{coordinate.unit}/s" if rate else coordinate.unit
+        found = Found(place, expression, unit, False, "", None, None, "m", ())
+        yield from _expression(found, known)
+
+
+def _drives(file: SystemFile, known: _Known) -> Problems:
+    owners: dict[str, str] = {}
+    for name, drive in file.drives.items():
+        place = ("drives", name, "coordinate")
+        if drive.coordinate in owners:
+            yield place, f"'{drive.coordinate}' is driven by '{owners[drive.coordinate]}' already"
+        owners.setdefault(drive.coordinate, name)
+        coordinate = known.coordinates.get(drive.coordinate)
+        if coordinate is not None and coordinate.role in ("independent", "dependent"):
+            yield place, f"'{drive.coordinate}' is declared {coordinate.role} and cannot be driven"
+
+
+def _inertias(file: SystemFile, parameters: Parameters) -> Problems:
+    for name, body in file.bodies.items():
+        if body.inertia is None:
+            continue
+        try:
+            values = [float(e.value(parameters.values, NUMBERS)) for e in body.inertia]
+        except (ExpressionError, TypeError):
+            continue
+        largest, total = max(values[:3]), sum(values[:3])
+        place = ("bodies", name, "inertia")
+        if min(values[:3]) < 0.0:
+            yield place, "no moment of inertia may be negative"
+        elif not any(values[3:]) and 2.0 * largest > total * (1.0 + _ROUNDING):
+            yield (
+                place,
+                f"the moments {', '.join(f'{v:g}' for v in values[:3])} kg m² break the triangle "
+                "inequality: the largest exceeds the sum of the other two",
+            )
+
+
+def _spins(file: SystemFile) -> Problems:
+    for name, body in file.bodies.items():
+        axis = body.spins_about
+        last = body.joints[-1].coordinates(name) if body.joints else []
+        if axis is not None and (not last or last[-1].joint != f"R{axis}"):
+            yield ("bodies", name, "spins_about"), f"its last joint must be R{axis}"
+        parent = file.bodies.get(body.parent)
+        if parent is not None and parent.spins_about is not None:
+            words = "whose axes do not spin with it (spins_about); hang it on the body before"
+            yield ("bodies", name, "parent"), f"hangs on '{body.parent}', {words}"
+
+
+def _massless_ends(file: SystemFile, known: _Known) -> Problems:
+    """Yield bodies at the end of a chain that can move but have no mass."""
+    held = {body.parent for body in file.bodies.values()}
+    text = " ".join(str(item) for item in (*file.cuts.values(), *file.constraints.values()))
+    for name, body in file.bodies.items():
+        moving = [
+            c.name
+            for c in body.coordinates(name)
+            if c.name not in known.driven and c.role != "driven"
+        ]
+        mentioned = re.search(rf"\b{re.escape(name)}\b", text) is not None
+        if body.mass is None and name not in held and moving and not mentioned:
+            yield (
+                ("bodies", name),
+                f"has no mass and nothing hangs on it: nothing resists '{moving[-1]}'; give it a "
+                "mass, drive the coordinate or leave it out",
+            )

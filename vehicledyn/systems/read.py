@@ -1,0 +1,210 @@
+"""Read a system file: every problem of it is told at once, with line and field."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, ClassVar
+
+from pydantic import ValidationError
+
+from vehicledyn.base.parameters import ParameterSet
+from vehicledyn.base.problems import START, Place, Problem
+from vehicledyn.base.registry import register
+from vehicledyn.base.units import describe
+from vehicledyn.base.wording import UNKNOWN_KEY
+from vehicledyn.base.yaml import Document, read_yaml
+from vehicledyn.scenario.sources import Sources
+from vehicledyn.systems import changes
+from vehicledyn.systems.checks import check
+from vehicledyn.systems.joints import Coordinate
+from vehicledyn.systems.mirror import mirror_image
+from vehicledyn.systems.parameters import Parameters, read_parameters
+from vehicledyn.systems.repeat import Expansion, expand
+from vehicledyn.systems.sets import Sections, SystemFile
+
+KEYS = ("bodies", "repeat", "mirror")
+"""Keys by which a file shows that it is a system."""
+
+
+@dataclass(frozen=True)
+class SystemModel:
+    """A system file that may be built.
+
+    ``file`` has its repetition and mirror images carried out and its bodies parents first.
+    """
+
+    path: Path
+    text: str
+    file: SystemFile
+    parameters: Parameters
+    coordinates: dict[str, Coordinate]
+
+    @property
+    def name(self) -> str:
+        """Name of the system, that of its file."""
+        return self.path.stem
+
+    @property
+    def has_wheels(self) -> bool:
+        """Whether it needs a road and tyres."""
+        return bool(self.file.wheels)
+
+    @property
+    def is_vehicle(self) -> bool:
+        """Whether it can drive a manoeuvre."""
+        return self.file.vehicle is not None
+
+    @property
+    def resolved(self) -> dict[str, float]:
+        """Parameters in SI by dotted name."""
+        return {n: v for e in self.parameters.entries for n, _, _, v in e.components}
+
+    @property
+    def units(self) -> dict[str, str]:
+        """Unit of each parameter."""
+        return self.parameters.units
+
+
+@register("model_file", "system")
+class SystemFiles:
+    """System files, as models of scenarios."""
+
+    parameter_class: ClassVar[type[ParameterSet]] = SystemFile
+
+    @staticmethod
+    def is_one(data: Any) -> bool:
+        """Return whether a file's data is a system."""
+        return isinstance(data, dict) and "model" not in data and any(key in data for key in KEYS)
+
+    @staticmethod
+    def read(
+        path: Path, given: dict[str, Any], sources: Sources
+    ) -> tuple[SystemModel | None, list[Problem]]:
+        """Return the system of a file; see :func:`read_system`."""
+        return read_system(path, given, sources)
+
+    @staticmethod
+    def groups(path: Path) -> set[str]:
+        """Return the first words of the names of its parameters; none of an unreadable file."""
+        data = read_yaml(path).data
+        known = data.get("parameters") if isinstance(data, dict) else None
+        return set(known) if isinstance(known, dict) else set()
+
+
+def read_system(
+    path: Path, given: dict[str, Any] | None = None, sources: Sources | None = None
+) -> tuple[SystemModel | None, list[Problem]]:
+    """Return the system of a file, or None, and all that is wrong with it.
+
+    Parameters
+    ----------
+    path
+        The file.
+    given
+        What a scenario changes, under "parameters" and "initial".
+    sources
+        Where the scenario's values came from.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be read or is no YAML.
+    """
+    document = read_yaml(path)
+    if not isinstance(document.data, dict):
+        words = f"the file holds {describe(document.data)}; a system is a mapping"
+        return None, [*document.problems, Problem(document.name, START, "file", words)]
+    reading = _Reading(document, given or {}, sources or Sources(Document(str(path), "")))
+    file = reading.read()
+    if reading.problems or file is None:
+        return None, _once(reading.problems)
+    coordinates = _coordinates(file)
+    return SystemModel(path, document.text, file, reading.parameters, coordinates), []
+
+
+class _Reading:
+    """The steps of reading one file, and the problems they find."""
+
+    def __init__(self, document: Document, given: dict[str, Any], sources: Sources) -> None:
+        self.own, self.outer = Sources(document), sources
+        self.problems = list(document.problems)
+        self.expansion: Expansion = expand(document.data)
+        self.changes = changes.apply(self.expansion.data, given)
+        self.parameters = read_parameters(self.expansion.data.get("parameters"))
+
+    def read(self) -> SystemFile | None:
+        """Return the complete file, or None if its parts are not well formed."""
+        self._note((self.expansion.place(p), w) for p, w in self.expansion.problems)
+        for place, words in self.changes.problems:
+            self.problems.append(self.outer.problem(place, words, at_key=True))
+        self._tell(self.parameters.problems)
+        changed = list(changes.changed_units(self.changes, self.parameters))
+        self._tell(changed)
+        try:
+            file = SystemFile.model_validate(self.expansion.data)
+        except ValidationError as error:
+            for line in error.errors():
+                self._tell_one(line["loc"], line["msg"], at_key=line["type"] == UNKNOWN_KEY)
+            return None
+        flat = self._flat(file)
+        known = self.changes.before if changed else self.parameters
+        self._tell(check(flat, _coordinates(flat), known))
+        return _parents_first(flat)
+
+    def _flat(self, file: SystemFile) -> SystemFile:
+        """Return the file with its groups and their mirror images in its sections."""
+        sections = {name: dict(getattr(file, name)) for name in Sections.model_fields}
+        for number, group in enumerate(file.mirror):
+            image, at = mirror_image(group), ("mirror", number)
+            self._tell(((*at, *place), words) for place, words in image.problems)
+            for section, entries in sections.items():
+                own: dict[str, Any] = getattr(group, section)
+                made = [(n, e, n) for n, e in own.items()]
+                made += [(n, e, image.old[section, n]) for n, e in image.sections[section].items()]
+                for name, entry, old in made:
+                    if name in entries:
+                        words = f"'{name}' is defined twice"
+                        self._tell_one((*at, section, old), words, at_key=True)
+                    else:
+                        entries[name] = entry
+                        self.expansion.origins[section, name] = (*at, section, old)
+        return file.model_copy(update={**sections, "mirror": ()})
+
+    def _tell(self, found: Iterable[tuple[Place, str]]) -> None:
+        for place, words in found:
+            self._tell_one(place, words)
+
+    def _tell_one(self, place: Place, words: str, *, at_key: bool = False) -> None:
+        if self.changes.gave(place):
+            known = self.outer.options.keys() | self.outer.document.keys.keys()
+            split = (place[0], *".".join(map(str, place[1:])).split("."))
+            nested = place if place in known else split
+            self.problems.append(self.outer.problem(nested, words, at_key=at_key))
+        else:
+            self._note([(self.expansion.place(place), words)], at_key=at_key)
+
+    def _note(self, found: Iterable[tuple[Place, str]], *, at_key: bool = False) -> None:
+        self.problems += [self.own.problem(place, words, at_key=at_key) for place, words in found]
+
+
+def _once(problems: list[Problem]) -> list[Problem]:
+    """Return the problems, those that repetition tells several times only once."""
+    return list({(p.source, p.mark, p.message): p for p in reversed(problems)}.values())[::-1]
+
+
+def _coordinates(file: SystemFile) -> dict[str, Coordinate]:
+    found = [c for name, body in file.bodies.items() for c in body.coordinates(name)]
+    return {c.name: c for c in found}
+
+
+def _parents_first(file: SystemFile) -> SystemFile:
+    """Return the file with each body after its parent, else in the order it is written."""
+    ordered: dict[str, Any] = {}
+    waiting = dict(file.bodies)
+    while waiting:
+        ready = [n for n, b in waiting.items() if b.parent not in waiting]
+        for name in ready or list(waiting):
+            ordered[name] = waiting.pop(name)
+    return file.model_copy(update={"bodies": ordered})
