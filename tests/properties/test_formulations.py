@@ -7,13 +7,14 @@ from random_systems import CHAIN, Builder, spatial_loop, tree
 
 from vehicledyn.base.errors import InputError
 from vehicledyn.multibody import derive
+from vehicledyn.multibody.alignment import align
 from vehicledyn.multibody.barycentric import augmented_inertias
 from vehicledyn.multibody.dynamics import inverse_dynamics, mass_matrix
 from vehicledyn.multibody.kinematics import Kinematics
-from vehicledyn.multibody.system import GROUND
+from vehicledyn.multibody.system import GROUND, Body, Joint, Turn
 from vehicledyn.multibody.tree import unfold
 from vehicledyn.solve.functions import count_operations
-from vehicledyn.symbolic import ops
+from vehicledyn.symbolic import ops, rotations
 from vehicledyn.symbolic.equations import Equations, Variable
 
 WAYS = ("auto", "composite", "articulated")
@@ -144,3 +145,37 @@ def test_long_chains_grow_linearly():
             b.add(f"body{k}", f"body{k - 1}" if k else GROUND, ("R2",), turns=False)
         counts.append(count_operations(derive(b.system("chain")))["rates"] / n)
     assert counts[1] < 1.06 * counts[0]
+
+
+def oblique_chain(n, seed=4):
+    """A chain of turning joints about all axes with an oblique turn before each."""
+    b = Builder(seed)
+    for k in range(n):
+        name, parent = f"body{k}", f"body{k - 1}" if k else GROUND
+        joint = Joint(f"R{1 + (k * k) % 3}", f"{name}.q", start=b.rng.uniform(-0.6, 0.6))
+        b.bodies.append(Body(name, parent, b.at(name), (b.turn(), joint), **b.rigid(name)))
+    return b.system("oblique")
+
+
+def test_aligned_axes_leave_two_turns_a_joint():
+    """Every fixed turn but the one on the ground becomes a turn about one axis."""
+    system = oblique_chain(9)
+    aligned = align(unfold(system), system.table)
+    axes = [rotations.elementary_axis(item.before) for item in aligned.tree.links[1:]]
+    assert None not in axes
+    ways = ("composite", "articulated")
+    one, two = (rates(derive(system, formulation=way), 2) for way in ways)
+    assert two == pytest.approx(one, rel=0.0, abs=1e-11 * np.abs(one).max())
+
+
+def test_parallel_joints_are_not_aligned():
+    """Two parallel joints have no common normal; their axes stay as given."""
+    b = Builder(3)
+    half = Turn(rotations.turn(3, b.table.add("angle", 0.4, "rad", "Angle between bodies")))
+    tilt = Turn(rotations.turn(1, b.table.add("tilt", 0.0, "rad", "Angle between joints")))
+    for name, parent in (("one", GROUND), ("two", "one")):
+        turns = (half, tilt, half)
+        joints = (*turns, Joint("R3", f"{name}.q"))
+        b.bodies.append(Body(name, parent, b.at(name), joints, **b.rigid(name)))
+    system = b.system("parallel")
+    assert not align(unfold(system), system.table).turns

@@ -46,14 +46,15 @@ class ArticulatedInertia:
             self.angular + other.angular,
         )
 
-    def in_parent(self, rotation: Mat, arm: Vec) -> ArticulatedInertia:
-        """Return it in a parent frame: v_parent = rotation v, origin displaced by ``arm``."""
-        linear = rotations.congruent(rotation, self.linear)
-        near = rotation @ self.coupling @ rotation.T
+    def in_parent(self, turns: Sequence[Mat], arm: Vec) -> ArticulatedInertia:
+        """Return it in a parent frame: turned by each rotation, origin displaced by ``arm``."""
+        linear, near, angular = self.linear, self.coupling, self.angular
+        for turn in turns:
+            linear, angular = (rotations.congruent(turn, item) for item in (linear, angular))
+            near = rotations.similar(turn, near)
         far = near - linear @ ops.tilde(arm)
         one, two = ops.tilde(arm) @ far, ops.tilde(arm) @ near
         gain = [one[i, j] + two[j, i] for i, j in _UPPER]
-        angular = rotations.congruent(rotation, self.angular)
         return ArticulatedInertia(linear, far, angular + rotations.symmetric(gain[:3], gain[3:]))
 
 
@@ -122,7 +123,8 @@ def _inwards(
                 body, wrench = _beyond(item, body, wrench, gate, force)
         if item.parent >= 0:
             rotation, arm = kinematics.link_rotation(link), kinematics.link_arm(link)
-            bodies[item.parent] = bodies[item.parent] + body.in_parent(rotation, arm)
+            moved = body.in_parent(kinematics.link_turns(link), arm)
+            bodies[item.parent] = bodies[item.parent] + moved
             passed = rotation @ wrench.force
             turned = rotation @ wrench.torque + ops.cross(arm, passed)
             before = wrenches[item.parent]

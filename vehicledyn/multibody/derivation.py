@@ -160,7 +160,7 @@ def _dynamics(
     if influence:
         solved = solve_closed(problem, [names[k] for k in roles.independent], influence)
     else:
-        solved = solve_tree(problem, formulation)
+        solved = solve_tree(problem, system.table, formulation)
     accelerations = {**at_rest, **solved}
     for u, row in influence.items():
         for v, entry in row.items():

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal, TypeAlias
 
 from vehicledyn.multibody import articulated
+from vehicledyn.multibody.alignment import AlignedTree, align
+from vehicledyn.multibody.barycentric import augmented_inertias
 from vehicledyn.multibody.dynamics import inverse_dynamics, mass_matrix, needed_wrenches
 from vehicledyn.multibody.inertia import Inertia
 from vehicledyn.multibody.kinematics import Kinematics
@@ -15,6 +17,7 @@ from vehicledyn.multibody.reduction import independent_accelerations
 from vehicledyn.symbolic import ops
 from vehicledyn.symbolic.counting import count_operations
 from vehicledyn.symbolic.ops import Scalar, Vec
+from vehicledyn.symbolic.parameters import ParameterTable
 
 Formulation: TypeAlias = Literal["auto", "composite", "articulated"]
 """Composite inertias and a factorised mass matrix, articulated inertias, or the cheaper."""
@@ -39,18 +42,33 @@ class TreeProblem:
     free: list[str]
 
 
-def solve_tree(problem: TreeProblem, formulation: Formulation = "auto") -> dict[str, Scalar]:
+def solve_tree(
+    problem: TreeProblem, table: ParameterTable, formulation: Formulation = "auto"
+) -> dict[str, Scalar]:
     """Return the accelerations of the free coordinates by name.
 
-    The choice rests on the counted operations of both; where the mass matrix has many entries
-    a coordinate the articulated recursion is taken at once.
+    The choice rests on the counted operations; where the mass matrix has many entries a
+    coordinate it is not tried. The parameter values of ``table`` tell where axes may be aligned.
     """
-    if formulation == "composite":
-        return by_composite(problem)
-    if formulation == "articulated" or _entries(problem) > _LONG * len(problem.free):
-        return by_articulated(problem)
-    candidates = [by_composite(problem), by_articulated(problem)]
+    candidates: list[dict[str, Scalar]] = []
+    if formulation != "articulated" and not (
+        formulation == "auto" and _entries(problem) > _LONG * len(problem.free)
+    ):
+        candidates.append(by_composite(problem))
+    if formulation != "composite":
+        aligned = align(problem.kinematics.tree, table)
+        candidates.append(by_articulated(_on(problem, aligned) if aligned.turns else problem))
     return min(candidates, key=lambda found: count_operations(ops.column([*found.values()])))
+
+
+def _on(problem: TreeProblem, aligned: AlignedTree) -> TreeProblem:
+    """Return the same problem with the axes of an aligned tree."""
+    return replace(
+        problem,
+        kinematics=problem.kinematics.on(aligned.tree),
+        inertias=augmented_inertias(aligned.tree),
+        wrenches=aligned.wrenches(problem.wrenches),
+    )
 
 
 def by_composite(problem: TreeProblem) -> dict[str, Scalar]:

@@ -63,6 +63,10 @@ class Kinematics:
         """
         return self._sharing(self._qdd, acceleration, forget=frozenset({"acceleration"}))
 
+    def on(self, tree: Tree) -> Kinematics:
+        """Return the kinematics of the same motion on another tree of the same coordinates."""
+        return Kinematics(tree, self._q, self._qd, self._qdd, self._ground)
+
     def _sharing(
         self, accelerations: dict[str, Scalar] | None, ground: Vec, *, forget: frozenset[str]
     ) -> Kinematics:
@@ -116,14 +120,27 @@ class Kinematics:
         """Return R with v_parent = R v_link."""
         from vehicledyn.multibody.tree import joint_rotation
 
-        def build() -> Mat:
+        return self._once(
+            "rotation", link, lambda: joint_rotation(self.tree.links[link], *self._turn(link))
+        )
+
+    def link_turns(self, link: int) -> list[Mat]:
+        """Return factors of the link's rotation, the innermost first, for inertias."""
+        from vehicledyn.multibody.tree import joint_turns
+
+        return joint_turns(self.tree.links[link], *self._turn(link))
+
+    def _turn(self, link: int) -> tuple[Scalar, Scalar]:
+        """Return cosine and sine of a joint's angle, those of zero where nothing turns."""
+
+        def build() -> tuple[Scalar, Scalar]:
             item = self.tree.links[link]
             if item.joint is None or not item.joint.is_rotation:
-                return joint_rotation(item, 1.0, 0.0)
-            angle = self._q[item.joint.name]
-            return joint_rotation(item, ops.cos(angle), ops.sin(angle))
+                return 1.0, 0.0
+            angle = self._q[item.joint.name] + item.phase
+            return ops.cos(angle), ops.sin(angle)
 
-        return self._once("rotation", link, build)
+        return self._once("turn", link, build)
 
     def link_arm(self, link: int) -> Vec:
         """Return the vector from the parent's origin to the link's, in the parent's axes [m]."""

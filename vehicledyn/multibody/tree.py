@@ -16,6 +16,7 @@ class Link:
     ``parent`` is the index of the link before, -1 for the ground. ``offset`` [m] leads from
     the parent's origin to the joint, in the parent's axes; ``before`` and ``after`` are fixed
     rotations on either side of the joint. ``body`` is the body that ends the chain here.
+    ``phase`` is added to the coordinate of a turning joint [rad].
     """
 
     parent: int
@@ -25,6 +26,13 @@ class Link:
     after: Mat | None
     body: Body | None
     is_ignorable_spin: bool = False
+    phase: Scalar = 0.0
+
+    @property
+    def turns(self) -> bool:
+        """Whether the axes of the link turn with its coordinate."""
+        turning = self.joint is not None and self.joint.is_rotation
+        return turning and not self.is_ignorable_spin
 
 
 @dataclass(frozen=True)
@@ -98,8 +106,7 @@ def joint_rotation(link: Link, c: Scalar, s: Scalar) -> Mat:
     Between two fixed turns B and A the joint's R = e eᵀ + c (1 - e eᵀ) + s tilde(e) gives
     B R A as a sum of three constant matrices, which costs half of the two products.
     """
-    turns = link.joint is not None and link.joint.is_rotation and not link.is_ignorable_spin
-    if link.joint is None or not turns:
+    if link.joint is None or not link.turns:
         return _product(link.before, link.after)
     if link.before is None or link.after is None:
         return _product(link.before, rotations.turn_by(link.joint.axis, c, s), link.after)
@@ -110,6 +117,21 @@ def joint_rotation(link: Link, c: Scalar, s: Scalar) -> Mat:
         for part in (along, rotations.identity() - along, ops.tilde(axis))
     )
     return kept + c * turned + s * across
+
+
+def joint_turns(link: Link, c: Scalar, s: Scalar) -> list[Mat]:
+    """Return the factors of :func:`joint_rotation`, the innermost first.
+
+    Two turns about axes of their frames, one after the other, are cheaper for an inertia than
+    their product; any other rotation is one factor.
+    """
+    if link.joint is not None and link.turns and link.after is None:
+        turn = rotations.turn_by(link.joint.axis, c, s)
+        if link.before is None:
+            return [turn]
+        if rotations.elementary_axis(link.before) is not None:
+            return [turn, link.before]
+    return [joint_rotation(link, c, s)]
 
 
 def _product(*factors: Mat | None) -> Mat:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections import defaultdict
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from typing import Any
@@ -148,31 +149,43 @@ def _definition(name: str, arrays: Sequence[str], lines: Sequence[str]) -> str:
 def _print_pieces(
     program: _Program, name: str, arrays: list[str], inputs: list[str], piece: int
 ) -> str:
-    """Print pieces that hand the values needed later to each other in the array ``s``."""
-    shared = _shared_values(program, piece)
+    """Print pieces that hand the values needed later to each other in the array ``s``.
+
+    Inputs and constants are read where they are needed, results stored where they arise.
+    """
+    texts = program.texts
+    at_hand = [not operands for operands in program.operands]
+    shared = [value for value in _shared_values(program, piece) if not at_hand[value]]
     place = {value: k for k, value in enumerate(shared)}
-    arrays_in = [*arrays[: len(inputs)], "double *restrict s"]
-    texts, calls = [], [f"double s[{max(1, len(shared))}];"]
-    for number, start in enumerate(range(0, len(program.texts), piece)):
+    outputs = [f"r{k}" for k in range(len(arrays) - len(inputs))]
+    arguments = ", ".join([*inputs, "s", *outputs])
+    arrays_in = [*arrays[: len(inputs)], "double *restrict s", *arrays[len(inputs) :]]
+    arising: dict[int, list[str]] = defaultdict(list)
+    for k, element, value in program.results:
+        arising[value].append(f"r{k}[{element}]")
+    pieces, calls = [], [f"double s[{max(1, len(shared))}];"]
+    for number, start in enumerate(range(0, len(texts), piece)):
 
         def reference(value: int, start: int = start) -> str:
-            return f"w{value}" if value >= start else f"s[{place[value]}]"
+            if value >= start:
+                return f"w{value}"
+            return texts[value] if at_hand[value] else f"s[{place[value]}]"
 
-        stop = min(start + piece, len(program.texts))
+        stop = min(start + piece, len(texts))
         lines = []
         for k in range(start, stop):
             lines.append(_statement(program, k, reference))
             if k in place:
                 lines.append(f"s[{place[k]}] = w{k};")
-        texts.append("VD_APART " + _definition(f"{name}_{number}", arrays_in, lines))
-        calls.append(f"{name}_{number}({', '.join([*inputs, 's'])});")
-    calls += _stores(program, lambda value: f"s[{place[value]}]")
-    return "".join([*texts, _definition(name, arrays, calls)])
+            lines.extend(f"{target} = w{k};" for target in arising[k])
+        pieces.append("VD_APART " + _definition(f"{name}_{number}", arrays_in, lines))
+        calls.append(f"{name}_{number}({arguments});")
+    return "".join([*pieces, _definition(name, arrays, calls)])
 
 
 def _shared_values(program: _Program, piece: int) -> list[int]:
-    """Return the values that a later piece or the results need, in order."""
-    needed = {value for _, _, value in program.results}
+    """Return the values that a later piece needs, in order."""
+    needed: set[int] = set()
     for k, operands in enumerate(program.operands):
         needed.update(value for value in operands if value // piece != k // piece)
     return sorted(needed)

@@ -44,8 +44,12 @@ def symmetric(diagonal: Sequence[Scalar], beside: Sequence[Scalar]) -> Mat:
 def congruent(rotation: Mat, tensor: Mat) -> Mat:
     """Return R T Rᵀ of a symmetric T: its elements in the frame that R leads to.
 
-    Only one triangle is computed, which is why this is not two products.
+    Only one triangle is computed, which is why this is not two products; a rotation about an
+    axis of the frame costs a fifth.
     """
+    axis = elementary_axis(rotation)
+    if axis is not None:
+        return _turned_about(axis, rotation, tensor)
     half = rotation @ tensor
 
     def element(i: int, j: int) -> Scalar:
@@ -54,6 +58,45 @@ def congruent(rotation: Mat, tensor: Mat) -> Mat:
     return symmetric(
         [element(k, k) for k in range(3)], [element(0, 1), element(0, 2), element(1, 2)]
     )
+
+
+def similar(rotation: Mat, tensor: Mat) -> Mat:
+    """Return R T Rᵀ of any T: its elements in the frame that R leads to."""
+    axis = elementary_axis(rotation)
+    return rotation @ tensor @ rotation.T if axis is None else _turned_about(axis, rotation, tensor)
+
+
+def _turned_about(axis: int, rotation: Mat, tensor: Mat) -> Mat:
+    """Return R T Rᵀ of any T, where R turns about axis 1, 2 or 3 alone.
+
+    Trace and skew part of the block across the axis stay, which spares half of its products.
+    """
+    i, j, k = axis - 1, axis % 3, (axis + 1) % 3
+    c, s = rotation[j, j], rotation[k, j]
+    difference, both = tensor[j, j] - tensor[k, k], tensor[j, k] + tensor[k, j]
+    moved = s * s * difference + c * s * both
+    crossed = c * s * difference - s * s * both
+    turned = {
+        (i, i): tensor[i, i],
+        (j, j): tensor[j, j] - moved,
+        (k, k): tensor[k, k] + moved,
+        (j, k): tensor[j, k] + crossed,
+        (k, j): tensor[k, j] + crossed,
+        (i, j): c * tensor[i, j] - s * tensor[i, k],
+        (i, k): s * tensor[i, j] + c * tensor[i, k],
+        (j, i): c * tensor[j, i] - s * tensor[k, i],
+        (k, i): s * tensor[j, i] + c * tensor[k, i],
+    }
+    return matrix([[turned[m, n] for n in range(3)] for m in range(3)])
+
+
+def elementary_axis(rotation: Mat) -> int | None:
+    """Return the axis, 1 to 3, about which a rotation turns whatever its symbols, if any."""
+    for i in range(3):
+        others = [(i, n) for n in range(3) if n != i] + [(n, i) for n in range(3) if n != i]
+        if rotation[i, i].is_one() and all(rotation[pair].is_zero() for pair in others):
+            return i + 1
+    return None
 
 
 def is_diagonal(tensor: Mat) -> bool:
