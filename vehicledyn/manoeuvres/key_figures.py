@@ -12,10 +12,14 @@ if TYPE_CHECKING:
     from vehicledyn.results.layout import SceneItem, SummaryEntry
 
 _SPEED = "body.forward_speed"
+_LEFTWARD = "body.lateral_speed"
 _LATERAL = "accelerometer.lateral"
 _SIDESLIP = "body.sideslip_angle"
 _GAP = "constraints.position_error"
 _OPENING = "constraints.velocity_error"
+_WALK = 1.0
+"""Speed from which the largest side-slip angle counts; a car that rocks on its springs at
+standstill has any [m/s]."""
 
 
 def channels(vehicle: RoadVehicle) -> list[str]:
@@ -24,7 +28,8 @@ def channels(vehicle: RoadVehicle) -> list[str]:
     wheels = [
         f"{c.name}.tyre.{name}" for c in vehicle.corners for name in ("normal_force", "slip_angle")
     ]
-    return [*pose, vehicle.rack, _SPEED, _LATERAL, _SIDESLIP, _GAP, _OPENING, *wheels]
+    body = [_SPEED, _LEFTWARD, _LATERAL, _SIDESLIP]
+    return [*pose, vehicle.rack, *body, _GAP, _OPENING, *wheels]
 
 
 def outline_scene(vehicle: RoadVehicle) -> dict[str, SceneItem]:
@@ -40,6 +45,8 @@ def outline_scene(vehicle: RoadVehicle) -> dict[str, SceneItem]:
 
 def summarise(recording: Recording, vehicle: RoadVehicle) -> list[SummaryEntry]:
     """Return peaks of acceleration, angles and slip, smallest load, speed and loop errors."""
+    import numpy as np
+
     from vehicledyn.results.layout import SummaryEntry
     from vehicledyn.results.metrics import peak, smallest
 
@@ -52,7 +59,11 @@ def summarise(recording: Recording, vehicle: RoadVehicle) -> list[SummaryEntry]:
 
     add_peak("largest_lateral_acceleration", _LATERAL, "m/s^2", "Largest lateral acceleration")
     add_peak("largest_roll_angle", f"{vehicle.chassis}.roll", "rad", "Largest roll angle")
-    add_peak("largest_sideslip_angle", _SIDESLIP, "rad", "Largest side-slip angle of the body")
+    moves = ~(np.hypot(values[_SPEED], values[_LEFTWARD]) < _WALK)
+    if moves.any():
+        largest = abs(peak(time[moves], values[_SIDESLIP][moves]).value)
+        text = "Largest side-slip angle of the body"
+        entries.append(SummaryEntry("largest_sideslip_angle", largest, "rad", text))
     slips = [peak(time, values[f"{c.name}.tyre.slip_angle"]) for c in vehicle.corners]
     largest_slip = max(abs(s.value) for s in slips)
     entries.append(

@@ -107,3 +107,10 @@ def test_relaxation_holds_a_standing_car_on_a_slope(tmp_path, kind):
             )
             assert abs(settling).max() < 0.01  # tyres and springs give way first
             assert abs(standing - standing[-1]).max() < 1e-4
+
+
+def test_a_car_at_standstill_has_no_side_slip(tmp_path):
+    with drive(tmp_path, SPEED="0 m/s") as result:
+        assert "largest_sideslip_angle" not in result.summary
+    with drive(tmp_path) as result:
+        assert result.summary["largest_sideslip_angle"].value < 1e-3
