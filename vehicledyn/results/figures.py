@@ -15,6 +15,7 @@ if TYPE_CHECKING:
 
 PANEL_HEIGHT = 1.75  # inch
 HEADING_HEIGHT = 0.95  # inch: title, time axis and footer
+ROUNDING = 1e-9  # of the values' size, at least of 1 in the unit shown
 
 
 def draw_figure(result: Result, plot: Plot) -> Figure:
@@ -64,12 +65,22 @@ def _draw_panel(axes: Axes, result: Result, panel: Panel) -> None:
         }
         values = series.values * unit_factor(series.unit, panel.unit)
         axes.plot(result.time, values, label=label, **style)
+    _keep_rounding_small(axes)
     axes.set_ylabel(axis_label(panel.label, panel.unit))
     if len(result.time) > 1:
         axes.set_xlim(float(result.time[0]), float(result.time[-1]))
     if len(panel.channels) > 1:
         columns = 4 if max(map(len, panel.labels)) < 18 else 2
         axes.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=columns)
+
+
+def _keep_rounding_small(axes: Axes) -> None:
+    """Widen a scale that would show nothing but rounding errors."""
+    low, high = axes.get_ylim()
+    centre = 0.5 * (low + high)
+    size = max(1.0, abs(centre))
+    if high - low < ROUNDING * size:
+        axes.set_ylim(centre - 0.05 * size, centre + 0.05 * size)
 
 
 def _title(result: Result, plot: Plot) -> str:

@@ -146,7 +146,8 @@ def _range(result: Result, name: str) -> ChannelRange:
 def _span(channel: ChannelRange) -> str:
     if channel.smallest is None:
         return "no values"
-    text = f"{channel.smallest:.6g} .. {channel.largest:.6g}"
+    # Adding zero turns -0.0 into 0.0.
+    text = f"{channel.smallest + 0.0:.6g} .. {(channel.largest or 0.0) + 0.0:.6g}"
     return text + (f" ({channel.not_finite} not finite)" if channel.not_finite else "")
 
 

@@ -37,6 +37,12 @@ def test_it_is_strict_json(make_result):
     assert found["summary"][1]["value"] == 0.25
 
 
+def test_zero_has_no_sign(make_result):
+    path = make_result(time=np.array([0.0, 1.0, 2.0]), values={"a": ("m", np.full(3, -0.0))})
+    assert "0 .. 0 " in describe_result(path).as_text()
+    assert "-0" not in describe_result(path).as_text().partition("Channels")[2]
+
+
 def test_a_file_without_samples(make_result):
     path = make_result(time=np.empty(0), values={"a": ("m", np.empty(0))}, status="interrupted")
     description = describe_result(path)

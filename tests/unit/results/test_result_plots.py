@@ -183,3 +183,10 @@ def test_units_and_labels():
     assert axis_label("Acceleration", "m/s^2") == "Acceleration [m/s²]"
     assert axis_label("Inertia", "kg m^2") == "Inertia [kg m²]"
     assert axis_label("Slip", "1") == "Slip [–]"
+
+
+def test_rounding_errors_do_not_fill_a_panel(make_result):
+    time, values = slalom_values()
+    values["chassis.roll"] = ("rad", 1e-15 * np.sin(time))
+    _, roll = drawn(make_result(values=values), "loads").axes
+    assert roll.get_ylim() == pytest.approx((-0.05, 0.05))
