@@ -78,7 +78,7 @@ def equilibrium(
     as_json: Json = False,
 ) -> None:
     """Find the equilibrium of a vehicle that stands or runs straight ahead."""
-    loaded, wanted = _load(target, overrides), None if speed is None else speed_in_si(speed)
+    loaded, wanted = read_target(target, overrides), None if speed is None else speed_in_si(speed)
     from vehicledyn.run import find_equilibrium
 
     with show_progress() as progress:
@@ -99,7 +99,7 @@ def eig(
     as_json: Json = False,
 ) -> None:
     """Find the eigenmodes of the motion about straight running."""
-    loaded, speeds = _load(target, overrides), [speed_in_si(text) for text in speed or []]
+    loaded, speeds = read_target(target, overrides), [speed_in_si(text) for text in speed or []]
     from vehicledyn.run import find_modes
 
     with show_progress() as progress:
@@ -107,7 +107,7 @@ def eig(
     emit_report(report, as_json=as_json, file=output)
 
 
-def _load(target: str, overrides: list[str] | None) -> LoadedScenario | LoadedModel:
+def read_target(target: str, overrides: list[str] | None) -> LoadedScenario | LoadedModel:
     """Return the model of this name, or else the scenario in this file."""
     import vehicledyn.catalogue  # noqa: F401
     from vehicledyn.base.registry import kinds

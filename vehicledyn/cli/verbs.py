@@ -10,7 +10,7 @@ from typer.core import TyperGroup
 
 import vehicledyn
 from vehicledyn.base.errors import InputError, StoppedError
-from vehicledyn.cli import analyses, files
+from vehicledyn.cli import analyses, exports, files
 from vehicledyn.cli.options import (
     Backend,
     BackendChoice,
@@ -148,3 +148,4 @@ def doctor(as_json: Json = False) -> None:
 
 files.add_verbs(app)
 analyses.add_verbs(app)
+exports.add_verbs(app)

@@ -71,12 +71,14 @@ class Document:
         }
 
 
-def write_document(ingredients: Ingredients, language: Language, start: Start | None) -> Document:
+def write_document(
+    ingredients: Ingredients, language: Language, name: str, start: Start | None
+) -> Document:
     """Return a system written in a language; without a start, the equations' own values."""
     equations = ingredients.equations
     names = safe_names([p.name for p in equations.parameters])
     return Document(
-        safe_name(equations.name),
+        safe_name(name),
         language,
         ingredients,
         start or start_of(equations),

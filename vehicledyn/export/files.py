@@ -1,4 +1,4 @@
-"""Write the equations of a system to files in a language."""
+"""Write the equations of a system to files in a language, or as an FMU."""
 
 from __future__ import annotations
 
@@ -10,17 +10,19 @@ from vehicledyn.export.document import Start, write_document
 from vehicledyn.export.languages import MATLAB, PYTHON, C, safe_name
 from vehicledyn.multibody.ingredients import Ingredients
 
-SUFFIXES = {"c": ".c", "python": ".py", "matlab": ".m"}
-"""Ending of the file by language."""
+SUFFIXES = {"c": ".c", "python": ".py", "matlab": ".m", "fmu": ".fmu"}
+"""Ending of the file by what a system is exported to."""
 
 
-def file_name(model: str, suffix: str) -> str:
-    """Return the name of the file that a model is exported to."""
-    return f"{safe_name(model)}{suffix}"
+def file_of(path: Path | None, name: str, suffix: str) -> Path:
+    """Return the file to write: a path that ends so, or one in that folder, named as asked."""
+    if path is not None and path.suffix == suffix and not path.is_dir():
+        return path
+    return (path or Path()) / f"{safe_name(name)}{suffix}"
 
 
 def export_text(
-    ingredients: Ingredients, language: str, start: Start | None = None
+    ingredients: Ingredients, language: str, name: str, start: Start | None = None
 ) -> dict[str, str]:
     """Return the texts of the files that a system is exported to, by their endings.
 
@@ -30,6 +32,8 @@ def export_text(
         The equations and what they are made of.
     language
         "c", "python" or "matlab".
+    name
+        Identifier of the model, which is the name of the files too.
     start
         Parameters, states and unknowns to carry along; the equations' own if None.
 
@@ -39,30 +43,35 @@ def export_text(
         If an operation has no translation.
     """
     if language == "c":
-        document = write_document(ingredients, C, start)
+        document = write_document(ingredients, C, name, start)
         return {".c": c.c_source(document), ".h": c.c_header(document)}
     if language == "python":
-        return {".py": python.python_module(write_document(ingredients, PYTHON, start))}
-    return {".m": matlab.matlab_function(write_document(ingredients, MATLAB, start))}
+        return {".py": python.python_module(write_document(ingredients, PYTHON, name, start))}
+    return {".m": matlab.matlab_function(write_document(ingredients, MATLAB, name, start))}
 
 
 def export_files(
-    ingredients: Ingredients, language: str, folder: Path, start: Start | None = None
+    ingredients: Ingredients, language: str, path: Path, start: Start | None = None
 ) -> list[Path]:
-    """Write a system to a folder, files named after the model; return their paths.
+    """Write a system to a file, and for C to a header beside it; return their paths.
 
     Raises
     ------
     InputError
-        If a file cannot be written.
+        If the name is no identifier or a file cannot be written.
     """
+    if safe_name(path.stem) != path.stem:
+        raise InputError(
+            f"{path}: the functions are named after the file, and '{path.stem}' is no name in all "
+            f"languages; '{safe_name(path.stem)}' is"
+        )
     paths = []
-    for suffix, text in export_text(ingredients, language, start).items():
-        path = folder / file_name(ingredients.equations.name, suffix)
+    for suffix, text in export_text(ingredients, language, path.stem, start).items():
+        file = path.with_suffix(suffix)
         try:
-            folder.mkdir(parents=True, exist_ok=True)
-            path.write_text(text, encoding="utf-8")
+            file.parent.mkdir(parents=True, exist_ok=True)
+            file.write_text(text, encoding="utf-8")
         except OSError as error:
-            raise InputError(f"{path}: cannot be written: {error.strerror}") from None
-        paths.append(path)
+            raise InputError(f"{file}: cannot be written: {error.strerror}") from None
+        paths.append(file)
     return paths

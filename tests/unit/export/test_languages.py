@@ -77,7 +77,7 @@ def plain(value):
 @pytest.mark.parametrize("name", CASES)
 def test_python(name, tmp_path):
     c = case(name)
-    (path,) = export_files(c.ingredients, "python", tmp_path)
+    (path,) = export_files(c.ingredients, "python", tmp_path / f"{name}.py")
     points = [c.point(seed) for seed in SEEDS]
     command = [sys.executable, "-I", "-c", LOADERS, str(path)]
     for change, chosen in (
@@ -101,7 +101,7 @@ def compiled(c, folder):
         compiler = find_compiler()
     except CompilationError as error:
         pytest.skip(str(error))
-    source, _ = export_files(c.ingredients, "c", folder)
+    source, _ = export_files(c.ingredients, "c", folder / "exported.c")
     library = folder / "exported.so"
     strict = ["-std=c99", "-pedantic", "-Wall", "-Wextra", "-Werror"]
     options = [*strict, "-O1", "-ffp-contract=off", "-fPIC", "-shared"]
@@ -151,7 +151,7 @@ def test_matlab(name, tmp_path):
     if octave is None:
         pytest.skip("no Octave on the path, which runs the exported MATLAB")
     c = case(name)
-    (path,) = export_files(c.ingredients, "matlab", tmp_path)
+    (path,) = export_files(c.ingredients, "matlab", tmp_path / f"{name}.m")
     lines = [f"m = {path.stem}();", "names = fieldnames(m.parameters);"]
     points = [c.point(seed) for seed in SEEDS]
     for point in points:
@@ -186,8 +186,8 @@ def test_matlab(name, tmp_path):
 def test_exports_are_the_same_every_time_and_tell_what_everything_is(language):
     c = case("motor_on_a_shaker")
     fresh = type(c)(CASES["motor_on_a_shaker"]())
-    texts = export_text(c.ingredients, language)
-    assert texts == export_text(fresh.ingredients, language)
+    texts = export_text(c.ingredients, language, "shaken")
+    assert texts == export_text(fresh.ingredients, language, "shaken")
     text = "\n".join(texts.values())
     e = c.equations
     for item in (*e.states, *e.channels, *c.ingredients.variables):
@@ -201,7 +201,7 @@ def test_exports_are_the_same_every_time_and_tell_what_everything_is(language):
 
 def test_operation_counts_in_the_head_are_those_of_the_functions():
     """Every operator and function of the C text is one operation."""
-    text = export_text(case("double_pendulum").ingredients, "python")[".py"]
+    text = export_text(case("double_pendulum").ingredients, "python", "model")[".py"]
     told = int(text.split("#   bias ")[1].split("\n")[0])
     body = text.split("def bias(")[1].split('"""')[2].split("c = np.zeros")[0]
     statements = [line.partition("=")[2] for line in body.splitlines() if " = " in line]
@@ -214,7 +214,7 @@ def test_values_to_carry_along():
     c = case("four_bar")
     start = Start(tuple(range(1, 8)), (0.25, -0.5), (0.125, 2.0))
     assert len(c.equations.parameters) == 7
-    text = export_text(c.ingredients, "python", start)[".py"]
+    text = export_text(c.ingredients, "python", "model", start)[".py"]
     assert "crank_length: float = 1.0  # [m] crank.length: Length of the crank rod" in text
     assert "gravity: float = 7.0" in text
     assert "x_start = np.array([0.25, -0.5])" in text

@@ -1,0 +1,48 @@
+"""The verb that writes equations as functions of other languages or as an FMU."""
+
+from __future__ import annotations
+
+from enum import StrEnum
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from vehicledyn.cli.analyses import read_target
+from vehicledyn.cli.options import Json, Overrides, Target
+from vehicledyn.cli.terminal import emit_report, listen, show_progress
+
+
+class Kind(StrEnum):
+    """What equations are written as."""
+
+    C = "c"
+    PYTHON = "python"
+    MATLAB = "matlab"
+    FMU = "fmu"
+
+
+def add_verbs(app: typer.Typer) -> None:
+    """Add the verb of this module to the command line."""
+    app.command()(export)
+
+
+def export(
+    target: Target,
+    *,
+    to: Annotated[Kind, typer.Option("--to", help="What to write.")],
+    output: Annotated[
+        Path | None,
+        typer.Option("--output", "-o", metavar="PATH", help="File or folder; the present folder."),
+    ] = None,
+    overrides: Overrides = None,
+    as_json: Json = False,
+) -> None:
+    """Write the equations as functions in C, Python or MATLAB, or as an FMU; print the files."""
+    loaded = read_target(target, overrides)
+    from vehicledyn.run.exporting import export_target
+
+    listen(quiet=False, verbose=False)
+    with show_progress() as progress:
+        report = export_target(loaded, kind=to.value, path=output, progress=progress)
+    emit_report(report, as_json=as_json)

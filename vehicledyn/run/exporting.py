@@ -1,0 +1,88 @@
+"""The verb "export": the equations of a model or scenario as functions, or as an FMU."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Literal, TypeAlias
+
+from vehicledyn.export.document import Start
+from vehicledyn.export.files import SUFFIXES, export_files, file_of
+from vehicledyn.export.fmi_description import Experiment
+from vehicledyn.export.fmu import export_fmu
+from vehicledyn.multibody.ingredients import derive_ingredients
+from vehicledyn.run.prepare import Point, Prepared, Progress, nominal_point, prepare, start_point
+from vehicledyn.run.vehicle import Target
+from vehicledyn.scenario import LoadedModel
+
+ExportKind: TypeAlias = Literal["c", "python", "matlab", "fmu"]
+
+
+@dataclass(frozen=True)
+class ExportReport:
+    """The files that were written."""
+
+    paths: tuple[Path, ...]
+
+    def as_text(self) -> str:
+        """Return a line for each file."""
+        return "\n".join(map(str, self.paths))
+
+    def as_dict(self) -> dict[str, Any]:
+        """Return the files as plain data."""
+        return {"files": [str(path) for path in self.paths]}
+
+
+def export_target(
+    target: Target, *, kind: ExportKind, path: Path | None, progress: Progress
+) -> ExportReport:
+    """Write the equations of a model or scenario.
+
+    The files carry the parameter values along and the point to start from: that of the
+    scenario, or the nominal position of a model at rest.
+
+    Parameters
+    ----------
+    target
+        The validated scenario or model.
+    kind
+        "c", "python", "matlab" or "fmu".
+    path
+        File to write, or the folder to write it to; None for the present folder.
+    progress
+        Told what is going on.
+
+    Raises
+    ------
+    InputError
+        If a file cannot be written.
+    NumericalError
+        If the loops cannot be assembled or there is no equilibrium to start from.
+    """
+    prepared = prepare(target, backend="interpreted", progress=progress)
+    progress("finding the point to start from", None)
+    point = _point(target, prepared)
+    start = Start(
+        tuple(map(float, prepared.kernel.parameters)),
+        tuple(map(float, point.state)),
+        tuple(map(float, point.unknowns)),
+    )
+    name = target.name if isinstance(target, LoadedModel) else target.path.stem
+    file = file_of(path, Path(name).stem, SUFFIXES[kind])
+    progress(f"writing {file}", None)
+    if kind == "fmu":
+        return ExportReport((export_fmu(prepared.equations, file, start, _experiment(target)),))
+    ingredients = derive_ingredients(prepared.subject.system)
+    return ExportReport(tuple(export_files(ingredients, kind, file, start)))
+
+
+def _point(target: Target, prepared: Prepared) -> Point:
+    if isinstance(target, LoadedModel):
+        return nominal_point(prepared, 0.0)
+    return start_point(prepared, target.scenario.speed or 0.0, target.scenario.start)
+
+
+def _experiment(target: Target) -> Experiment:
+    if isinstance(target, LoadedModel):
+        return Experiment()
+    return Experiment(target.scenario.duration, target.scenario.output.interval)
