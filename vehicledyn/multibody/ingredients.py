@@ -123,9 +123,7 @@ def derive_ingredients(system: System) -> Ingredients:
         bias=[free.bias[n] for n in names],
         forces=[free.forces[n] for n in names],
         constraint_names=tuple(c.cut for c in d.loops.constraints),
-        constraints=[
-            c.residual.expression for c in d.loops.constraints if c.is_holonomic
-        ],
+        constraints=[c.residual.expression for c in d.loops.constraints if c.is_holonomic],
         jacobian={(i, j): v for i, row in enumerate(closure.jacobian) for j, v in row.items()},
         constraint_rate=closure.rate,
         quadratic=closure.quadratic,
