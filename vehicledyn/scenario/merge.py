@@ -67,6 +67,17 @@ class _Merge:
         size = len(place)
         return any(place[: len(g)] == g or g[:size] == place for g in self.given)
 
+    def explanation(self, place: Place) -> Place | None:
+        """Return the place, or the innermost set around it in which the scenario gave a value.
+
+        A value of the model's own may not fit to its neighbours once these are changed. None
+        if the scenario changed nothing there.
+        """
+        if self.is_given(place):
+            return place
+        wider = (place[:size] for size in range(len(place) - 1, 0, -1))
+        return next((outer for outer in wider if self.is_given(outer)), None)
+
 
 def merge_parameters(
     model: type[Model], changes: dict[str, Any], sources: Sources
@@ -100,17 +111,26 @@ def merge_parameters(
     except ValidationError as error:
         for line in error.errors():
             at_key = line["type"] == UNKNOWN_KEY
-            if merge.is_given(line["loc"]):
-                place = (_ROOT, *line["loc"])
-                problems.append(sources.problem(place, line["msg"], at_key=at_key))
-            else:
+            place = merge.explanation(line["loc"])
+            if place is None or (line["loc"], line["msg"]) in _own_faults(model):
                 problems.append(_own_problem(model, line["loc"], line["msg"]))
+            else:
+                problems.append(sources.problem((_ROOT, *place), line["msg"], at_key=at_key))
         return None, problems
     return (None if problems else parameters), problems
 
 
 def _same_kind(default: dict[str, Any], change: dict[str, Any]) -> bool:
     return change.get("kind", default.get("kind")) == default.get("kind")
+
+
+def _own_faults(model: type[Model]) -> set[tuple[Place, str]]:
+    """Return what is wrong with the model's own parameters, whatever the scenario says."""
+    try:
+        model.parameter_class.model_validate(model.default_parameters())
+    except ValidationError as error:
+        return {(line["loc"], line["msg"]) for line in error.errors()}
+    return set()
 
 
 def _own_problem(model: type[Model], place: Place, message: str) -> Problem:

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 import vehicledyn.catalogue  # noqa: F401
+from vehicledyn.base.errors import InputError
 from vehicledyn.base.registry import find, kinds
 from vehicledyn.base.units import to_si
 from vehicledyn.run.prepare import equilibrium_point, prepare
@@ -49,3 +50,9 @@ def test_wheels_carry_the_weight_of_the_standing_vehicle(prepared):
 def test_data_file_names_its_source(model):
     text = find("model", model).parameter_file.read_text(encoding="utf-8")
     assert "source:" in text.partition("\n\n")[0]
+
+
+def test_an_inertia_that_no_body_has_names_the_change():
+    told = r"^--set parameters\.wheel\.inertia_spin: parameters\.wheel: inertia_spin = 10 kg"
+    with pytest.raises(InputError, match=told):
+        load_model("iltis", ["parameters.wheel.inertia_spin=10"])
