@@ -179,7 +179,7 @@ _BINARY = ("atan2", "fmod", "remainder", "copysign", "hypot", "pow", "fmin", "fm
 _SYMBOLS = {
     "NOT": Template("!{0}", _NOT, (_NOT + 1,)),
     "AND": _between("&&", _AND),
-    "OR": _between("||", _OR),
+    "OR": Template("{0} || {1}", _OR, (_COMPARISON,) * 2),
     "NE": _comparison("!="),
 }
 
@@ -245,7 +245,7 @@ MATLAB = Language(
         "IF_ELSE_ZERO": _call("if_else_zero", 2),
         "NOT": Template("~{0}", _NOT, (_NOT + 1,)),
         "AND": _between("&", _AND),
-        "OR": _between("|", _OR),
+        "OR": Template("{0} | {1}", _OR, (_COMPARISON,) * 2),
         "NE": _comparison("~="),
     },
     infinity="Inf",

@@ -4,6 +4,7 @@ from dataclasses import dataclass
 from functools import cache
 from importlib import import_module
 
+import casadi as ca
 import numpy as np
 
 from vehicledyn.export.procedures import procedures
@@ -14,6 +15,7 @@ from vehicledyn.multibody import (
     Body,
     Joint,
     Loads,
+    Output,
     ParameterTable,
     System,
     TimeLaw,
@@ -23,7 +25,7 @@ from vehicledyn.run.vehicle import build_vehicle
 from vehicledyn.scenario import load_model
 from vehicledyn.solve.kernel import compile_kernel
 from vehicledyn.symbolic import ops
-from vehicledyn.symbolic.equations import Variable
+from vehicledyn.symbolic.equations import Channel, Variable
 
 __all__ = ["CASES", "Case", "case"]
 
@@ -96,6 +98,47 @@ def motor_on_a_shaker():
     return System("motor on a shaker", table, (base, first, second), parts=parts)
 
 
+UNARY = (
+    *("sin", "cos", "tan", "atan", "sinh", "cosh", "tanh", "asinh", "exp", "fabs", "sign"),
+    *("floor", "ceil", "erf", "expm1", "log1p", "asin", "acos", "atanh", "log", "sqrt"),
+)
+BINARY = ("atan2", "fmin", "fmax", "fmod", "remainder", "copysign", "hypot")
+
+
+@dataclass(frozen=True)
+class Calculator(BasePart):
+    """Show every operation there is, of two coordinates and in all ways to nest them."""
+
+    def outputs(self, situation):
+        x, y = situation.kinematics.coordinate("a"), situation.kinematics.rate("b")
+        inside = 0.5 + 0.4 * ca.sin(x)
+        results = {
+            **{name: getattr(ca, name)(inside if k > 15 else 3.0 * x) for k, name in
+               enumerate(UNARY)},
+            **{name: getattr(ca, name)(5.0 * x, y) for name in BINARY},
+            "acosh": ca.acosh(1.0 + x * x),
+            "power": ca.fabs(x) ** y + inside**2.3,
+            "twice": (x + x) / (y + y + 1.0),
+            "inverse": 1.0 / (2.0 + x) / (1.0 / (3.0 + y)),
+            "nested": x - (y - (x - y)) - x / (y / (x * (y / x))),
+            "signs": -(-x - y) * -(x * -y) + (-3.0) ** 3 * (x - -2.0),
+            "square": (x + y) ** 2 - (x - y) ** 4,
+            "conditions": (x < y) + 3.0 * (y <= x) - -(x >= 0.0) + (x < 9.0) / (y < 9.0),
+            "equal": ca.if_else(x == x * 1.0, 2.0, 3.0) + 7.0 * (x != y) + (x == y),
+            "logic": ca.logic_or(ca.logic_and(x < y, x > 0.0), ca.logic_not(y > 0.0)) * 1.0,
+            "choice": ca.if_else(x < y, ca.if_else(y > 0.1, x, -y), x * y) - 1.0,
+            "choice_of_truth": ca.if_else(x > y, x > 0.0, ca.logic_not(x > 0.0)) + x,
+            "tiny": x + 1e-300 * y + 1e22 * 1e-22 * y,
+        }  # fmt: skip
+        return tuple(Output(Channel(f"c.{n}", "1", n), v) for n, v in results.items())
+
+
+def calculator():
+    joints = (Joint("T1", "a", start=0.3), Joint("T2", "b", start=0.2))
+    body = Body("mass", GROUND, joints=joints, mass=1.0)
+    return System("calculator", ParameterTable(), (body,), parts=(Calculator("calculator"),))
+
+
 def iltis():
     import_module("vehicledyn.catalogue")
     return build_vehicle(load_model("iltis")).system
@@ -105,6 +148,7 @@ CASES = {
     "double_pendulum": double_pendulum,
     "four_bar": four_bar,
     "motor_on_a_shaker": motor_on_a_shaker,
+    "calculator": calculator,
     "iltis": iltis,
 }
 

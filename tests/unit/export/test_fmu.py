@@ -1,5 +1,8 @@
 """The FMU, simulated by an independent importer, runs as the program itself does."""
 
+import ctypes
+import re
+import subprocess
 import zipfile
 from dataclasses import dataclass
 from importlib import import_module
@@ -24,6 +27,8 @@ from vehicledyn.solve.kernel import compile_kernel
 from vehicledyn.solve.simulate import simulate
 
 fmpy = pytest.importorskip("fmpy", reason="fmpy, which simulates FMUs, is not installed")
+FMU3Model = fmpy.fmi3.FMU3Model
+FMICallException = fmpy.fmi1.FMICallException
 
 ROOT = Path(__file__).parents[3]
 STOP, INTERVAL = 2.0, 0.05
@@ -102,6 +107,87 @@ def test_parameters_and_starts_may_be_set(tmp_path):
     assert_same(imported_motion(path, start_values=changed), times, wanted)
     _, plain = own_motion(equations)
     assert np.abs(plain["crank.angle"] - wanted["crank.angle"]).max() > 0.01
+
+
+@pytest.fixture
+def four_bar(tmp_path):
+    """An instance of the FMU that waits in initialisation mode, and its variables by name."""
+    path = export_fmu(case("four_bar").equations, tmp_path / "model.fmu")
+    description = fmpy.read_model_description(str(path), validate=True)
+    folder = fmpy.extract(str(path), str(tmp_path / "unpacked"))
+    fmu = FMU3Model(
+        guid=description.guid, unzipDirectory=folder, instanceName="test",
+        modelIdentifier=description.modelExchange.modelIdentifier,
+    )  # fmt: skip
+    fmu.instantiate()
+    fmu.enterInitializationMode(startTime=0.0)
+    yield fmu, {v.name: v.valueReference for v in description.modelVariables}
+    fmu.freeInstance()
+
+
+def test_rates_follow_parameters_states_and_restored_points(four_bar):
+    fmu, references = four_bar
+    e = case("four_bar").equations
+    kernel = compile_kernel(e, backend="interpreted")
+    values = np.array([p.value for p in e.parameters])
+    names = [p.name for p in e.parameters]
+
+    def rates():
+        return fmu.getFloat64([references[f"der({state.name})"] for state in e.states])
+
+    def expected(x):
+        kernel.set_parameters(values)
+        z = kernel.solve_unknowns(0.0, x, [v.start for v in e.unknowns])
+        return pytest.approx(kernel.rates(0.0, x, z), rel=1e-9)
+
+    x = [v.start for v in e.states]
+    assert rates() == expected(x)
+    held = fmu.getFMUState()
+    for name, value in (("gravity", 1.6), ("coupler.length", 1.09)):
+        values[names.index(name)] = value
+        fmu.setFloat64([references[name]], [value])
+        assert fmu.getFloat64([references[name]]) == [value]
+        assert rates() == expected(x)
+    fmu.setFloat64([references["crank.angle"]], [0.85])
+    assert rates() == expected([0.85, x[1]])
+    fmu.exitInitializationMode()
+    fmu.enterContinuousTimeMode()
+    fmu.setContinuousStates((ctypes.c_double * 2)(0.8, 3.0), 2)
+    assert rates() == expected([0.8, 3.0])
+    fmu.setFMUState(held)
+    values[:] = [p.value for p in e.parameters]
+    assert rates() == expected(x)
+    fmu.freeFMUState(held)
+
+
+def test_what_cannot_be_is_refused(four_bar):
+    fmu, references = four_bar
+    with pytest.raises(FMICallException):
+        fmu.getFloat64([10_000])
+    with pytest.raises(FMICallException):
+        fmu.setFloat64([references["rocker.angle"]], [1.0])
+    fmu.setFloat64([references["coupler.length"]], [0.01])  # too short to reach the rocker
+    with pytest.raises(FMICallException):
+        fmu.exitInitializationMode()
+
+
+def test_functions_are_those_of_the_standard(tmp_path):
+    """The source compiles with the headers of the standard, which fmpy carries."""
+    export_fmu(case("four_bar").equations, tmp_path / "model.fmu")
+    with zipfile.ZipFile(tmp_path / "model.fmu") as archive:
+        archive.extractall(tmp_path)
+    headers = Path(fmpy.__file__).parent / "c-code"
+    declared = set(re.findall(r"\b(fmi3\w+)TYPE\b", (headers / "fmi3Functions.h").read_text()))
+    assert len(declared) > 70
+    compiler, library = find_compiler(), tmp_path / "model.so"
+    command = [
+        *compiler.command, "-std=gnu11", "-DFMI3_HEADERS", f"-I{headers}", "-Werror", "-fPIC",
+        "-shared", str(tmp_path / "sources" / "four_bar.c"), "-o", str(library), "-lm",
+    ]  # fmt: skip
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+    loaded = ctypes.CDLL(str(library))
+    assert [name for name in sorted(declared) if not hasattr(loaded, name)] == []
 
 
 @dataclass(frozen=True)
