@@ -6,7 +6,7 @@ import vehicledyn.manoeuvres
 import vehicledyn.models
 import vehicledyn.road
 import vehicledyn.solve
-import vehicledyn.systems  # noqa: F401
+import vehicledyn.systems
 from vehicledyn.base.registry import families, find, kinds
 
 
@@ -18,4 +18,5 @@ def first_lines(family: str) -> dict[str, str]:
 
 def counts() -> dict[str, int]:
     """Return the number of entries of each catalogue, by family."""
+    vehicledyn.systems.load_kinds()
     return {family: len(kinds(family)) for family in families()}

@@ -9,7 +9,9 @@ import pytest
 import vehicledyn.catalogue  # noqa: F401
 from vehicledyn.base.parameters import ParameterSet, field_family, field_unit
 from vehicledyn.base.registry import families, find, kinds
+from vehicledyn.systems import load_kinds
 
+load_kinds()
 TESTS = Path(__file__).parents[1]
 ENTRIES = [(family, kind) for family in families() for kind in kinds(family)]
 SENTENCE_END = (".", ",", ":", ";")
@@ -18,6 +20,8 @@ SENTENCE_END = (".", ",", ":", ";")
 def sets_of(entry):
     """Return the parameter sets of an entry, nested ones included."""
     waiting = [getattr(entry, "parameter_class", entry)]
+    if not issubclass(waiting[0], ParameterSet):
+        return []
     found = []
     while waiting:
         parameters = waiting.pop()

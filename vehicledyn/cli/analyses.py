@@ -50,19 +50,26 @@ def list_models(as_json: Json = False) -> None:
 
 @models.command("show")
 def show_model(
-    name: Annotated[str, typer.Argument(metavar="NAME", help="Name of the model.")],
+    name: Annotated[
+        str, typer.Argument(metavar="NAME|FILE", help="Name of the model, system or scenario file.")
+    ],
+    *,
+    overrides: Overrides = None,
     backend: BackendChoice = Backend.AUTO,
+    as_yaml: Annotated[
+        bool, typer.Option("--yaml", help="Write it as a system file instead.")
+    ] = False,
     as_json: Json = False,
 ) -> None:
     """Show a model: bodies, coordinates, parameters, channels, operation counts."""
-    import vehicledyn.catalogue  # noqa: F401
-    from vehicledyn.base.registry import find
+    loaded = read_target(name, overrides)
+    from vehicledyn.run import describe_model, write_system
 
-    find("model", name)
-    from vehicledyn.run import describe_model
-
+    if as_yaml:
+        emit(write_system(loaded))
+        return
     with show_progress() as progress:
-        report = describe_model(name, backend=backend.value, progress=progress)
+        report = describe_model(loaded, backend=backend.value, progress=progress)
     emit_report(report, as_json=as_json)
 
 
@@ -77,7 +84,7 @@ def equilibrium(
     output: ReportFile = None,
     as_json: Json = False,
 ) -> None:
-    """Find the equilibrium of a vehicle that stands or runs straight ahead."""
+    """Find the equilibrium of a vehicle that stands or runs straight ahead, or of a system."""
     loaded, wanted = read_target(target, overrides), None if speed is None else speed_in_si(speed)
     from vehicledyn.run import find_equilibrium
 
@@ -98,7 +105,7 @@ def eig(
     output: ReportFile = None,
     as_json: Json = False,
 ) -> None:
-    """Find the eigenmodes of the motion about straight running."""
+    """Find the eigenmodes about straight running, or about a start or equilibrium of a system."""
     loaded, speeds = read_target(target, overrides), [speed_in_si(text) for text in speed or []]
     from vehicledyn.run import find_modes
 
@@ -108,10 +115,10 @@ def eig(
 
 
 def read_target(target: str, overrides: list[str] | None) -> LoadedScenario | LoadedModel:
-    """Return the model of this name, or else the scenario in this file."""
+    """Return the model of this name, or else the system or scenario in this file."""
     import vehicledyn.catalogue  # noqa: F401
     from vehicledyn.base.registry import kinds
-    from vehicledyn.scenario import load_model
+    from vehicledyn.scenario import is_system_file, load_model
 
     if target in kinds("model"):
         return load_model(target, overrides or ())
@@ -120,4 +127,6 @@ def read_target(target: str, overrides: list[str] | None) -> LoadedScenario | Lo
         hint = f"; did you mean '{guess}'?" if guess else ""
         known = ", ".join(kinds("model"))
         raise InputError(f"'{target}' is neither a file nor a model{hint} Known models: {known}")
+    if is_system_file(Path(target)):
+        return load_model(target, overrides or ())
     return read_scenario(Path(target), overrides)

@@ -30,6 +30,17 @@ def read_scenario(path: Path, overrides: list[str] | None) -> LoadedScenario:
     return load_scenario(path, overrides or ())
 
 
+def read_file(path: Path, overrides: list[str] | None) -> None:
+    """Read a scenario or system file, to find what is wrong with it."""
+    import vehicledyn.catalogue  # noqa: F401
+    from vehicledyn.scenario import is_system_file, load_model
+
+    if is_system_file(path):
+        load_model(str(path), overrides or ())
+    else:
+        read_scenario(path, overrides)
+
+
 def outcome_as_dict(outcome: RunOutcome) -> dict[str, Any]:
     """Return what a run came to, as plain data."""
     summary = {

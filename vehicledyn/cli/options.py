@@ -27,10 +27,18 @@ class Format(StrEnum):
     SVG = "svg"
 
 
+class FileKind(StrEnum):
+    """Kinds of input files."""
+
+    SCENARIO = "scenario"
+    SYSTEM = "system"
+
+
 ScenarioFile = Annotated[Path, typer.Argument(metavar="SCENARIO", help="Scenario file.")]
 ResultFile = Annotated[Path, typer.Argument(metavar="RESULT", help="Result file.")]
 Target = Annotated[
-    str, typer.Argument(metavar="SCENARIO|MODEL", help="Scenario file, or name of a model.")
+    str,
+    typer.Argument(metavar="SCENARIO|MODEL", help="Scenario or system file, or name of a model."),
 ]
 Overrides = Annotated[
     list[str] | None,

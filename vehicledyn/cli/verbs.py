@@ -14,6 +14,7 @@ from vehicledyn.cli import analyses, exports, files
 from vehicledyn.cli.options import (
     Backend,
     BackendChoice,
+    FileKind,
     Json,
     Overrides,
     Quiet,
@@ -107,14 +108,16 @@ def run(
 
 @app.command()
 def validate(
-    scenarios: Annotated[list[Path], typer.Argument(metavar="SCENARIO...", help="Scenario files.")],
+    scenarios: Annotated[
+        list[Path], typer.Argument(metavar="FILE...", help="Scenario or system files.")
+    ],
     overrides: Overrides = None,
 ) -> None:
-    """Check scenario files completely, without running them."""
+    """Check scenario and system files completely, without running them."""
     wrong = 0
     for scenario in scenarios:
         try:
-            files.read_scenario(scenario, overrides)
+            files.read_file(scenario, overrides)
         except InputError as error:
             tell(str(error))
             wrong = error.exit_code
@@ -126,12 +129,14 @@ def validate(
 @app.command()
 def schema(
     output: Annotated[Path | None, typer.Option("--output", "-o", help="File to write.")] = None,
+    of: Annotated[FileKind, typer.Option("--of", help="Which files.")] = FileKind.SCENARIO,
 ) -> None:
-    """Write the JSON schema of scenario files, for editors."""
+    """Write the JSON schema of scenario or system files, for editors."""
     import vehicledyn.catalogue  # noqa: F401
     from vehicledyn.scenario import scenario_schema
+    from vehicledyn.systems.schema import system_schema
 
-    text = to_json(scenario_schema())
+    text = to_json(system_schema() if of is FileKind.SYSTEM else scenario_schema())
     if output is None:
         emit(text)
     else:

@@ -1,7 +1,7 @@
 """From a scenario to results: each function here is one verb of the command line."""
 
 from vehicledyn.run.balance import EquilibriumReport, find_equilibrium
-from vehicledyn.run.describe import ModelReport, describe_model
+from vehicledyn.run.describe import ModelReport, describe_model, write_system
 from vehicledyn.run.eigenmodes import ModesReport, find_modes
 from vehicledyn.run.simulation import RunOutcome, run_scenario
 
@@ -14,4 +14,5 @@ __all__ = [
     "find_equilibrium",
     "find_modes",
     "run_scenario",
+    "write_system",
 ]

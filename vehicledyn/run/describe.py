@@ -8,9 +8,13 @@ from typing import Any
 
 from vehicledyn.base.registry import find
 from vehicledyn.run.prepare import Progress, prepare
-from vehicledyn.scenario import load_model
+from vehicledyn.run.vehicle import Target, build_subject
+from vehicledyn.scenario import LoadedModel
 from vehicledyn.solve.kernel import Backend, KernelReport
 from vehicledyn.symbolic.equations import Equations
+from vehicledyn.systems.python_systems import system_as_yaml
+from vehicledyn.systems.read import SystemModel
+from vehicledyn.systems.write import model_as_yaml
 
 
 @dataclass(frozen=True)
@@ -69,12 +73,23 @@ class ModelReport:
         }
 
 
-def describe_model(name: str, *, backend: Backend, progress: Progress) -> ModelReport:
-    """Return what a model of the catalogue is made of, with its standard parts."""
-    prepared = prepare(load_model(name), backend=backend, progress=progress)
-    kernel = prepared.kernel
-    summary = (find("model", name).__doc__ or "").strip().partition("\n")[0]
+def describe_model(target: Target, *, backend: Backend, progress: Progress) -> ModelReport:
+    """Return what a model is made of, of the catalogue with its standard parts."""
+    prepared = prepare(target, backend=backend, progress=progress)
+    kernel, written = prepared.kernel, target.written
+    if isinstance(written, SystemModel):
+        summary = written.file.title
+    else:
+        name = target.name if isinstance(target, LoadedModel) else target.scenario.model
+        summary = (find("model", name).__doc__ or "").strip().partition("\n")[0]
     return ModelReport(summary, prepared.equations, kernel.description, kernel.report)
+
+
+def write_system(target: Target) -> str:
+    """Return a model as the text of a system file; of models in Python what can be expressed."""
+    if isinstance(target.written, SystemModel):
+        return model_as_yaml(target.written)
+    return system_as_yaml(build_subject(target).system)
 
 
 def _body_line(body: dict[str, Any]) -> str:

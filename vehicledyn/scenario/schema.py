@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 from pydantic.json_schema import models_json_schema
@@ -47,15 +48,20 @@ def scenario_schema() -> Schema:
         "properties": properties,
         "required": root["required"],
         "allOf": choices,
-        "$defs": _reachable(definitions, [properties, choices]),
+        "$defs": reachable(definitions, [properties, choices]),
     }
 
 
 def _families() -> dict[str, list[type[ParameterSet]]]:
     """Return every catalogue that a scenario reaches, with its sets."""
-    families: dict[str, list[type[ParameterSet]]] = {}
     models = [find("model", name).parameter_class for name in kinds("model")]
-    waiting: list[type[ParameterSet]] = [Scenario, Tyres, *models]
+    return families_of([Scenario, Tyres, *models])
+
+
+def families_of(roots: Sequence[type[ParameterSet]]) -> dict[str, list[type[ParameterSet]]]:
+    """Return every catalogue that some sets reach through their parts, with its sets."""
+    families: dict[str, list[type[ParameterSet]]] = {}
+    waiting = list(roots)
     seen: set[type[ParameterSet]] = set()
     while waiting:
         parameters = waiting.pop()
@@ -94,14 +100,34 @@ def _definitions(
     wanted: list[type[ParameterSet]] = [Scenario, Tyres, *sets, *models.values()]
     references, combined = models_json_schema([(entry, "validation") for entry in wanted])
     definitions: dict[str, Schema] = combined["$defs"]
-    definitions = {name: _rewrite(schema) for name, schema in definitions.items()}
+    definitions = {name: rewrite(schema) for name, schema in definitions.items()}
+    return definitions | catalogue_definitions(definitions, references, families)
+
+
+def catalogue_definitions(
+    definitions: dict[str, Schema],
+    references: Mapping[Any, Schema],
+    families: dict[str, list[type[ParameterSet]]],
+) -> dict[str, Schema]:
+    """Return the definitions of each part with its ``kind`` as family.kind, and of families.
+
+    Parameters
+    ----------
+    definitions
+        Definitions of all sets by name.
+    references
+        Reference to each set's definition, as pydantic gives them.
+    families
+        Sets of each family.
+    """
+    made: dict[str, Schema] = {}
     for family, entries in families.items():
         for entry in entries:
             name = references[entry, "validation"]["$ref"].rpartition("/")[2]
-            definitions[f"{family}.{entry.kind}"] = _with_kind(definitions[name], entry.kind)
+            made[f"{family}.{entry.kind}"] = _with_kind(definitions[name], entry.kind)
         choices = [{"$ref": f"#/$defs/{family}.{entry.kind}"} for entry in entries]
-        definitions[family] = {"oneOf": choices} if choices else {"not": {}}
-    return definitions
+        made[family] = {"oneOf": choices} if choices else {"not": {}}
+    return made
 
 
 def _with_kind(schema: Schema, kind: str) -> Schema:
@@ -124,20 +150,20 @@ def _when_model(name: str, reference: Schema) -> Schema:
     return {"if": chosen, "then": changes}
 
 
-def _rewrite(schema: Any) -> Any:
+def rewrite(schema: Any) -> Any:
     """Return a schema with quantities and parts as files write them, at any depth."""
     if isinstance(schema, list):
-        return [_rewrite(item) for item in schema]
+        return [rewrite(item) for item in schema]
     if not isinstance(schema, dict):
         return schema
     if "unit" in schema:
         return _quantity(schema)
     if "family" in schema:
         return _part(schema)
-    rewritten = {key: _rewrite(item) for key, item in schema.items() if key != "title"}
+    rewritten = {key: rewrite(item) for key, item in schema.items() if key != "title"}
     if "properties" in schema:
         inner = schema["properties"].items()
-        rewritten["properties"] = {name: _rewrite(item) for name, item in inner}
+        rewritten["properties"] = {name: rewrite(item) for name, item in inner}
     return rewritten
 
 
@@ -170,7 +196,7 @@ def _part(schema: Schema) -> Schema:
     return {**kept, **reference}
 
 
-def _reachable(definitions: dict[str, Schema], roots: Any) -> dict[str, Schema]:
+def reachable(definitions: dict[str, Schema], roots: Any) -> dict[str, Schema]:
     """Return the definitions that are used, directly or by others."""
     used: dict[str, Schema] = {}
     waiting = _references(roots)

@@ -27,7 +27,6 @@ LONGEST = 2000
 
 _OPERATORS = {ast.Add: "+", ast.Sub: "-", ast.Mult: "*", ast.Div: "/", ast.Pow: "**"}
 _COMPARISONS = {ast.Lt: "<", ast.LtE: "<=", ast.Gt: ">", ast.GtE: ">="}
-_INFIX = {*_OPERATORS.values(), *_COMPARISONS.values()}
 _NUMBER = r"(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?"
 _ALONE = re.compile(rf"\s*([+-]?{_NUMBER})\s*([A-Za-zµ°%(1].*?)?\s*$", re.DOTALL)
 _INSIDE = re.compile(
@@ -56,17 +55,33 @@ class Node:
         inner = [str(node) for node in self.arguments]
         if self.function == "vector":
             return f"[{', '.join(inner)}]"
-        if self.function in _INFIX:
-            left, right = (_grouped(node) for node in self.arguments)
-            return f"{left} {self.function} {right}"
         if self.function == "negative":
-            return f"-{_grouped(self.arguments[0])}"
-        return f"{self.function}({', '.join(inner)})"
+            return f"-{_grouped(self.arguments[0], _TIGHTNESS['negative'])}"
+        tightness = _TIGHTNESS.get(self.function)
+        if tightness is None:
+            return f"{self.function}({', '.join(inner)})"
+        to_right = self.function == "**"
+        left = _grouped(self.arguments[0], tightness + to_right)
+        right = _grouped(self.arguments[1], tightness + (not to_right))
+        return f"{left} {self.function} {right}"
 
 
-def _grouped(node: Node) -> str:
-    simple = node.name or (node.function and node.function not in {*_INFIX, "negative"})
-    return str(node) if simple or (node.quantity and node.quantity.value >= 0.0) else f"({node})"
+_TIGHTNESS = {
+    **dict.fromkeys(("<", "<=", ">", ">="), 0),
+    **dict.fromkeys(("+", "-"), 1),
+    **dict.fromkeys(("*", "/"), 2),
+    "negative": 3,
+    "**": 4,
+}
+
+
+def _grouped(node: Node, tightness: int) -> str:
+    """Return a step as text, in brackets if it binds less tightly than what surrounds it."""
+    if node.quantity is not None:
+        is_loose = node.quantity.value < 0.0 or " " in node.quantity.unit
+    else:
+        is_loose = _TIGHTNESS.get(node.function, tightness) < tightness
+    return f"({node})" if is_loose else str(node)
 
 
 @dataclass(frozen=True)
@@ -201,7 +216,8 @@ def _quantity(number: str, unit: str) -> Quantity:
         given = parse_unit(unit) if unit else None
     except InputError as error:
         raise ExpressionError(str(error)) from None
-    return replace(_bare(number), unit=unit, given=given)
+    solid = unit if "(" in unit else re.sub(r"\s*([*/·])\s*|\s+", lambda m: m[1] or "*", unit)
+    return replace(_bare(number), unit=solid, given=given)
 
 
 def _bare(number: str | float) -> Quantity:

@@ -5,7 +5,14 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Annotated, Any
 
-from pydantic import Field, PlainValidator, ValidationError, WithJsonSchema, field_validator
+from pydantic import (
+    ConfigDict,
+    Field,
+    PlainValidator,
+    ValidationError,
+    WithJsonSchema,
+    field_validator,
+)
 from pydantic_core.core_schema import ValidationInfo
 
 from vehicledyn.base.parameters import ParameterSet, read_part
@@ -90,7 +97,9 @@ def section(family: str, description: str) -> Any:
 
 
 class SystemSet(ParameterSet):
-    """Base of the sets in system files."""
+    """Base of the sets in system files; built when first used, which keeps the start quick."""
+
+    model_config = ConfigDict(defer_build=True)
 
     @field_validator("*", mode="before")
     @classmethod

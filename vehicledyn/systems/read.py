@@ -5,27 +5,22 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, ClassVar
+from typing import Any
 
 from pydantic import ValidationError
 
-from vehicledyn.base.parameters import ParameterSet
 from vehicledyn.base.problems import START, Place, Problem
-from vehicledyn.base.registry import register
 from vehicledyn.base.units import describe
 from vehicledyn.base.wording import UNKNOWN_KEY
 from vehicledyn.base.yaml import Document, read_yaml
 from vehicledyn.scenario.sources import Sources
-from vehicledyn.systems import changes
+from vehicledyn.systems import changes, load_kinds
 from vehicledyn.systems.checks import check
 from vehicledyn.systems.joints import Coordinate
 from vehicledyn.systems.mirror import mirror_image
 from vehicledyn.systems.parameters import Parameters, read_parameters
 from vehicledyn.systems.repeat import Expansion, expand
 from vehicledyn.systems.sets import Sections, SystemFile
-
-KEYS = ("bodies", "repeat", "mirror")
-"""Keys by which a file shows that it is a system."""
 
 
 @dataclass(frozen=True)
@@ -67,32 +62,6 @@ class SystemModel:
         return self.parameters.units
 
 
-@register("model_file", "system")
-class SystemFiles:
-    """System files, as models of scenarios."""
-
-    parameter_class: ClassVar[type[ParameterSet]] = SystemFile
-
-    @staticmethod
-    def is_one(data: Any) -> bool:
-        """Return whether a file's data is a system."""
-        return isinstance(data, dict) and "model" not in data and any(key in data for key in KEYS)
-
-    @staticmethod
-    def read(
-        path: Path, given: dict[str, Any], sources: Sources
-    ) -> tuple[SystemModel | None, list[Problem]]:
-        """Return the system of a file; see :func:`read_system`."""
-        return read_system(path, given, sources)
-
-    @staticmethod
-    def groups(path: Path) -> set[str]:
-        """Return the first words of the names of its parameters; none of an unreadable file."""
-        data = read_yaml(path).data
-        known = data.get("parameters") if isinstance(data, dict) else None
-        return set(known) if isinstance(known, dict) else set()
-
-
 def read_system(
     path: Path, given: dict[str, Any] | None = None, sources: Sources | None = None
 ) -> tuple[SystemModel | None, list[Problem]]:
@@ -112,6 +81,7 @@ def read_system(
     InputError
         If the file cannot be read or is no YAML.
     """
+    load_kinds()
     document = read_yaml(path)
     if not isinstance(document.data, dict):
         words = f"the file holds {describe(document.data)}; a system is a mapping"

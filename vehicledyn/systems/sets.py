@@ -8,7 +8,7 @@ from pydantic import Field, field_validator, model_validator
 
 from vehicledyn.base.parameters import ParameterSet, part
 from vehicledyn.multibody.system import GROUND
-from vehicledyn.systems.expressions import Expression, origin, read_expression, zero
+from vehicledyn.systems.expressions import origin, read_expression, zero
 from vehicledyn.systems.fields import (
     Scalar,
     Scalars,
@@ -209,7 +209,7 @@ class Sections(SystemSet):
     )
     sensors: dict[str, ParameterSet] = section("sensor", "Sensors by name")
     wheels: dict[str, WheelSet] = Field(default_factory=dict, description="Wheels by name")
-    initial: dict[str, Expression] = Field(
+    initial: dict[str, Scalar] = Field(
         default_factory=dict,
         description="Where coordinates start, and rates under the coordinate's name with _rate",
         json_schema_extra={"expressions": True},

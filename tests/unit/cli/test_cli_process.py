@@ -163,7 +163,7 @@ def test_models_are_listed():
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
-        (("models", "show", "ilti"), "no model named 'ilti'; did you mean 'iltis'?"),
+        (("models", "show", "ilti"), "neither a file nor a model; did you mean 'iltis'?"),
         (("equilibrium", "ilti"), "neither a file nor a model; did you mean 'iltis'?"),
         (("eig", "none.yaml"), "none.yaml:1:1: file: there is no such file"),
         (("eig", "iltis", "--speed", "20 kg"), "--speed 20 kg: '20 kg' has the wrong unit"),

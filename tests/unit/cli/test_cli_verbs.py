@@ -46,7 +46,7 @@ def pipeline(monkeypatch):
         return function
 
     report = SimpleNamespace(as_text=lambda: "text", as_dict=lambda: {"modes": [1 + 2j]})
-    names = ("run_scenario", "find_equilibrium", "find_modes", "describe_model")
+    names = ("run_scenario", "find_equilibrium", "find_modes", "describe_model", "write_system")
     monkeypatch.setitem(
         sys.modules, "vehicledyn.run", SimpleNamespace(**{name: answer(name) for name in names})
     )
@@ -168,7 +168,7 @@ def test_modes_at_several_speeds(call, write, pipeline):
 
 def test_show_model(call, catalogue, pipeline):
     assert call("models", "show", "cart", "--backend", "compiled") == (0, "text\n", "")
-    assert (pipeline.asked["target"], pipeline.asked["backend"]) == ("cart", "compiled")
+    assert (pipeline.asked["target"].name, pipeline.asked["backend"]) == ("cart", "compiled")
 
 
 def test_list_models(call, catalogue):

@@ -4,9 +4,11 @@ import numpy as np
 import pytest
 from system_texts import Motion, equations
 
-import vehicledyn.catalogue  # noqa: F401
 from vehicledyn.base.registry import kinds
 from vehicledyn.symbolic import ops, rotations
+from vehicledyn.systems import load_kinds
+
+load_kinds()
 
 MASS = "mass: 2 kg, inertia: [0.3, 0.4, 0.5]"
 JOINTS = {
