@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import textwrap
+
 from vehicledyn.export.document import (
     Document,
     head,
@@ -126,8 +128,8 @@ def c_source(document: Document) -> str:
         ),
         *([] if document.parameters else ["  .none = 0.0,"]),
         "};",
-        f"const double {name}_x_start[] = {_numbers(document.start.state)};",
-        f"const double {name}_z_start[] = {_numbers(document.start.unknowns)};",
+        _wrapped(f"const double {name}_x_start[] = {_numbers(document.start.state)};"),
+        _wrapped(f"const double {name}_z_start[] = {_numbers(document.start.unknowns)};"),
     ]
     for procedure, body in document.written:
         lines += ["", *_function(document, procedure, body)]
@@ -147,7 +149,7 @@ def _signature(document: Document, procedure: Procedure) -> str:
     for target in procedure.targets:
         inner = "".join(f"[{max(1, size)}]" for size in target.shape[1:])
         arguments.append(f"double {target.name}[]{inner}")
-    return f"void {document.name}_{procedure.name}({', '.join(arguments)})"
+    return _wrapped(f"void {document.name}_{procedure.name}({', '.join(arguments)})")
 
 
 def _function(document: Document, procedure: Procedure, body: Body) -> list[str]:
@@ -168,6 +170,10 @@ def _zeros(name: str, shape: tuple[int, ...]) -> list[str]:
     letters = "ij"[: len(shape)]
     loops = [f"for (int {k} = 0; {k} < {n}; {k}++)" for k, n in zip(letters, shape, strict=True)]
     return [f"{' '.join(loops)} {name}{''.join(f'[{k}]' for k in letters)} = 0.0;"]
+
+
+def _wrapped(text: str) -> str:
+    return textwrap.fill(text, 100, subsequent_indent="    ", break_long_words=False)
 
 
 def _numbers(values: tuple[float, ...]) -> str:

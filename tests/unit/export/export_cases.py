@@ -20,6 +20,7 @@ from vehicledyn.multibody import (
     System,
     TimeLaw,
 )
+from vehicledyn.multibody.constraints import RateConstraint
 from vehicledyn.multibody.ingredients import derive_ingredients
 from vehicledyn.run.vehicle import build_vehicle
 from vehicledyn.scenario import load_model
@@ -98,6 +99,25 @@ def motor_on_a_shaker():
     return System("motor on a shaker", table, (base, first, second), parts=parts)
 
 
+def skate():
+    """A sledge on a knife edge: one rate follows from a non-holonomic constraint."""
+    table = ParameterTable()
+    mass = table.add("mass", 2.0, "kg", "Mass")
+    joints = (
+        Joint("T1", "x", start_rate=1.0), Joint("T2", "y"),
+        Joint("R3", "yaw", start=0.3, start_rate=0.5),
+    )  # fmt: skip
+    body = Body("skate", GROUND, (0.0, 0.0, 0.0), joints, mass=mass, com=(0.3, 0.0, 0.0),
+                inertia=(0.1, 0.1, 0.2))  # fmt: skip
+
+    def sideways(movement):
+        heading = movement.coordinate("yaw")
+        return ops.cos(heading) * movement.rate("y") - ops.sin(heading) * movement.rate("x")
+
+    knife = RateConstraint("knife", law=sideways)
+    return System("skate", table, (body,), constraints=(knife,))
+
+
 UNARY = (
     *("sin", "cos", "tan", "atan", "sinh", "cosh", "tanh", "asinh", "exp", "fabs", "sign"),
     *("floor", "ceil", "erf", "expm1", "log1p", "asin", "acos", "atanh", "log", "sqrt"),
@@ -148,6 +168,7 @@ CASES = {
     "double_pendulum": double_pendulum,
     "four_bar": four_bar,
     "motor_on_a_shaker": motor_on_a_shaker,
+    "skate": skate,
     "calculator": calculator,
     "iltis": iltis,
 }
