@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import TypeAlias
 
 from vehicledyn.multibody.dynamics import JointWrench
 from vehicledyn.multibody.inertia import Inertia
@@ -98,23 +99,60 @@ def tree_accelerations(
     free
         Names of the coordinates whose accelerations are sought.
     """
-    gates = _inwards(kinematics, needed, joint_forces, inertias, free)
-    return _outwards(kinematics, gates)
+    return sweep(kinematics, needed, joint_forces, inertias, free)[0]
 
 
-def _inwards(
+Carried: TypeAlias = dict[int, list[tuple[ArticulatedInertia, JointWrench]]]
+"""What hangs on a link besides other links: inertias and needed wrenches at its origin."""
+
+
+def sweep(
     kinematics: Kinematics,
     needed: Sequence[JointWrench],
     joint_forces: dict[str, Scalar],
     inertias: Sequence[Inertia],
     free: set[str],
+    *,
+    links: Sequence[int] | None = None,
+    carried: Carried | None = None,
+) -> tuple[dict[str, Scalar], dict[int, tuple[Vec, Vec]]]:
+    """Return accelerations of the free coordinates and (a, α) of each link.
+
+    The other parameters are those of :func:`tree_accelerations`.
+
+    Parameters
+    ----------
+    links
+        Links to look at, parents first; all if None.
+    carried
+        What hangs on some links besides.
+    """
+    chosen = range(len(kinematics.tree.links)) if links is None else links
+    bodies = {link: ArticulatedInertia.of(inertias[link]) for link in chosen}
+    wrenches = {link: needed[link] for link in chosen}
+    for link, items in (carried or {}).items():
+        for body, wrench in items:
+            bodies[link] = bodies[link] + body
+            wrenches[link] = _sum(wrenches[link], wrench.force, wrench.torque)
+    gates = _inwards(kinematics, bodies, wrenches, joint_forces, free)
+    return _outwards(kinematics, gates, chosen)
+
+
+def _sum(wrench: JointWrench, force: Vec, torque: Vec) -> JointWrench:
+    return JointWrench(wrench.force + force, wrench.torque + torque)
+
+
+def _inwards(
+    kinematics: Kinematics,
+    bodies: dict[int, ArticulatedInertia],
+    wrenches: dict[int, JointWrench],
+    joint_forces: dict[str, Scalar],
+    free: set[str],
 ) -> dict[int, _Gate]:
-    links = kinematics.tree.links
-    bodies = [ArticulatedInertia.of(item) for item in inertias]
-    wrenches = list(needed)
+    """Carry inertias and wrenches to the ground, changing both, and return the free joints."""
     gates: dict[int, _Gate] = {}
-    for link in reversed(range(len(links))):
-        item, body, wrench = links[link], bodies[link], wrenches[link]
+    for link in reversed(list(bodies)):
+        item, body, wrench = kinematics.tree.links[link], bodies[link], wrenches[link]
         if item.joint is not None and item.joint.name in free:
             force = ops.scalar(joint_forces.get(item.joint.name, 0.0))
             axis = kinematics.link_axis(link)
@@ -127,8 +165,7 @@ def _inwards(
             bodies[item.parent] = bodies[item.parent] + moved
             passed = rotation @ wrench.force
             turned = rotation @ wrench.torque + ops.cross(arm, passed)
-            before = wrenches[item.parent]
-            wrenches[item.parent] = JointWrench(before.force + passed, before.torque + turned)
+            wrenches[item.parent] = _sum(wrenches[item.parent], passed, turned)
     return gates
 
 
@@ -178,14 +215,16 @@ def _beyond(
     )
 
 
-def _outwards(kinematics: Kinematics, gates: dict[int, _Gate]) -> dict[str, Scalar]:
-    """Return the accelerations of the free joints, and carry those of the links outwards."""
-    links = kinematics.tree.links
+def _outwards(
+    kinematics: Kinematics, gates: dict[int, _Gate], chosen: Sequence[int]
+) -> tuple[dict[str, Scalar], dict[int, tuple[Vec, Vec]]]:
+    """Return the accelerations of the free joints, and those of the links they lead to."""
     still = ops.vector(0.0, 0.0, 0.0)
-    moved: list[tuple[Vec, Vec]] = []
+    moved: dict[int, tuple[Vec, Vec]] = {-1: (still, still)}
     found: dict[str, Scalar] = {}
-    for link, item in enumerate(links):
-        linear, angular = moved[item.parent] if item.parent >= 0 else (still, still)
+    for link in chosen:
+        item = kinematics.tree.links[link]
+        linear, angular = moved[item.parent]
         back = kinematics.link_rotation(link).T
         linear = back @ (linear + ops.cross(angular, kinematics.link_arm(link)))
         angular = back @ angular
@@ -197,5 +236,5 @@ def _outwards(kinematics: Kinematics, gates: dict[int, _Gate]) -> dict[str, Scal
                 angular = angular + axis * value
             else:
                 linear = linear + axis * value
-        moved.append((linear, angular))
-    return found
+        moved[link] = (linear, angular)
+    return found, moved

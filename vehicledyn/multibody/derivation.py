@@ -9,11 +9,12 @@ from vehicledyn.multibody.barycentric import augmented_inertias
 from vehicledyn.multibody.bodycheck import check_bodies
 from vehicledyn.multibody.closure import Closure
 from vehicledyn.multibody.collect import Roles, collect, roles_of
-from vehicledyn.multibody.forward import Formulation, TreeProblem, solve_closed, solve_tree
+from vehicledyn.multibody.forward import Formulation, TreeProblem, solve_tree
 from vehicledyn.multibody.kinematics import Kinematics
 from vehicledyn.multibody.loops import Loops, close
 from vehicledyn.multibody.observation import Solved
 from vehicledyn.multibody.parts import Loads, Motion, Part, Situation
+from vehicledyn.multibody.segmentation import solve_loops
 from vehicledyn.multibody.system import System
 from vehicledyn.multibody.tree import Tree, unfold
 from vehicledyn.multibody.unknowns import Symbols, declare, motions
@@ -35,7 +36,8 @@ def derive(system: System, *, formulation: Formulation = "auto") -> Equations:
         Bodies, cuts and parts; its parameter values are used for assembly and partition only.
     formulation
         "composite" factorises the mass matrix, "articulated" is the recursion of order N, for
-        trees without cuts only; "auto" takes the one with fewer operations.
+        trees without cuts only; "auto" takes the one with fewer operations, and condenses
+        closed sub-systems to the body that carries them where one does.
 
     Returns
     -------
@@ -158,7 +160,8 @@ def _dynamics(
         for u, row in closure.influence(roles.independent).items()
     }
     if influence:
-        solved = solve_closed(problem, [names[k] for k in roles.independent], influence)
+        independent = [names[k] for k in roles.independent]
+        solved = solve_loops(problem, independent, influence, formulation)
     else:
         solved = solve_tree(problem, system.table, formulation)
     accelerations = {**at_rest, **solved}

@@ -153,36 +153,52 @@ def mass_matrix(
             )
             composite[item.parent] = composite[item.parent] + moved
         if item.joint is not None and item.joint.name in names:
-            _column(kinematics, link, composite[link], names, entries)
+            column, _ = unit_column(kinematics, link, composite[link], names)
+            for other, value in column.items():
+                entries[item.joint.name, other] = value
+                entries[other, item.joint.name] = value
     return {pair: value for pair, value in entries.items() if not value.is_zero()}
 
 
-def _column(
-    kinematics: Kinematics,
-    link: int,
-    composite: Inertia,
-    names: set[str],
-    entries: dict[tuple[str, str], Scalar],
-) -> None:
-    """Enter the column of one coordinate: the wrench of its unit acceleration, passed down."""
+def unit_column(
+    kinematics: Kinematics, link: int, composite: Inertia, names: set[str], stop: int = -1
+) -> tuple[dict[str, Scalar], JointWrench]:
+    """Return what a unit acceleration of one link's coordinate needs, passed down.
+
+    Parameters
+    ----------
+    kinematics
+        Kinematics of the tree.
+    link
+        Link whose joint accelerates.
+    composite
+        Inertia of the link with all beyond it, about the link's origin.
+    names
+        Coordinates whose forces are asked for.
+    stop
+        The link before which the wrench stops, -1 for the ground.
+
+    Returns
+    -------
+    tuple
+        Forces on the named coordinates from the link down to ``stop``, and the wrench there,
+        at its origin and in its axes.
+    """
     links = kinematics.tree.links
-    joint = links[link].joint
-    if joint is None:
-        return
-    axis = kinematics.link_axis(link)
-    if joint.is_rotation:
+    joint, axis = links[link].joint, kinematics.link_axis(link)
+    if joint is not None and joint.is_rotation:
         force, torque = ops.cross(axis, composite.moment), composite.matrix @ axis
     else:
         force, torque = composite.mass * axis, ops.cross(composite.moment, axis)
+    found: dict[str, Scalar] = {}
     below = link
-    while below >= 0:
+    while below != stop:
         other = links[below].joint
         if other is not None and other.name in names:
             along = torque if other.is_rotation else force
-            value = ops.dot(kinematics.link_axis(below), along)
-            entries[joint.name, other.name] = value
-            entries[other.name, joint.name] = value
+            found[other.name] = ops.dot(kinematics.link_axis(below), along)
         rotation, arm = kinematics.link_rotation(below), kinematics.link_arm(below)
         force = rotation @ force
         torque = rotation @ torque + ops.cross(arm, force)
         below = links[below].parent
+    return found, JointWrench(force, torque)

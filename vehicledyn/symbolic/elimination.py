@@ -6,7 +6,8 @@ be compared with another.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
 
 from vehicledyn.symbolic.ops import Scalar
 
@@ -72,10 +73,49 @@ def solve_symmetric(matrix: Rows, right: Sequence[Scalar]) -> list[Scalar]:
     list
         x, shape (n,).
     """
+    found = condense_symmetric(matrix, right, ()).solution({})
+    return [found[k] for k in range(len(matrix))]
+
+
+@dataclass(frozen=True)
+class Condensed:
+    """A symmetric system of which some unknowns are eliminated, the kept ones not.
+
+    ``rows`` and ``side`` are what is left for the kept unknowns, at their old places; ``steps``
+    are the pivots with their factors, in the order of elimination.
+    """
+
+    rows: Rows
+    side: list[Scalar]
+    steps: list[tuple[int, dict[int, Scalar]]]
+
+    def solution(self, known: dict[int, Scalar]) -> dict[int, Scalar]:
+        """Return all unknowns, given the kept ones."""
+        found = dict(known)
+        for pivot, factors in reversed(self.steps):
+            value = self.side[pivot]
+            for j, factor in factors.items():
+                value = value - factor * found[j]
+            found[pivot] = value
+        return found
+
+
+def condense_symmetric(matrix: Rows, right: Sequence[Scalar], keep: Iterable[int]) -> Condensed:
+    """Eliminate all unknowns but the kept ones from A x = b, A symmetric.
+
+    Parameters
+    ----------
+    matrix
+        Rows of A with both triangles, shape (n, n); positive definite in the eliminated part.
+    right
+        b, shape (n,).
+    keep
+        Unknowns that stay; the order of the others is that of least degree.
+    """
     remaining = [{j: v for j, v in row.items() if not _is_zero(v)} for row in matrix]
     side = list(right)
     steps: list[tuple[int, dict[int, Scalar]]] = []
-    open_rows = set(range(len(matrix)))
+    open_rows = set(range(len(matrix))) - set(keep)
     while open_rows:
         pivot = min(open_rows, key=lambda i: (len(remaining[i]), i))
         row = remaining[pivot]
@@ -92,10 +132,7 @@ def solve_symmetric(matrix: Rows, right: Sequence[Scalar]) -> list[Scalar]:
         side[pivot] = side[pivot] * inverse
         steps.append((pivot, factors))
         open_rows.discard(pivot)
-    for pivot, factors in reversed(steps):
-        for j, factor in factors.items():
-            side[pivot] = side[pivot] - factor * side[j]
-    return side
+    return Condensed(remaining, side, steps)
 
 
 def transpose(rows: Rows, columns: int) -> Rows:
