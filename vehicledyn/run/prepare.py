@@ -14,6 +14,7 @@ from vehicledyn.base.signals import undisturbed
 from vehicledyn.multibody.derivation import derive
 from vehicledyn.road.vehicle import RoadVehicle
 from vehicledyn.run.road_subject import RoadSubject
+from vehicledyn.run.start_rates import start_rates
 from vehicledyn.run.subject import Subject, index_of
 from vehicledyn.run.vehicle import Target, build_subject
 from vehicledyn.solve.derivatives import Derivatives
@@ -96,8 +97,15 @@ def start_point(prepared: Prepared, speed: float, kind: Start | None) -> Point:
 
 
 def nominal_point(prepared: Prepared, speed: float) -> Point:
-    """Return the system in its nominal position at a forward speed [m/s]."""
-    return _closed(prepared, prepared.subject.start_state(prepared.equations, speed), speed)
+    """Return the system in its nominal position at a forward speed [m/s].
+
+    Raises
+    ------
+    InputError
+        If the rates it is given to start with contradict its constraints.
+    """
+    state = prepared.subject.start_state(prepared.equations, speed)
+    return _moving(prepared, _closed(prepared, state, speed))
 
 
 def equilibrium_point(prepared: Prepared, speed: float, kind: Literal["static", "steady"]) -> Point:
@@ -129,7 +137,7 @@ def equilibrium_point(prepared: Prepared, speed: float, kind: Literal["static", 
         velocities = list(e.velocities)
         final[velocities] = moving[velocities]
         set_speed(prepared, speed)
-    return Point(final, found.unknowns, found.residual)
+    return _moving(prepared, Point(final, found.unknowns, found.residual))
 
 
 def set_speed(prepared: Prepared, speed: float) -> None:
@@ -142,6 +150,15 @@ def set_speed(prepared: Prepared, speed: float) -> None:
     for name, value in changed.items():
         values[names.index(name)] = value
     prepared.kernel.set_parameters(values)
+
+
+def _moving(prepared: Prepared, point: Point) -> Point:
+    """Return a point with the rates that were given to its coordinates, dependent ones too."""
+    subject = prepared.subject
+    state = start_rates(
+        prepared.kernel, subject.given_rates, subject.balance_time, point.state, point.unknowns
+    )
+    return Point(state, point.unknowns, point.residual)
 
 
 def _closed(prepared: Prepared, state: Vector, speed: float) -> Point:

@@ -34,6 +34,11 @@ class RoadSubject:
         """The vehicle's system."""
         return self.vehicle.system
 
+    @property
+    def given_rates(self) -> dict[str, float]:
+        """None; the start gives those of the independent coordinates."""
+        return {}
+
     def parameters_at(self, speed: float) -> dict[str, float]:
         """Return the parameter "speed", which prescribed wheels turn by."""
         return {"speed": speed}

@@ -32,6 +32,10 @@ class Subject(Protocol):
     def balance_time(self) -> float:
         """Time at which a start is balanced [s]."""
 
+    @property
+    def given_rates(self) -> dict[str, float]:
+        """Rates that the start must have, by coordinate, where it matters, in SI."""
+
     def parameters_at(self, speed: float) -> dict[str, float]:
         """Return the parameters that depend on the speed [m/s], by name, in SI."""
 

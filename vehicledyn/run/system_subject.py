@@ -31,6 +31,11 @@ class SystemSubject:
     usual_start: str = "nominal"
     balance_time: float = 0.0
 
+    @property
+    def given_rates(self) -> dict[str, float]:
+        """Rates other than zero that joints start with."""
+        return {j.name: j.start_rate for j in self.system.joints() if j.start_rate != 0.0}
+
     def parameters_at(self, speed: float) -> dict[str, float]:
         """Return the speed where wheels are prescribed by it."""
         known = any(entry.name == "speed" for entry in self.system.table.entries)
