@@ -155,3 +155,8 @@ def _wrong_value(line: ErrorDetails, unit: str | None) -> str:
 
 def _shown(given: Any) -> str:
     return str(given).lower() if isinstance(given, bool) else describe(given)
+
+
+def lower_first(text: str) -> str:
+    """Return a phrase as it stands inside a sentence: "Yaw angle" becomes "yaw angle"."""
+    return text[:1].lower() + text[1:] if text[1:2].islower() else text

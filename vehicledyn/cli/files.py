@@ -70,7 +70,7 @@ def compare(
     relative: Annotated[
         float, typer.Option(min=0.0, help="Tolerance relative to the reference's range.")
     ] = 1e-6,
-    absolute: Annotated[float, typer.Option(min=0.0, help="Tolerance in SI, added to it.")] = 0.0,
+    absolute: Annotated[float, typer.Option(min=0.0, help="Tolerance in SI, added to it.")] = 1e-12,
     tolerances: Annotated[
         list[str] | None,
         typer.Option("--tolerance", metavar="PATTERN=VALUE", help="Relative, for some channels."),

@@ -47,6 +47,7 @@ class Iltis:
 
     parameter_class: ClassVar[type[ParameterSet]] = IltisParameters
     parameter_file: ClassVar[Path] = DATA_FILE
+    needs: ClassVar[tuple[str, ...]] = ("tyres", "road", "wheel_spin")
 
     @classmethod
     def default_parameters(cls) -> dict[str, Any]:

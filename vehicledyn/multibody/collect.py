@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field, replace
 
 from vehicledyn.base.errors import InputError
+from vehicledyn.base.wording import lower_first
 from vehicledyn.multibody.loops import Loops
 from vehicledyn.multibody.observation import Solved, observe
 from vehicledyn.multibody.part_events import collect_events
@@ -140,7 +141,10 @@ def _coordinate_states(joints: list[Joint], loops: Loops) -> tuple[Variable, ...
     positions = [_coordinate(j, loops.start[j.name]) for j in joints]
     rates = [
         Variable(
-            f"{j.name}_rate", f"{j.unit}/s", f"Rate of {j.description or j.name}", j.start_rate
+            f"{j.name}_rate",
+            f"{j.unit}/s",
+            f"Rate of {lower_first(j.description or j.name)}",
+            j.start_rate,
         )
         for j in joints
     ]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from vehicledyn.base.wording import lower_first
 from vehicledyn.multibody import inertia
 from vehicledyn.multibody.closure import Closure
 from vehicledyn.multibody.dynamics import inverse_dynamics
@@ -74,7 +75,9 @@ def _coordinates(system: System, symbols: Symbols, solved: Solved) -> list[Outpu
         rate = solved.kinematics.rate(joint.name)
         outputs.append(Output(Channel(joint.name, joint.unit, text, frame), position))
         name = f"{joint.name}_rate"
-        outputs.append(Output(Channel(name, f"{joint.unit}/s", f"Rate of {text}", frame), rate))
+        outputs.append(
+            Output(Channel(name, f"{joint.unit}/s", f"Rate of {lower_first(text)}", frame), rate)
+        )
     return outputs
 
 
@@ -125,7 +128,7 @@ def _drives(system: System, symbols: Symbols, forces: dict[str, Scalar]) -> list
     for joint in symbols.joints:
         if joint.name in forces and joint.name not in fixed:
             unit = "N*m" if joint.is_rotation else "N"
-            text = f"Force of the drive of {joint.description or joint.name}"
+            text = f"Drive force on {lower_first(joint.description or joint.name)}"
             channel = Channel(f"{joint.name}_force", unit, text, "joint")
             outputs.append(Output(channel, forces[joint.name]))
     return outputs

@@ -11,7 +11,7 @@ from vehicledyn.symbolic.equations import Channel
 from vehicledyn.symbolic.ops import Scalar
 
 _STANDSTILL = 1e-3
-"""Speed below which a side-slip angle has no meaning and fades to zero [m/s]."""
+"""Speed below which a side-slip angle has no meaning and is zero [m/s]."""
 
 _WORDS = ("longitudinal", "lateral", "vertical")
 
@@ -30,7 +30,8 @@ class BodySensor(BasePart):
         yaw = rotations.yaw_pitch_roll(rotation)[0]
         along = rotations.turn(3, yaw).T @ velocity
         spin = rotation @ kinematics.angular_velocity(self.body)
-        slip = ops.atan2(along[1], ops.sqrt(along[0] * along[0] + _STANDSTILL**2))
+        is_moving = along[0] * along[0] + along[1] * along[1] > _STANDSTILL**2
+        slip = ops.where(is_moving, ops.atan2(along[1], along[0]), 0.0)
         return (
             self._output("forward_speed", "m/s", "Velocity along the heading", along[0]),
             self._output("lateral_speed", "m/s", "Velocity to the left of the heading", along[1]),

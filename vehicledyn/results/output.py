@@ -50,6 +50,25 @@ def check_output(path: str | Path) -> Path:
     return target
 
 
+def check_folder(folder: str | Path) -> None:
+    """Test that a folder for pictures exists or can be made.
+
+    Raises
+    ------
+    InputError
+        If a file has its name, or nobody may write there.
+    """
+    target = Path(folder).resolve()
+    if target.exists() and not target.is_dir():
+        raise InputError(f"{folder}: is a file; choose another folder with --plots, or --no-plots")
+    nearest = next(place for place in (target, *target.parents) if place.exists())
+    if not nearest.is_dir() or not os.access(nearest, os.W_OK | os.X_OK):
+        raise InputError(
+            f"{folder}: no permission to write in {nearest}; choose another with --plots, "
+            "or --no-plots"
+        )
+
+
 def write_failed(path: Path, error: Exception, where: str = "") -> InputError:
     """Return the message for an output that could not be written.
 

@@ -21,8 +21,10 @@ from vehicledyn.solve.kernel import Backend
 from vehicledyn.solve.linearise import linearise
 from vehicledyn.solve.modes import Mode, eigenmodes
 
-_HEAD = f"{'eigenvalue [1/s]':>34} {'frequency':>12} {'damping':>9}  states"
+_HEAD = f"{'eigenvalue [1/s]':>34} {'undamped':>12} {'damping':>9}  states"
 _STABLE = 1e-6
+_NEAR_ZERO = 1e-4
+"""A free motion has this eigenvalue at most where the speed slowly falls [1/s]."""
 
 
 @dataclass(frozen=True)
@@ -60,7 +62,7 @@ class ModesReport:
         }
 
     def _table(self, entry: ModesAtSpeed) -> str:
-        zeros = sum(1 for m in entry.modes if m.is_zero)
+        zeros = sum(1 for m in entry.modes if abs(m.eigenvalue) < _NEAR_ZERO)
         verdict = f"{len(entry.unstable)} unstable" if entry.unstable else "all others stable"
         head = f"{self.model} at {shown(entry.speed, 'm/s')}: {zeros} zeros, {verdict}"
         return "\n".join([head, _HEAD, *(_mode_line(m) for m in entry.modes)])
@@ -120,6 +122,8 @@ def _mode_line(mode: Mode) -> str:
     states = ", ".join(mode.dominant[:3])
     if mode.is_zero:
         return f"{'0':>34} {'':>12} {'':>9}  {states}"
+    if not mode.is_oscillation:
+        return f"{pair:>34} {'':>12} {'':>9}  {states}"
     return f"{pair:>34} {mode.frequency:>9.4f} Hz {mode.damping_ratio:>9.4f}  {states}"
 
 

@@ -17,7 +17,7 @@ from vehicledyn.base.errors import InputError, NumericalError, nearest_name, unk
 from vehicledyn.base.units import shown
 from vehicledyn.manoeuvres.recording import Recording
 from vehicledyn.results.layout import EventRecord, ResultHeader, SummaryEntry
-from vehicledyn.results.output import check_output
+from vehicledyn.results.output import check_folder, check_output
 from vehicledyn.results.plots import draw_plots
 from vehicledyn.results.writer import ResultWriter
 from vehicledyn.run.prepare import Point, Prepared, Progress, prepare, start_point
@@ -86,22 +86,36 @@ def run_scenario(
         If the loops cannot be assembled or there is no equilibrium to start from.
     """
     check_output(output)
+    if plots is not None:
+        check_folder(plots)
     prepared = prepare(loaded, backend=backend, progress=progress)
     kept = _kept_channels(loaded, prepared)
     described = _plots(loaded, prepared, kept)
     progress("finding the point to start from", None)
     s = loaded.scenario
     start = start_point(prepared, s.speed or 0.0, s.start)
+    check = getattr(s.solver, "check", None)  # only methods that cannot treat every model
+    if check is not None:
+        check(prepared.equations)
     run = _Run(loaded, prepared, kept, _needed_channels(prepared), described)
     run.simulate(start, output, progress)
     messages = [_kernel_message(prepared), *run.messages]
     if plots is not None and run.samples and described:
         progress("drawing the figures", None)
-        pictures = draw_plots(output, plots)
-        messages.append(f"{len(pictures)} figures in {plots}")
+        messages.append(_draw(output, plots))
     return RunOutcome(
         output, run.status, run.exit_code, {e.name: _shown(e) for e in run.summary}, messages
     )
+
+
+def _draw(output: Path, folder: Path) -> str:
+    """Draw the figures and say so; an interrupt or an error leaves the result whole."""
+    try:
+        return f"{len(draw_plots(output, folder))} figures in {folder}"
+    except KeyboardInterrupt:
+        return f"stopped while drawing; the result {output} is whole"
+    except InputError as error:
+        return f"no figures: {error}"
 
 
 @dataclass
@@ -184,10 +198,11 @@ class _Run:
         )
 
     def _take(self, writer: ResultWriter, t: Matrix, x: Matrix, z: Matrix, y: Matrix) -> None:
-        writer.append(t, y[:, self.kept], np.hstack([x, z]))
+        # Collected first: an interrupt waits for the file, which then holds them too.
         self._times.append(t.copy())
         self._values.append(y[:, self.needed].copy())
         self.samples += len(t)
+        writer.append(t, y[:, self.kept], np.hstack([x, z]))
 
     def _summarise(self) -> None:
         if not self.samples:

@@ -11,6 +11,7 @@ from vehicledyn.base.parameters import ParameterSet, field_family
 from vehicledyn.base.registry import find, kinds
 from vehicledyn.scenario.partial import partial_definitions
 from vehicledyn.scenario.sets import Scenario, Tyres
+from vehicledyn.scenario.written import needs_of
 
 Schema = dict[str, Any]
 
@@ -145,7 +146,7 @@ def _when_model(name: str, reference: Schema) -> Schema:
     chosen = {"properties": {"model": {"const": name}}, "required": ["model"]}
     changes = {
         "properties": {"parameters": {"anyOf": [reference, {"type": "null"}]}, "initial": False},
-        "required": ["manoeuvre", "speed"],
+        "required": ["manoeuvre", "speed", *needs_of(name)],
     }
     return {"if": chosen, "then": changes}
 

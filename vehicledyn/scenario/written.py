@@ -87,13 +87,13 @@ def unsuitable(data: dict[str, Any], model: WrittenModel | None, sources: Source
     ``model`` is that of the file the scenario names; None for a vehicle of the catalogue.
     """
     if not is_file(data.get("model")):
-        wrong = _lacking(data)
+        wrong = _lacking(data, (*_IN_MANOEUVRES, *needs_of(data.get("model"))))
         if data.get("initial"):
             wrong["initial"] = "only for system files; a vehicle starts straight ahead"
     elif model is None:
         return []
     elif model.is_vehicle:
-        wrong = _lacking(data)
+        wrong = _lacking(data, _IN_MANOEUVRES)
     else:
         wheels = () if model.has_wheels else _ON_WHEELS
         text = f"{model.path.name} has no wheels; leave this out"
@@ -108,9 +108,17 @@ def unsuitable(data: dict[str, Any], model: WrittenModel | None, sources: Source
     ]
 
 
-def _lacking(data: dict[str, Any]) -> dict[str, str]:
+def needs_of(model: Any) -> tuple[str, ...]:
+    """Return the further keys of a scenario that a vehicle of the catalogue cannot do without."""
+    if model not in kinds("model"):
+        return ()
+    needs: tuple[str, ...] = getattr(find("model", str(model)), "needs", ())
+    return needs
+
+
+def _lacking(data: dict[str, Any], needed: tuple[str, ...]) -> dict[str, str]:
     wrong = {}
-    for key in _IN_MANOEUVRES:
+    for key in needed:
         if data.get(key) is None:
             unit = ", in m/s" if key == "speed" else ""
             wrong[key] = f"missing: {Scenario.model_fields[key].description}{unit}"

@@ -10,6 +10,7 @@ from vehicledyn.base.registry import register
 
 if TYPE_CHECKING:
     from vehicledyn.solve.task import Statistics, Task
+    from vehicledyn.symbolic.equations import Equations
 
 _CHUNK = 64
 
@@ -28,22 +29,25 @@ class Cvodes(ParameterSet):
         "1", "Local error allowed for each state, in its own unit", gt=0
     )
 
+    def check(self, equations: Equations) -> None:
+        """Raise InputError if the model has algebraic unknowns, which this method cannot treat."""
+        if equations.unknowns:
+            raise InputError(
+                f"solver 'cvodes' cannot treat the loops of model '{equations.name}'; "
+                "take 'rosenbrock' or 'idas'"
+            )
+
     def integrate(self, task: Task) -> Statistics:
         """Integrate a task.
 
         Raises
         ------
         InputError
-            If the model has algebraic unknowns, which this method cannot treat.
+            If the model has algebraic unknowns.
         """
         from vehicledyn.solve.casadi_integrator import run_casadi
 
-        equations = task.kernel.equations
-        if equations.unknowns:
-            raise InputError(
-                f"solver 'cvodes' cannot treat the loops of model '{equations.name}'; "
-                "take 'rosenbrock' or 'idas'"
-            )
+        self.check(task.kernel.equations)
         options = {
             "reltol": self.relative_tolerance,
             "abstol": self.absolute_tolerance,
