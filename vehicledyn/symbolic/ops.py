@@ -145,21 +145,21 @@ def scalar(x: Scalar) -> Scalar:
     """Return a number or expression as an SX scalar."""
     import casadi
 
-    return casadi.SX(x)
+    return x if type(x) is casadi.SX else casadi.SX(x)
 
 
 def vector(x: Scalar, y: Scalar, z: Scalar) -> Vec:
     """Return the column of three components."""
     import casadi
 
-    return casadi.SX(casadi.vertcat(casadi.SX(x), casadi.SX(y), casadi.SX(z)))
+    return casadi.vertcat(scalar(x), scalar(y), scalar(z))
 
 
 def column(items: Sequence[Scalar]) -> Any:
     """Return the SX column of any number of scalars, shape (n, 1)."""
     import casadi
 
-    return casadi.vertcat(*[casadi.SX(item) for item in items]) if items else casadi.SX(0, 1)
+    return casadi.vertcat(*[scalar(item) for item in items]) if items else casadi.SX(0, 1)
 
 
 def cross(a: Vec, b: Vec) -> Vec:

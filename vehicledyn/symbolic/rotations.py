@@ -32,7 +32,8 @@ def matrix(rows: list[list[Scalar]]) -> Mat:
     """Return the SX matrix with these rows."""
     import casadi
 
-    return casadi.SX(casadi.vertcat(*[casadi.horzcat(*[casadi.SX(x) for x in r]) for r in rows]))
+    columns = [ops.scalar(x) for column in zip(*rows, strict=True) for x in column]
+    return casadi.reshape(casadi.vertcat(*columns), len(rows), len(rows[0]))
 
 
 def symmetric(diagonal: Sequence[Scalar], beside: Sequence[Scalar]) -> Mat:
