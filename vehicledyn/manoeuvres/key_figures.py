@@ -51,7 +51,7 @@ def summarise(recording: Recording, vehicle: RoadVehicle) -> list[SummaryEntry]:
     from vehicledyn.results.metrics import peak, smallest
 
     time, values = recording.time, recording.channels
-    entries = []
+    entries = _rollover(recording, vehicle)
 
     def add_peak(name: str, channel: str, unit: str, text: str) -> None:
         extreme = peak(time, values[channel])
@@ -86,6 +86,20 @@ def summarise(recording: Recording, vehicle: RoadVehicle) -> list[SummaryEntry]:
     add_peak("largest_loop_gap", _GAP, "m", "Largest position error of a loop")
     add_peak("largest_loop_speed", _OPENING, "m/s", "Largest velocity error of a loop")
     return [entry for entry in entries if _is_usable(entry)]
+
+
+def _rollover(recording: Recording, vehicle: RoadVehicle) -> list[SummaryEntry]:
+    """Return when the vehicle rolled over, if it did."""
+    import numpy as np
+
+    from vehicledyn.results.layout import SummaryEntry
+
+    lean = np.abs([recording.channels[f"{vehicle.chassis}.{n}"] for n in ("roll", "pitch")])
+    over = np.flatnonzero(lean.max(axis=0) > 0.5 * math.pi)
+    if not over.size:
+        return []
+    text = "Time at which the vehicle rolled over; nothing after it is meaningful"
+    return [SummaryEntry("rolled_over_at", float(recording.time[over[0]]), "s", text)]
 
 
 def _is_usable(entry: SummaryEntry) -> bool:
