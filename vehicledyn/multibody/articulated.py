@@ -133,13 +133,10 @@ def sweep(
     for link, items in (carried or {}).items():
         for body, wrench in items:
             bodies[link] = bodies[link] + body
-            wrenches[link] = _sum(wrenches[link], wrench.force, wrench.torque)
+            force, torque = wrenches[link].force, wrenches[link].torque
+            wrenches[link] = JointWrench(force + wrench.force, torque + wrench.torque)
     gates = _inwards(kinematics, bodies, wrenches, joint_forces, free)
     return _outwards(kinematics, gates, chosen)
-
-
-def _sum(wrench: JointWrench, force: Vec, torque: Vec) -> JointWrench:
-    return JointWrench(wrench.force + force, wrench.torque + torque)
 
 
 def _inwards(
@@ -163,9 +160,7 @@ def _inwards(
             rotation, arm = kinematics.link_rotation(link), kinematics.link_arm(link)
             moved = body.in_parent(kinematics.link_turns(link), arm)
             bodies[item.parent] = bodies[item.parent] + moved
-            passed = rotation @ wrench.force
-            turned = rotation @ wrench.torque + ops.cross(arm, passed)
-            wrenches[item.parent] = _sum(wrenches[item.parent], passed, turned)
+            wrenches[item.parent] = wrenches[item.parent].plus(wrench, rotation, arm)
     return gates
 
 

@@ -16,7 +16,7 @@ from vehicledyn.multibody.inertia import CYCLES, Inertia
 from vehicledyn.multibody.kinematics import Kinematics
 from vehicledyn.multibody.parts import Wrench
 from vehicledyn.symbolic import ops, rotations
-from vehicledyn.symbolic.ops import Scalar, Vec
+from vehicledyn.symbolic.ops import Mat, Scalar, Vec
 
 
 @dataclass(frozen=True)
@@ -25,6 +25,12 @@ class JointWrench:
 
     force: Vec
     torque: Vec
+
+    def plus(self, other: JointWrench, rotation: Mat, arm: Vec) -> JointWrench:
+        """Return the sum with a wrench of a frame beyond, turned and displaced by ``arm``."""
+        force = rotation @ other.force
+        torque = rotation @ other.torque + ops.cross(arm, force)
+        return JointWrench(self.force + force, self.torque + torque)
 
 
 def inverse_dynamics(
@@ -59,16 +65,14 @@ def inverse_dynamics(
     children: dict[int, list[int]] = defaultdict(list)
     for link in reversed(range(len(tree.links))):
         item = tree.links[link]
-        force, torque = own[link].force, own[link].torque
+        total = own[link]
         for child in children[link]:
             rotation, arm = kinematics.link_rotation(child), kinematics.link_arm(child)
-            passed = rotation @ carried[child].force
-            force = force + passed
-            torque = torque + rotation @ carried[child].torque + ops.cross(arm, passed)
-        carried[link] = JointWrench(force, torque)
+            total = total.plus(carried[child], rotation, arm)
+        carried[link] = total
         children[item.parent].append(link)
         if item.joint is not None:
-            along = torque if item.joint.is_rotation else force
+            along = total.torque if item.joint.is_rotation else total.force
             forces[item.joint.name] = ops.dot(kinematics.link_axis(link), along)
     return forces, carried
 

@@ -1,0 +1,178 @@
+"""A sub-system condensed to the motion of the body that carries it.
+
+The equations of a sub-system in its independent coordinates y and the acceleration A = (a, α)
+of the body that carries it (book, chapter 4.4),
+
+    [ M   Fᵀ ] [ ÿ ]   [ c ]   [ 0 ]
+    [ F   I  ] [ A ] + [ p ] = [ W ],
+
+give ÿ = -M⁻¹ (c + Fᵀ A) and the wrench W = (I - F M⁻¹ Fᵀ) A + p - F M⁻¹ c that the carrier must
+supply.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from vehicledyn.multibody import inertia
+from vehicledyn.multibody.articulated import ArticulatedInertia
+from vehicledyn.multibody.dynamics import JointWrench, unit_column
+from vehicledyn.multibody.forward import TreeProblem
+from vehicledyn.symbolic import ops, rotations
+from vehicledyn.symbolic.elimination import Condensed, Rows, condense_symmetric
+from vehicledyn.symbolic.ops import Scalar, Vec
+
+Influence = dict[str, dict[str, Scalar]]
+"""B of q̇_u = B q̇_v: for each dependent coordinate {independent: entry}."""
+
+_SIX = 6
+_BLOCKS = ((0, 0), (0, 3), (3, 3))
+
+
+@dataclass(frozen=True)
+class Segment:
+    """A sub-system condensed to its carrier.
+
+    ``names`` are its independent coordinates; ``condensed`` holds them at the places 0 to
+    n - 1 and the carrier's acceleration (a, α) after them.
+    """
+
+    names: list[str]
+    condensed: Condensed
+
+    @property
+    def inertia(self) -> ArticulatedInertia:
+        """What the carrier feels as inertia, at its origin and in its axes."""
+        n = len(self.names)
+
+        def block(row: int, column: int) -> list[list[Scalar]]:
+            rows = self.condensed.rows
+            return [
+                [rows[n + row + i].get(n + column + j, 0.0) for j in range(3)] for i in range(3)
+            ]
+
+        return ArticulatedInertia(*(rotations.matrix(block(i, j)) for i, j in _BLOCKS))
+
+    @property
+    def wrench(self) -> JointWrench:
+        """What the carrier must supply when it does not accelerate [N, N m]."""
+        side = [-value for value in self.condensed.side[len(self.names) :]]
+        return JointWrench(ops.vector(*side[:3]), ops.vector(*side[3:]))
+
+    def accelerations(self, linear: Vec, angular: Vec) -> dict[str, Scalar]:
+        """Return those of the independent coordinates by name, given the carrier's."""
+        motion = [*(linear[k] for k in range(3)), *(angular[k] for k in range(3))]
+        known = {len(self.names) + k: value for k, value in enumerate(motion)}
+        found = self.condensed.solution(known)
+        return {name: found[k] for k, name in enumerate(self.names)}
+
+
+def condense(
+    problem: TreeProblem,
+    root: int,
+    links: list[int],
+    needed: list[JointWrench],
+    *,
+    independent: list[str],
+    influence: Influence,
+) -> Segment:
+    """Return a sub-system condensed to its carrier.
+
+    Parameters
+    ----------
+    problem
+        The tree at zero independent accelerations.
+    root
+        Link of the carrier, -1 for the ground.
+    links
+        Links of the sub-system, parents first: whole branches beyond the carrier.
+    needed
+        Wrench that each link of the tree lacks, at its origin and in its axes.
+    independent, influence
+        Independent coordinates of the whole system, and what they make of the others.
+    """
+    kinematics, items = problem.kinematics, problem.kinematics.tree.links
+    names_of = {k: joint.name for k in links if (joint := items[k].joint) is not None}
+    free = {name for name in names_of.values() if name in problem.free}
+    names = [name for name in independent if name in free]
+    bordered = _Bordered.of(names, {name: influence[name] for name in free - set(names)})
+    zero = ops.vector(0.0, 0.0, 0.0)
+    composite = {root: inertia.nothing(), **{k: problem.inertias[k] for k in links}}
+    lacking = {root: JointWrench(zero, zero), **{k: needed[k] for k in links}}
+    for link in reversed(links):
+        item, name, wrench = items[link], names_of.get(link), lacking[link]
+        if item.joint is not None and name in free:
+            along = wrench.torque if item.joint.is_rotation else wrench.force
+            force = ops.dot(kinematics.link_axis(link), along)
+            entries, column = unit_column(kinematics, link, composite[link], free, stop=root)
+            bordered.enter(item.joint.name, entries, column)
+            bordered.push(item.joint.name, force - problem.joint_forces.get(name, 0.0))
+        rotation, arm = kinematics.link_rotation(link), kinematics.link_arm(link)
+        moved = composite[link].in_parent(rotation, arm)
+        composite[item.parent] = composite[item.parent] + moved
+        lacking[item.parent] = lacking[item.parent].plus(wrench, rotation, arm)
+    bordered.carry(ArticulatedInertia.of(composite[root]), lacking[root])
+    n = len(names)
+    return Segment(names, condense_symmetric(bordered.rows, bordered.side, range(n, n + _SIX)))
+
+
+@dataclass(frozen=True)
+class _Bordered:
+    """The matrix of M, F and I and its right-hand side, filled joint by joint.
+
+    ``spread`` gives each coordinate {place of an independent one: entry of T}.
+    """
+
+    spread: dict[str, dict[int, Scalar]]
+    rows: Rows
+    side: list[Scalar]
+
+    @classmethod
+    def of(cls, names: list[str], influence: Influence) -> _Bordered:
+        """Return an empty one for some independent coordinates."""
+        place = {name: k for k, name in enumerate(names)}
+        spread = {name: {k: ops.scalar(1.0)} for name, k in place.items()}
+        for name, row in influence.items():
+            spread[name] = {place[v]: entry for v, entry in row.items() if not entry.is_zero()}
+        size = len(names) + _SIX
+        return cls(spread, [{} for _ in range(size)], [ops.scalar(0.0)] * size)
+
+    def enter(self, name: str, entries: dict[str, Scalar], column: JointWrench) -> None:
+        """Add the column of one coordinate: forces on it and others, and the carrier's wrench."""
+        mine, n = self.spread[name], len(self.rows) - _SIX
+        for other, value in entries.items():
+            for i, left in mine.items():
+                for j, right in self.spread[other].items():
+                    product = left * (value * right)
+                    self._add(i, j, product)
+                    if other != name:
+                        self._add(j, i, product)
+        for k, value in enumerate(_six(column)):
+            for i, left in mine.items():
+                self._add(i, n + k, left * value)
+                self._add(n + k, i, left * value)
+
+    def push(self, name: str, force: Scalar) -> None:
+        """Add the force that a coordinate lacks."""
+        for k, entry in self.spread[name].items():
+            self.side[k] = self.side[k] - entry * force
+
+    def carry(self, rigid: ArticulatedInertia, wrench: JointWrench) -> None:
+        """Add what the carrier feels with all coordinates at rest."""
+        n = len(self.rows) - _SIX
+        for i in range(3):
+            for j in range(3):
+                self._add(n + i, n + j, rigid.linear[i, j])
+                self._add(n + i, n + 3 + j, rigid.coupling[i, j])
+                self._add(n + 3 + j, n + i, rigid.coupling[i, j])
+                self._add(n + 3 + i, n + 3 + j, rigid.angular[i, j])
+        for k, value in enumerate(_six(wrench)):
+            self.side[n + k] = -value
+
+    def _add(self, i: int, j: int, value: Scalar) -> None:
+        if not value.is_zero():
+            self.rows[i][j] = self.rows[i].get(j, 0.0) + value
+
+
+def _six(wrench: JointWrench) -> list[Scalar]:
+    return [vector[k] for vector in (wrench.force, wrench.torque) for k in range(3)]
