@@ -91,7 +91,8 @@ def read_parameters(data: Any) -> Parameters:
     declared: dict[str, _Declared] = {}
     for name, item in _declared(data, ("parameters",), found.problems):
         declared[name] = item
-    found.declared = set(declared)
+    wrong = {dotted(place[1:]) for place, _ in found.problems}
+    found.declared = set(declared) | wrong
     _resolve(declared, found)
     return found
 
@@ -137,6 +138,7 @@ def _resolve(declared: dict[str, _Declared], found: Parameters) -> None:
     values: dict[str, Any] = {}
     measures: dict[str, Any] = {}
     failed: set[str] = set()
+    wrong = found.declared - set(declared)
 
     def visit(name: str, path: tuple[str, ...]) -> None:
         if name in values or name in failed:
@@ -145,6 +147,9 @@ def _resolve(declared: dict[str, _Declared], found: Parameters) -> None:
         if name in path:
             circle = " -> ".join([*path[path.index(name) :], name])
             found.problems.append((item.place, f"rests on itself: {circle}"))
+            failed.add(name)
+            return
+        if any(n in wrong or n.rpartition(".")[0] in wrong for n in item.expression.names):
             failed.add(name)
             return
         needed = [_owner(used, declared) for used in item.expression.names]
@@ -176,7 +181,11 @@ def _owner(used: str, declared: dict[str, _Declared]) -> str | None:
 
 
 def _settled(measure: Any) -> Any:
-    """Return the measure of a named quantity: no longer bare."""
+    """Return the measure of a named quantity: no longer bare.
+
+    Bare components of a vector take the unit that others have.
+    """
     if isinstance(measure, tuple):
-        return tuple(_settled(m) for m in measure)
+        known = next((m for m in measure if m.bare is None), measure[0])
+        return tuple(_settled(known if m.bare is not None else m) for m in measure)
     return Measure(measure.powers, exact=True)

@@ -165,8 +165,11 @@ def _once(problems: list[Problem]) -> list[Problem]:
 
 
 def _coordinates(file: SystemFile) -> dict[str, Coordinate]:
-    found = [c for name, body in file.bodies.items() for c in body.coordinates(name)]
-    return {c.name: c for c in found}
+    found: dict[str, Coordinate] = {}
+    for name, body in file.bodies.items():
+        for coordinate in body.coordinates(name):
+            found.setdefault(coordinate.name, coordinate)
+    return found
 
 
 def _parents_first(file: SystemFile) -> SystemFile:

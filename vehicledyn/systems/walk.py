@@ -47,11 +47,21 @@ class Reference:
 
 @dataclass(frozen=True)
 class _Units:
-    """What ``{length}`` and ``{force}`` stand for, and the points that may be named."""
+    """What ``{length}`` and ``{force}`` stand for, and the points that may be named.
+
+    ``known`` is false where that cannot be said, as the coordinate in question is not known.
+    """
 
     length: str = "m"
     force: str = "N"
     points: tuple[str, ...] = ()
+    known: bool = True
+
+    def put_into(self, unit: str) -> str:
+        """Return a unit with what its placeholders stand for; empty if that is not known."""
+        if "{" in unit and not self.known:
+            return ""
+        return unit.format(length=self.length, force=self.force)
 
 
 def walk(file: SystemFile, coordinates: dict[str, Coordinate]) -> Iterator[Found | Reference]:
@@ -100,7 +110,7 @@ def _expressions(item: ParameterSet, name: str, place: Place, units: _Units) -> 
         yield Found(
             (*place, *index),
             expression,
-            unit.replace("{k}", str(k)).format(length=units.length, force=f"{units.force}"),
+            units.put_into(unit.replace("{k}", str(k))),
             fact(type(item), name, "nature") in _VECTORS,
             str(fact(type(item), name, "variables") or ""),
             fact(type(item), name, "least"),
@@ -117,8 +127,12 @@ def _units_of(item: Any, coordinates: dict[str, Coordinate]) -> _Units:
         named = item.coordinates[0] if item.coordinates else None
     else:
         points = ()
-    known = coordinates.get(str(named))
-    return _Units(known.unit, known.force_unit, points) if known else _Units(points=points)
+    if named is None:
+        return _Units(points=points)
+    found = coordinates.get(str(named))
+    if found is None:
+        return _Units(points=points, known=False)
+    return _Units(found.unit, found.force_unit, points)
 
 
 def _units_of_joint(joint: JointSet, body: str) -> _Units:
