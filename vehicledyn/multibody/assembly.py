@@ -74,7 +74,7 @@ def _away_from_poles(
     for step in (0.0, _ASIDE, -_ASIDE):
         q = start + step * aside
         if np.isfinite(residual(q)).all() and np.isfinite(jacobian(q)).all():
-            return q
+            return np.asarray(q)
     raise NumericalError(
         "the loops cannot be assembled: their residuals are no finite numbers at the start; "
         "start the coordinates elsewhere"

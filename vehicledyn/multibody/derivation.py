@@ -11,7 +11,7 @@ from vehicledyn.multibody.closure import Closure
 from vehicledyn.multibody.collect import Roles, collect, roles_of
 from vehicledyn.multibody.forward import Formulation, TreeProblem, solve_tree
 from vehicledyn.multibody.kinematics import Kinematics
-from vehicledyn.multibody.loops import Loops, close
+from vehicledyn.multibody.loops import Loops, Moment, close
 from vehicledyn.multibody.observation import Solved
 from vehicledyn.multibody.parts import Loads, Motion, Part, Situation
 from vehicledyn.multibody.segmentation import solve_loops
@@ -23,7 +23,9 @@ from vehicledyn.symbolic.equations import Equations
 from vehicledyn.symbolic.ops import Scalar
 
 
-def derive(system: System, *, formulation: Formulation = "auto") -> Equations:
+def derive(
+    system: System, *, formulation: Formulation = "auto", moment: Moment | None = None
+) -> Equations:
     """Return the symbolic equations of a system.
 
     M(q) q̈ + c(q, q̇, loads) = Jᵀ λ of the tree, reduced to the independent coordinates by the
@@ -38,6 +40,8 @@ def derive(system: System, *, formulation: Formulation = "auto") -> Equations:
         "composite" factorises the mass matrix, "articulated" is the recursion of order N, for
         trees without cuts only; "auto" takes the one with fewer operations, and condenses
         closed sub-systems to the body that carries them where one does.
+    moment
+        When the loops are assembled; None for the start at time zero.
 
     Returns
     -------
@@ -52,7 +56,7 @@ def derive(system: System, *, formulation: Formulation = "auto") -> Equations:
     NumericalError
         If its loops cannot be assembled.
     """
-    return equations_of(solve_motion(system, formulation))
+    return equations_of(solve_motion(system, formulation, moment))
 
 
 @dataclass(frozen=True)
@@ -68,7 +72,9 @@ class Derivation:
     solved: Solved
 
 
-def solve_motion(system: System, formulation: Formulation = "auto") -> Derivation:
+def solve_motion(
+    system: System, formulation: Formulation = "auto", moment: Moment | None = None
+) -> Derivation:
     """Return a checked system solved for its accelerations, see :func:`derive`."""
     system.check()
     check_bodies(system)
@@ -80,7 +86,7 @@ def solve_motion(system: System, formulation: Formulation = "auto") -> Derivatio
             "open trees only"
         )
     moved = motions(system, symbols)
-    loops = close(system, tree, symbols, moved)
+    loops = close(system, tree, symbols, moved, moment)
     roles = roles_of(symbols, loops)
     motion = _motion(system, tree, symbols, roles, loops.closure)
     solved = _dynamics(system, symbols, roles, loops.closure, motion, formulation=formulation)

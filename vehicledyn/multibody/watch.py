@@ -1,0 +1,135 @@
+"""Watch a partition while a system moves: how well the dependent coordinates are determined."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vehicledyn.multibody import partition
+from vehicledyn.multibody.gaps import Gaps, rows_of_system
+from vehicledyn.multibody.system import Joint, System
+from vehicledyn.multibody.tree import unfold
+from vehicledyn.multibody.unknowns import declare
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """A partition and the best one at a configuration.
+
+    ``leverage`` is the largest rate that an independent rate of one gives a dependent one with
+    the partition in use, ``best_leverage`` that with the best partition, whose dependent
+    coordinates are ``best``. ``worst`` is the dependent coordinate with the largest rate.
+    """
+
+    leverage: float
+    best_leverage: float
+    best: tuple[str, ...]
+    worst: str
+
+
+class PartitionWatch:
+    """Compares partitions of a system with the best one at a configuration.
+
+    All coordinates but the driven ones may change their role.
+    """
+
+    def __init__(self, system: System) -> None:
+        """Differentiate the constraints."""
+        symbols = declare(system)
+        self._joints = symbols.joints
+        self._gaps = Gaps(system, symbols, rows_of_system(system, unfold(system), symbols))
+        self._structure = self._gaps.structure
+        self._rows: dict[tuple[int, ...], list[int]] = {}
+
+    def leverage(self, time: float, values: dict[str, float], dependent: list[str]) -> float:
+        """Return the largest rate that a unit independent rate gives a dependent one."""
+        _, jacobian, moving = self._at(time, values)
+        columns = [k for k, j in enumerate(self._joints) if j.name in set(dependent)]
+        return float(self._leverages(jacobian, columns, moving).max(initial=0.0))
+
+    def pivot(self, time: float, values: dict[str, float], dependent: list[str]) -> float:
+        """Return the determinant by which the constraints determine the dependent rates."""
+        names, jacobian, _ = self._at(time, values)
+        columns = [names.index(name) for name in dependent]
+        key = tuple(columns)
+        if key not in self._rows:
+            chosen = partition.choose(
+                jacobian, self._structure, columns, [], names, holonomic=self._gaps.holonomic
+            )
+            self._rows[key] = [row for row, _ in chosen.rates.pairs]
+        return float(np.linalg.det(jacobian[np.ix_(self._rows[key], columns)]))
+
+    def compare(self, time: float, values: dict[str, float], dependent: list[str]) -> Comparison:
+        """Compare the partition with these dependent rates with the best one.
+
+        Parameters
+        ----------
+        time
+            Time [s].
+        values
+            Coordinates by name [m, rad]; those that are missing are at their start.
+        dependent
+            Names of the coordinates whose rates are dependent.
+        """
+        names, jacobian, moving = self._at(time, values)
+        chosen = partition.choose(
+            jacobian, self._structure, [], moving, names, holonomic=self._gaps.holonomic
+        )
+        now = self._leverages(jacobian, [names.index(n) for n in dependent], moving)
+        best = self._leverages(jacobian, chosen.rates.columns, moving)
+        return Comparison(
+            float(now.max(initial=0.0)),
+            float(best.max(initial=0.0)),
+            tuple(names[c] for c in sorted(chosen.rates.columns)),
+            dependent[int(np.argmax(now))] if now.size else "",
+        )
+
+    def _at(self, time: float, values: dict[str, float]) -> tuple[list[str], Array, list[int]]:
+        """Return names, Jacobian and the indices of the coordinates that are not driven."""
+        q = np.array([values.get(j.name, j.start) for j in self._joints])
+        moving = [k for k, j in enumerate(self._joints) if j.role != "driven"]
+        return [j.name for j in self._joints], self._gaps.jacobian(time, q), moving
+
+    def _leverages(self, jacobian: Array, columns: list[int], moving: list[int]) -> Array:
+        """Return the largest entry of each row of B in q̇_u = B q̇_v."""
+        others = [k for k in moving if k not in set(columns)]
+        if not columns or not others:
+            return np.zeros(len(columns))
+        found = np.linalg.lstsq(jacobian[:, columns], -jacobian[:, others], rcond=None)[0]
+        return np.asarray(np.abs(found).max(axis=1))
+
+
+def freed(system: System, values: dict[str, float], parameters: Array) -> System:
+    """Return a system that starts elsewhere, with the choice of the partition left open.
+
+    Parameters
+    ----------
+    system
+        The system.
+    values
+        Coordinates and rates by name; others stay as they are.
+    parameters
+        Values of its parameters, which assembly and partition use, shape (n_parameters,).
+    """
+    entries = [
+        replace(entry, value=float(value))
+        for entry, value in zip(system.table.entries, parameters, strict=True)
+    ]
+    bodies = []
+    for body in system.bodies:
+        joints = [_moved(j, values) if isinstance(j, Joint) else j for j in body.joints]
+        bodies.append(replace(body, joints=tuple(joints)))
+    return replace(system, bodies=tuple(bodies), table=replace(system.table, entries=entries))
+
+
+def _moved(joint: Joint, values: dict[str, float]) -> Joint:
+    return replace(
+        joint,
+        start=values.get(joint.name, joint.start),
+        start_rate=values.get(f"{joint.name}_rate", joint.start_rate),
+        role="driven" if joint.role == "driven" else "auto",
+    )

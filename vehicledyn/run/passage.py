@@ -1,0 +1,161 @@
+"""Pass a singular configuration without looking at it: one long step from before to behind.
+
+Where a loop is singular (a parallelogram in one line) the dependent rates are 0/0, and close to
+it they are lost in rounding, as the square of the distance. The motion itself is smooth. So the
+states are integrated up to a little before it, and then in one step of high order that is placed
+such that the singular instant falls into the widest gap between its stages.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vehicledyn.base.errors import NumericalError
+from vehicledyn.solve.engine import Ledger
+from vehicledyn.solve.kernel import Kernel
+
+Vector = NDArray[np.float64]
+
+TOLERANCE = 1e-12
+"""Relative and absolute error of the states in a step of the passage."""
+_GAP = 0.47
+"""Middle of the widest gap between the stages of the pair of order 8, as a part of its step."""
+_MOST_TRIES = 60
+_PROBE = 1e-7
+
+
+@dataclass(frozen=True)
+class Sample:
+    """Time, states, unknowns and outputs at one instant."""
+
+    time: float
+    state: Vector
+    unknowns: Vector
+    outputs: Vector
+
+
+def pivots(kernel: Kernel, time: float, state: Vector, unknowns: Vector) -> Vector:
+    """Return the determinant of each block of unknowns, shape (n_blocks,)."""
+    count = len(kernel.equations.blocks)
+    return np.array(
+        [
+            np.linalg.det(kernel.block(k, time, state, unknowns)[1].reshape(_size(kernel, k)))
+            for k in range(count)
+        ]
+    )
+
+
+def _size(kernel: Kernel, index: int) -> tuple[int, int]:
+    block = kernel.equations.blocks[index]
+    return (block.stop - block.start,) * 2
+
+
+class Passage:
+    """Integrates states and unknowns together, so that guesses of the unknowns are good.
+
+    The unknowns that the integration carries along are a guess only: at every stage they are
+    solved for, starting from it.
+    """
+
+    def __init__(self, kernel: Kernel, begin: Sample) -> None:
+        """Start at a sample outside of the singular zone."""
+        self._kernel = kernel
+        self._ledger = Ledger()
+        self._n = begin.state.size
+        names = [c.name for c in kernel.equations.channels]
+        moving = [f"{u.name}_rate" for u in kernel.equations.unknowns]
+        self._rate_of = [names.index(name) if name in names else -1 for name in moving]
+        self.time, self._y = begin.time, np.concatenate([begin.state, begin.unknowns])
+        self._steps: list[Any] = []
+
+    def go(self, *, crossing: Sequence[int], until: float) -> float:
+        """Integrate to behind the point where the blocks ``crossing`` become singular.
+
+        Returns
+        -------
+        float
+            Time behind it [s].
+
+        Raises
+        ------
+        NumericalError
+            If it is not passed before the time ``until``.
+        """
+        for _ in range(_MOST_TRIES):
+            wait = self._time_to(crossing)
+            if wait > 0.0 and self._jump(wait / _GAP):
+                return self.time
+            ahead = 0.2 * (until - self.time)
+            self.advance(self.time + (min(0.15 * wait, ahead) if wait > 0.0 else ahead))
+        raise NumericalError("the singular configuration is not passed")
+
+    def advance(self, stop: float) -> None:
+        """Integrate to a time [s] with steps of any size."""
+        solver = self._solver(self.time, stop, None)
+        while solver.status == "running":
+            solver.step()
+            if solver.status == "failed":
+                raise NumericalError(f"the step size became too small at t = {solver.t:.9g} s")
+            self._steps.append(solver.dense_output())
+        self.time, self._y = stop, self._corrected(stop, solver.y)
+
+    def sample(self, time: float) -> Sample:
+        """Return a sample at a time that has been passed, from the dense output."""
+        y = self._y
+        if time < self.time:
+            dense = next(d for d in self._steps if d.t_old <= time <= d.t)
+            y = dense(time)
+        state = np.ascontiguousarray(y[: self._n])
+        unknowns = self._kernel.count_solve(time, state, y[self._n :], self._ledger)
+        return Sample(time, state, unknowns, self._kernel.outputs(time, state, unknowns))
+
+    def _jump(self, step: float) -> bool:
+        """Take one step of exactly this size; return whether its error is small enough."""
+        stop = self.time + step
+        solver = self._solver(self.time, stop, stop - self.time)
+        solver.step()
+        if solver.status != "finished":
+            return False
+        self._steps.append(solver.dense_output())
+        self.time, self._y = stop, self._corrected(stop, solver.y)
+        return True
+
+    def _time_to(self, crossing: Sequence[int]) -> float:
+        """Return the time until the first of some blocks becomes singular [s], linearly."""
+        here = self._pivots(self.time, self._y)[list(crossing)]
+        ahead = self._y + _PROBE * self._rates(self.time, self._y)
+        slope = (self._pivots(self.time + _PROBE, ahead)[list(crossing)] - here) / _PROBE
+        waits = np.divide(-here, slope, out=np.full(here.size, -1.0), where=slope != 0.0)
+        coming = waits[waits > 0.0]
+        return float(coming.min()) if coming.size else -1.0
+
+    def _pivots(self, time: float, y: Vector) -> Vector:
+        state = np.ascontiguousarray(y[: self._n])
+        return pivots(self._kernel, time, state, np.ascontiguousarray(y[self._n :]))
+
+    def _solver(self, begin: float, stop: float, first: float | None) -> Any:
+        from scipy.integrate import DOP853
+
+        options = {"rtol": TOLERANCE, "atol": TOLERANCE, "first_step": first}
+        return DOP853(self._rates, begin, self._y, stop, **options)
+
+    def _rates(self, time: float, y: Vector) -> Vector:
+        """Return the rates of states and unknowns; not a number where a loop cannot close."""
+        state, unknowns = np.ascontiguousarray(y[: self._n]), y[self._n :].copy()
+        try:
+            rates = self._kernel.evaluate(time, state, unknowns, self._ledger)
+        except NumericalError:
+            return np.full(y.size, np.nan)
+        outputs = self._kernel.outputs(time, state, unknowns)
+        moving = [outputs[k] if k >= 0 else 0.0 for k in self._rate_of]
+        return np.concatenate([rates, moving])
+
+    def _corrected(self, time: float, y: Vector) -> Vector:
+        state = np.ascontiguousarray(y[: self._n])
+        unknowns = self._kernel.count_solve(time, state, y[self._n :], self._ledger)
+        return np.concatenate([state, unknowns])

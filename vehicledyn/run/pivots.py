@@ -1,0 +1,204 @@
+"""The pivots of the loops along a run: samples are held back where a loop is nearly singular."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vehicledyn.multibody.watch import Comparison
+from vehicledyn.run.passage import Sample
+
+Vector = NDArray[np.float64]
+
+ZONE = 0.1
+"""Determinant, as a part of the largest met, below which samples are held back."""
+_WEAK = 0.3
+"""Determinant, as a part of the largest met, below which other partitions are tried."""
+LEVERAGE = 10.0
+"""Largest dependent rate of a unit independent rate that a partition is kept with."""
+_MOST_STRIDE = 64
+_STEADY, _LIVELY = 0.02, 0.2
+
+
+class Crossing(Exception):  # noqa: N818
+    """A loop has become singular between two samples.
+
+    ``begin`` is the last sample well before it, ``until`` a time behind it [s].
+    """
+
+    def __init__(self, begin: Sample, blocks: Sequence[int], until: float) -> None:
+        super().__init__()
+        self.begin, self.blocks, self.until = begin, tuple(blocks), until
+
+
+class Degrading(Exception):  # noqa: N818
+    """Other dependent coordinates would be clearly better from this sample on."""
+
+    def __init__(self, sample: Sample, comparison: Comparison) -> None:
+        super().__init__()
+        self.sample, self.comparison = sample, comparison
+
+
+class PivotLog:
+    """Takes the samples of a run, looks at their pivots and hands the good ones on."""
+
+    def __init__(
+        self,
+        pivots: Callable[[Sample], Vector],
+        forward: Callable[[list[Sample]], None],
+        better: Callable[[Sample, float], Comparison | None],
+    ) -> None:
+        """Start with no samples.
+
+        Parameters
+        ----------
+        pivots
+            Gives the determinants of the loops, and those of the rates alone, at a sample.
+        forward
+            Takes the good samples.
+        better
+            Gives the comparison with a better partition at a sample, if the leverage of the
+            present one is above a limit and there is one.
+        """
+        self._pivots, self._hand_on, self._better = pivots, forward, better
+        self._anchor: Sample | None = None
+        self._held: list[Sample] = []
+        self._scale = np.zeros(0)
+        self._before: Vector | None = None
+        self._skip = False
+        self._tried = np.inf
+        self.forwarded = 0
+
+    def begin(self, *, skip: bool) -> None:
+        """Expect samples of a new piece, of which the first is known if ``skip``."""
+        self._skip = skip
+
+    @property
+    def latest_or_none(self) -> Sample | None:
+        """The last sample, if there is one."""
+        return self._held[-1] if self._held else self._anchor
+
+    @property
+    def latest(self) -> Sample:
+        """The last sample."""
+        found = self.latest_or_none
+        if found is None:
+            raise ValueError("no sample has been taken yet")
+        return found
+
+    @property
+    def latest_time(self) -> float | None:
+        """Time of the last sample [s]."""
+        found = self.latest_or_none
+        return None if found is None else found.time
+
+    def take(self, times: Vector, states: Vector, unknowns: Vector, outputs: Vector) -> None:
+        """Take samples; a sink.
+
+        Raises
+        ------
+        Crossing, Degrading
+            If something must be done before the run can go on; the samples up to there are
+            handed on, later ones are forgotten.
+        """
+        rows = [
+            Sample(float(t), x, z, y)
+            for t, x, z, y in zip(times, states, unknowns, outputs, strict=True)
+        ]
+        if self._skip and rows:
+            rows, self._skip = rows[1:], False
+        stride, k, last = 1, -1, len(rows) - 1
+        while k < last:
+            following = min(k + stride, last)
+            change = self._look(rows[k + 1 : following + 1])
+            if change > _LIVELY and following > k + 1:
+                stride = 1
+                continue
+            stride = min(2 * stride, _MOST_STRIDE) if change < _STEADY else 1
+            k = following
+
+    def _look(self, rows: list[Sample]) -> float:
+        """Look at the last of some samples; return the largest relative change of a pivot.
+
+        If that is large and there are samples between, nothing is taken, so that each can be
+        looked at.
+        """
+        sample = rows[-1]
+        values = self._pivots(sample)
+        before = values if self._before is None else self._before
+        size = np.maximum(np.abs(values), np.abs(before))
+        change = float(np.max(np.abs(values - before) / np.maximum(size, 1e-300), initial=0.0))
+        if change > _LIVELY and len(rows) > 1:
+            return change
+        crossed = np.flatnonzero(values * before < 0.0)
+        if crossed.size:
+            self._cross(crossed, sample.time)
+        self._held += rows
+        self._before = values
+        self._scale = (
+            np.maximum(self._scale, np.abs(values)) if self._scale.size else np.abs(values)
+        )
+        share = float(np.min(np.abs(values) / self._scale, initial=1.0))
+        self._try_others(sample, share)
+        if share >= ZONE:
+            self.release()
+        return change
+
+    def _try_others(self, sample: Sample, share: float) -> None:
+        if share >= _WEAK:
+            self._tried = np.inf
+        # A loop that gets weaker and weaker is looked at again at half the pivot.
+        if share < min(_WEAK, 0.5 * self._tried):
+            self._tried = share
+            comparison = self._better(sample, LEVERAGE)
+            if comparison is not None:
+                self.release()
+                raise Degrading(sample, comparison)
+
+    def _cross(self, blocks: Iterable[Any], until: float) -> None:
+        """Raise what follows from a pivot that has changed its sign before a time."""
+        crossing = self._crossing(blocks, until)
+        comparison = self._better(crossing.begin, 0.0)
+        if comparison is not None:
+            raise Degrading(crossing.begin, comparison)
+        raise crossing
+
+    def _crossing(self, blocks: Iterable[Any], until: float) -> Crossing:
+        begin = self._anchor or self._held[0]
+        return Crossing(begin, [int(k) for k in blocks], 2.0 * until - begin.time)
+
+    def approaching(self, ahead: float) -> Crossing | None:
+        """Return the crossing ahead if the last sample has a loop that is nearly singular."""
+        if self._before is None or not self._before.size or self._anchor is None:
+            return None
+        share = np.abs(self._before) / self._scale
+        near = np.flatnonzero(share < _WEAK)
+        return self._crossing(near, self.latest.time + ahead) if near.size else None
+
+    def release(self) -> None:
+        """Hand on all samples."""
+        held, self._held = self._held, []
+        if held:
+            self._anchor = held[-1]
+            self.forwarded += len(held)
+            self._hand_on(held)
+
+    def release_to(self, sample: Sample) -> Sample:
+        """Hand on all samples and return the last."""
+        self.release()
+        return sample
+
+    def restart(self, begin: Sample, samples: list[Sample]) -> None:
+        """Forget what came behind a sample; hand on those that replace it."""
+        self._held = samples
+        self.release()
+        self._before = self._pivots(samples[-1])
+
+    def change(self, sample: Sample) -> None:
+        """Go on with another partition from a sample that has been handed on."""
+        self._anchor, self._held, self._tried = sample, [], np.inf
+        self._before = self._pivots(sample)
+        self._scale = np.abs(self._before)

@@ -1,0 +1,322 @@
+"""Simulate while the partition is watched: choose it anew, or pass singular configurations.
+
+The determinants of the loops' blocks tell at the samples how well the dependent coordinates are
+determined. Where one goes to zero there are two cases. If other coordinates would do better, the
+run stops at a sample, derives the equations again with the present configuration as the start,
+and goes on from the same state. If none would, the configuration itself is singular, and the
+run passes it in one step, see :mod:`vehicledyn.run.passage`.
+"""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vehicledyn.base.errors import NumericalError
+from vehicledyn.multibody.derivation import derive
+from vehicledyn.multibody.loops import Moment
+from vehicledyn.multibody.system import System
+from vehicledyn.multibody.watch import Comparison, PartitionWatch, freed
+from vehicledyn.run.passage import Passage, Sample, pivots
+from vehicledyn.run.pivots import Crossing, Degrading, PivotLog
+from vehicledyn.solve.kernel import Backend, Kernel, Progress, compile_kernel
+from vehicledyn.solve.simulate import Solver, simulate
+from vehicledyn.solve.task import Happened, Sink, Statistics
+
+Vector = NDArray[np.float64]
+
+_GAIN = 0.5
+"""A new partition must bring the leverage down to this part."""
+_FIRST_SEGMENT = 32
+_log = logging.getLogger(__name__)
+
+
+def simulate_watched(
+    system: System,
+    kernel: Kernel,
+    solver: Solver,
+    *,
+    start: float,
+    stop: float,
+    state: Any,
+    unknowns: Any,
+    interval: float,
+    sink: Sink,
+    progress: Progress,
+    happened: Happened,
+) -> Statistics:
+    """Integrate as :func:`~vehicledyn.solve.simulate.simulate` does, through bad partitions.
+
+    The samples are those of the kernel's own equations throughout: states and unknowns in their
+    order, channels by name; a channel that a later partition lacks is not a number. ``happened``
+    is told "partition.changed" when the partition changes. A passage looks for no events.
+
+    Raises
+    ------
+    InputError
+        As for ``simulate``.
+    NumericalError
+        If the integration cannot go on; a singular configuration is named with its loop and
+        coordinate.
+    """
+    e = kernel.equations
+    if not e.structure.get("loops") and not e.structure.get("rate_dependent"):
+        return simulate(
+            kernel,
+            solver,
+            start=start,
+            stop=stop,
+            state=state,
+            unknowns=unknowns,
+            interval=interval,
+            sink=sink,
+            progress=progress,
+            happened=happened,
+        )
+    run = _Run(system, kernel, solver, start, stop, interval, sink, progress, happened)
+    return run.go(np.asarray(state, dtype=float), np.asarray(unknowns, dtype=float))
+
+
+@dataclass
+class _Run:
+    """A run in pieces: from one change or passage to the next."""
+
+    system: System
+    kernel: Kernel
+    solver: Solver
+    start: float
+    stop: float
+    interval: float
+    sink: Sink
+    progress: Progress
+    happened: Happened
+
+    def __post_init__(self) -> None:
+        self._known: dict[tuple[str, ...], Kernel] = {}
+        self._first = self.kernel.equations
+        self._watches: list[PartitionWatch] = []
+        self._log = PivotLog(self._pivots, self._forward, self._better)
+        self._changed_at = -np.inf
+        self._segment: int | None = None
+        self._passed = 0
+        self._parts: list[Statistics] = []
+
+    def go(self, state: Vector, unknowns: Vector) -> Statistics:
+        """Run to the end."""
+        index, resumed = 0, False
+        while True:
+            last = self._last(index)
+            self._log.begin(skip=resumed)
+            try:
+                found = self._piece(index, last, state, unknowns)
+            except Crossing as crossing:
+                index, state, unknowns = self._pass(crossing, index)
+            except Degrading as degrading:
+                index, state, unknowns = self._change(degrading.sample, degrading.comparison)
+            except NumericalError as error:
+                index, state, unknowns = self._rescue(error, index)
+            else:
+                self._parts.append(found)
+                end = self._log.latest
+                if found.ended_by or last is None or self._time(last) >= self._end - 1e-12:
+                    self._log.release()
+                    return self._statistics()
+                index, state, unknowns = last, end.state, end.unknowns
+                self._segment = 2 * (self._segment or _FIRST_SEGMENT)
+            resumed = True
+
+    @property
+    def _end(self) -> float:
+        count = np.floor((self.stop - self.start) / self.interval * (1.0 + 1e-12) + 1e-9)
+        return self._time(int(count))
+
+    def _time(self, index: int) -> float:
+        return self.start + self.interval * index
+
+    def _index(self, time: float) -> int:
+        """Return the number of the first sample at or behind a time."""
+        return int(np.ceil((time - self.start) / self.interval - 1e-9))
+
+    def _last(self, index: int) -> int | None:
+        """Return the last sample of the next piece; None for all that remain."""
+        return None if self._segment is None else index + self._segment
+
+    def _piece(self, index: int, last: int | None, state: Vector, unknowns: Vector) -> Statistics:
+        stop = self.stop if last is None else min(self.stop, self._time(last))
+        return simulate(
+            self.kernel,
+            self.solver,
+            start=self._time(index),
+            stop=stop,
+            state=state,
+            unknowns=unknowns,
+            interval=self.interval,
+            sink=self._log.take,
+            progress=self._tell,
+            happened=self.happened,
+        )
+
+    def _tell(self, what: str, part: float | None) -> None:
+        done = self._log.latest_time
+        if part is not None and done is not None and self.stop > self.start:
+            part = (done - self.start) / (self.stop - self.start)
+        self.progress(what, part)
+
+    # -- passing -----------------------------------------------------------------------------
+
+    def _pass(self, crossing: Crossing, index: int) -> tuple[int, Vector, Vector]:
+        """Step over a singular configuration; return where the run goes on."""
+        begin = crossing.begin
+        passage = Passage(self.kernel, begin)
+        try:
+            behind = passage.go(crossing=crossing.blocks, until=crossing.until)
+            first, last = self._index(begin.time) + 1, self._index(behind)
+            if self._time(last) > self._end:
+                last = self._index(self._end)
+            if self._time(last) > behind:
+                passage.advance(self._time(last))
+            samples = [passage.sample(self._time(k)) for k in range(first, last + 1)]
+        except NumericalError as error:
+            raise NumericalError(self._stuck(crossing, error)) from None
+        self._log.restart(begin, samples)
+        count = last - self._passed
+        self._segment, self._passed = max(_FIRST_SEGMENT, count // 3), last
+        return last, samples[-1].state, samples[-1].unknowns
+
+    def _stuck(self, crossing: Crossing, error: NumericalError) -> str:
+        blocks = [self.kernel.equations.blocks[k] for k in crossing.blocks]
+        loops = ", ".join(f"'{block.name}'" for block in blocks)
+        names = self.kernel.equations.unknowns
+        inside = [f"'{names[k].name}'" for b in blocks for k in range(b.start, b.stop)]
+        return (
+            f"the loop {loops} becomes singular soon after t = {crossing.begin.time:.9g} s and "
+            f"no longer determines {', '.join(inside)}, nor would other coordinates do better; "
+            f"the motion cannot be continued there ({error})"
+        )
+
+    # -- changing the partition --------------------------------------------------------------
+
+    @property
+    def _watch(self) -> PartitionWatch:
+        if not self._watches:
+            self._watches.append(PartitionWatch(self.system))
+        return self._watches[0]
+
+    @property
+    def _dependent(self) -> list[str]:
+        structure = self.kernel.equations.structure
+        return [*structure["dependent"], *structure["rate_dependent"]]
+
+    def _pivots(self, sample: Sample) -> Vector:
+        """Return the determinants of the loops, and of the rates where they have their own."""
+        values = pivots(self.kernel, sample.time, sample.state, sample.unknowns)
+        if not self.kernel.equations.structure["rate_dependent"]:
+            return values
+        rates = self._watch.pivot(sample.time, self._values(sample), self._dependent)
+        return np.append(values, rates)
+
+    def _better(self, sample: Sample, limit: float) -> Comparison | None:
+        """Return the comparison with the best partition if that is clearly better.
+
+        It is looked for only where the leverage is above the limit.
+        """
+        values = self._values(sample)
+        leverage = self._watch.leverage(sample.time, values, self._dependent)
+        if leverage <= limit:
+            return None
+        found = self._watch.compare(sample.time, values, self._dependent)
+        return found if found.best_leverage < _GAIN * leverage else None
+
+    def _values(self, sample: Sample) -> dict[str, float]:
+        names = (c.name for c in self.kernel.equations.channels)
+        return dict(zip(names, map(float, sample.outputs), strict=True))
+
+    def _change(self, sample: Sample, found: Comparison) -> tuple[int, Vector, Vector]:
+        """Derive the equations anew at a sample; return where the run goes on."""
+        if sample.time <= self._changed_at:
+            raise NumericalError(
+                f"no partition of the coordinates lasts at t = {sample.time:.9g} s; "
+                f"'{found.worst}' is not determined"
+            )
+        self._changed_at = sample.time
+        values = self._values(sample)
+        parameters = self.kernel.parameters
+        if found.best not in self._known:
+            self.progress("deriving the equations with other dependent coordinates", None)
+            system = freed(self.system, values, parameters)
+            states = {s.name: values[s.name] for s in self._first.states if s.name in values}
+            equations = derive(system, moment=Moment(sample.time, states))
+            backend: Backend = "compiled" if self.kernel.backend == "compiled" else "interpreted"
+            self._known[found.best] = compile_kernel(equations, backend=backend)
+        old, new = self.kernel, self._known[found.best].with_parameters(parameters)
+        known = {**values, **_by_name(old, sample)}
+        state = np.array([known[s.name] for s in new.equations.states])
+        guess = np.array([known[u.name] for u in new.equations.unknowns])
+        unknowns = new.solve_unknowns(sample.time, state, guess)
+        outputs = new.outputs(sample.time, state, unknowns)
+        self.kernel = new
+        self._log.change(Sample(sample.time, state, unknowns, outputs))
+        _log.info("t = %.6g s: '%s' is no longer dependent", sample.time, found.worst)
+        self.happened("partition.changed", sample.time)
+        return self._index(sample.time), state, unknowns
+
+    def _rescue(self, error: NumericalError, index: int) -> tuple[int, Vector, Vector]:
+        """Change the partition or pass, if that is why the run has failed; else raise again."""
+        sample = self._log.latest_or_none
+        if sample is None:
+            raise error
+        found = self._better(sample, 0.0)
+        if found is not None and sample.time > self._changed_at:
+            return self._change(self._log.release_to(sample), found)
+        crossing = self._log.approaching(2.0 * self.interval)
+        if crossing is None:
+            raise error
+        return self._pass(crossing, index)
+
+    # -- samples -----------------------------------------------------------------------------
+
+    def _forward(self, samples: list[Sample]) -> None:
+        """Hand samples on, in the order of the first equations."""
+        if not samples:
+            return
+        e, first = self.kernel.equations, self._first
+        times = np.array([s.time for s in samples])
+        parts = [np.array([getattr(s, k) for s in samples]) for k in ("state", "unknowns")]
+        outputs = np.array([s.outputs for s in samples])
+        if e is not first:
+            columns = {c.name: k for k, c in enumerate(e.channels)}
+            columns.update({u.name: k + len(columns) for k, u in enumerate(e.unknowns)})
+            table = np.hstack([outputs, parts[1], np.full((len(samples), 1), np.nan)])
+            pick: Callable[[Any], list[int]] = lambda items: [  # noqa: E731
+                columns.get(item.name, -1) for item in items
+            ]
+            parts = [table[:, pick(first.states)], table[:, pick(first.unknowns)]]
+            outputs = table[:, pick(first.channels)]
+        self.sink(times, parts[0], parts[1], outputs)
+
+    def _statistics(self) -> Statistics:
+        """Return the statistics of all pieces together."""
+        last = self._parts[-1]
+        sums = ("samples", "steps", "evaluations", "newton_iterations", "events")
+        totals = {key: sum(getattr(part, key) for part in self._parts) for key in sums}
+        totals["samples"] = self._log.forwarded
+        return replace(
+            last,
+            **totals,
+            largest_residual=max(part.largest_residual for part in self._parts),
+            wall_seconds=sum(part.wall_seconds for part in self._parts),
+        )
+
+
+def _by_name(kernel: Kernel, sample: Sample) -> dict[str, float]:
+    e = kernel.equations
+    pairs = [
+        *zip(e.states, sample.state, strict=True),
+        *zip(e.unknowns, sample.unknowns, strict=True),
+    ]
+    return {item.name: float(value) for item, value in pairs}
