@@ -16,6 +16,12 @@ from vehicledyn.solve.task import SampleBuffer, Statistics, Task
 
 _LOOKS = 8
 """Points at which a step is looked at for events."""
+_STALLED, _CRAWL = 100, 1e-3
+"""Steps that must not together be shorter than this part of the longest."""
+_WAYPOINTS = 8
+"""Parts in which the unknowns are followed while too little of the past is known."""
+_PAST = 4
+"""Ends of steps that the unknowns are extrapolated from."""
 
 
 def run_explicit(
@@ -57,6 +63,7 @@ def run_explicit(
             while buffer.next_index <= task.n_intervals and not task.watch.ended_by:
                 _advance(solver, rates, task)
                 sizes.append(solver.step_size)
+                _check_advance(task, rates, solver, sizes)
                 event = _watch_step(solver, rates, task, buffer) if task.watch.active else None
                 if event is None:
                     _take_samples(solver, rates, task, buffer)
@@ -72,24 +79,69 @@ def run_explicit(
 
 
 class _Rates:
-    """Rates for a trial step; a loop that cannot close there makes the step fail."""
+    """Rates for a trial step; a loop that cannot close there makes the step fail.
+
+    The unknowns are guessed by extrapolation of those at the ends of accepted steps, or in the
+    first steps followed from the last end on. Otherwise they would be drawn to a wrong branch
+    near a place where two meet, as those of a parallelogram in line.
+    """
 
     def __init__(self, task: Task) -> None:
         self._task = task
+        self._past = [(task.start, task.unknowns.copy())]
+        self._end = task.state.copy()
         self.accepted = task.unknowns.copy()
         self.latest = task.unknowns.copy()
         self.trouble = ""
+
+    def accept(self, time: float, state: Vector) -> None:
+        """Remember the latest unknowns as those at the end of a step."""
+        self.accepted, self._end = self.latest.copy(), state.copy()
+        self._past = [*self._past, (time, self.accepted)][-_PAST:]
+
+    def start_anew(self, point: Point) -> None:
+        """Forget the past, as the motion has a corner here."""
+        self.accepted, self._end = point.unknowns.copy(), point.state.copy()
+        self._past = [(point.time, self.accepted)]
+
+    def guess(self, time: float, state: Vector) -> Vector:
+        """Return a guess of the unknowns at a time and state.
+
+        Raises
+        ------
+        NumericalError
+            If a loop cannot be followed up to there.
+        """
+        times = [past for past, _ in self._past]
+        if len(times) < _PAST:
+            return self._followed(time, state)
+        guess = np.zeros_like(self.latest)
+        for own, unknowns in self._past:
+            others = [other for other in times if other != own]
+            guess += unknowns * math.prod((time - other) / (own - other) for other in others)
+        return guess
 
     def __call__(self, time: float, state: Vector) -> Vector:
         x = np.ascontiguousarray(state)
         if not np.isfinite(x).all():
             return np.full(x.size, math.nan)
         try:
+            self.latest = self.guess(time, x)
             return self._task.kernel.evaluate(time, x, self.latest, self._task.ledger)
         except NumericalError as error:
             self.trouble = str(error)
             self.latest = self.accepted.copy()
             return np.full(x.size, math.nan)
+
+    def _followed(self, time: float, state: Vector) -> Vector:
+        """Return the unknowns followed from the last end of a step, along a straight line."""
+        begin, unknowns = self._past[-1]
+        for part in np.arange(1, _WAYPOINTS) / _WAYPOINTS:
+            moment = begin + part * (time - begin)
+            between = self._end + part * (state - self._end)
+            kernel, ledger = self._task.kernel, self._task.ledger
+            unknowns = kernel.count_solve(moment, between, unknowns, ledger)
+        return unknowns.copy()
 
     def check_start(self) -> None:
         """Raise NumericalError if the rates at the start are no finite numbers."""
@@ -105,13 +157,25 @@ class _Rates:
 
 def _advance(solver: Any, rates: _Rates, task: Task) -> None:
     """Take one accepted step."""
-    rates.accepted = rates.latest.copy()
     rates.trouble = ""
     solver.step()
     if solver.status == "failed":
         reason = rates.trouble or "the step size became too small"
         raise NumericalError(
             f"integration stopped at t = {solver.t:.9g} s: {reason}; "
+            f"state '{steepest_state(task.kernel, solver.t, solver.y, rates.accepted)}' "
+            "changes fastest there"
+        )
+    # The last rates of a step are those at its end.
+    rates.accept(solver.t, solver.y)
+
+
+def _check_advance(task: Task, rates: _Rates, solver: Any, sizes: list[float]) -> None:
+    """Raise NumericalError where many steps together come to almost nothing."""
+    if len(sizes) > _STALLED and sum(sizes[-_STALLED:]) < _CRAWL * max(sizes):
+        raise NumericalError(
+            f"integration stopped at t = {solver.t:.9g} s: the last {_STALLED} steps together "
+            f"advanced {sum(sizes[-_STALLED:]):.3g} s; "
             f"state '{steepest_state(task.kernel, solver.t, solver.y, rates.accepted)}' "
             "changes fastest there"
         )
@@ -126,7 +190,7 @@ def _watch_step(solver: Any, rates: _Rates, task: Task, buffer: SampleBuffer) ->
 
     def trial(time: float) -> Point:
         state = np.ascontiguousarray(dense(time))
-        guess = rates.latest
+        guess = rates.guess(time, state)
         return Point(time, state, task.kernel.count_solve(time, state, guess, task.ledger))
 
     for end in np.linspace(solver.t_old, solver.t, _LOOKS + 1)[1:]:
@@ -134,7 +198,7 @@ def _watch_step(solver: Any, rates: _Rates, task: Task, buffer: SampleBuffer) ->
         if watch.fires(point):
             time, point = watch.cross(trial, begin, float(end), 1.0)
             _take_samples_before(time, trial, task, buffer)
-            rates.latest = point.unknowns.copy()
+            rates.start_anew(point)
             return point
         watch.passed(point)
         begin = float(end)
@@ -159,7 +223,8 @@ def _take_samples(solver: Any, rates: _Rates, task: Task, buffer: SampleBuffer) 
         if inside and moment > solver.t:
             return
         dense = dense or solver.dense_output()
-        buffer.add(dense(moment), rates.latest)
+        state = np.ascontiguousarray(dense(moment))
+        buffer.add(state, rates.guess(moment, state))
 
 
 def steepest_state(kernel: Kernel, time: float, state: Vector, unknowns: Vector) -> str:
