@@ -122,24 +122,23 @@ def test_steady_turn():
     assert spin + yaw_rate * np.sin(lean) == pytest.approx(along, rel=1e-9)
 
 
+def sloping_skate(slope):
+    """A knife edge on a slope that falls along x, its centre of mass above the edge."""
+    joints = (Joint("T1", "x"), Joint("T2", "y"), Joint("R3", "heading", role="independent"))
+    body = Body("skate", GROUND, joints=joints, mass=2.0, inertia=(0.05,) * 3)
+    edge = RateConstraint("edge", lambda m: (m.rotation("skate").T @ m.velocity("skate"))[1])
+    gravity = (GRAVITY * np.sin(slope), 0.0, -GRAVITY * np.cos(slope))
+    return System("skate", ParameterTable(), (body,), gravity=gravity, constraints=(edge,))
+
+
 def test_skate_on_a_slope():
     """A knife edge on a slope drifts across it and never down (Chaplygin's sleigh at its mass).
 
     With the heading ω t: x = a/(2 ω²) sin² ωt, y = a/(2 ω²) (ωt - sin 2ωt/2), a = g sin α.
     """
     slope, turning = 0.4, 1.3
-    joints = (Joint("T1", "x"), Joint("T2", "y"), Joint("R3", "heading", role="independent"))
-    body = Body("skate", GROUND, joints=joints, mass=2.0, inertia=(0.05,) * 3)
     pull = GRAVITY * np.sin(slope)
-    edge = RateConstraint("edge", lambda m: (m.rotation("skate").T @ m.velocity("skate"))[1])
-    system = System(
-        "skate",
-        ParameterTable(),
-        (body,),
-        gravity=(pull, 0.0, -GRAVITY * np.cos(slope)),
-        constraints=(edge,),
-    )
-    equations = derive(system)
+    equations = derive(sloping_skate(slope))
     duration = 1.1  # before the heading is across, where ẋ determines nothing
     found = run(equations, start(equations, heading_rate=turning), duration)
     angle = turning * np.linspace(0.0, duration, 21)
