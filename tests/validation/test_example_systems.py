@@ -1,13 +1,16 @@
 """The example systems against closed forms that know nothing of this program's equations."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 import vehicledyn.catalogue  # noqa: F401
+from vehicledyn.multibody import TimeLaw, derive
 from vehicledyn.run.prepare import equilibrium_point, nominal_point, prepare
 from vehicledyn.scenario import load_model, load_scenario
+from vehicledyn.solve.kernel import compile_kernel
 from vehicledyn.solve.linearise import linearise
 from vehicledyn.solve.simulate import simulate
 
@@ -165,6 +168,42 @@ def test_quarter_car_has_the_eigenvalues_of_its_two_masses():
     heights = dict(zip((s.name for s in e.states), point.state, strict=True))
     total = p["wheel.mass"] + p["body.mass"]
     assert heights["wheel.height"] == pytest.approx(-total * G / kt, rel=1e-9)
+
+
+def test_small_car_stands_on_its_wheels_and_is_symmetric():
+    prepared = ready("small_car")
+    point = equilibrium_point(prepared, 0.0, "static")
+    values = prepared.kernel.outputs(0.0, point.state, point.unknowns)
+    names = [c.name for c in prepared.equations.channels]
+    loads = {n: v for n, v in zip(names, values, strict=True) if n.endswith("normal_force")}
+    p = {q.name: q.value for q in prepared.equations.parameters}
+    weight = G * (p["body.mass"] + 4.0 * (p["hub.mass"] + p["wheel.mass"]))
+    assert sum(loads.values()) == pytest.approx(weight, rel=1e-9)
+    moment = p["front.axle"], p["rear.axle"]
+    for side in ("left", "right"):
+        front, rear = (loads[f"{axle}_{side}.tyre.normal_force"] for axle in ("front", "rear"))
+        # Struts along the chassis's height: axles shift by the pitch angle squared only.
+        unsprung = G * (p["hub.mass"] + p["wheel.mass"])
+        lever = moment[0] * (front - unsprung) + moment[1] * (rear - unsprung)
+        assert lever == pytest.approx(0.0, abs=0.01 * weight)
+    assert loads["front_left.tyre.normal_force"] == pytest.approx(
+        loads["front_right.tyre.normal_force"], rel=1e-9
+    )
+
+
+def test_both_front_wheels_of_the_small_car_steer_the_way_the_gain_says():
+    prepared = ready("small_car")
+    system = prepared.vehicle.system
+    unsteered = replace(system, parts=tuple(p for p in system.parts if p.name != "steer"))
+    rack = TimeLaw("steer", prepared.vehicle.rack, lambda _: 0.01)
+    equations = derive(unsteered.with_parts(rack))
+    kernel = compile_kernel(equations, backend="interpreted")
+    state = np.array([s.start for s in equations.states])
+    unknowns = kernel.solve_unknowns(0.0, state, np.array([u.start for u in equations.unknowns]))
+    values = kernel.outputs(0.0, state, unknowns)
+    seen_now = dict(zip((c.name for c in equations.channels), values, strict=True))
+    for side in ("left", "right"):
+        assert seen_now[f"front_{side}_upright.steer"] == pytest.approx(-0.01 / 0.12, rel=1e-9)
 
 
 @pytest.mark.parametrize("speed", [2.0, 4.0, 5.0, 8.0])

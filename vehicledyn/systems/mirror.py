@@ -6,13 +6,14 @@ a place or force is S p, of a torque -S t, of an inertia S I S. The axes of a mi
 right-handed and all joints keep their kinds and axes. So the mirror image of a slide along or
 a turn about another axis than the mirror's differs: slides along the mirror's axis and turns
 about the two others have the opposite sign, and with them their starts, fixed turns, drives and
-forces; slides along the others and turns about the mirror's axis have the same sign.
+forces; slides along the others and turns about the mirror's axis have the same sign. Bodies outside the
+group are their own images, and their coordinates obey the same rule.
 """
 
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -20,7 +21,7 @@ from vehicledyn.base.problems import Place
 from vehicledyn.systems.constraints import ConstraintSet
 from vehicledyn.systems.expressions import Expression, named
 from vehicledyn.systems.fields import SystemSet, fact
-from vehicledyn.systems.joints import JointSet
+from vehicledyn.systems.joints import Coordinate, JointSet
 from vehicledyn.systems.sets import (
     BodySet,
     DriveSet,
@@ -49,15 +50,27 @@ class Image:
     problems: list[tuple[Place, str]] = field(default_factory=list)
 
 
-def mirror_image(group: MirrorSet) -> Image:
-    """Return the mirror image of a group of parts."""
+def mirror_image(group: MirrorSet, outside: Sequence[Coordinate] = ()) -> Image:
+    """Return the mirror image of a group of parts.
+
+    Parameters
+    ----------
+    group
+        The parts.
+    outside
+        Coordinates of the bodies outside the group, which are their own images: what acts on
+        them in the group, or uses them, acts in the image on their mirror motion.
+    """
     image = Image()
     axis, pieces = AXES[group.plane], group.names
     coordinates = [c for name, body in group.bodies.items() for c in body.coordinates(name)]
     renamed = _Names(
         {name: _replaced(name, pieces) for name in group.bodies},
-        {c.name: _new_coordinate(c.name, group, pieces) for c in coordinates},
-        {c.name for c in coordinates if c.is_turned_by_mirror(axis)},
+        {
+            **{c.name: c.name for c in outside},
+            **{c.name: _new_coordinate(c.name, group, pieces) for c in coordinates},
+        },
+        {c.name for c in (*outside, *coordinates) if c.is_turned_by_mirror(axis)},
     )
     for section in Sections.model_fields:
         entries: dict[str, Any] = image.sections.setdefault(section, {})

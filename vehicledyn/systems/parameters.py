@@ -99,7 +99,7 @@ def read_parameters(data: Any) -> Parameters:
 
 def is_long(value: Any) -> bool:
     """Return whether a mapping is a parameter in long form, not a group."""
-    return isinstance(value, dict) and "value" in value and set(value) <= _LONG
+    return isinstance(value, dict) and "value" in value
 
 
 def _declared(
@@ -119,6 +119,9 @@ def _declared(
             yield from _declared(item, here, problems)
         else:
             long = item if isinstance(item, dict) else {"value": item}
+            for key in set(long) - _LONG:
+                words = f"unknown key. Known: {', '.join(sorted(_LONG))}; quote texts with commas"
+                problems.append(((*here, key), words))
             try:
                 expression = read_expression(long["value"])
             except ExpressionError as error:

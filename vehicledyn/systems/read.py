@@ -126,8 +126,9 @@ class _Reading:
     def _flat(self, file: SystemFile) -> SystemFile:
         """Return the file with its groups and their mirror images in its sections."""
         sections = {name: dict(getattr(file, name)) for name in Sections.model_fields}
+        outside = list(_coordinates(file).values())
         for number, group in enumerate(file.mirror):
-            image, at = mirror_image(group), ("mirror", number)
+            image, at = mirror_image(group, outside), ("mirror", number)
             self._tell(((*at, *place), words) for place, words in image.problems)
             for section, entries in sections.items():
                 own: dict[str, Any] = getattr(group, section)

@@ -98,7 +98,8 @@ def test_good_file_has_no_problems_and_keeps_its_parameters_free(tmp_path):
          "tip -> crank -> tip"]),
         ("  tip:\n    parent", "  crank:\n    parent", ["14:3: bodies.crank: given twice; the "
          "first is in line 8", "22:23: drives.slide.coordinate: no coordinate named 'tip.slide'; "
-         "Known: crank.angle", "24:28: sensors.tip.body: no body named 'tip'; Known: crank, ground"]),
+         "Known: crank.angle", "24:28: sensors.tip.body: no body named 'tip'; "
+         "Known: crank, ground"]),
         ("{kind: T3, name: slide}", "R7", ["17:14: bodies.tip.joints[0].kind: no joint named "
          "'R7'; Known: R1, R2, R3, T1, T2, T3, cylindrical, free, planar, spherical, turn, "
          "universal"]),
@@ -114,7 +115,8 @@ def test_good_file_has_no_problems_and_keeps_its_parameters_free(tmp_path):
         ("stiffness: 3 N*m/rad", "stiffness: 3 N/m", ["20:75: springs.spring.law.stiffness: this "
          "is in N/m, a quantity in N*m/rad is needed here"]),
         ("kind: spring_damper", "kind: spring", ["20:49: springs.spring.law.kind: no force_law "
-         "named 'spring'; did you mean 'spring_damper'? Known: constant, expression, polynomial, spring_damper, table"]),
+         "named 'spring'; did you mean 'spring_damper'? Known: constant, expression, "
+         "polynomial, spring_damper, table"]),
         ("frequency: 2 Hz", "frequency: 2 rad/s", ["22:80: drives.slide.law.frequency: this is in "
          "rad/s, a quantity in Hz is needed here"]),
         ("  slide: {coordinate", "  spring: {coordinate", ["22:11: drives.spring: the name is "
