@@ -41,18 +41,17 @@ class Sample:
 
 def pivots(kernel: Kernel, time: float, state: Vector, unknowns: Vector) -> Vector:
     """Return the determinant of each block of unknowns, shape (n_blocks,)."""
-    count = len(kernel.equations.blocks)
-    return np.array(
-        [
-            np.linalg.det(kernel.block(k, time, state, unknowns)[1].reshape(_size(kernel, k)))
-            for k in range(count)
-        ]
-    )
+    blocks = range(len(kernel.equations.blocks))
+    return np.array([_determinant(kernel.block(k, time, state, unknowns)[1]) for k in blocks])
 
 
-def _size(kernel: Kernel, index: int) -> tuple[int, int]:
-    block = kernel.equations.blocks[index]
-    return (block.stop - block.start,) * 2
+def _determinant(matrix: Vector) -> float:
+    """Return a determinant; small ones without the cost of a call to the library."""
+    if len(matrix) == 1:
+        return float(matrix[0, 0])
+    if len(matrix) == 2:
+        return float(matrix[0, 0] * matrix[1, 1] - matrix[0, 1] * matrix[1, 0])
+    return float(np.linalg.det(matrix))
 
 
 class Passage:

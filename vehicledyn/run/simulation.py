@@ -21,9 +21,9 @@ from vehicledyn.results.output import check_folder, check_output
 from vehicledyn.results.plots import draw_plots
 from vehicledyn.results.writer import ResultWriter
 from vehicledyn.run.prepare import Point, Prepared, Progress, prepare, start_point
+from vehicledyn.run.watched import simulate_watched
 from vehicledyn.scenario import LoadedScenario
 from vehicledyn.solve.kernel import Backend
-from vehicledyn.solve.simulate import simulate
 from vehicledyn.solve.task import Statistics
 
 Matrix = NDArray[np.float64]
@@ -143,7 +143,8 @@ class _Run:
         message = ""
         with self._writer(output) as writer:
             try:
-                statistics = simulate(
+                statistics = simulate_watched(
+                    self.prepared.subject.system,
                     self.prepared.kernel,
                     s.solver,  # type: ignore[arg-type]
                     start=0.0,

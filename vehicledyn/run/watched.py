@@ -107,7 +107,13 @@ class _Run:
         self._parts: list[Statistics] = []
 
     def go(self, state: Vector, unknowns: Vector) -> Statistics:
-        """Run to the end."""
+        """Run to the end; whatever stops it, the samples found are handed on."""
+        try:
+            return self._go(state, unknowns)
+        finally:
+            self._log.release()
+
+    def _go(self, state: Vector, unknowns: Vector) -> Statistics:
         index, resumed = 0, False
         while True:
             last = self._last(index)
