@@ -6,8 +6,8 @@ a place or force is S p, of a torque -S t, of an inertia S I S. The axes of a mi
 right-handed and all joints keep their kinds and axes. So the mirror image of a slide along or
 a turn about another axis than the mirror's differs: slides along the mirror's axis and turns
 about the two others have the opposite sign, and with them their starts, fixed turns, drives and
-forces; slides along the others and turns about the mirror's axis have the same sign. Bodies outside the
-group are their own images, and their coordinates obey the same rule.
+forces; slides along the others and turns about the mirror's axis have the same sign. Bodies
+outside the group are their own images, and their coordinates obey the same rule.
 """
 
 from __future__ import annotations
