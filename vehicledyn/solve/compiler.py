@@ -12,8 +12,14 @@ import sys
 from dataclasses import dataclass
 from pathlib import Path
 
-OPTIONS = ("-std=gnu11", "-O1", "-ffp-contract=off", "-fPIC", "-shared", "-fvisibility=hidden")
+OPTIONS = (
+    *("-std=gnu11", "-O1", "-ffp-contract=off", "-fPIC", "-shared", "-fvisibility=hidden"),
+    *("-fno-tree-dse", "-fno-dse", "-fno-tree-fre"),
+)
 """Options of every build; on a known x86-64 processor -march=native comes on top.
+
+Printed functions hold neither dead stores nor an expression twice, so gcc need not search for
+them: 5.0 s in place of 7.2 s for 80,000 operations, with the same run time.
 
 Measured with gcc 12 on a vehicle of 24,000 operations, -O1, -O2, -O1 -march=native: 2.3, 3.7,
 2.2 s to compile and 3.54, 3.62, 3.25 us a right-hand side. Without contraction to fused

@@ -5,7 +5,9 @@ import pytest
 
 from vehicledyn.base.errors import InputError
 from vehicledyn.multibody import GROUND, Body, Joint, ParameterTable, RodCut, System
+from vehicledyn.multibody.inverse import derive_inverse
 from vehicledyn.run.inverse import inverse_dynamics
+from vehicledyn.symbolic import ops
 
 TIMES = np.linspace(0.0, 1.0, 5)
 MASS, ARM, GRAVITY = 2.0, 0.7, 9.81
@@ -53,3 +55,12 @@ def test_a_slider_crank_lifts_its_weight():
 def test_shapes_must_fit():
     with pytest.raises(InputError, match=r"shape \(5,\); give one row for each of 5 times"):
         inverse_dynamics(pendulum(), TIMES, TIMES, TIMES, TIMES, backend="interpreted")
+
+
+def test_prescribed_states_move_as_given():
+    """Position grows with the rate, the rate with the acceleration, which stays."""
+    inverse = derive_inverse(pendulum())
+    e = inverse.equations
+    state = inverse.state([0.3], [2.0], [5.0])
+    rates = ops.numeric([e.time, e.state], e.rate)(0.0, state)[:, 0]
+    assert rates.tolist() == [2.0, 5.0, 0.0]
