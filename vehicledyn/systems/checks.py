@@ -267,19 +267,36 @@ def _spins(file: SystemFile) -> Problems:
 
 
 def _massless_ends(file: SystemFile, known: _Known) -> Problems:
-    """Yield bodies at the end of a chain that can move but have no mass."""
+    """Yield bodies at the end of a chain that can move but resist with no inertia."""
     held = {body.parent for body in file.bodies.values()}
     text = " ".join(str(item) for item in (*file.cuts.values(), *file.constraints.values()))
     for name, body in file.bodies.items():
         moving = [
-            c.name
-            for c in body.coordinates(name)
-            if c.name not in known.driven and c.role != "driven"
+            c for c in body.coordinates(name) if c.name not in known.driven and c.role != "driven"
         ]
         mentioned = re.search(rf"\b{re.escape(name)}\b", text) is not None
-        if body.mass is None and name not in held and moving and not mentioned:
-            yield (
-                ("bodies", name),
-                f"has no mass and nothing hangs on it: nothing resists '{moving[-1]}'; give it a "
-                "mass, drive the coordinate or leave it out",
-            )
+        if not moving or name in held or mentioned:
+            continue
+        last = moving[-1]
+        if body.mass is None:
+            words = f"has no mass and nothing hangs on it: nothing resists '{last.name}'"
+            yield ("bodies", name), f"{words}; give it a mass, or drive or drop the coordinate"
+        elif last == body.coordinates(name)[-1] and _turns_freely(body, last, known):
+            words = f"has no inertia about its last axis: nothing resists '{last.name}'"
+            yield ("bodies", name), f"{words}; give it an inertia, or drive or drop the coordinate"
+
+
+def _turns_freely(body: BodySet, last: Coordinate, known: _Known) -> bool:
+    """Return whether a body has no inertia about the axis of its last joint, a turn."""
+    axis = int(last.joint[1]) - 1
+    if not last.is_rotation or not body.joints[-1].coordinates("b"):
+        return False
+    about = () if body.inertia is None else body.inertia[axis : axis + 1]
+    try:
+        com = body.com.value(known.parameters.values, NUMBERS)
+        inertias = [e.value(known.parameters.values, NUMBERS) for e in about]
+    except ExpressionError:
+        return False
+    if not isinstance(com, tuple):
+        return False
+    return not any(inertias) and not any(c for k, c in enumerate(com) if k != axis)

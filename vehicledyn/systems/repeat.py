@@ -65,6 +65,8 @@ class Expansion:
                 self._mirror(target, at, value, here, index)
             elif key in SECTIONS and isinstance(value, dict):
                 entries = target.setdefault(key, {})
+                if not isinstance(entries, dict):
+                    continue
                 for name, entry in value.items():
                     self._enter(entries, (*at, key), entry, (*here, name), index)
             elif not index:
@@ -103,6 +105,8 @@ class Expansion:
         self, target: dict[str, Any], at: Place, value: Any, place: Place, index: Index
     ) -> None:
         groups = target.setdefault("mirror", [])
+        if not isinstance(groups, list):
+            return
         for item, item_place in self._items(value, place):
             group: dict[str, Any] = {}
             group_at = (*at, "mirror", len(groups))

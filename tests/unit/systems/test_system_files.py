@@ -152,6 +152,14 @@ def test_body_without_mass_at_the_end_of_a_chain(tmp_path):
     assert line.startswith("4:") and "nothing resists 'b.q'" in line
 
 
+def test_body_without_inertia_about_its_last_axis(tmp_path):
+    text = "title: t\nbodies:\n  a: {joints: [T1 x], mass: 1 kg}\n"
+    (line,) = problems(tmp_path, text + "  b: {parent: a, joints: [R2 q], mass: 1 kg}\n")
+    assert line.startswith("4:") and "no inertia about its last axis" in line
+    good = "  b: {parent: a, joints: [R2 q], mass: 1 kg, com: [0, 0, 1 m]}\n"
+    assert problems(tmp_path, text + good) == []
+
+
 def test_massless_end_may_be_held_by_a_cut(tmp_path):
     text = "title: t\nbodies:\n  a: {joints: [R2 q], mass: 1 kg, com: [0, 0, 1]}\n"
     text += "  b: {parent: a, joints: [{kind: T1, name: q, start: 1}]}\n"
