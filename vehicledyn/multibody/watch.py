@@ -55,13 +55,7 @@ class PartitionWatch:
         """Return the determinant by which the constraints determine the dependent rates."""
         names, jacobian, _ = self._at(time, values)
         columns = [names.index(name) for name in dependent]
-        key = tuple(columns)
-        if key not in self._rows:
-            chosen = partition.choose(
-                jacobian, self._structure, columns, [], names, holonomic=self._gaps.holonomic
-            )
-            self._rows[key] = [row for row, _ in chosen.rates.pairs]
-        return float(np.linalg.det(jacobian[np.ix_(self._rows[key], columns)]))
+        return float(np.linalg.det(jacobian[np.ix_(self._kept(jacobian, columns), columns)]))
 
     def compare(self, time: float, values: dict[str, float], dependent: list[str]) -> Comparison:
         """Compare the partition with these dependent rates with the best one.
@@ -99,8 +93,23 @@ class PartitionWatch:
         others = [k for k in moving if k not in set(columns)]
         if not columns or not others:
             return np.zeros(len(columns))
-        found = np.linalg.lstsq(jacobian[:, columns], -jacobian[:, others], rcond=None)[0]
+        kept = jacobian[self._kept(jacobian, columns)]
+        try:
+            found = np.linalg.solve(kept[:, columns], -kept[:, others])
+        except np.linalg.LinAlgError:
+            return np.full(len(columns), np.inf)
         return np.asarray(np.abs(found).max(axis=1))
+
+    def _kept(self, jacobian: Array, columns: list[int]) -> list[int]:
+        """Return the rows that determine some columns, chosen when first asked for."""
+        key = tuple(columns)
+        if key not in self._rows:
+            names = [j.name for j in self._joints]
+            chosen = partition.choose(
+                jacobian, self._structure, columns, [], names, holonomic=self._gaps.holonomic
+            )
+            self._rows[key] = [row for row, _ in chosen.rates.pairs]
+        return self._rows[key]
 
 
 def freed(system: System, values: dict[str, float], parameters: Array) -> System:

@@ -15,6 +15,8 @@ Vector = NDArray[np.float64]
 
 ZONE = 0.1
 """Determinant, as a part of the largest met, below which samples are held back."""
+_NEAR = 0.01
+"""The same part below which a sample is too near to a singular configuration to be trusted."""
 _WEAK = 0.3
 """Determinant, as a part of the largest met, below which other partitions are tried."""
 LEVERAGE = 10.0
@@ -70,7 +72,6 @@ class PivotLog:
         self._before: Vector | None = None
         self._skip = False
         self._tried = np.inf
-        self.forwarded = 0
 
     def begin(self, *, skip: bool) -> None:
         """Expect samples of a new piece, of which the first is known if ``skip``."""
@@ -133,7 +134,9 @@ class PivotLog:
         change = float(np.max(np.abs(values - before) / np.maximum(size, 1e-300), initial=0.0))
         if change > _LIVELY and len(rows) > 1:
             return change
-        crossed = np.flatnonzero(values * before < 0.0)
+        scale = self._scale if self._scale.size else np.abs(values)
+        near = np.abs(values) < _NEAR * scale
+        crossed = np.flatnonzero((values * before < 0.0) | near)
         if crossed.size:
             self._cross(crossed, sample.time)
         self._held += rows
@@ -168,7 +171,7 @@ class PivotLog:
 
     def _crossing(self, blocks: Iterable[Any], until: float) -> Crossing:
         begin = self._anchor or self._held[0]
-        return Crossing(begin, [int(k) for k in blocks], 2.0 * until - begin.time)
+        return Crossing(begin, [int(k) for k in blocks], begin.time + 3.0 * (until - begin.time))
 
     def approaching(self, ahead: float) -> Crossing | None:
         """Return the crossing ahead if the last sample has a loop that is nearly singular."""
@@ -183,7 +186,6 @@ class PivotLog:
         held, self._held = self._held, []
         if held:
             self._anchor = held[-1]
-            self.forwarded += len(held)
             self._hand_on(held)
 
     def release_to(self, sample: Sample) -> Sample:

@@ -10,6 +10,7 @@ run passes it in one step, see :mod:`vehicledyn.run.passage`.
 from __future__ import annotations
 
 import logging
+import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Any
@@ -33,6 +34,7 @@ Vector = NDArray[np.float64]
 _GAIN = 0.5
 """A new partition must bring the leverage down to this part."""
 _FIRST_SEGMENT = 32
+_LOOK, _STEPS_PER_LOOK = 0.02, 10
 _log = logging.getLogger(__name__)
 
 
@@ -105,6 +107,9 @@ class _Run:
         self._segment: int | None = None
         self._passed = 0
         self._parts: list[Statistics] = []
+        self._forwarded = 0
+        self._every = looks_per_interval(self.solver, self.interval)
+        self.interval = self.interval / self._every
 
     def go(self, state: Vector, unknowns: Vector) -> Statistics:
         """Run to the end; whatever stops it, the samples found are handed on."""
@@ -287,7 +292,9 @@ class _Run:
     # -- samples -----------------------------------------------------------------------------
 
     def _forward(self, samples: list[Sample]) -> None:
-        """Hand samples on, in the order of the first equations."""
+        """Hand on the samples that are asked for, in the order of the first equations."""
+        samples = [sample for sample in samples if self._is_wanted(sample.time)]
+        self._forwarded += len(samples)
         if not samples:
             return
         e, first = self.kernel.equations, self._first
@@ -305,18 +312,37 @@ class _Run:
             outputs = table[:, pick(first.channels)]
         self.sink(times, parts[0], parts[1], outputs)
 
+    def _is_wanted(self, time: float) -> bool:
+        """Return whether a sample is one of those asked for, or that of a terminal event."""
+        number = (time - self.start) / self.interval
+        nearest = round(number)
+        return abs(number - nearest) > 1e-6 or nearest % self._every == 0
+
     def _statistics(self) -> Statistics:
         """Return the statistics of all pieces together."""
         last = self._parts[-1]
         sums = ("samples", "steps", "evaluations", "newton_iterations", "events")
         totals = {key: sum(getattr(part, key) for part in self._parts) for key in sums}
-        totals["samples"] = self._log.forwarded
+        totals["samples"] = self._forwarded
         return replace(
             last,
             **totals,
             largest_residual=max(part.largest_residual for part in self._parts),
             wall_seconds=sum(part.wall_seconds for part in self._parts),
         )
+
+
+def looks_per_interval(solver: Solver, interval: float) -> int:
+    """Return how often the pivots are looked at in a sampling interval.
+
+    With a fixed step that is about every ten steps, a divisor of their number; else at least
+    every 20 ms.
+    """
+    step = getattr(solver, "step", None)
+    if step is None:
+        return max(1, math.ceil(interval / _LOOK))
+    count = max(1, round(interval / step))
+    return next(k for k in range(max(1, count // _STEPS_PER_LOOK), 0, -1) if count % k == 0)
 
 
 def _by_name(kernel: Kernel, sample: Sample) -> dict[str, float]:
