@@ -29,13 +29,21 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from vehicledyn.multibody.constraints import (
+        BaseConstraint,
+        LinearConstraint,
+        RateConstraint,
+        UserConstraint,
+    )
     from vehicledyn.multibody.cuts import BallCut, BodyCut, RodCut
     from vehicledyn.multibody.derivation import derive
     from vehicledyn.multibody.drives import ConstantRate, TimeLaw
     from vehicledyn.multibody.links import Attachment, GuidedLink, Link
     from vehicledyn.multibody.parts import BasePart, Loads, Motion, Output, PartEvent, Wrench
+    from vehicledyn.multibody.rolling import RollingWheel
     from vehicledyn.multibody.sensors import Accelerometer, BodySensor, SequenceSensor
     from vehicledyn.multibody.system import GROUND, Body, Joint, System, Turn
+    from vehicledyn.multibody.transmissions import belt, gears, rack, screw
     from vehicledyn.symbolic.parameters import ParameterTable
 
 __all__ = [
@@ -43,6 +51,7 @@ __all__ = [
     "Accelerometer",
     "Attachment",
     "BallCut",
+    "BaseConstraint",
     "BasePart",
     "Body",
     "BodyCut",
@@ -50,22 +59,38 @@ __all__ = [
     "ConstantRate",
     "GuidedLink",
     "Joint",
+    "LinearConstraint",
     "Link",
     "Loads",
     "Motion",
     "Output",
     "ParameterTable",
     "PartEvent",
+    "RateConstraint",
     "RodCut",
+    "RollingWheel",
     "SequenceSensor",
     "System",
     "TimeLaw",
     "Turn",
+    "UserConstraint",
     "Wrench",
+    "belt",
     "derive",
+    "gears",
+    "rack",
+    "screw",
 ]
 
 _HOMES = {
+    "multibody.constraints": (
+        "BaseConstraint",
+        "LinearConstraint",
+        "RateConstraint",
+        "UserConstraint",
+    ),
+    "multibody.rolling": ("RollingWheel",),
+    "multibody.transmissions": ("belt", "gears", "rack", "screw"),
     "multibody.cuts": ("BallCut", "BodyCut", "RodCut"),
     "multibody.derivation": ("derive",),
     "multibody.drives": ("ConstantRate", "TimeLaw"),
