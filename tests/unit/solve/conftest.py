@@ -1,6 +1,6 @@
-import shutil
-
 import pytest
+
+from vehicledyn.solve.compiler import CompilationError, find_compiler
 
 
 @pytest.fixture(autouse=True, scope="session")
@@ -13,8 +13,10 @@ def _kernel_cache(tmp_path_factory):
 
 @pytest.fixture(scope="session")
 def needs_compiler():
-    if not any(shutil.which(name) for name in ("cc", "gcc", "clang")):
-        pytest.skip("no C compiler on the path")
+    try:
+        find_compiler()
+    except CompilationError as error:
+        pytest.skip(str(error))
 
 
 @pytest.fixture(params=["compiled", "interpreted"])
