@@ -208,7 +208,11 @@ def test_both_front_wheels_of_the_small_car_steer_the_way_the_gain_says():
 
 @pytest.mark.parametrize("speed", [2.0, 4.0, 5.0, 8.0])
 def test_bicycle_has_the_eigenvalues_of_the_linearised_equations(speed):
-    """M q'' + v C1 q' + (g K0 + v² K2) q = 0 after appendix A of Meijaard et al. (2007)."""
+    """M q'' + v C1 q' + (g K0 + v² K2) q = 0 after appendix A of Meijaard et al. (2007).
+
+    The formulas are written from memory; that they agree with the derived equations, which
+    share nothing with them, is what speaks for both.
+    """
     prepared = ready("bicycle", f"parameters.forward_speed={speed}")
     point = nominal_point(prepared, 0.0)
     e, values = prepared.equations, prepared.kernel.parameters
