@@ -40,21 +40,6 @@ class Sample:
     outputs: Vector
 
 
-def pivots(kernel: Kernel, time: float, state: Vector, unknowns: Vector) -> Vector:
-    """Return the determinant of each block of unknowns, shape (n_blocks,)."""
-    blocks = range(len(kernel.equations.blocks))
-    return np.array([_determinant(kernel.block(k, time, state, unknowns)[1]) for k in blocks])
-
-
-def _determinant(matrix: Vector) -> float:
-    """Return a determinant; small ones without the cost of a call to the library."""
-    if len(matrix) == 1:
-        return float(matrix[0, 0])
-    if len(matrix) == 2:
-        return float(matrix[0, 0] * matrix[1, 1] - matrix[0, 1] * matrix[1, 0])
-    return float(np.linalg.det(matrix))
-
-
 class Passage:
     """Integrates states and unknowns together, so that guesses of the unknowns are good.
 
@@ -146,8 +131,7 @@ class Passage:
         return float(coming.min()) if coming.size else -1.0
 
     def _pivots(self, time: float, y: Vector) -> Vector:
-        state = np.ascontiguousarray(y[: self._n])
-        return pivots(self._kernel, time, state, np.ascontiguousarray(y[self._n :]))
+        return self._kernel.pivots([time], y[None, : self._n], y[None, self._n :]).ravel()
 
     def _solver(self, begin: float, stop: float, first: float | None) -> Any:
         from scipy.integrate import DOP853

@@ -23,7 +23,7 @@ from vehicledyn.multibody.derivation import derive
 from vehicledyn.multibody.loops import Moment
 from vehicledyn.multibody.system import System
 from vehicledyn.multibody.watch import Comparison, PartitionWatch, freed
-from vehicledyn.run.passage import Passage, Sample, pivots
+from vehicledyn.run.passage import Passage, Sample
 from vehicledyn.run.pivots import Crossing, Degrading, PivotLog
 from vehicledyn.solve.kernel import Backend, Kernel, Progress, compile_kernel
 from vehicledyn.solve.simulate import Solver, simulate
@@ -225,7 +225,8 @@ class _Run:
 
     def _pivots(self, sample: Sample) -> Vector:
         """Return the determinants of the loops, and of the rates where they have their own."""
-        values = pivots(self.kernel, sample.time, sample.state, sample.unknowns)
+        point = [sample.time], sample.state[None], sample.unknowns[None]
+        values = self.kernel.pivots(*point).ravel()
         if not self.kernel.equations.structure["rate_dependent"]:
             return values
         rates = self._watch.pivot(sample.time, self._values(sample), self._dependent)

@@ -19,6 +19,7 @@ _SIGNATURES: dict[str, tuple[Any, Sequence[Any]]] = {
     "vd_rates": (None, [_D, _P, _P, _P, _P]),
     "vd_outputs": (None, [_D, _P, _P, _P, _P]),
     "vd_block": (None, [_I, _D, _P, _P, _P, _P, _P]),
+    "vd_survey": (None, [_L, *[_P] * 6]),
     "vd_solve": (_I, [_D, _P, _P, _P, _P, _P]),
     "vd_advance": (_I, [_I, _L, _L, _L, _D, _D, *[_P] * 10]),
     "vd_advance_part": (_I, [_I, _L, _D, _D, _L, _D, _D, *[_P] * 5]),
@@ -81,6 +82,15 @@ class CompiledEngine:
         arrays = (state, unknowns, constants, residual, jacobian)
         self._library.vd_block(index, time, *[item.ctypes.data for item in arrays])
         return residual, jacobian
+
+    def survey(
+        self, times: Vector, states: Vector, unknowns: Vector, constants: Vector
+    ) -> tuple[Vector, Vector]:
+        """Return largest residual and determinant of each block at some points."""
+        residuals, determinants = np.empty((2, len(times), len(self._sizes)))
+        arrays = (times, states, unknowns, constants, residuals, determinants)
+        self._library.vd_survey(len(times), *[item.ctypes.data for item in arrays])
+        return residuals, determinants
 
     def solve(
         self, time: float, state: Vector, unknowns: Vector, constants: Vector, ledger: Ledger

@@ -120,6 +120,15 @@ class Engine(Protocol):
     ) -> tuple[Vector, Vector]:
         """Return residual and Jacobian of a block."""
 
+    def survey(
+        self, times: Vector, states: Vector, unknowns: Vector, constants: Vector
+    ) -> tuple[Vector, Vector]:
+        """Return largest residual and determinant of each block at some points.
+
+        Times (n,), states and unknowns (n, ...) must be contiguous; both results have the shape
+        (n, n_blocks).
+        """
+
     def solve(
         self, time: float, state: Vector, unknowns: Vector, constants: Vector, ledger: Ledger
     ) -> Status:

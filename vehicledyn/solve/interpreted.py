@@ -123,6 +123,17 @@ class InterpretedEngine:
         residual, jacobian = self._blocks[index](time, state, unknowns, constants)
         return residual, jacobian.reshape((residual.size, residual.size), order="F")
 
+    def survey(
+        self, times: Vector, states: Vector, unknowns: Vector, constants: Vector
+    ) -> tuple[Vector, Vector]:
+        """Return largest residual and determinant of each block at some points."""
+        found = np.empty((2, len(times), len(self._spans)))
+        for row, (time, state, unknown) in enumerate(zip(times, states, unknowns, strict=True)):
+            for k in range(len(self._spans)):
+                residual, jacobian = self.block(k, float(time), state, unknown, constants)
+                found[:, row, k] = np.abs(residual).max(), _determinant(jacobian)
+        return found[0], found[1]
+
     def solve(
         self, time: float, state: Vector, unknowns: Vector, constants: Vector, ledger: Ledger
     ) -> Status:
@@ -272,6 +283,15 @@ class InterpretedEngine:
             march.memory[1:] = np.concatenate([march.unknowns, between])
             march.state[:], march.unknowns[:] = state, unknowns
         return status
+
+
+def _determinant(matrix: Vector) -> float:
+    """Return a determinant; small ones without the cost of a call to the library."""
+    if len(matrix) == 1:
+        return float(matrix[0, 0])
+    if len(matrix) == 2:
+        return float(matrix[0, 0] * matrix[1, 1] - matrix[0, 1] * matrix[1, 0])
+    return float(np.linalg.det(matrix))
 
 
 def _check_finite(state: Vector, ledger: Ledger) -> Status:

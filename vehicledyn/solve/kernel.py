@@ -149,14 +149,27 @@ class Kernel:
 
     def check_residuals(self, time: float, state: Any, unknowns: Any, ledger: Ledger) -> None:
         """Keep the largest residual in a ledger; raise NumericalError above a tolerance."""
-        for k, block in enumerate(self.equations.blocks):
-            residual = float(np.abs(self.block(k, time, state, unknowns)[0]).max())
+        residuals = self._survey(time, state, unknowns)[0]
+        for k, (block, residual) in enumerate(zip(self.equations.blocks, residuals, strict=True)):
             largest = ledger.figures[Figure.LARGEST_RESIDUAL]
             ledger.figures[Figure.LARGEST_RESIDUAL] = max(largest, residual)
             if not residual <= block.tolerance:
                 ledger.counts[Count.WHERE] = k
                 ledger.figures[Figure.FAILED_RESIDUAL] = residual
                 raise NumericalError(self.failure(Status.INACCURATE, time, ledger))
+
+    def pivots(self, times: Any, states: Any, unknowns: Any) -> Vector:
+        """Return the determinant of each block at some points, shape (n_times, n_blocks).
+
+        Times have the shape (n_times,), states and unknowns (n_times, ...).
+        """
+        t, x, z = (np.ascontiguousarray(item, dtype=float) for item in (times, states, unknowns))
+        return self.engine.survey(t, x, z, self._constants)[1]
+
+    def _survey(self, time: float, state: Any, unknowns: Any) -> tuple[list[float], Vector]:
+        x, z = self._checked(state, unknowns)
+        found = self.engine.survey(np.array([time]), x[None], z[None], self._constants)
+        return found[0][0].tolist(), found[1][0]
 
     def evaluate(self, time: float, state: Vector, unknowns: Vector, ledger: Ledger) -> Vector:
         """Solve the unknowns in place and return the rates; arrays must be contiguous.

@@ -79,6 +79,28 @@ static double residual_of(int k, double t, const double *x, const double *z, con
   return largest;
 }
 
+/* Determinant of a, stored by columns and overwritten. */
+static double determinant_of(int n, double *a) {
+  if (n == 2) return a[0] * a[3] - a[2] * a[1];
+  double determinant = 1.0;
+  for (int j = 0; j < n; j++) {
+    int pivot = j;
+    for (int i = j + 1; i < n; i++)
+      if (fabs(a[i + j * n]) > fabs(a[pivot + j * n])) pivot = i;
+    const double head = a[pivot + j * n];
+    if (head == 0.0) return 0.0;
+    determinant *= pivot == j ? head : -head;
+    for (int k = j + 1; k < n; k++) {
+      const double factor = a[pivot + k * n] / head;
+      a[pivot + k * n] = a[j + k * n];
+      if (factor != 0.0)
+        for (int i = j + 1; i < n; i++)
+          a[i + k * n] -= (i == pivot ? a[j + j * n] : a[i + j * n]) * factor;
+    }
+  }
+  return determinant;
+}
+
 static int solve_blocks(double t, const double *x, double *z, const double *c,
                         long long *counts, double *figures) {
   for (int k = 0; k < NB; k++) {
@@ -215,6 +237,22 @@ VD_EXPORT void vd_outputs(double t, const double *x, const double *z, const doub
 VD_EXPORT void vd_block(int k, double t, const double *x, const double *z, const double *c,
                         double *residual, double *jacobian) {
   block_functions[k](&t, x, z, c, residual, jacobian);
+}
+
+/* Largest residual and determinant of each block at some points, one row a point. */
+VD_EXPORT void vd_survey(long long n_points, const double *t, const double *xs, const double *zs,
+                         const double *c, double *residuals, double *determinants) {
+  double residual[NW], jacobian[NW * NW];
+  for (long long point = 0; point < n_points; point++)
+    for (int k = 0; k < NB; k++) {
+      const int n = block_start[k + 1] - block_start[k];
+      double largest = 0.0;
+      block_functions[k](t + point, xs + point * NX, zs + point * NZ, c, residual, jacobian);
+      for (int i = 0; i < n; i++)
+        if (!(fabs(residual[i]) <= largest)) largest = fabs(residual[i]);
+      *residuals++ = largest;
+      *determinants++ = determinant_of(n, jacobian);
+    }
 }
 
 VD_EXPORT int vd_solve(double t, const double *x, double *z, const double *c,
