@@ -274,7 +274,8 @@ def _massless_ends(file: SystemFile, known: _Known) -> Problems:
         moving = [
             c for c in body.coordinates(name) if c.name not in known.driven and c.role != "driven"
         ]
-        mentioned = re.search(rf"\b{re.escape(name)}\b", text) is not None
+        names = "|".join(re.escape(n) for n in (name, *(c.name for c in moving)))
+        mentioned = re.search(rf"\b({names})\b", text) is not None
         if not moving or name in held or mentioned:
             continue
         last = moving[-1]
