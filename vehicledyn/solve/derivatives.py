@@ -6,6 +6,7 @@ as much as three times the equations, whatever the number of states.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -22,28 +23,35 @@ class TotalDerivatives:
     """Derivatives along the motions that keep the loops closed.
 
     ``rates`` dẋ/dx (n_states, n_states), ``unknowns`` dz/dx (n_unknowns, n_states) and
-    ``outputs`` dy/dx (n_channels, n_states).
+    ``outputs`` dy/dx (n_channels, n_states); those by chosen parameters, dẋ/dp (n_states,
+    n_chosen), dz/dp and dy/dp likewise.
     """
 
     rates: Vector
     unknowns: Vector
     outputs: Vector
+    rates_by_parameter: Vector
+    unknowns_by_parameter: Vector
+    outputs_by_parameter: Vector
 
 
 class Derivatives:
     """Evaluates the derivatives of some equations at any point, for any parameters."""
 
-    def __init__(self, equations: Equations) -> None:
-        """Derive the directional derivative."""
+    def __init__(self, equations: Equations, parameters: Sequence[str] = ()) -> None:
+        """Derive the directional derivative, also by the parameters of these names."""
         import casadi
 
         e = self._equations = equations
+        names = [parameter.name for parameter in e.parameters]
+        self._chosen = [names.index(name) for name in parameters]
         results = casadi.cse(
             casadi.densify(casadi.vertcat(e.rate, e.residual, e.output))
             if e.states or e.unknowns or e.channels
             else casadi.SX(0, 1)
         )
-        variables = casadi.vertcat(e.state, e.algebraic)
+        chosen = [e.parameter[index] for index in self._chosen]
+        variables = casadi.vertcat(e.state, e.algebraic, *chosen)
         direction = casadi.SX.sym("direction", variables.numel())
         slope = casadi.densify(casadi.jtimes(results, variables, direction))
         inputs = [e.time, e.state, e.algebraic, e.parameter, direction]
@@ -54,7 +62,8 @@ class Derivatives:
     ) -> TotalDerivatives:
         """Return the derivatives along closed loops.
 
-        With 0 = g(x, z): dz/dx = -(∂g/∂z)⁻¹ ∂g/∂x and df/dx = ∂f/∂x + ∂f/∂z dz/dx.
+        With 0 = g(x, z): dz/dx = -(∂g/∂z)⁻¹ ∂g/∂x and df/dx = ∂f/∂x + ∂f/∂z dz/dx; by
+        parameters alike.
 
         Raises
         ------
@@ -63,21 +72,29 @@ class Derivatives:
         """
         n, m = len(self._equations.states), len(self._equations.unknowns)
         partial = self._partial(time, state, unknowns, parameters)
-        by_state, by_unknown = partial[:, :n], partial[:, n:]
+        by_unknown, by_known = partial[:, n : n + m], np.delete(partial, slice(n, n + m), axis=1)
         try:
-            solved = np.linalg.solve(by_unknown[n : n + m], by_state[n : n + m])
+            solved = np.linalg.solve(by_unknown[n : n + m], by_known[n : n + m])
         except np.linalg.LinAlgError:
             raise NumericalError(
                 f"the loops of model '{self._equations.name}' are singular at t = {time:.9g} s; "
                 "no derivative along their motions exists there"
             ) from None
         follow = -np.asarray(solved, dtype=float)
-        total = by_state + by_unknown @ follow
-        return TotalDerivatives(total[:n], follow, total[n + m :])
+        total = by_known + by_unknown @ follow
+        return TotalDerivatives(
+            total[:n, :n],
+            follow[:, :n],
+            total[n + m :, :n],
+            total[:n, n:],
+            follow[:, n:],
+            total[n + m :, n:],
+        )
 
     def _partial(self, *point: Any) -> Vector:
-        """Return ∂(rate, residual, output)/∂(x, z)."""
+        """Return ∂(rate, residual, output)/∂(x, z, p), of p the chosen parameters."""
         size = len(self._equations.states) + len(self._equations.unknowns)
-        columns = [self._slope(*point, direction)[0] for direction in np.eye(size)]
+        directions = np.eye(size + len(self._chosen))
+        columns = [self._slope(*point, direction)[0] for direction in directions]
         n_rows = size + len(self._equations.channels)
         return np.stack(columns, axis=1) if columns else np.zeros((n_rows, 0))
