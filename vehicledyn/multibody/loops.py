@@ -47,6 +47,7 @@ class Loops:
     positions: Partition
     closure: Closure
     start: dict[str, float]
+    gaps: Gaps
     redundancies: list[dict[str, object]]
 
     @property
@@ -104,6 +105,7 @@ def close(
         chosen.positions,
         Closure(chosen.rates, found.jacobian, found.rate, found.quadratic),
         {j.name: float(value) for j, value in zip(symbols.joints, q, strict=True)},
+        gaps,
         [explain(system, place, item) for item in chosen.rates.redundancies],
     )
 

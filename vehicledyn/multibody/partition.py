@@ -147,11 +147,11 @@ class _Elimination:
             self._open.remove(row)
             self._pivots.append(float(block[i, j]))
             self._pairs.append((row, column))
-            for other in self._open:
-                factor = self._work[other, column] / self._work[row, column]
-                if factor != 0.0:
-                    self._work[other] -= self._work[row] * factor
-                    self._combined[other] -= self._combined[row] * factor
+            others = np.array(self._open, dtype=int)
+            others = others[self._work[others, column] != 0.0]
+            factors = (self._work[others, column] / self._work[row, column])[:, None]
+            self._work[others] -= self._work[row] * factors
+            self._combined[others] -= self._combined[row] * factors
 
     def partition(
         self,
@@ -203,13 +203,13 @@ def _blocks(
 
 def _pivot_order(jacobian: Array, rows: list[int], columns: list[int]) -> list[tuple[int, int]]:
     """Return full-pivoting pairs of one block."""
-    work = jacobian.copy()
+    work = jacobian[np.ix_(rows, columns)]
     rows, columns, order = list(rows), list(columns), []
     while rows:
-        block = np.abs(work[np.ix_(rows, columns)])
-        i, j = np.unravel_index(_first_largest(block), block.shape)
-        row, column = rows.pop(int(i)), columns.pop(int(j))
-        order.append((row, column))
-        for other in rows:
-            work[other] -= work[row] * (work[other, column] / work[row, column])
+        i, j = divmod(_first_largest(np.abs(work)), len(columns))
+        order.append((rows.pop(i), columns.pop(j)))
+        pivot = work[i]
+        work = np.delete(work, i, axis=0)
+        work -= pivot * (work[:, j] / pivot[j])[:, None]
+        work = np.delete(work, j, axis=1)
     return order

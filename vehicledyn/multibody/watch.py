@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -37,13 +38,19 @@ class PartitionWatch:
     All coordinates but the driven ones may change their role.
     """
 
-    def __init__(self, system: System) -> None:
-        """Differentiate the constraints."""
-        symbols = declare(system)
-        self._joints = symbols.joints
-        self._gaps = Gaps(system, symbols, rows_of_system(system, unfold(system), symbols))
-        self._structure = self._gaps.structure
+    def __init__(self, joints: Sequence[Joint], gaps: Gaps) -> None:
+        """Watch the constraints of some joints."""
+        self._joints = joints
+        self._gaps = gaps
+        self._structure = gaps.structure
         self._rows: dict[tuple[int, ...], list[int]] = {}
+
+    @staticmethod
+    def of(system: System) -> PartitionWatch:
+        """Return the watch of a system: differentiate its constraints."""
+        symbols = declare(system)
+        rows = rows_of_system(system, unfold(system), symbols)
+        return PartitionWatch(symbols.joints, Gaps(system, symbols, rows))
 
     def leverage(self, time: float, values: dict[str, float], dependent: list[str]) -> float:
         """Return the largest rate that a unit independent rate gives a dependent one."""

@@ -12,6 +12,7 @@ from vehicledyn.multibody.watch import Comparison
 from vehicledyn.run.passage import Sample
 
 Vector = NDArray[np.float64]
+Matrix = NDArray[np.float64]
 
 ZONE = 0.1
 """Determinant, as a part of the largest met, below which samples are held back."""
@@ -21,8 +22,8 @@ _WEAK = 0.3
 """Determinant, as a part of the largest met, below which other partitions are tried."""
 LEVERAGE = 10.0
 """Largest dependent rate of a unit independent rate that a partition is kept with."""
-_MOST_STRIDE = 64
-_STEADY, _LIVELY = 0.02, 0.2
+_AHEAD = 256
+"""Samples whose pivots are looked at together."""
 
 
 class Crossing(Exception):  # noqa: N818
@@ -49,7 +50,7 @@ class PivotLog:
 
     def __init__(
         self,
-        pivots: Callable[[Sample], Vector],
+        pivots: Callable[[Sequence[Sample]], Matrix],
         forward: Callable[[list[Sample]], None],
         better: Callable[[Sample, float], Comparison | None],
     ) -> None:
@@ -58,7 +59,8 @@ class PivotLog:
         Parameters
         ----------
         pivots
-            Gives the determinants of the loops, and those of the rates alone, at a sample.
+            Gives the determinants of the loops, and those of the rates alone, at some samples,
+            one row a sample.
         forward
             Takes the good samples.
         better
@@ -111,44 +113,49 @@ class PivotLog:
         ]
         if self._skip and rows:
             rows, self._skip = rows[1:], False
-        stride, k, last = 1, -1, len(rows) - 1
-        while k < last:
-            following = min(k + stride, last)
-            change = self._look(rows[k + 1 : following + 1])
-            if change > _LIVELY and following > k + 1:
-                stride = 1
-                continue
-            stride = min(2 * stride, _MOST_STRIDE) if change < _STEADY else 1
-            k = following
+        values = self._pivots(rows) if rows else np.zeros((0, 0))
+        k = 0
+        while k < len(rows):
+            count = self._count_harmless(values[k : k + _AHEAD])
+            if count:
+                self._accept(rows[k : k + count], values[k : k + count])
+            else:
+                self._look(rows[k], values[k])
+            k += max(1, count)
 
-    def _look(self, rows: list[Sample]) -> float:
-        """Look at the last of some samples; return the largest relative change of a pivot.
+    def _count_harmless(self, values: Matrix) -> int:
+        """Return how many samples pass before one whose pivots are weak or change sign."""
+        if self._before is None:
+            return 0
+        sizes = np.abs(values)
+        largest = np.maximum(np.maximum.accumulate(sizes, axis=0), self._scale)
+        before = np.vstack([self._before, values[:-1]])
+        harmless = ((sizes >= _WEAK * largest) & (values * before > 0.0)).all(axis=1)
+        return len(values) if harmless.all() else int(np.argmin(harmless))
 
-        If that is large and there are samples between, nothing is taken, so that each can be
-        looked at.
-        """
-        sample = rows[-1]
-        values = self._pivots(sample)
+    def _accept(self, rows: list[Sample], values: Matrix) -> None:
+        """Hand on samples whose pivots are far from zero, with all that came before."""
+        self._held += rows
+        self._before = values[-1]
+        self._scale = np.maximum(self._scale, np.abs(values).max(axis=0))
+        self._tried = np.inf
+        self.release()
+
+    def _look(self, sample: Sample, values: Vector) -> None:
+        """Look at one sample, and hold it back where a loop is nearly singular."""
         before = values if self._before is None else self._before
-        size = np.maximum(np.abs(values), np.abs(before))
-        change = float(np.max(np.abs(values - before) / np.maximum(size, 1e-300), initial=0.0))
-        if change > _LIVELY and len(rows) > 1:
-            return change
         scale = self._scale if self._scale.size else np.abs(values)
         near = np.abs(values) < _NEAR * scale
         crossed = np.flatnonzero((values * before < 0.0) | near)
         if crossed.size:
             self._cross(crossed, sample.time)
-        self._held += rows
+        self._held.append(sample)
         self._before = values
-        self._scale = (
-            np.maximum(self._scale, np.abs(values)) if self._scale.size else np.abs(values)
-        )
+        self._scale = np.maximum(scale, np.abs(values))
         share = float(np.min(np.abs(values) / self._scale, initial=1.0))
         self._try_others(sample, share)
         if share >= ZONE:
             self.release()
-        return change
 
     def _try_others(self, sample: Sample, share: float) -> None:
         if share >= _WEAK:
@@ -197,10 +204,10 @@ class PivotLog:
         """Forget what came behind a sample; hand on those that replace it."""
         self._held = samples
         self.release()
-        self._before = self._pivots(samples[-1])
+        self._before = self._pivots(samples[-1:])[0]
 
     def change(self, sample: Sample) -> None:
         """Go on with another partition from a sample that has been handed on."""
         self._anchor, self._held, self._tried = sample, [], np.inf
-        self._before = self._pivots(sample)
+        self._before = self._pivots([sample])[0]
         self._scale = np.abs(self._before)

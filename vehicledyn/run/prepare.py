@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 
 from vehicledyn.base.errors import InputError
 from vehicledyn.base.signals import undisturbed
-from vehicledyn.multibody.derivation import derive
+from vehicledyn.multibody.derivation import equations_of, solve_motion
+from vehicledyn.multibody.watch import PartitionWatch
 from vehicledyn.road.vehicle import RoadVehicle
 from vehicledyn.run.road_subject import RoadSubject
 from vehicledyn.run.start_rates import start_rates
@@ -38,6 +39,7 @@ class Prepared:
     subject: Subject
     equations: Equations
     kernel: Kernel
+    watch: PartitionWatch
     _derivatives: list[Derivatives] = field(default_factory=list)
 
     @property
@@ -79,9 +81,11 @@ def prepare(target: Target, *, backend: Backend, progress: Progress) -> Prepared
     progress("deriving the equations of motion", None)
     with undisturbed():
         subject = build_subject(target)
-        equations = derive(subject.system)
+        derivation = solve_motion(subject.system)
+        equations = equations_of(derivation)
+    watch = PartitionWatch(derivation.symbols.joints, derivation.loops.gaps)
     kernel = compile_kernel(equations, backend=backend, progress=progress)
-    return Prepared(subject, equations, kernel)
+    return Prepared(subject, equations, kernel, watch)
 
 
 def start_point(prepared: Prepared, speed: float, kind: Start | None) -> Point:

@@ -155,6 +155,7 @@ class _Run:
                     sink=lambda t, x, z, y: self._take(writer, t, x, z, y),
                     progress=progress,
                     happened=lambda name, t: self.events.append(EventRecord(t, name)),
+                    watch=self.prepared.watch,
                 )
             except NumericalError as error:
                 self.status, self.exit_code, message = "failed", EXIT_FAILED, str(error)

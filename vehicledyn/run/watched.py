@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import logging
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -51,12 +51,14 @@ def simulate_watched(
     sink: Sink,
     progress: Progress,
     happened: Happened,
+    watch: PartitionWatch | None = None,
 ) -> Statistics:
     """Integrate as :func:`~vehicledyn.solve.simulate.simulate` does, through bad partitions.
 
     The samples are those of the kernel's own equations throughout: states and unknowns in their
     order, channels by name; a channel that a later partition lacks is not a number. ``happened``
     is told "partition.changed" when the partition changes. A passage looks for no events.
+    ``watch`` is the watch of the system, if there is one already.
 
     Raises
     ------
@@ -80,7 +82,8 @@ def simulate_watched(
             progress=progress,
             happened=happened,
         )
-    run = _Run(system, kernel, solver, start, stop, interval, sink, progress, happened)
+    watches = [] if watch is None else [watch]
+    run = _Run(system, kernel, solver, start, stop, interval, sink, progress, happened, watches)
     return run.go(np.asarray(state, dtype=float), np.asarray(unknowns, dtype=float))
 
 
@@ -97,11 +100,11 @@ class _Run:
     sink: Sink
     progress: Progress
     happened: Happened
+    watches: list[PartitionWatch]
 
     def __post_init__(self) -> None:
         self._known: dict[tuple[str, ...], Kernel] = {}
         self._first = self.kernel.equations
-        self._watches: list[PartitionWatch] = []
         self._log = PivotLog(self._pivots, self._forward, self._better)
         self._changed_at = -np.inf
         self._segment: int | None = None
@@ -214,23 +217,23 @@ class _Run:
 
     @property
     def _watch(self) -> PartitionWatch:
-        if not self._watches:
-            self._watches.append(PartitionWatch(self.system))
-        return self._watches[0]
+        if not self.watches:
+            self.watches.append(PartitionWatch.of(self.system))
+        return self.watches[0]
 
     @property
     def _dependent(self) -> list[str]:
         structure = self.kernel.equations.structure
         return [*structure["dependent"], *structure["rate_dependent"]]
 
-    def _pivots(self, sample: Sample) -> Vector:
+    def _pivots(self, samples: Sequence[Sample]) -> Vector:
         """Return the determinants of the loops, and of the rates where they have their own."""
-        point = [sample.time], sample.state[None], sample.unknowns[None]
-        values = self.kernel.pivots(*point).ravel()
+        parts = [[getattr(s, name) for s in samples] for name in ("time", "state", "unknowns")]
+        values = self.kernel.pivots(*parts)
         if not self.kernel.equations.structure["rate_dependent"]:
             return values
-        rates = self._watch.pivot(sample.time, self._values(sample), self._dependent)
-        return np.append(values, rates)
+        rates = [self._watch.pivot(s.time, self._values(s), self._dependent) for s in samples]
+        return np.column_stack([values, rates])
 
     def _better(self, sample: Sample, limit: float) -> Comparison | None:
         """Return the comparison with the best partition if that is clearly better.
