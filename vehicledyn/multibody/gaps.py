@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from vehicledyn.base.errors import InputError
 from vehicledyn.multibody.constraints import Geometry, Movement
+from vehicledyn.multibody.cut_motion import MovingResidual, moving_residuals
 from vehicledyn.multibody.cuts import Residual
 from vehicledyn.multibody.kinematics import Kinematics
 from vehicledyn.multibody.system import System
@@ -29,13 +30,14 @@ class Row:
     """One residual with the cut or constraint it belongs to.
 
     ``frame`` names the axes of its force, ``is_holonomic`` whether it is one of the coordinates
-    or one of the rates.
+    or one of the rates. Rows of cuts bring their derivatives along.
     """
 
     cut: str
     residual: Residual
     frame: str = "world"
     is_holonomic: bool = True
+    moving: MovingResidual | None = None
 
     @property
     def label(self) -> str:
@@ -46,11 +48,11 @@ class Row:
 def rows_of_system(system: System, tree: Tree, symbols: Symbols) -> list[Row]:
     """Return the residuals of all cuts and constraints, holonomic ones first."""
     bare = Kinematics(tree, symbols.coordinates, symbols.rates)
-    rows = [
-        Row(cut.name, residual, tree.link_name(tree.common_ancestor(cut.body_a, cut.body_b)))
-        for cut in system.cuts
-        for residual in cut.residuals(bare.between(cut.body_a, cut.body_b))
-    ]
+    rows = []
+    for cut in system.cuts:
+        frame = tree.link_name(tree.common_ancestor(cut.body_a, cut.body_b))
+        for moving in moving_residuals(cut, bare):
+            rows.append(Row(cut.name, moving.residual, frame, moving=moving))
     geometry, movement = Geometry(symbols.time, bare), Movement(symbols.time, bare)
     for constraint in system.constraints:
         rows.extend(Row(constraint.name, r) for r in constraint.residuals(geometry))
@@ -89,8 +91,11 @@ class Gaps:
         self.holonomic = sum(row.is_holonomic for row in rows)
         self._symbols = symbols
         q, qd = symbols.coordinate_column, symbols.rate_column
+        self._others = ops.column(
+            [row.residual.expression for row in rows if row.is_holonomic and row.moving is None]
+        )
         self._h = ops.column([row.residual.expression for row in rows[: self.holonomic]])
-        self._jacobian = ops.jacobian(self._h, q)
+        self._jacobian = ops.stacked(self._cut_jacobian(), ops.jacobian(self._others, q))
         self._speed = ops.column([row.residual.expression for row in rows[self.holonomic :]])
         self._drift = ops.substitute(self._speed, qd, ops.column([0.0] * len(symbols.joints)))
         if len(rows) > self.holonomic:
@@ -131,12 +136,21 @@ class Gaps:
         """Return what the closure of velocities and accelerations needs."""
         s = self._symbols
         q, qd = s.coordinate_column, s.rate_column
-        rate = ops.derivative(self._h, s.time, 1.0)
-        first = ops.derivative(self._h, q, qd) + rate
+        first = ops.derivative(self._others, q, qd) + ops.derivative(self._others, s.time, 1.0)
         if len(self.rows) > self.holonomic:
             first = ops.stacked(first, self._speed)
         second = ops.derivative(first, q, qd) + ops.derivative(first, s.time, 1.0)
-        return Derivatives(ops.rows_of(self._jacobian), self._rates(), _scalars(second))
+        quadratic = [m.quadratic for m in self._moving] + _scalars(second)
+        return Derivatives(ops.rows_of(self._jacobian), self._rates(), quadratic)
+
+    @property
+    def _moving(self) -> list[MovingResidual]:
+        return [row.moving for row in self.rows if row.moving is not None]
+
+    def _cut_jacobian(self) -> Scalar:
+        place = {joint.name: k for k, joint in enumerate(self._symbols.joints)}
+        rows = [{place[n]: v for n, v in m.slopes.items()} for m in self._moving]
+        return ops.matrix_of(rows, len(place))
 
     def _rates(self) -> list[Scalar]:
         rate = ops.derivative(self._h, self._symbols.time, 1.0)

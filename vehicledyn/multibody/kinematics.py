@@ -18,6 +18,8 @@ if TYPE_CHECKING:
 T = TypeVar("T")
 _ORIGIN = (0.0, 0.0, 0.0)
 _ACCELERATED = frozenset({"alpha", "acceleration", "beta"})
+_MOVING = _ACCELERATED | {"omega", "velocity"}
+_GROUND = -1
 
 
 class Kinematics:
@@ -49,6 +51,7 @@ class Kinematics:
         self._qd = rates
         self._qdd = accelerations
         self._ground = ops.vector(0.0, 0.0, 0.0) if ground is None else ground
+        self._base = _GROUND
         self._cache: dict[tuple[str, int], object] = {}
 
     def with_accelerations(self, accelerations: dict[str, Scalar]) -> Kinematics:
@@ -63,6 +66,12 @@ class Kinematics:
         """
         return self._sharing(self._qdd, acceleration, forget=frozenset({"acceleration"}))
 
+    def relative_to(self, link: int) -> Kinematics:
+        """Return the kinematics of what hangs on a link as if that link were at rest."""
+        other = self._sharing(self._qdd, ops.vector(0.0, 0.0, 0.0), forget=_MOVING)
+        other._base = link
+        return other
+
     def on(self, tree: Tree) -> Kinematics:
         """Return the kinematics of the same motion on another tree of the same coordinates."""
         return Kinematics(tree, self._q, self._qd, self._qdd, self._ground)
@@ -71,6 +80,7 @@ class Kinematics:
         self, accelerations: dict[str, Scalar] | None, ground: Vec, *, forget: frozenset[str]
     ) -> Kinematics:
         other = Kinematics(self.tree, self._q, self._qd, accelerations, ground)
+        other._base = self._base
         other._cache = {k: v for k, v in self._cache.items() if k[0] not in forget}
         return other
 
@@ -166,7 +176,7 @@ class Kinematics:
         """Return the angular velocity of a link in its own axes [rad/s]."""
 
         def build() -> Vec:
-            if link < 0:
+            if link == self._base:
                 return ops.vector(0.0, 0.0, 0.0)
             item = self.tree.links[link]
             carried = self.link_rotation(link).T @ self.link_angular_velocity(item.parent)
@@ -180,7 +190,7 @@ class Kinematics:
         """Return the velocity of a link's origin in its own axes [m/s]."""
 
         def build() -> Vec:
-            if link < 0:
+            if link == self._base:
                 return ops.vector(0.0, 0.0, 0.0)
             item = self.tree.links[link]
             swing = ops.cross(self.link_angular_velocity(item.parent), self.link_arm(link))
@@ -195,7 +205,7 @@ class Kinematics:
         """Return the angular acceleration of a link in its own axes [rad/s²]."""
 
         def build() -> Vec:
-            if link < 0:
+            if link == self._base:
                 return ops.vector(0.0, 0.0, 0.0)
             item = self.tree.links[link]
             carried = self.link_rotation(link).T @ self.link_angular_acceleration(item.parent)
@@ -211,7 +221,7 @@ class Kinematics:
         """Return the acceleration of a link's origin in its own axes [m/s²]."""
 
         def build() -> Vec:
-            if link < 0:
+            if link == self._base:
                 return self._ground
             item = self.tree.links[link]
             base = self.link_acceleration(item.parent)

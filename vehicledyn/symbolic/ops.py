@@ -255,6 +255,31 @@ def free_symbols(expression: Any, known: Any) -> list[str]:
     return [s.name() for s in casadi.symvar(expression) if s.element_hash() not in held]
 
 
+def flat(matrix: Any) -> Any:
+    """Return the entries of a matrix as a column, column after column."""
+    import casadi
+
+    return casadi.vec(matrix)
+
+
+def unflat(entries: Any, rows: int) -> Any:
+    """Return the matrix with that many rows whose columns follow one another in a column."""
+    import casadi
+
+    return casadi.reshape(entries, rows, -1)
+
+
+def matrix_of(rows: Sequence[dict[int, Scalar]], width: int) -> Any:
+    """Return the sparse SX matrix of rows {column: entry}, shape (len(rows), width)."""
+    import casadi
+
+    matrix = casadi.SX(len(rows), width)
+    for i, row in enumerate(rows):
+        for j, value in row.items():
+            matrix[i, j] = value
+    return matrix
+
+
 def rows_of(matrix: Any) -> list[dict[int, Scalar]]:
     """Return the structural nonzeros of an SX matrix as rows of {column: entry}."""
     rows: list[dict[int, Scalar]] = [{} for _ in range(matrix.size1())]
