@@ -77,6 +77,8 @@ class RoadWheel(BasePart):
         Relaxation lengths; None for steady slip. Needed to stand still under load.
     floors
         Speeds at which steady slip is regularised; no effect with relaxation.
+    ground_rate
+        Speed at which the ground under the wheel rises, as a shaker does [m/s].
     """
 
     body: str
@@ -89,6 +91,7 @@ class RoadWheel(BasePart):
     contact: str = "disc"
     relaxation: Relaxation | None = None
     floors: SlipFloors = field(default_factory=SlipFloors)
+    ground_rate: Scalar = 0.0
 
     def states(self) -> tuple[Variable, ...]:
         """Return the deflections of the contact patch, if slip is transient."""
@@ -192,13 +195,18 @@ class RoadWheel(BasePart):
         return situation.unknowns[_OFFSET[0]], situation.unknowns[_OFFSET[1]]
 
     def _motion(self, situation: Situation, contact: Contact) -> WheelMotion:
-        velocity = situation.kinematics.velocity(self.body)
+        velocity = self._velocity(situation)
         return WheelMotion(
             longitudinal=ops.dot(velocity, contact.longitudinal),
             lateral=ops.dot(velocity, contact.lateral),
             spin=situation.kinematics.angular_velocity(self.body)[1],
             rolling_radius=ops.minimum(contact.loaded_radius, self.radius),
         )
+
+    def _velocity(self, situation: Situation) -> Vec:
+        """Return the velocity of the wheel centre against the ground, world axes [m/s]."""
+        ground = ops.vector(0.0, 0.0, self.ground_rate)
+        return situation.kinematics.velocity(self.body) - ground
 
     def _transient(self, situation: Situation, motion: WheelMotion) -> TransientSlip | None:
         if self.relaxation is None:
@@ -207,7 +215,7 @@ class RoadWheel(BasePart):
         return transient_slip(motion, self.relaxation, along, across)
 
     def _normal_force(self, situation: Situation, contact: Contact) -> Scalar:
-        closing = -ops.dot(situation.kinematics.velocity(self.body), contact.normal)
+        closing = -ops.dot(self._velocity(situation), contact.normal)
         overlap = ops.maximum(contact.deflection, 0.0)
         engaged = ops.minimum(overlap / DAMPING_ENGAGEMENT, 1.0)
         return ops.maximum(self.stiffness * overlap + self.damping * closing * engaged, 0.0)
