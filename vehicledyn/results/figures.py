@@ -4,6 +4,9 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+from numpy.typing import NDArray
+
 from vehicledyn.results.path_figure import draw_path
 from vehicledyn.results.plot_description import Panel, PathPlot, Plot, TimePlot, unit_factor
 from vehicledyn.results.plot_style import LINE_STYLES, PALETTE, WIDTH, axis_label
@@ -12,6 +15,8 @@ from vehicledyn.results.reader import Result
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
+
+Floats = NDArray[np.float64]
 
 PANEL_HEIGHT = 1.75  # inch
 HEADING_HEIGHT = 0.95  # inch: title, time axis and footer
@@ -49,14 +54,32 @@ def _path(result: Result, plot: PathPlot) -> Figure:
 def _time_figure(result: Result, plot: TimePlot) -> Figure:
     figure = new_figure(HEADING_HEIGHT + PANEL_HEIGHT * max(len(plot.panels), 1.4))
     axes = figure.subplots(len(plot.panels), 1, sharex=True, squeeze=False)[:, 0]
+    across, label = _across(result, plot)
     for place, panel in zip(axes, plot.panels, strict=True):
-        _draw_panel(place, result, panel)
-    axes[-1].set_xlabel(axis_label("Time", "s"))
+        _draw_panel(place, result, panel, across)
+    axes[-1].set_xlabel(label)
     figure.align_ylabels(axes)
     return figure
 
 
-def _draw_panel(axes: Axes, result: Result, panel: Panel) -> None:
+def _across(result: Result, plot: TimePlot) -> tuple[Floats, str]:
+    """Return the values along the horizontal axis and its label."""
+    if not plot.x:
+        return result.time, axis_label("Time", "s")
+    series = result.channel(plot.x)
+    unit = plot.x_unit or series.unit
+    return series.values * unit_factor(series.unit, unit), axis_label(plot.x, unit)
+
+
+def _in_order(across: Floats, values: Floats) -> tuple[Floats, Floats]:
+    """Return points to join by a line, with a gap wherever the sweep begins anew."""
+    steps = np.diff(across)
+    back = np.flatnonzero(steps * np.sign(np.median(steps)) < 0.0) + 1 if steps.size else steps
+    gaps = back.astype(int)
+    return np.insert(across, gaps, np.nan), np.insert(values, gaps, np.nan)
+
+
+def _draw_panel(axes: Axes, result: Result, panel: Panel, across: Floats) -> None:
     for index, (name, label) in enumerate(zip(panel.channels, panel.labels, strict=True)):
         series = result.channel(name)
         style: dict[str, Any] = {
@@ -64,11 +87,11 @@ def _draw_panel(axes: Axes, result: Result, panel: Panel) -> None:
             "linestyle": LINE_STYLES[index % len(LINE_STYLES)],
         }
         values = series.values * unit_factor(series.unit, panel.unit)
-        axes.plot(result.time, values, label=label, **style)
+        axes.plot(*_in_order(across, values), label=label, **style)
     _keep_rounding_small(axes)
     axes.set_ylabel(axis_label(panel.label, panel.unit))
-    if len(result.time) > 1:
-        axes.set_xlim(float(result.time[0]), float(result.time[-1]))
+    if len(across) > 1 and np.ptp(across) > 0.0:
+        axes.set_xlim(float(across.min()), float(across.max()))
     if len(panel.channels) > 1:
         columns = 4 if max(map(len, panel.labels)) < 18 else 2
         axes.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=columns)

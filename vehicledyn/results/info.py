@@ -41,6 +41,7 @@ class ResultDescription:
     program_version: str
     versions: dict[str, str]
     samples: int
+    timed: bool
     start: float | None
     end: float | None
     summary: tuple[SummaryEntry, ...]
@@ -58,7 +59,8 @@ class ResultDescription:
         return "\n".join([*self._heading(), *self._summary(), *self._solver(), *self._channels()])
 
     def _heading(self) -> list[str]:
-        span = "no samples" if self.start is None else f"{self.start:.6g} to {self.end:.6g} s"
+        unit = "s" if self.timed else "counted"
+        span = "no samples" if self.start is None else f"{self.start:.6g} to {self.end:.6g} {unit}"
         versions = ", ".join(f"{name} {version}" for name, version in self.versions.items())
         model = f"{self.model} ({self.model_hash[:12]})" if self.model_hash else self.model
         return [
@@ -119,6 +121,7 @@ def describe_result(path: str | Path) -> ResultDescription:
             program_version=result.program_version,
             versions=result.versions,
             samples=len(result.time),
+            timed=result.is_timed,
             start=float(result.time[0]) if len(result.time) else None,
             end=float(result.time[-1]) if len(result.time) else None,
             summary=tuple(result.summary.values()),

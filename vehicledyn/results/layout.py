@@ -99,11 +99,21 @@ class EventRecord:
 
 
 @dataclass(frozen=True)
+class Axis:
+    """What the samples are counted along: the time, if not said otherwise."""
+
+    unit: str = "s"
+    description: str = "Time"
+    name: str = "time"
+
+
+@dataclass(frozen=True)
 class ResultHeader:
     """What is known of a run before it starts.
 
     ``configuration`` is the resolved scenario and ``plots`` the plot descriptions, both
-    plain data that JSON can hold; ``versions`` adds to the packages' own versions.
+    plain data that JSON can hold; ``versions`` adds to the packages' own versions. ``axis``
+    describes the dataset "time" where the samples are not taken in time.
     """
 
     title: str
@@ -114,6 +124,7 @@ class ResultHeader:
     plots: Sequence[Mapping[str, Any]] = ()
     scene: Mapping[str, SceneItem] = field(default_factory=dict)
     versions: Mapping[str, str] = field(default_factory=dict)
+    axis: Axis = field(default_factory=Axis)
 
 
 def dataset_path(name: str) -> str:

@@ -6,6 +6,10 @@ A description is plain data. Values against time, one panel above the other::
      "panels": [{"label": "Yaw rate", "unit": "deg/s",
                  "channels": ["chassis.yaw_rate"], "labels": ["chassis"]}]}
 
+Values against another channel, which stand where "x" and its unit are named::
+
+    {"name": "camber", "kind": "time", "x": "wheel.z", "x_unit": "mm", "panels": [...]}
+
 A path seen from above, with the cones and the body's outline where the file's scene has them::
 
     {"name": "path", "kind": "path", "title": "Path", "x": "chassis.x", "y": "chassis.y",
@@ -36,11 +40,13 @@ class Panel:
 
 @dataclass(frozen=True)
 class TimePlot:
-    """Values against time."""
+    """Values against time, or against the channel ``x`` where it is not empty."""
 
     name: str
     title: str
     panels: tuple[Panel, ...]
+    x: str = ""
+    x_unit: str = ""
 
 
 @dataclass(frozen=True)
@@ -104,7 +110,8 @@ def _read_plot(description: Mapping[str, Any]) -> Plot:
             panels = tuple(_read_panel(panel) for panel in description["panels"])
             if not panels:
                 raise InputError(f"plot '{name}' has no panels")
-            return TimePlot(name, title, panels)
+            x, x_unit = (str(description.get(key) or "") for key in ("x", "x_unit"))
+            return TimePlot(name, title, panels, x, x_unit)
         if kind == "path":
             return PathPlot(
                 name,

@@ -88,7 +88,9 @@ class Result:
     channels
         Names of the channels in the order of the model.
     time
-        Times of the samples, shape (n_times,) [s].
+        Times of the samples, shape (n_times,) [s]; their numbers where ``is_timed`` is false.
+    is_timed
+        Whether the samples were taken in time.
     """
 
     def __init__(self, path: Path, file: h5py.File, *, closed: bool) -> None:
@@ -105,6 +107,7 @@ class Result:
             self.status_message = str(file.attrs["status_message"])
             self.channels = tuple(str(name) for name in file.attrs["channels"])
             self.time = np.asarray(file["time"][()], dtype=float)
+            self.is_timed = str(file["time"].attrs.get("units", "s")) == "s"
             self._check_lengths(closed)
         if self.status not in STATUSES:
             raise InputError(f"{path}: status '{self.status}' is unknown; the file is damaged")
@@ -122,9 +125,13 @@ class Result:
         verb = self.status
         if self.status == "running":
             verb = "still running" if is_being_written(self.path.resolve()) else "broken off"
-        end = f" at t = {self.time[-1]:.6g} s" if len(self.time) else " before the first sample"
+        end = f" at {self.place(self.time[-1])}" if len(self.time) else " before the first sample"
         reason = f": {self.status_message}" if self.status_message else ""
         return f"partial: {verb}{end}{reason}"
+
+    def place(self, time: float) -> str:
+        """Return where a sample lies, in words: its time, or its number if it has no time."""
+        return f"t = {time:.6g} s" if self.is_timed else f"sample {time:.0f}"
 
     def channel(self, name: str) -> Series:
         """Return a channel.

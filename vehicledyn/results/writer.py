@@ -36,12 +36,6 @@ FLUSH_INTERVAL = 0.5  # s of wall time
 Floats = NDArray[np.float64]
 
 
-class _Time(NamedTuple):
-    name: str = "time"
-    unit: str = "s"
-    description: str = "Time"
-
-
 class _Block(NamedTuple):
     times: Floats
     channels: Floats
@@ -203,7 +197,7 @@ class ResultWriter:
         header: ResultHeader,
     ) -> None:
         sections.write_header(file, header)
-        self._time = sections.create_column(file, _Time(), self._chunk, None)
+        self._time = sections.create_column(file, header.axis, self._chunk, None)
         self._channels = []
         for channel in channels:
             dataset = sections.create_column(file, channel, self._chunk, self._time)
