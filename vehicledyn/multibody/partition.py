@@ -124,6 +124,14 @@ def choose(
     return Choice(first, work.partition(jacobian, structure, range(len(jacobian)), groups))
 
 
+def best_pairs(jacobian: Array, may: Sequence[int], *, holonomic: int) -> list[tuple[int, int]]:
+    """Return the (row, column) pairs that :func:`choose` finds where all may be chosen."""
+    work, candidates = _Elimination(jacobian), list(may)
+    work.eliminate(list(range(holonomic)), candidates)
+    work.eliminate(list(range(holonomic, len(jacobian))), candidates)
+    return work.pairs
+
+
 class _Elimination:
     """Gaussian elimination with full pivoting, which remembers how rows were combined."""
 
@@ -132,7 +140,7 @@ class _Elimination:
         self._work = jacobian.copy()
         self._combined = np.eye(len(jacobian))
         self._open = list(range(len(jacobian)))
-        self._pairs: list[tuple[int, int]] = []
+        self.pairs: list[tuple[int, int]] = []
         self._pivots: list[float] = []
 
     def eliminate(self, rows: list[int], candidates: list[int]) -> None:
@@ -146,7 +154,7 @@ class _Elimination:
             row, column = rows.pop(int(i)), candidates.pop(int(j))
             self._open.remove(row)
             self._pivots.append(float(block[i, j]))
-            self._pairs.append((row, column))
+            self.pairs.append((row, column))
             others = np.array(self._open, dtype=int)
             others = others[self._work[others, column] != 0.0]
             factors = (self._work[others, column] / self._work[row, column])[:, None]
@@ -161,13 +169,13 @@ class _Elimination:
         free: Sequence[Sequence[int]],
     ) -> Partition:
         """Return what has been found, with the rows among these that were left over."""
-        blocks = _blocks(jacobian, structure, self._pairs)
-        moving = {*(c for group in free for c in group), *(c for _, c in self._pairs)}
+        blocks = _blocks(jacobian, structure, self.pairs)
+        moving = {*(c for group in free for c in group), *(c for _, c in self.pairs)}
         left = tuple(self._redundancy(row, moving) for row in rows if row in self._open)
         weakest = int(np.argmin(self._pivots)) if self._pivots else -1
         if weakest < 0:
             return Partition(tuple(blocks), left, 1.0)
-        return Partition(tuple(blocks), left, self._pivots[weakest], self._pairs[weakest][1])
+        return Partition(tuple(blocks), left, self._pivots[weakest], self.pairs[weakest][1])
 
     def _redundancy(self, row: int, free: set[int]) -> Redundancy:
         weights = {

@@ -42,7 +42,6 @@ class PartitionWatch:
         """Watch the constraints of some joints."""
         self._joints = joints
         self._gaps = gaps
-        self._structure = gaps.structure
         self._rows: dict[tuple[int, ...], list[int]] = {}
 
     @staticmethod
@@ -62,7 +61,8 @@ class PartitionWatch:
         """Return the determinant by which the constraints determine the dependent rates."""
         names, jacobian, _ = self._at(time, values)
         columns = [names.index(name) for name in dependent]
-        return float(np.linalg.det(jacobian[np.ix_(self._kept(jacobian, columns), columns)]))
+        rows = self._kept(jacobian, columns)
+        return float(np.linalg.det(jacobian[np.ix_(rows, columns)])) if rows else 0.0
 
     def compare(self, time: float, values: dict[str, float], dependent: list[str]) -> Comparison:
         """Compare the partition with these dependent rates with the best one.
@@ -77,15 +77,15 @@ class PartitionWatch:
             Names of the coordinates whose rates are dependent.
         """
         names, jacobian, moving = self._at(time, values)
-        chosen = partition.choose(
-            jacobian, self._structure, [], moving, names, holonomic=self._gaps.holonomic
-        )
+        pairs = partition.best_pairs(jacobian, moving, holonomic=self._gaps.holonomic)
+        columns = [column for _, column in pairs]
+        self._rows.setdefault(tuple(columns), [row for row, _ in pairs])
         now = self._leverages(jacobian, [names.index(n) for n in dependent], moving)
-        best = self._leverages(jacobian, chosen.rates.columns, moving)
+        best = self._leverages(jacobian, columns, moving)
         return Comparison(
             float(now.max(initial=0.0)),
             float(best.max(initial=0.0)),
-            tuple(names[c] for c in sorted(chosen.rates.columns)),
+            tuple(names[c] for c in sorted(columns)),
             dependent[int(np.argmax(now))] if now.size else "",
         )
 
@@ -100,7 +100,10 @@ class PartitionWatch:
         others = [k for k in moving if k not in set(columns)]
         if not columns or not others:
             return np.zeros(len(columns))
-        kept = jacobian[self._kept(jacobian, columns)]
+        rows = self._kept(jacobian, columns)
+        if not rows:
+            return np.full(len(columns), np.inf)
+        kept = jacobian[rows]
         try:
             found = np.linalg.solve(kept[:, columns], -kept[:, others])
         except np.linalg.LinAlgError:
@@ -108,14 +111,16 @@ class PartitionWatch:
         return np.asarray(np.abs(found).max(axis=1))
 
     def _kept(self, jacobian: Array, columns: list[int]) -> list[int]:
-        """Return the rows that determine some columns, chosen when first asked for."""
+        """Return the rows that determine some columns, chosen when first asked for.
+
+        None are returned where the columns are not determined at all.
+        """
         key = tuple(columns)
         if key not in self._rows:
-            names = [j.name for j in self._joints]
-            chosen = partition.choose(
-                jacobian, self._structure, columns, [], names, holonomic=self._gaps.holonomic
-            )
-            self._rows[key] = [row for row, _ in chosen.rates.pairs]
+            pairs = partition.best_pairs(jacobian, columns, holonomic=self._gaps.holonomic)
+            if len(pairs) < len(columns):
+                return []
+            self._rows[key] = [row for row, _ in pairs]
         return self._rows[key]
 
 

@@ -8,11 +8,11 @@ from vehicledyn.run import prepare as module
 
 
 def test_ctrl_c_while_deriving_is_not_swallowed(monkeypatch):
-    def derive(_system):
+    def solve_motion(_system):
         with contextlib.suppress(KeyboardInterrupt):  # as CasADi's operators do
             signal.raise_signal(signal.SIGINT)
 
     monkeypatch.setattr(module, "build_subject", lambda _target: SimpleNamespace(system=None))
-    monkeypatch.setattr(module, "derive", derive)
+    monkeypatch.setattr(module, "solve_motion", solve_motion)
     with pytest.raises(KeyboardInterrupt):
         module.prepare(None, backend="interpreted", progress=lambda *_: None)
