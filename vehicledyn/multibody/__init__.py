@@ -38,6 +38,7 @@ if TYPE_CHECKING:
     from vehicledyn.multibody.cuts import BallCut, BodyCut, RodCut
     from vehicledyn.multibody.derivation import derive
     from vehicledyn.multibody.drives import ConstantRate, TimeLaw
+    from vehicledyn.multibody.force_sensors import ConstraintForceSensor, ReactionSensor
     from vehicledyn.multibody.links import Attachment, GuidedLink, Link
     from vehicledyn.multibody.parts import BasePart, Loads, Motion, Output, PartEvent, Wrench
     from vehicledyn.multibody.rolling import RollingWheel
@@ -57,6 +58,7 @@ __all__ = [
     "BodyCut",
     "BodySensor",
     "ConstantRate",
+    "ConstraintForceSensor",
     "GuidedLink",
     "Joint",
     "LinearConstraint",
@@ -67,6 +69,7 @@ __all__ = [
     "ParameterTable",
     "PartEvent",
     "RateConstraint",
+    "ReactionSensor",
     "RodCut",
     "RollingWheel",
     "SequenceSensor",
@@ -94,6 +97,7 @@ _HOMES = {
     "multibody.cuts": ("BallCut", "BodyCut", "RodCut"),
     "multibody.derivation": ("derive",),
     "multibody.drives": ("ConstantRate", "TimeLaw"),
+    "multibody.force_sensors": ("ConstraintForceSensor", "ReactionSensor"),
     "multibody.links": ("Attachment", "GuidedLink", "Link"),
     "multibody.parts": ("BasePart", "Loads", "Motion", "Output", "PartEvent", "Wrench"),
     "multibody.sensors": ("Accelerometer", "BodySensor", "SequenceSensor"),

@@ -209,6 +209,7 @@ def _structure(system: System, symbols: Symbols, loops: Loops, roles: Roles) -> 
         ],
         "redundant": [loops.constraints[row].cut for row in partition.redundant],
         "redundancies": loops.redundancies,
+        "undetermined": [loops.constraints[row].label for row in sorted(loops.undetermined)],
         "parts": [part.name for part in system.parts],
         "degrees_of_freedom": len(roles.independent),
     }

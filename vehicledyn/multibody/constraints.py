@@ -10,7 +10,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Protocol
 
-from vehicledyn.multibody.cuts import Residual
+from vehicledyn.multibody.cuts import Proportional, Residual
 from vehicledyn.multibody.kinematics import Kinematics
 from vehicledyn.symbolic import ops
 from vehicledyn.symbolic.ops import Mat, Scalar, Vec
@@ -90,13 +90,14 @@ class LinearConstraint(BaseConstraint):
 
     The first coordinate is best given the factor 1: the multiplier is then the force [N] or
     torque [N m] that the relation puts on it; ``force_unit`` says which. The others get
-    their factor times as much.
+    their factor times as much; ``more`` are channels that say so.
     """
 
     terms: tuple[tuple[str, Scalar], ...]
     offset: Scalar = 0.0
     unit: str = "rad"
     force_unit: str = "N*m"
+    more: tuple[Proportional, ...] = ()
 
     def residuals(self, geometry: Geometry) -> list[Residual]:
         """Return the sum less the offset."""
@@ -105,7 +106,7 @@ class LinearConstraint(BaseConstraint):
             total = total + factor * geometry.coordinate(coordinate)
         word = "torque" if self.force_unit == "N*m" else "force"
         text = f"{word.capitalize()} of the transmission on '{self.terms[0][0]}'"
-        return [Residual(ops.scalar(total), self.unit, word, self.force_unit, text)]
+        return [Residual(ops.scalar(total), self.unit, word, self.force_unit, text, more=self.more)]
 
 
 @dataclass(frozen=True)
@@ -113,16 +114,17 @@ class UserConstraint(BaseConstraint):
     """Any holonomic constraint h(q, t) = 0, written as a function of geometry and time.
 
     ``law`` returns one scalar or several, at least once differentiable twice. The multiplier
-    of each is its generalised force λ: the constraint acts with λ ∂h/∂q.
+    of each is its generalised force λ, in J a ``unit`` of h: the constraint acts with λ ∂h/∂q.
     """
 
     law: Callable[[Geometry], Scalar | Sequence[Scalar]]
     unit: str = "m"
     force_unit: str = "N"
+    meaning: str = "Multiplier λ of the constraint, which acts with λ ∂h/∂q"
 
     def residuals(self, geometry: Geometry) -> list[Residual]:
         """Return what the function gives."""
-        return _numbered(self.law(geometry), self.unit, self.force_unit)
+        return _numbered(self.law(geometry), self.unit, self.force_unit, self.meaning)
 
 
 @dataclass(frozen=True)
@@ -137,20 +139,23 @@ class RateConstraint(BaseConstraint):
     law: Callable[[Movement], Scalar | Sequence[Scalar]]
     unit: str = "m/s"
     force_unit: str = "N"
+    meaning: str = "Multiplier λ of the constraint B q̇ + b = 0, which acts with λ B"
 
     def speeds(self, movement: Movement) -> list[Residual]:
         """Return what the function gives."""
-        return _numbered(self.law(movement), self.unit, self.force_unit)
+        return _numbered(self.law(movement), self.unit, self.force_unit, self.meaning)
 
 
-def _numbered(given: Scalar | Sequence[Scalar], unit: str, force_unit: str) -> list[Residual]:
+def _numbered(
+    given: Scalar | Sequence[Scalar], unit: str, force_unit: str, meaning: str
+) -> list[Residual]:
     """Return residuals named multiplier, or multiplier_1, multiplier_2 ... of several."""
     items = list(given) if isinstance(given, list | tuple) else _entries(ops.scalar(given))
     names = (
         ["multiplier"] if len(items) == 1 else [f"multiplier_{k + 1}" for k in range(len(items))]
     )
     return [
-        Residual(ops.scalar(item), unit, name, force_unit, "Multiplier of the constraint")
+        Residual(ops.scalar(item), unit, name, force_unit, meaning)
         for item, name in zip(items, names, strict=True)
     ]
 

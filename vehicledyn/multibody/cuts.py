@@ -17,10 +17,21 @@ _AXES = ("x", "y", "z")
 
 
 @dataclass(frozen=True)
+class Proportional:
+    """A force that is a multiple of a multiplier: its channel, unit, factor and meaning."""
+
+    channel: str
+    unit: str
+    factor: Scalar
+    description: str
+
+
+@dataclass(frozen=True)
 class Residual:
     """One scalar of a constraint: zero when closed.
 
-    ``force_channel`` names the multiplier's channel, ``sign`` turns the multiplier into it.
+    ``force_channel`` names the multiplier's channel, ``sign`` turns the multiplier into it;
+    ``more`` are further forces that are multiples of the multiplier.
     """
 
     expression: Scalar
@@ -29,6 +40,7 @@ class Residual:
     force_unit: str
     force_description: str
     sign: float = 1.0
+    more: tuple[Proportional, ...] = ()
 
 
 class RelativeGeometry(Protocol):

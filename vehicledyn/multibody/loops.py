@@ -18,6 +18,7 @@ from vehicledyn.multibody.configuration import (
 from vehicledyn.multibody.gaps import Gaps, Row, rows_of_system
 from vehicledyn.multibody.partition import Partition
 from vehicledyn.multibody.parts import Motion
+from vehicledyn.multibody.redundancy import SelfStress, self_stresses
 from vehicledyn.multibody.system import System
 from vehicledyn.multibody.tree import Tree
 from vehicledyn.multibody.unknowns import Symbols, locked
@@ -40,7 +41,8 @@ class Loops:
 
     ``positions`` is the partition of the coordinates; that of the rates stands in the closure.
     ``start`` holds the assembled value of every coordinate. Coordinates are indexed like
-    ``Symbols.joints``, rows like ``constraints``.
+    ``Symbols.joints``, rows like ``constraints``. ``stresses`` tells which multipliers are not
+    unique; it is empty where no constraint is redundant.
     """
 
     constraints: list[Row]
@@ -49,6 +51,7 @@ class Loops:
     start: dict[str, float]
     gaps: Gaps
     redundancies: list[dict[str, object]]
+    stresses: tuple[SelfStress, ...] = ()
 
     @property
     def dependent(self) -> list[int]:
@@ -60,6 +63,11 @@ class Loops:
         """Indices of the coordinates that are free while their rates are dependent."""
         known = set(self.dependent)
         return [c for c in self.closure.partition.columns if c not in known]
+
+    @property
+    def undetermined(self) -> set[int]:
+        """Rows whose multipliers are not unique, as redundant constraints share their load."""
+        return {row for stress in self.stresses for row in stress.rows}
 
 
 def close(
@@ -99,6 +107,7 @@ def close(
         refuse_singular(place, q, chosen)
         refuse_contradictions(place, q, chosen)
     warn_weak(place, chosen)
+    stresses = self_stresses(place, q) if chosen.rates.redundancies else ()
     found = gaps.differentiate()
     return Loops(
         gaps.rows,
@@ -107,6 +116,7 @@ def close(
         {j.name: float(value) for j, value in zip(symbols.joints, q, strict=True)},
         gaps,
         [explain(system, place, item) for item in chosen.rates.redundancies],
+        stresses,
     )
 
 

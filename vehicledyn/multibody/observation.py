@@ -11,6 +11,7 @@ from vehicledyn.multibody.dynamics import inverse_dynamics
 from vehicledyn.multibody.kinematics import Kinematics
 from vehicledyn.multibody.loops import Loops
 from vehicledyn.multibody.parts import Loads, Output, Situation, Wrench
+from vehicledyn.multibody.reactions import TransmittedForces
 from vehicledyn.multibody.system import System
 from vehicledyn.multibody.unknowns import Symbols, locked
 from vehicledyn.symbolic import ops
@@ -52,12 +53,22 @@ def observe(
         *_constraint_errors(symbols, loops, solved),
         *_energies(system, solved, drive, _driven_power(loops, multipliers)),
     ]
+    forces = TransmittedForces(
+        system,
+        symbols,
+        loops,
+        kinematics=solved.kinematics,
+        wrenches=solved.wrenches,
+        multipliers=multipliers,
+    )
     for part in system.parts:
         situation = Situation(
             symbols.time,
             symbols.states[part.name],
             symbols.unknowns[part.name],
             solved.kinematics,
+            symbols.states,
+            forces,
         )
         outputs.extend(part.outputs(situation))
     return [Output(o.channel, ops.scalar(o.expression)) for o in outputs]
@@ -93,14 +104,19 @@ def _part_states(system: System, symbols: Symbols) -> list[Output]:
 
 
 def _cut_forces(loops: Loops, multipliers: dict[int, Scalar]) -> list[Output]:
-    """Return the multipliers as forces; those of redundant constraints are undetermined."""
+    """Return the multipliers as forces, but those that redundant constraints leave undetermined."""
     outputs = []
+    vague = loops.undetermined
     for row, constraint in enumerate(loops.constraints):
-        if row not in multipliers:
+        if row not in multipliers or row in vague:
             continue
         r = constraint.residual
         channel = Channel(constraint.label, r.force_unit, r.force_description, constraint.frame)
         outputs.append(Output(channel, r.sign * multipliers[row]))
+        for other in r.more:
+            name = f"{constraint.cut}.{other.channel}"
+            channel = Channel(name, other.unit, other.description, constraint.frame)
+            outputs.append(Output(channel, other.factor * multipliers[row]))
     return outputs
 
 

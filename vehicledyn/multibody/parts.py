@@ -8,11 +8,14 @@ equations. Nothing configures a part from outside.
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Protocol
+from typing import TYPE_CHECKING, Protocol
 
 from vehicledyn.multibody.kinematics import Kinematics
 from vehicledyn.symbolic.equations import Channel, Direction, Variable
 from vehicledyn.symbolic.ops import Scalar, Vec
+
+if TYPE_CHECKING:
+    from vehicledyn.multibody.reactions import TransmittedForces
 
 
 @dataclass(frozen=True)
@@ -45,12 +48,18 @@ class Clock:
 
 @dataclass(frozen=True)
 class Situation:
-    """What a part sees: time, its own states and unknowns by short name, and the kinematics."""
+    """What a part sees: time, its own states and unknowns by short name, and the kinematics.
+
+    ``all_states`` are those of all parts, by the part's name and short name. ``forces`` of joints
+    and constraints are known to outputs only.
+    """
 
     time: Scalar
     states: dict[str, Scalar]
     unknowns: dict[str, Scalar]
     kinematics: Kinematics
+    all_states: dict[str, dict[str, Scalar]] = field(default_factory=dict)
+    forces: TransmittedForces | None = None
 
 
 @dataclass(frozen=True)

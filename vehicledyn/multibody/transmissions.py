@@ -8,6 +8,7 @@ from __future__ import annotations
 import math
 
 from vehicledyn.multibody.constraints import LinearConstraint
+from vehicledyn.multibody.cuts import Proportional
 from vehicledyn.symbolic.ops import Scalar
 
 
@@ -32,7 +33,7 @@ def screw(
     Samin, Fisette (2003), chapter 4.2.1 (helicoidal joint).
     """
     terms = ((sliding, 1.0), (turning, -pitch / (2.0 * math.pi)))
-    return LinearConstraint(name, terms, offset, "m", "N")
+    return LinearConstraint(name, terms, offset, "m", "N", (_torque(turning, terms[1][1]),))
 
 
 def gears(
@@ -64,7 +65,8 @@ def gears(
     ----------
     Samin, Fisette (2003), chapter 4.2.4.
     """
-    return LinearConstraint(name, ((driven, 1.0), (driving, ratio)), offset)
+    terms = ((driven, 1.0), (driving, ratio))
+    return LinearConstraint(name, terms, offset, more=(_torque(driving, ratio, "driving_torque"),))
 
 
 def belt(
@@ -97,8 +99,15 @@ def belt(
     Samin, Fisette (2003), chapter 4.2.3.
     """
     ratio = driving_radius / driven_radius
-    terms = ((driven, 1.0), (driving, ratio if crossed else -ratio))
-    return LinearConstraint(name, terms, offset)
+    factor = ratio if crossed else -ratio
+    tension = Proportional(
+        "tension_difference",
+        "N",
+        1.0 / driven_radius,
+        f"Tension of the strand that pulls '{driven}' forward, less that of the other strand",
+    )
+    more = (_torque(driving, factor, "driving_torque"), tension)
+    return LinearConstraint(name, ((driven, 1.0), (driving, factor)), offset, more=more)
 
 
 def rack(
@@ -117,4 +126,10 @@ def rack(
     offset
         x where φ is zero [m].
     """
-    return LinearConstraint(name, ((sliding, 1.0), (turning, -radius)), offset, "m", "N")
+    more = (_torque(turning, -radius),)
+    return LinearConstraint(name, ((sliding, 1.0), (turning, -radius)), offset, "m", "N", more)
+
+
+def _torque(coordinate: str, factor: Scalar, channel: str = "torque") -> Proportional:
+    text = f"Torque of the transmission on '{coordinate}'"
+    return Proportional(channel, "N*m", factor, text)

@@ -44,6 +44,7 @@ class ModelReport:
             *_listed("driven coordinates", s["driven"]),
             *_listed("loops, in the order of solution", [", ".join(c) for c in s["loops"]], "; "),
             *_listed("redundant constraints", s["redundant"]),
+            *_listed("forces of constraints that are not unique", s["undetermined"]),
             *_listed("parts", s["parts"]),
             f"operations ({self.kernel})",
             *(f"  {name:12} {count}" for name, count in self.report.operations.items()),
