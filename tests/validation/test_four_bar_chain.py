@@ -1,0 +1,66 @@
+"""The chain of four-bar linkages in YAML, through its singular configurations, in few steps."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+
+import vehicledyn.catalogue  # noqa: F401
+from vehicledyn.run.prepare import prepare, start_point
+from vehicledyn.run.watched import simulate_watched
+from vehicledyn.scenario import load_scenario
+
+SCENARIO = Path(__file__).parents[2] / "scenarios" / "systems" / "four_bar_chain.yaml"
+LINKAGES = 20
+# What is asked of B0, the top of the first upright, at all samples of the 4 s [m].
+POSITION = 1e-4
+# Right-hand sides outside of the passages: four a step, fewer than the 200 steps of 4 s.
+EVALUATIONS = 400
+
+pytestmark = pytest.mark.validation
+
+
+def pendulum(times):
+    """Angle of the uprights, which stay parallel: one pendulum of inertia I and moment K."""
+    inertia = (LINKAGES + 1) / 3 + LINKAGES
+    moment = 9.81 * ((LINKAGES + 1) / 2 + LINKAGES)
+
+    def rates(time, x):
+        return [x[1], -moment / inertia * np.cos(x[0])]
+
+    start = [0.5 * np.pi, -1.0]
+    found = solve_ivp(
+        rates, (0.0, times[-1]), start, "DOP853", t_eval=times, rtol=1e-12, atol=1e-12
+    )
+    return found.y[0]
+
+
+def test_chain_in_steps_of_20_ms():
+    loaded = load_scenario(SCENARIO)
+    s, samples = loaded.scenario, []
+    prepared = prepare(loaded, backend="auto", progress=lambda *_: None)
+    start = start_point(prepared, 0.0, s.start)
+    statistics = simulate_watched(
+        prepared.subject.system,
+        prepared.kernel,
+        s.solver,
+        start=0.0,
+        stop=s.duration,
+        state=start.state,
+        unknowns=start.unknowns,
+        interval=s.output.interval,
+        sink=lambda *parts: samples.append(parts),
+        progress=lambda *_: None,
+        happened=lambda *_: None,
+        watch=prepared.watch,
+    )
+    times = np.concatenate([part[0] for part in samples])
+    outputs = np.concatenate([part[3] for part in samples])
+    names = [channel.name for channel in prepared.equations.channels]
+    x, z = (outputs[:, names.index(name)] for name in ("b0.x", "b0.z"))
+    angle = pendulum(times)
+    assert times == pytest.approx(np.arange(201) * 0.02)
+    assert np.hypot(x - np.cos(angle), z - np.sin(angle)).max() < POSITION
+    assert outputs[:, names.index("constraints.position_error")].max() < 1e-12
+    assert statistics.evaluations <= EVALUATIONS
