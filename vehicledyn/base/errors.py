@@ -10,9 +10,15 @@ class VehicledynError(Exception):
     """Base of every error this package raises on purpose.
 
     Its text is shown to the user as it is, so it says what is wrong, where and what next.
+    ``about`` names the parts and coordinates in question, so that their place in a file can be
+    told.
     """
 
     exit_code = 2
+
+    def __init__(self, text: str = "", *, about: Iterable[str] = ()) -> None:
+        super().__init__(text)
+        self.about = tuple(about)
 
 
 class InputError(VehicledynError):
@@ -52,4 +58,4 @@ def unknown_name(what: str, name: str, known: Iterable[str]) -> str:
     names = sorted(known)
     guess = nearest_name(name, names)
     hint = f"did you mean '{guess}'? " if guess else ""
-    return f"no {what} named '{name}'; {hint}Known: {', '.join(names)}"
+    return f"no {what} named '{name}'; {hint}Known: {', '.join(names) or 'none'}"

@@ -17,6 +17,14 @@ _ASIDE = 1e-3
 """Step away from a start where the residuals are not finite [m, rad]."""
 
 
+class NotAssembledError(NumericalError):
+    """The loops stay open: ``point`` is the best fit, ``gap`` the residuals that remain there."""
+
+    def __init__(self, text: str, point: Array, gap: Array) -> None:
+        super().__init__(text)
+        self.point, self.gap = point, gap
+
+
 def assemble(
     residual: Callable[[Array], Array],
     jacobian: Callable[[Array], Array],
@@ -39,8 +47,10 @@ def assemble(
 
     Raises
     ------
-    NumericalError
+    NotAssembledError
         If the loops cannot be closed; the message names the cut and the gap that remains.
+    NumericalError
+        If the residuals at the start are no finite numbers.
     """
     q = _away_from_poles(residual, jacobian, start)
     h = residual(q)
@@ -96,7 +106,9 @@ def _accept_or_raise(q: Array, h: Array, names: Sequence[str]) -> Array:
         open_cuts[name] = max(open_cuts.get(name, 0.0), float(size))
     worst = sorted(open_cuts.items(), key=lambda item: -item[1])[:4]
     listed = ", ".join(f"'{name}' by {size:.3g} m" for name, size in worst)
-    raise NumericalError(
+    raise NotAssembledError(
         f"the loops cannot be assembled: {listed} stay open after the best fit; "
-        "check the hardpoints and lengths of these parts"
+        "check the hardpoints and lengths of these parts",
+        q,
+        h,
     )

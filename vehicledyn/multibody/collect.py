@@ -209,6 +209,10 @@ def _structure(system: System, symbols: Symbols, loops: Loops, roles: Roles) -> 
         ],
         "redundant": [loops.constraints[row].cut for row in partition.redundant],
         "redundancies": loops.redundancies,
+        "rigid_loops": [
+            {"constraints": list(r.constraints), "coordinates": list(r.coordinates)}
+            for r in loops.rigid
+        ],
         "undetermined": [loops.constraints[row].label for row in sorted(loops.undetermined)],
         "parts": [part.name for part in system.parts],
         "degrees_of_freedom": len(roles.independent),

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import logging
 from dataclasses import dataclass, replace
+
+import numpy as np
 
 from vehicledyn.base.errors import InputError
 from vehicledyn.multibody.barycentric import augmented_inertias
@@ -14,6 +17,7 @@ from vehicledyn.multibody.kinematics import Kinematics
 from vehicledyn.multibody.loops import Loops, Moment, close
 from vehicledyn.multibody.observation import Solved
 from vehicledyn.multibody.parts import Loads, Motion, Part, Situation
+from vehicledyn.multibody.resistance import Resistance, refuse_idle
 from vehicledyn.multibody.segmentation import solve_loops
 from vehicledyn.multibody.system import System
 from vehicledyn.multibody.tree import Tree, unfold
@@ -21,6 +25,8 @@ from vehicledyn.multibody.unknowns import Symbols, declare, motions
 from vehicledyn.symbolic import ops
 from vehicledyn.symbolic.equations import Equations
 from vehicledyn.symbolic.ops import Scalar
+
+_log = logging.getLogger(__name__)
 
 
 def derive(
@@ -30,7 +36,8 @@ def derive(
 
     M(q) q̈ + c(q, q̇, loads) = Jᵀ λ of the tree, reduced to the independent coordinates by the
     partitioned constraints (book, chapters 3.3 and 4.5.1). The order of states, unknowns and
-    residuals is told in :func:`~vehicledyn.multibody.collect.collect`.
+    residuals is told in :func:`~vehicledyn.multibody.collect.collect`. The log tells of loops
+    without freedom: frames whose forces are found, but that cannot move.
 
     Parameters
     ----------
@@ -52,11 +59,15 @@ def derive(
     ------
     InputError
         If the system is not well formed, a body has an impossible mass or inertia, a part
-        drives or loads what it cannot, or the assembled configuration is singular.
+        drives or loads what it cannot, the assembled configuration or the mass matrix is
+        singular, or constraints contradict each other.
     NumericalError
         If its loops cannot be assembled.
     """
-    return equations_of(solve_motion(system, formulation, moment))
+    derivation = solve_motion(system, formulation, moment)
+    for loop in derivation.loops.rigid:
+        _log.warning("%s", loop)
+    return equations_of(derivation)
 
 
 @dataclass(frozen=True)
@@ -88,6 +99,10 @@ def solve_motion(
     moved = motions(system, symbols)
     loops = close(system, tree, symbols, moved, moment)
     roles = roles_of(symbols, loops)
+    if moment is None:
+        resistance = Resistance(system, tree, symbols, loops.closure, roles.independent)
+        start = np.array([loops.start[j.name] for j in symbols.joints])
+        refuse_idle(system, resistance.anywhere(0.0, start))
     motion = _motion(system, tree, symbols, roles, loops.closure)
     solved = _dynamics(system, symbols, roles, loops.closure, motion, formulation=formulation)
     return Derivation(system, tree, symbols, moved, loops, roles, solved)

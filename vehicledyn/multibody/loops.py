@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
+from vehicledyn.multibody.assembly import NotAssembledError
 from vehicledyn.multibody.closure import Closure
 from vehicledyn.multibody.configuration import (
     Place,
@@ -15,6 +16,7 @@ from vehicledyn.multibody.configuration import (
     refuse_singular,
     warn_weak,
 )
+from vehicledyn.multibody.contradictions import RigidLoop, rigid_loops, why_open
 from vehicledyn.multibody.gaps import Gaps, Row, rows_of_system
 from vehicledyn.multibody.partition import Partition
 from vehicledyn.multibody.parts import Motion
@@ -42,7 +44,7 @@ class Loops:
     ``positions`` is the partition of the coordinates; that of the rates stands in the closure.
     ``start`` holds the assembled value of every coordinate. Coordinates are indexed like
     ``Symbols.joints``, rows like ``constraints``. ``stresses`` tells which multipliers are not
-    unique; it is empty where no constraint is redundant.
+    unique; it is empty where no constraint is redundant. ``rigid`` are loops without freedom.
     """
 
     constraints: list[Row]
@@ -52,6 +54,7 @@ class Loops:
     gaps: Gaps
     redundancies: list[dict[str, object]]
     stresses: tuple[SelfStress, ...] = ()
+    rigid: tuple[RigidLoop, ...] = ()
 
     @property
     def dependent(self) -> list[int]:
@@ -94,14 +97,18 @@ def close(
         If the loops cannot be assembled; the message names the cuts that stay open.
     InputError
         If a coordinate declared dependent is not determined by the loops, the assembled
-        configuration is singular, or a constraint contradicts what is declared to move.
+        configuration is singular, or constraints contradict each other or what is declared to
+        move.
     """
     when = moment or Moment()
     gaps = Gaps(system, symbols, rows_of_system(system, tree, symbols))
     given = start_values(system, symbols, motion, when)
     still = locked(system, symbols)
     place = Place(symbols.joints, gaps, when.time, still)
-    q = place.assembled(given)
+    try:
+        q = place.assembled(given)
+    except NotAssembledError as error:
+        raise why_open(system, place, given, error) from None
     chosen = place.chosen(q)
     if chosen.rates.redundancies:
         refuse_singular(place, q, chosen)
@@ -117,6 +124,7 @@ def close(
         gaps,
         [explain(system, place, item) for item in chosen.rates.redundancies],
         stresses,
+        rigid_loops(system, place, q),
     )
 
 
