@@ -81,6 +81,7 @@ class Derivation:
     loops: Loops
     roles: Roles
     solved: Solved
+    resistance: Resistance
 
 
 def solve_motion(
@@ -99,13 +100,13 @@ def solve_motion(
     moved = motions(system, symbols)
     loops = close(system, tree, symbols, moved, moment)
     roles = roles_of(symbols, loops)
+    resistance = Resistance(system, tree, symbols, loops.closure, roles.independent)
     if moment is None:
-        resistance = Resistance(system, tree, symbols, loops.closure, roles.independent)
         start = np.array([loops.start[j.name] for j in symbols.joints])
         refuse_idle(system, resistance.anywhere(0.0, start))
     motion = _motion(system, tree, symbols, roles, loops.closure)
     solved = _dynamics(system, symbols, roles, loops.closure, motion, formulation=formulation)
-    return Derivation(system, tree, symbols, moved, loops, roles, solved)
+    return Derivation(system, tree, symbols, moved, loops, roles, solved, resistance)
 
 
 def equations_of(derivation: Derivation) -> Equations:

@@ -58,7 +58,7 @@ class Resistance:
         self, system: System, tree: Tree, symbols: Symbols, closure: Closure, free: Sequence[int]
     ) -> None:
         """Take kinematics and constraints; ``free`` are the independent coordinates."""
-        self._links, self._joints, self._free = tree.links, symbols.joints, list(free)
+        self._links, self.joints, self._free = tree.links, symbols.joints, list(free)
         entries = system.table.entries
         self._values = np.array([entry.value for entry in entries])
         inputs = [symbols.time, symbols.coordinate_column, ops.column([e.symbol for e in entries])]
@@ -111,7 +111,7 @@ class Resistance:
         largest = float(np.abs(vector).max())
         return Idle(
             {
-                self._joints[k].name: float(x / largest)
+                self.joints[k].name: float(x / largest)
                 for k, x in zip(self._free, vector, strict=True)
                 if abs(x) > _SHOWN * largest
             }
@@ -120,7 +120,7 @@ class Resistance:
     def _inertial(self, time: float, q: Array, values: Array) -> Array:
         """Return A: what each rate gives the bodies, times the roots of their inertia."""
         origins, rotations, columns = self._moved(time, q, values)
-        blocks = [np.zeros((1, len(self._joints)))]
+        blocks = [np.zeros((1, len(self.joints)))]
         masses = self._masses(time, q, values).reshape(-1, 13)
         for link, numbers in zip(self._body_links, masses, strict=True):
             turning, sliding = columns[link]
@@ -141,7 +141,7 @@ class Resistance:
         origins: list[Array] = []
         rotations: list[Array] = []
         columns: list[tuple[Array, Array]] = []
-        none = np.zeros((3, len(self._joints)))
+        none = np.zeros((3, len(self.joints)))
         for item, numbers in zip(self._links, frames, strict=True):
             first = item.parent < 0
             base = np.eye(3) if first else rotations[item.parent]

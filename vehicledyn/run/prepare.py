@@ -12,8 +12,10 @@ from numpy.typing import NDArray
 from vehicledyn.base.errors import InputError
 from vehicledyn.base.signals import undisturbed
 from vehicledyn.multibody.derivation import equations_of, solve_motion
+from vehicledyn.multibody.resistance import Resistance
 from vehicledyn.multibody.watch import PartitionWatch
 from vehicledyn.road.vehicle import RoadVehicle
+from vehicledyn.run.places import told_with_places
 from vehicledyn.run.road_subject import RoadSubject
 from vehicledyn.run.start_rates import start_rates
 from vehicledyn.run.subject import Subject, index_of
@@ -40,6 +42,7 @@ class Prepared:
     equations: Equations
     kernel: Kernel
     watch: PartitionWatch
+    resistance: Resistance
     _derivatives: list[Derivatives] = field(default_factory=list)
 
     @property
@@ -79,13 +82,13 @@ class Point:
 def prepare(target: Target, *, backend: Backend, progress: Progress) -> Prepared:
     """Return the derived and compiled system of a scenario or model."""
     progress("deriving the equations of motion", None)
-    with undisturbed():
+    with undisturbed(), told_with_places(target):
         subject = build_subject(target)
         derivation = solve_motion(subject.system)
         equations = equations_of(derivation)
     watch = PartitionWatch(derivation.symbols.joints, derivation.loops.gaps)
     kernel = compile_kernel(equations, backend=backend, progress=progress)
-    return Prepared(subject, equations, kernel, watch)
+    return Prepared(subject, equations, kernel, watch, derivation.resistance)
 
 
 def start_point(prepared: Prepared, speed: float, kind: Start | None) -> Point:

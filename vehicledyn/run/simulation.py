@@ -20,7 +20,9 @@ from vehicledyn.results.layout import EventRecord, ResultHeader, SummaryEntry
 from vehicledyn.results.output import check_folder, check_output
 from vehicledyn.results.plots import draw_plots
 from vehicledyn.results.writer import ResultWriter
+from vehicledyn.run.places import told_with_places
 from vehicledyn.run.prepare import Point, Prepared, Progress, prepare, start_point
+from vehicledyn.run.resisted import hardly_resisted, refuse_idle_start, refuse_rigid_loops
 from vehicledyn.run.watched import simulate_watched
 from vehicledyn.scenario import LoadedScenario
 from vehicledyn.solve.kernel import Backend
@@ -89,11 +91,15 @@ def run_scenario(
     if plots is not None:
         check_folder(plots)
     prepared = prepare(loaded, backend=backend, progress=progress)
+    with told_with_places(loaded):
+        refuse_rigid_loops(prepared)
     kept = _kept_channels(loaded, prepared)
     described = _plots(loaded, prepared, kept)
     progress("finding the point to start from", None)
     s = loaded.scenario
-    start = start_point(prepared, s.speed or 0.0, s.start)
+    with told_with_places(loaded):
+        start = start_point(prepared, s.speed or 0.0, s.start)
+        refuse_idle_start(prepared, 0.0, start.state, start.unknowns)
     check = getattr(s.solver, "check", None)  # only methods that cannot treat every model
     if check is not None:
         check(prepared.equations)
@@ -135,6 +141,7 @@ class _Run:
     events: list[EventRecord] = field(default_factory=list)
     _times: list[Matrix] = field(default_factory=list)
     _values: list[Matrix] = field(default_factory=list)
+    _last: tuple[float, Matrix, Matrix] | None = None
 
     def simulate(self, start: Point, output: Path, progress: Progress) -> None:
         """Integrate and write the result; an error or Ctrl-C closes the file as partial."""
@@ -158,7 +165,8 @@ class _Run:
                     watch=self.prepared.watch,
                 )
             except NumericalError as error:
-                self.status, self.exit_code, message = "failed", EXIT_FAILED, str(error)
+                self.status, self.exit_code = "failed", EXIT_FAILED
+                message = "; ".join(filter(None, (str(error), self._cause())))
             except KeyboardInterrupt:
                 self.status, self.exit_code = "interrupted", EXIT_INTERRUPTED
                 message = f"stopped by the user at t = {self._end():g} s"
@@ -204,6 +212,7 @@ class _Run:
         self._times.append(t.copy())
         self._values.append(y[:, self.needed].copy())
         self.samples += len(t)
+        self._last = (float(t[-1]), x[-1].copy(), z[-1].copy())
         writer.append(t, y[:, self.kept], np.hstack([x, z]))
 
     def _summarise(self) -> None:
@@ -214,6 +223,10 @@ class _Run:
         columns = {name: values[:, k] for k, name in enumerate(names)}
         recording = Recording(np.concatenate(self._times), columns)
         self.summary = self.prepared.subject.summarise(recording)
+
+    def _cause(self) -> str:
+        """Return what the last sample tells of the cause of a failure, if anything."""
+        return "" if self._last is None else hardly_resisted(self.prepared, *self._last)
 
     def _end(self) -> float:
         return float(self._times[-1][-1]) if self._times else 0.0

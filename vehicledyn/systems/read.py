@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -27,7 +27,8 @@ from vehicledyn.systems.sets import Sections, SystemFile
 class SystemModel:
     """A system file that may be built.
 
-    ``file`` has its repetition and mirror images carried out and its bodies parents first.
+    ``file`` has its repetition and mirror images carried out and its bodies parents first;
+    ``places`` are the lines of coordinates, parts and bodies by name, without a message.
     """
 
     path: Path
@@ -35,6 +36,7 @@ class SystemModel:
     file: SystemFile
     parameters: Parameters
     coordinates: dict[str, Coordinate]
+    places: dict[str, Problem] = field(default_factory=dict)
 
     @property
     def name(self) -> str:
@@ -91,7 +93,8 @@ def read_system(
     if reading.problems or file is None:
         return None, _once(reading.problems)
     coordinates = _coordinates(file)
-    return SystemModel(path, document.text, file, reading.parameters, coordinates), []
+    places = reading.places(file)
+    return SystemModel(path, document.text, file, reading.parameters, coordinates, places), []
 
 
 class _Reading:
@@ -122,6 +125,22 @@ class _Reading:
         known = self.changes.before if changed else self.parameters
         self._tell(check(flat, _coordinates(flat), known))
         return _parents_first(flat)
+
+    def places(self, file: SystemFile) -> dict[str, Problem]:
+        """Return where coordinates, parts and bodies stand, in this order of precedence."""
+        found: dict[str, Place] = {}
+        for name, body in file.bodies.items():
+            for number, joint in enumerate(body.joints):
+                for coordinate in joint.coordinates(name):
+                    found.setdefault(coordinate.name, ("bodies", name, "joints", number))
+        sections = [s for s in Sections.model_fields if s not in ("bodies", "initial")]
+        for section in (*sections, "bodies"):
+            for name in getattr(file, section):
+                found.setdefault(name, (section, name))
+        return {
+            name: self.own.problem(self.expansion.place(place), "", at_key=True)
+            for name, place in found.items()
+        }
 
     def _flat(self, file: SystemFile) -> SystemFile:
         """Return the file with its groups and their mirror images in its sections."""
