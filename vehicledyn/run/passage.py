@@ -10,12 +10,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from vehicledyn.base.errors import NumericalError
+from vehicledyn.solve.dop853 import Start, Trial, first_size, next_size, try_step
 from vehicledyn.solve.engine import Ledger
 from vehicledyn.solve.kernel import Kernel
 
@@ -55,9 +55,9 @@ class Passage:
         names = [c.name for c in kernel.equations.channels]
         moving = [f"{u.name}_rate" for u in kernel.equations.unknowns]
         self._rate_of = [names.index(name) if name in names else -1 for name in moving]
-        self.time, self._y = begin.time, np.concatenate([begin.state, begin.unknowns])
-        self._steps: list[Any] = []
+        self._steps: list[Trial] = []
         self._tolerance = TOLERANCE
+        self._move(begin.time, np.concatenate([begin.state, begin.unknowns]))
 
     def go(self, *, crossing: Sequence[int], until: float) -> float:
         """Integrate to behind the point where the blocks ``crossing`` become singular.
@@ -92,39 +92,42 @@ class Passage:
 
     def advance(self, stop: float) -> None:
         """Integrate to a time [s] with steps of any size."""
-        solver = self._solver(self.time, stop, None)
-        while solver.status == "running":
-            solver.step()
-            if solver.status == "failed":
-                raise NumericalError(f"the step size became too small at t = {solver.t:.9g} s")
-            self._steps.append(solver.dense_output())
-        self.time, self._y = stop, self._corrected(stop, solver.y)
+        here, refused = self._here, False
+        size = first_size(self._rates, here, stop - here.time, self._tolerance)
+        while here.time < stop:
+            if size < 10.0 * np.spacing(here.time):
+                raise NumericalError(f"the step size became too small at t = {here.time:.9g} s")
+            trial = try_step(self._rates, here, min(here.time + size, stop), self._tolerance)
+            size = next_size(trial, refused=refused)
+            refused = not trial.error < 1.0
+            if not refused:
+                self._steps.append(trial)
+                here = trial.end
+        self._go_on_from(here)
 
     def sample(self, time: float) -> Sample:
         """Return a sample at a time that has been passed, from the dense output."""
         y = self._y
         if time < self.time:
-            dense = next(d for d in self._steps if d.t_old <= time <= d.t)
-            y = dense(time)
+            step = next(s for s in self._steps if s.begin.time <= time <= s.end.time)
+            y = step.state(time)
         state = np.ascontiguousarray(y[: self._n])
-        unknowns = self._kernel.count_solve(time, state, y[self._n :], self._ledger)
+        unknowns = self._solve(time, y)
         return Sample(time, state, unknowns, self._kernel.outputs(time, state, unknowns))
 
-    def _jump(self, step: float) -> bool:
+    def _jump(self, size: float) -> bool:
         """Take one step of exactly this size; return whether its error is small enough."""
-        stop = self.time + step
-        solver = self._solver(self.time, stop, stop - self.time)
-        solver.step()
-        if solver.status != "finished":
+        trial = try_step(self._rates, self._here, self.time + size, self._tolerance)
+        if not trial.error < 1.0:
             return False
-        self._steps.append(solver.dense_output())
-        self.time, self._y = stop, self._corrected(stop, solver.y)
+        self._steps.append(trial)
+        self._go_on_from(trial.end)
         return True
 
     def _time_to(self, crossing: Sequence[int]) -> float:
         """Return the time until the first of some blocks becomes singular [s], linearly."""
         here = self._pivots(self.time, self._y)[list(crossing)]
-        ahead = self._y + _PROBE * self._rates(self.time, self._y)
+        ahead = self._y + _PROBE * self._here.rate
         slope = (self._pivots(self.time + _PROBE, ahead)[list(crossing)] - here) / _PROBE
         waits = np.divide(-here, slope, out=np.full(here.size, -1.0), where=slope != 0.0)
         coming = waits[waits > 0.0]
@@ -132,12 +135,6 @@ class Passage:
 
     def _pivots(self, time: float, y: Vector) -> Vector:
         return self._kernel.pivots([time], y[None, : self._n], y[None, self._n :]).ravel()
-
-    def _solver(self, begin: float, stop: float, first: float | None) -> Any:
-        from scipy.integrate import DOP853
-
-        options = {"rtol": self._tolerance, "atol": self._tolerance, "first_step": first}
-        return DOP853(self._rates, begin, self._y, stop, **options)
 
     def _rates(self, time: float, y: Vector) -> Vector:
         """Return the rates of states and unknowns; not a number where a loop cannot close."""
@@ -150,7 +147,16 @@ class Passage:
         moving = [outputs[k] if k >= 0 else 0.0 for k in self._rate_of]
         return np.concatenate([rates, moving])
 
-    def _corrected(self, time: float, y: Vector) -> Vector:
+    def _go_on_from(self, point: Start) -> None:
+        """Be at the end of a step, with the unknowns solved there."""
+        state = np.ascontiguousarray(point.state[: self._n])
+        unknowns = self._solve(point.time, point.state)
+        self._move(point.time, np.concatenate([state, unknowns]))
+
+    def _move(self, time: float, y: Vector) -> None:
+        self.time, self._y = time, y
+        self._here = Start(time, y, self._rates(time, y))
+
+    def _solve(self, time: float, y: Vector) -> Vector:
         state = np.ascontiguousarray(y[: self._n])
-        unknowns = self._kernel.count_solve(time, state, y[self._n :], self._ledger)
-        return np.concatenate([state, unknowns])
+        return self._kernel.count_solve(time, state, y[self._n :], self._ledger)

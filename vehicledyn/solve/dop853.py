@@ -1,0 +1,126 @@
+"""The explicit pair DOP853 step by step: trial steps, their error and their dense output.
+
+Hairer, Nørsett, Wanner (1993), Solving Ordinary Differential Equations I, sections II.4 to II.6.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import TypeAlias
+
+import numpy as np
+
+from vehicledyn.solve.dop853_table import ALL_STAGES, DENSE, FIFTH, NODES, STAGES, THIRD, WEIGHTS
+from vehicledyn.solve.engine import Vector
+
+Rates: TypeAlias = Callable[[float, Vector], Vector]
+"""Rates of the states at a time [s]; not a number where there are none."""
+
+_ORDER = 8
+_SAFETY, _SMALLEST, _LARGEST = 0.9, 0.2, 10.0
+
+
+@dataclass(frozen=True)
+class Start:
+    """A point to start from: time [s], states and their rates there."""
+
+    time: float
+    state: Vector
+    rate: Vector
+
+
+@dataclass
+class Trial:
+    """A step that has been tried; ``error`` above one is more than the tolerance allows."""
+
+    begin: Start
+    end: Start
+    error: float
+    stages: Vector
+    rates: Rates
+    _terms: list[Vector] = field(default_factory=list)
+
+    @property
+    def size(self) -> float:
+        """Step size [s]."""
+        return self.end.time - self.begin.time
+
+    def state(self, time: float) -> Vector:
+        """Return the states at a time inside the step, interpolated with order 7."""
+        if not self._terms:
+            self._terms = self._interpolate()
+        part = (time - self.begin.time) / self.size
+        value = np.zeros_like(self.begin.state)
+        for k, term in enumerate(reversed(self._terms)):
+            value = (value + term) * (part if k % 2 == 0 else 1.0 - part)
+        return value + self.begin.state
+
+    def _interpolate(self) -> list[Vector]:
+        """Return the terms of the interpolation; it takes three more evaluations."""
+        h, change = self.size, self.end.state - self.begin.state
+        for k in range(STAGES + 1, ALL_STAGES):
+            _fill_stage(self.rates, self.begin, h, self.stages, k)
+        first = h * self.begin.rate - change
+        second = 2.0 * change - h * (self.end.rate + self.begin.rate)
+        return [change, first, second, *(h * (DENSE @ self.stages))]
+
+
+def try_step(rates: Rates, begin: Start, stop: float, tolerance: float) -> Trial:
+    """Take one step up to a time [s] and estimate its error.
+
+    ``tolerance`` is that of the local error, relative to the states and absolute.
+    """
+    size = stop - begin.time
+    stages = np.empty((ALL_STAGES, begin.state.size))
+    stages[0] = begin.rate
+    for k in range(1, STAGES):
+        _fill_stage(rates, begin, size, stages, k)
+    state = begin.state + size * (WEIGHTS[STAGES, :STAGES] @ stages[:STAGES])
+    end = Start(stop, state, rates(stop, state))
+    stages[STAGES] = end.rate
+    scale = tolerance * (1.0 + np.maximum(np.abs(begin.state), np.abs(state)))
+    return Trial(begin, end, _error(stages[: STAGES + 1], size, scale), stages, rates)
+
+
+def next_size(trial: Trial, *, refused: bool) -> float:
+    """Return the size of the step to try next [s]; ``refused`` if one was since the last good."""
+    if not trial.error < 1.0:
+        factor = math.pow(trial.error, -1.0 / _ORDER) if math.isfinite(trial.error) else 0.0
+        return trial.size * max(_SMALLEST, _SAFETY * factor)
+    most = 1.0 if refused else _LARGEST
+    if trial.error == 0.0:
+        return trial.size * most
+    return trial.size * min(most, _SAFETY * math.pow(trial.error, -1.0 / _ORDER))
+
+
+def first_size(rates: Rates, begin: Start, longest: float, tolerance: float) -> float:
+    """Return a size of the first step [s], from the change of the rates along a short way."""
+    scale = tolerance * (1.0 + np.abs(begin.state))
+    state, rate = _mean_norm(begin.state / scale), _mean_norm(begin.rate / scale)
+    short = min(1e-6 if min(state, rate) < 1e-5 else 0.01 * state / rate, longest)
+    ahead = rates(begin.time + short, begin.state + short * begin.rate)
+    bend = _mean_norm((ahead - begin.rate) / scale) / short
+    if max(rate, bend) <= 1e-15:
+        guess = max(1e-6, 1e-3 * short)
+    else:
+        guess = math.pow(0.01 / max(rate, bend), 1.0 / _ORDER)
+    return min(100.0 * short, guess, longest) if math.isfinite(guess) else short
+
+
+def _fill_stage(rates: Rates, begin: Start, size: float, stages: Vector, k: int) -> None:
+    state = begin.state + size * (WEIGHTS[k, :k] @ stages[:k])
+    stages[k] = rates(begin.time + NODES[k] * size, state)
+
+
+def _error(stages: Vector, size: float, scale: Vector) -> float:
+    fifth = float(np.linalg.norm((FIFTH @ stages) / scale) ** 2)
+    third = float(np.linalg.norm((THIRD @ stages) / scale) ** 2)
+    if fifth == 0.0 and third == 0.0:
+        return 0.0
+    return abs(size) * fifth / math.sqrt((fifth + 0.01 * third) * scale.size)
+
+
+def _mean_norm(values: Vector) -> float:
+    return float(np.linalg.norm(values)) / math.sqrt(values.size)
