@@ -32,6 +32,25 @@ class JointWrench:
         torque = rotation @ other.torque + ops.cross(arm, force)
         return JointWrench(self.force + force, self.torque + torque)
 
+    def added_to(self, other: JointWrench) -> JointWrench:
+        """Return the sum with a wrench at the same origin and in the same axes."""
+        return JointWrench(self.force + other.force, self.torque + other.torque)
+
+    def times(self, factor: Scalar) -> JointWrench:
+        """Return a multiple of the wrench."""
+        return JointWrench(factor * self.force, factor * self.torque)
+
+    def in_parent(self, kinematics: Kinematics, link: int) -> JointWrench:
+        """Return the wrench of a link at the origin and in the axes of its parent."""
+        nothing = JointWrench(ops.vector(0.0, 0.0, 0.0), ops.vector(0.0, 0.0, 0.0))
+        return nothing.plus(self, kinematics.link_rotation(link), kinematics.link_arm(link))
+
+    def along(self, kinematics: Kinematics, link: int) -> Scalar:
+        """Return its share on the coordinate of a link that has a joint [N or N m]."""
+        joint = kinematics.tree.links[link].joint
+        turns = joint is not None and joint.is_rotation
+        return ops.dot(kinematics.link_axis(link), self.torque if turns else self.force)
+
 
 def inverse_dynamics(
     kinematics: Kinematics,
@@ -72,8 +91,7 @@ def inverse_dynamics(
         carried[link] = total
         children[item.parent].append(link)
         if item.joint is not None:
-            along = total.torque if item.joint.is_rotation else total.force
-            forces[item.joint.name] = ops.dot(kinematics.link_axis(link), along)
+            forces[item.joint.name] = total.along(kinematics, link)
     return forces, carried
 
 
@@ -157,7 +175,7 @@ def mass_matrix(
             )
             composite[item.parent] = composite[item.parent] + moved
         if item.joint is not None and item.joint.name in names:
-            column, _ = unit_column(kinematics, link, composite[link], names)
+            column = unit_column(kinematics, link, composite[link], names)
             for other, value in column.items():
                 entries[item.joint.name, other] = value
                 entries[other, item.joint.name] = value
@@ -165,9 +183,9 @@ def mass_matrix(
 
 
 def unit_column(
-    kinematics: Kinematics, link: int, composite: Inertia, names: set[str], stop: int = -1
-) -> tuple[dict[str, Scalar], JointWrench]:
-    """Return what a unit acceleration of one link's coordinate needs, passed down.
+    kinematics: Kinematics, link: int, composite: Inertia, names: set[str]
+) -> dict[str, Scalar]:
+    """Return the forces on the named coordinates that a unit acceleration of one needs.
 
     Parameters
     ----------
@@ -178,31 +196,24 @@ def unit_column(
     composite
         Inertia of the link with all beyond it, about the link's origin.
     names
-        Coordinates whose forces are asked for.
-    stop
-        The link before which the wrench stops, -1 for the ground.
-
-    Returns
-    -------
-    tuple
-        Forces on the named coordinates from the link down to ``stop``, and the wrench there,
-        at its origin and in its axes.
+        Coordinates whose forces are asked for; those from the link down to the ground have one.
     """
     links = kinematics.tree.links
-    joint, axis = links[link].joint, kinematics.link_axis(link)
-    if joint is not None and joint.is_rotation:
-        force, torque = ops.cross(axis, composite.moment), composite.matrix @ axis
-    else:
-        force, torque = composite.mass * axis, ops.cross(composite.moment, axis)
+    wrench = unit_wrench(kinematics, link, composite)
     found: dict[str, Scalar] = {}
     below = link
-    while below != stop:
-        other = links[below].joint
-        if other is not None and other.name in names:
-            along = torque if other.is_rotation else force
-            found[other.name] = ops.dot(kinematics.link_axis(below), along)
-        rotation, arm = kinematics.link_rotation(below), kinematics.link_arm(below)
-        force = rotation @ force
-        torque = rotation @ torque + ops.cross(arm, force)
+    while below >= 0:
+        joint = links[below].joint
+        if joint is not None and joint.name in names:
+            found[joint.name] = wrench.along(kinematics, below)
+        wrench = wrench.in_parent(kinematics, below)
         below = links[below].parent
-    return found, JointWrench(force, torque)
+    return found
+
+
+def unit_wrench(kinematics: Kinematics, link: int, composite: Inertia) -> JointWrench:
+    """Return what a unit acceleration of a link's coordinate needs, at its origin and axes."""
+    joint, axis = kinematics.tree.links[link].joint, kinematics.link_axis(link)
+    if joint is not None and joint.is_rotation:
+        return JointWrench(ops.cross(axis, composite.moment), composite.matrix @ axis)
+    return JointWrench(composite.mass * axis, ops.cross(composite.moment, axis))

@@ -12,11 +12,12 @@ supply.
 
 from __future__ import annotations
 
+from collections import defaultdict
 from dataclasses import dataclass
 
 from vehicledyn.multibody import inertia
 from vehicledyn.multibody.articulated import ArticulatedInertia
-from vehicledyn.multibody.dynamics import JointWrench, unit_column
+from vehicledyn.multibody.dynamics import JointWrench, unit_wrench
 from vehicledyn.multibody.forward import TreeProblem
 from vehicledyn.symbolic import ops, rotations
 from vehicledyn.symbolic.elimination import Condensed, Rows, condense_symmetric
@@ -24,6 +25,9 @@ from vehicledyn.symbolic.ops import Scalar, Vec
 
 Influence = dict[str, dict[str, Scalar]]
 """B of q̇_u = B q̇_v: for each dependent coordinate {independent: entry}."""
+
+Columns = dict[int, JointWrench]
+"""What a unit acceleration of each independent coordinate, by place, needs of a link."""
 
 _SIX = 6
 _BLOCKS = ((0, 0), (0, 3), (3, 3))
@@ -97,21 +101,24 @@ def condense(
     names = [name for name in independent if name in free]
     bordered = _Bordered.of(names, {name: influence[name] for name in free - set(names)})
     zero = ops.vector(0.0, 0.0, 0.0)
+    columns: dict[int, Columns] = defaultdict(dict)
     composite = {root: inertia.nothing(), **{k: problem.inertias[k] for k in links}}
     lacking = {root: JointWrench(zero, zero), **{k: needed[k] for k in links}}
     for link in reversed(links):
-        item, name, wrench = items[link], names_of.get(link), lacking[link]
-        if item.joint is not None and name in free:
-            along = wrench.torque if item.joint.is_rotation else wrench.force
-            force = ops.dot(kinematics.link_axis(link), along)
-            entries, column = unit_column(kinematics, link, composite[link], free, stop=root)
-            bordered.enter(item.joint.name, entries, column)
-            bordered.push(item.joint.name, force - problem.joint_forces.get(name, 0.0))
+        item, name, wrench, mine = items[link], names_of.get(link), lacking[link], columns[link]
+        if name in free:
+            unit = unit_wrench(kinematics, link, composite[link])
+            beyond = {place: column.along(kinematics, link) for place, column in mine.items()}
+            bordered.enter(name, beyond, unit.along(kinematics, link))
+            _add_to(mine, {k: unit.times(entry) for k, entry in bordered.spread[name].items()})
+            force = wrench.along(kinematics, link) - problem.joint_forces.get(name, 0.0)
+            bordered.push(name, force)
+        _add_to(columns[item.parent], {k: v.in_parent(kinematics, link) for k, v in mine.items()})
         rotation, arm = kinematics.link_rotation(link), kinematics.link_arm(link)
         moved = composite[link].in_parent(rotation, arm)
         composite[item.parent] = composite[item.parent] + moved
         lacking[item.parent] = lacking[item.parent].plus(wrench, rotation, arm)
-    bordered.carry(ArticulatedInertia.of(composite[root]), lacking[root])
+    bordered.carry(ArticulatedInertia.of(composite[root]), lacking[root], columns[root])
     n = len(names)
     return Segment(names, condense_symmetric(bordered.rows, bordered.side, range(n, n + _SIX)))
 
@@ -137,29 +144,31 @@ class _Bordered:
         size = len(names) + _SIX
         return cls(spread, [{} for _ in range(size)], [ops.scalar(0.0)] * size)
 
-    def enter(self, name: str, entries: dict[str, Scalar], column: JointWrench) -> None:
-        """Add the column of one coordinate: forces on it and others, and the carrier's wrench."""
-        mine, n = self.spread[name], len(self.rows) - _SIX
-        for other, value in entries.items():
-            for i, left in mine.items():
-                for j, right in self.spread[other].items():
-                    product = left * (value * right)
-                    self._add(i, j, product)
-                    if other != name:
-                        self._add(j, i, product)
-        for k, value in enumerate(_six(column)):
-            for i, left in mine.items():
-                self._add(i, n + k, left * value)
-                self._add(n + k, i, left * value)
+    def enter(self, name: str, beyond: dict[int, Scalar], own: Scalar) -> None:
+        """Add to TᵀMT what one coordinate brings.
+
+        ``beyond`` is the force on it that the coordinates beyond need for a unit acceleration
+        of each independent one, ``own`` what a unit acceleration of the coordinate needs.
+        """
+        for i, left in self.spread[name].items():
+            for j, force in beyond.items():
+                self._add(i, j, left * force)
+                self._add(j, i, left * force)
+            for j, right in self.spread[name].items():
+                self._add(i, j, left * (own * right))
 
     def push(self, name: str, force: Scalar) -> None:
         """Add the force that a coordinate lacks."""
         for k, entry in self.spread[name].items():
             self.side[k] = self.side[k] - entry * force
 
-    def carry(self, rigid: ArticulatedInertia, wrench: JointWrench) -> None:
-        """Add what the carrier feels with all coordinates at rest."""
+    def carry(self, rigid: ArticulatedInertia, wrench: JointWrench, columns: Columns) -> None:
+        """Add what the carrier feels: of each independent coordinate, and with all at rest."""
         n = len(self.rows) - _SIX
+        for i, column in columns.items():
+            for k, value in enumerate(_six(column)):
+                self._add(i, n + k, value)
+                self._add(n + k, i, value)
         for i in range(3):
             for j in range(3):
                 self._add(n + i, n + j, rigid.linear[i, j])
@@ -172,6 +181,11 @@ class _Bordered:
     def _add(self, i: int, j: int, value: Scalar) -> None:
         if not value.is_zero():
             self.rows[i][j] = self.rows[i].get(j, 0.0) + value
+
+
+def _add_to(columns: Columns, more: Columns) -> None:
+    for place, wrench in more.items():
+        columns[place] = columns[place].added_to(wrench) if place in columns else wrench
 
 
 def _six(wrench: JointWrench) -> list[Scalar]:
