@@ -65,6 +65,17 @@ def speed_in_si(text: str) -> float:
     return speed
 
 
+def frequency_in_hz(option: str, text: str) -> float:
+    """Return a frequency such as "2" or "1.5 Hz" in Hz."""
+    try:
+        frequency = to_si(text, "Hz")
+    except InputError as error:
+        raise InputError(f"{option} {text}: {error}") from None
+    if not 0.0 < frequency < float("inf"):
+        raise InputError(f"{option} {text}: must be above zero")
+    return frequency
+
+
 def tolerance_of_channels(texts: list[str]) -> dict[str, float]:
     """Return the tolerances that options ``PATTERN=VALUE`` give."""
     tolerances = {}

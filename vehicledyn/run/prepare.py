@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Literal
 
 import numpy as np
@@ -52,6 +52,10 @@ class Prepared:
             self._derivatives.append(Derivatives(self.equations))
         return self._derivatives[0]
 
+    def with_derivatives(self, derivatives: Derivatives) -> Prepared:
+        """Return the same with Jacobians that were made before."""
+        return replace(self, _derivatives=[derivatives])
+
     @property
     def vehicle(self) -> RoadVehicle:
         """The road vehicle.
@@ -79,11 +83,19 @@ class Point:
     residual: float = 0.0
 
 
-def prepare(target: Target, *, backend: Backend, progress: Progress) -> Prepared:
-    """Return the derived and compiled system of a scenario or model."""
+def prepare(
+    target: Target,
+    *,
+    backend: Backend,
+    progress: Progress,
+    change: Callable[[Subject], Subject] | None = None,
+) -> Prepared:
+    """Return the derived and compiled system of a scenario or model, changed if that is asked."""
     progress("deriving the equations of motion", None)
     with undisturbed(), told_with_places(target):
         subject = build_subject(target)
+        if change is not None:
+            subject = change(subject)
         derivation = solve_motion(subject.system)
         equations = equations_of(derivation)
     watch = PartitionWatch(derivation.symbols.joints, derivation.loops.gaps)
@@ -101,6 +113,19 @@ def start_point(prepared: Prepared, speed: float, kind: Start | None) -> Point:
     if chosen == "nominal":
         return nominal_point(prepared, speed)
     return equilibrium_point(prepared, speed, "static" if chosen == "static" else "steady")
+
+
+def reference_point(
+    prepared: Prepared, speed: float, start: Start | None, *, is_system: bool
+) -> Point:
+    """Return the point to linearise about.
+
+    A vehicle runs straight at a steady speed, or stands; of a system it is the start that its
+    scenario names, else the equilibrium.
+    """
+    if is_system:
+        return start_point(prepared, speed, start or "static")
+    return equilibrium_point(prepared, speed, "steady" if speed > 0.0 else "static")
 
 
 def nominal_point(prepared: Prepared, speed: float) -> Point:

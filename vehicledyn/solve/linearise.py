@@ -15,16 +15,20 @@ from vehicledyn.symbolic.equations import Equations
 
 @dataclass(frozen=True)
 class Linearisation:
-    """Small motions about a point: d(δx)/dt = A δx, δy = C δx.
+    """Small motions about a point: d(δx)/dt = A δx + B δp, δy = C δx + D δp.
 
     ``matrix`` A (n_states, n_states) and ``output_matrix`` C (n_channels, n_states), with the
-    names of their rows.
+    names of their rows; ``input_matrix`` B and ``feedthrough`` D by the parameters that the
+    derivatives were made for, and ``unknowns_by_input`` dz/dp (n_unknowns, n_chosen).
     """
 
     matrix: Vector
     names: tuple[str, ...]
     output_matrix: Vector
     channels: tuple[str, ...]
+    input_matrix: Vector
+    feedthrough: Vector
+    unknowns_by_input: Vector
 
 
 def linearise(
@@ -70,4 +74,7 @@ def linearise(
         names=tuple(item.name for item in equations.states),
         output_matrix=total.outputs,
         channels=tuple(channel.name for channel in equations.channels),
+        input_matrix=total.rates_by_parameter,
+        feedthrough=total.outputs_by_parameter,
+        unknowns_by_input=total.unknowns_by_parameter,
     )

@@ -62,6 +62,14 @@ class Staircase:
             vector = step.complement @ vector
         return vector / self.scale
 
+    def axes(self) -> Vector:
+        """Return orthonormal axes of the balanced matrix: those of the zeros, then the core's."""
+        outer, columns = np.eye(len(self.scale)), []
+        for step in self.steps:
+            columns.append(outer @ step.null)
+            outer = outer @ step.complement
+        return np.hstack([*columns, outer])
+
     def chains(self) -> tuple[Vector, list[int]]:
         """Return a basis of all w with Aᵏ w = 0, by columns, and the level k of each column."""
         columns, levels = [], []

@@ -1,0 +1,277 @@
+"""The verb "response": outputs of a linearised model to sines of its inputs."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from vehicledyn.base.errors import InputError
+from vehicledyn.base.units import shown
+from vehicledyn.multibody.system import System
+from vehicledyn.results.bode import bode_figures
+from vehicledyn.results.linear_file import Quantity
+from vehicledyn.results.output import check_folder, check_output
+from vehicledyn.results.pictures import save_figures
+from vehicledyn.results.response_table import ResponseTable, write_response
+from vehicledyn.run.excite import Excited
+from vehicledyn.run.frequency_grid import FrequencyGrid
+from vehicledyn.run.held_speed import held_speed_point
+from vehicledyn.run.inputs import InputPart, ModelInput, hint
+from vehicledyn.run.prepare import Point, Prepared, Progress, prepare
+from vehicledyn.run.response_report import ResponseReport
+from vehicledyn.run.subject import Subject
+from vehicledyn.run.vehicle import Target
+from vehicledyn.scenario import LoadedScenario
+from vehicledyn.solve.derivatives import Derivatives
+from vehicledyn.solve.key_figures import key_figures
+from vehicledyn.solve.linearise import Linearisation, linearise
+from vehicledyn.solve.modes import eigenmodes
+from vehicledyn.solve.transfer import InputTerm, TransferSystem
+from vehicledyn.symbolic import ops
+
+_MOVES = 1e-12
+_STEADY = 1e-6
+"""Acceleration above which the reference motion is called unsteady [m/s², rad/s²]."""
+
+_UNDAMPED = 1e-9
+
+
+@dataclass(frozen=True)
+class Linearised:
+    """A model with inputs, linearised about a reference motion at a speed [m/s]."""
+
+    prepared: Prepared
+    point: Point
+    linear: Linearisation
+    inputs: tuple[ModelInput, ...]
+    columns: dict[str, int]
+    speed: float
+
+
+def find_response(
+    target: Target,
+    *,
+    inputs: Sequence[str],
+    outputs: Sequence[str],
+    grid: FrequencyGrid,
+    at: Sequence[float] = (),
+    speed: float | None = None,
+    output: Path | None = None,
+    plots: Path | None = None,
+    progress: Progress,
+) -> ResponseReport:
+    """Return the frequency responses of outputs to inputs about a reference motion.
+
+    Parameters
+    ----------
+    target
+        A scenario or a model.
+    inputs
+        Names of inputs, see :meth:`~vehicledyn.run.excite.Excited.add`.
+    outputs
+        Names of channels.
+    grid
+        Frequencies.
+    at
+        Frequencies to tell magnitude and phase at [Hz].
+    speed
+        Forward speed [m/s]; None for the scenario's, or standstill.
+    output
+        Result file to write.
+    plots
+        Folder for the Bode figures.
+    progress
+        Told what is being done.
+
+    Raises
+    ------
+    InputError
+        If an input, output or frequency is not usable, or a file cannot be written.
+    NumericalError
+        If there is no such reference motion.
+    """
+    if output is not None:
+        check_output(output)
+    if plots is not None:
+        check_folder(plots)
+    model = linearise_with_inputs(target, inputs=inputs, speed=speed, progress=progress)
+    chosen = _rows(model.prepared, outputs)
+    progress("computing the response", None)
+    system = transfer_system(model, chosen)
+    channels = model.prepared.equations.channels
+    table = ResponseTable(
+        title=_title(target, model),
+        model=model.prepared.equations.name,
+        speed=model.speed,
+        frequency=grid.frequencies(),
+        inputs=tuple(Quantity(i.name, i.unit, i.description) for i in model.inputs),
+        outputs=tuple(
+            Quantity(channels[k].name, channels[k].unit, channels[k].description) for k in chosen
+        ),
+        response=system.response(grid.frequencies()),
+        static_gain=system.static_gain(),
+    )
+    report = _report(model, system, table, at)
+    if output is not None:
+        write_response(output, table)
+    if plots is not None:
+        progress("drawing", None)
+        save_figures(bode_figures(table), plots, ("png", "svg"))
+    return report
+
+
+def linearise_with_inputs(
+    target: Target, *, inputs: Sequence[str], speed: float | None, progress: Progress
+) -> Linearised:
+    """Return a model linearised about its reference motion, with derivatives by inputs."""
+    taken: list[Excited] = []
+
+    def excite(subject: Subject) -> Subject:
+        excited = Excited(subject)
+        for name in dict.fromkeys(inputs):
+            excited.add(name)
+        excited.add_thrust()
+        taken.append(excited)
+        return excited.subject
+
+    prepared = prepare(target, backend="interpreted", progress=progress, change=excite)
+    found = taken[0].inputs
+    names = list(dict.fromkeys(n for i in found for p in i.parts for n in p.parameters))
+    derivatives = Derivatives(prepared.equations, names)
+    prepared = prepared.with_derivatives(derivatives)
+    scenario = target.scenario if isinstance(target, LoadedScenario) else None
+    wanted = speed if speed is not None else (scenario.speed or 0.0 if scenario else 0.0)
+    progress("finding the reference motion", None)
+    point = held_speed_point(prepared, wanted, scenario.start if scenario else None)
+    linear = linearise(
+        prepared.equations,
+        prepared.kernel.parameters,
+        prepared.subject.balance_time,
+        point.state,
+        point.unknowns,
+        derivatives=derivatives,
+    )
+    columns = {name: k for k, name in enumerate(names)}
+    model = Linearised(prepared, point, linear, tuple(found), columns, wanted)
+    _check_parameters(model)
+    return model
+
+
+def transfer_system(model: Linearised, rows: Sequence[int]) -> TransferSystem:
+    """Return the transfer system of chosen channels."""
+    linear = model.linear
+    terms = tuple(tuple(_term(model, part, rows) for part in item.parts) for item in model.inputs)
+    return TransferSystem(linear.matrix, linear.output_matrix[list(rows)], terms)
+
+
+def _term(model: Linearised, part: InputPart, rows: Sequence[int]) -> InputTerm:
+    linear = model.linear
+    state = np.zeros((3, len(linear.names)))
+    output = np.zeros((3, len(rows)))
+    for power, name in enumerate(part.parameters):
+        column = model.columns[name]
+        state[power] = linear.input_matrix[:, column]
+        output[power] = linear.feedthrough[list(rows), column]
+    return InputTerm(state, output, _delay(model, part), _gain(model, part))
+
+
+def _gain(model: Linearised, part: InputPart) -> float:
+    """Return the value of a gain that parameters give."""
+    system: System = model.prepared.subject.system
+    symbols = ops.column([entry.symbol for entry in system.table.entries])
+    value = ops.numeric([symbols], ops.column([ops.scalar(part.gain)]))
+    return float(np.ravel(value(model.prepared.kernel.parameters))[0])
+
+
+def _delay(model: Linearised, part: InputPart) -> float:
+    """Return how much later than the foremost a wheel runs over a place of the road [s]."""
+    if not part.wheel:
+        return 0.0
+    if model.speed <= 0.0:
+        raise InputError("--input profile: a road is run over at a speed only; give --speed")
+    channels = {c.name: k for k, c in enumerate(model.prepared.equations.channels)}
+    values = model.prepared.kernel.outputs(
+        model.prepared.subject.balance_time, model.point.state, model.point.unknowns
+    )
+    wheels = {p.wheel for i in model.inputs for p in i.parts if p.wheel}
+    places = {wheel: values[channels[f"{wheel}.contact_x"]] for wheel in wheels}
+    return float(max(places.values()) - places[part.wheel]) / model.speed
+
+
+def _check_parameters(model: Linearised) -> None:
+    """Refuse parameters that close the loops elsewhere: the velocity of that would be missing."""
+    dependent = len(model.prepared.equations.structure.get("dependent", ()))
+    for item in model.inputs:
+        if item.is_parameter:
+            moved = model.linear.unknowns_by_input[
+                :dependent, model.columns[item.parts[0].parameters[0]]
+            ]
+            if np.abs(moved).max(initial=0.0) > _MOVES:
+                raise InputError(
+                    f"--input {item.name}: the parameter changes the loops, and their velocity "
+                    "would not follow; put a joint of role 'driven' there and move that"
+                )
+
+
+def _rows(prepared: Prepared, outputs: Sequence[str]) -> list[int]:
+    names = {channel.name: k for k, channel in enumerate(prepared.equations.channels)}
+    for name in outputs:
+        if name not in names:
+            raise InputError(f"--output {name}: there is no such channel{hint(name, list(names))}")
+    return [names[name] for name in dict.fromkeys(outputs)]
+
+
+def _title(target: Target, model: Linearised) -> str:
+    title = target.scenario.title if isinstance(target, LoadedScenario) else ""
+    return title or model.prepared.equations.name
+
+
+def _report(
+    model: Linearised, system: TransferSystem, table: ResponseTable, at: Sequence[float]
+) -> ResponseReport:
+    modes = eigenmodes(model.linear.matrix, model.linear.names)
+    turning = [m for m in modes if m.is_oscillation]
+    poles = [abs(m.eigenvalue.imag) / (2.0 * math.pi) for m in turning]
+    undamped = [m.frequency for m in turning if abs(m.damping_ratio) < _UNDAMPED]
+    figures = {}
+    for i in range(len(table.inputs)):
+        for k in range(len(table.outputs)):
+            part = TransferSystem(system.matrix, system.output[[k]], (_only(system.inputs[i], k),))
+
+            def magnitude(f: float, part: TransferSystem = part) -> float:
+                return float(np.abs(part.response(f))[0, 0, 0])
+
+            gain = float(table.static_gain[i, k])
+            figures[i, k] = key_figures(magnitude, table.frequency, gain, poles)
+    return ResponseReport(
+        table=table,
+        figures=figures,
+        at=tuple(at),
+        response_at=system.response(np.array(at)) if len(at) else np.zeros((0, 0, 0)),
+        growing=sum(m.eigenvalue.real > _STEADY for m in modes),
+        undamped=tuple(f for f in undamped if table.frequency[0] <= f <= table.frequency[-1]),
+        remark=_unsteady(model),
+    )
+
+
+def _only(terms: tuple[InputTerm, ...], row: int) -> tuple[InputTerm, ...]:
+    return tuple(InputTerm(t.state, t.output[:, [row]], t.delay, t.factor) for t in terms)
+
+
+def _unsteady(model: Linearised) -> str:
+    """Return a remark on a reference motion that accelerates."""
+    e, point = model.prepared.equations, model.point
+    time = model.prepared.subject.balance_time
+    rates = model.prepared.kernel.rates(time, point.state, point.unknowns)[list(e.velocities)]
+    if not rates.size or np.abs(rates).max() <= _STEADY:
+        return ""
+    worst = int(np.argmax(np.abs(rates)))
+    state = e.states[e.velocities[worst]]
+    return (
+        f"the reference motion is not steady: {state.name} changes by "
+        f"{shown(float(rates[worst]), f'{state.unit}/s')}"
+    )
