@@ -130,7 +130,9 @@ def derive_inverse(system: System, coordinates: Sequence[str] | None = None) -> 
         If a name is unknown, or the coordinates do not determine the motion, or are too many.
     """
     system.check()
-    independent = _independent(system)
+    independent, start = _assembled(system)
+    # Held at the given start, coordinates that the assembly has moved could not close the loops.
+    system = system.with_starts(start)
     chosen = tuple(coordinates or independent)
     joints = {joint.name: joint for joint in system.joints()}
     for name in chosen:
@@ -157,11 +159,11 @@ def derive_inverse(system: System, coordinates: Sequence[str] | None = None) -> 
     return InverseDynamics(equations, chosen)
 
 
-def _independent(system: System) -> list[str]:
-    """Return the coordinates that the partition leaves independent."""
+def _assembled(system: System) -> tuple[list[str], dict[str, float]]:
+    """Return the coordinates that the partition leaves independent, and all as assembled."""
     symbols = declare(system)
     loops = close(system, unfold(system), symbols, motions(system, symbols))
-    return [symbols.joints[k].name for k in roles_of(symbols, loops).independent]
+    return [symbols.joints[k].name for k in roles_of(symbols, loops).independent], loops.start
 
 
 def _driven(body: Body, names: set[str]) -> Body:
