@@ -10,7 +10,7 @@ from typer.core import TyperGroup
 
 import vehicledyn
 from vehicledyn.base.errors import InputError, StoppedError
-from vehicledyn.cli import analyses, exports, files
+from vehicledyn.cli import analyses, exports, files, linear, paths
 from vehicledyn.cli.options import (
     Backend,
     BackendChoice,
@@ -153,4 +153,6 @@ def doctor(as_json: Json = False) -> None:
 
 files.add_verbs(app)
 analyses.add_verbs(app)
+linear.add_verbs(app)
 exports.add_verbs(app)
+paths.add_verbs(app)

@@ -7,8 +7,9 @@ from typing import Any, Literal
 
 from pydantic import Field, ValidationInfo, field_validator
 
-from vehicledyn.base.errors import unknown_name
+from vehicledyn.base.errors import InputError, unknown_name
 from vehicledyn.base.parameters import ParameterSet, part, quantity, read_part
+from vehicledyn.base.ranges import read_range
 from vehicledyn.base.registry import kinds
 from vehicledyn.base.units import describe
 
@@ -30,6 +31,34 @@ class Output(ParameterSet):
     plots: tuple[str, ...] | None = Field(
         default=None, description="Figures to draw, by name; all of the run if left out"
     )
+
+
+class Kinematics(ParameterSet):
+    """What the verb "kinematics" drives, and through which values."""
+
+    drives: dict[str, str] = Field(
+        description="Values of each driven coordinate or sensor: one, or FROM:TO:STEPS, such as "
+        "-80 mm:80 mm:16"
+    )
+    together: bool = Field(
+        default=False, description="Move the drives at once instead of through all combinations"
+    )
+    hold: tuple[str, ...] = Field(default=(), description="Coordinates that stay at their start")
+    columns: tuple[str, ...] = Field(
+        default=(), description="Channels that the table shows, as shell patterns"
+    )
+
+    @field_validator("drives", mode="before")
+    @classmethod
+    def _ranges(cls, value: Any) -> Any:
+        if not isinstance(value, dict) or not value:
+            raise ValueError(f"expected drives by the names of channels, found {describe(value)}")
+        for name, text in value.items():
+            try:
+                read_range(str(text))
+            except InputError as error:
+                raise ValueError(f"{name}: {error}") from None
+        return {name: str(text) for name, text in value.items()}
 
 
 class Scenario(ParameterSet):
@@ -74,6 +103,9 @@ class Scenario(ParameterSet):
     duration: float = quantity("s", "Simulated time", gt=0)
     solver: ParameterSet = part("solver", "Integration method")
     output: Output = Field(description="What the result file keeps")
+    kinematics: Kinematics | None = Field(
+        default=None, description="What the verb 'kinematics' drives"
+    )
 
     @field_validator("parameters", "initial", mode="before")
     @classmethod

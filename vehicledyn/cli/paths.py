@@ -1,0 +1,84 @@
+"""Verbs that move a system along given paths: kinematics and inverse dynamics."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from vehicledyn.base.errors import InputError
+from vehicledyn.cli.analyses import read_target
+from vehicledyn.cli.options import Json, Overrides, Quiet, Target
+from vehicledyn.cli.terminal import emit, emit_report, show_progress, tell, to_json
+
+Plots = Annotated[
+    Path | None, typer.Option(help="Folder of the figures; the result's name with _plots.")
+]
+NoPlots = Annotated[bool, typer.Option("--no-plots", help="Draw nothing.")]
+
+
+def add_verbs(app: typer.Typer) -> None:
+    """Add the verbs of this module to the command line."""
+    app.command()(kinematics)
+
+
+def kinematics(
+    target: Target,
+    *,
+    drives: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--drive",
+            metavar="NAME=FROM:TO:STEPS",
+            help="Coordinate or sensor and its values, such as 'wheel.z=200 mm:400 mm:20', or one "
+            "value; may be repeated. Without it the scenario's section 'kinematics'.",
+        ),
+    ] = None,
+    together: Annotated[
+        bool,
+        typer.Option("--together", help="Move the drives at once, not through all combinations."),
+    ] = False,
+    hold: Annotated[
+        list[str] | None,
+        typer.Option(metavar="COORDINATE", help="Keep this coordinate at its start."),
+    ] = None,
+    columns: Annotated[
+        list[str] | None,
+        typer.Option("--channel", metavar="PATTERN", help="Show these channels in the table."),
+    ] = None,
+    overrides: Overrides = None,
+    output: Annotated[
+        Path | None, typer.Option("--output", "-o", help="Result file; NAME_kinematics.h5.")
+    ] = None,
+    plots: Plots = None,
+    no_plots: NoPlots = False,
+    as_json: Json = False,
+    quiet: Quiet = False,
+) -> None:
+    """Sweep the loops of a system along driven paths: positions, velocity ratios, singularities."""
+    ranges = dict(map(_drive, drives or []))
+    if len(ranges) != len(drives or []):
+        raise InputError("--drive: a channel is driven twice; name each once")
+    loaded = read_target(target, overrides)
+    from vehicledyn.run.kinematics import Wish, sweep_kinematics
+
+    result = output or Path(f"{Path(target).stem}_kinematics.h5")
+    folder = None if no_plots else plots or result.parent / f"{result.stem}_plots"
+    wish = Wish(ranges, together, tuple(hold or ()), tuple(columns or ()))
+    with show_progress(quiet=quiet) as progress:
+        report = sweep_kinematics(loaded, wish, output=result, plots=folder, progress=progress)
+    for message in () if quiet and report.exit_code == 0 else report.messages:
+        tell(message)
+    if as_json:
+        emit(to_json(report.as_dict()))
+    elif not quiet:
+        emit_report(report, as_json=False)
+    raise typer.Exit(report.exit_code)
+
+
+def _drive(text: str) -> tuple[str, str]:
+    name, equals, values = text.partition("=")
+    if not name.strip() or not equals or not values.strip():
+        raise InputError(f"--drive {text}: write NAME=FROM:TO:STEPS or NAME=VALUE")
+    return name.strip(), values.strip()
