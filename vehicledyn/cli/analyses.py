@@ -1,4 +1,4 @@
-"""Verbs on models: list and show them, their equilibrium and their eigenmodes."""
+"""Verbs on models: list and show them, find their equilibrium."""
 
 from __future__ import annotations
 
@@ -32,7 +32,6 @@ def add_verbs(app: typer.Typer) -> None:
     """Add the verbs of this module to the command line."""
     app.add_typer(models, name="models")
     app.command()(equilibrium)
-    app.command()(eig)
 
 
 @models.command("list")
@@ -90,27 +89,6 @@ def equilibrium(
 
     with show_progress() as progress:
         report = find_equilibrium(loaded, speed=wanted, backend=backend.value, progress=progress)
-    emit_report(report, as_json=as_json, file=output)
-
-
-def eig(
-    target: Target,
-    *,
-    speed: Annotated[
-        list[str] | None,
-        typer.Option(help='Speed such as "20 m/s"; may be repeated, the scenario\'s if absent.'),
-    ] = None,
-    overrides: Overrides = None,
-    backend: BackendChoice = Backend.AUTO,
-    output: ReportFile = None,
-    as_json: Json = False,
-) -> None:
-    """Find the eigenmodes about straight running, or about a start or equilibrium of a system."""
-    loaded, speeds = read_target(target, overrides), [speed_in_si(text) for text in speed or []]
-    from vehicledyn.run import find_modes
-
-    with show_progress() as progress:
-        report = find_modes(loaded, speeds=speeds, backend=backend.value, progress=progress)
     emit_report(report, as_json=as_json, file=output)
 
 

@@ -1,4 +1,4 @@
-"""Verbs on linearised models: frequency responses."""
+"""Verbs on linearised models: eigenmodes and frequency responses."""
 
 from __future__ import annotations
 
@@ -10,7 +10,16 @@ import typer
 
 from vehicledyn.base.errors import InputError
 from vehicledyn.cli.analyses import read_target
-from vehicledyn.cli.options import Json, Overrides, Target, frequency_in_hz, speed_in_si
+from vehicledyn.cli.options import (
+    Backend,
+    BackendChoice,
+    Json,
+    Overrides,
+    Target,
+    frequency_in_hz,
+    speed_in_si,
+    speeds_in_si,
+)
 from vehicledyn.cli.terminal import emit_report, show_progress
 
 
@@ -23,7 +32,79 @@ class Spacing(StrEnum):
 
 def add_verbs(app: typer.Typer) -> None:
     """Add the verbs of this module to the command line."""
+    app.command()(eig)
     app.command()(response)
+
+
+def eig(
+    target: Target,
+    *,
+    speed: Annotated[
+        list[str] | None,
+        typer.Option(
+            help='Speed such as "20 m/s", or FROM:TO:COUNT such as "2 m/s:10 m/s:33"; may be '
+            "repeated, the scenario's if absent."
+        ),
+    ] = None,
+    overrides: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--set",
+            metavar="KEY=VALUE",
+            help="Change a value; one key given several times makes as many cases.",
+        ),
+    ] = None,
+    backend: BackendChoice = Backend.AUTO,
+    output: Annotated[
+        Path | None,
+        typer.Option(
+            "--output", "-o", help="File to write: a result with shapes (.h5), or JSON (others)."
+        ),
+    ] = None,
+    plots: Annotated[
+        Path | None, typer.Option(help="Folder for root locus and mode shapes.")
+    ] = None,
+    as_json: Json = False,
+) -> None:
+    """Find eigenmodes about straight running, or about a start or equilibrium of a system."""
+    speeds = [value for text in speed or [] for value in speeds_in_si(text)]
+    cases = cases_of(overrides or [])
+    targets = [(setting, read_target(target, changes)) for setting, changes in cases]
+    from vehicledyn.run import find_modes
+
+    is_result = output is not None and output.suffix in (".h5", ".hdf5", ".nc")
+    with show_progress() as progress:
+        report = find_modes(
+            targets if len(targets) > 1 else targets[0][1],
+            speeds=speeds,
+            backend=backend.value,
+            progress=progress,
+            output=output if is_result else None,
+            plots=plots,
+        )
+    emit_report(report, as_json=as_json, file=None if is_result else output)
+
+
+def cases_of(overrides: list[str]) -> list[tuple[str, list[str]]]:
+    """Return the cases of ``--set`` options: what is varied, and all changes of each case.
+
+    Keys that are given several times vary together, the first values in the first case.
+    """
+    values: dict[str, list[str]] = {}
+    for override in overrides:
+        values.setdefault(override.partition("=")[0].strip(), []).append(override)
+    varied = {key: texts for key, texts in values.items() if len(texts) > 1}
+    counts = {len(texts) for texts in varied.values()}
+    if len(counts) > 1:
+        told = ", ".join(f"{key} {len(texts)}" for key, texts in varied.items())
+        raise InputError(f"--set: keys vary together, give each as many values: {told}")
+    return [
+        (
+            ", ".join(texts[case] for texts in varied.values()),
+            [texts[case if key in varied else 0] for key, texts in values.items()],
+        )
+        for case in range(max(counts, default=1))
+    ]
 
 
 def response(

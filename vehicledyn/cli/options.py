@@ -11,6 +11,8 @@ import typer
 from vehicledyn.base.errors import InputError
 from vehicledyn.base.units import to_si
 
+MOST_SPEEDS = 1000
+
 
 class Backend(StrEnum):
     """How the equations are evaluated."""
@@ -63,6 +65,22 @@ def speed_in_si(text: str) -> float:
     if not 0.0 <= speed < float("inf"):
         raise InputError(f"--speed {text}: must not be negative or infinite")
     return speed
+
+
+def speeds_in_si(text: str) -> list[float]:
+    """Return the speeds that "20 m/s" or FROM:TO:COUNT, "2 m/s:10 m/s:33", means, in m/s."""
+    first, colon, rest = text.partition(":")
+    if not colon:
+        return [speed_in_si(text)]
+    last, _, number = rest.partition(":")
+    count = int(number) if number.strip().isdecimal() else 0
+    if not 2 <= count <= MOST_SPEEDS:
+        raise InputError(
+            f"--speed {text}: write FROM:TO:COUNT with a count from 2 to {MOST_SPEEDS}, "
+            "such as '2 m/s:10 m/s:33'"
+        )
+    begin, end = speed_in_si(first), speed_in_si(last)
+    return [begin + (end - begin) * k / (count - 1) for k in range(count)]
 
 
 def frequency_in_hz(option: str, text: str) -> float:

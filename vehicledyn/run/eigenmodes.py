@@ -1,75 +1,45 @@
-"""The verb "eig": eigenmodes of a vehicle about straight running at given speeds."""
+"""The verb "eig": eigenmodes and mode shapes about straight running, or of a system."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
+import numpy as np
+
+from vehicledyn.base.errors import InputError
 from vehicledyn.base.units import shown
-from vehicledyn.run.prepare import (
-    Point,
-    Prepared,
-    Progress,
-    equilibrium_point,
-    prepare,
-    start_point,
-)
+from vehicledyn.results.linear_file import Quantity
+from vehicledyn.results.mode_figures import mode_figures
+from vehicledyn.results.mode_table import ModeCase, ModeTable, write_modes
+from vehicledyn.results.output import check_folder, check_output
+from vehicledyn.results.pictures import save_figures
+from vehicledyn.run.mode_report import ModesAtSpeed, ModesReport
+from vehicledyn.run.prepare import Prepared, Progress, prepare, reference_point
+from vehicledyn.run.steadiness import unsteadiness
 from vehicledyn.run.system_subject import SystemSubject
 from vehicledyn.run.vehicle import Target
 from vehicledyn.scenario import LoadedScenario
 from vehicledyn.solve.kernel import Backend
-from vehicledyn.solve.linearise import linearise
+from vehicledyn.solve.linearise import Linearisation, linearise
 from vehicledyn.solve.modes import Mode, eigenmodes
 
-_HEAD = f"{'eigenvalue [1/s]':>34} {'undamped':>12} {'damping':>9}  states"
-_STABLE = 1e-6
-_NEAR_ZERO = 1e-4
-"""A free motion has this eigenvalue at most where the speed slowly falls [1/s]."""
+__all__ = ["ModesAtSpeed", "ModesReport", "find_modes"]
 
-
-@dataclass(frozen=True)
-class ModesAtSpeed:
-    """Modes about straight running at one speed [m/s]."""
-
-    speed: float
-    modes: tuple[Mode, ...]
-
-    @property
-    def unstable(self) -> list[Mode]:
-        """Modes that grow."""
-        return [m for m in self.modes if m.eigenvalue.real > _STABLE]
-
-
-@dataclass(frozen=True)
-class ModesReport:
-    """Modes of a vehicle at several speeds."""
-
-    model: str
-    speeds: list[ModesAtSpeed]
-
-    def as_text(self) -> str:
-        """Return a table of modes for each speed."""
-        return "\n\n".join(self._table(entry) for entry in self.speeds)
-
-    def as_dict(self) -> dict[str, Any]:
-        """Return the modes as plain data."""
-        return {
-            "model": self.model,
-            "speeds": [
-                {"speed": entry.speed, "modes": [_mode_dict(m) for m in entry.modes]}
-                for entry in self.speeds
-            ],
-        }
-
-    def _table(self, entry: ModesAtSpeed) -> str:
-        zeros = sum(1 for m in entry.modes if abs(m.eigenvalue) < _NEAR_ZERO)
-        verdict = f"{len(entry.unstable)} unstable" if entry.unstable else "all others stable"
-        head = f"{self.model} at {shown(entry.speed, 'm/s')}: {zeros} zeros, {verdict}"
-        return "\n".join([head, _HEAD, *(_mode_line(m) for m in entry.modes)])
+_EQUAL = 1e-6
+"""Part by which two participations may differ and count as equal [1]."""
 
 
 def find_modes(
-    target: Target, *, speeds: list[float], backend: Backend, progress: Progress
+    target: Target | Sequence[tuple[str, Target]],
+    *,
+    speeds: Sequence[float],
+    backend: Backend,
+    progress: Progress,
+    output: Path | None = None,
+    plots: Path | None = None,
 ) -> ModesReport:
     """Return the modes of a vehicle about its steady motion straight ahead, or of a system.
 
@@ -79,61 +49,117 @@ def find_modes(
     Parameters
     ----------
     target
-        A scenario or a model.
+        A scenario or a model, or several variants of one with a text each that says what is
+        changed; each goes through all speeds.
     speeds
         Forward speeds [m/s]; empty for the scenario's own.
     backend, progress
         As for a run.
+    output
+        Result file to write.
+    plots
+        Folder for root locus and mode shapes.
 
     Raises
     ------
+    InputError
+        If a file cannot be written.
     NumericalError
         If there is no steady motion at a speed.
     """
-    prepared = prepare(target, backend=backend, progress=progress)
-    own = target.scenario.speed or 0.0 if isinstance(target, LoadedScenario) else 0.0
-    found = []
-    for speed in speeds or [own]:
-        progress(f"linearising at {shown(speed, 'm/s')}", None)
-        point = _reference_point(prepared, target, speed)
-        linear = linearise(
-            prepared.equations,
-            prepared.kernel.parameters,
-            prepared.subject.balance_time,
-            point.state,
-            point.unknowns,
-            derivatives=prepared.derivatives,
-        )
-        found.append(ModesAtSpeed(speed, eigenmodes(linear.matrix, linear.names)))
-    return ModesReport(prepared.equations.name, found)
+    if output is not None:
+        check_output(output)
+    if plots is not None:
+        check_folder(plots)
+    variants = [("", target)] if not isinstance(target, Sequence) else list(target)
+    found: list[ModesAtSpeed] = []
+    cases: list[ModeCase] = []
+    table = ModeTable("", "", (), (), (), ())
+    for setting, variant in variants:
+        prepared = prepare(variant, backend=backend, progress=progress)
+        own = _empty_table(prepared, variant)
+        if found and own.states != table.states:
+            raise InputError(f"--set {setting}: changes which states the model has")
+        table = table if found else own
+        scenario = variant if isinstance(variant, LoadedScenario) else None
+        for speed in speeds or [scenario.scenario.speed or 0.0 if scenario else 0.0]:
+            progress(f"linearising at {shown(speed, 'm/s')}", None)
+            entry, linear = _modes_at(prepared, speed, scenario)
+            found.append(replace(entry, setting=setting))
+            cases.append(_case(table, found[-1], linear))
+    whole = replace(table, cases=tuple(cases))
+    if output is not None:
+        write_modes(output, whole)
+    if plots is not None:
+        progress("drawing", None)
+        save_figures(mode_figures(whole), plots, ("png", "svg"))
+    return ModesReport(whole.model, found, whole)
 
 
-def _reference_point(prepared: Prepared, target: Target, speed: float) -> Point:
-    """Return the point to linearise about: of a system the start that its scenario names."""
-    if isinstance(prepared.subject, SystemSubject):
-        start = target.scenario.start if isinstance(target, LoadedScenario) else None
-        return start_point(prepared, speed, start or "static")
-    return equilibrium_point(prepared, speed, "steady" if speed > 0.0 else "static")
+def _modes_at(
+    prepared: Prepared, speed: float, scenario: LoadedScenario | None
+) -> tuple[ModesAtSpeed, Linearisation]:
+    """Return the modes about the reference motion at a speed."""
+    is_system = isinstance(prepared.subject, SystemSubject)
+    start = scenario.scenario.start if scenario else None
+    point = reference_point(prepared, speed, start, is_system=is_system)
+    linear = linearise(
+        prepared.equations,
+        prepared.kernel.parameters,
+        prepared.subject.balance_time,
+        point.state,
+        point.unknowns,
+        derivatives=prepared.derivatives,
+    )
+    remark = unsteadiness(prepared, point) if is_system else ""
+    return ModesAtSpeed(speed, eigenmodes(linear.matrix, linear.names), "", remark), linear
 
 
-def _mode_line(mode: Mode) -> str:
-    value = mode.eigenvalue
-    pair = f"{value.real:.6f} ± {value.imag:.6f}i" if mode.is_oscillation else f"{value.real:.6f}"
-    states = ", ".join(mode.dominant[:3])
+def _empty_table(prepared: Prepared, target: Target) -> ModeTable:
+    """Return a table without cases."""
+    e = prepared.equations
+    names = {channel.name for channel in e.channels}
+    title = target.scenario.title if isinstance(target, LoadedScenario) else e.name
+    return ModeTable(
+        title,
+        e.name,
+        tuple(Quantity(s.name, s.unit, s.description) for s in e.states),
+        tuple(Quantity(c.name, c.unit, c.description) for c in e.channels),
+        tuple(j.name for j in prepared.subject.system.joints() if j.name in names),
+        (),
+    )
+
+
+def _case(table: ModeTable, entry: ModesAtSpeed, linear: Linearisation) -> ModeCase:
+    """Return the modes with their shapes in all channels, scaled."""
+    shapes = [_scaled(table, mode, linear) for mode in entry.modes]
+    return ModeCase(
+        entry.speed,
+        entry.setting,
+        np.array([mode.eigenvalue for mode in entry.modes], dtype=complex),
+        tuple(mode.kind for mode in entry.modes),
+        _stacked([state for state, _ in shapes], len(table.states)),
+        _stacked([channel for _, channel in shapes], len(table.channels)),
+        _stacked([mode.participation for mode in entry.modes], len(table.states)).real,
+    )
+
+
+def _scaled(table: ModeTable, mode: Mode, linear: Linearisation) -> tuple[Any, Any]:
+    """Return the shape in states and channels, 1 at the coordinate that takes part most."""
+    channels = linear.output_matrix @ mode.shape
     if mode.is_zero:
-        return f"{'0':>34} {'':>12} {'':>9}  {states}"
-    if not mode.is_oscillation:
-        return f"{pair:>34} {'':>12} {'':>9}  {states}"
-    return f"{pair:>34} {mode.frequency:>9.4f} Hz {mode.damping_ratio:>9.4f}  {states}"
+        return mode.shape, channels
+    shares = table.shares(mode.participation)
+    moving = [(shares[name], name) for name in table.coordinates if shares.get(name, 0.0) > 0.0]
+    if not moving:
+        return mode.shape, channels
+    most = max(moving)[0]
+    leading = next(name for share, name in moving if share >= most - _EQUAL)
+    scale = channels[table.columns([leading])[0]]
+    if abs(scale) <= np.finfo(float).tiny:
+        return mode.shape, channels
+    return mode.shape / scale, channels / scale
 
 
-def _mode_dict(mode: Mode) -> dict[str, Any]:
-    return {
-        "real": mode.eigenvalue.real,
-        "imaginary": mode.eigenvalue.imag,
-        "is_pair": mode.is_oscillation,
-        "frequency_hz": mode.frequency,
-        "damping_ratio": mode.damping_ratio,
-        "dominant_states": list(mode.dominant),
-        "shape": [[float(v.real), float(v.imag)] for v in map(complex, mode.shape)],
-    }
+def _stacked(rows: list[Any], width: int) -> Any:
+    return np.stack(rows).astype(complex) if rows else np.zeros((0, width), dtype=complex)

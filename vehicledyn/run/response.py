@@ -10,7 +10,6 @@ from pathlib import Path
 import numpy as np
 
 from vehicledyn.base.errors import InputError
-from vehicledyn.base.units import shown
 from vehicledyn.multibody.system import System
 from vehicledyn.results.bode import bode_figures
 from vehicledyn.results.linear_file import Quantity
@@ -23,6 +22,7 @@ from vehicledyn.run.held_speed import held_speed_point
 from vehicledyn.run.inputs import InputPart, ModelInput, hint
 from vehicledyn.run.prepare import Point, Prepared, Progress, prepare
 from vehicledyn.run.response_report import ResponseReport
+from vehicledyn.run.steadiness import unsteadiness
 from vehicledyn.run.subject import Subject
 from vehicledyn.run.vehicle import Target
 from vehicledyn.scenario import LoadedScenario
@@ -34,8 +34,8 @@ from vehicledyn.solve.transfer import InputTerm, TransferSystem
 from vehicledyn.symbolic import ops
 
 _MOVES = 1e-12
-_STEADY = 1e-6
-"""Acceleration above which the reference motion is called unsteady [m/s², rad/s²]."""
+_GROWS = 1e-6
+"""Real part above which a mode counts as growing [1/s]."""
 
 _UNDAMPED = 1e-9
 
@@ -252,26 +252,11 @@ def _report(
         figures=figures,
         at=tuple(at),
         response_at=system.response(np.array(at)) if len(at) else np.zeros((0, 0, 0)),
-        growing=sum(m.eigenvalue.real > _STEADY for m in modes),
+        growing=sum(m.eigenvalue.real > _GROWS for m in modes),
         undamped=tuple(f for f in undamped if table.frequency[0] <= f <= table.frequency[-1]),
-        remark=_unsteady(model),
+        remark=unsteadiness(model.prepared, model.point),
     )
 
 
 def _only(terms: tuple[InputTerm, ...], row: int) -> tuple[InputTerm, ...]:
     return tuple(InputTerm(t.state, t.output[:, [row]], t.delay, t.factor) for t in terms)
-
-
-def _unsteady(model: Linearised) -> str:
-    """Return a remark on a reference motion that accelerates."""
-    e, point = model.prepared.equations, model.point
-    time = model.prepared.subject.balance_time
-    rates = model.prepared.kernel.rates(time, point.state, point.unknowns)[list(e.velocities)]
-    if not rates.size or np.abs(rates).max() <= _STEADY:
-        return ""
-    worst = int(np.argmax(np.abs(rates)))
-    state = e.states[e.velocities[worst]]
-    return (
-        f"the reference motion is not steady: {state.name} changes by "
-        f"{shown(float(rates[worst]), f'{state.unit}/s')}"
-    )
