@@ -6,6 +6,7 @@ from dataclasses import dataclass, field, replace
 
 from vehicledyn.base.errors import InputError
 from vehicledyn.base.wording import lower_first
+from vehicledyn.multibody.impacts import Impacts
 from vehicledyn.multibody.loops import Loops
 from vehicledyn.multibody.observation import Solved, observe
 from vehicledyn.multibody.part_events import collect_events
@@ -96,7 +97,8 @@ def collect(
         *(_coordinate(j, loops.start[j.name]) for j in following),
         *_part_variables(part_states),
     )
-    found = collect_events(system, symbols, solved, [s.name for s in states])
+    impacts = Impacts(symbols, loops, solved, roles.independent)
+    found = collect_events(system, symbols, solved, [s.name for s in states], impacts)
     n = len(independent)
     return Equations(
         name=system.name,

@@ -146,7 +146,11 @@ def _motion(
 
 def _situation(symbols: Symbols, part: Part, kinematics: Kinematics) -> Situation:
     return Situation(
-        symbols.time, symbols.states[part.name], symbols.unknowns[part.name], kinematics
+        symbols.time,
+        symbols.states[part.name],
+        symbols.unknowns[part.name],
+        kinematics,
+        symbols.states,
     )
 
 

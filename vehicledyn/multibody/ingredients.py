@@ -150,7 +150,11 @@ class _Tree:
         loads = {
             part.name: part.loads(
                 Situation(
-                    symbols.time, symbols.states[part.name], symbols.unknowns[part.name], bare
+                    symbols.time,
+                    symbols.states[part.name],
+                    symbols.unknowns[part.name],
+                    bare,
+                    symbols.states,
                 )
             )
             for part in d.system.parts

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 from vehicledyn.base.errors import InputError, unknown_name
+from vehicledyn.multibody.impacts import Impacts
 from vehicledyn.multibody.observation import Solved
 from vehicledyn.multibody.parts import PartEvent, Situation
 from vehicledyn.multibody.system import System
@@ -24,7 +25,7 @@ class CollectedEvents:
 
 
 def collect_events(
-    system: System, symbols: Symbols, solved: Solved, states: Sequence[str]
+    system: System, symbols: Symbols, solved: Solved, states: Sequence[str], impacts: Impacts
 ) -> CollectedEvents:
     """Return the events of all parts, in the order of the parts.
 
@@ -34,6 +35,8 @@ def collect_events(
         The system, with its accelerations known.
     states
         Names of the states, in the order of the equations.
+    impacts
+        Gives the rates after impulses.
 
     Raises
     ------
@@ -47,24 +50,37 @@ def collect_events(
             symbols.states[part.name],
             symbols.unknowns[part.name],
             solved.kinematics,
+            symbols.states,
         )
         for event in part.events(situation):
-            name = f"{part.name}.{event.name}"
+            name = f"{part.name}.{event.name}" if event.name else part.name
             if any(other.name == name for other in collected.events):
                 raise InputError(f"two events are named '{name}'")
-            resets = _resets(name, event, states, len(collected.new_values))
+            values = _new_values(name, event, impacts)
+            resets = _resets(name, values, states, len(collected.new_values))
             index = len(collected.functions)
             collected.events.append(Event(name, index, event.direction, event.terminal, resets))
             collected.functions.append(event.expression)
-            collected.new_values.extend(event.resets.values())
+            collected.new_values.extend(values.values())
     return collected
 
 
+def _new_values(name: str, event: PartEvent, impacts: Impacts) -> dict[str, Scalar]:
+    """Return the new value of each state that an event changes."""
+    if not event.impulses and event.restitution is None:
+        return event.resets
+    after = impacts.rates_after(name, event)
+    twice = [state for state in event.resets if state in after]
+    if twice:
+        raise InputError(f"event '{name}' resets '{twice[0]}', which its impulses change as well")
+    return {**event.resets, **after}
+
+
 def _resets(
-    name: str, event: PartEvent, states: Sequence[str], first: int
+    name: str, values: dict[str, Scalar], states: Sequence[str], first: int
 ) -> tuple[tuple[int, int], ...]:
     resets = []
-    for row, state in enumerate(event.resets, first):
+    for row, state in enumerate(values, first):
         if state not in states:
             raise InputError(f"event '{name}' resets {unknown_name('state', state, states)}")
         resets.append((states.index(state), row))

@@ -93,9 +93,14 @@ class PartEvent:
 
     A terminal event ends the run. ``resets`` are the new values of states by the states' full
     names: an independent coordinate, its rate (``{coordinate}_rate``) or a part's state
-    (``{part}.{state}``). They take effect all at once, after which the loops close anew; nothing
-    carries an impulse over to other rates, the expressions must say all that changes. A state
+    (``{part}.{state}``). They take effect all at once, after which the loops close anew; they
+    carry no impulse over to other rates, the expressions must say all that changes. A state
     of rate zero that only events change is a switch.
+
+    ``impulses`` are new rates of coordinates that impulses on these coordinates bring about, and
+    ``restitution`` e lets the function g of the event go back with ġ⁺ = -e ġ⁻, by an impulse
+    along ∂g/∂q. With these all rates jump, see :mod:`vehicledyn.multibody.impacts`. An event
+    without a name of its own has that of its part.
     """
 
     name: str
@@ -103,6 +108,8 @@ class PartEvent:
     direction: Direction = "either"
     terminal: bool = False
     resets: dict[str, Scalar] = field(default_factory=dict)
+    impulses: dict[str, Scalar] = field(default_factory=dict)
+    restitution: Scalar | None = None
 
 
 class Part(Protocol):

@@ -18,6 +18,7 @@ from vehicledyn.base.errors import NumericalError
 from vehicledyn.solve.engine import Ledger, Sides, Vector
 from vehicledyn.solve.kernel import Kernel
 from vehicledyn.solve.sides import fired, note_sides
+from vehicledyn.symbolic.equations import Event
 
 _RESOLUTION = 1e-12
 """Bracket of an event when it counts as found [s]; late in a run some units of rounding."""
@@ -163,7 +164,7 @@ class EventWatch:
             self._check_accumulation(int(k), point.time)
             self.count += 1
             self._happened(event.name, point.time)
-            point = self._reset(point, event.resets)
+            point = self._reset(point, event)
             self.ended_by = self.ended_by or (event.name if event.terminal else "")
         self._blind_until = point.time + _LOOK_AHEAD * _resolution(point.time)
         if self.ended_by:
@@ -178,13 +179,19 @@ class EventWatch:
             self._look_ahead(point, fires)
         return point
 
-    def _reset(self, point: Point, resets: tuple[tuple[int, int], ...]) -> Point:
-        if not resets:
+    def _reset(self, point: Point, event: Event) -> Point:
+        if not event.resets:
             return point
         values = self._kernel.reset_values(*point)
         state = point.state.copy()
-        for index, row in resets:
+        for index, row in event.resets:
             state[index] = values[row]
+            if not np.isfinite(values[row]):
+                name = self._kernel.equations.states[index].name
+                raise NumericalError(
+                    f"event '{event.name}' gives the state '{name}' no finite value at t = "
+                    f"{point.time:.9g} s; what it demands of the rates may be impossible there"
+                )
         unknowns = self._kernel.count_solve(point.time, state, point.unknowns, self._ledger)
         return Point(point.time, state, unknowns)
 

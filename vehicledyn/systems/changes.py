@@ -10,8 +10,8 @@ from typing import Any
 from vehicledyn.base.errors import nearest_name
 from vehicledyn.base.problems import Place
 from vehicledyn.base.units import describe
+from vehicledyn.systems.fields import flattened
 from vehicledyn.systems.parameters import Parameters, is_long, read_parameters
-from vehicledyn.systems.sets import flattened
 
 _COMPONENTS = ("x", "y", "z")
 _VECTOR = 3

@@ -11,7 +11,9 @@ from vehicledyn.base.problems import Place
 from vehicledyn.multibody.system import GROUND
 from vehicledyn.systems.algebra import NUMBERS, ExpressionError
 from vehicledyn.systems.dimensions import MEASURES, Measure, measure_of
+from vehicledyn.systems.events import EventSet
 from vehicledyn.systems.expressions import Expression
+from vehicledyn.systems.force_sensors import ConstraintForceSet, acted_on
 from vehicledyn.systems.joints import Coordinate
 from vehicledyn.systems.parameters import Parameters, is_name
 from vehicledyn.systems.sets import BodySet, Sections, SystemFile
@@ -48,6 +50,9 @@ def check(file: SystemFile, coordinates: dict[str, Coordinate], parameters: Para
     yield from _inertias(file, parameters)
     yield from _spins(file)
     yield from _massless_ends(file, known)
+    yield from _switches(file, known)
+    yield from _events(file, known)
+    yield from _constraint_forces(file)
 
 
 class _Known:
@@ -60,6 +65,7 @@ class _Known:
         self.coordinates = coordinates
         self.parameters = parameters
         self.driven = {drive.coordinate for drive in file.drives.values()}
+        self.switches = dict.fromkeys(file.switches, measure_of("1"))
 
     def failed(self, expression: Expression) -> bool:
         """Return whether an expression rests on a parameter that has been complained about."""
@@ -75,7 +81,7 @@ def variables(
     Parameters
     ----------
     kind
-        As in :func:`vehicledyn.systems.fields.measured`, or "geometry" or "movement".
+        As in :func:`vehicledyn.systems.fields.measured`, or "geometry", "movement" or "event".
     length
         Unit of the length or coordinate that a law is about.
     coordinates
@@ -89,15 +95,15 @@ def variables(
         found = {"length": measure_of(length), "rate": measure_of(rate)}
     if kind == "force":
         found = {"position": measure_of(length), "rate": measure_of(rate)}
-    if kind in ("time", "motion", "force", "geometry", "movement"):
+    if kind in ("time", "motion", "force", "geometry", "movement", "event"):
         found["time"] = measure_of("s")
-    if kind in ("motion", "force", "geometry", "movement"):
+    if kind in ("motion", "force", "geometry", "movement", "event"):
         found |= {name: measure_of(c.unit) for name, c in coordinates.items()}
-    if kind in ("motion", "force", "movement"):
+    if kind in ("motion", "force", "movement", "event"):
         found |= {f"{name}_rate": measure_of(f"{c.unit}/s") for name, c in coordinates.items()}
     for point in points:
         found[point] = (measure_of("m"),) * 3
-        if kind == "movement":
+        if kind in ("movement", "event"):
             found[f"{point}_velocity"] = (measure_of("m/s"),) * 3
     return found
 
@@ -161,6 +167,8 @@ def _expression(item: Found, known: _Known) -> Problems:
     if known.failed(item.expression):
         return
     extra = variables(item.variables, item.length, known.coordinates, item.points)
+    if item.variables in ("motion", "force", "event"):
+        extra |= known.switches
     for name in item.expression.names:
         if name in extra and name in known.parameters.declared:
             yield item.place, f"'{name}' is also a parameter; give that another name"
@@ -301,3 +309,78 @@ def _turns_freely(body: BodySet, last: Coordinate, known: _Known) -> bool:
     if not isinstance(com, tuple):
         return False
     return not any(inertias) and not any(c for k, c in enumerate(com) if k != axis)
+
+
+def _switches(file: SystemFile, known: _Known) -> Problems:
+    for name, start in file.switches.items():
+        place = ("switches", name)
+        if name in known.coordinates or name in known.parameters.declared:
+            yield place, f"'{name}' is also a coordinate or parameter; take another name"
+        yield from _expression(Found(place, start, "1", False, "", None, None, "m", ()), known)
+
+
+def _events(file: SystemFile, known: _Known) -> Problems:
+    for name, event in file.events.items():
+        place, points = ("events", name), tuple(event.points)
+        for point in points:
+            if point in known.parameters.declared or point in known.coordinates:
+                yield (*place, "points", point), f"'{point}' is also a parameter or coordinate"
+        if event.restitution is not None:
+            yield from _rebound(place, event, known)
+        for key, expression in event.reset.items():
+            here = (*place, "reset", key)
+            coordinate = known.coordinates.get(key) or known.coordinates.get(
+                key.removesuffix("_rate")
+            )
+            if key in known.switches:
+                unit = "1"
+            elif coordinate is None:
+                rates = [f"{n}_rate" for n in known.coordinates]
+                names = [*rates, *known.coordinates, *known.switches]
+                yield here, unknown_name("rate, coordinate or switch", key, names)
+                continue
+            elif coordinate.name in known.driven or coordinate.role == "driven":
+                yield here, f"'{coordinate.name}' is driven; its law alone moves it"
+                continue
+            elif key == coordinate.name and coordinate.role == "dependent":
+                yield here, f"'{key}' is determined by the loops; reset independent coordinates"
+                continue
+            else:
+                is_rate = key != coordinate.name
+                unit = f"{coordinate.unit}/s" if is_rate else coordinate.unit
+            item = Found(here, expression, unit, False, "event", None, None, "m", points)
+            yield from _expression(item, known)
+
+
+def _rebound(place: Place, event: EventSet, known: _Known) -> Problems:
+    """Yield what keeps the function of an event from going back after an impact."""
+    names = set(variables("event", "m", known.coordinates, event.points))
+    names -= set(variables("geometry", "m", known.coordinates, event.points))
+    used = sorted(n for n in names if _uses(event.when, n))
+    if used:
+        words = "a restitution needs 'when' to be one of coordinates, points and time"
+        yield (*place, "when"), f"{words}, not of '{used[0]}'"
+
+
+def _uses(expression: Expression, name: str) -> bool:
+    return any(n == name or n.startswith(f"{name}.") for n in expression.names)
+
+
+def _constraint_forces(file: SystemFile) -> Problems:
+    for name, sensor in file.sensors.items():
+        if not isinstance(sensor, ConstraintForceSet):
+            continue
+        acting = file.cuts.get(sensor.constraint) or file.constraints.get(sensor.constraint)
+        place = ("sensors", name)
+        if acting is None:
+            known = [*file.cuts, *file.constraints]
+            words = unknown_name("cut or constraint", sensor.constraint, known)
+            yield (*place, "constraint"), words
+            continue
+        bodies = [b for b in acted_on(acting) if b != GROUND]
+        if not bodies:
+            words = "acts on coordinates, not on bodies; its own channels show its forces"
+            yield (*place, "constraint"), f"'{sensor.constraint}' {words}"
+        elif sensor.body not in bodies:
+            listed = ", ".join(f"'{b}'" for b in bodies)
+            yield (*place, "body"), f"'{sensor.constraint}' acts on {listed}"

@@ -22,7 +22,7 @@ from vehicledyn.symbolic import ops
 from vehicledyn.systems.expressions import origin, zero
 from vehicledyn.systems.fields import Scalar, SystemSet, Vector, measured, reference
 from vehicledyn.systems.laws import Values
-from vehicledyn.systems.sets import Place
+from vehicledyn.systems.places import Place
 
 
 class ConstraintSet(SystemSet):

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 from vehicledyn.base.errors import InputError
 from vehicledyn.base.parameters import ParameterSet
+from vehicledyn.multibody.constraints import Constraint
 from vehicledyn.multibody.coordinate_forces import CoordinateForce
 from vehicledyn.multibody.drives import ConstantRate, TimeLaw
 from vehicledyn.multibody.external import ExternalWrench
@@ -19,11 +20,15 @@ from vehicledyn.road.vehicle import Corner, RoadVehicle
 from vehicledyn.road.wheel import RoadWheel
 from vehicledyn.symbolic.parameters import ParameterTable
 from vehicledyn.systems.algebra import NUMBERS, SYMBOLS
-from vehicledyn.systems.constraints import ConstraintSet
+from vehicledyn.systems.checks import variables
+from vehicledyn.systems.constraints import ConstraintSet, WrittenConstraint, WrittenRate
 from vehicledyn.systems.cuts import CutSet
+from vehicledyn.systems.dimensions import MEASURES, multiplier_unit
+from vehicledyn.systems.events import switch
 from vehicledyn.systems.expressions import Expression
 from vehicledyn.systems.joints import JointSet
 from vehicledyn.systems.parameters import Entry
+from vehicledyn.systems.places import Place
 from vehicledyn.systems.read import SystemModel
 from vehicledyn.systems.sensors import SensorSet, motion_of
 from vehicledyn.systems.sets import (
@@ -31,7 +36,6 @@ from vehicledyn.systems.sets import (
     DriveSet,
     ForceSet,
     LinkSet,
-    Place,
     SpringSet,
     WheelSet,
     WrenchSet,
@@ -148,6 +152,11 @@ class _Builder:
             *(self._force(n, f) for n, f in file.forces.items()),
             *(self._wrench(n, w) for n, w in file.wrenches.items()),
             *self._wheels(),
+            *(switch(n, float(self.number(start))) for n, start in file.switches.items()),
+            *(
+                e.part(n, self.value, list(self.model.coordinates), list(file.switches))
+                for n, e in file.events.items()
+            ),
             *(
                 s.sensor(n, self.value, list(self.model.coordinates))
                 for n, s in file.sensors.items()
@@ -162,13 +171,26 @@ class _Builder:
                 cut.cut(n, self.value) for n, cut in file.cuts.items() if isinstance(cut, CutSet)
             ),
             constraints=tuple(
-                c.constraint(n, self.value, list(self.model.coordinates))
+                self._constraint(n, c)
                 for n, c in file.constraints.items()
                 if isinstance(c, ConstraintSet)
             ),
             parts=tuple(parts),
             gravity=self.value(file.gravity),
         )
+
+    def _constraint(self, name: str, item: ConstraintSet) -> Constraint:
+        """Return a constraint; that of an expression has the unit of what is zero."""
+        made = item.constraint(name, self.value, list(self.model.coordinates))
+        if not isinstance(item, WrittenConstraint | WrittenRate):
+            return made
+        is_rate = isinstance(item, WrittenRate)
+        known = variables(
+            "movement" if is_rate else "geometry", "m", self.model.coordinates, item.points
+        )
+        measure = item.zero.value({**self.model.parameters.measures, **known}, MEASURES)
+        unit, force = measure.unit, multiplier_unit(measure, is_rate=is_rate)
+        return replace(made, unit=unit, force_unit=force)  # type: ignore[type-var]
 
     def spin(self, wheel: WheelSet) -> str:
         """Return the coordinate that a wheel spins by."""

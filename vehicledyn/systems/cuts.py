@@ -11,7 +11,7 @@ from vehicledyn.base.registry import register
 from vehicledyn.multibody.cuts import BallCut, BodyCut, Cut, RodCut
 from vehicledyn.systems.fields import Scalar, SystemSet, measured
 from vehicledyn.systems.laws import Values
-from vehicledyn.systems.sets import Place
+from vehicledyn.systems.places import Place
 
 
 class CutSet(SystemSet):

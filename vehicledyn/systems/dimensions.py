@@ -70,6 +70,14 @@ def measure_of(unit: str) -> Measure:
     return Measure(_powers(parse_unit(unit).dimension), exact=True)
 
 
+def multiplier_unit(zero: Measure, *, is_rate: bool) -> str:
+    """Return the unit of the multiplier of a constraint: J a unit of what is zero, W of a rate."""
+    work = measure_of("W" if is_rate else "J")
+    m, kg, s, _ = (a - b for a, b in zip(work.powers, zero.powers, strict=True))
+    unit = Measure((m, kg, s, Fraction(0))).unit
+    return "N*m" if unit == "J" else unit
+
+
 def _powers(dimension: Any) -> Powers:
     m, kg, s, rad = (Fraction(p) for p in dimension)
     return (m, kg, s, rad)

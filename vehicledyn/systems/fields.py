@@ -134,3 +134,29 @@ def expressions(item: ParameterSet, name: str) -> Iterator[tuple[tuple[int, ...]
         yield (), value
     elif isinstance(value, tuple):
         yield from (((k,), entry) for k, entry in enumerate(value) if isinstance(entry, Expression))
+
+
+def read_mapping(value: Any) -> Any:
+    """Return a mapping with its values read as expressions, all mistakes told at once."""
+    if not isinstance(value, dict):
+        return {} if value is None else value
+    read, complaints = {}, []
+    for name, item in flattened(value).items():
+        try:
+            read[name] = read_expression(item)
+        except ValueError as error:
+            complaints.append(Complaint((name,), str(error), item))
+    if complaints:
+        raise complain("expressions", complaints)
+    return read
+
+
+def flattened(value: dict[str, Any], head: str = "") -> dict[str, Any]:
+    """Return a nested mapping as one of dotted names."""
+    flat: dict[str, Any] = {}
+    for name, item in value.items():
+        if isinstance(item, dict):
+            flat |= flattened(item, f"{head}{name}.")
+        else:
+            flat[f"{head}{name}"] = item
+    return flat

@@ -19,6 +19,7 @@ from typing import Any
 
 from vehicledyn.base.problems import Place
 from vehicledyn.systems.constraints import ConstraintSet
+from vehicledyn.systems.events import EventSet
 from vehicledyn.systems.expressions import Expression, named
 from vehicledyn.systems.fields import SystemSet, fact
 from vehicledyn.systems.joints import Coordinate, JointSet
@@ -71,6 +72,8 @@ def mirror_image(group: MirrorSet, outside: Sequence[Coordinate] = ()) -> Image:
             **{c.name: _new_coordinate(c.name, group, pieces) for c in coordinates},
         },
         {c.name for c in (*outside, *coordinates) if c.is_turned_by_mirror(axis)},
+        {name: _replaced(name, pieces) for name in (*group.cuts, *group.constraints)},
+        {name: _replaced(name, pieces) for name in group.switches},
     )
     for section in Sections.model_fields:
         entries: dict[str, Any] = image.sections.setdefault(section, {})
@@ -95,6 +98,8 @@ class _Names:
     bodies: Mapping[str, str]
     coordinates: Mapping[str, str]
     turned: set[str]
+    constraints: Mapping[str, str] = field(default_factory=dict)
+    switches: Mapping[str, str] = field(default_factory=dict)
 
     def expressions(self) -> dict[str, Expression]:
         """Return what stands for each coordinate and rate in the expressions of the image."""
@@ -103,7 +108,7 @@ class _Names:
             sign = -1.0 if old in self.turned else 1.0
             found[old] = named(new, sign=sign)
             found[f"{old}_rate"] = named(f"{new}_rate", sign=sign)
-        return found
+        return found | {old: named(new) for old, new in self.switches.items()}
 
 
 def _replaced(name: str, pieces: Mapping[str, str]) -> str:
@@ -144,7 +149,24 @@ def _mirrored(item: Any, axis: int, renamed: _Names, pieces: Mapping[str, str]) 
         return image.model_copy(update={"joints": joints})
     if isinstance(image, WheelSet) and axis == AXES["y"] and image.side:
         return image.model_copy(update={"side": _OTHER[image.side]})
+    if isinstance(item, EventSet):
+        return _mirrored_event(item, image, axis, renamed)
     return _turned(item, image, renamed)
+
+
+def _mirrored_event(item: EventSet, image: SystemSet, axis: int, renamed: _Names) -> SystemSet:
+    """Return the image of an event: its points lie in the mirror, what it resets turns round."""
+    across = "xyz"[axis - 1]
+    names = [f"{p}.{across}" for p in item.points]
+    names += [f"{p}_velocity.{across}" for p in item.points]
+    known = renamed.expressions() | {name: named(name, sign=-1.0) for name in names}
+    reset = {}
+    for key, value in item.reset.items():
+        new = renamed.switches.get(key) or _mirrored_start(key, value, renamed)[0]
+        turned = key in renamed.turned or key.removesuffix("_rate") in renamed.turned
+        replaced = value.replaced(known)
+        reset[new] = replaced.negated() if turned and key not in renamed.switches else replaced
+    return image.model_copy(update={"when": item.when.replaced(known), "reset": reset})
 
 
 def _turned(item: SystemSet, image: SystemSet, renamed: _Names) -> SystemSet:
@@ -166,8 +188,8 @@ def _mirrored_field(
 ) -> Any:
     value, what = getattr(item, name), fact(type(item), name, "names")
     if what is not None:
-        known = renamed.bodies if what == "body" else renamed.coordinates
-        return known.get(value, value)
+        known = {"body": renamed.bodies, "constraint": renamed.constraints}
+        return known.get(what, renamed.coordinates).get(value, value)
     nature = fact(type(item), name, "nature")
     if isinstance(value, Expression):
         return _mirrored_expression(value, nature, axis).replaced(renamed.expressions())

@@ -17,8 +17,9 @@ from vehicledyn.scenario.schema import (
     rewrite,
 )
 from vehicledyn.systems import load_kinds
+from vehicledyn.systems.places import Place
 from vehicledyn.systems.repeat import SECTIONS
-from vehicledyn.systems.sets import Place, SystemFile
+from vehicledyn.systems.sets import SystemFile
 
 _OWN = ("cut", "constraint", "sensor")
 _FACTS = ("measure", "nature", "variables", "least", "above", "names", "expressions")

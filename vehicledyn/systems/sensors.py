@@ -14,6 +14,7 @@ from vehicledyn.base.units import to_si
 from vehicledyn.multibody.parts import Part, Situation
 from vehicledyn.multibody.point_sensors import ExpressionSensor, PointSensor, RateSensor
 from vehicledyn.multibody.sensors import Accelerometer, BodySensor, SequenceSensor
+from vehicledyn.multibody.triggers import switches
 from vehicledyn.systems.expressions import origin
 from vehicledyn.systems.fields import Scalar, SystemSet, Vector, measured, reference
 from vehicledyn.systems.joints import Sequence as Axes
@@ -24,8 +25,8 @@ AllCoordinates = Sequence[str]
 
 
 def motion_of(situation: Situation, coordinates: AllCoordinates) -> dict[str, Any]:
-    """Return time, coordinates and rates by the names that expressions have for them."""
-    names: dict[str, Any] = {"time": situation.time}
+    """Return time, coordinates, rates and switches by the names that expressions have for them."""
+    names: dict[str, Any] = {"time": situation.time, **switches(situation)}
     for name in coordinates:
         names[name] = situation.kinematics.coordinate(name)
         names[f"{name}_rate"] = situation.kinematics.rate(name)

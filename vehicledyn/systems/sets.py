@@ -8,6 +8,7 @@ from pydantic import Field, field_validator, model_validator
 
 from vehicledyn.base.parameters import ParameterSet, part
 from vehicledyn.multibody.system import GROUND
+from vehicledyn.systems.events import EventSet
 from vehicledyn.systems.expressions import origin, read_expression, zero
 from vehicledyn.systems.fields import (
     Scalar,
@@ -15,27 +16,15 @@ from vehicledyn.systems.fields import (
     SystemSet,
     Vector,
     measured,
+    read_mapping,
     reference,
     section,
 )
 from vehicledyn.systems.joints import Coordinate, JointSet
 from vehicledyn.systems.laws import ForceLaw, TimeLaw
+from vehicledyn.systems.places import Place
 
 _STANDARD_GRAVITY = read_expression([0.0, 0.0, "-9.81 m/s^2"])
-
-
-class Place(SystemSet):
-    """A point of a body; the name of a body alone is its origin."""
-
-    body: str = reference("body", "The body, or ground")
-    point: Vector = measured(
-        "m", "The point in the axes of the body", default=origin(), nature="polar"
-    )
-
-    @model_validator(mode="before")
-    @classmethod
-    def _name_alone(cls, value: Any) -> Any:
-        return {"body": value} if isinstance(value, str) else value
 
 
 class BodySet(SystemSet):
@@ -209,13 +198,21 @@ class Sections(SystemSet):
     )
     sensors: dict[str, ParameterSet] = section("sensor", "Sensors by name")
     wheels: dict[str, WheelSet] = Field(default_factory=dict, description="Wheels by name")
+    switches: dict[str, Scalar] = Field(
+        default_factory=dict,
+        description="Numbers that only events change, by name, and where they start",
+        json_schema_extra={"expressions": True},
+    )
+    events: dict[str, EventSet] = Field(
+        default_factory=dict, description="Events and what changes then, by name"
+    )
     initial: dict[str, Scalar] = Field(
         default_factory=dict,
         description="Where coordinates start, and rates under the coordinate's name with _rate",
         json_schema_extra={"expressions": True},
     )
 
-    @field_validator("initial", mode="before")
+    @field_validator("initial", "switches", mode="before")
     @classmethod
     def _read_initial(cls, value: Any) -> Any:
         return read_mapping(value)
@@ -255,31 +252,3 @@ class SystemFile(Sections):
     mirror: tuple[MirrorSet, ...] = Field(
         default=(), description="Groups that are made twice, as written and as mirror image"
     )
-
-
-def read_mapping(value: Any) -> Any:
-    """Return a mapping with its values read as expressions, all mistakes told at once."""
-    if not isinstance(value, dict):
-        return {} if value is None else value
-    from vehicledyn.base.wording import Complaint, complain
-
-    read, complaints = {}, []
-    for name, item in flattened(value).items():
-        try:
-            read[name] = read_expression(item)
-        except ValueError as error:
-            complaints.append(Complaint((name,), str(error), item))
-    if complaints:
-        raise complain("expressions", complaints)
-    return read
-
-
-def flattened(value: dict[str, Any], head: str = "") -> dict[str, Any]:
-    """Return a nested mapping as one of dotted names."""
-    flat: dict[str, Any] = {}
-    for name, item in value.items():
-        if isinstance(item, dict):
-            flat |= flattened(item, f"{head}{name}.")
-        else:
-            flat[f"{head}{name}"] = item
-    return flat

@@ -123,10 +123,8 @@ def _expressions(item: ParameterSet, name: str, place: Place, units: _Units) -> 
 def _units_of(item: Any, coordinates: dict[str, Coordinate]) -> _Units:
     named = getattr(item, "coordinate", None)
     if isinstance(item, ConstraintSet):
-        points = tuple(getattr(item, "points", ()))
         named = item.coordinates[0] if item.coordinates else None
-    else:
-        points = ()
+    points = tuple(getattr(item, "points", ()))
     if named is None:
         return _Units(points=points)
     found = coordinates.get(str(named))

@@ -1,0 +1,152 @@
+"""Impacts: rates that jump by impulses while all constraints hold before and after.
+
+With impulses P along some directions E of the rates v, and Λ of the constraints J v + b = 0,
+
+    M (v⁺ - v⁻) = Jᵀ Λ + Eᵀ P,    J v⁺ + b = 0,    E v⁺ as demanded,
+
+and the positions stay. In independent rates w, where v = T w + ..., the Λ drop out:
+Tᵀ M T (w⁺ - w⁻) = (E T)ᵀ P (Pfeiffer, Glocker (1996), Multibody Dynamics with Unilateral Contacts,
+Wiley).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from vehicledyn.base.errors import InputError, unknown_name
+from vehicledyn.multibody.dynamics import mass_matrix
+from vehicledyn.multibody.loops import Loops
+from vehicledyn.multibody.observation import Solved
+from vehicledyn.multibody.parts import PartEvent
+from vehicledyn.multibody.unknowns import Symbols
+from vehicledyn.symbolic import ops
+from vehicledyn.symbolic.elimination import Rows, solve_symmetric
+from vehicledyn.symbolic.ops import Scalar
+
+
+@dataclass(frozen=True)
+class Demand:
+    """What an impulse must achieve: the change of Σ gradient · rate, over all coordinates."""
+
+    gradient: dict[int, Scalar]
+    change: Scalar
+
+
+class Impacts:
+    """The jumps of the independent rates of a solved system."""
+
+    def __init__(
+        self, symbols: Symbols, loops: Loops, solved: Solved, independent: Sequence[int]
+    ) -> None:
+        """Keep what is needed; ``independent`` are indices of coordinates.
+
+        Nothing is derived before the first impact.
+        """
+        self._symbols, self._loops, self._solved = symbols, loops, solved
+        self._independent = list(independent)
+        self._rows: tuple[Rows, dict[int, dict[int, Scalar]]] | None = None
+
+    def rates_after(self, name: str, event: PartEvent) -> dict[str, Scalar]:
+        """Return the rates of all independent coordinates after an event, by state.
+
+        Raises
+        ------
+        InputError
+            If the event demands a rate that no impulse can give.
+        """
+        demands = [*self._rates(name, event), *self._rebound(name, event)]
+        joints = self._symbols.joints
+        before = [self._solved.rates[joints[k].name] for k in self._independent]
+        jumps = self._jumps(demands)
+        return {
+            f"{joints[k].name}_rate": rate + jump
+            for k, rate, jump in zip(self._independent, before, jumps, strict=True)
+        }
+
+    def _rates(self, name: str, event: PartEvent) -> list[Demand]:
+        index = {j.name: k for k, j in enumerate(self._symbols.joints)}
+        demands = []
+        for coordinate, wanted in event.impulses.items():
+            if coordinate not in index:
+                raise InputError(
+                    f"event '{name}' resets the rate of "
+                    f"{unknown_name('coordinate', coordinate, index)}"
+                )
+            k = index[coordinate]
+            if self._symbols.joints[k].role == "driven":
+                raise InputError(
+                    f"event '{name}' resets the rate of '{coordinate}', which is driven"
+                )
+            change = wanted - self._solved.rates[coordinate]
+            demands.append(Demand({k: ops.scalar(1.0)}, change))
+        return demands
+
+    def _rebound(self, name: str, event: PartEvent) -> list[Demand]:
+        """Return the demand that the function of the event goes back as it came."""
+        if event.restitution is None:
+            return []
+        s = self._symbols
+        function = ops.scalar(event.expression)
+        (gradient,) = ops.rows_of(ops.jacobian(function, s.coordinate_column)) or ({},)
+        if not gradient or ops.depends_on(function, s.rate_column):
+            raise InputError(
+                f"event '{name}' has a restitution, so its function must be one of coordinates "
+                "and positions, not of rates"
+            )
+        speed = ops.derivative(function, s.time, 1.0)
+        for k, slope in gradient.items():
+            speed = speed + slope * self._solved.rates[s.joints[k].name]
+        return [Demand(gradient, -(1.0 + event.restitution) * speed)]
+
+    def _jumps(self, demands: Sequence[Demand]) -> list[Scalar]:
+        """Return w⁺ - w⁻ of the independent rates."""
+        mass, spread = self._reduced()
+        count = len(self._independent)
+        reach = [self._along(demand.gradient, spread) for demand in demands]
+        answers = [
+            solve_symmetric(mass, [row.get(k, ops.scalar(0.0)) for k in range(count)])
+            for row in reach
+        ]
+        size = range(len(demands))
+        yielding: Rows = [
+            {
+                j: sum((v * answers[j][k] for k, v in reach[i].items()), start=ops.scalar(0.0))
+                for j in size
+            }
+            for i in size
+        ]
+        impulses = solve_symmetric(yielding, [ops.scalar(d.change) for d in demands])
+        return [
+            sum((answers[i][k] * impulses[i] for i in size), start=ops.scalar(0.0))
+            for k in range(count)
+        ]
+
+    def _along(
+        self, gradient: dict[int, Scalar], spread: dict[int, dict[int, Scalar]]
+    ) -> dict[int, Scalar]:
+        """Return a gradient over the independent rates."""
+        found: dict[int, Scalar] = {}
+        for coordinate, slope in gradient.items():
+            for k, entry in spread.get(coordinate, {}).items():
+                found[k] = found.get(k, 0.0) + slope * entry
+        return found
+
+    def _reduced(self) -> tuple[Rows, dict[int, dict[int, Scalar]]]:
+        """Return Tᵀ M T and the rows of T by coordinate."""
+        if self._rows is not None:
+            return self._rows
+        names = [j.name for j in self._symbols.joints]
+        place = {k: i for i, k in enumerate(self._independent)}
+        spread = {k: {i: ops.scalar(1.0)} for k, i in place.items()}
+        for k, row in self._loops.closure.influence(self._independent).items():
+            spread[k] = {place[v]: entry for v, entry in row.items()}
+        mass = mass_matrix(self._solved.kinematics, {names[k] for k in spread})
+        rows: Rows = [{} for _ in self._independent]
+        index = {name: k for k, name in enumerate(names)}
+        for (a, b), value in mass.items():
+            for i, left in spread[index[a]].items():
+                for j, right in spread[index[b]].items():
+                    rows[i][j] = rows[i].get(j, 0.0) + left * (value * right)
+        self._rows = rows, spread
+        return self._rows
