@@ -9,8 +9,11 @@ from typing import Any
 import numpy as np
 
 from vehicledyn.base.units import shown
-from vehicledyn.results.layout import SummaryEntry
+from vehicledyn.results.layout import EventRecord, SummaryEntry
 from vehicledyn.results.reader import Result, open_result
+
+_MOST_EVENTS = 20
+"""Events that are shown to a person."""
 
 
 @dataclass(frozen=True)
@@ -49,6 +52,7 @@ class ResultDescription:
     states: int
     solver: dict[str, Any]
     plots: tuple[str, ...]
+    events: tuple[EventRecord, ...] = ()
 
     def as_dict(self) -> dict[str, Any]:
         """Return plain data that JSON can hold."""
@@ -56,7 +60,8 @@ class ResultDescription:
 
     def as_text(self) -> str:
         """Return lines for a person; a partial file says so first."""
-        return "\n".join([*self._heading(), *self._summary(), *self._solver(), *self._channels()])
+        tables = (self._summary(), self._events(), self._solver(), self._channels())
+        return "\n".join([*self._heading(), *(line for table in tables for line in table)])
 
     def _heading(self) -> list[str]:
         unit = "s" if self.timed else "counted"
@@ -84,6 +89,12 @@ class ResultDescription:
             for entry in self.summary
         ]
         return _table("Summary", rows)
+
+    def _events(self) -> list[str]:
+        """Return the first events with their times, and how many more there are."""
+        rows = [(event.name, f"{event.time:.9g} s") for event in self.events[:_MOST_EVENTS]]
+        more = len(self.events) - len(rows)
+        return _table("Events", [*rows, *([("...", f"{more} more")] if more else [])])
 
     def _solver(self) -> list[str]:
         rows = [(name, _reading(value, "1")) for name, value in self.solver.items()]
@@ -129,6 +140,7 @@ def describe_result(path: str | Path) -> ResultDescription:
             states=len(result.states.names),
             solver=result.solver,
             plots=tuple(str(plot.get("name", "?")) for plot in result.plots),
+            events=tuple(result.events),
         )
 
 
