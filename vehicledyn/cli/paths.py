@@ -9,8 +9,17 @@ import typer
 
 from vehicledyn.base.errors import InputError
 from vehicledyn.cli.analyses import read_target
-from vehicledyn.cli.options import Json, Overrides, Quiet, Target
-from vehicledyn.cli.terminal import emit, emit_report, show_progress, tell, to_json
+from vehicledyn.cli.files import read_scenario
+from vehicledyn.cli.options import (
+    Backend,
+    BackendChoice,
+    Json,
+    Overrides,
+    Quiet,
+    ScenarioFile,
+    Target,
+)
+from vehicledyn.cli.terminal import emit_report, show_progress, tell
 
 Plots = Annotated[
     Path | None, typer.Option(help="Folder of the figures; the result's name with _plots.")
@@ -21,6 +30,7 @@ NoPlots = Annotated[bool, typer.Option("--no-plots", help="Draw nothing.")]
 def add_verbs(app: typer.Typer) -> None:
     """Add the verbs of this module to the command line."""
     app.command()(kinematics)
+    app.command()(inverse)
 
 
 def kinematics(
@@ -70,10 +80,50 @@ def kinematics(
         report = sweep_kinematics(loaded, wish, output=result, plots=folder, progress=progress)
     for message in () if quiet and report.exit_code == 0 else report.messages:
         tell(message)
-    if as_json:
-        emit(to_json(report.as_dict()))
-    elif not quiet:
-        emit_report(report, as_json=False)
+    if as_json or not quiet:
+        emit_report(report, as_json=as_json)
+    raise typer.Exit(report.exit_code)
+
+
+def inverse(
+    scenario: ScenarioFile,
+    *,
+    motion: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="TABLE",
+            help="CSV or result file with the motion; the scenario's section 'motion' if absent.",
+        ),
+    ] = None,
+    overrides: Overrides = None,
+    output: Annotated[
+        Path | None, typer.Option("--output", "-o", help="Result file; NAME_inverse.h5.")
+    ] = None,
+    plots: Plots = None,
+    no_plots: NoPlots = False,
+    backend: BackendChoice = Backend.AUTO,
+    as_json: Json = False,
+    quiet: Quiet = False,
+) -> None:
+    """Find the forces that a prescribed motion needs; write result file and figures."""
+    loaded = read_scenario(scenario, overrides)
+    from vehicledyn.run.inverse_report import find_forces
+
+    result = output or Path(f"{scenario.stem}_inverse.h5")
+    folder = None if no_plots else plots or result.parent / f"{result.stem}_plots"
+    with show_progress(quiet=quiet) as progress:
+        report = find_forces(
+            loaded,
+            table=motion,
+            output=result,
+            backend=backend.value,
+            plots=folder,
+            progress=progress,
+        )
+    for message in () if quiet and report.exit_code == 0 else report.messages:
+        tell(message)
+    if as_json or not quiet:
+        emit_report(report, as_json=as_json)
     raise typer.Exit(report.exit_code)
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -11,7 +11,7 @@ from vehicledyn.base.errors import InputError
 from vehicledyn.multibody.inverse import InverseDynamics, derive_inverse
 from vehicledyn.multibody.system import System
 from vehicledyn.solve.equilibrium import assemble
-from vehicledyn.solve.kernel import Backend, compile_kernel
+from vehicledyn.solve.kernel import Backend, Kernel, compile_kernel
 
 Array = NDArray[np.float64]
 
@@ -60,15 +60,40 @@ def inverse_dynamics(
     kernel = compile_kernel(inverse.equations, backend=backend)
     instants = np.atleast_1d(np.asarray(times, dtype=float))
     motion = [_table(item, len(instants)) for item in (positions, rates, accelerations)]
-    unknowns = np.array([variable.start for variable in inverse.equations.unknowns])
-    rows = []
-    for k, time in enumerate(instants):
-        state = inverse.state(*(table[k] for table in motion))
-        unknowns = assemble(kernel, float(time), state, unknowns)
-        rows.append(kernel.outputs(float(time), state, unknowns))
+    rows = list(channel_rows(inverse, kernel, instants, motion))
     columns = np.array(rows).reshape(len(instants), len(inverse.equations.channels)).T
     names = [channel.name for channel in inverse.equations.channels]
     return dict(zip(names, columns, strict=True))
+
+
+def channel_rows(
+    inverse: InverseDynamics,
+    kernel: Kernel,
+    times: Array,
+    motion: Sequence[Array],
+) -> Iterator[Array]:
+    """Yield the values of all channels at one time after the other, shape (n_channels,).
+
+    Parameters
+    ----------
+    inverse, kernel
+        Inverse dynamics and their kernel.
+    times
+        Shape (n_times,) [s].
+    motion
+        Positions, rates and accelerations of the prescribed coordinates, each of shape
+        (n_times, n_coordinates) in SI.
+
+    Raises
+    ------
+    NumericalError
+        If a loop cannot be closed; names it and the time.
+    """
+    unknowns = np.array([variable.start for variable in inverse.equations.unknowns])
+    for k, time in enumerate(times):
+        state = inverse.state(*(table[k] for table in motion))
+        unknowns = assemble(kernel, float(time), state, unknowns)
+        yield kernel.outputs(float(time), state, unknowns)
 
 
 def _table(values: ArrayLike, n_times: int) -> Array:

@@ -106,6 +106,11 @@ class Scenario(ParameterSet):
     kinematics: Kinematics | None = Field(
         default=None, description="What the verb 'kinematics' drives"
     )
+    motion: dict[str, Any] | str | None = Field(
+        default=None,
+        description="Motion that the verb 'inverse' prescribes: by coordinate a law or an "
+        "expression of time, or a table as CSV or result file",
+    )
 
     @field_validator("parameters", "initial", mode="before")
     @classmethod

@@ -32,6 +32,7 @@ from vehicledyn.systems.sets import (
     SpringSet,
     WheelSet,
 )
+from vehicledyn.systems.wheel_sensor import WheelAnglesSet
 
 AXES = {"x": 1, "y": 2, "z": 3}
 _PRODUCTS = ((1, 2), (1, 3), (2, 3))
@@ -147,7 +148,7 @@ def _mirrored(item: Any, axis: int, renamed: _Names, pieces: Mapping[str, str]) 
     if isinstance(image, BodySet):
         joints = tuple(_mirrored_joint(joint, axis, pieces) for joint in image.joints)
         return image.model_copy(update={"joints": joints})
-    if isinstance(image, WheelSet) and axis == AXES["y"] and image.side:
+    if isinstance(image, WheelSet | WheelAnglesSet) and axis == AXES["y"] and image.side:
         return image.model_copy(update={"side": _OTHER[image.side]})
     if isinstance(item, EventSet):
         return _mirrored_event(item, image, axis, renamed)

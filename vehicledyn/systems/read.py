@@ -17,7 +17,9 @@ from vehicledyn.scenario.sources import Sources
 from vehicledyn.systems import changes, load_kinds
 from vehicledyn.systems.checks import check
 from vehicledyn.systems.joints import Coordinate
+from vehicledyn.systems.laws import TimeLaw
 from vehicledyn.systems.mirror import mirror_image
+from vehicledyn.systems.motion import read_motion
 from vehicledyn.systems.parameters import Parameters, read_parameters
 from vehicledyn.systems.repeat import Expansion, expand
 from vehicledyn.systems.sets import Sections, SystemFile
@@ -28,7 +30,8 @@ class SystemModel:
     """A system file that may be built.
 
     ``file`` has its repetition and mirror images carried out and its bodies parents first;
-    ``places`` are the lines of coordinates, parts and bodies by name, without a message.
+    ``places`` are the lines of coordinates, parts and bodies by name, without a message;
+    ``motion`` are the laws that a scenario gives for inverse dynamics, by coordinate.
     """
 
     path: Path
@@ -37,6 +40,7 @@ class SystemModel:
     parameters: Parameters
     coordinates: dict[str, Coordinate]
     places: dict[str, Problem] = field(default_factory=dict)
+    motion: dict[str, TimeLaw] = field(default_factory=dict)
 
     @property
     def name(self) -> str:
@@ -94,14 +98,18 @@ def read_system(
         return None, _once(reading.problems)
     coordinates = _coordinates(file)
     places = reading.places(file)
-    return SystemModel(path, document.text, file, reading.parameters, coordinates, places), []
+    laws = reading.motion(coordinates)
+    if reading.problems:
+        return None, _once(reading.problems)
+    model = SystemModel(path, document.text, file, reading.parameters, coordinates, places, laws)
+    return model, []
 
 
 class _Reading:
     """The steps of reading one file, and the problems they find."""
 
     def __init__(self, document: Document, given: dict[str, Any], sources: Sources) -> None:
-        self.own, self.outer = Sources(document), sources
+        self.own, self.outer, self.given = Sources(document), sources, given
         self.problems = list(document.problems)
         self.expansion: Expansion = expand(document.data)
         self.changes = changes.apply(self.expansion.data, given)
@@ -141,6 +149,12 @@ class _Reading:
             name: self.own.problem(self.expansion.place(place), "", at_key=True)
             for name, place in found.items()
         }
+
+    def motion(self, coordinates: dict[str, Coordinate]) -> dict[str, TimeLaw]:
+        """Return the laws of the motion that a scenario prescribes."""
+        laws, problems = read_motion(self.given.get("motion"), coordinates, self.parameters)
+        self.problems += [self.outer.problem(place, words) for place, words in problems]
+        return laws
 
     def _flat(self, file: SystemFile) -> SystemFile:
         """Return the file with its groups and their mirror images in its sections."""
