@@ -21,7 +21,7 @@ from vehicledyn.solve.kernel import Kernel
 
 Vector = NDArray[np.float64]
 
-TOLERANCE = 1e-11
+TOLERANCE, FINE_TOLERANCE = 1e-11, 1e-12
 """Relative and absolute error of the states in a step of the passage [1]; ten times as much
 after every few steps that are refused, as rounding sets a limit."""
 _GAP = 0.47
@@ -47,7 +47,7 @@ class Passage:
     solved for, starting from it.
     """
 
-    def __init__(self, kernel: Kernel, begin: Sample) -> None:
+    def __init__(self, kernel: Kernel, begin: Sample, tolerance: float = TOLERANCE) -> None:
         """Start at a sample outside of the singular zone."""
         self._kernel = kernel
         self._ledger = Ledger()
@@ -56,7 +56,7 @@ class Passage:
         moving = [f"{u.name}_rate" for u in kernel.equations.unknowns]
         self._rate_of = [names.index(name) if name in names else -1 for name in moving]
         self._steps: list[Trial] = []
-        self._tolerance = TOLERANCE
+        self._aim = self._tolerance = tolerance
         self._move(begin.time, np.concatenate([begin.state, begin.unknowns]))
 
     def go(self, *, crossing: Sequence[int], until: float) -> float:
@@ -77,7 +77,7 @@ class Passage:
         refused, far = 0, np.abs(self._pivots(self.time, self._y)[list(crossing)])
         for _ in range(_MOST_TRIES):
             wait = self._time_to(crossing)
-            self._tolerance = TOLERANCE * 10.0 ** (refused // _PATIENCE)
+            self._tolerance = self._aim * 10.0 ** (refused // _PATIENCE)
             refused += wait > 0.0
             if wait > 0.0 and self._jump(wait / _GAP):
                 return self.time

@@ -14,8 +14,12 @@ from vehicledyn.run.passage import Sample
 Vector = NDArray[np.float64]
 Matrix = NDArray[np.float64]
 
-ZONE = 0.1
-"""Determinant, as a part of the largest met, below which samples are held back."""
+ZONE, WIDE_ZONE = 0.1, 0.3
+"""Determinant, as a part of the largest met, below which samples are held back.
+
+The wide one is for adaptive steps of high order: samples before a singular configuration come
+from the dense output of a step that may reach over it, whose stages are lost in rounding.
+"""
 _NEAR = 0.01
 """The same part below which a sample is too near to a singular configuration to be trusted."""
 _WEAK = 0.3
@@ -24,6 +28,8 @@ LEVERAGE = 10.0
 """Largest dependent rate of a unit independent rate that a partition is kept with."""
 _AHEAD = 256
 """Samples whose pivots are looked at together."""
+_MOST_HELD = 512
+"""Samples that stay held back in a motion that is nearly singular for long."""
 
 
 class Crossing(Exception):  # noqa: N818
@@ -53,6 +59,8 @@ class PivotLog:
         pivots: Callable[[Sequence[Sample]], Matrix],
         forward: Callable[[list[Sample]], None],
         better: Callable[[Sample, float], Comparison | None],
+        *,
+        zone: float = ZONE,
     ) -> None:
         """Start with no samples.
 
@@ -66,8 +74,11 @@ class PivotLog:
         better
             Gives the comparison with a better partition at a sample, if the leverage of the
             present one is above a limit and there is one.
+        zone
+            Part of the largest determinant below which samples are held back.
         """
         self._pivots, self._hand_on, self._better = pivots, forward, better
+        self._zone = zone
         self._anchor: Sample | None = None
         self._held: list[Sample] = []
         self._scale = np.zeros(0)
@@ -154,8 +165,13 @@ class PivotLog:
         self._scale = np.maximum(scale, np.abs(values))
         share = float(np.min(np.abs(values) / self._scale, initial=1.0))
         self._try_others(sample, share)
-        if share >= ZONE:
+        if share >= self._zone:
             self.release()
+        elif len(self._held) > 2 * _MOST_HELD:
+            kept = self._held[_MOST_HELD:]
+            del self._held[_MOST_HELD:]
+            self.release()
+            self._held = kept
 
     def _try_others(self, sample: Sample, share: float) -> None:
         if share >= _WEAK:

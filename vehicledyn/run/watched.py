@@ -24,8 +24,8 @@ from vehicledyn.multibody.derivation import derive
 from vehicledyn.multibody.loops import Moment
 from vehicledyn.multibody.system import System
 from vehicledyn.multibody.watch import Comparison, PartitionWatch, freed
-from vehicledyn.run.passage import Passage, Sample
-from vehicledyn.run.pivots import Crossing, Degrading, PivotLog
+from vehicledyn.run.passage import FINE_TOLERANCE, TOLERANCE, Passage, Sample
+from vehicledyn.run.pivots import WIDE_ZONE, ZONE, Crossing, Degrading, PivotLog
 from vehicledyn.solve.kernel import Backend, Kernel, Progress, compile_kernel
 from vehicledyn.solve.simulate import Solver, simulate
 from vehicledyn.solve.task import Happened, Sink, Statistics
@@ -106,7 +106,10 @@ class _Run:
     def __post_init__(self) -> None:
         self._known: dict[tuple[str, ...], Kernel] = {}
         self._first = self.kernel.equations
-        self._log = PivotLog(self._pivots, self._forward, self._better)
+        adaptive = getattr(self.solver, "relative_tolerance", None)
+        zone = ZONE if adaptive is None else WIDE_ZONE
+        self._tolerance = min(TOLERANCE, max(adaptive or TOLERANCE, FINE_TOLERANCE))
+        self._log = PivotLog(self._pivots, self._forward, self._better, zone=zone)
         self._changed_at = -np.inf
         self._segment: int | None = None
         self._passed = 0
@@ -188,7 +191,7 @@ class _Run:
     def _pass(self, crossing: Crossing, index: int) -> tuple[int, Vector, Vector]:
         """Step over a singular configuration; return where the run goes on."""
         begin = crossing.begin
-        passage = Passage(self.kernel, begin)
+        passage = Passage(self.kernel, begin, self._tolerance)
         try:
             behind = passage.go(crossing=crossing.blocks, until=crossing.until)
             first, last = self._index(begin.time) + 1, self._index(behind)
