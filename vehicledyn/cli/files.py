@@ -123,15 +123,19 @@ def plot(
     wanted = tuple(filter(None, (text.strip() for text in formats.split(","))))
     if not wanted or not set(wanted) <= set(Format):
         raise InputError(f"--format {formats}: write png, svg or png,svg")
+    from vehicledyn.results.linear_results import draw_linear, is_linear
     from vehicledyn.results.plots import draw_plots
 
     target = folder or result.parent / f"{result.stem}_plots"
-    for path in draw_plots(result, target, only or None, wanted):
+    draw = draw_linear if is_linear(result) else draw_plots
+    for path in draw(result, target, only or None, wanted):
         emit(str(path))
 
 
 def info(result: ResultFile, as_json: Json = False) -> None:
     """Show what a result file holds."""
     from vehicledyn.results.info import describe_result
+    from vehicledyn.results.linear_results import describe_linear, is_linear
 
-    emit_report(describe_result(result), as_json=as_json)
+    report = describe_linear(result) if is_linear(result) else describe_result(result)
+    emit_report(report, as_json=as_json)

@@ -1,0 +1,102 @@
+"""What files of eigenmodes and frequency responses hold: describe them, draw them again."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from vehicledyn.base.errors import InputError, unknown_name
+from vehicledyn.results import mode_table, response_table
+from vehicledyn.results.bode import bode_figures
+from vehicledyn.results.linear_file import format_of
+from vehicledyn.results.mode_figures import mode_figures
+from vehicledyn.results.pictures import save_figures
+from vehicledyn.results.plot_style import STYLE
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+FORMATS = (mode_table.FORMAT, response_table.FORMAT)
+
+
+@dataclass(frozen=True)
+class LinearDescription:
+    """Facts of a file by name, for people and programs."""
+
+    path: str
+    facts: dict[str, Any]
+
+    def as_dict(self) -> dict[str, Any]:
+        """Return plain data that JSON can hold."""
+        return {"path": self.path, **self.facts}
+
+    def as_text(self) -> str:
+        """Return lines for a person."""
+        rows = []
+        for name, value in self.facts.items():
+            told = ", ".join(map(str, value)) if isinstance(value, list) else value
+            rows.append(f"  {name:12}  {told}")
+        return "\n".join([self.path, *rows])
+
+
+def is_linear(path: Path) -> bool:
+    """Return whether a file holds eigenmodes or frequency responses."""
+    return format_of(path) in FORMATS
+
+
+def describe_linear(path: Path) -> LinearDescription:
+    """Return what a file of eigenmodes or frequency responses holds."""
+    if format_of(path) == mode_table.FORMAT:
+        modes = mode_table.read_modes(path)
+        facts: dict[str, Any] = {
+            "holds": "eigenmodes and mode shapes",
+            "title": modes.title,
+            "model": modes.model,
+            "cases": [case.label or "as given" for case in modes.cases],
+            "modes": [len(case.kind) for case in modes.cases],
+            "states": len(modes.states),
+            "channels": len(modes.channels),
+        }
+        return LinearDescription(str(path), facts)
+    table = response_table.read_response(path)
+    first, last = table.frequency[0], table.frequency[-1]
+    facts = {
+        "holds": "frequency responses",
+        "title": table.title,
+        "model": table.model,
+        "speed": f"{table.speed:g} m/s",
+        "frequencies": f"{len(table.frequency)} frequencies from {first:g} to {last:g} Hz",
+        "inputs": [f"{item.name} [{item.unit}]" for item in table.inputs],
+        "outputs": [f"{item.name} [{item.unit}]" for item in table.outputs],
+    }
+    return LinearDescription(str(path), facts)
+
+
+def draw_linear(
+    path: Path, folder: Path, names: Sequence[str] | None, formats: Sequence[str]
+) -> list[Path]:
+    """Draw the figures of such a file, all or those of some names; return where they are.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be read, a name is unknown or a picture cannot be written.
+    """
+    import matplotlib
+
+    with matplotlib.rc_context(STYLE):
+        figures = dict(_figures(path))
+    for name in names or ():
+        if name not in figures:
+            raise InputError(f"{path}: {unknown_name('figure', name, figures)}")
+    chosen = [(name, figures[name]) for name in names or figures]
+    return save_figures(chosen, folder, formats)
+
+
+def _figures(path: Path) -> Iterator[tuple[str, Figure]]:
+    if format_of(path) == mode_table.FORMAT:
+        yield from mode_figures(mode_table.read_modes(path))
+    else:
+        yield from bode_figures(response_table.read_response(path))
