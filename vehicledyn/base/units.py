@@ -56,7 +56,9 @@ UNITS: dict[str, Unit] = {
     **_PLAIN,
 }
 _SUPERSCRIPTS = str.maketrans("⁻⁰¹²³⁴⁵⁶⁷⁸⁹", "-0123456789")
-_NUMBER = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(.*?)\s*$", re.DOTALL)
+_NUMBER = re.compile(
+    r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(.*?)\s*$", re.DOTALL | re.ASCII
+)
 _FACTOR = re.compile(r"\s*(\*\*|[*/·]?)\s*([A-Za-zµ°%]+|1)(?:\s*(?:\^|\*\*)?\s*([+-]?\d+))?\s*")
 
 

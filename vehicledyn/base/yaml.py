@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from ruamel.yaml import YAML
+from ruamel.yaml.composer import Composer, ComposerError
 from ruamel.yaml.error import MarkedYAMLError, YAMLStreamError
 from ruamel.yaml.nodes import MappingNode, Node, ScalarNode, SequenceNode
 from ruamel.yaml.reader import ReaderError
@@ -18,6 +19,7 @@ LARGEST_FILE = 5_000_000
 """Bytes of the largest file that is read; tables belong in CSV or HDF5."""
 
 _LARGEST_COUNT = 100_000
+_MOST_SHOWN = 40
 _NO_TEXT = re.compile("[\x00\ud800-\udfff]")
 _OTHER_VERSION = re.compile(r"%YAML\s+(?!1\.2\b)")
 _KNOWN_TAGS = {"null", "bool", "int", "float", "str", "map", "seq"}
@@ -65,6 +67,7 @@ def parse_yaml(text: str, name: str) -> Document:
         raise _syntax("only YAML 1.2 is read; take the %YAML line away", name, START)
     document = Document(name, text)
     reader = YAML(typ="safe", pure=True)
+    reader.Composer = _Composer
     try:
         node = reader.compose(text)
         if node is not None:
@@ -80,6 +83,18 @@ def parse_yaml(text: str, name: str) -> Document:
     except RecursionError:
         raise _syntax("nested too deeply", name, START) from None
     return document
+
+
+class _Composer(Composer):
+    """Composes nodes until there are too many; reading a long file on would take minutes."""
+
+    count = 0
+
+    def compose_node(self, parent: Any, index: Any) -> Any:
+        self.count += 1
+        if self.count > _LARGEST_COUNT:
+            raise ComposerError(None, None, "too many values", self.parser.peek_event().start_mark)
+        return super().compose_node(parent, index)
 
 
 class _Builder:
@@ -139,8 +154,12 @@ class _Builder:
         try:
             return self.constructor.construct_object(node)
         except (ValueError, KeyError):
-            self._note(_mark(node), place, f"'{node.value}' is no {tag}")
-            return None
+            text = str(node.value)[:_MOST_SHOWN]
+            words = (
+                f"'{text}...' is too long a number" if text.isdigit() else f"'{text}' is no {tag}"
+            )
+            self._note(_mark(node), place, words)
+            return text
 
     def _text(self, node: ScalarNode, place: Place) -> str:
         text = str(node.value)

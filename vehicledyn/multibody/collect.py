@@ -172,7 +172,7 @@ def _part_blocks(system: System, first: int) -> tuple[Block, ...]:
     for part in system.parts:
         count = len(part.unknowns())
         if count:
-            blocks.append(Block(part.name, first, first + count, LOOP_TOLERANCE))
+            blocks.append(Block(part.name, first, first + count, LOOP_TOLERANCE, is_loop=False))
             first += count
     return tuple(blocks)
 
@@ -181,7 +181,9 @@ def _check_unique(outputs: list[Output]) -> None:
     seen: set[str] = set()
     for output in outputs:
         if output.channel.name in seen:
-            raise InputError(f"two parts give a channel named '{output.channel.name}'")
+            name = output.channel.name
+            words = f"two parts give a channel named '{name}'; rename one of them"
+            raise InputError(words, about=[name, name.rpartition(".")[0]])
         seen.add(output.channel.name)
 
 

@@ -108,7 +108,8 @@ def refuse_singular(place: Place, q: Array, chosen: Choice) -> None:
     raise InputError(
         f"the assembled configuration is singular: {lost} of the constraints of {cuts} "
         f"do not act there and leave {', '.join(free)} undetermined; start the coordinates of "
-        "these loops elsewhere"
+        "these loops elsewhere",
+        about=[place.gaps.rows[r].cut for r in chosen.rates.redundant if r not in acting],
     )
 
 
@@ -120,6 +121,7 @@ def refuse_contradictions(place: Place, q: Array, chosen: Choice) -> None:
     """
     drift = place.gaps.drift(place.time, q)
     problems: list[str] = []
+    about: list[str] = []
     for item in chosen.rates.redundancies:
         weights = {item.row: 1.0, **item.weights}
         rows = [place.gaps.rows[r] for r in weights]
@@ -131,10 +133,13 @@ def refuse_contradictions(place: Place, q: Array, chosen: Choice) -> None:
             f"the constraints {cuts} leave it no freedom"
             for j in movers
         )
+        told = len(problems)
         if not movers and abs(pushed) > partition.RANK_TOLERANCE:
             problems.append(f"the constraints {cuts} contradict each other as time goes on")
+        if movers or len(problems) > told:
+            about += [*(row.cut for row in rows), *(j.name for j in movers)]
     if problems:
-        raise InputError("contradictory constraints: " + "; ".join(problems))
+        raise InputError("contradictory constraints: " + "; ".join(problems), about=about)
 
 
 def warn_weak(place: Place, chosen: Choice) -> None:

@@ -162,15 +162,19 @@ def _check(rows: list[Row], expressions: list[Scalar], symbols: Symbols, known: 
     rates = symbols.rate_column
     for row, expression in zip(rows, expressions, strict=True):
         if row.is_holonomic and ops.depends_on(expression, rates):
-            raise InputError(f"constraint '{row.cut}' depends on rates, which 'residuals' must not")
+            raise InputError(
+                f"constraint '{row.cut}' depends on rates, which 'residuals' must not",
+                about=[row.cut],
+            )
         if not row.is_holonomic and ops.depends_on(ops.jacobian(expression, rates), rates):
-            raise InputError(f"constraint '{row.cut}' is not linear in the rates")
+            raise InputError(f"constraint '{row.cut}' is not linear in the rates", about=[row.cut])
         strange = ops.free_symbols(expression, known)
         if strange:
             listed = ", ".join(f"'{name}'" for name in strange)
             raise InputError(
                 f"constraint '{row.cut}' depends on {listed}; it may depend on time, coordinates, "
-                "rates and parameters only"
+                "rates and parameters only",
+                about=[row.cut],
             )
 
 

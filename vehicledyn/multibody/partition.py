@@ -117,7 +117,8 @@ def choose(
         listed = ", ".join(f"'{names[c]}'" for c in groups[0])
         raise InputError(
             f"the loops do not determine {listed} at the assembled configuration; "
-            "declare other coordinates dependent or leave the choice to the program"
+            "declare other coordinates dependent or leave the choice to the program",
+            about=[names[c] for c in groups[0]],
         )
     if count == len(jacobian):
         return Choice(first, first)

@@ -68,9 +68,11 @@ def motions(system: System, symbols: Symbols) -> dict[str, Motion]:
     for part in system.parts:
         for name, motion in part.motions(Clock(symbols.time, symbols.states[part.name])).items():
             if name not in driven:
-                raise InputError(f"part '{part.name}' drives '{name}', which is not a driven joint")
+                words = f"part '{part.name}' drives '{name}', which is not a driven joint"
+                raise InputError(words, about=[part.name])
             if name in owners:
-                raise InputError(f"'{name}' is driven by '{owners[name].name}' and '{part.name}'")
+                words = f"'{name}' is driven by '{owners[name].name}' and '{part.name}'"
+                raise InputError(words, about=[owners[name].name, part.name])
             owners[name] = part
             driven[name] = motion
     return {

@@ -1,13 +1,16 @@
-"""Say where in a system file the parts stand that an error of the equations is about."""
+"""Say where in a file the parts or names stand that an error of the equations is about."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 
 from vehicledyn.base.errors import InputError, NumericalError
-from vehicledyn.base.problems import Problem
+from vehicledyn.base.problems import Problem, refusal
+from vehicledyn.base.yaml import parse_yaml
 from vehicledyn.run.vehicle import Target
+from vehicledyn.scenario import LoadedScenario
+from vehicledyn.scenario.sources import Sources
 from vehicledyn.systems.read import SystemModel
 
 
@@ -38,5 +41,33 @@ def _with_places(text: str, names: list[str], places: Mapping[str, Problem]) -> 
         for name, mark in zip(names, lines, strict=True)
         if mark is not None and mark != lines[0]
     ]
-    told = f"{text} ({', '.join(others)})" if others else text
-    return str(first._replace(message=told))
+    head, line, rest = text.partition("\n")
+    told = f"{head} ({', '.join(others)})" if others else head
+    return str(first._replace(message=f"{told}{line}{rest}"))
+
+
+def wrong_output(
+    loaded: LoadedScenario, field: str, problems: Sequence[tuple[str, str]]
+) -> InputError:
+    """Return the error of names under ``output`` that mean nothing.
+
+    Parameters
+    ----------
+    loaded
+        The scenario.
+    field
+        "channels" or "plots".
+    problems
+        Wrong names with what is wrong.
+    """
+    name = str(loaded.path)
+    sources = Sources(parse_yaml(loaded.text, name))
+    given: Sequence[str] = getattr(loaded.scenario.output, field) or ()
+    for override in loaded.overrides:
+        key = override.partition("=")[0].strip()
+        if key == f"output.{field}":
+            sources.override(("output", field), f"--set {key}")
+    told = [
+        sources.problem(("output", field, given.index(wrong)), words) for wrong, words in problems
+    ]
+    return refusal(told, name)

@@ -51,6 +51,17 @@ def refuse_rigid_loops(prepared: Prepared) -> None:
         raise InputError(text, about=[name for loop in loops for name in loop.constraints])
 
 
+def redundant_constraints(prepared: Prepared) -> list[str]:
+    """Return which constraints say what others say already, a line each."""
+    known: Any = prepared.equations.structure["redundancies"]
+    return [
+        f"redundant: '{item['constraint']}' follows from "
+        + ", ".join(f"'{name}'" for name in item["follows_from"])
+        for item in known
+        if item["follows_from"]
+    ]
+
+
 def hardly_resisted(prepared: Prepared, time: float, state: Vector, unknowns: Vector) -> str:
     """Return which motion hardly anything resists at a point; empty if there is none."""
     found = _idle(prepared, time, state, unknowns, share=_HARDLY)

@@ -20,9 +20,14 @@ from vehicledyn.results.layout import EventRecord, ResultHeader, SummaryEntry
 from vehicledyn.results.output import check_folder, check_output
 from vehicledyn.results.plots import draw_plots
 from vehicledyn.results.writer import ResultWriter
-from vehicledyn.run.places import told_with_places
+from vehicledyn.run.places import told_with_places, wrong_output
 from vehicledyn.run.prepare import Point, Prepared, Progress, prepare, start_point
-from vehicledyn.run.resisted import hardly_resisted, refuse_idle_start, refuse_rigid_loops
+from vehicledyn.run.resisted import (
+    hardly_resisted,
+    redundant_constraints,
+    refuse_idle_start,
+    refuse_rigid_loops,
+)
 from vehicledyn.run.watched import simulate_watched
 from vehicledyn.scenario import LoadedScenario
 from vehicledyn.solve.kernel import Backend
@@ -105,7 +110,7 @@ def run_scenario(
         check(prepared.equations)
     run = _Run(loaded, prepared, kept, _needed_channels(prepared), described)
     run.simulate(start, output, progress)
-    messages = [_kernel_message(prepared), *run.messages]
+    messages = [_kernel_message(prepared), *redundant_constraints(prepared), *run.messages]
     if plots is not None and run.samples and described:
         progress("drawing the figures", None)
         messages.append(_draw(output, plots))
@@ -263,9 +268,9 @@ def _kept_channels(loaded: LoadedScenario, prepared: Prepared) -> list[int]:
         if not fnmatch.filter(names, pattern):
             guess = nearest_name(pattern, names)
             hint = f"; did you mean '{guess}'?" if guess else ""
-            problems.append(f"{loaded.path}: output.channels: '{pattern}' matches no channel{hint}")
+            problems.append((pattern, f"'{pattern}' matches no channel{hint}"))
     if problems:
-        raise InputError("\n".join(problems))
+        raise wrong_output(loaded, "channels", problems)
     return [k for k, n in enumerate(names) if any(fnmatch.fnmatchcase(n, p) for p in patterns)]
 
 
@@ -283,7 +288,8 @@ def _plots(loaded: LoadedScenario, prepared: Prepared, kept: Sequence[int]) -> l
     known = [str(plot["name"]) for plot in described]
     for name in wanted or ():
         if name not in known:
-            raise InputError(f"{loaded.path}: output.plots: {unknown_name('plot', name, known)}")
+            problem = (name, unknown_name("plot", name, known))
+            raise wrong_output(loaded, "plots", [problem])
     chosen = [p for p in described if wanted is None or p["name"] in wanted]
     return [plot for plot in chosen if _plot_channels(plot) <= names]
 
@@ -311,7 +317,7 @@ def _kernel_message(prepared: Prepared) -> str:
     total = report.operations.get("rates", 0)
     origin = "cached" if report.cached else f"built in {_built(prepared):.1f} s"
     text = f"kernel: {prepared.kernel.description}, {total} operations a right-hand side, {origin}"
-    return f"{text} ({report.remark})" if report.remark else text
+    return text
 
 
 def _built(prepared: Prepared) -> float:

@@ -63,7 +63,12 @@ def start_rates(
         found[free] = np.linalg.lstsq(slopes, wanted - base, rcond=1e-10)[0]
     missed = np.abs(rates() - wanted)
     if np.any(missed > _AGREE * (1.0 + np.abs(wanted))):
-        raise InputError(_contradiction(kernel, following, wanted, rates()))
+        about = [
+            f"{n}_rate"
+            for n, m, w in zip(following, missed, wanted, strict=True)
+            if m > _AGREE * (1.0 + abs(w))
+        ]
+        raise InputError(_contradiction(kernel, following, wanted, rates()), about=about)
     return found
 
 

@@ -28,7 +28,13 @@ def describe_failure(equations: Equations, status: Status, time: float, ledger: 
         )
     block = equations.blocks[where]
     residual = f"{ledger.figures[Figure.FAILED_RESIDUAL]:.3g} {block.unit}"
-    place = f"block '{block.name}' at t = {time:.9g} s"
+    what = "block" if block.is_loop else "contact of"
+    place = f"{what} '{block.name}' at t = {time:.9g} s"
+    if status is Status.SINGULAR and not block.is_loop:
+        return (
+            f"{place}: its equations are singular (residual {residual}); the wheel may lie flat "
+            "on the ground"
+        )
     if status is Status.SINGULAR:
         return (
             f"{place}: its equations are singular (residual {residual}); the loop is at a dead "
@@ -39,7 +45,8 @@ def describe_failure(equations: Equations, status: Status, time: float, ledger: 
             f"{place}: the residual {residual} stays above its tolerance "
             f"{block.tolerance:.3g} {block.unit}"
         )
+    cause = "the loop cannot close here" if block.is_loop else "no point of contact is found here"
     return (
-        f"{place}: Newton's method did not converge (residual {residual}); the loop cannot "
-        "close here, or the step is too large"
+        f"{place}: Newton's method did not converge (residual {residual}); {cause}, or the step "
+        "is too large"
     )

@@ -54,7 +54,8 @@ class Block:
     """Unknowns ``start:stop`` of z, solved from the residuals ``start:stop`` of g.
 
     ``tolerance`` is the largest residual that counts as solved, in the residual's own unit,
-    which ``unit`` states; ``name`` says which loop or contact it is, for error messages.
+    which ``unit`` states; ``name`` says which loop or part it is, for error messages. The
+    unknowns of a part that is no loop are those of a contact.
     """
 
     name: str
@@ -62,6 +63,7 @@ class Block:
     stop: int
     tolerance: float
     unit: str = "m"
+    is_loop: bool = True
 
 
 @dataclass(frozen=True)

@@ -17,6 +17,7 @@ from vehicledyn.systems.force_sensors import ConstraintForceSet, acted_on
 from vehicledyn.systems.joints import Coordinate
 from vehicledyn.systems.parameters import Parameters, is_name
 from vehicledyn.systems.sets import BodySet, Sections, SystemFile
+from vehicledyn.systems.structure_checks import structure_problems
 from vehicledyn.systems.walk import Found, Reference, walk
 
 Problems = Iterator[tuple[Place, str]]
@@ -50,6 +51,7 @@ def check(file: SystemFile, coordinates: dict[str, Coordinate], parameters: Para
     yield from _inertias(file, parameters)
     yield from _spins(file)
     yield from _massless_ends(file, known)
+    yield from structure_problems(file, coordinates)
     yield from _switches(file, known)
     yield from _events(file, known)
     yield from _constraint_forces(file)
@@ -276,23 +278,43 @@ def _spins(file: SystemFile) -> Problems:
 
 def _massless_ends(file: SystemFile, known: _Known) -> Problems:
     """Yield bodies at the end of a chain that can move but resist with no inertia."""
-    held = {body.parent for body in file.bodies.values()}
     text = " ".join(str(item) for item in (*file.cuts.values(), *file.constraints.values()))
+    held = _holding(file, text)
     for name, body in file.bodies.items():
         moving = [
             c for c in body.coordinates(name) if c.name not in known.driven and c.role != "driven"
         ]
-        names = "|".join(re.escape(n) for n in (name, *(c.name for c in moving)))
-        mentioned = re.search(rf"\b({names})\b", text) is not None
-        if not moving or name in held or mentioned:
+        if not moving or name in held or _mentioned(name, body, text):
             continue
         last = moving[-1]
         if body.mass is None:
-            words = f"has no mass and nothing hangs on it: nothing resists '{last.name}'"
+            hanging = any(other.parent == name for other in file.bodies.values())
+            what = "nothing with mass" if hanging else "nothing"
+            words = f"has no mass and {what} hangs on it: nothing resists '{last.name}'"
             yield ("bodies", name), f"{words}; give it a mass, or drive or drop the coordinate"
         elif last == body.coordinates(name)[-1] and _turns_freely(body, last, known):
             words = f"has no inertia about its last axis: nothing resists '{last.name}'"
             yield ("bodies", name), f"{words}; give it an inertia, or drive or drop the coordinate"
+
+
+def _holding(file: SystemFile, text: str) -> set[str]:
+    """Return the bodies that carry one that has mass, is part of a loop or could move itself."""
+    holding: set[str] = set()
+    for name, body in file.bodies.items():
+        alone = body.mass is None and not _mentioned(name, body, text)
+        if alone and not body.coordinates(name):
+            continue
+        carrier = body.parent
+        while carrier in file.bodies and carrier not in holding:
+            holding.add(carrier)
+            carrier = file.bodies[carrier].parent
+    return holding
+
+
+def _mentioned(name: str, body: BodySet, text: str) -> bool:
+    """Return whether cuts or constraints name a body or one of its coordinates."""
+    names = "|".join(re.escape(n) for n in (name, *(c.name for c in body.coordinates(name))))
+    return re.search(rf"\b({names})\b", text) is not None
 
 
 def _turns_freely(body: BodySet, last: Coordinate, known: _Known) -> bool:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from fractions import Fraction
@@ -123,11 +124,21 @@ def _product(a: Measure, b: Measure, sign: int) -> Measure:
 def _raised(a: Measure, b: Measure) -> Measure:
     _need_pure(b, "an exponent")
     if a.is_pure:
-        bare = 1.0 if a.bare is not None and b.bare is not None else None
-        return Measure(_powers((0, 0, 0, 0)), bare)
+        return Measure(_powers((0, 0, 0, 0)), _power_of_bare(a.bare, b.bare))
     if b.bare is None:
         raise ExpressionError(f"a quantity in {a.unit} can only be raised to a plain number")
     return _to_power(a, Fraction(b.bare).limit_denominator(12))
+
+
+def _power_of_bare(base: float | None, exponent: float | None) -> float | None:
+    """Return a power, or one where it is no number; the arithmetic of numbers complains then."""
+    if base is None or exponent is None:
+        return None
+    try:
+        found = base**exponent
+    except (OverflowError, ZeroDivisionError):
+        return 1.0
+    return found if isinstance(found, float) and math.isfinite(found) else 1.0
 
 
 def _to_power(a: Measure, power: Fraction) -> Measure:

@@ -22,8 +22,11 @@ from vehicledyn.base.errors import InputError, unknown_name
 from vehicledyn.base.units import UNITS, describe, parse_unit
 from vehicledyn.systems.algebra import FUNCTIONS, Algebra, ExpressionError, Quantity, apply
 
-LONGEST = 2000
-"""Characters of the longest expression that is read."""
+LONGEST, DEEPEST = 2000, 150
+"""Characters and nested operations of the longest and the deepest expression that is read."""
+
+_UNIT_SIGNS = frozenset("µ°·⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
+_MOST_SHOWN = 60
 
 _OPERATORS = {ast.Add: "+", ast.Sub: "-", ast.Mult: "*", ast.Div: "/", ast.Pow: "**"}
 _COMPARISONS = {ast.Lt: "<", ast.LtE: "<=", ast.Gt: ">", ast.GtE: ">="}
@@ -180,6 +183,11 @@ def origin() -> Expression:
 def _read_text(text: str) -> Node:
     if len(text) > LONGEST:
         raise ExpressionError(f"longer than {LONGEST} characters")
+    strange = next((c for c in text if not (c.isascii() or c in _UNIT_SIGNS) or c == "#"), None)
+    if strange is not None:
+        raise ExpressionError(
+            f"the character '{strange}' (U+{ord(strange):04X}) has no meaning in an expression"
+        )
     alone = _alone(text)
     if alone is not None:
         return Node(quantity=alone)
@@ -198,7 +206,9 @@ def _read_text(text: str) -> Node:
     except (SyntaxError, ValueError, MemoryError) as error:
         if isinstance(error, ExpressionError):
             raise
-        raise ExpressionError(f"'{text}' is neither a quantity nor an expression") from None
+        if "nested" in str(error):
+            raise ExpressionError("nested too deeply") from None
+        raise ExpressionError(f"'{_shown(text)}' is neither a quantity nor an expression") from None
     except RecursionError:
         raise ExpressionError("nested too deeply") from None
 
@@ -226,17 +236,24 @@ def _bare(number: str | float) -> Quantity:
     except OverflowError:
         value = math.inf
     if not math.isfinite(value):
-        raise ExpressionError(f"expected a finite number, found '{number}'")
+        raise ExpressionError(f"expected a finite number, found '{_shown(str(number))}'")
     return Quantity(value)
 
 
-def _converted(tree: ast.expr, held: list[Quantity]) -> Node:
+def _shown(text: str) -> str:
+    """Return a text, only its beginning if it is long."""
+    return text if len(text) <= _MOST_SHOWN else f"{text[:_MOST_SHOWN]}..."
+
+
+def _converted(tree: ast.expr, held: list[Quantity], depth: int = 0) -> Node:
+    if depth > DEEPEST:
+        raise ExpressionError("nested too deeply")
     if isinstance(tree, ast.Name | ast.Attribute):
         return _named(tree, held)
     if isinstance(tree, ast.Constant) and type(tree.value) in (int, float):
         return Node(quantity=_bare(ast.unparse(tree)))
     function, parts = _operation(tree)
-    arguments = tuple(_converted(part, held) for part in parts)
+    arguments = tuple(_converted(part, held, depth + 1) for part in parts)
     return Node(function=function, arguments=arguments) if function else arguments[0]
 
 
@@ -258,9 +275,9 @@ def _operation(tree: ast.expr) -> tuple[str, list[ast.expr]]:
         case ast.Call(func=ast.Name(id=name), keywords=[]):
             found = _function(name, len(tree.args)), tree.args
         case _:
-            known = ", ".join(sorted(FUNCTIONS))
+            known, given = ", ".join(sorted(FUNCTIONS)), _shown(ast.unparse(tree))
             raise ExpressionError(
-                f"'{ast.unparse(tree)}' is not allowed in an expression; only numbers, names, "
+                f"'{given}' is not allowed in an expression; only numbers, names, "
                 f"+ - * / ** and functions are. Functions: {known}"
             )
     return found

@@ -8,8 +8,9 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 from typing import Any
 
+from vehicledyn.base.errors import InputError
 from vehicledyn.base.problems import Place, dotted
-from vehicledyn.base.units import describe
+from vehicledyn.base.units import describe, parse_unit
 from vehicledyn.systems.algebra import FUNCTIONS, NUMBERS, ExpressionError
 from vehicledyn.systems.dimensions import MEASURES, Measure
 from vehicledyn.systems.expressions import Expression, read_expression
@@ -164,6 +165,7 @@ def _resolve(declared: dict[str, _Declared], found: Parameters) -> None:
             return
         try:
             measure = _settled(item.expression.value(measures, MEASURES))
+            _check_unit(measure)
             value = item.expression.value(values, NUMBERS)
         except ExpressionError as error:
             found.problems.append((item.place, str(error)))
@@ -181,6 +183,17 @@ def _owner(used: str, declared: dict[str, _Declared]) -> str | None:
         return used
     whole = used.rpartition(".")[0]
     return whole if whole in declared else None
+
+
+def _check_unit(measure: Any) -> None:
+    """Refuse what is measured in something that no unit names, such as m^400."""
+    for part in measure if isinstance(measure, tuple) else (measure,):
+        try:
+            parse_unit(part.unit)
+        except InputError as error:
+            raise ExpressionError(
+                f"a parameter needs a unit that can be written: {error}"
+            ) from None
 
 
 def _settled(measure: Any) -> Any:

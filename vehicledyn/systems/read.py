@@ -23,6 +23,7 @@ from vehicledyn.systems.motion import read_motion
 from vehicledyn.systems.parameters import Parameters, read_parameters
 from vehicledyn.systems.repeat import Expansion, expand
 from vehicledyn.systems.sets import Sections, SystemFile
+from vehicledyn.systems.structure_checks import given_twice
 
 
 @dataclass(frozen=True)
@@ -112,6 +113,8 @@ class _Reading:
         self.own, self.outer, self.given = Sources(document), sources, given
         self.problems = list(document.problems)
         self.expansion: Expansion = expand(document.data)
+        for inner, words in given_twice(self.expansion.data.get("initial")):
+            self._note([(("initial", *inner), words)], at_key=True)
         self.changes = changes.apply(self.expansion.data, given)
         self.parameters = read_parameters(self.expansion.data.get("parameters"))
 
@@ -123,6 +126,8 @@ class _Reading:
         self._tell(self.parameters.problems)
         changed = list(changes.changed_units(self.changes, self.parameters))
         self._tell(changed)
+        if self.expansion.overflows:
+            return None
         try:
             file = SystemFile.model_validate(self.expansion.data)
         except ValidationError as error:
@@ -145,10 +150,8 @@ class _Reading:
         for section in (*sections, "bodies"):
             for name in getattr(file, section):
                 found.setdefault(name, (section, name))
-        return {
-            name: self.own.problem(self.expansion.place(place), "", at_key=True)
-            for name, place in found.items()
-        }
+        rates = {name: ("initial", name) for name in file.initial if name not in found}
+        return {name: self._problem(place, "") for name, place in (found | rates).items()}
 
     def motion(self, coordinates: dict[str, Coordinate]) -> dict[str, TimeLaw]:
         """Return the laws of the motion that a scenario prescribes."""
@@ -181,13 +184,16 @@ class _Reading:
             self._tell_one(place, words)
 
     def _tell_one(self, place: Place, words: str, *, at_key: bool = False) -> None:
+        self.problems.append(self._problem(place, words, at_key=at_key))
+
+    def _problem(self, place: Place, words: str, *, at_key: bool = True) -> Problem:
+        """Return the problem of a place of the expanded data, in the file or the scenario."""
         if self.changes.gave(place):
             known = self.outer.options.keys() | self.outer.document.keys.keys()
             split = (place[0], *".".join(map(str, place[1:])).split("."))
             nested = place if place in known else split
-            self.problems.append(self.outer.problem(nested, words, at_key=at_key))
-        else:
-            self._note([(self.expansion.place(place), words)], at_key=at_key)
+            return self.outer.problem(nested, words, at_key=at_key)
+        return self.own.problem(self.expansion.place(place), words, at_key=at_key)
 
     def _note(self, found: Iterable[tuple[Place, str]], *, at_key: bool = False) -> None:
         self.problems += [self.own.problem(place, words, at_key=at_key) for place, words in found]

@@ -41,6 +41,11 @@ class Expansion:
     problems: list[tuple[Place, str]] = field(default_factory=list)
     copies: int = 0
 
+    @property
+    def overflows(self) -> bool:
+        """Whether the file asks for more copies than are made."""
+        return self.copies > MOST_COPIES
+
     def place(self, place: Place) -> Place:
         """Return where in the file something of the expanded data stands."""
         for size in range(len(place), 0, -1):
@@ -94,12 +99,14 @@ class Expansion:
                 words = f"unknown key. Known: {', '.join(sorted(known))}"
                 self.problems.append(((*place, key), words))
         for values in self._indices(item.get("for"), (*place, "for"), index):
+            if self.overflows:
+                return
             self.copies += 1
-            if self.copies == MOST_COPIES:
+            if self.overflows:
                 self.problems.append((place, f"makes more than {MOST_COPIES} copies"))
-            if self.copies < MOST_COPIES:
-                parts = {k: v for k, v in item.items() if k in known}
-                self._fill(target, at, parts, place, values)
+                return
+            parts = {k: v for k, v in item.items() if k in known}
+            self._fill(target, at, parts, place, values)
 
     def _mirror(
         self, target: dict[str, Any], at: Place, value: Any, place: Place, index: Index
@@ -140,7 +147,7 @@ class Expansion:
             return value
         if isinstance(value, dict) and set(value) == {"from", "to"}:
             ends = [self._whole(value[key], (*place, key), index) for key in ("from", "to")]
-            return list(range(ends[0], min(ends[1] + 1, ends[0] + MOST_COPIES)))
+            return list(range(ends[0], min(ends[1] + 1, ends[0] + MOST_COPIES + 1)))
         words = "expected a list of whole numbers or texts, or {from: 1, to: 3}"
         self.problems.append((place, words))
         return []

@@ -7,6 +7,7 @@ from typing import Any, Literal
 from pydantic import Field, field_validator, model_validator
 
 from vehicledyn.base.parameters import ParameterSet, part
+from vehicledyn.base.units import describe
 from vehicledyn.multibody.system import GROUND
 from vehicledyn.systems.events import EventSet
 from vehicledyn.systems.expressions import origin, read_expression, zero
@@ -58,7 +59,8 @@ class BodySet(SystemSet):
     @classmethod
     def _short_joints(cls, value: Any) -> Any:
         if not isinstance(value, list | tuple):
-            return value
+            words = f"expected a list of joints, such as [R2 angle], found {describe(value)}"
+            raise ValueError(words)
         return [_long_joint(item) for item in value]
 
     @model_validator(mode="after")
