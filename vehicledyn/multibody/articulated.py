@@ -13,6 +13,10 @@ from dataclasses import dataclass
 from typing import TypeAlias
 
 from vehicledyn.multibody.dynamics import JointWrench
+from vehicledyn.multibody.floating import (
+    body_acceleration,
+    coordinate_accelerations,
+)
 from vehicledyn.multibody.inertia import Inertia
 from vehicledyn.multibody.kinematics import Kinematics
 from vehicledyn.multibody.tree import Link
@@ -79,6 +83,8 @@ def tree_accelerations(
     joint_forces: dict[str, Scalar],
     inertias: Sequence[Inertia],
     free: set[str],
+    *,
+    base: int | None = None,
 ) -> dict[str, Scalar]:
     """Return the accelerations q̈ of the free coordinates of an open tree.
 
@@ -98,8 +104,10 @@ def tree_accelerations(
         Inertia of each link; barycentric ones are as good as those of the bodies and cheaper.
     free
         Names of the coordinates whose accelerations are sought.
+    base
+        Link of a body that moves freely and whose links below have no inertia, if any.
     """
-    return sweep(kinematics, needed, joint_forces, inertias, free)[0]
+    return sweep(kinematics, needed, joint_forces, inertias, free, base=base)[0]
 
 
 Carried: TypeAlias = dict[int, list[tuple[ArticulatedInertia, JointWrench]]]
@@ -113,6 +121,7 @@ def sweep(
     inertias: Sequence[Inertia],
     free: set[str],
     *,
+    base: int | None = None,
     links: Sequence[int] | None = None,
     carried: Carried | None = None,
 ) -> tuple[dict[str, Scalar], dict[int, tuple[Vec, Vec]]]:
@@ -135,8 +144,19 @@ def sweep(
             bodies[link] = bodies[link] + body
             force, torque = wrenches[link].force, wrenches[link].torque
             wrenches[link] = JointWrench(force + wrench.force, torque + wrench.torque)
-    gates = _inwards(kinematics, bodies, wrenches, joint_forces, free)
-    return _outwards(kinematics, gates, chosen)
+
+    settled = set() if base is None else set(kinematics.tree.path(base))
+    gates = _inwards(kinematics, bodies, wrenches, joint_forces, free, stop=settled)
+    found: dict[str, Scalar] = {}
+    moved = {-1: (ops.vector(0.0, 0.0, 0.0), ops.vector(0.0, 0.0, 0.0))}
+    if base is not None:
+        body, wrench = bodies[base], wrenches[base]
+        blocks = (body.linear, body.coupling, body.angular)
+        moved[base] = body_acceleration(blocks, wrench.force, wrench.torque)
+        found = coordinate_accelerations(kinematics, base, *moved[base])
+    beyond = [link for link in chosen if link not in settled]
+    _outwards(kinematics, gates, beyond, found, moved)
+    return found, moved
 
 
 def _inwards(
@@ -145,10 +165,17 @@ def _inwards(
     wrenches: dict[int, JointWrench],
     joint_forces: dict[str, Scalar],
     free: set[str],
+    *,
+    stop: set[int],
 ) -> dict[int, _Gate]:
-    """Carry inertias and wrenches to the ground, changing both, and return the free joints."""
+    """Carry inertias and wrenches inwards, changing both, and return the free joints.
+
+    They are carried to the links of ``stop``, not further.
+    """
     gates: dict[int, _Gate] = {}
     for link in reversed(list(bodies)):
+        if link in stop:
+            continue
         item, body, wrench = kinematics.tree.links[link], bodies[link], wrenches[link]
         if item.joint is not None and item.joint.name in free:
             force = ops.scalar(joint_forces.get(item.joint.name, 0.0))
@@ -211,12 +238,13 @@ def _beyond(
 
 
 def _outwards(
-    kinematics: Kinematics, gates: dict[int, _Gate], chosen: Sequence[int]
-) -> tuple[dict[str, Scalar], dict[int, tuple[Vec, Vec]]]:
-    """Return the accelerations of the free joints, and those of the links they lead to."""
-    still = ops.vector(0.0, 0.0, 0.0)
-    moved: dict[int, tuple[Vec, Vec]] = {-1: (still, still)}
-    found: dict[str, Scalar] = {}
+    kinematics: Kinematics,
+    gates: dict[int, _Gate],
+    chosen: Sequence[int],
+    found: dict[str, Scalar],
+    moved: dict[int, tuple[Vec, Vec]],
+) -> None:
+    """Add the accelerations of the free joints, and those of the links they lead to."""
     for link in chosen:
         item = kinematics.tree.links[link]
         linear, angular = moved[item.parent]
@@ -232,4 +260,3 @@ def _outwards(
             else:
                 linear = linear + axis * value
         moved[link] = (linear, angular)
-    return found, moved

@@ -17,7 +17,7 @@ from vehicledyn.symbolic import ops, rotations
 from vehicledyn.symbolic.ops import Mat, Scalar
 
 
-def augmented_inertias(tree: Tree) -> list[Inertia]:
+def augmented_inertias(tree: Tree, base: int | None = None) -> list[Inertia]:
     """Return an inertia for each link that gives the forces on all coordinates.
 
     From the leaves to the root each link gives away all that its joint cannot feel:
@@ -35,6 +35,8 @@ def augmented_inertias(tree: Tree) -> list[Inertia]:
     ----------
     tree
         Links, parents first.
+    base
+        A link that gives nothing away, as it moves freely; None if there is none.
 
     Returns
     -------
@@ -43,6 +45,8 @@ def augmented_inertias(tree: Tree) -> list[Inertia]:
     """
     own = [inertia.of_body(item.body) for item in tree.links]
     for index in reversed(range(len(tree.links))):
+        if index == base:
+            continue
         item = tree.links[index]
         own[index], given = _split(item, own[index])
         if item.parent >= 0:

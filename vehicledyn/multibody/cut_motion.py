@@ -42,8 +42,8 @@ def moving_residuals(cut: Cut, kinematics: Kinematics) -> list[MovingResidual]:
     kinematics
         Kinematics of the tree at symbolic coordinates and rates.
     """
-    places = _Places(kinematics, kinematics.tree.common_ancestor(cut.body_a, cut.body_b))
     seen = cut.residuals(kinematics.between(cut.body_a, cut.body_b))
+    places = _Places(kinematics, kinematics.tree.common_ancestor(cut.body_a, cut.body_b))
     looked = cut.residuals(places)
     return [_moving(plain, r, places) for plain, r in zip(seen, looked, strict=True)]
 

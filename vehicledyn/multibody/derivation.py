@@ -104,7 +104,7 @@ def solve_motion(
     if moment is None:
         start = np.array([loops.start[j.name] for j in symbols.joints])
         refuse_idle(system, resistance.anywhere(0.0, start))
-    motion = _motion(system, tree, symbols, roles, loops.closure)
+    motion = _motion(system, symbols, roles, loops)
     solved = _dynamics(system, symbols, roles, loops.closure, motion, formulation=formulation)
     return Derivation(system, tree, symbols, moved, loops, roles, solved, resistance)
 
@@ -128,18 +128,17 @@ class _MotionState:
 
 def _motion(
     system: System,
-    tree: Tree,
     symbols: Symbols,
     roles: Roles,
-    closure: Closure,
+    loops: Loops,
 ) -> _MotionState:
     """Close the velocities and ask the parts for their loads."""
     joints = symbols.joints
     rates = dict(symbols.rates)
     known = {k: rates[joints[k].name] for k in (*roles.independent, *roles.driven)}
-    for k, rate in closure.dependent_rates(known).items():
+    for k, rate in loops.closure.dependent_rates(known).items():
         rates[joints[k].name] = rate
-    kinematics = Kinematics(tree, symbols.coordinates, rates)
+    kinematics = loops.kinematics.with_rates(rates)
     loads = {part.name: part.loads(_situation(symbols, part, kinematics)) for part in system.parts}
     return _MotionState(kinematics, rates, loads)
 

@@ -10,6 +10,7 @@ from vehicledyn.multibody import articulated
 from vehicledyn.multibody.alignment import AlignedTree, align
 from vehicledyn.multibody.barycentric import augmented_inertias
 from vehicledyn.multibody.dynamics import inverse_dynamics, mass_matrix, needed_wrenches
+from vehicledyn.multibody.floating import floating_base
 from vehicledyn.multibody.inertia import Inertia
 from vehicledyn.multibody.kinematics import Kinematics
 from vehicledyn.multibody.parts import Wrench
@@ -40,6 +41,26 @@ class TreeProblem:
     joint_forces: dict[str, Scalar]
     gravity: Vec
     free: list[str]
+
+    @property
+    def base(self) -> int | None:
+        """Link of the body that moves freely in all coordinates, if any."""
+        tree = self.kinematics.tree
+
+        def is_idle(link: int) -> bool:
+            joint = tree.links[link].joint
+            return joint is not None and joint.name in self.free and not self._is_loaded(joint.name)
+
+        return floating_base(tree, is_idle)
+
+    def _is_loaded(self, name: str) -> bool:
+        return not ops.scalar(self.joint_forces.get(name, 0.0)).is_zero()
+
+    def with_whole(self, base: int | None) -> TreeProblem:
+        """Return the problem with the inertia of all that a base carries left with it."""
+        if base is None:
+            return self
+        return replace(self, inertias=augmented_inertias(self.kinematics.tree, base))
 
 
 def solve_tree(
@@ -99,10 +120,11 @@ def solve_closed(
 
 def by_articulated(problem: TreeProblem) -> dict[str, Scalar]:
     """Return them by the recursion of order N."""
-    p = problem
+    base = problem.base
+    p = problem.with_whole(base)
     needed = needed_wrenches(p.kinematics, p.wrenches, p.gravity, p.inertias)
     found = articulated.tree_accelerations(
-        p.kinematics, needed, p.joint_forces, p.inertias, set(p.free)
+        p.kinematics, needed, p.joint_forces, p.inertias, set(p.free), base=base
     )
     return {name: found[name] for name in p.free}
 

@@ -16,7 +16,6 @@ from vehicledyn.multibody.cut_motion import MovingResidual, moving_residuals
 from vehicledyn.multibody.cuts import Residual
 from vehicledyn.multibody.kinematics import Kinematics
 from vehicledyn.multibody.system import System
-from vehicledyn.multibody.tree import Tree
 from vehicledyn.multibody.unknowns import Symbols
 from vehicledyn.symbolic import ops
 from vehicledyn.symbolic.elimination import Rows
@@ -45,15 +44,18 @@ class Row:
         return f"{self.cut}.{self.residual.force_channel}"
 
 
-def rows_of_system(system: System, tree: Tree, symbols: Symbols) -> list[Row]:
-    """Return the residuals of all cuts and constraints, holonomic ones first."""
-    bare = Kinematics(tree, symbols.coordinates, symbols.rates)
+def rows_of_system(system: System, bare: Kinematics, time: Scalar) -> list[Row]:
+    """Return the residuals of all cuts and constraints, holonomic ones first.
+
+    ``bare`` is the kinematics at symbolic coordinates and rates; it keeps what the cuts evaluate.
+    """
+    tree = bare.tree
     rows = []
     for cut in system.cuts:
         frame = tree.link_name(tree.common_ancestor(cut.body_a, cut.body_b))
         for moving in moving_residuals(cut, bare):
             rows.append(Row(cut.name, moving.residual, frame, moving=moving))
-    geometry, movement = Geometry(symbols.time, bare), Movement(symbols.time, bare)
+    geometry, movement = Geometry(time, bare), Movement(time, bare)
     for constraint in system.constraints:
         rows.extend(Row(constraint.name, r) for r in constraint.residuals(geometry))
     for constraint in system.constraints:

@@ -58,6 +58,12 @@ class Kinematics:
         """Return the same kinematics with the accelerations of all coordinates known."""
         return self._sharing(accelerations, self._ground, forget=_ACCELERATED)
 
+    def with_rates(self, rates: dict[str, Scalar]) -> Kinematics:
+        """Return the kinematics of the same position at other rates."""
+        other = self._sharing(None, self._ground, forget=_MOVING)
+        other._qd = rates
+        return other
+
     def in_lift(self, acceleration: Vec) -> Kinematics:
         """Return the same kinematics on a ground that accelerates, world axes [m/s²].
 
@@ -270,12 +276,14 @@ class Kinematics:
         """Return R with v_ancestor = R v_link."""
         if link == ancestor:
             return rotations.identity()
-        parent = self.tree.links[link].parent
-        return self._once(
-            f"rotation in {ancestor}",
-            link,
-            lambda: self.rotation_in(ancestor, parent) @ self.link_rotation(link),
-        )
+        if ancestor == self.tree.links[link].parent:
+            return self.link_rotation(link)
+
+        def build() -> Mat:
+            between = self._evaluated_from(ancestor, link)
+            return self.rotation_in(ancestor, between) @ self.rotation_in(between, link)
+
+        return self._once(f"rotation in {ancestor}", link, build)
 
     def position_in(self, ancestor: int, link: int, point: Vec) -> Vec:
         """Return the position of a point of a link from the ancestor's origin, in its axes."""
@@ -285,13 +293,24 @@ class Kinematics:
         """Return the position of a link's origin in the axes of an ancestor [m]."""
         if link == ancestor:
             return ops.vector(0.0, 0.0, 0.0)
-        parent = self.tree.links[link].parent
+        if ancestor == self.tree.links[link].parent:
+            return self.link_arm(link)
 
         def build() -> Vec:
-            arm = self.rotation_in(ancestor, parent) @ self.link_arm(link)
-            return self.origin_in(ancestor, parent) + arm
+            between = self._evaluated_from(ancestor, link)
+            arm = self.rotation_in(ancestor, between) @ self.origin_in(between, link)
+            return self.origin_in(ancestor, between) + arm
 
         return self._once(f"origin in {ancestor}", link, build)
+
+    def _evaluated_from(self, ancestor: int, link: int) -> int:
+        """Return a link between two whose motion relative to it is known, else the parent."""
+        between = self.tree.links[link].parent
+        while between != ancestor:
+            if (f"rotation in {between}", link) in self._cache:
+                return between
+            between = self.tree.links[between].parent
+        return self.tree.links[link].parent
 
     def between(self, body_a: str, body_b: str) -> Relative:
         """Return the geometry of two bodies in the axes of their common ancestor."""

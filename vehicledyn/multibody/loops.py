@@ -18,6 +18,7 @@ from vehicledyn.multibody.configuration import (
 )
 from vehicledyn.multibody.contradictions import RigidLoop, rigid_loops, why_open
 from vehicledyn.multibody.gaps import Gaps, Row, rows_of_system
+from vehicledyn.multibody.kinematics import Kinematics
 from vehicledyn.multibody.partition import Partition
 from vehicledyn.multibody.parts import Motion
 from vehicledyn.multibody.redundancy import SelfStress, self_stresses
@@ -44,13 +45,16 @@ class Loops:
     ``positions`` is the partition of the coordinates; that of the rates stands in the closure.
     ``start`` holds the assembled value of every coordinate. Coordinates are indexed like
     ``Symbols.joints``, rows like ``constraints``. ``stresses`` tells which multipliers are not
-    unique; it is empty where no constraint is redundant. ``rigid`` are loops without freedom.
+    unique; it is empty where no constraint is redundant. ``kinematics`` is that at symbolic
+    rates, with the motions that the constraints look at evaluated. ``rigid`` are loops without
+    freedom.
     """
 
     constraints: list[Row]
     positions: Partition
     closure: Closure
     start: dict[str, float]
+    kinematics: Kinematics
     gaps: Gaps
     redundancies: list[dict[str, object]]
     stresses: tuple[SelfStress, ...] = ()
@@ -101,7 +105,8 @@ def close(
         move.
     """
     when = moment or Moment()
-    gaps = Gaps(system, symbols, rows_of_system(system, tree, symbols))
+    kinematics = symbols.kinematics(tree)
+    gaps = Gaps(system, symbols, rows_of_system(system, kinematics, symbols.time))
     given = start_values(system, symbols, motion, when)
     still = locked(system, symbols)
     place = Place(symbols.joints, gaps, when.time, still)
@@ -121,6 +126,7 @@ def close(
         chosen.positions,
         Closure(chosen.rates, found.jacobian, found.rate, found.quadratic),
         {j.name: float(value) for j, value in zip(symbols.joints, q, strict=True)},
+        kinematics,
         gaps,
         [explain(system, place, item) for item in chosen.rates.redundancies],
         stresses,

@@ -92,6 +92,10 @@ def segmented_accelerations(
     tree = problem.kinematics.tree
     branches = _branches(tree, carrier)
     beyond = {link for links in branches for link in links}
+    base = problem.base
+    if base in beyond:
+        base = None
+    problem = problem.with_whole(base)
     needed = needed_wrenches(
         problem.kinematics, problem.wrenches, problem.gravity, problem.inertias
     )
@@ -106,6 +110,7 @@ def segmented_accelerations(
         problem.joint_forces,
         problem.inertias,
         set(problem.free),
+        base=base,
         links=below,
         carried={carrier: [(s.inertia, s.wrench) for s in segments]} if carrier >= 0 else {},
     )

@@ -5,8 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from vehicledyn.base.errors import InputError
+from vehicledyn.multibody.kinematics import Kinematics
 from vehicledyn.multibody.parts import Clock, Motion, Part
 from vehicledyn.multibody.system import Joint, System
+from vehicledyn.multibody.tree import Tree
 from vehicledyn.symbolic import ops
 from vehicledyn.symbolic.equations import Variable
 from vehicledyn.symbolic.ops import Scalar
@@ -36,6 +38,10 @@ class Symbols:
     def rate_column(self) -> Scalar:
         """All rates, shape (n, 1)."""
         return ops.column([self.rates[j.name] for j in self.joints])
+
+    def kinematics(self, tree: Tree) -> Kinematics:
+        """Return the kinematics of a tree at these coordinates and rates."""
+        return Kinematics(tree, self.coordinates, self.rates)
 
 
 def declare(system: System) -> Symbols:

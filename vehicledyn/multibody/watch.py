@@ -48,7 +48,7 @@ class PartitionWatch:
     def of(system: System) -> PartitionWatch:
         """Return the watch of a system: differentiate its constraints."""
         symbols = declare(system)
-        rows = rows_of_system(system, unfold(system), symbols)
+        rows = rows_of_system(system, symbols.kinematics(unfold(system)), symbols.time)
         return PartitionWatch(symbols.joints, Gaps(system, symbols, rows))
 
     def leverage(self, time: float, values: dict[str, float], dependent: list[str]) -> float:
