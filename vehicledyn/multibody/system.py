@@ -144,11 +144,12 @@ def _restart(body: Body, starts: dict[str, float]) -> Body:
 def _tree_problems(system: System) -> list[str]:
     problems: list[str] = []
     known = {GROUND}
+    bodies = {body.name: body for body in system.bodies}
     for body in system.bodies:
         if body.name in known:
             problems.append(f"body '{body.name}' is defined twice")
         if body.parent not in known:
-            problems.append(f"body '{body.name}': parent: {_unknown_parent(body, known)}")
+            problems.append(f"body '{body.name}': parent: {_wrong_parent(body, known, bodies)}")
         if body.spins_about is not None and not _spins(body):
             problems.append(
                 f"body '{body.name}': its last joint must be R{body.spins_about} to spin about "
@@ -172,8 +173,17 @@ def _spin_problems(system: System) -> list[str]:
     ]
 
 
-def _unknown_parent(body: Body, known: set[str]) -> str:
-    return unknown_name("body defined before it", body.parent, known)
+def _wrong_parent(body: Body, known: set[str], bodies: dict[str, Body]) -> str:
+    """Return what is wrong with a parent that is not among the bodies before."""
+    if body.parent not in bodies:
+        return unknown_name("body defined before it", body.parent, known)
+    path = [body.name]
+    while path[-1] in bodies and bodies[path[-1]].parent not in path:
+        path.append(bodies[path[-1]].parent)
+    last = bodies[path[-1]].parent if path[-1] in bodies else None
+    if last is None:
+        return f"'{body.parent}' is defined after it; put parents first"
+    return f"the bodies hang on each other: {' -> '.join([*path[path.index(last) :], last])}"
 
 
 def _spins(body: Body) -> bool:

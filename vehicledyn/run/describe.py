@@ -44,6 +44,11 @@ class ModelReport:
             *_listed("driven coordinates", s["driven"]),
             *_listed("loops, in the order of solution", [", ".join(c) for c in s["loops"]], "; "),
             *_listed("redundant constraints", s["redundant"]),
+            *_listed(
+                "loops without freedom",
+                [", ".join(r["constraints"]) for r in s["rigid_loops"]],
+                "; ",
+            ),
             *_listed("forces of constraints that are not unique", s["undetermined"]),
             *_listed("parts", s["parts"]),
             f"operations ({self.kernel})",

@@ -16,6 +16,7 @@ from vehicledyn.multibody.resistance import Resistance
 from vehicledyn.multibody.watch import PartitionWatch
 from vehicledyn.road.vehicle import RoadVehicle
 from vehicledyn.run.places import told_with_places
+from vehicledyn.run.resisted import refuse_idle_start
 from vehicledyn.run.road_subject import RoadSubject
 from vehicledyn.run.start_rates import start_rates
 from vehicledyn.run.subject import Subject, index_of
@@ -152,6 +153,7 @@ def equilibrium_point(prepared: Prepared, speed: float, kind: Literal["static", 
     moving = subject.start_state(e, speed)
     state = subject.still_state(e) if kind == "static" else moving
     start = _closed(prepared, state, balanced_speed)
+    refuse_idle_start(prepared, subject.balance_time, start.state, start.unknowns)
     free, rates = subject.balance_pairs(e, balanced_speed)
     found = balance(
         e,

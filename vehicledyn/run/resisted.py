@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,7 +10,9 @@ from numpy.typing import NDArray
 from vehicledyn.base.errors import InputError
 from vehicledyn.multibody.contradictions import RigidLoop
 from vehicledyn.multibody.resistance import Idle, owners_of
-from vehicledyn.run.prepare import Prepared
+
+if TYPE_CHECKING:
+    from vehicledyn.run.prepare import Prepared
 
 Vector = NDArray[np.float64]
 _HARDLY = 1e-3

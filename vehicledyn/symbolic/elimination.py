@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
+from vehicledyn.base.errors import InputError
 from vehicledyn.symbolic.ops import Scalar
 
 Rows = list[dict[int, Scalar]]
@@ -111,6 +112,11 @@ def condense_symmetric(matrix: Rows, right: Sequence[Scalar], keep: Iterable[int
         b, shape (n,).
     keep
         Unknowns that stay; the order of the others is that of least degree.
+
+    Raises
+    ------
+    InputError
+        If the matrix is singular by its structure.
     """
     remaining = [{j: v for j, v in row.items() if not _is_zero(v)} for row in matrix]
     side = list(right)
@@ -119,6 +125,8 @@ def condense_symmetric(matrix: Rows, right: Sequence[Scalar], keep: Iterable[int
     while open_rows:
         pivot = min(open_rows, key=lambda i: (len(remaining[i]), i))
         row = remaining[pivot]
+        if pivot not in row:
+            raise InputError(f"the matrix is singular: nothing determines its unknown {pivot}")
         inverse = 1.0 / row.pop(pivot)
         factors = {j: value * inverse for j, value in row.items()}
         for j, factor in factors.items():
