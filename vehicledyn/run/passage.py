@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vehicledyn.base.errors import NumericalError
-from vehicledyn.solve.dop853 import Start, Trial, first_size, next_size, try_step
+from vehicledyn.solve.dop853 import Start, Tolerances, Trial, first_size, next_size, try_step
 from vehicledyn.solve.engine import Ledger
 from vehicledyn.solve.kernel import Kernel
 
@@ -93,11 +93,11 @@ class Passage:
     def advance(self, stop: float) -> None:
         """Integrate to a time [s] with steps of any size."""
         here, refused = self._here, False
-        size = first_size(self._rates, here, stop - here.time, self._tolerance)
+        size = first_size(self._rates, here, stop - here.time, _both(self._tolerance))
         while here.time < stop:
             if size < 10.0 * np.spacing(here.time):
                 raise NumericalError(f"the step size became too small at t = {here.time:.9g} s")
-            trial = try_step(self._rates, here, min(here.time + size, stop), self._tolerance)
+            trial = try_step(self._rates, here, min(here.time + size, stop), _both(self._tolerance))
             size = next_size(trial, refused=refused)
             refused = not trial.error < 1.0
             if not refused:
@@ -117,7 +117,7 @@ class Passage:
 
     def _jump(self, size: float) -> bool:
         """Take one step of exactly this size; return whether its error is small enough."""
-        trial = try_step(self._rates, self._here, self.time + size, self._tolerance)
+        trial = try_step(self._rates, self._here, self.time + size, _both(self._tolerance))
         if not trial.error < 1.0:
             return False
         self._steps.append(trial)
@@ -160,3 +160,7 @@ class Passage:
     def _solve(self, time: float, y: Vector) -> Vector:
         state = np.ascontiguousarray(y[: self._n])
         return self._kernel.count_solve(time, state, y[self._n :], self._ledger)
+
+
+def _both(tolerance: float) -> Tolerances:
+    return Tolerances(tolerance, tolerance)

@@ -23,6 +23,18 @@ _SAFETY, _SMALLEST, _LARGEST = 0.9, 0.2, 10.0
 
 
 @dataclass(frozen=True)
+class Tolerances:
+    """Tolerances of the local error of each state: relative to it [1], and absolute."""
+
+    relative: float
+    absolute: float
+
+    def scale(self, sizes: Vector) -> Vector:
+        """Return the error allowed for states of these sizes."""
+        return self.absolute + self.relative * sizes
+
+
+@dataclass(frozen=True)
 class Start:
     """A point to start from: time [s], states and their rates there."""
 
@@ -67,11 +79,8 @@ class Trial:
         return [change, first, second, *(h * (DENSE @ self.stages))]
 
 
-def try_step(rates: Rates, begin: Start, stop: float, tolerance: float) -> Trial:
-    """Take one step up to a time [s] and estimate its error.
-
-    ``tolerance`` is that of the local error, relative to the states and absolute.
-    """
+def try_step(rates: Rates, begin: Start, stop: float, tolerances: Tolerances) -> Trial:
+    """Take one step up to a time [s] and estimate its error."""
     size = stop - begin.time
     stages = np.empty((ALL_STAGES, begin.state.size))
     stages[0] = begin.rate
@@ -80,7 +89,7 @@ def try_step(rates: Rates, begin: Start, stop: float, tolerance: float) -> Trial
     state = begin.state + size * (WEIGHTS[STAGES, :STAGES] @ stages[:STAGES])
     end = Start(stop, state, rates(stop, state))
     stages[STAGES] = end.rate
-    scale = tolerance * (1.0 + np.maximum(np.abs(begin.state), np.abs(state)))
+    scale = tolerances.scale(np.maximum(np.abs(begin.state), np.abs(state)))
     return Trial(begin, end, _error(stages[: STAGES + 1], size, scale), stages, rates)
 
 
@@ -95,9 +104,9 @@ def next_size(trial: Trial, *, refused: bool) -> float:
     return trial.size * min(most, _SAFETY * math.pow(trial.error, -1.0 / _ORDER))
 
 
-def first_size(rates: Rates, begin: Start, longest: float, tolerance: float) -> float:
+def first_size(rates: Rates, begin: Start, longest: float, tolerances: Tolerances) -> float:
     """Return a size of the first step [s], from the change of the rates along a short way."""
-    scale = tolerance * (1.0 + np.abs(begin.state))
+    scale = tolerances.scale(np.abs(begin.state))
     state, rate = _mean_norm(begin.state / scale), _mean_norm(begin.rate / scale)
     short = min(1e-6 if min(state, rate) < 1e-5 else 0.01 * state / rate, longest)
     ahead = rates(begin.time + short, begin.state + short * begin.rate)
@@ -107,6 +116,67 @@ def first_size(rates: Rates, begin: Start, longest: float, tolerance: float) -> 
     else:
         guess = math.pow(0.01 / max(rate, bend), 1.0 / _ORDER)
     return min(100.0 * short, guess, longest) if math.isfinite(guess) else short
+
+
+class Dop853:
+    """Steps of a size that keeps the error within a tolerance, up to a time.
+
+    Speaks like the solvers of SciPy: ``t`` and ``y`` are time [s] and states at the end of the
+    last step, ``t_old`` the time at its begin, ``step_size`` its size [s], ``status`` is
+    "running", "finished" or "failed".
+    """
+
+    def __init__(
+        self, rates: Rates, time: float, state: Vector, stop: float, *, tolerances: Tolerances
+    ) -> None:
+        """Find the size of the first step; there must be somewhere to go."""
+        self._rates, self._stop, self._tolerances = rates, stop, tolerances
+        self._here = Start(time, state, rates(time, state))
+        self._size = first_size(rates, self._here, stop - time, tolerances)
+        self._last: Trial | None = None
+        self.status = "running"
+
+    @property
+    def t(self) -> float:
+        """Time at the end of the last step [s]."""
+        return self._here.time
+
+    @property
+    def y(self) -> Vector:
+        """States at the end of the last step."""
+        return self._here.state
+
+    @property
+    def t_old(self) -> float:
+        """Time at the begin of the last step [s]."""
+        return self._here.time if self._last is None else self._last.begin.time
+
+    @property
+    def step_size(self) -> float:
+        """Size of the last step [s]."""
+        return 0.0 if self._last is None else self._last.size
+
+    def dense_output(self) -> Callable[[float], Vector]:
+        """Return the function that interpolates in the last step."""
+        if self._last is None:
+            raise ValueError("no step has been taken yet")
+        return self._last.state
+
+    def step(self) -> None:
+        """Take a step, or fail where it would become too small."""
+        here, refused = self._here, False
+        smallest = 10.0 * float(np.spacing(abs(here.time)))
+        self._size = max(self._size, smallest)
+        while self._size >= smallest:
+            stop = min(here.time + self._size, self._stop)
+            trial = try_step(self._rates, here, stop, self._tolerances)
+            self._size = next_size(trial, refused=refused)
+            refused = not trial.error < 1.0
+            if not refused:
+                self._here, self._last = trial.end, trial
+                self.status = "running" if trial.end.time < self._stop else "finished"
+                return
+        self.status = "failed"
 
 
 def _fill_stage(rates: Rates, begin: Start, size: float, stages: Vector, k: int) -> None:

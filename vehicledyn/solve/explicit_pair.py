@@ -1,4 +1,4 @@
-"""Adaptive integration with SciPy's explicit pairs on the kernel's rates."""
+"""Adaptive integration with explicit pairs on the kernel's rates."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from vehicledyn.base.errors import NumericalError
+from vehicledyn.solve.dop853 import Dop853, Tolerances
 from vehicledyn.solve.engine import Vector
 from vehicledyn.solve.events import Point
 from vehicledyn.solve.kernel import Kernel
@@ -27,7 +28,7 @@ _PAST = 4
 def run_explicit(
     task: Task, name: str, scheme: str, *, relative_tolerance: float, absolute_tolerance: float
 ) -> Statistics:
-    """Integrate a task with an explicit pair of SciPy.
+    """Integrate a task with an explicit pair: our own DOP853, or another of SciPy.
 
     Parameters
     ----------
@@ -36,18 +37,23 @@ def run_explicit(
     name
         Name of the method for the statistics.
     scheme
-        Name of the class in ``scipy.integrate``.
+        "DOP853", or the name of a class in ``scipy.integrate``.
     relative_tolerance, absolute_tolerance
         Tolerances of the local error of each state.
     """
-    import scipy.integrate
 
     def begin(point: Point) -> Any:
+        stop = task.time(task.n_intervals)
+        if scheme == "DOP853":
+            tolerances = Tolerances(relative_tolerance, absolute_tolerance)
+            return Dop853(rates, point.time, point.state, stop, tolerances=tolerances)
+        import scipy.integrate  # takes a good part of a second, so only where it is needed
+
         return getattr(scipy.integrate, scheme)(
             rates,
             point.time,
             point.state,
-            task.time(task.n_intervals),
+            stop,
             rtol=relative_tolerance,
             atol=absolute_tolerance,
         )
@@ -56,6 +62,7 @@ def run_explicit(
     rates = _Rates(task)
     sizes: list[float] = []
     last: Point | None = None
+    since_event = 0
     try:
         if task.n_intervals:
             rates.check_start()
@@ -63,12 +70,14 @@ def run_explicit(
             while buffer.next_index <= task.n_intervals and not task.watch.ended_by:
                 _advance(solver, rates, task)
                 sizes.append(solver.step_size)
-                _check_advance(task, rates, solver, sizes)
+                since_event += 1
+                if since_event > _STALLED:
+                    _check_advance(task, rates, solver, sizes)
                 event = _watch_step(solver, rates, task, buffer) if task.watch.active else None
                 if event is None:
                     _take_samples(solver, rates, task, buffer)
                 else:
-                    last, solver = event, begin(event)
+                    last, solver, since_event = event, begin(event), 0
     finally:
         buffer.flush()
     if last is not None and task.watch.ended_by:
@@ -172,7 +181,7 @@ def _advance(solver: Any, rates: _Rates, task: Task) -> None:
 
 def _check_advance(task: Task, rates: _Rates, solver: Any, sizes: list[float]) -> None:
     """Raise NumericalError where many steps together come to almost nothing."""
-    if len(sizes) > _STALLED and sum(sizes[-_STALLED:]) < _CRAWL * max(sizes):
+    if sum(sizes[-_STALLED:]) < _CRAWL * max(sizes):
         raise NumericalError(
             f"integration stopped at t = {solver.t:.9g} s: the last {_STALLED} steps together "
             f"advanced {sum(sizes[-_STALLED:]):.3g} s; "

@@ -6,7 +6,7 @@ from scipy.integrate import DOP853
 from scipy.integrate._ivp import dop853_coefficients as published
 
 from vehicledyn.solve import dop853_table as table
-from vehicledyn.solve.dop853 import Start, first_size, next_size, try_step
+from vehicledyn.solve.dop853 import Dop853, Start, Tolerances, first_size, next_size, try_step
 
 ROUNDING = 1e-14
 
@@ -32,11 +32,12 @@ def test_table_is_the_published_one():
 def test_steps_are_those_of_scipy(tolerance):
     begin, stop = start(), 6.0
     other = DOP853(rates, begin.time, begin.state, stop, rtol=tolerance, atol=tolerance)
-    size = first_size(rates, begin, stop - begin.time, tolerance)
+    tolerances = Tolerances(tolerance, tolerance)
+    size = first_size(rates, begin, stop - begin.time, tolerances)
     assert size == pytest.approx(other.h_abs, rel=ROUNDING)
     refused = False
     while begin.time < stop:
-        trial = try_step(rates, begin, min(begin.time + size, stop), tolerance)
+        trial = try_step(rates, begin, min(begin.time + size, stop), tolerances)
         size = next_size(trial, refused=refused)
         refused = not trial.error < 1.0
         if refused:
@@ -57,7 +58,7 @@ def test_order():
     begin, errors = start(), []
     for size in (0.4, 0.2):
         stop = begin.time + size
-        trial = try_step(rates, begin, stop, 1e-9)
+        trial = try_step(rates, begin, stop, Tolerances(1e-9, 1e-9))
         exact = DOP853(rates, begin.time, begin.state, stop, rtol=1e-13, atol=1e-15)
         while exact.status == "running":
             exact.step()
@@ -67,6 +68,37 @@ def test_order():
 
 def test_rates_that_are_no_numbers_refuse_the_step():
     begin = start()
-    trial = try_step(lambda time, state: np.full(3, np.nan), begin, begin.time + 0.1, 1e-9)
+    trial = try_step(
+        lambda time, state: np.full(3, np.nan), begin, begin.time + 0.1, Tolerances(1e-9, 1e-9)
+    )
     assert not trial.error < 1.0
     assert next_size(trial, refused=False) == pytest.approx(0.02)
+
+
+def test_run_is_that_of_scipy():
+    begin, stop, tolerances = start(), 6.0, Tolerances(1e-6, 1e-8)
+    ours = Dop853(rates, begin.time, begin.state, stop, tolerances=tolerances)
+    theirs = DOP853(rates, begin.time, begin.state, stop, rtol=1e-6, atol=1e-8)
+    while theirs.status == "running":
+        assert ours.status == "running"
+        ours.step()
+        theirs.step()
+        for name in ("t", "t_old", "step_size", "y"):
+            assert getattr(ours, name) == pytest.approx(getattr(theirs, name), rel=1e-10), name
+        middle = 0.5 * (theirs.t_old + theirs.t)
+        assert ours.dense_output()(middle) == pytest.approx(theirs.dense_output()(middle), rel=1e-9)
+    assert (ours.status, theirs.status) == ("finished", "finished")
+
+
+def test_run_fails_where_there_are_no_rates():
+    solver = Dop853(
+        lambda time, state: np.full(1, 1.0 if time < 0.5 else np.nan),
+        0.0,
+        np.zeros(1),
+        1.0,
+        tolerances=Tolerances(1e-6, 1e-6),
+    )
+    while solver.status == "running":
+        solver.step()
+    assert solver.status == "failed"
+    assert solver.t == pytest.approx(0.5)

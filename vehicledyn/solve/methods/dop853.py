@@ -16,7 +16,7 @@ class DormandPrince853(ParameterSet):
     """Explicit pair of order 8(5,3) with adaptive steps, for accurate smooth motion.
 
     Hairer, Nørsett, Wanner (1993), Solving Ordinary Differential Equations I, section II.10;
-    SciPy's implementation, sampled on its dense output of order 7.
+    sampled on its dense output of order 7.
     """
 
     relative_tolerance: float = quantity(
