@@ -9,6 +9,7 @@ from pathlib import Path
 
 import chains
 import numpy as np
+import speed
 from scipy.integrate import solve_ivp
 
 import vehicledyn.catalogue  # noqa: F401
@@ -120,6 +121,27 @@ class FourBarChain:
         times, outputs = (np.concatenate([part[k] for part in samples]) for k in (0, 3))
         x, z = (outputs[:, names.index(name)] for name in ("b0.x", "b0.z"))
         return {"seconds": seconds, "wall": wall, "error": four_bar_error(times, x, z)}
+
+
+def iltis(repeats):
+    """Return (name, operations, [s a right-hand side]) of the Iltis, and [s] of 12 s of slalom."""
+    cars = {
+        "Magic Formula tyres, driver": speed.Car(speed.SLALOM, speed.SELDOM),
+        "benchmark tyres": speed.Car(speed.RAMP, speed.SELDOM),
+    }
+    times, slalom = {words: [] for words in cars}, []
+    whole = speed.Car(speed.SLALOM)
+    for _ in range(repeats):
+        for words, car in cars.items():
+            times[words].append(_processor_seconds(car, 4.0) / car.evaluations)
+        slalom.append(_processor_seconds(whole, speed.DURATION))
+    return [(words, car.operations(), times[words]) for words, car in cars.items()], slalom
+
+
+def _processor_seconds(car, duration):
+    started = time.process_time()
+    car.run(duration)
+    return time.process_time() - started
 
 
 def four_bar_error(times, x, y):

@@ -9,10 +9,8 @@ reports/speed.md, or another file with ``--report``.
 from __future__ import annotations
 
 import argparse
-import datetime
 import json
 import os
-import platform
 import statistics
 import subprocess
 import sys
@@ -25,8 +23,8 @@ import chains
 import numpy as np
 import own
 import speed
+from speed_page import page
 
-import vehicledyn
 from vehicledyn.multibody import derive
 from vehicledyn.solve.kernel import compile_kernel
 
@@ -173,72 +171,18 @@ def four_bars(peers, repeats):
 
 
 def iltis(repeats):
-    """Return the lines on the Iltis: right-hand side and slalom."""
-    rows, figures = [], speed.right_hand_sides(repeats)
+    """Return the rows on the Iltis: right-hand sides, and the time of the slalom [s]."""
     frequency = own.processor_frequency()
-    for time, operations in zip(figures[::2], figures[1::2], strict=True):
-        cycles = 1e-6 * time.median * frequency
-        a_cycle = f"{operations.median / cycles:.2f}" if frequency else "unknown"
-        rows.append((time.name, operations.median, 1e3 * time.median, a_cycle))
-        print(f"{time.name}: {operations.median} operations, {1e3 * time.median:.0f} ns")
-    slalom = [f for f in speed.slaloms(repeats, 1.0) if f.name.startswith(("slalom", "the same"))]
-    return rows, slalom[:2]
-
-
-def page(peers, rows, bars, cars, slalom):
-    """Return the text of the report."""
-    today = datetime.datetime.now(datetime.UTC).date()
-    names = [f"{peer.name} {peer.version}" for peer in peers]
-    lines = [
-        "# Speed",
-        "",
-        "This page is generated. To make it anew, with the package installed:",
-        "",
-        "    python benchmarks/peers.py --peers FOLDER --install",
-        "",
-        f"{today}, {own.processor()}, {platform.system()}, Python {platform.python_version()}, "
-        f"vehicledyn {vehicledyn.__version__}"
-        + (", " + ", ".join(names) if names else "; no other engine was at hand")
-        + ". Medians; candidates take turns; processor time unless wall time is said. On a "
-        "machine with other work all times grow, the ratios stay.",
-        "",
-        "## Forward dynamics",
-        "",
-        "Turning joints with oblique frames and full inertias, numbers as parameters at run time; "
-        "all engines on the same system. vehicledyn: one right-hand side inside the compiled "
-        "Runge-Kutta loop. pinocchio: `aba` called from Python, less the call of a model with one "
-        "joint. MuJoCo: `mj_forward` called from Python without contacts, less a call that reads "
-        "one number. EXUDYN: a step of explicit Euler on its kinematic tree, the difference of two "
-        "runs. The last column is the largest difference of accelerations over the largest "
-        "acceleration.",
-        "",
-    ]
-    head = ["system", "vehicledyn", *[peer.name for peer in peers], "difference"]
-    lines += ["| " + " | ".join(head) + " |", "|---" * len(head) + "|"]
-    for row in rows:
-        cells = [f"{v:.0f} ns, {v / row.own:.1f} times" for v in row.others.values()]
-        worst = f"{max(row.differences.values()):.0e}" if row.differences else ""
-        lines.append(f"| {row.system} | {row.own:.0f} ns | " + " | ".join([*cells, worst]) + " |")
-    lines += [
-        "",
-        "## Chain of twenty four-bar linkages",
-        "",
-        f"A02 of the IFToMM benchmark library, {DURATION:g} s, through four configurations in "
-        "which every loop is singular. Error: the largest of the position of B0 at all samples, "
-        f"against the exact motion; at most {ERROR:g} m was asked for.",
-        "",
-        "| engine | method | error | processor time | wall time | ratio |",
-        "|---|---|---|---|---|---|",
-    ]
-    for name, words, error, cpu, wall in bars:
-        ratio = f"{cpu / bars[0][3]:.1f}"
-        lines.append(f"| {name} | {words} | {error:.1e} m | {cpu:.3f} s | {wall:.3f} s | {ratio} |")
-    lines += ["", "## Iltis", "", "| quantity | operations | time | operations a cycle |"]
-    lines.append("|---|---|---|---|")
-    lines += [f"| {name} | {n} | {time:.0f} ns | {rate} |" for name, n, time, rate in cars]
-    lines += ["", "| slalom | wall time or ratio |", "|---|---|"]
-    lines += [f"| {f.name} | {f.median:.3g}{'' if f.unit == '1' else ' s'} |" for f in slalom]
-    return "\n".join(lines) + "\n"
+    found, slalom = own.iltis(repeats)
+    rows = []
+    for words, operations, times in found:
+        median = statistics.median(times)
+        a_cycle = f"{operations / (median * frequency):.2f}" if frequency else "unknown"
+        rows.append((f"right-hand side, {words}", operations, 1e9 * median, a_cycle))
+        print(f"{rows[-1][0]}: {operations} operations, {1e9 * median:.0f} ns, {a_cycle} a cycle")
+    seconds = statistics.median(slalom)
+    print(f"slalom: {seconds:.3f} s, {speed.DURATION / seconds:.0f} times real time")
+    return rows, seconds
 
 
 def main(arguments=None):
@@ -257,7 +201,9 @@ def main(arguments=None):
     cars, slalom = iltis(repeats)
     for peer in peers:
         peer.close()
-    options.report.write_text(page(peers, rows, bars, cars, slalom), encoding="utf-8")
+    options.report.write_text(
+        page(peers, rows, bars, cars, slalom, error=ERROR, duration=DURATION), encoding="utf-8"
+    )
     print(f"written: {options.report}", file=sys.stderr)
 
 
