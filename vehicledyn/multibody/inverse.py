@@ -24,6 +24,8 @@ from vehicledyn.multibody.unknowns import declare, motions
 from vehicledyn.symbolic.equations import Equations, Variable
 
 _PART = "prescribed"
+PRESCRIBED = f"{_PART}."
+"""What the names of the channels of given positions, rates and accelerations begin with."""
 
 
 @dataclass(frozen=True)
@@ -169,7 +171,13 @@ def _assembled(system: System) -> tuple[list[str], dict[str, float]]:
 def _driven(body: Body, names: set[str]) -> Body:
     """Return a body whose named joints are driven; the others may become dependent."""
     joints = tuple(
-        replace(j, role="driven") if isinstance(j, Joint) and j.name in names else j
-        for j in body.joints
+        replace(j, role=_role(j, names)) if isinstance(j, Joint) else j for j in body.joints
     )
     return replace(body, joints=joints)
+
+
+def _role(joint: Joint, driven: set[str]) -> str:
+    """Return the role of a joint; none stays independent, since the drives leave no freedom."""
+    if joint.name in driven:
+        return "driven"
+    return "auto" if joint.role == "independent" else joint.role

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from vehicledyn.base.errors import InputError, NumericalError
 from vehicledyn.base.units import shown
-from vehicledyn.multibody.inverse import InverseDynamics, derive_inverse
+from vehicledyn.multibody.inverse import PRESCRIBED, InverseDynamics, derive_inverse
 from vehicledyn.multibody.system import System
 from vehicledyn.results.layout import ResultHeader, SummaryEntry
 from vehicledyn.results.output import check_folder, check_output
@@ -182,23 +182,27 @@ class _Book:
     """Channels of the result: those of the equations and the power of each drive."""
 
     channels: tuple[Channel, ...]
+    kept: tuple[int, ...]
     forces: tuple[tuple[int, int], ...]
     coordinates: tuple[str, ...]
 
     @classmethod
     def of(cls, inverse: InverseDynamics) -> _Book:
         """Return the channels; states of the prescribed motion are left out."""
-        own = inverse.equations.channels
+        everything = inverse.equations.channels
+        kept = tuple(k for k, c in enumerate(everything) if not c.name.startswith(PRESCRIBED))
+        own = [everything[k] for k in kept]
         index = {c.name: k for k, c in enumerate(own)}
         driven = inverse.equations.structure["driven"]
         pairs = {
             n: (index[f"{n}_force"], index[f"{n}_rate"]) for n in driven if f"{n}_force" in index
         }
         powers = [Channel(f"{n}_power", "W", f"Power of the drive of {n}", "joint") for n in pairs]
-        return cls((*own, *powers), tuple(pairs.values()), tuple(pairs))
+        return cls((*own, *powers), kept, tuple(pairs.values()), tuple(pairs))
 
     def complete(self, row: Array) -> Array:
-        """Return a row with the powers."""
+        """Return a row of the channels kept, with the powers."""
+        row = row[list(self.kept)]
         return np.concatenate([row, [row[force] * row[rate] for force, rate in self.forces]])
 
     def summary(self, times: Array, table: Array) -> Iterator[SummaryEntry]:
