@@ -1,4 +1,4 @@
-"""Adaptive integration with SciPy's explicit pairs on the kernel's rates."""
+"""Adaptive integration with explicit pairs on the kernel's rates."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from vehicledyn.base.errors import NumericalError
+from vehicledyn.solve.dop853 import Dop853, Tolerances
 from vehicledyn.solve.engine import Vector
 from vehicledyn.solve.events import Point
 from vehicledyn.solve.kernel import Kernel
@@ -27,7 +28,7 @@ _PAST = 4
 def run_explicit(
     task: Task, name: str, scheme: str, *, relative_tolerance: float, absolute_tolerance: float
 ) -> Statistics:
-    """Integrate a task with an explicit pair of SciPy.
+    """Integrate a task with an explicit pair: our own DOP853, or another of SciPy.
 
     Parameters
     ----------
@@ -36,18 +37,23 @@ def run_explicit(
     name
         Name of the method for the statistics.
     scheme
-        Name of the class in ``scipy.integrate``.
+        "DOP853", or the name of a class in ``scipy.integrate``.
     relative_tolerance, absolute_tolerance
         Tolerances of the local error of each state.
     """
-    import scipy.integrate
 
     def begin(point: Point) -> Any:
+        stop = task.time(task.n_intervals)
+        if scheme == "DOP853":
+            tolerances = Tolerances(relative_tolerance, absolute_tolerance)
+            return Dop853(rates, point.time, point.state, stop, tolerances=tolerances)
+        import scipy.integrate  # takes a good part of a second, so only where it is needed
+
         return getattr(scipy.integrate, scheme)(
             rates,
             point.time,
             point.state,
-            task.time(task.n_intervals),
+            stop,
             rtol=relative_tolerance,
             atol=absolute_tolerance,
         )
