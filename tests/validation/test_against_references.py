@@ -10,6 +10,7 @@ pytestmark = pytest.mark.validation
 ROWS = {
     "positions": 12,
     "kinematics": 7,
+    "suspensions": 55,
     "histories": 24,
     "convergence": 20,
     "modes": 16,

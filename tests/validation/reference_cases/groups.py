@@ -15,12 +15,14 @@ from reference_cases import (
     repeatability,
     slalom,
     standstill,
+    suspensions,
     tyre_tables,
 )
 
 GROUPS = {
     "positions": positions.compare,
     "kinematics": kinematics.compare,
+    "suspensions": suspensions.compare,
     "histories": histories.compare,
     "convergence": convergence.compare,
     "modes": modes.compare,
