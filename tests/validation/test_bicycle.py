@@ -50,6 +50,14 @@ def eigenvalues(*settings, file=FILE):
     return found[np.abs(found) > 1e-4]
 
 
+def test_a_speed_that_means_nothing_is_refused(capsys):
+    command = ["vehicledyn", "eig", str(FILE), "--speed", "7 m/s"]
+    with mock.patch.object(sys, "argv", command), pytest.raises(SystemExit) as end:
+        main()
+    assert end.value.code == 2
+    assert "nothing in 'bicycle' depends on a speed" in capsys.readouterr().err
+
+
 @pytest.mark.parametrize("speed", REFERENCE["speeds"])
 def test_published_eigenvalues(speed):
     wanted = REFERENCE["speeds"][speed]

@@ -63,7 +63,7 @@ def find_modes(
     Raises
     ------
     InputError
-        If a file cannot be written.
+        If a file cannot be written, or speeds are given to a system that has none.
     NumericalError
         If there is no steady motion at a speed.
     """
@@ -77,6 +77,8 @@ def find_modes(
     table = ModeTable("", "", (), (), (), ())
     for setting, variant in variants:
         prepared = prepare(variant, backend=backend, progress=progress)
+        if speeds:
+            _check_speed(prepared)
         own = _empty_table(prepared, variant)
         if found and own.states != table.states:
             raise InputError(f"--set {setting}: changes which states the model has")
@@ -94,6 +96,16 @@ def find_modes(
         progress("drawing", None)
         save_figures(mode_figures(whole), plots, ("png", "svg"))
     return ModesReport(whole.model, found, whole)
+
+
+def _check_speed(prepared: Prepared) -> None:
+    """Raise InputError if a speed says nothing about a system."""
+    subject = prepared.subject
+    if isinstance(subject, SystemSubject) and not subject.parameters_at(1.0):
+        raise InputError(
+            f"--speed: nothing in '{prepared.equations.name}' depends on a speed of this name; "
+            "set the parameter or the start rate that says how fast it moves, with --set"
+        )
 
 
 def _modes_at(

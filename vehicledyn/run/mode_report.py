@@ -70,7 +70,9 @@ class ModesReport:
     def _lines(self, entry: ModesAtSpeed, case: ModeCase) -> str:
         zeros = sum(1 for m in entry.modes if abs(m.eigenvalue) < _NEAR_ZERO)
         verdict = f"{len(entry.unstable)} unstable" if entry.unstable else "all others stable"
-        place = f"{self.model} at {shown(entry.speed, 'm/s')}"
+        place = self.model
+        if entry.speed or not entry.setting:
+            place += f" at {shown(entry.speed, 'm/s')}"
         if entry.setting:
             place += f", {entry.setting}"
         head = [f"{place}: {zeros} zeros, {verdict}"]

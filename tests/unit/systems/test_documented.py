@@ -2,6 +2,7 @@
 
 import os
 import re
+import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -41,8 +42,10 @@ def run(command, folder):
 def test_commands_of_the_page(tmp_path):
     for name, body in LISTINGS.items():
         (tmp_path / name).write_text(body, encoding="utf-8")
-    (commands,) = [body for kind, body in BLOCK.findall(PAGE) if kind == "sh"]
-    for line in commands.splitlines():
+    shutil.copytree(ROOT / "systems", tmp_path / "systems")
+    commands = [body for kind, body in BLOCK.findall(PAGE) if kind == "sh"]
+    assert commands
+    for line in "".join(commands).splitlines():
         run(line, tmp_path)
     with open_result(tmp_path / "longer.h5") as result:
         table = result.as_frame()
