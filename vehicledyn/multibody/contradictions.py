@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from vehicledyn.base.errors import InputError, NumericalError, VehicledynError
 from vehicledyn.multibody.assembly import NotAssembledError
-from vehicledyn.multibody.configuration import Place
+from vehicledyn.multibody.configuration import Place, loop_joints
 from vehicledyn.multibody.constraints import UserConstraint
 from vehicledyn.multibody.partition import RANK_TOLERANCE
 from vehicledyn.multibody.system import Joint, System
@@ -119,6 +119,8 @@ def rigid_loops(system: System, place: Place, q: Array) -> tuple[RigidLoop, ...]
         names = tuple(dict.fromkeys(place.gaps.cuts[r] for r in rows))
         if moving.intersection(rows) or not cuts.intersection(names):
             continue
+        if not columns and any(loop_joints(system, name) for name in names):
+            continue  # A cut that its joints leave closed anyway, as a second hinge in line.
         if _rank(slopes[np.ix_(rows, columns)]) == len(columns):
             found.append(RigidLoop(names, tuple(place.joints[c].name for c in columns)))
     return tuple(found)
@@ -189,4 +191,4 @@ def _components(place: Place) -> list[tuple[list[int], list[int]]]:
 
 
 def _listed(words: Sequence[str]) -> str:
-    return " and ".join(filter(None, (", ".join(words[:-1]), words[-1])))
+    return " and ".join(filter(None, (", ".join(words[:-1]), *words[-1:])))
