@@ -234,7 +234,7 @@ class ResultWriter:
             for dataset, values in zip(self._channels, columns, strict=True):
                 sections.extend(dataset, self.samples, values)
             if self._states is not None:
-                sections.extend(self._states, self.samples, block.states)
+                sections.extend(self._states, self.samples, np.ascontiguousarray(block.states))
             container.flush()
             sections.extend(self._time, self.samples, block.times)
             container.flush()

@@ -146,6 +146,18 @@ def test_samples_may_come_in_any_portions(tmp_path, monkeypatch):
         assert np.array_equal(result.channel("body.x").values, 2.0 * result.time)
 
 
+def test_arrays_may_have_any_order_in_memory(tmp_path):
+    time = np.arange(5) * 0.1
+    states = np.asfortranarray(np.column_stack([time, -time]))
+    quantities = [Quantity("body.x", "m"), Quantity("body.vx", "m/s")]
+    with ResultWriter(
+        tmp_path / "a.h5", channels=CHANNEL, states=quantities, header=header()
+    ) as writer:
+        writer.append(time, np.asfortranarray(time[:, None]), states)
+    with open_result(tmp_path / "a.h5") as result:
+        assert np.array_equal(result.states.values, states)
+
+
 def test_equal_runs_give_equal_datasets(make_result):
     def datasets(path):
         found = {}
