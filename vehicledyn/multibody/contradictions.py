@@ -39,7 +39,11 @@ def why_open(
     sizes = np.abs(error.gap)
     worst = float(sizes.max())
     cuts = {c: _size(place, sizes, c) for c in place.gaps.cuts}
-    cuts = {c: s for c, s in sorted(cuts.items(), key=lambda i: -i[1]) if s > _OPEN * worst}
+    cuts = {
+        c: s
+        for c, s in sorted(cuts.items(), key=lambda i: -float(f"{i[1]:.3g}"))
+        if s > _OPEN * worst
+    }
     rows = [
         r
         for r, c in enumerate(place.gaps.cuts)

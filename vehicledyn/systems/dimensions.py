@@ -105,6 +105,12 @@ def _same(a: Measure, b: Measure) -> Measure:
     return a if a.powers == b.powers else Measure(a.powers)
 
 
+def _sum(a: Measure, b: Measure, sign: float) -> Measure:
+    if a.bare is not None and b.bare is not None:
+        return Measure(b.powers, a.bare + sign * b.bare, b.exact)
+    return _same(a, b)
+
+
 def _times(a: Measure, b: Measure) -> Measure:
     return _product(a, b, 1)
 
@@ -174,8 +180,8 @@ def _ratio(a: Measure, b: Measure) -> Measure:
 MEASURES: Algebra = {
     "number": _number,
     "pi": lambda: Measure(_powers((0, 0, 0, 0))),
-    "+": _same,
-    "-": _same,
+    "+": lambda a, b: _sum(a, b, 1.0),
+    "-": lambda a, b: _sum(a, b, -1.0),
     "*": _times,
     "/": _over,
     "**": _raised,
