@@ -298,6 +298,29 @@ def test_road_of_the_iltis_sums_up():
     assert -response[0, 6, 1] == pytest.approx(slow / 10.0, rel=0.05)
 
 
+def test_profile_as_driven_over_a_wavy_road(tmp_path):
+    """Waves of 10 m and 20 µm at 20 m/s: slope and delay of the rear wheels as in the run."""
+    scenario = ROOT / "scenarios/iltis_sine_steer.yaml"
+    steered = scenario.read_text(encoding="utf-8")
+    text = steered.replace("amplitude: 2 mm", "amplitude: 0 mm")
+    text = text.replace("duration: 3 s", "duration: 6 s").replace("start: static", "start: steady")
+    waves = "sine, amplitude_x: 20 um, wavelength_x: 10 m, amplitude_y: 0 m, wavelength_y: 10 m"
+    text = text.replace("road:\n  kind: flat", f"road: {{kind: {waves}}}")
+    simulated(text, tmp_path, 2.0)
+    with open_result(tmp_path / "drive.h5") as result:
+        table = result.as_frame()
+    table = table[table.index > table.index[-1] - 1.5]
+    speed = float(table["chassis.x_rate"].mean())
+    names = ["accelerometer.vertical", "chassis.z", "chassis.pitch"]
+    linear = respond(
+        load_scenario(scenario), "profile", names, at=[speed / 10.0], speed=speed
+    ).response_at[0, 0]
+    place = table["wheel_fl.contact_x"].to_numpy()
+    for name, expected in zip(names, linear, strict=True):
+        found = fitted(place, table[name].to_numpy(), 0.1)
+        assert abs(found / 20e-6 / expected - 1.0) < 2e-5
+
+
 @pytest.mark.parametrize(
     ("given", "output", "words"),
     [
