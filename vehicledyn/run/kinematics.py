@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import fnmatch
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -28,15 +28,15 @@ from vehicledyn.run.instant_axes import (
     swing_values,
     wheel_columns,
 )
+from vehicledyn.run.kinematics_report import SHOWN, KinematicsReport
 from vehicledyn.run.prepare import Progress
-from vehicledyn.run.sweep import Drive, Finding, Mechanism, Sweep, mechanism, run_sweep
+from vehicledyn.run.sweep import Drive, Mechanism, Sweep, mechanism, run_sweep
 from vehicledyn.run.vehicle import Target, build_subject
 from vehicledyn.scenario import LoadedScenario
 from vehicledyn.symbolic.equations import Channel
 
 Array = NDArray[np.float64]
 EXIT_OK, EXIT_FAILED, EXIT_INTERRUPTED = 0, 3, 130
-_SHOWN = {"m": ("mm", 1e3), "rad": ("deg", 180.0 / np.pi)}
 _COLUMNS = 7
 _PANELS = 4
 _MOST_FIGURES = 12
@@ -55,61 +55,6 @@ class Wish:
     together: bool = False
     hold: tuple[str, ...] = ()
     columns: tuple[str, ...] = ()
-
-
-@dataclass(frozen=True)
-class KinematicsReport:
-    """What a sweep came to.
-
-    ``table`` holds the channels, shape (n_samples, n_channels), in SI.
-    """
-
-    model: str
-    path: Path
-    status: str
-    exit_code: int
-    held: tuple[str, ...]
-    channels: tuple[Channel, ...]
-    table: Array
-    shown: tuple[int, ...]
-    singular: tuple[Finding, ...]
-    failures: tuple[Finding, ...]
-    messages: list[str] = field(default_factory=list)
-
-    def as_text(self) -> str:
-        """Return a table of the drives and some channels, after what a person must know."""
-        lines = [f"{self.path}: {self.status}, {len(self.table)} places"]
-        if self.held:
-            lines.append(f"held: {', '.join(self.held)}")
-        lines += [f.words for f in self.singular]
-        units = [
-            _SHOWN.get(self.channels[k].unit, (self.channels[k].unit, 1.0)) for k in self.shown
-        ]
-        heads = [
-            f"{self.channels[k].name} [{u}]" for k, (u, _) in zip(self.shown, units, strict=True)
-        ]
-        widths = [max(len(head), 14) for head in heads]
-        lines += ["", "  ".join(f"{h:>{w}}" for h, w in zip(heads, widths, strict=True))]
-        for row in self.table:
-            cells = (row[k] * factor for k, (_, factor) in zip(self.shown, units, strict=True))
-            texts = (f"{_clean(c):>{w}.6f}" for c, w in zip(cells, widths, strict=True))
-            lines.append("  ".join(texts))
-        return "\n".join(lines)
-
-    def as_dict(self) -> dict[str, Any]:
-        """Return everything as plain data, channels in SI."""
-        return {
-            "model": self.model,
-            "result": self.path,
-            "status": self.status,
-            "held": list(self.held),
-            "singular": [_finding(f) for f in self.singular],
-            "failures": [_finding(f) for f in self.failures],
-            "channels": {
-                c.name: {"unit": c.unit, "description": c.description, "values": self.table[:, k]}
-                for k, c in enumerate(self.channels)
-            },
-        }
 
 
 def sweep_kinematics(
@@ -282,7 +227,7 @@ def _figure(name: str, channels: Sequence[Channel], drive: Channel) -> dict[str,
     panels = [
         {
             "label": c.name.rpartition(".")[2].replace("_", " "),
-            "unit": _SHOWN.get(c.unit, (c.unit, 1.0))[0],
+            "unit": SHOWN.get(c.unit, (c.unit, 1.0))[0],
             "channels": [c.name],
         }
         for c in channels
@@ -292,7 +237,7 @@ def _figure(name: str, channels: Sequence[Channel], drive: Channel) -> dict[str,
         "kind": "time",
         "title": f"{name.partition('.')[0]} against {drive.name}",
         "x": drive.name,
-        "x_unit": _SHOWN.get(drive.unit, (drive.unit, 1.0))[0],
+        "x_unit": SHOWN.get(drive.unit, (drive.unit, 1.0))[0],
         "panels": panels,
     }
 
@@ -380,15 +325,3 @@ def _summary(book: _Book, swept: Sweep) -> Iterator[SummaryEntry]:
         yield SummaryEntry(f"failure_{number}", finding.words, "", "Not to be reached")
     for name in book.machine.held:
         yield SummaryEntry(f"held.{name}", True, "", f"{name} stays at its start")
-
-
-def _finding(finding: Finding) -> dict[str, Any]:
-    return {
-        "drives": list(finding.drives),
-        "coordinates": list(finding.coordinates),
-        "text": finding.words,
-    }
-
-
-def _clean(value: float) -> float:
-    return 0.0 if abs(value) < 5e-10 else value

@@ -161,3 +161,33 @@ def test_what_was_reached_is_kept(tmp_path):
         assert "sample" in result.state_of_run
         reached = result.channel("slider.position").values
     assert reached == pytest.approx([0.15, 0.16, 0.17, 0.18, 0.19], abs=1e-12)
+
+
+PAIR = """\
+title: Two corners, one written
+bodies: {}
+mirror:
+  - plane: y
+    names: {left: right}
+    bodies:
+      left:
+        at: [0, 0.7 m, 0.3 m]
+        joints: [R3 steer, R1 lean]
+        mass: 1 kg
+        inertia: [1 kg*m^2, 1 kg*m^2, 1 kg*m^2]
+    sensors:
+      wheel_left: {kind: wheel_angles, body: left, axis: [0, 1, 0.05], radius: 0.3 m}
+"""
+
+
+def test_mirrored_wheels_stand_alike(tmp_path):
+    path = tmp_path / "pair.yaml"
+    path.write_text(PAIR, encoding="utf-8")
+    place = Positions(build_subject(load_model(str(path))).system)
+    names = [c.name for c in place.channels]
+    starts = {"left.steer": 0.2, "left.lean": 0.1, "right.steer": -0.2, "right.lean": -0.1}
+    q = np.array([starts[c.name] for c in place.coordinates])
+    seen = dict(zip(names, place.values(q), strict=True))
+    for name in ("toe_angle", "camber", "half_track", "contact_x", "contact_z"):
+        assert seen[f"wheel_right.{name}"] == pytest.approx(seen[f"wheel_left.{name}"], abs=1e-14)
+    assert seen["wheel_right.steer_angle"] == pytest.approx(-seen["wheel_left.steer_angle"])

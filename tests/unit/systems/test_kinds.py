@@ -237,6 +237,8 @@ SENSORS = {
     "body": "body: b",
     "accelerometer": "body: b, point: [0.1, 0, 0]",
     "expression": "value: 'b.x * b.y_rate + time * 1 m^2/s^2', unit: m^2/s",
+    "wheel_angles": "body: b, centre: [0, 0.1, 0], axis: [0, -1, 0], radius: 0.3, side: right, "
+    "steering_axis: {lower: {body: b, point: [0, 0, -0.1]}, upper: {body: b, point: [0, 0, 0.1]}}",
     "reaction": "body: b, point: [0.1, 0, 0], axes: parent",
     "constraint_force": "constraint: k, body: b}}\n"
     "constraints: {k: {kind: knife_edge, body: b, across: [0, 1, 0]",
@@ -273,5 +275,9 @@ def test_sensor(kind, tmp_path):
         pitch = np.array([0.0, np.cos(0.6), -np.sin(0.6)]) * seen["b.pitch_rate"]
         found = [seen[f"s.angular_velocity_{a}"] for a in "xyz"]
         assert found == pytest.approx(about_z + roll + pitch, rel=1e-12)
+    if kind == "wheel_angles":
+        steer = np.arctan2(-turned[0, 1], turned[1, 1])
+        assert [seen["s.steer_angle"], seen["s.toe_angle"]] == pytest.approx([steer] * 2, rel=1e-12)
+        assert seen["s.z"] == pytest.approx(0.3 + 0.1 * turned[2, 1], rel=1e-12)
     if kind == "expression":
         assert seen["s"] == pytest.approx(0.1 * seen["b.y_rate"] + 2.0, rel=1e-13)
