@@ -235,7 +235,7 @@ def _figure(name: str, channels: Sequence[Channel], drive: Channel) -> dict[str,
     return {
         "name": name,
         "kind": "time",
-        "title": f"{name.partition('.')[0]} against {drive.name}",
+        "title": f"{channels[0].name.partition('.')[0]} against {drive.name}",
         "x": drive.name,
         "x_unit": SHOWN.get(drive.unit, (drive.unit, 1.0))[0],
         "panels": panels,
