@@ -6,7 +6,7 @@ from functools import lru_cache
 import numpy as np
 import pytest
 from evaluation import Derived
-from random_systems import CLOSED, tree
+from random_systems import CLOSED, Motor, tree
 
 from vehicledyn.multibody import inertia
 from vehicledyn.multibody.constraints import Geometry, RateConstraint, UserConstraint
@@ -14,7 +14,7 @@ from vehicledyn.multibody.derivation import derive
 from vehicledyn.multibody.force_sensors import ConstraintForceSensor, ReactionSensor
 from vehicledyn.multibody.kinematics import Kinematics
 from vehicledyn.multibody.parts import BasePart, Output, Situation
-from vehicledyn.multibody.system import GROUND
+from vehicledyn.multibody.system import GROUND, Joint
 from vehicledyn.multibody.transmissions import gears
 from vehicledyn.multibody.tree import unfold
 from vehicledyn.solve.compiler import CompilationError, find_compiler
@@ -211,27 +211,37 @@ class Slip(BasePart):
         )
 
 
-@pytest.mark.parametrize("seed", SEEDS)
-def test_what_joints_transmit_has_no_power_but_that_of_the_forces_on_coordinates(seed):
-    """Reaction times relative motion = Σ force on the coordinates times rate, of each chain."""
-    system = tree(seed)
+@all_systems
+def test_what_joints_transmit_has_no_power_but_that_of_the_forces_on_coordinates(make, seed):
+    """Reaction times relative motion = Σ force on the coordinates times rate, of each chain.
+
+    Where a constraint force is put on a wrong body or point, its part along the free directions
+    is no longer balanced.
+    """
+    system = make(seed)
     sensors = []
     for body in system.bodies:
         sensors.append(Slip(f"{body.name}.slip", body))
         sensors.append(ReactionSensor(f"{body.name}.reaction", body.name, axes="body"))
     d = Derived(system.with_parts(*sensors), seed)
     values = d.output
+    motors = {part.coordinate for part in system.parts if isinstance(part, Motor)}
     for body in system.bodies:
-        force, torque = wrench(d, f"{body.name}.reaction")
-        power = force @ triple(d, f"{body.name}.slip.v") + torque @ triple(d, f"{body.name}.slip.w")
-        terms = [0.0]
-        for joint in body.joints:
-            name = getattr(joint, "name", "")
-            given = values.get(f"{name}_force", 0.0)
-            if name == "second.q0":
-                given = 2.0 - 0.7 * values["second.q0_rate"]
-            terms.append(given * values.get(f"{name}_rate", 0.0))
-        size = 1.0 + np.abs(force).max() + np.abs(torque).max()
+        pairs = zip(("force", "torque"), ("v", "w"), strict=True)
+        triples = [
+            (triple(d, f"{body.name}.reaction.{f}"), triple(d, f"{body.name}.slip.{v}"))
+            for f, v in pairs
+        ]
+        power = sum(np.nansum(load * motion) for load, motion in triples)
+        terms = []
+        for joint in (j for j in body.joints if isinstance(j, Joint)):
+            rate = values.get(f"{joint.name}_rate", 0.0)
+            terms.append(values.get(f"{joint.name}_force", 0.0) * rate)
+            terms.append((2.0 - 0.7 * rate) * rate if joint.name in motors else 0.0)
+            if "gears.torque" in values:
+                gears_force = {"first.q0": "gears.torque", "root.q0": "gears.driving_torque"}
+                terms.append(values.get(gears_force.get(joint.name, ""), 0.0) * rate)
+        size = 1.0 + max(np.nanmax(np.abs(load), initial=0.0) for load, _ in triples)
         assert power == pytest.approx(sum(terms), abs=IDENTITY * size)
 
 
