@@ -5,18 +5,22 @@
 # Tolerance: 1e-7 of a channel's range and 1e-8 in SI on top, for channels that stay at zero.
 # Compilers, their options and the interpreter differ by rounding only, below 1e-11 of the range
 # (measured with gcc -O1, -O3 -ffast-math and CasADi); what a change of a model, a law or a
-# method does is far above.
+# method does is far above. Scenarios of systems go two at a time.
 set -uo pipefail
 cd "$(dirname "$0")/../.."
 folder=${1:-$(mktemp -d)}
-mkdir -p "$folder"
-vehicledyn=${VEHICLEDYN:-vehicledyn}
-wrong=0
+mkdir -p "$folder/systems"
+export folder vehicledyn=${VEHICLEDYN:-vehicledyn}
 
-for scenario in scenarios/*.yaml; do
-  name=$(basename "$scenario" .yaml)
-  "$vehicledyn" run "$scenario" --no-plots --quiet -o "$folder/$name.h5" &&
+check() { # check SCENARIO: run it, compare the result with its reference
+  local name=${1#scenarios/}
+  name=${name%.yaml}
+  "$vehicledyn" run "$1" --no-plots --quiet -o "$folder/$name.h5" &&
     "$vehicledyn" compare "$folder/$name.h5" "tests/regression/references/$name.h5" \
-      --interpolate --relative 1e-7 --absolute 1e-8 --junit "$folder/$name.xml" || wrong=1
-done
+      --interpolate --relative 1e-7 --absolute 1e-8 --junit "$folder/$name.xml"
+}
+export -f check
+wrong=0
+for scenario in scenarios/*.yaml; do check "$scenario" || wrong=1; done
+printf '%s\0' scenarios/systems/*.yaml | xargs -0 -n 1 -P 2 bash -c 'check "$1"' check || wrong=1
 exit $wrong

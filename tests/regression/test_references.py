@@ -7,21 +7,27 @@ import pytest
 from vehicledyn.results.reader import open_result
 
 FOLDER = Path(__file__).parent / "references"
-SCENARIOS = sorted((Path(__file__).parents[2] / "scenarios").glob("*.yaml"))
-LARGEST_SIZE = 100_000
+SCENARIOS = Path(__file__).parents[2] / "scenarios"
+VEHICLES = sorted(SCENARIOS.glob("*.yaml"))
+SYSTEMS = sorted((SCENARIOS / "systems").glob("*.yaml"))
 
 
-def test_no_reference_without_scenario():
-    assert SCENARIOS
-    names = {path.stem for path in FOLDER.glob("*.h5")}
-    assert names == {path.stem for path in SCENARIOS}, "run tests/regression/update.sh"
+@pytest.mark.parametrize(
+    ("scenarios", "folder"), [(VEHICLES, FOLDER), (SYSTEMS, FOLDER / "systems")]
+)
+def test_no_reference_without_scenario(scenarios, folder):
+    assert scenarios
+    names = {path.stem for path in folder.glob("*.h5")}
+    assert names == {path.stem for path in scenarios}, "run tests/regression/update.sh"
 
 
-@pytest.mark.parametrize("scenario", SCENARIOS, ids=lambda path: path.stem)
+@pytest.mark.parametrize("scenario", [*VEHICLES, *SYSTEMS], ids=lambda path: path.stem)
 def test_reference_belongs_to_the_scenario(scenario):
-    file = FOLDER / f"{scenario.stem}.h5"
-    assert file.stat().st_size < LARGEST_SIZE
+    of_system = scenario in SYSTEMS
+    largest_size, fewest_channels = (60_000, 3) if of_system else (100_000, 10)
+    file = FOLDER / scenario.relative_to(SCENARIOS).with_suffix(".h5")
+    assert file.stat().st_size < largest_size
     with open_result(file) as reference:
         assert reference.is_whole
         assert reference.scenario_text == scenario.read_text(), "run tests/regression/update.sh"
-        assert len(reference.channels) >= 10
+        assert len(reference.channels) >= fewest_channels

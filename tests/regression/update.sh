@@ -1,16 +1,25 @@
 #!/usr/bin/env bash
 # Regenerate the references of all scenarios, or of those named: update.sh [scenarios/a.yaml ...]
-# Few channels and samples keep each below 100 kB. VEHICLEDYN names the program to use.
+# Few channels and samples keep each below 100 kB, those of systems below 60 kB. VEHICLEDYN names
+# the program to use, PYTHON the Python it is installed in.
 set -euo pipefail
 cd "$(dirname "$0")/../.."
-if [ $# -eq 0 ]; then set -- scenarios/*.yaml; fi
+if [ $# -eq 0 ]; then set -- scenarios/*.yaml scenarios/systems/*.yaml; fi
+references=tests/regression/references
+mkdir -p $references/systems
 
 for scenario in "$@"; do
   name=$(basename "$scenario" .yaml)
-  "${VEHICLEDYN:-vehicledyn}" run "$scenario" --no-plots --quiet \
-    -o "tests/regression/references/$name.h5" \
-    --set "output.interval=250 ms" \
-    --set "output.channels=[chassis.?, chassis.yaw, chassis.pitch, chassis.roll, steering.rack,
-      wheel_*.tyre.normal_force, wheel_fl.tyre.lateral_force]"
-  echo "tests/regression/references/$name.h5"
+  if [ "$(basename "$(dirname "$scenario")")" = systems ]; then
+    target=$references/systems/$name.h5
+    mapfile -t changes < <("${PYTHON:-python3}" tests/regression/reference_samples.py "$scenario")
+  else
+    target=$references/$name.h5
+    changes=("output.interval=250 ms"
+      "output.channels=[chassis.?, chassis.yaw, chassis.pitch, chassis.roll, steering.rack,
+      wheel_*.tyre.normal_force, wheel_fl.tyre.lateral_force]")
+  fi
+  "${VEHICLEDYN:-vehicledyn}" run "$scenario" --no-plots --quiet -o "$target" \
+    --set "${changes[0]}" --set "${changes[1]}"
+  echo "$target"
 done

@@ -1,0 +1,42 @@
+"""Print the changes that make the result of a system's scenario small enough to keep.
+
+``python tests/regression/reference_samples.py scenarios/systems/four_bar.yaml`` prints words for
+the command line of ``vehicledyn run``: at most twenty samples, energies and six coordinates.
+"""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+MOST_SAMPLES = 20
+MOST_COORDINATES = 6
+OWN_INTERVAL = ("four_bar_chain",)
+"""Scenarios that pass singular configurations, where a sample's place moves the result a little.
+
+Of these the reference holds the beginning, sample by sample.
+"""
+
+
+def overrides(path: Path) -> list[str]:
+    """Return "key=value" of interval and channels for a scenario of a system."""
+    import vehicledyn.catalogue  # noqa: F401
+    from vehicledyn.run.vehicle import build_subject
+    from vehicledyn.scenario import load_scenario
+
+    loaded = load_scenario(path)
+    s = loaded.scenario
+    count = round(s.duration / s.output.interval)
+    samples = max(n for n in range(1, MOST_SAMPLES + 1) if count % n == 0)
+    system = build_subject(loaded).system
+    names = [joint.name for joint in system.joints() if joint.role != "driven"]
+    stride = -(-len(names) // MOST_COORDINATES)
+    channels = [*names[::stride], "energy.*"]
+    chosen = f"output.channels=[{', '.join(channels)}]"
+    if path.stem in OWN_INTERVAL:
+        return [f"duration={2 * MOST_SAMPLES * s.output.interval:.12g} s", chosen]
+    return [f"output.interval={s.output.interval * (count // samples):.12g} s", chosen]
+
+
+if __name__ == "__main__":
+    sys.stdout.write("\n".join(overrides(Path(sys.argv[1]))) + "\n")
