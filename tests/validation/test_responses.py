@@ -168,6 +168,25 @@ def test_pendulum_on_a_cart_that_is_moved(system):
     assert near == pytest.approx(-1.0 / (0.5 * (0.7 * s**2 + 9.81)), rel=1e-6)
 
 
+def test_an_undamped_pole_is_told_not_hidden(system):
+    """ω² = k/m with k = 4 π² N/m is exactly 1 Hz: infinite there, exact beside it."""
+    spring = "law: {kind: spring_damper, stiffness: 39.47841760435743 N/m}"
+    model = system(
+        "title: A mass on a spring\ngravity: [0, 0, 0]\n"
+        "bodies: {a: {joints: [T1 x], mass: 1 kg}}\n"
+        f"springs: {{s: {{coordinate: a.x, {spring}}}}}\n"
+    )
+    grid = FrequencyGrid(0.5, 1.5, 3, "linear")
+    report = respond(model, "force:a.x", "a.x", grid=grid)
+    low, pole, high = report.table.response[:, 0, 0]
+    assert (low, high) == pytest.approx([1 / (0.75 * 4 * np.pi**2), -1 / (5 * np.pi**2)])
+    assert abs(pole) > 1e12
+    assert report.undamped == pytest.approx([1.0], rel=1e-12)
+    assert report.figures[0, 0].peak > 1e12
+    assert report.figures[0, 0].peak_frequency == pytest.approx(1.0, rel=1e-12)
+    assert "undamped modes at 1 Hz: the response may be unbounded there" in report.as_text()
+
+
 WHEELED = """
 title: One wheel carries a load over a road
 bodies:
@@ -319,6 +338,11 @@ def test_profile_as_driven_over_a_wavy_road(tmp_path):
     for name, expected in zip(names, linear, strict=True):
         found = fitted(place, table[name].to_numpy(), 0.1)
         assert abs(found / 20e-6 / expected - 1.0) < 2e-5
+
+
+def test_a_profile_needs_a_speed():
+    with pytest.raises(InputError, match="a road is run over at a speed; give --speed"):
+        respond(load_model("iltis"), "profile", "chassis.z")
 
 
 @pytest.mark.parametrize(

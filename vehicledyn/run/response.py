@@ -145,6 +145,9 @@ def linearise_with_inputs(
     prepared = prepared.with_derivatives(derivatives)
     scenario = target.scenario if isinstance(target, LoadedScenario) else None
     wanted = speed if speed is not None else (scenario.speed or 0.0 if scenario else 0.0)
+    for item in found:
+        if wanted <= 0.0 and any(part.wheel for part in item.parts):
+            raise InputError(f"--input {item.name}: a road is run over at a speed; give --speed")
     progress("finding the reference motion", None)
     point = held_speed_point(prepared, wanted, scenario.start if scenario else None)
     linear = linearise(
@@ -191,8 +194,6 @@ def _delay(model: Linearised, part: InputPart) -> float:
     """Return how much later than the foremost a wheel runs over a place of the road [s]."""
     if not part.wheel:
         return 0.0
-    if model.speed <= 0.0:
-        raise InputError("--input profile: a road is run over at a speed only; give --speed")
     channels = {c.name: k for k, c in enumerate(model.prepared.equations.channels)}
     values = model.prepared.kernel.outputs(
         model.prepared.subject.balance_time, model.point.state, model.point.unknowns

@@ -63,7 +63,9 @@ class TransferSystem:
         step = max(1, _TABLE // max(a.size, 1))
         for first in range(0, len(s), step):
             part = slice(first, first + step)
-            found[part] = self._block(s[part], a, scale)
+            with np.errstate(over="ignore", invalid="ignore"):  # at undamped poles
+                found[part] = self._block(s[part], a, scale)
+        found[~np.isfinite(found)] = complex(np.inf, 0.0)
         return found
 
     def static_gain(self) -> Any:

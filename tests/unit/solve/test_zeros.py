@@ -3,7 +3,9 @@
 import numpy as np
 import pytest
 
+from vehicledyn.solve.key_figures import key_figures
 from vehicledyn.solve.modes import eigenmodes
+from vehicledyn.solve.transfer import InputTerm, TransferSystem
 from vehicledyn.solve.zeros import staircase
 
 
@@ -96,3 +98,34 @@ def test_a_body_at_steady_turn_is_named_by_what_is_held():
     assert {m.dominant[0]: m.level for m in modes if m.is_zero} == {"angle": 1, "torque": 2}
     (held,) = (m for m in modes if m.dominant == ("torque",))
     assert held.shape == pytest.approx([0.0, 2.0, 1.0])
+
+
+def test_a_pole_that_is_hit_exactly_is_infinite():
+    """x'' = u at every frequency, and beside it an oscillator of exactly 1/(2 π) Hz."""
+    a = np.array([[0.0, 1.0], [-1.0, 0.0]])
+    term = InputTerm(np.array([[0.0, 1.0], [0, 0], [0, 0]]), np.zeros((3, 1)))
+    system = TransferSystem(a, np.array([[1.0, 0.0]]), ((term,),))
+    at_pole, beside = np.array([1.0, 2.0]) / (2.0 * np.pi)
+    found = system.response([at_pole, beside])[:, 0, 0]
+    assert abs(found[0]) > 1e15
+    assert found[1] == pytest.approx(-1.0 / 3.0, rel=1e-12)
+    assert system.static_gain() == pytest.approx(np.array([[1.0]]))
+
+
+def test_first_order_lag_and_its_integral():
+    """1/(1 + T s): static gain 1, -3 dB at 1/(2 π T), and no static gain of the integral."""
+    lag = 0.4
+    a = np.array([[-1.0 / lag, 0.0], [1.0, 0.0]])
+    term = InputTerm(np.array([[1.0 / lag, 0.0], [0, 0], [0, 0]]), np.zeros((3, 2)))
+    system = TransferSystem(a, np.eye(2), ((term,),))
+    frequencies = np.geomspace(0.01, 10.0, 30)
+    s = 2j * np.pi * frequencies
+    found = system.response(frequencies)[:, 0]
+    assert found[:, 0] == pytest.approx(1.0 / (1.0 + lag * s), rel=1e-12)
+    assert found[:, 1] == pytest.approx(1.0 / (s * (1.0 + lag * s)), rel=1e-12)
+    gain = system.static_gain()[0]
+    assert gain[0] == pytest.approx(1.0, rel=1e-14)
+    assert np.isnan(gain[1])
+    figures = key_figures(lambda f: abs(system.response(f)[0, 0, 0]), frequencies, float(gain[0]))
+    assert figures.bandwidth == pytest.approx(1.0 / (2.0 * np.pi * lag), rel=1e-9)
+    assert figures.peak is None
