@@ -43,7 +43,7 @@ def moving_residuals(cut: Cut, kinematics: Kinematics) -> list[MovingResidual]:
         Kinematics of the tree at symbolic coordinates and rates.
     """
     seen = cut.residuals(kinematics.between(cut.body_a, cut.body_b))
-    places = _Places(kinematics, kinematics.tree.common_ancestor(cut.body_a, cut.body_b))
+    places = _Places(kinematics, *kinematics.datum(cut.body_a, cut.body_b))
     looked = cut.residuals(places)
     return [_moving(plain, r, places) for plain, r in zip(seen, looked, strict=True)]
 
@@ -71,8 +71,8 @@ def _moving(plain: Residual, residual: Residual, places: _Places) -> MovingResid
 class _Places:
     """Positions and rotations in the axes of an ancestor, as symbols that stand for them."""
 
-    def __init__(self, kinematics: Kinematics, ancestor: int) -> None:
-        self._ancestor = ancestor
+    def __init__(self, kinematics: Kinematics, ancestor: int, datum: int | None) -> None:
+        self._ancestor, self._datum = ancestor, datum
         tree = kinematics.tree
         at_rest = {link.joint.name: 0.0 for link in tree.links if link.joint is not None}
         self._kinematics = kinematics.with_accelerations(at_rest).relative_to(ancestor)
@@ -82,7 +82,7 @@ class _Places:
         """Return what stands for the position of a point of a body [m]."""
         k, link = self._kinematics, self._kinematics.tree.body_link[body]
         arm = ops.vector(*(point[i] for i in range(3)))
-        position = k.position_in(self._ancestor, link, arm)
+        position = k.position_in(self._ancestor, link, arm, self._datum)
         if link == self._ancestor:
             return position
         turn = k.rotation_in(self._ancestor, link)
@@ -150,7 +150,7 @@ class _Places:
             joint = k.tree.links[link].joint
             if joint is not None:
                 axis = k.rotation_in(self._ancestor, link) @ k.link_axis(link)
-                found.append((joint, axis, k.origin_in(self._ancestor, link)))
+                found.append((joint, axis, k.origin_in(self._ancestor, link, self._datum)))
             link = k.tree.links[link].parent
         return found
 

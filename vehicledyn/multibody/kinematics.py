@@ -161,14 +161,15 @@ class Kinematics:
     def link_arm(self, link: int) -> Vec:
         """Return the vector from the parent's origin to the link's, in the parent's axes [m]."""
 
-        def build() -> Vec:
-            item = self.tree.links[link]
-            if item.joint is None or item.joint.is_rotation:
-                return item.offset
-            slide = rotations.axis_vector(item.joint.axis) * self._q[item.joint.name]
-            return item.offset + (slide if item.before is None else item.before @ slide)
+        return self._once("arm", link, lambda: self._arm_from(self.tree.links[link].offset, link))
 
-        return self._once("arm", link, build)
+    def _arm_from(self, offset: Vec, link: int) -> Vec:
+        """Return a joint's place on its parent with how far the joint has slid from there."""
+        item = self.tree.links[link]
+        if item.joint is None or item.joint.is_rotation:
+            return offset
+        slide = rotations.axis_vector(item.joint.axis) * self._q[item.joint.name]
+        return offset + (slide if item.before is None else item.before @ slide)
 
     def link_axis(self, link: int) -> Vec:
         """Return the joint's axis in the link's axes (unit column)."""
@@ -285,23 +286,39 @@ class Kinematics:
 
         return self._once(f"rotation in {ancestor}", link, build)
 
-    def position_in(self, ancestor: int, link: int, point: Vec) -> Vec:
-        """Return the position of a point of a link from the ancestor's origin, in its axes."""
-        return self.origin_in(ancestor, link) + self.rotation_in(ancestor, link) @ point
+    def position_in(self, ancestor: int, link: int, point: Vec, datum: int | None = None) -> Vec:
+        """Return the position of a point of a link in the axes of an ancestor [m].
 
-    def origin_in(self, ancestor: int, link: int) -> Vec:
-        """Return the position of a link's origin in the axes of an ancestor [m]."""
+        It is counted from where the joint of the link ``datum`` stands on the ancestor, from the
+        ancestor's origin if None.
+        """
+        return self.origin_in(ancestor, link, datum) + self.rotation_in(ancestor, link) @ point
+
+    def origin_in(self, ancestor: int, link: int, datum: int | None = None) -> Vec:
+        """Return the position of a link's origin, counted as in :meth:`position_in` [m]."""
+        links = self.tree.links
+        start = ops.vector(0.0, 0.0, 0.0) if datum is None else links[datum].offset
         if link == ancestor:
-            return ops.vector(0.0, 0.0, 0.0)
-        if ancestor == self.tree.links[link].parent:
-            return self.link_arm(link)
+            return -start
+        if ancestor == links[link].parent:
+            return self._arm_from(links[link].offset - start, link)
 
         def build() -> Vec:
             between = self._evaluated_from(ancestor, link)
             arm = self.rotation_in(ancestor, between) @ self.origin_in(between, link)
-            return self.origin_in(ancestor, between) + arm
+            return self.origin_in(ancestor, between, datum) + arm
 
-        return self._once(f"origin in {ancestor}", link, build)
+        return self._once(f"origin in {ancestor} from {datum}", link, build)
+
+    def datum(self, body_a: str, body_b: str) -> tuple[int, int | None]:
+        """Return the common ancestor of two bodies and the first link that it carries to them.
+
+        Counted from where that stands, places far from the ancestor's origin lose no digits.
+        """
+        ancestor = self.tree.common_ancestor(body_a, body_b)
+        paths = [self.tree.path(self.tree.body_link[body]) for body in (body_a, body_b)]
+        first = [p[p.index(ancestor) + 1] for p in paths if p[-1] != ancestor]
+        return ancestor, min(first, default=None)
 
     def _evaluated_from(self, ancestor: int, link: int) -> int:
         """Return a link between two whose motion relative to it is known, else the parent."""
@@ -314,7 +331,7 @@ class Kinematics:
 
     def between(self, body_a: str, body_b: str) -> Relative:
         """Return the geometry of two bodies in the axes of their common ancestor."""
-        return Relative(self, self.tree.common_ancestor(body_a, body_b))
+        return Relative(self, *self.datum(body_a, body_b))
 
     def evaluated(self) -> dict[tuple[str, int], Scalar]:
         """Return what has been evaluated so far, by what it is and the link it belongs to."""
@@ -333,16 +350,21 @@ class Kinematics:
 
 
 class Relative:
-    """Positions and rotations in the axes of one link, the common ancestor of two bodies."""
+    """Positions and rotations in the axes of one link, the common ancestor of two bodies.
 
-    def __init__(self, kinematics: Kinematics, ancestor: int) -> None:
+    Positions count from where the joint of the link ``datum`` stands, see ``position_in``.
+    """
+
+    def __init__(self, kinematics: Kinematics, ancestor: int, datum: int | None = None) -> None:
         self._kinematics = kinematics
         self.ancestor = ancestor
+        self._datum = datum
 
     def position(self, body: str, point: Sequence[Scalar] = _ORIGIN) -> Vec:
-        """Return the position of a point of a body, in the ancestor's axes [m]."""
+        """Return the position of a point of a body from the datum, in the ancestor's axes [m]."""
         link = self._kinematics.tree.body_link[body]
-        return self._kinematics.position_in(self.ancestor, link, ops.vector(*_items(point)))
+        arm = ops.vector(*_items(point))
+        return self._kinematics.position_in(self.ancestor, link, arm, self._datum)
 
     def rotation(self, body: str) -> Mat:
         """Return R with v_ancestor = R v_body."""
