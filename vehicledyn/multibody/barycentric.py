@@ -25,7 +25,8 @@ def augmented_inertias(tree: Tree, base: int | None = None) -> list[Inertia]:
     - a turning joint feels no mass on its axis and no transverse inertia of such a mass; what
       stays has mass zero, a first moment across the axis and five integrals of second degree;
     - a sliding joint feels no inertia matrix: mass and first moment stay;
-    - a link without a joint keeps nothing.
+    - a link without a joint keeps nothing, a body of revolution on its spin axis everything:
+      its inertia is diagonal where it is.
 
     The forces along the coordinates and the mass matrix are those of the given bodies; the
     wrenches that the joints transmit and the energies of single bodies are not. What arrives
@@ -67,7 +68,7 @@ def _split(item: Link, own: Inertia) -> tuple[Inertia, Inertia]:
         )
     along = item.joint.axis - 1
     if item.is_ignorable_spin:
-        return _kept_spin(own, along)
+        return own, nothing
     if item.after is not None:
         # Oblique to the link's axes nothing but the mass vanishes from the recursions.
         return (
@@ -75,14 +76,6 @@ def _split(item: Link, own: Inertia) -> tuple[Inertia, Inertia]:
             Inertia(own.mass, nothing.moment, nothing.matrix),
         )
     return _line_on_axis(own, along)
-
-
-def _kept_spin(own: Inertia, along: int) -> tuple[Inertia, Inertia]:
-    """Split off all but the axial inertia of a body whose axes do not spin with it."""
-    nothing = inertia.nothing()
-    axial = _with({(along, along): own.matrix[along, along]})
-    rest = _with({(i, j): own.matrix[i, j] for i, j in _PAIRS if (i, j) != (along, along)})
-    return Inertia(nothing.mass, nothing.moment, axial), Inertia(own.mass, own.moment, rest)
 
 
 def _line_on_axis(own: Inertia, along: int) -> tuple[Inertia, Inertia]:

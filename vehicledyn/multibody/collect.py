@@ -123,8 +123,22 @@ def collect(
         positions=tuple(range(n)),
         events=tuple(found.events),
         velocities=tuple(range(n, 2 * n)),
+        slopes=_put_motions(_slopes(loops, contact, algebraic), symbols, moved),
         reset=_put_motions(ops.column(found.new_values), symbols, moved),
         structure=_structure(system, symbols, loops, roles),
+    )
+
+
+def _slopes(loops: Loops, contact: list[Scalar], unknowns: list[Scalar]) -> Scalar:
+    """Return ∂residual/∂unknown, shape (n, n): that of the loops as they know it themselves."""
+    place = {column: k for k, column in enumerate(loops.dependent)}
+    rows = [
+        {place[c]: v for c, v in loops.closure.jacobian[row].items() if c in place}
+        for row, _ in loops.positions.pairs
+    ]
+    width = len(unknowns)
+    return ops.stacked(
+        ops.matrix_of(rows, width), ops.jacobian(ops.column(contact), ops.column(unknowns))
     )
 
 

@@ -141,9 +141,16 @@ def _spin_torque(kinematics: Kinematics, link: int, own: Inertia) -> Vec:
     """
     matrix = own.matrix
     if rotations.is_diagonal(matrix) and ops.is_structurally_zero(own.moment):
-        omega = kinematics.link_angular_velocity(link)
-        spin = matrix @ omega
-        return matrix @ kinematics.link_angular_acceleration(link) + ops.cross(omega, spin)
+        omega, alpha = (
+            kinematics.link_angular_velocity(link),
+            kinematics.link_angular_acceleration(link),
+        )
+        return ops.vector(
+            *(
+                matrix[i, i] * alpha[i] + (matrix[k, k] - matrix[j, j]) * (omega[j] * omega[k])
+                for i, j, k in CYCLES
+            )
+        )
     beta, spread = kinematics.beta(link), own.spread()
     return ops.vector(
         *(

@@ -39,8 +39,14 @@ def derive_functions(equations: Equations) -> KernelFunctions:
     time, state, unknown = equations.time, equations.state, equations.algebraic
     expressions: Any = [equations.rate, equations.output, *event_expressions(equations)]
     for block in equations.blocks:
-        residual = equations.residual[block.start : block.stop]
-        expressions += [residual, casadi.jacobian(residual, unknown[block.start : block.stop])]
+        inside = slice(block.start, block.stop)
+        residual = equations.residual[inside]
+        slopes = equations.slopes
+        known = None if slopes is None else slopes[inside, inside]
+        expressions += [
+            residual,
+            casadi.jacobian(residual, unknown[inside]) if known is None else known,
+        ]
     expressions = casadi.cse([casadi.densify(casadi.SX(item)) for item in expressions])
     inputs = [time, state, unknown, equations.parameter]
     with _as_written():
