@@ -5,6 +5,7 @@ from __future__ import annotations
 from functools import lru_cache
 
 from reference_cases import (
+    book,
     contact_points,
     convergence,
     histories,
@@ -23,6 +24,7 @@ GROUPS = {
     "positions": positions.compare,
     "kinematics": kinematics.compare,
     "suspensions": suspensions.compare,
+    "book": book.compare,
     "histories": histories.compare,
     "convergence": convergence.compare,
     "modes": modes.compare,
