@@ -5,15 +5,18 @@ from __future__ import annotations
 import logging
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 from vehicledyn.base.errors import InputError
 from vehicledyn.multibody.dynamics import JointWrench
 from vehicledyn.multibody.kinematics import Kinematics
 from vehicledyn.multibody.parts import BasePart, Output, Situation
-from vehicledyn.multibody.reactions import TransmittedForces
 from vehicledyn.symbolic import ops
 from vehicledyn.symbolic.equations import Channel
 from vehicledyn.symbolic.ops import Mat, Scalar, Vec
+
+if TYPE_CHECKING:
+    from vehicledyn.multibody.reactions import TransmittedForces
 
 _COMPONENTS = ("x", "y", "z")
 _UNITS = {"force": "N", "torque": "N*m"}

@@ -1,5 +1,8 @@
 """Sensors of reactions and constraint forces in system files, and units of multipliers."""
 
+import subprocess
+import sys
+
 import numpy as np
 import pytest
 from system_texts import Motion, equations, problems
@@ -98,3 +101,12 @@ def test_mistakes_are_told_with_their_place(sensor, message, tmp_path):
     assert found[0].startswith("14:")
     assert "sensors.s" in found[0]
     assert message in found[0]
+
+
+def test_reading_system_files_loads_nothing_heavy():
+    code = (
+        "import sys; from vehicledyn.systems import load_kinds; load_kinds(); "
+        "print(sorted({'casadi', 'h5py', 'matplotlib', 'numpy', 'pandas'} & set(sys.modules)))"
+    )
+    done = subprocess.run([sys.executable, "-c", code], check=True, capture_output=True, text=True)
+    assert done.stdout.strip() == "[]"
