@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from vehicledyn.results.arrangement import arranged
 from vehicledyn.results.path_figure import draw_path
 from vehicledyn.results.plot_description import Panel, PathPlot, Plot, TimePlot, unit_factor
 from vehicledyn.results.plot_style import LINE_STYLES, PALETTE, WIDTH, axis_label
@@ -31,6 +32,8 @@ def draw_figure(result: Result, plot: Plot) -> Figure:
     InputError
         If the result lacks a channel or a unit does not fit.
     """
+    if isinstance(plot, TimePlot) and plot.arranged:
+        plot = arranged(result, plot)
     figure = _time_figure(result, plot) if isinstance(plot, TimePlot) else _path(result, plot)
     figure.suptitle(_title(result, plot), fontsize=10.5, fontweight="bold", x=0.01, ha="left")
     figure.supxlabel(_origin(result), fontsize=6.5, color="0.45", x=0.99, ha="right")
@@ -56,7 +59,7 @@ def _time_figure(result: Result, plot: TimePlot) -> Figure:
     axes = figure.subplots(len(plot.panels), 1, sharex=True, squeeze=False)[:, 0]
     across, label = _across(result, plot)
     for place, panel in zip(axes, plot.panels, strict=True):
-        _draw_panel(place, result, panel, across)
+        _draw_panel(place, result, panel, across, named=plot.arranged)
     axes[-1].set_xlabel(label)
     figure.align_ylabels(axes)
     return figure
@@ -79,7 +82,7 @@ def _in_order(across: Floats, values: Floats) -> tuple[Floats, Floats]:
     return np.insert(across, gaps, np.nan), np.insert(values, gaps, np.nan)
 
 
-def _draw_panel(axes: Axes, result: Result, panel: Panel, across: Floats) -> None:
+def _draw_panel(axes: Axes, result: Result, panel: Panel, across: Floats, *, named: bool) -> None:
     for index, (name, label) in enumerate(zip(panel.channels, panel.labels, strict=True)):
         series = result.channel(name)
         style: dict[str, Any] = {
@@ -92,7 +95,7 @@ def _draw_panel(axes: Axes, result: Result, panel: Panel, across: Floats) -> Non
     axes.set_ylabel(axis_label(panel.label, panel.unit))
     if len(across) > 1 and np.ptp(across) > 0.0:
         axes.set_xlim(float(across.min()), float(across.max()))
-    if len(panel.channels) > 1:
+    if named or len(panel.channels) > 1:
         columns = 4 if max(map(len, panel.labels)) < 18 else 2
         axes.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=columns)
 

@@ -40,13 +40,17 @@ class Panel:
 
 @dataclass(frozen=True)
 class TimePlot:
-    """Values against time, or against the channel ``x`` where it is not empty."""
+    """Values against time, or against the channel ``x`` where it is not empty.
+
+    If ``arranged``, the lines of each panel are put into panels of like range when it is drawn.
+    """
 
     name: str
     title: str
     panels: tuple[Panel, ...]
     x: str = ""
     x_unit: str = ""
+    arranged: bool = False
 
 
 @dataclass(frozen=True)
@@ -111,7 +115,7 @@ def _read_plot(description: Mapping[str, Any]) -> Plot:
             if not panels:
                 raise InputError(f"plot '{name}' has no panels")
             x, x_unit = (str(description.get(key) or "") for key in ("x", "x_unit"))
-            return TimePlot(name, title, panels, x, x_unit)
+            return TimePlot(name, title, panels, x, x_unit, bool(description.get("arranged")))
         if kind == "path":
             return PathPlot(
                 name,

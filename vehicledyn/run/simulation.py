@@ -296,7 +296,7 @@ def _plots(loaded: LoadedScenario, prepared: Prepared, kept: Sequence[int]) -> l
 
 def _plot_channels(plot: dict[str, Any]) -> set[str]:
     if plot["kind"] == "path":
-        return {plot["x"], plot["y"], plot["heading"]}
+        return {plot["x"], plot["y"], plot.get("heading") or plot["x"]}
     return {channel for panel in plot["panels"] for channel in panel["channels"]}
 
 

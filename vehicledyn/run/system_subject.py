@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from vehicledyn.manoeuvres.recording import Recording
-from vehicledyn.multibody.system import System
+from vehicledyn.multibody.system import GROUND, Joint, System
 from vehicledyn.run.subject import Vector, start_values
 from vehicledyn.symbolic.equations import Channel, Equations
 
@@ -17,7 +17,8 @@ if TYPE_CHECKING:
 MOST_COORDINATES = 12
 """Coordinates whose ranges the summary tells."""
 
-_LINES = 6
+_MOST_PATHS = 3
+_FORCE_UNITS = ("N", "N*m")
 _SHOWN_IN = {"rad": "deg", "rad/s": "deg/s"}
 _GAP, _OPENING = "constraints.position_error", "constraints.velocity_error"
 _ENERGIES, _POWER = ("energy.kinetic", "energy.gravity"), "power.forces"
@@ -69,20 +70,32 @@ class SystemSubject:
         return {}
 
     def plots(self, equations: Equations) -> list[dict[str, Any]]:
-        """Return coordinates, rates, energies and the forces of links against time."""
+        """Return paths over the ground, coordinates, rates, forces and energies against time."""
         names = [j.name for j in self.system.joints()]
         by_name = {c.name: c for c in equations.channels}
         coordinates = [by_name[n] for n in names if n in by_name]
         rates = [by_name[f"{n}_rate"] for n in names if f"{n}_rate" in by_name]
         energies = [by_name[n] for n in _ENERGIES if n in by_name]
-        forces = [c for c in equations.channels if c.name.endswith((".force", "_force"))]
+        forces = [c for c in equations.channels if c.unit in _FORCE_UNITS]
         figures = [
             _figure("coordinates", "Coordinates", "Coordinate", coordinates),
             _figure("rates", "Rates of the coordinates", "Rate", rates),
             _figure("forces", "Forces", "Force", forces),
             _figure("energy", "Energy", "Energy", energies),
         ]
-        return [figure for figure in figures if figure["panels"]]
+        return [*self._paths(set(by_name)), *(figure for figure in figures if figure["panels"])]
+
+    def _paths(self, known: set[str]) -> Iterator[dict[str, Any]]:
+        """Yield the paths of bodies that slide along x and y of the ground."""
+        found = []
+        for body in self.system.bodies:
+            sliding = [j.name for j in body.joints[:2] if isinstance(j, Joint)]
+            kinds = [j.kind for j in body.joints[:2] if isinstance(j, Joint)]
+            if body.parent == GROUND and kinds == ["T1", "T2"] and known.issuperset(sliding):
+                found.append((body.name, *sliding))
+        for name, x, y in found[:_MOST_PATHS]:
+            title = f"Path of {name}, seen from above"
+            yield {"name": f"path_{name}", "title": title, "kind": "path", "x": x, "y": y}
 
     def channels(self, equations: Equations) -> list[str]:
         """Return the channels that the summary is made from."""
@@ -142,12 +155,12 @@ def _energy_error(recording: Recording) -> Iterator[SummaryEntry]:
 
 
 def _figure(name: str, title: str, label: str, channels: list[Channel]) -> dict[str, Any]:
-    """Return a figure with one panel a unit, of a few lines each."""
+    """Return a figure with one panel a unit, to be arranged when it is drawn."""
     by_unit: dict[str, list[str]] = {}
     for channel in channels:
         by_unit.setdefault(channel.unit, []).append(channel.name)
     panels = [
-        {"label": label, "unit": _SHOWN_IN.get(unit, unit), "channels": names[:_LINES]}
+        {"label": label, "unit": _SHOWN_IN.get(unit, unit), "channels": names}
         for unit, names in by_unit.items()
     ]
-    return {"name": name, "title": title, "kind": "time", "panels": panels}
+    return {"name": name, "title": title, "kind": "time", "arranged": True, "panels": panels}
