@@ -25,8 +25,9 @@ Importing this package loads no CasADi; :func:`derive` and the first parameter d
 
 from __future__ import annotations
 
-from importlib import import_module
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
+
+from vehicledyn.base.door import door
 
 if TYPE_CHECKING:
     from vehicledyn.multibody.constraints import (
@@ -85,30 +86,33 @@ __all__ = [
     "screw",
 ]
 
-_HOMES = {
-    "multibody.constraints": (
-        "BaseConstraint",
-        "LinearConstraint",
-        "RateConstraint",
-        "UserConstraint",
-    ),
-    "multibody.rolling": ("RollingWheel",),
-    "multibody.transmissions": ("belt", "gears", "rack", "screw"),
-    "multibody.cuts": ("BallCut", "BodyCut", "RodCut"),
-    "multibody.derivation": ("derive",),
-    "multibody.drives": ("ConstantRate", "TimeLaw"),
-    "multibody.force_sensors": ("ConstraintForceSensor", "ReactionSensor"),
-    "multibody.links": ("Attachment", "GuidedLink", "Link"),
-    "multibody.parts": ("BasePart", "Loads", "Motion", "Output", "PartEvent", "Wrench"),
-    "multibody.sensors": ("Accelerometer", "BodySensor", "SequenceSensor"),
-    "multibody.system": ("GROUND", "Body", "Joint", "System", "Turn"),
-    "symbolic.parameters": ("ParameterTable",),
-}
-
-
-def __getattr__(name: str) -> Any:
-    """Import a public name when it is first used, so that reading files stays quick."""
-    for home, names in _HOMES.items():
-        if name in names:
-            return getattr(import_module(f"vehicledyn.{home}"), name)
-    raise AttributeError(f"module '{__name__}' has no attribute '{name}'")
+# Loading a name's module when it is first used keeps the reading of files quick.
+__getattr__ = door(
+    __name__,
+    {
+        "vehicledyn.multibody.constraints": (
+            "BaseConstraint",
+            "LinearConstraint",
+            "RateConstraint",
+            "UserConstraint",
+        ),
+        "vehicledyn.multibody.rolling": ("RollingWheel",),
+        "vehicledyn.multibody.transmissions": ("belt", "gears", "rack", "screw"),
+        "vehicledyn.multibody.cuts": ("BallCut", "BodyCut", "RodCut"),
+        "vehicledyn.multibody.derivation": ("derive",),
+        "vehicledyn.multibody.drives": ("ConstantRate", "TimeLaw"),
+        "vehicledyn.multibody.force_sensors": ("ConstraintForceSensor", "ReactionSensor"),
+        "vehicledyn.multibody.links": ("Attachment", "GuidedLink", "Link"),
+        "vehicledyn.multibody.parts": (
+            "BasePart",
+            "Loads",
+            "Motion",
+            "Output",
+            "PartEvent",
+            "Wrench",
+        ),
+        "vehicledyn.multibody.sensors": ("Accelerometer", "BodySensor", "SequenceSensor"),
+        "vehicledyn.multibody.system": ("GROUND", "Body", "Joint", "System", "Turn"),
+        "vehicledyn.symbolic.parameters": ("ParameterTable",),
+    },
+)

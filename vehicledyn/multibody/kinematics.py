@@ -160,7 +160,6 @@ class Kinematics:
 
     def link_arm(self, link: int) -> Vec:
         """Return the vector from the parent's origin to the link's, in the parent's axes [m]."""
-
         return self._once("arm", link, lambda: self._arm_from(self.tree.links[link].offset, link))
 
     def _arm_from(self, offset: Vec, link: int) -> Vec:

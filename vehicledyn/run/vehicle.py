@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 from vehicledyn.base.errors import InputError
 from vehicledyn.base.registry import find
 from vehicledyn.manoeuvres.manoeuvre import RoadManoeuvre
@@ -11,8 +13,10 @@ from vehicledyn.run.road_subject import RoadSubject
 from vehicledyn.run.subject import Subject
 from vehicledyn.run.system_subject import SystemSubject
 from vehicledyn.scenario import LoadedModel, LoadedScenario
-from vehicledyn.systems import construct
 from vehicledyn.systems.read import SystemModel
+
+if TYPE_CHECKING:
+    from vehicledyn.systems.construct import RoadChoice
 
 Target = LoadedScenario | LoadedModel
 
@@ -27,6 +31,8 @@ def build_subject(target: Target) -> Subject:
     """
     written = target.written
     if isinstance(written, SystemModel) and not written.is_vehicle:
+        from vehicledyn.systems import construct
+
         return SystemSubject(construct.build_system(written, _choice(target)))
     return RoadSubject(build_vehicle(target), manoeuvre_of(target))
 
@@ -52,6 +58,8 @@ def build_vehicle(target: Target) -> RoadVehicle:
         If the scenario lacks a part that the vehicle needs, all missing parts at once.
     """
     if isinstance(target.written, SystemModel):
+        from vehicledyn.systems import construct
+
         return manoeuvre_of(target).fit(construct.build_vehicle(target.written, _choice(target)))
     if isinstance(target, LoadedModel):
         model = find("model", target.name)
@@ -92,15 +100,17 @@ def _options(loaded: LoadedScenario) -> RoadOptions:
     )
 
 
-def _choice(target: Target) -> construct.RoadChoice:
+def _choice(target: Target) -> RoadChoice:
     """Return what a scenario chooses for the wheels of a system file."""
+    from vehicledyn.systems.construct import RoadChoice
+
     if isinstance(target, LoadedModel):
-        return construct.RoadChoice()
+        return RoadChoice()
     s = target.scenario
     problems = manoeuvre_of(target).problems(free_wheels=s.wheel_spin != "prescribed")
     if problems:
         raise InputError("\n".join(f"{target.path}: manoeuvre: {text}" for text in problems))
-    return construct.RoadChoice(
+    return RoadChoice(
         front_tyre=s.tyres.front if s.tyres else None,
         rear_tyre=s.tyres.rear if s.tyres else None,
         surface=s.road,
