@@ -81,6 +81,7 @@ class PivotLog:
         self._zone = zone
         self._anchor: Sample | None = None
         self._held: list[Sample] = []
+        self._sound = 0
         self._scale = np.zeros(0)
         self._before: Vector | None = None
         self._skip = False
@@ -165,13 +166,12 @@ class PivotLog:
         self._scale = np.maximum(scale, np.abs(values))
         share = float(np.min(np.abs(values) / self._scale, initial=1.0))
         self._try_others(sample, share)
+        if share >= ZONE:
+            self._sound = len(self._held)
         if share >= self._zone:
             self.release()
         elif len(self._held) > 2 * _MOST_HELD:
-            kept = self._held[_MOST_HELD:]
-            del self._held[_MOST_HELD:]
-            self.release()
-            self._held = kept
+            self._release_first(_MOST_HELD)
 
     def _try_others(self, sample: Sample, share: float) -> None:
         if share >= _WEAK:
@@ -190,6 +190,13 @@ class PivotLog:
         comparison = self._better(crossing.begin, 0.0)
         if comparison is not None:
             raise Degrading(crossing.begin, comparison)
+        # Nearer to it another partition may be clearly better.
+        if self._sound:
+            sample = self._held[self._sound - 1]
+            comparison = self._better(sample, 0.0)
+            if comparison is not None:
+                self._release_first(self._sound)
+                raise Degrading(sample, comparison)
         raise crossing
 
     def _crossing(self, blocks: Iterable[Any], until: float) -> Crossing:
@@ -206,10 +213,17 @@ class PivotLog:
 
     def release(self) -> None:
         """Hand on all samples."""
-        held, self._held = self._held, []
+        held, self._held, self._sound = self._held, [], 0
         if held:
             self._anchor = held[-1]
             self._hand_on(held)
+
+    def _release_first(self, count: int) -> None:
+        """Hand on the first of the samples that are held."""
+        kept, sound = self._held[count:], max(0, self._sound - count)
+        del self._held[count:]
+        self.release()
+        self._held, self._sound = kept, sound
 
     def release_to(self, sample: Sample) -> Sample:
         """Hand on all samples and return the last."""
@@ -224,6 +238,6 @@ class PivotLog:
 
     def change(self, sample: Sample) -> None:
         """Go on with another partition from a sample that has been handed on."""
-        self._anchor, self._held, self._tried = sample, [], np.inf
+        self._anchor, self._held, self._sound, self._tried = sample, [], 0, np.inf
         self._before = self._pivots([sample])[0]
         self._scale = np.abs(self._before)
