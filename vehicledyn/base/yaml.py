@@ -2,8 +2,12 @@
 
 from __future__ import annotations
 
+import copy
 import re
-from dataclasses import dataclass, field
+from collections.abc import Iterator
+from contextlib import contextmanager
+from contextvars import ContextVar
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -42,6 +46,23 @@ class Document:
     problems: list[Problem] = field(default_factory=list)
 
 
+_remembered: ContextVar[dict[str, Document] | None] = ContextVar("remembered", default=None)
+
+
+@contextmanager
+def remembered_files(documents: dict[str, Document]) -> Iterator[None]:
+    """Read each file only once inside the block, and those given by their names never.
+
+    For work that reads the same files over and over, or where the files are not. ``documents``
+    holds what was read afterwards.
+    """
+    token = _remembered.set(documents)
+    try:
+        yield
+    finally:
+        _remembered.reset(token)
+
+
 def read_yaml(path: Path) -> Document:
     """Return the content of a YAML file with marks; duplicate keys are among its problems.
 
@@ -50,9 +71,12 @@ def read_yaml(path: Path) -> Document:
     InputError
         If the file cannot be read or is no YAML; the text names file, line and column.
     """
-    name = str(path)
-    text = _decode(_read_bytes(path), name)
-    return parse_yaml(text, name)
+    name, known = str(path), _remembered.get()
+    if known is None:
+        return parse_yaml(_decode(_read_bytes(path), name), name)
+    if name not in known:
+        known[name] = parse_yaml(_decode(_read_bytes(path), name), name)
+    return replace(known[name], data=copy.deepcopy(known[name].data))
 
 
 def parse_yaml(text: str, name: str) -> Document:

@@ -18,7 +18,7 @@ from vehicledyn.base.wording import UNKNOWN_KEY
 from vehicledyn.base.yaml import Document, read_yaml
 from vehicledyn.scenario.checks import check_times
 from vehicledyn.scenario.merge import merge_parameters
-from vehicledyn.scenario.overrides import apply_override
+from vehicledyn.scenario.overrides import Change, apply_change, apply_override
 from vehicledyn.scenario.sets import Scenario, is_file
 from vehicledyn.scenario.sources import Sources
 from vehicledyn.scenario.written import (
@@ -68,12 +68,38 @@ def load_scenario(path: Path, overrides: Sequence[str] = ()) -> LoadedScenario:
         each problem of the file and ``--set key: message`` for each of the overrides.
     """
     document = read_yaml(path)
+    loaded, problems = examine_scenario(document, path, overrides)
+    if loaded is None:
+        raise refusal(problems, document.name)
+    return loaded
+
+
+def examine_scenario(
+    document: Document,
+    path: Path,
+    overrides: Sequence[str] = (),
+    changes: Sequence[Change] = (),
+) -> tuple[LoadedScenario | None, list[Problem]]:
+    """Return the scenario of a document that was read, or None, and all that is wrong with it.
+
+    Parameters
+    ----------
+    document
+        Content of the file.
+    path
+        The file; models are looked for beside it.
+    overrides
+        Changes as texts, see :func:`load_scenario`.
+    changes
+        Further changes, made after them.
+    """
     problems = [*document.problems, *_check_top(document)]
     if not isinstance(document.data, dict):
-        raise refusal(problems, document.name)
+        return None, problems
     data, sources = copy.deepcopy(document.data), Sources(document)
     groups = _parameter_groups(data.get("model"), path)
-    found = (apply_override(data, override, sources, groups) for override in overrides)
+    found = [apply_override(data, override, sources, groups) for override in overrides]
+    found += [apply_change(data, change, sources, groups) for change in changes]
     problems += [problem for problem in found if problem is not None]
     scenario, wrong = _read_scenario(data, sources)
     parameters, wrong_parameters = _read_parameters(data, sources)
@@ -82,7 +108,7 @@ def load_scenario(path: Path, overrides: Sequence[str] = ()) -> LoadedScenario:
     problems += _unless_told(problems, unsuitable(data, written, sources))
     problems += check_times(data, scenario, sources)
     if problems or scenario is None or (parameters is None and written is None):
-        raise refusal(problems, document.name)
+        return None, problems
     resolved, units = as_plain(scenario), units_of(scenario)
     if parameters is not None:
         resolved["parameters"] = as_plain(parameters)
@@ -90,8 +116,11 @@ def load_scenario(path: Path, overrides: Sequence[str] = ()) -> LoadedScenario:
     if written is not None:
         resolved |= {"parameters": written.resolved, "system": written.text}
         units |= {f"parameters.{name}": unit for name, unit in written.units.items()}
-    return LoadedScenario(
-        path, document.text, tuple(overrides), scenario, parameters, resolved, units, written
+    return (
+        LoadedScenario(
+            path, document.text, tuple(overrides), scenario, parameters, resolved, units, written
+        ),
+        problems,
     )
 
 

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import copy
 import re
 from collections.abc import Collection
-from typing import Any
+from typing import Any, NamedTuple
 
 from vehicledyn.base.errors import InputError
 from vehicledyn.base.problems import Place, Problem
@@ -13,6 +14,14 @@ from vehicledyn.base.yaml import parse_yaml
 from vehicledyn.scenario.sources import Sources
 
 _COMPONENTS = {"x": 0, "y": 1, "z": 2}
+
+
+class Change(NamedTuple):
+    """A value that a dotted key takes, and where it came from, for messages."""
+
+    key: str
+    value: Any
+    origin: str
 
 
 def apply_override(
@@ -39,18 +48,31 @@ def apply_override(
     """
     key, equals, text = override.partition("=")
     option = f"--set {key.strip()}"
-    place: Place = tuple(filter(None, re.split(r"[.\[\]]+", key.strip())))
-    if not equals or not place:
+    if not equals or not _place(key):
         return Problem(f"--set {override}", None, "", "write key=value, such as speed='36 km/h'")
-    if place[0] in groups:
-        place = ("parameters", *place)
     try:
         document = parse_yaml(text, option)
     except InputError:
         return Problem(option, None, "", f"'{text}' is not a YAML value; put a text in quotes")
     if document.problems:
         return Problem(option, None, "", document.problems[0].message)
-    return _put(data, place, document.data, option, sources)
+    return apply_change(data, Change(key, document.data, option), sources, groups)
+
+
+def apply_change(
+    data: dict[str, Any], change: Change, sources: Sources, groups: Collection[str] = ()
+) -> Problem | None:
+    """Do the same as :func:`apply_override` with a value that was read already."""
+    place = _place(change.key)
+    if not place:
+        return Problem(change.origin, None, "", "names no value of the scenario")
+    if place[0] in groups:
+        place = ("parameters", *place)
+    return _put(data, place, copy.deepcopy(change.value), change.origin, sources)
+
+
+def _place(key: str) -> Place:
+    return tuple(filter(None, re.split(r"[.\[\]]+", key.strip())))
 
 
 def _put(data: Any, place: Place, value: Any, option: str, sources: Sources) -> Problem | None:
