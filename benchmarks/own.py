@@ -114,7 +114,7 @@ class FourBarChain:
             sink=lambda *parts: samples.append(parts),
             progress=lambda *_: None,
             happened=lambda *_: None,
-            watch=prepared.watch,
+            watch=lambda: prepared.watch,
         )
         seconds, wall = time.process_time() - started, time.perf_counter() - wall
         names = [channel.name for channel in prepared.equations.channels]

@@ -6,6 +6,7 @@ import pytest
 from small_catalogue import ENTRIES, SCENARIO
 
 from vehicledyn.base import registry
+from vehicledyn.solve.compiler import CompilationError, find_compiler
 
 
 @pytest.fixture
@@ -30,3 +31,11 @@ def write(tmp_path, catalogue):
         return path
 
     return write_file
+
+
+@pytest.fixture(scope="session")
+def needs_compiler():
+    try:
+        find_compiler()
+    except CompilationError as error:
+        pytest.skip(str(error))

@@ -53,7 +53,7 @@ def test_chain_in_steps_of_20_ms():
         sink=lambda *parts: samples.append(parts),
         progress=lambda *_: None,
         happened=lambda *_: None,
-        watch=prepared.watch,
+        watch=lambda: prepared.watch,
     )
     times = np.concatenate([part[0] for part in samples])
     outputs = np.concatenate([part[3] for part in samples])

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from typing import Literal
 
 import numpy as np
@@ -11,7 +12,7 @@ from numpy.typing import NDArray
 
 from vehicledyn.base.errors import InputError
 from vehicledyn.base.signals import undisturbed
-from vehicledyn.multibody.derivation import equations_of, solve_motion
+from vehicledyn.multibody.derivation import Derivation, equations_of, solve_motion
 from vehicledyn.multibody.resistance import Resistance
 from vehicledyn.multibody.watch import PartitionWatch
 from vehicledyn.road.vehicle import RoadVehicle
@@ -36,15 +37,45 @@ BALANCE_TOLERANCE = 1e-9
 
 
 @dataclass
+class Derived:
+    """The derivation of a target, made when it is first asked for."""
+
+    target: Target
+    subject: Subject
+
+    @cached_property
+    def derivation(self) -> Derivation:
+        """The system solved for its accelerations."""
+        with undisturbed(), told_with_places(self.target):
+            return solve_motion(self.subject.system)
+
+    @cached_property
+    def equations(self) -> Equations:
+        """Its equations."""
+        with undisturbed(), told_with_places(self.target):
+            return equations_of(self.derivation)
+
+
+@dataclass
 class Prepared:
-    """A subject with its equations and kernel; ``derivatives`` are made when first needed."""
+    """A subject with its equations and kernel; the rest is made when first needed."""
 
     subject: Subject
     equations: Equations
     kernel: Kernel
-    watch: PartitionWatch
-    resistance: Resistance
+    derived: Derived
     _derivatives: list[Derivatives] = field(default_factory=list)
+
+    @cached_property
+    def watch(self) -> PartitionWatch:
+        """Compares partitions of the coordinates."""
+        derivation = self.derived.derivation
+        return PartitionWatch(derivation.symbols.joints, derivation.loops.gaps)
+
+    @property
+    def resistance(self) -> Resistance:
+        """Tells which motions have inertia."""
+        return self.derived.derivation.resistance
 
     @property
     def derivatives(self) -> Derivatives:
@@ -97,11 +128,9 @@ def prepare(
         subject = build_subject(target)
         if change is not None:
             subject = change(subject)
-        derivation = solve_motion(subject.system)
-        equations = equations_of(derivation)
-    watch = PartitionWatch(derivation.symbols.joints, derivation.loops.gaps)
-    kernel = compile_kernel(equations, backend=backend, progress=progress)
-    return Prepared(subject, equations, kernel, watch, derivation.resistance)
+    derived = Derived(target, subject)
+    kernel = compile_kernel(derived.equations, backend=backend, progress=progress)
+    return Prepared(subject, derived.equations, kernel, derived)
 
 
 def start_point(prepared: Prepared, speed: float, kind: Start | None) -> Point:

@@ -20,13 +20,12 @@ from vehicledyn.results.layout import EventRecord, ResultHeader, SummaryEntry
 from vehicledyn.results.output import check_folder, check_output
 from vehicledyn.results.plots import draw_plots
 from vehicledyn.results.writer import ResultWriter
-from vehicledyn.run.places import told_with_places, wrong_output
-from vehicledyn.run.prepare import Point, Prepared, Progress, prepare, start_point
+from vehicledyn.run.places import wrong_output
+from vehicledyn.run.prepare import Point, Prepared, Progress
+from vehicledyn.run.rerun import prepare_run
 from vehicledyn.run.resisted import (
     hardly_resisted,
     redundant_constraints,
-    refuse_idle_start,
-    refuse_rigid_loops,
 )
 from vehicledyn.run.watched import simulate_watched
 from vehicledyn.scenario import LoadedScenario
@@ -95,17 +94,11 @@ def run_scenario(
     check_output(output)
     if plots is not None:
         check_folder(plots)
-    prepared = prepare(loaded, backend=backend, progress=progress)
-    with told_with_places(loaded):
-        refuse_rigid_loops(prepared)
+    prepared, start = prepare_run(loaded, backend=backend, progress=progress)
     kept = _kept_channels(loaded, prepared)
     described = _plots(loaded, prepared, kept)
-    progress("finding the point to start from", None)
-    s = loaded.scenario
-    with told_with_places(loaded):
-        start = start_point(prepared, s.speed or 0.0, s.start)
-        refuse_idle_start(prepared, 0.0, start.state, start.unknowns)
-    check = getattr(s.solver, "check", None)  # only methods that cannot treat every model
+    # Only methods that cannot treat every model have a check.
+    check = getattr(loaded.scenario.solver, "check", None)
     if check is not None:
         check(prepared.equations)
     run = _Run(loaded, prepared, kept, _needed_channels(prepared), described)
@@ -167,7 +160,7 @@ class _Run:
                     sink=lambda t, x, z, y: self._take(writer, t, x, z, y),
                     progress=progress,
                     happened=lambda name, t: self.events.append(EventRecord(t, name)),
-                    watch=self.prepared.watch,
+                    watch=lambda: self.prepared.watch,
                 )
             except NumericalError as error:
                 self.status, self.exit_code = "failed", EXIT_FAILED

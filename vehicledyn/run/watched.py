@@ -14,6 +14,7 @@ import math
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -52,14 +53,14 @@ def simulate_watched(
     sink: Sink,
     progress: Progress,
     happened: Happened,
-    watch: PartitionWatch | None = None,
+    watch: Callable[[], PartitionWatch] | None = None,
 ) -> Statistics:
     """Integrate as :func:`~vehicledyn.solve.simulate.simulate` does, through bad partitions.
 
     The samples are those of the kernel's own equations throughout: states and unknowns in their
     order, channels by name; a channel that a later partition lacks is not a number. ``happened``
     is told "partition.changed" when the partition changes. A passage looks for no events.
-    ``watch`` is the watch of the system, if there is one already.
+    ``watch`` makes the watch of the system when it is needed, if the caller knows a quick way.
 
     Raises
     ------
@@ -83,8 +84,8 @@ def simulate_watched(
             progress=progress,
             happened=happened,
         )
-    watches = [] if watch is None else [watch]
-    run = _Run(system, kernel, solver, start, stop, interval, sink, progress, happened, watches)
+    make_watch = watch or (lambda: PartitionWatch.of(system))
+    run = _Run(system, kernel, solver, start, stop, interval, sink, progress, happened, make_watch)
     return run.go(np.asarray(state, dtype=float), np.asarray(unknowns, dtype=float))
 
 
@@ -101,7 +102,7 @@ class _Run:
     sink: Sink
     progress: Progress
     happened: Happened
-    watches: list[PartitionWatch]
+    make_watch: Callable[[], PartitionWatch]
 
     def __post_init__(self) -> None:
         self._known: dict[tuple[str, ...], Kernel] = {}
@@ -220,11 +221,9 @@ class _Run:
 
     # -- changing the partition --------------------------------------------------------------
 
-    @property
+    @cached_property
     def _watch(self) -> PartitionWatch:
-        if not self.watches:
-            self.watches.append(PartitionWatch.of(self.system))
-        return self.watches[0]
+        return self.make_watch()
 
     @property
     def _dependent(self) -> list[str]:

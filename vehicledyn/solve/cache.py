@@ -76,6 +76,11 @@ def obtain(key: str, build: Callable[[Path], Path]) -> Entry:
         return _build_apart(build, f"the cache folder {folder} cannot be used ({error})")
 
 
+def known(key: str) -> Path | None:
+    """Return the sound library of a key, if there is one."""
+    return _find(cache_folder(), key)
+
+
 def discard(entry: Entry) -> None:
     """Remove an entry that passed the check but cannot be loaded."""
     entry.path.unlink(missing_ok=True)

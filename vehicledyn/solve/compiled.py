@@ -48,7 +48,7 @@ class CompiledEngine:
         self._n_rates = len(equations.states)
         self._n_outputs = len(equations.channels)
         self._n_events = len(equations.events)
-        self._n_resets = 0 if equations.reset is None else equations.reset.numel()
+        self._n_resets = int(_I.in_dll(library, "vd_new_values").value)
         self._n_constants = int(_I.in_dll(library, "vd_constants").value)
         counts = (_I * len(COUNTED)).in_dll(library, "vd_operations")
         self.operations = dict(zip(COUNTED, counts, strict=True))

@@ -61,13 +61,17 @@ class KernelReport:
 
 @dataclass(eq=False)
 class Kernel:
-    """Rates, outputs, blocks and fixed-step runs of one model with one set of parameters."""
+    """Rates, outputs, blocks and fixed-step runs of one model with one set of parameters.
+
+    ``key`` is the name of its machine code in the cache, empty where it is interpreted.
+    """
 
     equations: Equations
     backend: str
     description: str
     report: KernelReport
     engine: Engine
+    key: str = ""
 
     def __post_init__(self) -> None:
         """Start with the equations' own parameter values."""
@@ -308,7 +312,29 @@ def _compiled(equations: Equations, compiler: Compiler, tell: Progress) -> Kerne
         entry.found,
         entry.remark,
     )
-    return Kernel(equations, "compiled", compiler.description, report, engine)
+    return Kernel(equations, "compiled", compiler.description, report, engine, key)
+
+
+def known_kernel(equations: Equations, key: str) -> Kernel | None:
+    """Return the compiled kernel of a key, if it is in the cache and can be loaded.
+
+    Parameters
+    ----------
+    equations
+        Those that the kernel was compiled from; only facts are asked of them, no expressions.
+    key
+        ``Kernel.key`` of the kernel that was compiled.
+    """
+    path = cache.known(key)
+    if path is None:
+        return None
+    try:
+        engine = CompiledEngine(equations, path)
+        description = find_compiler().description
+    except (OSError, AttributeError, ValueError, CompilationError):
+        return None
+    report = KernelReport(engine.operations, cached=True)
+    return Kernel(equations, "compiled", description, report, engine, key)
 
 
 def _load(

@@ -81,6 +81,7 @@ def _tables(equations: Equations, functions: KernelFunctions) -> str:
             f"typedef void (*block_function)({signature});",
             _table("static const block_function", "block_functions", names),
             f"VD_EXPORT const int vd_constants = {functions.prepare.numel_out(0)};",
+            f"VD_EXPORT const int vd_new_values = {functions.resets.numel_out(0)};",
             _table("VD_EXPORT const int", "vd_operations", [counts[key] for key in COUNTED]),
         ]
     )

@@ -90,8 +90,8 @@ class Equations:
     ``positions`` and ``velocities`` are the indices of x that form second-order pairs: the
     rate of ``x[positions[k]]`` is ``x[velocities[k]]``. ``reset`` is a column of new values of
     states for the resets of events, None where there are none. ``slopes`` is ∂residual/∂algebraic
-    where its author knows it better than differentiation would, else None. ``structure`` holds facts for people
-    (bodies, joints, degrees of freedom), never used in computing.
+    where its author knows it better than differentiation would, else None. ``structure`` holds
+    facts for people (bodies, joints, degrees of freedom), never used in computing.
     """
 
     name: str

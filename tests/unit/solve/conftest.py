@@ -1,7 +1,5 @@
 import pytest
 
-from vehicledyn.solve.compiler import CompilationError, find_compiler
-
 
 @pytest.fixture(autouse=True, scope="session")
 def _kernel_cache(tmp_path_factory):
@@ -9,14 +7,6 @@ def _kernel_cache(tmp_path_factory):
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("VEHICLEDYN_CACHE", str(tmp_path_factory.mktemp("kernels")))
         yield
-
-
-@pytest.fixture(scope="session")
-def needs_compiler():
-    try:
-        find_compiler()
-    except CompilationError as error:
-        pytest.skip(str(error))
 
 
 @pytest.fixture(params=["compiled", "interpreted"])
