@@ -8,7 +8,7 @@ such that the singular instant falls into the widest gap between its stages.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -27,6 +27,7 @@ after every few steps that are refused, as rounding sets a limit."""
 _GAP = 0.47
 """Middle of the widest gap between the stages of the pair of order 8, as a part of its step."""
 _MOST_TRIES, _PATIENCE = 60, 6
+_APPROACHES = 5
 _PROBE = 1e-7
 
 
@@ -89,6 +90,15 @@ class Passage:
             ahead = 0.2 * (until - self.time)
             self.advance(self.time + (min(0.15 * wait, ahead) if wait > 0.0 else ahead))
         raise NumericalError("the singular configuration is not passed")
+
+    def approach(self, crossing: Sequence[int]) -> Iterator[Sample]:
+        """Yield samples nearer and nearer to where some blocks become singular."""
+        for _ in range(_APPROACHES):
+            wait = self._time_to(crossing)
+            if wait <= 0.0:
+                return
+            self.advance(self.time + 0.5 * wait)
+            yield self.sample(self.time)
 
     def advance(self, stop: float) -> None:
         """Integrate to a time [s] with steps of any size."""

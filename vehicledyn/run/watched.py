@@ -26,7 +26,7 @@ from vehicledyn.multibody.loops import Moment
 from vehicledyn.multibody.system import System
 from vehicledyn.multibody.watch import Comparison, PartitionWatch, freed
 from vehicledyn.run.passage import FINE_TOLERANCE, TOLERANCE, Passage, Sample
-from vehicledyn.run.pivots import WIDE_ZONE, ZONE, Crossing, Degrading, PivotLog
+from vehicledyn.run.pivots import LEVERAGE, WIDE_ZONE, ZONE, Crossing, Degrading, PivotLog
 from vehicledyn.solve.kernel import Backend, Kernel, Progress, compile_kernel
 from vehicledyn.solve.simulate import Solver, simulate
 from vehicledyn.solve.task import Happened, Sink, Statistics
@@ -202,11 +202,47 @@ class _Run:
                 passage.advance(self._time(last))
             samples = [passage.sample(self._time(k)) for k in range(first, last + 1)]
         except NumericalError as error:
-            raise NumericalError(self._stuck(crossing, error)) from None
+            stuck = self._stuck(crossing, error)
+            try:
+                changed = self._change_before(crossing)
+            except NumericalError:
+                changed = None
+            if changed is None:
+                raise NumericalError(stuck) from None
+            return changed
         self._log.restart(begin, samples)
         count = last - self._passed
         self._segment, self._passed = max(_FIRST_SEGMENT, count // 3), last
         return last, samples[-1].state, samples[-1].unknowns
+
+    def _change_before(self, crossing: Crossing) -> tuple[int, Vector, Vector] | None:
+        """Change the partition between samples, where nearer to the place another is better.
+
+        That is so where a coordinate turns back at a dead point within few samples.
+        """
+        begin = crossing.begin
+        passage = Passage(self.kernel, begin, self._tolerance)
+        for near in passage.approach(crossing.blocks):
+            found = self._better(near, LEVERAGE)
+            if found is None:
+                continue
+            first, last = self._index(begin.time) + 1, self._index(near.time)
+            samples = [passage.sample(self._time(k)) for k in range(first, last)]
+            if samples:
+                self._log.restart(begin, samples)
+            index, here = self._changed(near, found)
+            rest = Passage(self.kernel, here, self._tolerance)
+            rest.advance(self._time(index))
+            end = rest.sample(self._time(index))
+            self._log.restart(here, [end])
+            return index, end.state, end.unknowns
+        return None
+
+    def _changed(self, near: Sample, found: Comparison) -> tuple[int, Sample]:
+        """Change the partition at a sample; return it in the new one, and the index behind it."""
+        index, state, unknowns = self._change(near, found)
+        outputs = self.kernel.outputs(near.time, state, unknowns)
+        return index, Sample(near.time, state, unknowns, outputs)
 
     def _stuck(self, crossing: Crossing, error: NumericalError) -> str:
         blocks = [self.kernel.equations.blocks[k] for k in crossing.blocks]
