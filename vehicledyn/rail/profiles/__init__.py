@@ -1,0 +1,1 @@
+"""Numbers of the standard profiles, each with its source."""
