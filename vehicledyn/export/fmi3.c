@@ -74,8 +74,7 @@ static void restart(Model *m) {
 
 /* Find the unknowns of the present point, from those of the last one. */
 static fmi3Status solve(Model *m) {
-  long long counts[WHERE + 1] = {0};
-  double figures[FAILED_RESIDUAL + 1] = {0.0};
+  struct course course;
   if (!m->has_constants) {
     prepare(m->p, m->c);
     m->has_constants = true;
@@ -83,11 +82,14 @@ static fmi3Status solve(Model *m) {
   }
   if (m->has_unknowns) return fmi3OK;
   m->has_rates = m->has_outputs = m->has_marks = false;
-  if (check_finite(m->x, counts) != SOLVED)
+  begin_course(&course);
+  check_finite(m->x, &course);
+  if (!course.alive)
     return tell(m, m->initialising ? fmi3Error : fmi3Discard, "a state is no finite number");
-  if (solve_blocks(m->t, m->x, m->z, m->c, counts, figures) != SOLVED) {
+  solve_blocks(m->t, m->x, m->z, m->c, &course);
+  if (!course.alive) {
     memcpy(m->z, m->accepted, NZ * sizeof(double));
-    return tell(m, m->initialising ? fmi3Error : fmi3Discard, block_failures[counts[WHERE]]);
+    return tell(m, m->initialising ? fmi3Error : fmi3Discard, block_failures[course.where[0]]);
   }
   m->has_unknowns = true;
   return fmi3OK;

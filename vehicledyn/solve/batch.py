@@ -7,8 +7,9 @@ results of a case are the same, bit for bit, whatever the number of lanes and it
 
 from __future__ import annotations
 
+import logging
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any, TypeAlias
 
@@ -16,9 +17,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vehicledyn.base.errors import InputError, NumericalError
+from vehicledyn.solve.compiler import CompilationError
 from vehicledyn.solve.engine import Vector
+from vehicledyn.solve.fixed_step import steps_per_interval
 from vehicledyn.solve.kernel import Kernel, Progress
+from vehicledyn.solve.lanes import CHOICES, LaneEngine, compile_lanes, suitable_lanes
+from vehicledyn.solve.platoon import Platoon, Stopped, march
 from vehicledyn.solve.simulate import Solver, simulate
+
+_log = logging.getLogger(__name__)
 
 Samples: TypeAlias = NDArray[Any]
 """Values of the chosen channels, float64 or float32, shape (n_cases, n_samples, n_channels)."""
@@ -49,7 +56,7 @@ class Cases:
 class CaseEnd:
     """How a case ended: ``message`` is empty if it went to its end, else names time and place.
 
-    ``samples`` is the number of good samples, ``time`` that of the last good step [s].
+    ``samples`` is the number of good samples, ``time`` that of the last of them [s].
     ``ended_by`` is the name of the terminal event that ended it early; that is no failure.
     """
 
@@ -100,8 +107,13 @@ class Batch:
     """A kernel made ready for many cases; ``remark`` is one line for the user, or empty."""
 
     kernel: Kernel
-    lanes: int = 1
+    engine: LaneEngine | None = None
     remark: str = ""
+
+    @property
+    def lanes(self) -> int:
+        """How many cases run side by side."""
+        return self.engine.lanes if self.engine is not None else 1
 
 
 def make_batch(
@@ -117,8 +129,42 @@ def make_batch(
         Cases side by side: 1, 4 or 8; None for what suits this processor.
     progress
         Told what is going on.
+
+    Returns
+    -------
+    Batch
+        With one lane, and a remark, where lanes are impossible: for a model with events, an
+        interpreted kernel, or a compiler that fails.
+
+    Raises
+    ------
+    InputError
+        If there can be no such number of lanes.
     """
-    return Batch(kernel)
+    if lanes is not None and lanes not in CHOICES:
+        raise InputError(f"{lanes} lanes are impossible; choose one of 1, 4 and 8")
+    wanted = suitable_lanes() if lanes is None else lanes
+    if wanted == 1:
+        return Batch(kernel)
+    if kernel.equations.events:
+        return _one_by_one(kernel, f"model '{kernel.equations.name}' has events")
+    if kernel.backend != "compiled":
+        return _one_by_one(kernel, "the kernel is interpreted")
+    if progress is not None:
+        progress(f"making the kernel for {wanted} cases side by side", None)
+    try:
+        engine, remark = compile_lanes(kernel.equations, kernel.key, wanted)
+    except CompilationError as error:
+        return _one_by_one(kernel, str(error))
+    if remark:
+        _log.warning(remark)
+    return Batch(kernel, engine, remark)
+
+
+def _one_by_one(kernel: Kernel, reason: str) -> Batch:
+    remark = f"{reason}; cases run one after the other"
+    _log.warning(remark)
+    return Batch(kernel, remark=remark)
 
 
 def run_batch(
@@ -172,15 +218,65 @@ def run_batch(
     plan = Plan(start, interval, _count_samples(start, stop, interval), list(channels))
     kind = np.float32 if single else np.float64
     samples = np.full((len(cases), plan.n_samples, len(channels)), np.nan, dtype=kind)
+    parts = _in_turn if batch.engine is None or not hasattr(solver, "fixed_method") else _abreast
     ends: list[CaseEnd] = []
+    for part in parts(batch, solver, cases, plan, samples):
+        if isinstance(part, float):
+            if progress is not None:
+                progress("simulating", (len(ends) + part) / len(cases))
+            continue
+        which = range(len(ends), len(ends) + len(part))
+        ends += part
+        if finished is not None:
+            finished(which, samples[which.start : which.stop], part)
+    return BatchResult(plan.times, samples, tuple(ends))
+
+
+Part: TypeAlias = float | tuple[CaseEnd, ...]
+"""How many cases are done behind those that ended last, or how the next ones ended."""
+
+
+def _in_turn(
+    batch: Batch, solver: Solver, cases: Cases, plan: Plan, samples: Samples
+) -> Iterator[Part]:
     for index in range(len(cases)):
         case = cases.part(slice(index, index + 1))
-        ends.append(_run_case(batch.kernel, solver, case, plan, samples[index]))
-        if finished is not None:
-            finished(range(index, index + 1), samples[index : index + 1], (ends[-1],))
-        if progress is not None:
-            progress("simulating", (index + 1) / len(cases))
-    return BatchResult(plan.times, samples, tuple(ends))
+        yield (_run_case(batch.kernel, solver, case, plan, samples[index]),)
+        yield 0.0
+
+
+def _abreast(
+    batch: Batch, solver: Any, cases: Cases, plan: Plan, samples: Samples
+) -> Iterator[Part]:
+    """Run groups of cases in lanes."""
+    engine: Any = batch.engine
+    per_interval = steps_per_interval(solver.step, plan.interval)
+    for first in range(0, len(cases), engine.lanes):
+        group = cases.part(slice(first, first + engine.lanes))
+        platoon = Platoon(
+            engine,
+            solver.fixed_method,
+            plan.start,
+            plan.interval,
+            per_interval,
+            np.array(plan.channels, dtype=np.intc),
+            engine.prepare(engine.spread(group.parameters)),
+            engine.spread(group.states),
+            engine.spread(group.unknowns),
+        )
+        for part in march(platoon, samples[first : first + engine.lanes]):
+            yield part * len(group)
+        stops = [platoon.stopped(lane) for lane in range(len(group))]
+        yield tuple(_end_of(batch.kernel, stopped, plan) for stopped in stops)
+        yield 0.0
+
+
+def _end_of(kernel: Kernel, stopped: Stopped | None, plan: Plan) -> CaseEnd:
+    if stopped is None:
+        return CaseEnd(float(plan.times[-1]), plan.n_samples)
+    last = float(plan.times[max(0, stopped.samples - 1)])
+    message = kernel.failure(stopped.status, stopped.time, stopped.ledger)
+    return CaseEnd(last, stopped.samples, message)
 
 
 def _run_case(kernel: Kernel, solver: Solver, case: Cases, plan: Plan, room: Samples) -> CaseEnd:

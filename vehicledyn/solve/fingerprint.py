@@ -8,7 +8,8 @@ from pathlib import Path
 from vehicledyn.solve.functions import event_expressions
 from vehicledyn.symbolic.equations import Equations
 
-_GENERATORS = ("code.py", "functions.py", "instructions.py", "source.py", "loop.c")
+_GENERATORS = ("code.py", "functions.py", "instructions.py", "lowering.py", "source.py")
+_SHARED = ("real.h", "elementary.c", "steps.c", "loop.c", "batch.c")
 
 
 def fingerprint(equations: Equations) -> str:
@@ -28,5 +29,5 @@ def fingerprint(equations: Equations) -> str:
 def generator_fingerprint() -> str:
     """Return a text that changes with the modules that turn equations into C."""
     folder = Path(__file__).parent
-    texts = [(folder / name).read_text(encoding="utf-8") for name in _GENERATORS]
+    texts = [(folder / name).read_text(encoding="utf-8") for name in (*_GENERATORS, *_SHARED)]
     return hashlib.sha256("\n".join(texts).encode()).hexdigest()

@@ -10,44 +10,42 @@ from vehicledyn.solve.functions import KernelFunctions, operations_of
 from vehicledyn.symbolic.equations import Equations
 
 COUNTED = ("prepare", "rates", "outputs", "blocks")
-
-_HEAD = """\
-#include <math.h>
-#include <string.h>
-
-#if defined(_WIN32)
-#define VD_EXPORT __declspec(dllexport)
-#else
-#define VD_EXPORT __attribute__((visibility("default")))
-#endif
-#define VD_APART __attribute__((noinline))
-
-static inline double vd_min(double a, double b) { return a < b || b != b ? a : b; }
-static inline double vd_max(double a, double b) { return a > b || b != b ? a : b; }
-static inline double vd_sign(double a) { return a < 0.0 ? -1.0 : a > 0.0 ? 1.0 : a; }
-"""
+_ARGUMENTS = ("t", "x", "z", "c")
 
 
 def kernel_source(equations: Equations, functions: KernelFunctions) -> str:
-    """Return the complete C source of a kernel."""
-    arguments = ["t", "x", "z", "c"]
-    parts = [
-        _HEAD,
-        print_function(functions.prepare, "prepare", ["p"]),
-        print_function(functions.rates, "rates", arguments),
-        print_function(functions.outputs, "outputs", arguments),
-        print_function(functions.events, "events", arguments),
-        print_function(functions.resets, "resets", arguments),
-        *[print_function(b, f"block_{k}", arguments) for k, b in enumerate(functions.blocks)],
-        _tables(equations, functions),
-        loop_source(),
+    """Return the complete C source of a kernel for one case."""
+    events = [
+        print_function(functions.events, "events", _ARGUMENTS),
+        print_function(functions.resets, "resets", _ARGUMENTS),
     ]
+    parts = [*_common(equations, functions), *events, shared_source("loop.c")]
     return "\n".join(parts)
 
 
-def loop_source() -> str:
-    """Return the text of loop.c, the part that all kernels share."""
-    return Path(__file__).with_name("loop.c").read_text(encoding="utf-8")
+def lane_source(equations: Equations, functions: KernelFunctions, lanes: int) -> str:
+    """Return the C source of a kernel that carries so many cases side by side."""
+    head = f"#define VD_LANES {lanes}"
+    return "\n".join([head, *_common(equations, functions), shared_source("batch.c")])
+
+
+def _common(equations: Equations, functions: KernelFunctions) -> list[str]:
+    blocks = enumerate(functions.blocks)
+    return [
+        shared_source("real.h"),
+        shared_source("elementary.c"),
+        print_function(functions.prepare, "prepare", ["p"]),
+        print_function(functions.rates, "rates", _ARGUMENTS),
+        print_function(functions.outputs, "outputs", _ARGUMENTS),
+        *[print_function(block, f"block_{k}", _ARGUMENTS) for k, block in blocks],
+        _tables(equations, functions),
+        shared_source("steps.c"),
+    ]
+
+
+def shared_source(name: str) -> str:
+    """Return the text of a file that all kernels share, such as loop.c."""
+    return Path(__file__).with_name(name).read_text(encoding="utf-8")
 
 
 def _tables(equations: Equations, functions: KernelFunctions) -> str:
@@ -67,7 +65,7 @@ def _tables(equations: Equations, functions: KernelFunctions) -> str:
     }
     counts = operations_of(functions)
     starts = [block.start for block in blocks] + [n_unknowns]
-    signature = ", ".join(["const double *"] * 4 + ["double *"] * 2)
+    signature = ", ".join(["const real *"] * 4 + ["real *"] * 2)
     names = [f"block_{k}" for k in range(len(blocks))] or ["0"]
     return "\n".join(
         [

@@ -291,7 +291,7 @@ def test_slalom_of_the_iltis(tmp_path):
     output = tmp_path / "own.h5"
     run_scenario(loaded, output=output, backend="auto", plots=None, progress=silent)
     found = fmpy.simulate_fmu(
-        str(path), solver="CVode", relative_tolerance=1e-13, output_interval=0.05,
+        str(path), solver="CVode", relative_tolerance=1e-14, output_interval=0.05,
         record_events=False,
     )  # fmt: skip
     with open_result(output) as result:

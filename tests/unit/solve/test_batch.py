@@ -2,12 +2,14 @@
 
 import numpy as np
 import pytest
-from solve_examples import Samples, oscillator, slider_crank, starts
+from event_examples import bouncing_ball
+from solve_examples import Samples, double_pendulum, oscillator, slider_crank, starts
 
 from vehicledyn.base.errors import InputError
 from vehicledyn.solve.batch import Cases, make_batch, run_batch
 from vehicledyn.solve.kernel import compile_kernel
 from vehicledyn.solve.methods.rk4 import RungeKutta4
+from vehicledyn.solve.methods.symplectic_euler import SymplecticEuler
 from vehicledyn.solve.simulate import simulate
 
 SPAN = {"start": 0.0, "stop": 0.5, "interval": 0.05}
@@ -84,3 +86,133 @@ def test_sizes_and_values_are_checked(change, words):
     cases = Cases(**{**vars(good), **change})
     with pytest.raises(InputError, match=words):
         run_batch(batch, RungeKutta4(step=0.005), cases, channels=[0], **SPAN)
+
+
+@pytest.fixture(params=[4, 8])
+def lanes(request, needs_compiler):
+    return request.param
+
+
+def same(one, two):
+    return np.array_equal(one, two, equal_nan=True)
+
+
+METHODS = [RungeKutta4(step=0.005), SymplecticEuler(step=0.005)]
+
+
+@pytest.mark.parametrize("solver", METHODS, ids=["rk4", "symplectic_euler"])
+@pytest.mark.parametrize("example", [slider_crank, double_pendulum, oscillator])
+def test_lanes_change_nothing(lanes, example, solver):
+    equations = example()
+    kernel = compile_kernel(equations, backend="compiled")
+    name = equations.parameters[-1].name
+    value = equations.parameters[-1].value
+    cases = cases_of(equations, **{name: value * np.linspace(0.8, 1.2, lanes + 3)})
+    channels = range(len(equations.channels))
+    abreast, alone = (
+        run_batch(batch, solver, cases, channels=channels, **SPAN)
+        for batch in (make_batch(kernel, lanes=lanes), make_batch(kernel, lanes=1))
+    )
+    assert same(abreast.samples, alone.samples)
+    assert abreast.ends == alone.ends
+    turned = Cases(*[np.ascontiguousarray(item[::-1]) for item in vars(cases).values()])
+    back = run_batch(make_batch(kernel, lanes=lanes), solver, turned, channels=channels, **SPAN)
+    assert same(back.samples[::-1], alone.samples)
+
+
+def test_a_case_that_fails_stops_alone(lanes):
+    equations = slider_crank()
+    kernel = compile_kernel(equations, backend="compiled")
+    cases = cases_of(equations, rod_length=[2.0, 0.9, 1.9, 0.8, 2.2, 2.0])
+    cases.states[2, 1] = 1e150  # its angle grows beyond all numbers
+    cases.states[[1, 3], 1] = 6.0  # these rods are too short to let the crank turn
+    solver = RungeKutta4(step=0.005)
+    abreast, alone = (
+        run_batch(make_batch(kernel, lanes=n), solver, cases, channels=[0, 1], **SPAN)
+        for n in (lanes, 1)
+    )
+    assert [end.failed for end in alone.ends] == [False, True, True, True, False, False]
+    assert abreast.ends == alone.ends
+    assert same(abreast.samples, alone.samples)
+    for end, samples in zip(abreast.ends, abreast.samples, strict=True):
+        assert np.isfinite(samples[: end.samples]).all()
+        assert np.isnan(samples[end.samples :]).all()
+    assert "block 'crank loop' at t = " in abreast.ends[1].message
+
+
+def test_a_start_that_cannot_be_closed_is_told(lanes):
+    equations = slider_crank()
+    kernel = compile_kernel(equations, backend="compiled")
+    cases = cases_of(equations, rod_length=[2.0, 0.1])
+    for n in (lanes, 1):
+        result = run_batch(make_batch(kernel, lanes=n), METHODS[0], cases, channels=[0], **SPAN)
+        assert [end.samples for end in result.ends] == [len(result.times), 0]
+        assert "t = 0 s" in result.ends[1].message
+        assert np.isnan(result.samples[1]).all()
+
+
+def test_parts_in_lanes(lanes):
+    equations = oscillator()
+    kernel = compile_kernel(equations, backend="compiled")
+    cases = cases_of(equations, stiffness=np.linspace(1.0, 3.0, lanes + 2))
+    told, parts = [], []
+    result = run_batch(
+        make_batch(kernel, lanes=lanes),
+        METHODS[0],
+        cases,
+        channels=[0],
+        single=True,
+        finished=lambda which, samples, ends: told.append((which, samples.copy(), ends)),
+        progress=lambda what, part: parts.append(part),
+        **SPAN,
+    )
+    assert [list(which) for which, _, _ in told] == [list(range(lanes)), [lanes, lanes + 1]]
+    assert same(np.concatenate([samples for _, samples, _ in told]), result.samples)
+    assert result.samples.dtype == np.float32
+    assert parts == sorted(parts)
+    assert parts[-1] == 1.0
+
+
+def test_interrupt_keeps_what_is_finished(lanes):
+    equations = oscillator()
+    kernel = compile_kernel(equations, backend="compiled")
+    done = []
+
+    def finished(which, samples, ends):
+        done.extend(which)
+        raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        run_batch(
+            make_batch(kernel, lanes=lanes),
+            METHODS[0],
+            cases_of(equations, stiffness=np.linspace(1.0, 3.0, 3 * lanes)),
+            channels=[0],
+            finished=finished,
+            **SPAN,
+        )
+    assert done == list(range(lanes))
+
+
+def test_models_with_events_run_one_by_one(needs_compiler):
+    equations = bouncing_ball()
+    batch = make_batch(compile_kernel(equations), lanes=8)
+    assert batch.lanes == 1
+    assert "has events; cases run one after the other" in batch.remark
+
+
+def test_without_lanes_in_one_line(needs_compiler, monkeypatch, tmp_path, caplog):
+    kernel = compile_kernel(oscillator())
+    monkeypatch.setenv("VEHICLEDYN_CC", "none")
+    batch = make_batch(kernel, lanes=4)
+    assert batch.lanes == 1
+    assert "VEHICLEDYN_CC=none; cases run one after the other" in batch.remark
+    assert [record.getMessage() for record in caplog.records] == [batch.remark]
+    interpreted = compile_kernel(oscillator(), backend="interpreted")
+    assert "is interpreted" in make_batch(interpreted, lanes=4).remark
+
+
+def test_lanes_that_cannot_be():
+    kernel = compile_kernel(oscillator(), backend="interpreted")
+    with pytest.raises(InputError, match="choose one of 1, 4 and 8"):
+        make_batch(kernel, lanes=3)

@@ -8,6 +8,7 @@ from vehicledyn.base.parameters import ParameterSet, quantity
 from vehicledyn.base.registry import register
 
 if TYPE_CHECKING:
+    from vehicledyn.solve.engine import Method
     from vehicledyn.solve.task import Statistics, Task
 
 
@@ -20,9 +21,15 @@ class RungeKutta4(ParameterSet):
 
     step: float = quantity("s", "Step size; divides the sampling interval", gt=0)
 
+    @property
+    def fixed_method(self) -> Method:
+        """The method inside the kernel, with which many cases run side by side."""
+        from vehicledyn.solve.engine import Method
+
+        return Method.RK4
+
     def integrate(self, task: Task) -> Statistics:
         """Integrate a task."""
-        from vehicledyn.solve.engine import Method
         from vehicledyn.solve.fixed_step import run_fixed
 
-        return run_fixed(task, "rk4", Method.RK4, self.step)
+        return run_fixed(task, "rk4", self.fixed_method, self.step)

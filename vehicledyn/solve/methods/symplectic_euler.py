@@ -8,6 +8,7 @@ from vehicledyn.base.parameters import ParameterSet, quantity
 from vehicledyn.base.registry import register
 
 if TYPE_CHECKING:
+    from vehicledyn.solve.engine import Method
     from vehicledyn.solve.task import Statistics, Task
 
 
@@ -20,9 +21,15 @@ class SymplecticEuler(ParameterSet):
 
     step: float = quantity("s", "Step size; divides the sampling interval", gt=0)
 
+    @property
+    def fixed_method(self) -> Method:
+        """The method inside the kernel, with which many cases run side by side."""
+        from vehicledyn.solve.engine import Method
+
+        return Method.SYMPLECTIC_EULER
+
     def integrate(self, task: Task) -> Statistics:
         """Integrate a task."""
-        from vehicledyn.solve.engine import Method
         from vehicledyn.solve.fixed_step import run_fixed
 
-        return run_fixed(task, "symplectic_euler", Method.SYMPLECTIC_EULER, self.step)
+        return run_fixed(task, "symplectic_euler", self.fixed_method, self.step)

@@ -1,0 +1,221 @@
+"""Bring instructions into the form in which they are printed: fused, chosen, called in packs.
+
+- a b + c, a b - c and c - a b become one operation, rounded once, where the product is not
+  needed for itself;
+- the two halves of an if_else become one choice;
+- elementary functions are called in packs: those that do not wait for each other together, so
+  that they fill the registers of the processor whether a kernel has one lane or many.
+"""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+from vehicledyn.solve.instructions import CONST, INPUT, Instruction, Program
+
+CONDITIONS = frozenset({"LT", "LE", "EQ", "NE", "NOT", "AND", "OR"})
+"""Operations whose values are conditions."""
+
+FUSED = {("ADD", 0): "FMA", ("ADD", 1): "FMA", ("SUB", 0): "FMS", ("SUB", 1): "FNMA"}
+"""Fused operation for a sum and the place of the product in it; the addend comes last."""
+
+CALLED = {
+    **{name.upper(): name for name in ("atan", "asin", "acos", "exp", "log", "tanh", "atan2")},
+    **dict.fromkeys(("SIN", "COS"), "sincos"),
+    **{
+        name.upper(): name
+        for name in (
+            *("sinh", "cosh", "asinh", "acosh", "atanh", "floor", "ceil", "erf", "expm1"),
+            *("log1p", "pow", "fmod", "remainder", "copysign", "hypot"),
+        )
+    },
+    "CONSTPOW": "pow",
+}
+"""Functions of elementary.c by operation."""
+
+_AT_HAND = (INPUT, CONST)
+
+
+@dataclass(frozen=True)
+class Pack:
+    """Calls of one function at once: operands and values of each call.
+
+    A call of "sincos" has two values, one of which may be absent (None).
+    """
+
+    function: str
+    operands: list[tuple[int, ...]]
+    values: list[tuple[int | None, ...]]
+
+    @property
+    def computed(self) -> list[int]:
+        """The values that the pack computes."""
+        return [value for call in self.values for value in call if value is not None]
+
+
+Step = int | Pack
+
+
+@dataclass(frozen=True)
+class Lowered:
+    """Values, the steps that compute them in order, and (output, element, value) of results.
+
+    Inputs and constants take no step.
+    """
+
+    values: list[Instruction]
+    steps: list[Step]
+    results: list[tuple[int, int, int]]
+
+
+def lower(program: Program) -> Lowered:
+    """Return a program in the form in which it is printed."""
+    values, results = _without_repeats(program)
+    values = _fuse(_choose(values), results)
+    return Lowered(values, _schedule(values, results), results)
+
+
+def is_at_hand(value: Instruction) -> bool:
+    """Return whether a value is an input or a constant."""
+    return value.operation in _AT_HAND
+
+
+def _without_repeats(program: Program) -> tuple[list[Instruction], list[tuple[int, int, int]]]:
+    """Return the instructions with each function called once a value, tan x as sin x / cos x."""
+    values: list[Instruction] = []
+    place: list[int] = []
+    known: dict[Instruction, int] = {}
+
+    def add(item: Instruction) -> int:
+        if item.operation in CALLED and item in known:
+            return known[item]
+        values.append(item)
+        known[item] = len(values) - 1
+        return known[item]
+
+    for item in program.instructions:
+        operands = tuple(place[operand] for operand in item.operands)
+        if item.operation == "TAN":
+            parts = (add(Instruction("SIN", operands)), add(Instruction("COS", operands)))
+            place.append(add(Instruction("DIV", parts)))
+        else:
+            place.append(add(item._replace(operands=operands)))
+    return values, [(output, element, place[value]) for output, element, value in program.results]
+
+
+def _choose(values: list[Instruction]) -> list[Instruction]:
+    """Join (c ? a : 0) + (!c ? b : 0) to a choice."""
+    chosen = list(values)
+    for index, item in enumerate(values):
+        if item.operation != "ADD":
+            continue
+        yes, no = (values[operand] for operand in item.operands)
+        if yes.operation != "IF_ELSE_ZERO" or no.operation != "IF_ELSE_ZERO":
+            continue
+        opposite = values[no.operands[0]]
+        if opposite.operation == "NOT" and opposite.operands[0] == yes.operands[0]:
+            operands = (yes.operands[0], yes.operands[1], no.operands[1])
+            chosen[index] = Instruction("SELECT", operands)
+    return chosen
+
+
+def _fuse(values: list[Instruction], results: Iterable[tuple[int, int, int]]) -> list[Instruction]:
+    """Join products and the sums they enter, where this makes the product itself needless."""
+    needed = _needed(values, results)
+    uses: dict[int, list[int]] = defaultdict(list)
+    for index, item in enumerate(values):
+        if needed[index]:
+            for operand in item.operands:
+                uses[operand].append(index)
+    kept = {value for _, _, value in results}
+    fused = list(values)
+
+    def can_take(user: int, product: int) -> bool:
+        item = values[user]
+        return (
+            item.operation in ("ADD", "SUB")
+            and fused[user] is item
+            and item.operands[0] != item.operands[1]
+        )
+
+    products = [
+        index
+        for index, item in enumerate(values)
+        if needed[index] and item.operation in ("MUL", "SQ") and index not in kept
+    ]
+    for most_uses in (1, len(values)):
+        for product in products:
+            users = uses[product]
+            if not 0 < len(users) <= most_uses:
+                continue
+            if all(can_take(user, product) for user in users):
+                for user in users:
+                    fused[user] = _fused(values[user], values[product], product)
+                uses[product] = []
+    return fused
+
+
+def _fused(total: Instruction, product: Instruction, index: int) -> Instruction:
+    place = total.operands.index(index)
+    factors = product.operands if product.operation == "MUL" else product.operands * 2
+    return Instruction(FUSED[total.operation, place], (*factors, total.operands[1 - place]))
+
+
+def _needed(values: list[Instruction], results: Iterable[tuple[int, int, int]]) -> list[bool]:
+    needed = [False] * len(values)
+    for _, _, value in results:
+        needed[value] = True
+    for index in range(len(values) - 1, -1, -1):
+        if needed[index]:
+            for operand in values[index].operands:
+                needed[operand] = True
+    return needed
+
+
+def _schedule(values: list[Instruction], results: Iterable[tuple[int, int, int]]) -> list[Step]:
+    """Return the steps; each pack as early as the functions it waits for allow."""
+    needed = _needed(values, results)
+    level = [0] * len(values)
+    waiting: dict[tuple[int, str], dict[tuple[int, ...], dict[str, int]]] = {}
+    for index, item in enumerate(values):
+        level[index] = max((level[operand] for operand in item.operands), default=0)
+        if needed[index] and item.operation in CALLED:
+            level[index] += 1
+            calls = waiting.setdefault((level[index], CALLED[item.operation]), {})
+            calls.setdefault(item.operands, {})[item.operation] = index
+    done = [is_at_hand(item) or not needed[index] for index, item in enumerate(values)]
+    steps: list[Step] = []
+    for key in sorted(waiting):
+        pack = _pack(key[1], waiting[key])
+        steps += _compute(values, {operand for call in pack.operands for operand in call}, done)
+        steps.append(pack)
+        for value in pack.computed:
+            done[value] = True
+    return steps + _compute(values, {value for _, _, value in results}, done)
+
+
+def _pack(function: str, calls: dict[tuple[int, ...], dict[str, int]]) -> Pack:
+    names = ("SIN", "COS") if function == "sincos" else None
+    found: list[tuple[int | None, ...]] = [
+        tuple(call.get(name) for name in names) if names else tuple(call.values())
+        for call in calls.values()
+    ]
+    return Pack(function, list(calls), found)
+
+
+def _compute(values: list[Instruction], wanted: set[int], done: list[bool]) -> list[Step]:
+    """Return what is still to be computed for some values, in the order of the program."""
+    todo: list[int] = []
+    stack = [value for value in wanted if not done[value]]
+    for value in stack:
+        done[value] = True
+    while stack:
+        value = stack.pop()
+        todo.append(value)
+        for operand in values[value].operands:
+            if not done[operand]:
+                done[operand] = True
+                stack.append(operand)
+    return [*sorted(todo)]

@@ -1,0 +1,285 @@
+/* The part of every kernel that does not depend on the model: Newton's method on the blocks and
+   fixed steps, for one case or for one in each lane. The generated part above defines the sizes
+   NX, NZ, NY, NB, NW (largest block) and NE, the functions rates, outputs, events and resets,
+   and the tables of blocks and events.
+   A lane that has converged or failed keeps its values, so that no lane depends on others.
+   interpreted.py holds the same algorithm; change both together. */
+
+enum { SOLVED = 0, NOT_CONVERGED = 1, SINGULAR = 2, NOT_FINITE = 3, INACCURATE = 4, EVENT = 5 };
+enum { RK4 = 0, SYMPLECTIC_EULER = 1 };
+enum { MAX_ITERATIONS = 12 };
+
+/* Where a step looks at its ends, as a part of the step: just inside, so that a corner of a law
+   in time that falls on the end belongs to one step only, in spite of rounding. */
+static const double INSIDE = 1e-8;
+
+/* A Newton step this small leaves an error of its square times the curvature: below 1e-14. */
+static const double SMALL_STEP = 1e-8, ROUNDING = 1e-13;
+
+/* What becomes of the cases: those still going, and why and where the others stopped. */
+struct course {
+  vd_mask alive;
+  real largest_residual;
+  double failed_residual[VD_LANES];
+  int status[VD_LANES], where[VD_LANES];
+  long long evaluations, iterations;
+};
+
+static void begin_course(struct course *course) {
+  memset(course, 0, sizeof *course);
+  course->alive = vd_every(1);
+}
+
+static void stop_lanes(vd_mask lanes, int status, int where, real residual,
+                       struct course *course) {
+  lanes = vd_and(lanes, course->alive);
+  for (int lane = 0; lane < VD_LANES; lane++)
+    if (VD_LANE(lanes, lane)) {
+      course->status[lane] = status;
+      course->where[lane] = where;
+      course->failed_residual[lane] = VD_LANE(residual, lane);
+    }
+  course->alive = vd_and(course->alive, vd_not(lanes));
+}
+
+VD_INLINE void swap_where(vd_mask lanes, real *a, real *b) {
+  const real held = *a;
+  *a = vd_select(lanes, *b, held);
+  *b = vd_select(lanes, held, *b);
+}
+
+/* The same arithmetic as below, for the size that most blocks have. */
+VD_INLINE vd_mask solve_two(real *a, real *b) {
+  const real zero = vd_all(0.0);
+  const vd_mask swap = vd_lt(vd_abs(a[0]), vd_abs(a[1]));
+  if (vd_any(swap)) {
+    swap_where(swap, &a[0], &a[1]);
+    swap_where(swap, &a[2], &a[3]);
+    swap_where(swap, &b[0], &b[1]);
+  }
+  const vd_mask first = vd_ne(a[0], zero);
+  const real scale = 1.0 / a[0], factor = a[1] * scale;
+  const real corner = a[3] - factor * a[2];
+  b[1] = (b[1] - factor * b[0]) * (1.0 / corner);
+  b[0] = (b[0] - a[2] * b[1]) * scale;
+  return vd_and(first, vd_ne(corner, zero));
+}
+
+/* Solve a x = b, a stored by columns; x replaces b. Return the lanes where a is regular. */
+static vd_mask solve_linear(int n, real *a, real *b) {
+  if (n == 2) return solve_two(a, b);
+  vd_mask regular = vd_every(1);
+  for (int j = 0; j < n; j++) {
+    real best = vd_abs(a[j + j * n]), row = vd_all((double)j);
+    for (int i = j + 1; i < n; i++) {
+      const real size = vd_abs(a[i + j * n]);
+      const vd_mask better = vd_lt(best, size);
+      best = vd_select(better, size, best);
+      row = vd_select(better, vd_all((double)i), row);
+    }
+    regular = vd_and(regular, vd_ne(best, vd_all(0.0)));
+    for (int i = j + 1; i < n; i++) {
+      const vd_mask here = vd_eq(row, vd_all((double)i));
+      if (!vd_any(here)) continue;
+      for (int k = j; k < n; k++) swap_where(here, &a[j + k * n], &a[i + k * n]);
+      swap_where(here, &b[j], &b[i]);
+    }
+    const real scale = 1.0 / a[j + j * n];
+    for (int i = j + 1; i < n; i++) a[i + j * n] *= scale;
+    for (int k = j + 1; k < n; k++) {
+      const real top = a[j + k * n];
+      for (int i = j + 1; i < n; i++) a[i + k * n] -= a[i + j * n] * top;
+    }
+    for (int i = j + 1; i < n; i++) b[i] -= a[i + j * n] * b[j];
+    a[j + j * n] = scale;
+  }
+  for (int j = n - 1; j >= 0; j--) {
+    b[j] *= a[j + j * n];
+    for (int i = 0; i < j; i++) b[i] -= a[i + j * n] * b[j];
+  }
+  return regular;
+}
+
+static real largest_of(int n, const real *values) {
+  real largest = vd_all(0.0);
+  for (int i = 0; i < n; i++) {
+    const real size = vd_abs(values[i]);
+    largest = vd_select(vd_le(size, largest), largest, size);
+  }
+  return largest;
+}
+
+static real residual_of(int k, real t, const real *x, const real *z, const real *c) {
+  real residual[NW], jacobian[NW * NW];
+  block_functions[k](&t, x, z, c, residual, jacobian);
+  return largest_of(block_start[k + 1] - block_start[k], residual);
+}
+
+static VD_APART void stop_block(vd_mask lanes, int status, int k, real t, const real *x,
+                                const real *z, const real *c, struct course *course) {
+  stop_lanes(lanes, status, k, residual_of(k, t, x, z, c), course);
+}
+
+static void newton(int k, real t, const real *x, real *z, const real *c, struct course *course) {
+  real step[NW], jacobian[NW * NW];
+  real *unknown = z + block_start[k];
+  const int n = block_start[k + 1] - block_start[k];
+  vd_mask open = course->alive;
+  for (int iteration = 0; iteration < MAX_ITERATIONS; iteration++) {
+    block_functions[k](&t, x, z, c, step, jacobian);
+    course->iterations++;
+    const vd_mask regular = solve_linear(n, jacobian, step);
+    vd_mask finite = regular, small = open;
+    for (int i = 0; i < n; i++) {
+      const real next = unknown[i] - step[i];
+      unknown[i] = vd_select(vd_and(open, regular), next, unknown[i]);
+      finite = vd_and(finite, vd_finite(next));
+      const real limit = SMALL_STEP + ROUNDING * vd_abs(next);
+      small = vd_and(small, vd_le(vd_abs(step[i]), limit));
+    }
+    const vd_mask lost = vd_and(open, vd_not(finite));
+    if (vd_any(lost)) {
+      stop_block(vd_and(lost, vd_not(regular)), SINGULAR, k, t, x, z, c, course);
+      stop_block(lost, NOT_CONVERGED, k, t, x, z, c, course);
+      open = vd_and(open, finite);
+    }
+    open = vd_and(open, vd_not(small));
+    if (!vd_any(open)) return;
+  }
+  stop_block(open, NOT_CONVERGED, k, t, x, z, c, course);
+}
+
+static void solve_blocks(real t, const real *x, real *z, const real *c, struct course *course) {
+  for (int k = 0; k < NB && vd_any(course->alive); k++) newton(k, t, x, z, c, course);
+}
+
+/* Keep the largest residual; stop where a block is above its tolerance. */
+static void check_residuals(real t, const real *x, const real *z, const real *c,
+                            struct course *course) {
+  for (int k = 0; k < NB; k++) {
+    const real residual = residual_of(k, t, x, z, c);
+    const vd_mask larger = vd_and(course->alive, vd_lt(course->largest_residual, residual));
+    course->largest_residual = vd_select(larger, residual, course->largest_residual);
+    const vd_mask held = vd_le(residual, vd_all(block_tolerance[k]));
+    if (vd_any(vd_not(held))) stop_lanes(vd_not(held), INACCURATE, k, residual, course);
+  }
+}
+
+static void check_finite(const real *x, struct course *course) {
+  vd_mask finite = vd_every(1);
+  for (int i = 0; i < NX; i++) finite = vd_and(finite, vd_finite(x[i]));
+  if (!vd_any(vd_and(course->alive, vd_not(finite)))) return;
+  for (int i = 0; i < NX; i++)
+    stop_lanes(vd_not(vd_finite(x[i])), NOT_FINITE, i, vd_all(0.0), course);
+}
+
+/* Solve the unknowns of a stage, starting from the guess in z, and find the rates. */
+static void stage(double t, const real *x, real *z, const real *c, real *rate,
+                  struct course *course) {
+  const real now = vd_all(t);
+  check_finite(x, course);
+  solve_blocks(now, x, z, c, course);
+  if (!vd_any(course->alive)) return;
+  rates(&now, x, z, c, rate);
+  course->evaluations++;
+}
+
+/* Classical Runge-Kutta step. The guesses of the unknowns extrapolate the start and middle of
+   the last step, kept in memory as flag, start, middle: errors of third order in h. Times t and
+   last lie just inside the step. */
+static void step_rk4(double t, double middle, double last, double end, double h, real *x,
+                     real *z, const real *c, real *memory, struct course *course) {
+  real k1[NX1], k2[NX1], k3[NX1], k4[NX1], xs[NX1], zs[NZ1], zm[NZ1], bend[NZ1];
+  real *before = memory + 1, *between = memory + 1 + NZ;
+  const vd_mask known = vd_true(memory[0]);
+  const real now = vd_all(t);
+  rates(&now, x, z, c, k1);
+  course->evaluations++;
+  for (int i = 0; i < NZ; i++) {
+    zs[i] = z[i] + vd_only(known, 0.5 * (3.0 * z[i] - 4.0 * between[i] + before[i]));
+    bend[i] = vd_only(known, z[i] - 2.0 * between[i] + before[i]);
+  }
+  for (int i = 0; i < NX; i++) xs[i] = x[i] + 0.5 * h * k1[i];
+  stage(middle, xs, zs, c, k2, course);
+  if (!vd_any(course->alive)) return;
+  for (int i = 0; i < NZ; i++) {
+    zm[i] = zs[i];
+    zs[i] += bend[i];
+  }
+  for (int i = 0; i < NX; i++) xs[i] = x[i] + 0.5 * h * k2[i];
+  stage(middle, xs, zs, c, k3, course);
+  if (!vd_any(course->alive)) return;
+  for (int i = 0; i < NZ; i++) {
+    zm[i] = 0.5 * (zm[i] + zs[i]);
+    zs[i] = 2.0 * zs[i] - z[i];
+  }
+  for (int i = 0; i < NX; i++) xs[i] = x[i] + h * k3[i];
+  stage(last, xs, zs, c, k4, course);
+  if (!vd_any(course->alive)) return;
+  for (int i = 0; i < NX; i++)
+    xs[i] = x[i] + h / 6.0 * (k1[i] + 2.0 * k2[i] + 2.0 * k3[i] + k4[i]);
+  check_finite(xs, course);
+  solve_blocks(vd_all(end), xs, zs, c, course);
+  if (!vd_any(course->alive)) return;
+  memory[0] = vd_all(1.0);
+  for (int i = 0; i < NZ; i++) {
+    before[i] = z[i];
+    between[i] = zm[i];
+    z[i] = vd_select(course->alive, zs[i], z[i]);
+  }
+  for (int i = 0; i < NX; i++) x[i] = vd_select(course->alive, xs[i], x[i]);
+}
+
+/* Semi-implicit Euler step: positions move with the new velocities. */
+static void step_symplectic(double t, double end, double h, real *x, real *z, const real *c,
+                            real *memory, struct course *course) {
+  real rate[NX1], xs[NX1], zs[NZ1];
+  real *before = memory + 1;
+  const vd_mask known = vd_true(memory[0]);
+  const real now = vd_all(t);
+  rates(&now, x, z, c, rate);
+  course->evaluations++;
+  for (int i = 0; i < NX; i++) xs[i] = x[i] + h * rate[i];
+  for (int k = 0; k < NQ; k++) xs[positions[k]] = x[positions[k]] + h * xs[velocities[k]];
+  check_finite(xs, course);
+  for (int i = 0; i < NZ; i++) zs[i] = vd_select(known, 2.0 * z[i] - before[i], z[i]);
+  solve_blocks(vd_all(end), xs, zs, c, course);
+  if (!vd_any(course->alive)) return;
+  memory[0] = vd_all(1.0);
+  for (int i = 0; i < NZ; i++) {
+    before[i] = z[i];
+    z[i] = vd_select(course->alive, zs[i], z[i]);
+  }
+  for (int i = 0; i < NX; i++) x[i] = vd_select(course->alive, xs[i], x[i]);
+}
+
+/* Counted from the first step of the run, so that no rounding adds up. */
+static double time_of(long long step, double part, double start, double interval,
+                      long long per_interval) {
+  return start + interval * ((double)(step / per_interval) +
+                             ((double)(step % per_interval) + part) / (double)per_interval);
+}
+
+/* A run with fixed steps: when its steps are, and the method. */
+struct march {
+  int method;
+  long long per_interval;
+  double start, interval;
+};
+
+/* Take the part of a step from one fraction of it to another. */
+static void take_step(const struct march *march, long long step, double from, double to,
+                      const real *c, real *x, real *z, real *memory, struct course *course) {
+  const long long per = march->per_interval;
+  const double start = march->start, interval = march->interval;
+  const double part = to - from, h = interval / (double)per * part;
+  const double t = time_of(step, from + INSIDE * part, start, interval, per);
+  const double middle = time_of(step, from + 0.5 * part, start, interval, per);
+  const double end = to < 1.0 ? time_of(step, to, start, interval, per)
+                              : time_of(step + 1, 0.0, start, interval, per);
+  const double last = time_of(step, to - INSIDE * part, start, interval, per);
+  if (march->method == RK4)
+    step_rk4(t, middle, last, end, h, x, z, c, memory, course);
+  else
+    step_symplectic(t, end, h, x, z, c, memory, course);
+}
