@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import re
+from functools import lru_cache
 from typing import NamedTuple
 
 from vehicledyn.base.errors import InputError, nearest_name
@@ -62,6 +63,7 @@ _NUMBER = re.compile(
 _FACTOR = re.compile(r"\s*(\*\*|[*/·]?)\s*([A-Za-zµ°%]+|1)(?:\s*(?:\^|\*\*)?\s*([+-]?\d+))?\s*")
 
 
+@lru_cache(maxsize=2048)
 def parse_unit(text: str) -> Unit:
     """Return the unit that a text such as "N s/m", "kg*m^2" or "km/h" names.
 

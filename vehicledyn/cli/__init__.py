@@ -18,7 +18,7 @@ def main() -> NoReturn:
     """Run the command line and leave with its exit code.
 
     0 ok, 1 negative result, 2 invalid input or usage, 3 numerical failure, 4 missing optional
-    part, 70 a bug of this program, 130 interrupted.
+    part, 5 some cases of a study failed, 70 a bug of this program, 130 interrupted.
     """
     _open_closed_streams()
     if os.environ.get("VEHICLEDYN_TRACEBACK"):

@@ -31,11 +31,15 @@ def read_scenario(path: Path, overrides: list[str] | None) -> LoadedScenario:
 
 
 def read_file(path: Path, overrides: list[str] | None) -> None:
-    """Read a scenario or system file, to find what is wrong with it."""
+    """Read a scenario, system or study file, to find what is wrong with it."""
     import vehicledyn.catalogue  # noqa: F401
+    from vehicledyn.base.yaml import read_yaml
     from vehicledyn.scenario import is_system_file, load_model
+    from vehicledyn.studies import is_study, load_study
 
-    if is_system_file(path):
+    if is_study(read_yaml(path).data):
+        load_study(path, overrides or ())
+    elif is_system_file(path):
         load_model(str(path), overrides or ())
     else:
         read_scenario(path, overrides)

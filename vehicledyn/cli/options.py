@@ -34,6 +34,7 @@ class FileKind(StrEnum):
 
     SCENARIO = "scenario"
     SYSTEM = "system"
+    STUDY = "study"
 
 
 ScenarioFile = Annotated[Path, typer.Argument(metavar="SCENARIO", help="Scenario file.")]

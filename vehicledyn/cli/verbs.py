@@ -10,7 +10,7 @@ from typer.core import TyperGroup
 
 import vehicledyn
 from vehicledyn.base.errors import InputError, StoppedError
-from vehicledyn.cli import analyses, exports, files, linear, paths
+from vehicledyn.cli import analyses, exports, files, linear, paths, sweep
 from vehicledyn.cli.options import (
     Backend,
     BackendChoice,
@@ -109,11 +109,11 @@ def run(
 @app.command()
 def validate(
     scenarios: Annotated[
-        list[Path], typer.Argument(metavar="FILE...", help="Scenario or system files.")
+        list[Path], typer.Argument(metavar="FILE...", help="Scenario, system or study files.")
     ],
     overrides: Overrides = None,
 ) -> None:
-    """Check scenario and system files completely, without running them."""
+    """Check scenario, system and study files completely, without running them."""
     wrong = 0
     for scenario in scenarios:
         try:
@@ -131,12 +131,14 @@ def schema(
     output: Annotated[Path | None, typer.Option("--output", "-o", help="File to write.")] = None,
     of: Annotated[FileKind, typer.Option("--of", help="Which files.")] = FileKind.SCENARIO,
 ) -> None:
-    """Write the JSON schema of scenario or system files, for editors."""
+    """Write the JSON schema of scenario, system or study files, for editors."""
     import vehicledyn.catalogue  # noqa: F401
     from vehicledyn.scenario import scenario_schema
+    from vehicledyn.studies import study_schema
     from vehicledyn.systems.schema import system_schema
 
-    text = to_json(system_schema() if of is FileKind.SYSTEM else scenario_schema())
+    makers = {FileKind.SYSTEM: system_schema, FileKind.STUDY: study_schema}
+    text = to_json(makers.get(of, scenario_schema)())
     if output is None:
         emit(text)
     else:
@@ -156,3 +158,4 @@ analyses.add_verbs(app)
 linear.add_verbs(app)
 exports.add_verbs(app)
 paths.add_verbs(app)
+sweep.add_verbs(app)

@@ -64,8 +64,8 @@ def open_result(path: str | Path) -> Result:
         If there is no such file, or it is not HDF5, damaged, of another or a newer format.
     """
     place = Path(path)
-    concurrent = _is_concurrent(place)
-    with _reading(place):
+    concurrent = is_concurrent(place)
+    with reading(place):
         file = h5py.File(place, "r", swmr=concurrent)
     try:
         return Result(place, file, closed=not concurrent)
@@ -96,7 +96,7 @@ class Result:
     def __init__(self, path: Path, file: h5py.File, *, closed: bool) -> None:
         self.path = path
         self._file = file
-        with _reading(path):
+        with reading(path):
             self._check_format()
             self.title = str(file.attrs["title"])
             self.model = str(file.attrs["model"])
@@ -142,7 +142,7 @@ class Result:
             If the file has no such channel; the nearest name is suggested.
         """
         self.require(name)
-        with _reading(self.path):
+        with reading(self.path):
             dataset = self._file[dataset_path(name)]
             return Series(
                 name=name,
@@ -160,7 +160,7 @@ class Result:
     @property
     def states(self) -> StateTable:
         """States and algebraic unknowns at the times of the samples, for a restart."""
-        with _reading(self.path):
+        with reading(self.path):
             group = self._file["states"]
             if "value" not in group:
                 return StateTable((), (), np.empty((len(self.time), 0)))
@@ -173,7 +173,7 @@ class Result:
     @property
     def events(self) -> tuple[EventRecord, ...]:
         """Events in the order in which they happened."""
-        with _reading(self.path):
+        with reading(self.path):
             group = self._file["events"]
             if "at" not in group:
                 return ()
@@ -186,7 +186,7 @@ class Result:
     @property
     def summary(self) -> dict[str, SummaryEntry]:
         """Entries of the summary by name; empty for a run that was killed."""
-        with _reading(self.path):
+        with reading(self.path):
             group = self._file["summary"]
             names = [str(name) for name in group.attrs.get("entries", ())]
             return {name: _entry(name, group[dataset_path(name)[1:]]) for name in names}
@@ -219,7 +219,7 @@ class Result:
     @property
     def scene(self) -> dict[str, SceneItem]:
         """Static data by name, such as the cones of a course."""
-        with _reading(self.path):
+        with reading(self.path):
             return {
                 name: _scene_item(item)
                 for name, item in self._file["scene"].items()
@@ -268,20 +268,20 @@ class Result:
                 )
 
     def _attributes(self, place: str) -> dict[str, Any]:
-        with _reading(self.path):
+        with reading(self.path):
             return {name: _plain(value) for name, value in self._file[place].attrs.items()}
 
     def _text(self, place: str) -> str:
-        with _reading(self.path):
+        with reading(self.path):
             return str(self._file[place].asstr()[()])
 
     def _json(self, place: str) -> Any:
         text = self._text(place)
-        with _reading(self.path):
+        with reading(self.path):
             return json.loads(text)
 
 
-def _is_concurrent(path: Path) -> bool:
+def is_concurrent(path: Path) -> bool:
     """Return whether the file was opened for writing with readers and never closed."""
     try:
         with path.open("rb") as file:
@@ -296,7 +296,7 @@ def _is_concurrent(path: Path) -> bool:
 
 
 @contextlib.contextmanager
-def _reading(path: Path) -> Iterator[None]:
+def reading(path: Path) -> Iterator[None]:
     """Turn what h5py raises on broken files into one clear message."""
     try:
         yield

@@ -18,6 +18,7 @@ SIZE = 48
 
 _VERSION_AT = 8
 _FLAGS_AT = 11
+_END_AT = 28
 _CHECKSUM_AT = 44
 _WRITING = 0x01
 _WITH_READERS = 0x04
@@ -39,6 +40,23 @@ def with_writing_flag(start: bytes) -> bytes:
     marked[_FLAGS_AT] |= _WRITING
     marked[_CHECKSUM_AT:] = struct.pack("<I", lookup3(bytes(marked[:_CHECKSUM_AT])))
     return bytes(marked)
+
+
+def as_closed(start: bytes, size: int) -> bytes:
+    """Return a superblock of 48 bytes as if the file had been closed, for one left by a kill.
+
+    What lies behind the end that the superblock knows is kept: ``size`` is that of the file.
+    """
+    marked = bytearray(start)
+    marked[_FLAGS_AT] &= ~(_WRITING | _WITH_READERS) & 0xFF
+    struct.pack_into("<Q", marked, _END_AT, max(end_of(start), size))
+    marked[_CHECKSUM_AT:] = struct.pack("<I", lookup3(bytes(marked[:_CHECKSUM_AT])))
+    return bytes(marked)
+
+
+def end_of(start: bytes) -> int:
+    """Return where a superblock says that its file ends [bytes]."""
+    return int(struct.unpack_from("<Q", start, _END_AT)[0])
 
 
 def lookup3(data: bytes) -> int:

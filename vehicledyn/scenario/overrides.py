@@ -46,6 +46,14 @@ def apply_override(
     Problem or None
         What is wrong with the override, if anything.
     """
+    change = read_override(override)
+    if isinstance(change, Problem):
+        return change
+    return apply_change(data, change, sources, groups)
+
+
+def read_override(override: str) -> Change | Problem:
+    """Return the change that ``key=value`` asks for, or what is wrong with it."""
     key, equals, text = override.partition("=")
     option = f"--set {key.strip()}"
     if not equals or not _place(key):
@@ -56,7 +64,7 @@ def apply_override(
         return Problem(option, None, "", f"'{text}' is not a YAML value; put a text in quotes")
     if document.problems:
         return Problem(option, None, "", document.problems[0].message)
-    return apply_change(data, Change(key, document.data, option), sources, groups)
+    return Change(key.strip(), document.data, option)
 
 
 def apply_change(

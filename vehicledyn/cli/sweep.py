@@ -1,0 +1,83 @@
+"""The verb on studies: sweep."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from vehicledyn.base.errors import InputError
+from vehicledyn.cli.options import Backend, BackendChoice, Json, Overrides, Quiet, Verbose
+from vehicledyn.cli.terminal import emit_report, listen, show_progress, tell
+
+if TYPE_CHECKING:
+    from vehicledyn.studies import LoadedStudy
+
+LANES = (1, 4, 8)
+
+
+def add_verbs(app: typer.Typer) -> None:
+    """Add the verb of this module to the command line."""
+    app.command()(sweep)
+
+
+def read_study(path: Path, overrides: list[str] | None) -> LoadedStudy:
+    """Return a study, read with all catalogues present."""
+    import vehicledyn.catalogue  # noqa: F401
+    from vehicledyn.studies import load_study
+
+    return load_study(path, overrides or ())
+
+
+def sweep(
+    study: Annotated[Path, typer.Argument(metavar="STUDY", help="Study file.")],
+    *,
+    output: Annotated[
+        Path | None,
+        typer.Option("--output", "-o", help="Result file; the study's name with .h5 if absent."),
+    ] = None,
+    overrides: Overrides = None,
+    workers: Annotated[
+        int | None, typer.Option(min=1, max=4096, help="Processes; one a core if absent.")
+    ] = None,
+    scheduler: Annotated[
+        str | None,
+        typer.Option(metavar="ADDRESS", help="Use the workers of the Dask scheduler there."),
+    ] = None,
+    lanes: Annotated[
+        int | None, typer.Option(help="Cases side by side in each process: 1, 4 or 8.")
+    ] = None,
+    resume: Annotated[
+        bool, typer.Option("--resume", help="Go on with a result file that exists.")
+    ] = False,
+    backend: BackendChoice = Backend.AUTO,
+    as_json: Json = False,
+    quiet: Quiet = False,
+    verbose: Verbose = False,
+) -> None:
+    """Run all cases of a study on every core or on a cluster; write one result file."""
+    if lanes is not None and lanes not in LANES:
+        raise InputError(f"--lanes {lanes}: choose 1, 4 or 8")
+    if scheduler is not None and workers is not None:
+        raise InputError("--scheduler has workers of its own; leave --workers out")
+    loaded = read_study(study, overrides)
+    from vehicledyn.studies.sweep import run_study
+
+    listen(quiet=quiet, verbose=verbose)
+    with show_progress(quiet=quiet, verbose=verbose) as progress:
+        outcome = run_study(
+            loaded,
+            output=output or Path(f"{study.stem}.h5"),
+            workers=workers,
+            scheduler=scheduler,
+            lanes=lanes,
+            resume=resume,
+            backend=backend.value,
+            progress=progress,
+        )
+    for message in () if quiet and outcome.exit_code == 0 else outcome.messages:
+        tell(message)
+    if as_json or not quiet:
+        emit_report(outcome, as_json=as_json)
+    raise typer.Exit(outcome.exit_code)

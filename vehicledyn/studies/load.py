@@ -1,0 +1,344 @@
+"""From a study file to cases that may run; every problem of the file is told at once."""
+
+from __future__ import annotations
+
+import copy
+import hashlib
+import json
+import math
+from array import array
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from pydantic import ValidationError
+
+from vehicledyn.base.errors import InputError
+from vehicledyn.base.problems import START, Place, Problem, dotted, refusal
+from vehicledyn.base.units import describe
+from vehicledyn.base.wording import UNKNOWN_KEY
+from vehicledyn.base.yaml import Document, read_yaml, remembered_files
+from vehicledyn.scenario.load import LoadedScenario, examine_scenario
+from vehicledyn.scenario.overrides import Change, apply_change, read_override
+from vehicledyn.scenario.sources import Sources
+from vehicledyn.studies.axes import Axis, Design
+from vehicledyn.studies.columns import Written, read_columns
+from vehicledyn.studies.sets import Grid, Study
+
+MOST_STRUCTURES = 64
+"""Combinations of choices; each needs equations of its own."""
+
+_SHARED = ("duration", "output", "title", "description", "kinematics", "motion", "model")
+
+
+@dataclass(frozen=True)
+class Recipe:
+    """How to make the scenario of any case, with no file at hand but those it carries."""
+
+    path: Path
+    changes: tuple[Change, ...]
+    axes: tuple[Axis, ...]
+    documents: dict[str, Document] = field(default_factory=dict)
+
+    def scenario(self, values: Sequence[float], name: str) -> LoadedScenario:
+        """Return the scenario of a case with these values, in the order of the axes.
+
+        Raises
+        ------
+        InputError
+            If there is something wrong with it; ``name`` stands before each problem.
+        """
+        found = [
+            Change(axis.key, axis.value(value), f"{name}: {axis.key}")
+            for axis, value in zip(self.axes, values, strict=True)
+        ]
+        loaded, problems = self.examine(found)
+        if loaded is None:
+            raise InputError("; ".join(map(str, problems)))
+        return loaded
+
+    def examine(
+        self, further: Sequence[Change] = ()
+    ) -> tuple[LoadedScenario | None, list[Problem]]:
+        """Return the scenario with further changes, or None, and all that is wrong with it."""
+        with remembered_files(self.documents):
+            document = read_yaml(self.path)
+            return examine_scenario(document, self.path, (), [*self.changes, *further])
+
+
+@dataclass(frozen=True)
+class LoadedStudy:
+    """A study that may run: its text, what varies, and the scenario that nothing varies of yet."""
+
+    path: Path
+    text: str
+    study: Study
+    recipe: Recipe
+    base: LoadedScenario
+    design: Design
+
+    @property
+    def digests(self) -> dict[str, str]:
+        """Fingerprints of what decides the results: the study and the scenario with its files."""
+        axes = [(a.key, a.unit, a.choices, a.low, a.high, a.is_log) for a in self.design.axes]
+        values = hashlib.sha256(b"".join(a.values.tobytes() for a in self.design.axes)).hexdigest()
+        kept = self.study.output.model_dump()
+        facts = (self.design.kind, self.design.count, self.design.seed, axes, values, kept)
+        return {"study": _digest(facts), "scenario": _digest(self.base.resolved)}
+
+
+def is_study(data: Any) -> bool:
+    """Return whether a file's data is a study."""
+    return isinstance(data, dict) and "scenario" in data and "model" not in data
+
+
+def load_study(path: Path, overrides: Sequence[str] = ()) -> LoadedStudy:
+    """Read and validate a study file with its scenario.
+
+    Parameters
+    ----------
+    path
+        YAML file.
+    overrides
+        Changes ``key=value``: of the study where the key begins with one of its own, such as
+        ``cases.number=100``, else of the scenario.
+
+    Raises
+    ------
+    InputError
+        If anything is wrong; one line for each problem, those of the scenario included.
+    """
+    document = read_yaml(path)
+    if not isinstance(document.data, dict):
+        words = f"the file holds {describe(document.data)}; a study is a mapping"
+        problem = Problem(document.name, START, "file", f"{words} with title, scenario and cases")
+        raise refusal([*document.problems, problem], document.name)
+    return _Reading(document, path, overrides).load()
+
+
+class _Reading:
+    """The steps of reading one study, and the problems they find."""
+
+    def __init__(self, document: Document, path: Path, overrides: Sequence[str]) -> None:
+        self.document, self.path = document, path
+        self.data, self.sources = copy.deepcopy(document.data), Sources(document)
+        self.problems = list(document.problems)
+        self.outside: list[Change] = []
+        for override in overrides:
+            change = read_override(override)
+            if isinstance(change, Problem):
+                self.problems.append(change)
+            elif change.key.partition(".")[0] in Study.model_fields:
+                found = apply_change(self.data, change, self.sources)
+                self.problems += [found] if found is not None else []
+            else:
+                self.outside.append(change)
+
+    def load(self) -> LoadedStudy:
+        study = self._study()
+        columns, problems = read_columns(study, self.path, self.sources)
+        self.problems += problems
+        recipe = Recipe(self.path.parent / study.scenario, self._changes(study), ())
+        base = self._base(recipe)
+        self._check_keys(columns)
+        self._refuse()
+        axes = [self._axis(column, recipe, base) for column in columns]
+        self._refuse()
+        design = self._design(study, [axis for axis in axes if axis is not None])
+        self._refuse()
+        whole = Recipe(recipe.path, recipe.changes, design.axes, recipe.documents)
+        return LoadedStudy(self.path, self.document.text, study, whole, base, design)
+
+    def _study(self) -> Study:
+        try:
+            return Study.model_validate(self.data)
+        except ValidationError as error:
+            told = {(p.mark, p.field) for p in self.problems if p.mark is not None}
+            for line in error.errors():
+                at_key = line["type"] == UNKNOWN_KEY
+                found = self.sources.problem(line["loc"], line["msg"], at_key=at_key)
+                self.problems += [found] if (found.mark, found.field) not in told else []
+            raise refusal(self.problems, self.document.name) from None
+
+    def _changes(self, study: Study) -> tuple[Change, ...]:
+        changes = [Change(k, v, self._at(("set", k))) for k, v in study.set.items()]
+        if study.output.interval is not None:
+            place = ("output", "interval")
+            changes.append(Change("output.interval", study.output.interval, self._at(place)))
+        return (*changes, *self.outside)
+
+    def _base(self, recipe: Recipe) -> LoadedScenario:
+        try:
+            loaded, problems = recipe.examine()
+        except InputError as error:
+            problem = self.sources.problem(("scenario",), str(error).splitlines()[0])
+            raise refusal([*self.problems, problem], self.document.name) from None
+        if loaded is None:
+            raise refusal([*self.problems, *problems], self.document.name)
+        return loaded
+
+    def _check_keys(self, columns: Sequence[Written]) -> None:
+        for column in columns:
+            first = column.key.partition(".")[0]
+            if first in _SHARED:
+                words = f"'{first}' is the same for all cases; change it under 'set'"
+                self.problems.append(column.problem(self.sources, None, words))
+
+    def _axis(self, column: Written, recipe: Recipe, base: LoadedScenario) -> Axis | None:
+        """Return what a key means; a quantity is one that changes nothing but quantities."""
+        unit = self._unit(column, recipe, base)
+        if unit is None:
+            return None
+        if not unit:
+            return self._choice(column, recipe)
+        try:
+            values = array("d", (column.in_si(k, unit) for k in range(len(column.values))))
+        except InputError:
+            self.problems += self._wrong_values(column, unit)
+            return None
+        for number in {_lowest(values), _highest(values)}:
+            self._try(column, number, values[number], recipe)
+        if not column.is_range:
+            return Axis(column.key, unit, values)
+        low, high = values
+        if column.is_log and not (low > 0.0 and high > 0.0):
+            words = "a logarithmic scale needs values above zero"
+            self.problems.append(column.problem(self.sources, None, words))
+            return None
+        axis = Axis(column.key, unit, low=low, high=high, is_log=column.is_log)
+        return Axis(column.key, unit, _spaced(axis, column.count)) if column.count else axis
+
+    def _unit(self, column: Written, recipe: Recipe, base: LoadedScenario) -> str | None:
+        """Return the unit of a key, "" where it is a choice, None where its values are wrong."""
+        known = dict(_leaves(base.resolved))
+        for number in dict.fromkeys((*range(min(4, len(column.values))), len(column.values) - 1)):
+            value = column.values[number]
+            if column.unit and not isinstance(value, str):
+                value = f"{value!r} {column.unit}"
+            loaded = self._try(column, number, value, recipe)
+            if loaded is None:
+                return None
+            found = dict(_leaves(loaded.resolved))
+            changed = [k for k in {*known, *found} if known.get(k, _NONE) != found.get(k, _NONE)]
+            units = {loaded.units.get(k) or loaded.units.get(_whole(k)) for k in changed}
+            if changed:
+                return _only_unit(units, changed, found)
+        name = column.key
+        unit = base.units.get(name) or base.units.get(_whole(name))
+        return unit or base.units.get(f"parameters.{name}") or ""
+
+    def _choice(self, column: Written, recipe: Recipe) -> Axis | None:
+        if column.is_range:
+            words = "is no quantity that can have values between others; give a list"
+            self.problems.append(column.problem(self.sources, None, words))
+            return None
+        texts = [json.dumps(value, sort_keys=True) for value in column.values]
+        distinct = {text: number for number, text in reversed(list(enumerate(texts)))}
+        numbers = sorted(distinct.values())
+        if len(numbers) > MOST_STRUCTURES:
+            words = (
+                f"{len(numbers)} different values that are no quantities, each with equations of "
+                f"its own; {MOST_STRUCTURES} at most"
+            )
+            self.problems.append(column.problem(self.sources, None, words))
+            return None
+        for number in numbers:
+            self._try(column, number, column.values[number], recipe)
+        places = {texts[number]: float(k) for k, number in enumerate(numbers)}
+        choices = tuple(column.values[number] for number in numbers)
+        return Axis(column.key, "", array("d", (places[t] for t in texts)), choices)
+
+    def _try(
+        self, column: Written, number: int, value: Any, recipe: Recipe
+    ) -> LoadedScenario | None:
+        """Return the scenario with one value of a key, None and a problem if it is refused."""
+        change = Change(column.key, value, str(column.problem(self.sources, number, "")))
+        loaded, problems = recipe.examine([change])
+        self.problems += [p for p in problems if p not in self.problems]
+        return loaded
+
+    def _wrong_values(self, column: Written, unit: str) -> Iterator[Problem]:
+        for number in range(len(column.values)):
+            try:
+                column.in_si(number, unit)
+            except InputError as error:
+                yield column.problem(self.sources, number, str(error))
+
+    def _design(self, study: Study, axes: list[Axis]) -> Design:
+        cases, keys = study.cases, [axis.key for axis in axes]
+        structures = math.prod(len(a.choices) for a in axes if a.is_choice)
+        if isinstance(cases, Grid):
+            count = math.prod(len(axis.values) for axis in axes)
+        else:
+            count = getattr(cases, "number", 0) or len(axes[0].values)
+            combinations = zip(*(a.values for a in axes if a.is_choice), strict=True)
+            structures = len(set(combinations)) if cases.kind == "list" else 1
+        if structures > MOST_STRUCTURES:
+            words = (
+                f"{structures} combinations of values that are no quantities, each with "
+                f"equations of its own; {MOST_STRUCTURES} at most"
+            )
+            self.problems.append(self.sources.problem(("cases",), words, at_key=True))
+        if len(set(keys)) < len(keys):
+            self.problems.append(self.sources.problem(("cases",), "a key varies twice"))
+        return Design(cases.kind, tuple(axes), count, getattr(cases, "seed", 0))  # type: ignore[arg-type]
+
+    def _at(self, place: Place) -> str:
+        problem = self.sources.problem(place, "")
+        return str(problem._replace(field=dotted(place) if problem.mark else problem.field))
+
+    def _refuse(self) -> None:
+        if self.problems:
+            raise refusal(self.problems, self.document.name)
+
+
+_NONE = object()
+
+
+def _leaves(value: Any, name: str = "") -> Iterator[tuple[str, Any]]:
+    """Yield dotted names and values of plain data."""
+    if isinstance(value, dict):
+        items = [(str(key), item) for key, item in value.items()]
+    elif isinstance(value, list):
+        items = [(str(number), item) for number, item in enumerate(value)]
+    else:
+        yield name, value
+        return
+    for key, item in items:
+        yield from _leaves(item, f"{name}.{key}" if name else key)
+
+
+def _whole(name: str) -> str:
+    """Return the name of the vector that a component belongs to."""
+    return name.rpartition(".")[0]
+
+
+def _only_unit(units: set[str | None], changed: list[str], found: dict[str, Any]) -> str:
+    """Return the unit that all changed values share if they are numbers with units, else ""."""
+    numbers = all(isinstance(found.get(name), float) for name in changed)
+    shared = next(iter(units)) if len(units) == 1 else None
+    return shared if numbers and shared else ""
+
+
+def _spaced(axis: Axis, count: int) -> array[float]:
+    low, high, steps = axis.low, axis.high, max(1, count - 1)
+    if axis.is_log:
+        inner = [low * (high / low) ** (k / steps) for k in range(count)]
+    else:
+        inner = [low + (high - low) * k / steps for k in range(count)]
+    if count > 1:
+        inner[-1] = high
+    return array("d", inner)
+
+
+def _lowest(values: array[float]) -> int:
+    return min(range(len(values)), key=values.__getitem__)
+
+
+def _highest(values: array[float]) -> int:
+    return max(range(len(values)), key=values.__getitem__)
+
+
+def _digest(facts: Any) -> str:
+    return hashlib.sha256(json.dumps(facts, sort_keys=True, default=str).encode()).hexdigest()

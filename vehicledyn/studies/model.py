@@ -1,0 +1,263 @@
+"""The equations of a study, compiled once, and the parameters and start of each of its cases."""
+
+from __future__ import annotations
+
+import fnmatch
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+import numpy as np
+
+from vehicledyn.base.errors import InputError, VehicledynError, nearest_name
+from vehicledyn.manoeuvres.recording import Recording
+from vehicledyn.run.prepare import Point, Prepared, Progress, Vector, prepare
+from vehicledyn.run.road_subject import RoadSubject
+from vehicledyn.run.subject import Subject
+from vehicledyn.run.vehicle import build_subject, manoeuvre_of
+from vehicledyn.scenario.load import LoadedScenario
+from vehicledyn.solve.batch import Batch, make_batch
+from vehicledyn.solve.kernel import Backend
+from vehicledyn.studies import scatter
+from vehicledyn.studies.axes import Axis
+from vehicledyn.studies.load import Recipe
+from vehicledyn.studies.starts import Reference, find_reference, start_of, starting_at
+from vehicledyn.symbolic.equations import Channel
+
+_PROBES = (101, 102)
+
+
+@dataclass(frozen=True)
+class Case:
+    """A case ready to run: parameters in SI in the order of the equations, start and subject."""
+
+    parameters: Vector
+    start: Point
+    subject: Subject
+
+
+@dataclass(frozen=True)
+class Shortcut:
+    """Which parameters of the equations each axis sets, where it sets nothing else.
+
+    ``base`` are all parameters (n_parameters,), and ``places`` the indices that take the value
+    of each axis; a choice sets none.
+    """
+
+    base: Vector
+    places: tuple[tuple[int, ...], ...]
+
+    def parameters(self, values: Sequence[float]) -> Vector:
+        """Return the parameters of a case."""
+        found = self.base.copy()
+        for value, places in zip(values, self.places, strict=True):
+            found[list(places)] = value
+        return found
+
+
+@dataclass
+class Model:
+    """What all cases of one structure share."""
+
+    recipe: Recipe
+    loaded: LoadedScenario
+    prepared: Prepared
+    batch: Batch
+    kept: list[int]
+    needed: list[int]
+    reference: Reference | None
+    shortcut: Shortcut | None = None
+    columns: list[int] = field(init=False)
+
+    def __post_init__(self) -> None:
+        """List the channels to compute: those to keep first, then the others needed."""
+        self.columns = [*self.kept, *(k for k in self.needed if k not in self.kept)]
+
+    @property
+    def channels(self) -> list[Channel]:
+        """The channels to keep."""
+        return [self.prepared.equations.channels[k] for k in self.kept]
+
+    def case(self, values: Sequence[float], name: str) -> Case:
+        """Return a case with these values of the axes.
+
+        Raises
+        ------
+        VehicledynError
+            If the values do not go together or there is no point to start from.
+        """
+        loaded = self.recipe.scenario(values, name)
+        if self.shortcut is None:
+            subject = build_subject(loaded)
+            parameters = _parameters_of(subject, self.prepared)
+            equations = starting_at(self.prepared.equations, self.prepared.subject, subject)
+        else:
+            subject = _in_manoeuvre(self.prepared.subject, loaded)
+            parameters, equations = self.shortcut.parameters(values), self.prepared.equations
+        kernel = replace(self.prepared.kernel, equations=equations).with_parameters(parameters)
+        own = replace(self.prepared, subject=subject, equations=equations, kernel=kernel)
+        scenario = loaded.scenario
+        start = start_of(own, scenario.speed or 0.0, scenario.start, self.reference)
+        return Case(own.kernel.parameters, start, subject)
+
+    def figures(self, case: Case, times: Vector, samples: Vector) -> list[Any]:
+        """Return the key figures of a case from its samples (n_times, n_columns)."""
+        names = [self.prepared.equations.channels[k].name for k in self.needed]
+        columns = {
+            n: samples[:, self.columns.index(k)] for n, k in zip(names, self.needed, strict=True)
+        }
+        return list(case.subject.summarise(Recording(times, columns)))
+
+
+def make_model(
+    recipe: Recipe,
+    values: Sequence[float],
+    *,
+    patterns: Sequence[str] | None,
+    figures: bool,
+    lanes: int | None,
+    backend: Backend,
+    progress: Progress,
+) -> Model:
+    """Return the model of all cases whose choices are those of a case with these values.
+
+    It is made from the scenario with these choices alone, or from the case itself where they
+    need others of its values.
+
+    Raises
+    ------
+    VehicledynError
+        If no such scenario can be brought to run.
+    """
+    loaded = _template(recipe, values)
+    prepared = prepare(loaded, backend=backend, progress=progress)
+    solver: Any = loaded.scenario.solver
+    check = getattr(solver, "check", None)
+    if check is not None:
+        check(prepared.equations)
+    speed, kind = loaded.scenario.speed or 0.0, loaded.scenario.start
+    progress("finding the point to start from", None)
+    reference = find_reference(prepared, speed, kind)
+    names = [c.name for c in prepared.equations.channels]
+    needed = prepared.subject.channels(prepared.equations) if figures else []
+    return Model(
+        recipe,
+        loaded,
+        prepared,
+        make_batch(prepared.kernel, lanes=lanes, progress=progress),
+        chosen_channels(names, patterns),
+        [names.index(name) for name in needed],
+        reference,
+        _find_shortcut(recipe, values, prepared, reference),
+    )
+
+
+def chosen_channels(names: Sequence[str], patterns: Sequence[str] | None) -> list[int]:
+    """Return the indices of the channels that match some patterns; all for None.
+
+    Raises
+    ------
+    InputError
+        If a pattern matches nothing.
+    """
+    if patterns is None:
+        return list(range(len(names)))
+    wrong = []
+    for pattern in patterns:
+        if not any(fnmatch.fnmatchcase(name, pattern) for name in names):
+            guess = nearest_name(pattern, names)
+            hint = f"; did you mean '{guess}'?" if guess else ""
+            wrong.append(f"output.channels: '{pattern}' matches no channel{hint}")
+    if wrong:
+        raise InputError("\n".join(wrong))
+    return [k for k, n in enumerate(names) if any(fnmatch.fnmatchcase(n, p) for p in patterns)]
+
+
+def _template(recipe: Recipe, values: Sequence[float]) -> LoadedScenario:
+    pairs = [(a, v) for a, v in zip(recipe.axes, values, strict=True) if a.is_choice]
+    only = replace(recipe, axes=tuple(axis for axis, _ in pairs))
+    try:
+        return only.scenario([value for _, value in pairs], "the cases' scenario")
+    except InputError:
+        return recipe.scenario(values, "the first case")
+
+
+def _parameters_of(subject: Subject, prepared: Prepared) -> Vector:
+    known = {entry.name: entry.value for entry in subject.system.table.entries}
+    names = [parameter.name for parameter in prepared.equations.parameters]
+    try:
+        return np.array([known[name] for name in names])
+    except KeyError as error:
+        raise InputError(f"this case has no parameter {error}; its equations are others") from None
+
+
+def _in_manoeuvre(subject: Subject, loaded: LoadedScenario) -> Subject:
+    if not isinstance(subject, RoadSubject):
+        return subject
+    return replace(subject, manoeuvre=manoeuvre_of(loaded))
+
+
+def _find_shortcut(
+    recipe: Recipe, values: Sequence[float], prepared: Prepared, reference: Reference | None
+) -> Shortcut | None:
+    """Return which parameters the axes set, None if they set more than that.
+
+    Found by building the scenario at two places, and tested at a third, the case itself.
+    """
+    try:
+        first, second = (_probe(recipe.axes, values, number) for number in _PROBES)
+        subjects = [build_subject(recipe.scenario(v, "probe")) for v in (first, second, values)]
+        tables = [_parameters_of(subject, prepared) for subject in subjects]
+    except VehicledynError:
+        return None
+    moved = [a for a in range(len(first)) if first[a] != second[a]]
+    places: list[tuple[int, ...]] = [()] * len(first)
+    for axis in moved:
+        both = (tables[0] == first[axis]) & (tables[1] == second[axis])
+        places[axis] = tuple(np.flatnonzero(both).tolist())
+    shortcut = Shortcut(tables[2], tuple(places))
+    same_start = [_held(subject, prepared, reference) for subject in subjects]
+    exact = (
+        np.array_equal(shortcut.parameters(first), tables[0])
+        and np.array_equal(shortcut.parameters(second), tables[1])
+        and np.array_equal(shortcut.parameters(values), tables[2])
+        and all(np.array_equal(start, same_start[0]) for start in same_start)
+        and len({_shape(subject) for subject in [*subjects, prepared.subject]}) == 1
+    )
+    return shortcut if exact else None
+
+
+def _probe(axes: Sequence[Axis], values: Sequence[float], number: int) -> list[float]:
+    """Return a place inside the ranges of the axes, no two of which have the same value."""
+    index, found = np.array([number]), []
+    for column, (axis, value) in enumerate(zip(axes, values, strict=True)):
+        if axis.is_choice:
+            found.append(float(value))
+            continue
+        low, high = (min(axis.values), max(axis.values)) if axis.values else (axis.low, axis.high)
+        found.append(low + (high - low) * float(scatter.uniform(0, column, index)[0]))
+    return found
+
+
+def _held(subject: Subject, prepared: Prepared, reference: Reference | None) -> Vector:
+    """Return the part of a start that does not follow from the balance, at one speed."""
+    equations = starting_at(prepared.equations, prepared.subject, subject)
+    rates = [subject.given_rates.get(joint.name, 0.0) for joint in subject.system.joints()]
+    starts = [subject.start_state(equations, speed) for speed in (0.0, 1.0)]
+    kept = np.ones(len(equations.states), dtype=bool)
+    if reference is not None:
+        kept[reference.free] = False
+        kept[list(equations.velocities)] = True
+        spun = [k for k in reference.free if k in equations.velocities]
+        kept[spun] = False
+    guesses = [u.start for u in equations.unknowns]
+    return np.concatenate([*(start[kept] for start in starts), rates, guesses])
+
+
+def _shape(subject: Subject) -> tuple[Any, ...]:
+    """Return what key figures read of a vehicle besides its manoeuvre."""
+    if not isinstance(subject, RoadSubject):
+        return ()
+    vehicle = subject.vehicle
+    wheels = tuple((corner.name, corner.spin) for corner in vehicle.corners)
+    return (tuple(map(tuple, vehicle.outline)), vehicle.chassis, str(vehicle.rack), wheels)

@@ -1,0 +1,88 @@
+"""Random numbers and permutations that any part of a study finds without the parts before it.
+
+Each number is a hash of seed, stream and index, so that a study of any size is made in pieces,
+in any order, by any number of processes, and is always the same.
+
+References
+----------
+Steele, Lea, Flood (2014), Fast splittable pseudorandom number generators, OOPSLA: the mixing.
+Black, Rogaway (2002), Ciphers with arbitrary finite domains, CT-RSA: permutations of any number
+of things by walking along the cycles of a Feistel network on a larger one.
+"""
+
+from __future__ import annotations
+
+from typing import TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+Whole: TypeAlias = NDArray[np.int64]
+Word: TypeAlias = NDArray[np.uint64]
+Floats: TypeAlias = NDArray[np.float64]
+
+_STEP = np.uint64(0x9E3779B97F4A7C15)
+_FIRST, _SECOND = np.uint64(0xBF58476D1CE4E5B9), np.uint64(0x94D049BB133111EB)
+_ROUNDS = 8
+_JITTER, _ORDER = 1, 2
+
+
+def uniform(seed: int, stream: int, index: Whole) -> Floats:
+    """Return numbers from 0 up to but without 1, shape of ``index``.
+
+    Parameters
+    ----------
+    seed
+        Chooses the sequence.
+    stream
+        Number of the axis; different ones are independent.
+    index
+        Number of each case, from 0.
+    """
+    words = _mix(_key(seed, stream, _JITTER) ^ _mix(index.astype(np.uint64)))
+    return (words >> np.uint64(11)).astype(float) * 2.0**-53
+
+
+def permutation(seed: int, stream: int, index: Whole, count: int) -> Whole:
+    """Return where a random permutation of ``0 ... count - 1`` takes some of these numbers."""
+    half = np.uint64(max(1, (count - 1).bit_length() + 1 >> 1))
+    mask, key = (np.uint64(1) << half) - np.uint64(1), _key(seed, stream, _ORDER)
+    found = index.astype(np.uint64)
+    waiting = np.ones(found.shape, dtype=bool)
+    while waiting.any():
+        found[waiting] = _feistel(found[waiting], half, mask, key)
+        waiting = found >= np.uint64(count)
+    return found.astype(np.int64)
+
+
+def latin_hypercube(seed: int, stream: int, index: Whole, count: int) -> Floats:
+    """Return one number in each of ``count`` equal parts of 0 to 1, in random order.
+
+    References
+    ----------
+    McKay, Beckman, Conover (1979), Technometrics 21(2), 239-245.
+    """
+    place = permutation(seed, stream, index, count).astype(float)
+    return np.asarray((place + uniform(seed, stream, index)) / count)
+
+
+def _feistel(words: Word, half: np.uint64, mask: np.uint64, key: Word) -> Word:
+    left, right = words >> half, words & mask
+    for number in range(_ROUNDS):
+        turned = _mix(right ^ _mix(key + np.uint64(number))) & mask
+        left, right = right, left ^ turned
+    return (left << half) | right
+
+
+def _key(seed: int, stream: int, purpose: int) -> Word:
+    key = np.array([seed], dtype=np.uint64)
+    for part in (stream, purpose):
+        key = _mix(_mix(key) ^ np.uint64(part))
+    return key
+
+
+def _mix(words: Word) -> Word:
+    mixed = words + _STEP
+    mixed = (mixed ^ (mixed >> np.uint64(30))) * _FIRST
+    mixed = (mixed ^ (mixed >> np.uint64(27))) * _SECOND
+    return mixed ^ (mixed >> np.uint64(31))

@@ -1,0 +1,290 @@
+"""The verb "sweep": compute all cases of a study, keep them in one file, go on where it stopped."""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import shutil
+import time
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from vehicledyn.base.errors import InputError, NumericalError
+from vehicledyn.results.output import check_output
+from vehicledyn.results.study_layout import (
+    FAILED,
+    INTERRUPTED,
+    OK,
+    PENDING,
+    STOPPED,
+    StudyAxis,
+    StudyBlock,
+    StudyChannel,
+    StudyHeader,
+)
+from vehicledyn.results.study_reader import open_study
+from vehicledyn.results.study_writer import StudyWriter, pending
+from vehicledyn.run.prepare import Progress
+from vehicledyn.solve.kernel import Backend
+from vehicledyn.studies import pool
+from vehicledyn.studies.block import Work, facts_of, work_of
+from vehicledyn.studies.load import LoadedStudy
+from vehicledyn.studies.model import Model
+
+EXIT_OK, EXIT_STOPPED, EXIT_FAILURES, EXIT_INTERRUPTED = 0, 3, 5, 130
+MOST_SHOWN = 20
+"""Failed cases that are told to a person."""
+
+_CHUNK_BYTES = 1_000_000
+_BLOCK_BYTES = 48_000_000
+_LARGEST_CHUNK, _LARGEST_BLOCK, _GROUP = 512, 2048, 8
+_SHARE = 8
+"""Blocks that a worker gets at least, so that none waits long for the last."""
+
+
+@dataclass(frozen=True)
+class SweepOutcome:
+    """What came of a sweep: the file, how many cases ended how, the first failures."""
+
+    path: Path
+    status: str
+    exit_code: int
+    counts: dict[str, int]
+    failures: list[tuple[int, float, str]]
+    seconds: float
+    messages: list[str] = field(default_factory=list)
+
+    def as_dict(self) -> dict[str, Any]:
+        """Return plain data."""
+        return {
+            "result": self.path,
+            "status": self.status,
+            "cases": self.counts,
+            "failures": [
+                {"case": case, "time": time, "reason": reason}
+                for case, time, reason in self.failures
+            ],
+            "seconds": self.seconds,
+            "messages": self.messages,
+        }
+
+    def as_text(self) -> str:
+        """Return lines for a person."""
+        told = [f"{number} {name}" for name, number in self.counts.items() if number]
+        lines = [f"{self.path}: {self.status}", f"  cases  {', '.join(told)}"]
+        for case, _, reason in self.failures:
+            lines.append(f"  case {case}: {reason}")
+        hidden = self.counts["failed"] - len(self.failures)
+        return "\n".join([*lines, *([f"  and {hidden} more failed"] if hidden > 0 else [])])
+
+
+def run_study(
+    study: LoadedStudy,
+    *,
+    output: Path,
+    workers: int | None,
+    scheduler: str | None,
+    lanes: int | None,
+    resume: bool,
+    backend: Backend,
+    progress: Progress,
+) -> SweepOutcome:
+    """Compute the cases of a study that are not in its file yet.
+
+    Parameters
+    ----------
+    study
+        The validated study.
+    output
+        Result file.
+    workers
+        Processes; None for what the study says, else one a core.
+    scheduler
+        Address of a Dask scheduler whose workers compute instead.
+    lanes
+        Cases side by side in each process; None for what the study says or the processor can.
+    resume
+        Go on with the file if it exists.
+    backend
+        "auto", "compiled" or "interpreted".
+    progress
+        Told what is going on and the part done.
+
+    Returns
+    -------
+    SweepOutcome
+        A stopped or interrupted study keeps what it computed and says so.
+
+    Raises
+    ------
+    InputError
+        If the output cannot be used or no case could run.
+    NumericalError
+        If the equations cannot be set up.
+    MissingPartError
+        If several processes are asked for and Dask is not installed.
+    """
+    started = time.monotonic()
+    _refuse_output(output, resume=resume)
+    work = work_of(study, lanes=lanes or study.study.lanes, backend=backend)
+    count, messages = _processes(workers or study.study.workers, scheduler)
+    with contextlib.ExitStack() as stack:
+        cluster = None
+        if count > 1 or scheduler is not None:
+            progress("starting the processes", None)
+            opened = pool.open_cluster(work, workers=count, scheduler=scheduler)
+            cluster = stack.enter_context(opened)
+            cluster.warm_up()
+        worker, model = facts_of(work, progress)
+        messages += [model.batch.remark] if model.batch.remark else []
+        header = _header(study, work, model)
+        _refuse_size(output, header)
+        writer = stack.enter_context(StudyWriter(output, header, resume=resume))
+        run = _Run(work, header, writer, progress, max(1, cluster.workers()) if cluster else 1)
+        run.compute(cluster or pool.Alone(worker))
+    with open_study(output) as file:
+        counts, failures = file.counts(), list(file.reasons(MOST_SHOWN))
+    code = run.exit_code or (EXIT_FAILURES if counts["failed"] else EXIT_OK)
+    messages += [*run.messages, _told(run, count, cluster, time.monotonic() - started)]
+    seconds = time.monotonic() - started
+    return SweepOutcome(output, run.status, code, counts, failures, seconds, messages)
+
+
+@dataclass
+class _Run:
+    """The work on one file while it lasts."""
+
+    work: Work
+    header: StudyHeader
+    writer: StudyWriter
+    progress: Progress
+    workers: int
+    status: str = OK
+    exit_code: int = EXIT_OK
+    messages: list[str] = field(default_factory=list)
+    computed: int = 0
+    _done: int = 0
+    _failed: int = 0
+    _started: float = field(default_factory=time.monotonic)
+
+    def compute(self, workers: pool.Pool) -> None:
+        """Compute what is pending; close the file whatever happens."""
+        status = self.writer.status
+        total = len(status)
+        self._done = total - int((status == PENDING).sum())
+        self._failed = int((status == FAILED).sum())
+        message = ""
+        try:
+            self._show()
+            workers.compute(pending(status, self.header.chunk, self._span()), self._take)
+        except KeyboardInterrupt:
+            self.status, self.exit_code = INTERRUPTED, EXIT_INTERRUPTED
+            message = "stopped by the user"
+        except NumericalError as error:
+            self.status, self.exit_code, message = STOPPED, EXIT_STOPPED, str(error)
+        except InputError as error:
+            self.writer.close(STOPPED, str(error))
+            raise
+        self.writer.close(self.status, message)
+        if message:
+            self.messages.append(
+                f"{message}; {self._done} of {total} cases are kept in {self.writer.path.name}, "
+                "go on with --resume"
+            )
+
+    def _take(self, block: StudyBlock) -> None:
+        self.writer.write(block)
+        self.computed += len(block)
+        self._done += len(block)
+        self._failed += int((block.status == FAILED).sum())
+        self._show()
+
+    def _span(self) -> int:
+        """Return the most cases of a block: enough for lanes, few enough for memory and sharing."""
+        numbers = self.work.n_samples * max(1, len(self.header.channels) + 20)
+        by_memory = _BLOCK_BYTES // (8 * numbers)
+        by_share = self.header.n_cases // (_SHARE * max(1, self.workers))
+        size = min(by_memory, by_share, _LARGEST_BLOCK)
+        return max(_GROUP, size // _GROUP * _GROUP)
+
+    def _show(self) -> None:
+        total, left = self.header.n_cases, ""
+        if self.computed:
+            seconds = (time.monotonic() - self._started) / self.computed * (total - self._done)
+            left = f", {_clock(seconds)} left"
+        failed = f", {self._failed} failed" if self._failed else ""
+        self.progress(f"computing: {self._done} of {total} cases{failed}{left}", self._done / total)
+
+
+def _processes(workers: int | None, scheduler: str | None) -> tuple[int, list[str]]:
+    """Return how many processes compute, and what to say about it."""
+    wanted = workers or pool.cores()
+    if wanted > 1 and workers is None and scheduler is None and not pool.dask_is_there():
+        return 1, ["one process computes; for all cores: pip install 'vehicledyn[sweep]'"]
+    return wanted, []
+
+
+def _refuse_output(output: Path, *, resume: bool) -> None:
+    check_output(output)
+    if output.exists() and not resume:
+        raise InputError(
+            f"{output}: exists; go on with it by --resume, or choose another output with -o"
+        )
+
+
+def _header(study: LoadedStudy, work: Work, model: Model) -> StudyHeader:
+    axes = [
+        StudyAxis(a.key, a.unit, tuple(json.dumps(choice) for choice in a.choices))
+        for a in work.design.axes
+    ]
+    channels = [StudyChannel(c.name, c.unit, c.description) for c in model.channels]
+    interval, n_samples = work.interval, work.n_samples
+    case_bytes = n_samples * max(1, len(channels)) * (4 if work.single else 8)
+    chunk = min(work.design.count, _LARGEST_CHUNK, max(1, _CHUNK_BYTES // case_bytes))
+    return StudyHeader(
+        title=study.study.title,
+        n_cases=work.design.count,
+        times=np.array([interval * k for k in range(n_samples)]),
+        channels=channels,
+        axes=axes,
+        chunk=chunk if chunk < _GROUP else chunk // _GROUP * _GROUP,
+        single=work.single,
+        study_text=study.text,
+        scenario_text=study.base.text,
+        digests={**study.digests, "program": work.program},
+        configuration=study.base.resolved,
+    )
+
+
+def _refuse_size(output: Path, header: StudyHeader) -> None:
+    """Raise InputError if the disk cannot hold the whole file."""
+    folder = output.resolve().parent
+    free = shutil.disk_usage(folder).free
+    held = output.stat().st_size if output.exists() else 0
+    if header.total_bytes > free + held:
+        raise InputError(
+            f"{output}: {header.n_cases} cases need about {_size(header.total_bytes)}, {folder} "
+            f"has {_size(free)} free; keep fewer channels, a longer interval or 'precision: single'"
+        )
+
+
+def _told(run: _Run, count: int, cluster: pool.Cluster | None, seconds: float) -> str:
+    who = cluster.description if cluster else "one process"
+    return f"{run.computed} cases computed by {who} in {seconds:.1f} s"
+
+
+def _size(size: float) -> str:
+    for unit in ("B", "kB", "MB", "GB"):
+        if size < 1000.0:
+            return f"{size:.3g} {unit}"
+        size /= 1000.0
+    return f"{size:.4g} TB"
+
+
+def _clock(seconds: float) -> str:
+    minutes, rest = divmod(round(seconds), 60)
+    hours, minutes = divmod(minutes, 60)
+    return f"{hours}:{minutes:02}:{rest:02}" if hours else f"{minutes}:{rest:02}"
