@@ -94,17 +94,30 @@ def compare(
 ) -> None:
     """Compare a result file with a reference; exit code 0 if equal within tolerance, else 1."""
     from vehicledyn.results.compare import compare_files
+    from vehicledyn.results.study_compare import compare_studies
+    from vehicledyn.results.study_reader import is_study_file
+    from vehicledyn.results.tolerances import Tolerances
 
-    comparison = compare_files(
-        result,
-        reference,
-        relative=relative,
-        absolute=absolute,
-        channel_tolerances=tolerance_of_channels(tolerances or []),
-        channels=channels or None,
-        allow_missing=allow_missing,
-        interpolate=interpolate,
-    )
+    by_channel = tolerance_of_channels(tolerances or [])
+    if is_study_file(result) and is_study_file(reference):
+        comparison = compare_studies(
+            result,
+            reference,
+            tolerances=Tolerances(relative, absolute, by_channel),
+            channels=channels or None,
+            allow_missing=allow_missing,
+        )
+    else:
+        comparison = compare_files(
+            result,
+            reference,
+            relative=relative,
+            absolute=absolute,
+            channel_tolerances=by_channel,
+            channels=channels or None,
+            allow_missing=allow_missing,
+            interpolate=interpolate,
+        )
     if junit is not None:
         write_text(junit, comparison.as_junit())
     emit_report(comparison, as_json=as_json)
@@ -129,9 +142,12 @@ def plot(
         raise InputError(f"--format {formats}: write png, svg or png,svg")
     from vehicledyn.results.linear_results import draw_linear, is_linear
     from vehicledyn.results.plots import draw_plots
+    from vehicledyn.results.study_plots import draw_study
+    from vehicledyn.results.study_reader import is_study_file
 
     target = folder or result.parent / f"{result.stem}_plots"
-    draw = draw_linear if is_linear(result) else draw_plots
+    usual = draw_linear if is_linear(result) else draw_plots
+    draw = draw_study if is_study_file(result) else usual
     for path in draw(result, target, only or None, wanted):
         emit(str(path))
 
@@ -140,6 +156,11 @@ def info(result: ResultFile, as_json: Json = False) -> None:
     """Show what a result file holds."""
     from vehicledyn.results.info import describe_result
     from vehicledyn.results.linear_results import describe_linear, is_linear
+    from vehicledyn.results.study_info import describe_study
+    from vehicledyn.results.study_reader import is_study_file
 
-    report = describe_linear(result) if is_linear(result) else describe_result(result)
-    emit_report(report, as_json=as_json)
+    if is_study_file(result):
+        emit_report(describe_study(result), as_json=as_json)
+    else:
+        report = describe_linear(result) if is_linear(result) else describe_result(result)
+        emit_report(report, as_json=as_json)

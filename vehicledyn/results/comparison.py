@@ -21,7 +21,8 @@ class ChannelComparison:
 
     ``difference`` is the largest |result - reference|, ``tolerance`` what was allowed, both
     in the channel's unit; ``value`` and ``reference`` are those at ``time`` [s], where it
-    occurs. They are None where nothing could be compared, and ``message`` says why.
+    occurs. They are None where nothing could be compared, and ``message`` says why; else it
+    says where the difference occurs if that is no time.
     """
 
     name: str
@@ -156,9 +157,10 @@ def _sentence(channel: ChannelComparison) -> str:
     if channel.difference is None:
         return f"{channel.name}: {channel.message}"
     unit = "" if channel.unit in ("", "1") else f" {channel.unit}"
+    where = channel.message or f"at t = {channel.time:.9g} s"
     return (
         f"{channel.name}: off by {channel.difference:.4g}{unit} "
-        f"(allowed {channel.tolerance:.4g}) at t = {channel.time:.9g} s: "
+        f"(allowed {channel.tolerance:.4g}) {where}: "
         f"{channel.value:.9g}, reference {channel.reference:.9g}"
     )
 

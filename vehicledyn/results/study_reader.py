@@ -146,6 +146,11 @@ class StudyFile:
         with reading(self.path):
             return np.asarray(self._file["cases/values"][first:stop])
 
+    def axis(self, column: int) -> Floats:
+        """Return what an axis is in every case, shape (n_cases,)."""
+        with reading(self.path):
+            return np.asarray(self._file["cases/values"][:, column])
+
     def figure(self, name: str) -> Floats:
         """Return a key figure of every case, shape (n_cases,); what has none is not a number."""
         column = self._figure(name).column
