@@ -63,7 +63,7 @@ def changed_units(changes: Changes, after: Parameters) -> Iterator[tuple[Place, 
         for name, _, measure, _ in entry.components:
             place: Place = ("parameters", *name.split("."))
             old = before.get(name)
-            if old is not None and not measure.fits(old.unit) and changes.gave(place):
+            if old is not None and not measure.replaces(old) and changes.gave(place):
                 new, wanted = measure.unit, old.unit
                 yield place, f"this is in {new}, the parameter is a quantity in {wanted}"
 
@@ -101,10 +101,16 @@ def _merged(old: Any, new: Any, place: Place, changes: Changes) -> Any:
 
 
 def _with_unit(value: Any, place: Place, changes: Changes) -> Any:
-    """Return a bare number with the SI unit that the parameter has."""
-    unit = changes.before.units.get(".".join(map(str, place[1:])), "1")
+    """Return a bare number with the SI unit that the parameter has.
+
+    That of a calculated parameter is multiplied by one, so that it counts as calculated too.
+    """
+    known = {n: m for e in changes.before.entries for n, _, m, _ in e.components}
+    old = known.get(".".join(map(str, place[1:])))
     is_bare = isinstance(value, int | float) and not isinstance(value, bool)
-    return f"{value!r} {unit}" if is_bare and unit != "1" else value
+    if old is None or old.unit == "1" or not is_bare:
+        return value
+    return f"{value!r} {old.unit}" if old.exact else f"1 * {value!r} {old.unit}"
 
 
 def _components(old: list[Any], new: dict[str, Any], place: Place, changes: Changes) -> list[Any]:

@@ -65,6 +65,10 @@ class Measure:
             return self.powers == wanted.powers
         return self.lengths == wanted.lengths
 
+    def replaces(self, other: Measure) -> bool:
+        """Return whether a quantity can take the place of one measured so."""
+        return self.fits(other.unit) or (not other.exact and self.lengths == other.lengths)
+
 
 def measure_of(unit: str) -> Measure:
     """Return the measure of a unit."""

@@ -197,11 +197,11 @@ def _check_unit(measure: Any) -> None:
 
 
 def _settled(measure: Any) -> Any:
-    """Return the measure of a named quantity: no longer bare.
+    """Return the measure of a named quantity: no longer bare, exact if nothing was calculated.
 
     Bare components of a vector take the unit that others have.
     """
     if isinstance(measure, tuple):
         known = next((m for m in measure if m.bare is None), measure[0])
         return tuple(_settled(known if m.bare is not None else m) for m in measure)
-    return Measure(measure.powers, exact=True)
+    return Measure(measure.powers, exact=measure.exact)

@@ -364,6 +364,38 @@ def test_a_change_of_a_parameter_moves_what_is_calculated_from_it(tmp_path):
     assert {p.name: p.value for p in derived.parameters}["length"] == 0.4
 
 
+TOP = """\
+title: A top that precesses steadily
+parameters:
+  moment: 2 N*m
+  inertia: 0.1 kg*m^2
+  precession: 4 rad/s
+  spin: moment / (inertia * precession)
+bodies:
+  top:
+    joints: [R3 yaw, R1 tilt, R3 spin]
+    mass: 1 kg
+    com: [0, 0, 0.1 m]
+    inertia: [0.1, 0.1, inertia]
+initial: {top.tilt: 0.5, top.spin_rate: spin}
+"""
+
+
+@pytest.mark.parametrize(
+    ("given", "spin"), [({}, 5.0), ({"spin": "6 rad/s"}, 6.0), ({"spin": 7}, 7.0)]
+)
+def test_a_calculated_parameter_is_a_rate_whatever_its_radians(tmp_path, given, spin):
+    model = load(tmp_path, TOP, parameters=given)
+    assert derive(build_system(model)).states[-1].start == pytest.approx(spin)
+
+
+def test_a_parameter_that_is_a_frequency_is_no_rate(tmp_path):
+    (line,) = problems(tmp_path, TOP.replace("moment / (inertia * precession)", "5 Hz"))
+    assert line.endswith(
+        "initial.top.spin_rate: this is in 1/s, a quantity in rad/s is needed here"
+    )
+
+
 @pytest.mark.parametrize(
     ("given", "words"),
     [
