@@ -39,7 +39,8 @@ SCAN_STEP = 1e-4
 
 _RAIL_STEP = 1e-4
 _ITERATIONS = 60
-_REFINEMENTS = 12
+_REFINEMENTS = 9
+_MARGIN = 2e-3
 
 
 class Pose(NamedTuple):
@@ -224,21 +225,34 @@ def silhouette(
 
 
 def lowest_gap(wheel: Wheel, rail: Rail, pose: Pose) -> tuple[float, float]:
-    """Return the lowest gap and the y where it is, by a parabola through scanned places [m].
+    """Return the lowest gap [m] and its rate with the roll [m/rad].
 
-    It is off by less than a nanometre where the profiles are smooth: enough to begin with.
-    ``nan`` where the wheel is nowhere above its rail.
+    The gap is that of a parabola through scanned places, off by less than a nanometre where
+    the profiles are smooth: enough to begin with. Both are nan where the wheel is nowhere
+    above its rail.
     """
-    seen = silhouette(wheel, pose, *wheel.scan)
+    seen = silhouette(wheel, pose, *_above(wheel, rail, pose))
     gap = _gap(rail, seen)
-    if np.isnan(gap).all():
+    if len(gap) == 0 or np.isnan(gap).all():
         return np.nan, np.nan
     k = int(np.nanargmin(gap))
-    y = float(seen.y[k])
+    y, z = float(seen.y[k]), float(seen.z[k])
+    steepness = float(rail.surface.values(seen.y[k : k + 1])[1][0])
+    rate = roll_rate(pose, y, z, steepness)
     if not 0 < k < len(gap) - 1 or np.isnan(gap[k - 1] + gap[k + 1]):
-        return float(gap[k]), y
+        return float(gap[k]), rate
     rise, bend = gap[k + 1] - gap[k - 1], gap[k + 1] - 2.0 * gap[k] + gap[k - 1]
-    return float(gap[k] - (rise**2 / (8.0 * bend) if bend > 0.0 else 0.0)), y
+    return float(gap[k] - (rise**2 / (8.0 * bend) if bend > 0.0 else 0.0)), rate
+
+
+def roll_rate(pose: Pose, y: float, z: float, slope: float) -> float:
+    """Return the rate of the gap with the roll at a contact (y, z) on a rail of a slope [m/rad].
+
+    Rolling lifts the place by its distance from the middle, and moves it outwards by the height
+    of the axle over it, to where the rail is higher by the slope. That the place on the wheel
+    changes does not matter: the gap is smallest there.
+    """
+    return y - pose.lateral - slope * (pose.height - z)
 
 
 def touching_points(wheel: Wheel, rail: Rail, pose: Pose) -> Touch:
@@ -248,7 +262,7 @@ def touching_points(wheel: Wheel, rail: Rail, pose: Pose) -> Touch:
     on the rail; minima at equal gaps are a contact at two points. A wheel that is nowhere above
     its rail has no minima.
     """
-    places, height, slope = wheel.scan
+    places, height, slope = _above(wheel, rail, pose)
     gap = _gap(rail, silhouette(wheel, pose, places, height, slope))
     padded = np.concatenate([[np.inf], np.where(np.isnan(gap), np.inf, gap), [np.inf]])
     lower = (padded[1:-1] < padded[:-2]) & (padded[1:-1] <= padded[2:])
@@ -261,6 +275,17 @@ def touching_points(wheel: Wheel, rail: Rail, pose: Pose) -> Touch:
     x, y, z = seen.x[order], seen.y[order], seen.z[order]
     rail_slope = rail.surface.values(y)[1]
     return Touch(refined[order], gaps[order], x, y, z, rail_slope, ~inner[order])
+
+
+def _above(wheel: Wheel, rail: Rail, pose: Pose) -> tuple[Floats, Floats, Floats]:
+    """Return the scanned part of a wheel that is above its rail, and a margin beside."""
+    places, height, slope = wheel.scan
+    tilt = abs(pose.roll) + pose.yaw**2 + abs(pose.curvature) * wheel.radius
+    margin = _MARGIN + (wheel.radius + abs(pose.height)) * tilt
+    outer = wheel.half_distance + pose.lateral
+    low, high = rail.surface.begin - outer - margin, rail.surface.end - outer + margin
+    part = slice(*np.searchsorted(places, [low, high]))
+    return places[part], height[part], slope[part]
 
 
 def _gap(rail: Rail, seen: Silhouette) -> Floats:

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import math
-import re
 from pathlib import Path
 from typing import Any
 
 from vehicledyn.base.errors import InputError, nearest_name
+from vehicledyn.base.slopes import slope_of
 from vehicledyn.base.units import to_si
 from vehicledyn.base.yaml import read_yaml
 from vehicledyn.rail.profile import Kind, Profile
@@ -17,7 +17,6 @@ FOLDER = Path(__file__).parent / "profiles"
 STANDARD = {"S1002": "s1002", "60E1": "60e1", "UIC60": "60e1", "60E1_manchester": "60e1_manchester"}
 FORMULAS = ("cone:SLOPE", "arc:RADIUS")
 _HALF_CONE, _HALF_ARC = 0.06, 0.036
-_RATIO = re.compile(r"\s*(\d+(?:\.\d*)?)\s*[:/]\s*(\d+(?:\.\d*)?)\s*")
 
 
 def is_name(text: str) -> bool:
@@ -128,18 +127,6 @@ def _zone(zone: dict[str, Any], unit: float) -> Piece:
 def _standard(text: str) -> str | None:
     wanted = text.lower()
     return next((stem for name, stem in STANDARD.items() if name.lower() == wanted), None)
-
-
-def slope_of(text: str) -> float | None:
-    """Return the slope that "1:40", "1/40" or "0.025" means, None if it is none of these."""
-    match = _RATIO.fullmatch(text)
-    if match and float(match[2]) > 0.0:
-        return float(match[1]) / float(match[2])
-    try:
-        value = float(text)
-    except ValueError:
-        return None
-    return value if math.isfinite(value) else None
 
 
 def _slope(text: str, value: str) -> float:

@@ -1,0 +1,169 @@
+"""Contact geometry of a wheelset on a track as a table and as a result file."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from vehicledyn.results.linear_file import (
+    new_file,
+    old_file,
+    read_texts,
+    write_numbers,
+    write_texts,
+)
+
+FORMAT = "vehicledyn-profiles"
+SIDES = ("left", "right")
+
+
+@dataclass(frozen=True)
+class ContactColumns:
+    """What is known of every contact, arrays of shape (n_shifts, 2, n_points), nan where none.
+
+    Sides are left and right; points are ordered by their gap: the first touches, further ones are
+    local minima of the gap, which touch too where their gap is zero.
+    """
+
+    place: Any
+    rail_place: Any
+    x: Any
+    y: Any
+    z: Any
+    radius: Any
+    angle: Any
+    gap: Any
+
+
+COLUMNS = {
+    "place": ("m", "Lateral coordinate on the wheel, outwards from the tape circle"),
+    "rail_place": ("m", "Lateral coordinate on the rail's profile, outwards from its axis"),
+    "x": ("m", "Contact point forward of the axle"),
+    "y": ("m", "Contact point outwards from the middle of the track"),
+    "z": ("m", "Contact point over the rails' highest points"),
+    "radius": ("m", "Rolling radius"),
+    "angle": ("rad", "Contact angle, positive where the rail rises outwards"),
+    "gap": ("m", "Vertical gap"),
+}
+
+
+@dataclass(frozen=True)
+class ContactTable:
+    """Contact points against lateral shift, equivalent conicity against amplitude.
+
+    ``shift`` is positive to the left, ``roll`` when the left side is up, ``height`` is that of
+    the axle over the rails' highest points, each of shape (n_shifts,) [m, rad, m].
+    ``radius_difference`` is left less right [m]. Conicities have the shape of ``amplitude`` [m]:
+    ``conicity`` after EN 15302, which neglects roll, ``conicity_with_roll`` with it,
+    ``conicity_harmonic`` and ``conicity_regression`` by linearisation, without roll. ``jumps``
+    hold shift, side, place before and after. ``outlines`` are the profiles as placed at no shift,
+    lateral distance from the middle of the track and height, each of shape (n, 2) [m].
+    """
+
+    title: str
+    wheel: str
+    rail: str
+    settings: dict[str, float]
+    shift: Any
+    roll: Any
+    height: Any
+    radius_difference: Any
+    contacts: ContactColumns
+    amplitude: Any
+    conicity: Any
+    conicity_with_roll: Any
+    conicity_harmonic: Any
+    conicity_regression: Any
+    jumps: tuple[tuple[float, str, float, float], ...]
+    outlines: dict[str, Any]
+    notes: tuple[str, ...]
+
+
+_HEAD = {"title", "wheel", "rail", "format", "format_version", "created", "vehicledyn_version"}
+_BY_SHIFT = {
+    "roll": ("rad", "Roll, positive when the left side is up"),
+    "height": ("m", "Height of the axle over the rails' highest points"),
+    "radius_difference": ("m", "Rolling radius difference, left less right"),
+}
+_BY_AMPLITUDE = {
+    "conicity": ("1", "Equivalent conicity after EN 15302, roll neglected"),
+    "conicity_with_roll": ("1", "Equivalent conicity with the roll of the wheelset"),
+    "conicity_harmonic": ("1", "Conicity by harmonic linearisation, roll neglected"),
+    "conicity_regression": ("1", "Conicity by linear regression, roll neglected"),
+}
+
+
+def write_contacts(path: Path, table: ContactTable) -> None:
+    """Write a table to a file.
+
+    Raises
+    ------
+    InputError
+        If it cannot be written.
+    """
+    head = {"title": table.title, "wheel": table.wheel, "rail": table.rail}
+    with new_file(path, FORMAT, head | table.settings) as file:
+        shift = _scale(file, "shift", table.shift, "Lateral shift, positive to the left")
+        amplitude = _scale(file, "amplitude", table.amplitude, "Amplitude of the lateral motion")
+        side = write_texts(file, "side", SIDES)
+        side.make_scale("side")
+        for name, words in _BY_SHIFT.items():
+            write_numbers(file, name, getattr(table, name), (shift,), words)
+        for name, words in _BY_AMPLITUDE.items():
+            write_numbers(file, name, getattr(table, name), (amplitude,), words)
+        contacts = file.create_group("contact")
+        for name, words in COLUMNS.items():
+            write_numbers(contacts, name, getattr(table.contacts, name), (shift, side), words)
+        jumps = file.create_group("jumps")
+        for name, column in (("shift", 0), ("from", 2), ("to", 3)):
+            values = [jump[column] for jump in table.jumps]
+            words = ("m", "Shift" if column == 0 else f"Place on the wheel, {name}")
+            write_numbers(jumps, name, values, (), words)
+        write_texts(jumps, "side", [jump[1] for jump in table.jumps])
+        outlines = file.create_group("outlines")
+        for name, points in table.outlines.items():
+            write_numbers(outlines, name, points, (), ("m", "Lateral distance and height"))
+        write_texts(file, "notes", table.notes)
+
+
+def read_contacts(path: Path) -> ContactTable:
+    """Return the table in a file.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be read or holds something else.
+    """
+    with old_file(path, FORMAT) as file:
+        settings = {name: float(v) for name, v in file.attrs.items() if name not in _HEAD}
+        columns = {f.name: np.asarray(file["contact"][f.name][()]) for f in fields(ContactColumns)}
+        arrays: dict[str, Any] = {
+            name: np.asarray(file[name][()])
+            for name in ("shift", "amplitude", *_BY_SHIFT, *_BY_AMPLITUDE)
+        }
+        return ContactTable(
+            title=str(file.attrs["title"]),
+            wheel=str(file.attrs["wheel"]),
+            rail=str(file.attrs["rail"]),
+            settings=settings,
+            contacts=ContactColumns(**columns),
+            jumps=_read_jumps(file["jumps"]),
+            outlines={name: np.asarray(d[()]) for name, d in file["outlines"].items()},
+            notes=tuple(read_texts(file, "notes")),
+            **arrays,
+        )
+
+
+def _read_jumps(group: Any) -> tuple[tuple[float, str, float, float], ...]:
+    shifts, before, after = (group[name][()].tolist() for name in ("shift", "from", "to"))
+    return tuple(zip(shifts, read_texts(group, "side"), before, after, strict=True))
+
+
+def _scale(file: Any, name: str, values: Any, meaning: str) -> Any:
+    scale = file.create_dataset(name, data=np.asarray(values, dtype=float))
+    scale.attrs["units"], scale.attrs["long_name"] = "m", meaning
+    scale.make_scale(name)
+    return scale

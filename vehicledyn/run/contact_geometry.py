@@ -1,0 +1,298 @@
+"""Contact geometry of wheel and rail profiles: contact points against shift, conicity."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from vehicledyn.base.errors import InputError
+from vehicledyn.rail.conicity import (
+    RadiusDifference,
+    equivalent_conicity,
+    harmonic_conicity,
+    regression_conicity,
+)
+from vehicledyn.rail.contact_fit import check_fit
+from vehicledyn.rail.contact_geometry import Touch, Wheel, place_rail
+from vehicledyn.rail.contact_geometry_wheelset import (
+    Jump,
+    Standing,
+    WheelsetOnTrack,
+    find_jumps,
+    mirrored,
+    stand,
+    stand_level,
+)
+from vehicledyn.rail.profile import Kind, Profile
+from vehicledyn.rail.profile_open import open_profile
+from vehicledyn.results.contact_table import SIDES, ContactColumns, ContactTable, write_contacts
+from vehicledyn.run.contact_report import ContactReport
+
+POINTS = 4
+"""Local minima of the gap that are kept, a side and shift."""
+
+_FINE = 1e-4  # m, the distance of shifts for the conicity, as EN 15302 has it
+_BEYOND = 1e-3
+
+
+@dataclass(frozen=True)
+class ContactWish:
+    """Which wheels stand on which track, and what is asked for; lengths in m, angles in rad.
+
+    ``wheels`` and ``rails`` name profile or file of left and right side, ``radii`` are those of
+    the tape circles, ``flange_back`` is the distance of a tape circle from the back of its flange.
+    """
+
+    wheels: tuple[str, str]
+    rails: tuple[str, str]
+    radii: tuple[float, float] = (0.46, 0.46)
+    gauge: float = 1.435
+    gauge_depth: float = 0.014
+    inclination: float = 0.0
+    back_to_back: float = 1.36
+    flange_back: float = 0.07
+    yaw: float = 0.0
+    curvature: float = 0.0
+    smoothing: float = 0.0
+    shifts: Sequence[float] = tuple(1e-3 * k for k in range(-8, 9))
+    amplitudes: Sequence[float] = tuple(1e-3 * k for k in range(1, 8))
+
+
+def find_contact_geometry(
+    wish: ContactWish, *, output: Path | None = None, plots: Path | None = None, progress: Any
+) -> ContactReport:
+    """Return contact points, rolling radii, angles and conicity; write result and pictures.
+
+    Parameters
+    ----------
+    wish
+        What is asked for.
+    output
+        Result file, none if absent.
+    plots
+        Folder of the pictures, none if absent.
+    progress
+        Called with what is being done.
+
+    Raises
+    ------
+    InputError
+        If a profile cannot be read or the wheelset does not fit the gauge.
+    """
+    progress("reading profiles")
+    wheels = _opened(wish.wheels, "wheel", wish.smoothing)
+    rails = _opened(wish.rails, "rail", wish.smoothing)
+    wheelset = _placed(wish, wheels, rails)
+    check_fit(wheelset, wish.gauge)
+    progress("finding contact points")
+    standing, lost = _standing(wheelset, wish)
+    table = _table(wish, wheelset, standing, lost, profiles=(*wheels, *rails), progress=progress)
+    if output is not None:
+        write_contacts(output, table)
+    if plots is not None:
+        progress("drawing")
+        _draw(table, plots)
+    return ContactReport(table, output, plots)
+
+
+def _opened(texts: Sequence[str], kind: Kind, smoothing: float) -> list[Profile]:
+    """Return the profiles of both sides, one and the same where they are named alike."""
+    known = {text: open_profile(text, kind, smoothing) for text in dict.fromkeys(texts)}
+    return [known[text] for text in texts]
+
+
+def _placed(
+    wish: ContactWish, wheels: Sequence[Profile], rails: Sequence[Profile]
+) -> WheelsetOnTrack:
+    half = 0.5 * wish.back_to_back + wish.flange_back
+    placed = [place_rail(rail, wish.inclination, wish.gauge, wish.gauge_depth) for rail in rails]
+    left, right = (Wheel(w, r, half) for w, r in zip(wheels, wish.radii, strict=True))
+    return WheelsetOnTrack(left, right, placed[0], placed[1], wish.curvature)
+
+
+def _standing(wheelset: WheelsetOnTrack, wish: ContactWish) -> tuple[list[Standing], list[str]]:
+    """Return how the wheelset stands at each shift it can stand at, and what is said of others."""
+    known: dict[float, Standing] = {}
+    found, lost = [], []
+    for shift in wish.shifts:
+        try:
+            position = known.get(-shift) or stand(wheelset, shift, wish.yaw)
+        except InputError as error:
+            lost.append(str(error))
+            continue
+        found.append(mirrored(position) if -shift in known else position)
+        if _is_symmetric(wheelset, wish):
+            known[shift] = position
+    if not found:
+        raise InputError(lost[0])
+    return found, lost
+
+
+def _table(
+    wish: ContactWish,
+    wheelset: WheelsetOnTrack,
+    standing: list[Standing],
+    lost: list[str],
+    *,
+    profiles: Sequence[Profile],
+    progress: Any,
+) -> ContactTable:
+    columns = _columns(wheelset, standing)
+    progress("finding jumps")
+    jumps = _jumps(wheelset, standing, wish)
+    progress("finding the equivalent conicity")
+    amplitudes = np.array(wish.amplitudes, dtype=float)
+    radius = 0.5 * (wish.radii[0] + wish.radii[1])
+    base = wheelset.left_wheel.half_distance + wheelset.right_wheel.half_distance
+    conicities, said = _conicities(wheelset, wish.yaw, amplitudes, radius, base)
+    notes = dict.fromkeys(f"{p.name}: {note}" for p in profiles for note in p.notes)
+    wheel, rail = (
+        " / ".join(dict.fromkeys(p.name for p in pair)) for pair in (profiles[:2], profiles[2:])
+    )
+    return ContactTable(
+        title=f"{wheel} on {rail}, gauge {1e3 * wish.gauge:g} mm",
+        wheel=wheel,
+        rail=rail,
+        settings={
+            "gauge": wish.gauge,
+            "gauge_depth": wish.gauge_depth,
+            "inclination": wish.inclination,
+            "back_to_back": wish.back_to_back,
+            "flange_back": wish.flange_back,
+            "radius_left": wish.radii[0],
+            "radius_right": wish.radii[1],
+            "yaw": wish.yaw,
+            "curvature": wish.curvature,
+            "smoothing": wish.smoothing,
+        },
+        shift=np.array([s.lateral for s in standing]),
+        roll=np.array([s.roll for s in standing]),
+        height=np.array([s.height for s in standing]),
+        radius_difference=columns.radius[:, 0, 0] - columns.radius[:, 1, 0],
+        contacts=columns,
+        amplitude=amplitudes,
+        **conicities,
+        jumps=tuple((j.lateral, j.side, *j.places) for j in jumps),
+        outlines=_outlines(wheelset, wish),
+        notes=(*notes, *lost, *said),
+    )
+
+
+def _jumps(wheelset: WheelsetOnTrack, standing: list[Standing], wish: ContactWish) -> list[Jump]:
+    """Return the jumps; those of a symmetric wheelset are looked for on one side only."""
+    if not _is_symmetric(wheelset, wish):
+        return find_jumps(wheelset, standing)
+    by_shift = {abs(s.lateral): mirrored(s) if s.lateral < 0.0 else s for s in standing}
+    if standing[0].lateral < 0.0 < standing[-1].lateral:
+        by_shift.setdefault(0.0, stand(wheelset, 0.0))
+    positive = find_jumps(wheelset, [by_shift[shift] for shift in sorted(by_shift)])
+    other = {"left": "right", "right": "left"}
+    negative = [Jump(-jump.lateral, other[jump.side], jump.places[::-1]) for jump in positive]
+    return sorted(
+        jump
+        for jump in (*positive, *negative)
+        if standing[0].lateral <= jump.lateral <= standing[-1].lateral
+    )
+
+
+def _is_symmetric(wheelset: WheelsetOnTrack, wish: ContactWish) -> bool:
+    return wheelset.is_symmetric and wish.yaw == 0.0 and wish.curvature == 0.0
+
+
+def _columns(wheelset: WheelsetOnTrack, standing: list[Standing]) -> ContactColumns:
+    shape = (len(standing), len(SIDES), POINTS)
+    names = ("place", "rail_place", "x", "y", "z", "radius", "angle", "gap")
+    found = {name: np.full(shape, np.nan) for name in names}
+    pairs = (
+        (wheelset.left_wheel, wheelset.left_rail),
+        (wheelset.right_wheel, wheelset.right_rail),
+    )
+    for n, position in enumerate(standing):
+        for k, (wheel, rail) in enumerate(pairs):
+            touch: Touch = getattr(position, SIDES[k])
+            count = min(POINTS, len(touch.gap))
+            for name in ("place", "x", "y", "z", "gap"):
+                found[name][n, k, :count] = getattr(touch, name)[:count]
+            place, y, z = found["place"][n, k], found["y"][n, k], found["z"][n, k]
+            found["rail_place"][n, k] = rail.on_profile(y, z - found["gap"][n, k])
+            found["radius"][n, k] = wheel.radius + wheel.table.height(place)
+            found["angle"][n, k, :count] = np.arctan(touch.slope[:count])
+    return ContactColumns(**found)
+
+
+def _conicities(
+    wheelset: WheelsetOnTrack, yaw: float, amplitudes: Any, radius: float, base: float
+) -> tuple[dict[str, Any], list[str]]:
+    """Return the conicities by name, and what is to be said of them."""
+    none = np.full(len(amplitudes), np.nan)
+    names = ("conicity", "conicity_with_roll", "conicity_harmonic", "conicity_regression")
+    found: dict[str, Any] = dict.fromkeys(names, none)
+    if len(amplitudes) == 0:
+        return found, []
+    try:
+        level = _differences(wheelset, yaw, float(np.max(amplitudes)), level=True)
+        rolled = _differences(wheelset, yaw, float(np.max(amplitudes)), level=False)
+    except InputError as error:
+        return found, [str(error)]
+    return {
+        "conicity": equivalent_conicity(level, amplitudes, radius=radius, base=base),
+        "conicity_with_roll": equivalent_conicity(rolled, amplitudes, radius=radius, base=base),
+        "conicity_harmonic": harmonic_conicity(level, amplitudes),
+        "conicity_regression": regression_conicity(level, amplitudes),
+    }, []
+
+
+def _differences(
+    wheelset: WheelsetOnTrack, yaw: float, amplitude: float, *, level: bool
+) -> RadiusDifference:
+    """Return the rolling radius difference at shifts of EN 15302, outwards until one fails."""
+    reach = int(np.ceil((amplitude + _BEYOND) / _FINE))
+    method = stand_level if level else stand
+    symmetric = wheelset.is_symmetric and yaw == 0.0 and wheelset.curvature == 0.0
+    found: dict[int, float] = {}
+    for direction in (1,) if symmetric else (1, -1):
+        for k in range(reach + 1):
+            try:
+                position = method(wheelset, direction * k * _FINE, yaw)
+            except InputError:
+                break
+            found[direction * k] = _difference(wheelset, position)
+            if symmetric:
+                found[-k] = -found[k]
+    numbers = sorted(found)
+    return RadiusDifference(
+        _FINE * np.array(numbers, dtype=float), np.array([found[k] for k in numbers])
+    )
+
+
+def _difference(wheelset: WheelsetOnTrack, position: Standing) -> float:
+    left, right = wheelset.left_wheel, wheelset.right_wheel
+    of_left = left.radius + float(left.table.height(position.left.place[:1])[0])
+    return of_left - right.radius - float(right.table.height(position.right.place[:1])[0])
+
+
+def _outlines(wheelset: WheelsetOnTrack, wish: ContactWish) -> dict[str, Any]:
+    """Return the profiles as they stand at no shift, for pictures."""
+    position = stand(wheelset, 0.0, wish.yaw)
+    outlines = {}
+    for side in SIDES:
+        wheel: Wheel = getattr(wheelset, f"{side}_wheel")
+        surface = getattr(wheelset, f"{side}_rail").surface
+        places = np.linspace(wheel.table.begin, wheel.table.end, 400)
+        heights = position.height - wheel.radius - wheel.table.height(places)
+        outlines[f"{side}_wheel"] = np.column_stack([wheel.half_distance + places, heights])
+        outlines[f"{side}_wheel_begin"] = np.array([[places[0], heights[0]]])
+        y = np.linspace(surface.begin, surface.end, 300)
+        outlines[f"{side}_rail"] = np.column_stack([y, surface.height(y)])
+    return outlines
+
+
+def _draw(table: ContactTable, folder: Path) -> None:
+    from vehicledyn.results.contact_figures import contact_figures
+    from vehicledyn.results.pictures import save_figures
+
+    save_figures(contact_figures(table), folder, ("png", "svg"))
