@@ -1,0 +1,303 @@
+"""Every creep law of the catalogue: signs, friction, symmetry, slopes; and each law's own facts."""
+
+import math
+
+import numpy as np
+import pytest
+from scipy.integrate import quad
+
+import vehicledyn.rail.creep
+from vehicledyn.base.registry import find, kinds
+from vehicledyn.rail import creep_law
+from vehicledyn.rail.creep import polach
+from vehicledyn.rail.creep.tanh import wheelset_ellipse
+from vehicledyn.rail.creep_law import CreepContact, kalker_forces
+from vehicledyn.rail.hertz import ContactEllipse, hertz
+from vehicledyn.rail.kalker import creep_coefficients
+from vehicledyn.rail.vermeulen import vermeulen_factors
+from vehicledyn.symbolic import ops
+from vehicledyn.symbolic.parameters import ParameterTable
+
+assert vehicledyn.rail.creep
+LOAD, FRICTION, SHEAR, POISSON = 5e4, 0.3, 8.2e10, 0.28
+EXAMPLES = {
+    "fastsim": {"strips": 6, "elements": 6},
+    "johnson_vermeulen": {},
+    "linear": {},
+    "linear_smooth": {},
+    "polach": {},
+    "shen_hedrick_elkins": {},
+    "tanh": {"c11": 4.23, "c22": 3.70, "c23": 1.49},
+}
+KINDS = sorted(EXAMPLES)
+WITHOUT_SPIN = {"johnson_vermeulen"}
+OWN_STIFFNESS = {"johnson_vermeulen"}
+NO_MOMENT = {"johnson_vermeulen", "polach", "tanh"}
+
+
+def law(kind, **changes):
+    return find("creep", kind)(**({"friction": FRICTION} | EXAMPLES[kind] | changes))
+
+
+def contact(xi, eta, phi, *, load=LOAD, a=5e-3, b=5e-3, speed=0.0):
+    return CreepContact(xi, eta, phi, load, ContactEllipse(a, b), SHEAR, POISSON, speed)
+
+
+def vector(law_or_kind, *felt, **more):
+    used = law(law_or_kind) if isinstance(law_or_kind, str) else law_or_kind
+    forces = used.forces(contact(*felt, **more))
+    return np.array([float(f) for f in (forces.longitudinal, forces.lateral, forces.spin_moment)])
+
+
+def test_every_law_has_an_example():
+    assert set(kinds("creep")) == set(EXAMPLES)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_forces_oppose_creep_and_spin(kind):
+    for size in (1e-5, 1e-3, 0.1):
+        assert vector(kind, size, 0.0, 0.0)[0] < 0.0 < vector(kind, -size, 0.0, 0.0)[0]
+        assert vector(kind, 0.0, size, 0.0)[1] < 0.0 < vector(kind, 0.0, -size, 0.0)[1]
+        if kind not in WITHOUT_SPIN:
+            assert vector(kind, 0.0, 0.0, size / 5e-3)[1] < 0.0
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_sliding_gives_no_energy(kind):
+    rng = np.random.default_rng(3)
+    for _ in range(60):
+        xi, eta = 10.0 ** rng.uniform(-5, -1) * rng.normal(size=2)
+        x, y, _ = vector(kind, xi, eta, 0.0, a=rng.uniform(1e-3, 1e-2))
+        assert x * xi + y * eta <= 0.0
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_friction_is_never_exceeded(kind):
+    rng = np.random.default_rng(4)
+    for _ in range(150):
+        xi, eta, turn = 10.0 ** rng.uniform(-6, 1) * rng.normal(size=3)
+        load, a, b = 10.0 ** rng.uniform([-9, -4, -4], [5, -2, -2])
+        x, y, _ = vector(kind, xi, eta, turn / 5e-3, load=load, a=a, b=b)
+        assert math.hypot(x, y) <= FRICTION * load * (1.0 + 1e-12)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("felt", [(1e-3, 5e-4, 0.3), (-2e-4, 3e-3, -1.0), (0.05, -0.02, 2.0)])
+def test_left_and_right_are_mirrored(kind, felt):
+    xi, eta, phi = felt
+    mirrored = vector(kind, xi, -eta, -phi)
+    assert mirrored * [1, -1, -1] == pytest.approx(vector(kind, *felt), rel=1e-11, abs=1e-9)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_braking_and_driving_are_mirrored(kind):
+    for felt in ((1e-3, 5e-4, 0.3), (0.05, 0.02, -2.0)):
+        xi, eta, phi = felt
+        driven = vector(kind, -xi, eta, phi)
+        assert driven * [-1, 1, 1] == pytest.approx(vector(kind, *felt), rel=1e-9, abs=1e-9)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_no_load_no_force(kind):
+    assert np.all(vector(kind, 0.01, 0.02, 0.5, load=0.0) == 0.0)
+    assert np.abs(vector(kind, 0.01, 0.02, 0.5, load=1e-6)).max() < 1e-6
+
+
+@pytest.mark.parametrize("kind", sorted(set(KINDS) - OWN_STIFFNESS - {"tanh"}))
+@pytest.mark.parametrize(("a", "b"), [(5e-3, 5e-3), (3e-3, 6e-3), (7e-3, 2e-3)])
+def test_small_creep_is_kalkers(kind, a, b):
+    for felt in ((1e-8, 0.0, 0.0), (0.0, 1e-8, 0.0), (0.0, 0.0, 1e-6)):
+        linear = kalker_forces(contact(*felt, a=a, b=b))
+        wanted = np.array([float(linear.longitudinal), float(linear.lateral)])
+        size = np.abs(wanted).max()
+        assert vector(kind, *felt, a=a, b=b)[:2] == pytest.approx(wanted, abs=2e-3 * size)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_values_and_slopes_are_finite_everywhere(kind):
+    names = ("xi", "eta", "phi", "load", "a", "b", "speed")
+    xi, eta, phi, load, a, b, speed = symbols = [ops.symbol(name) for name in names]
+    felt = CreepContact(xi, eta, phi, load, ContactEllipse(a, b), SHEAR, POISSON, speed)
+    forces = law(kind).forces(felt)
+    column = ops.column([forces.longitudinal, forces.lateral, forces.spin_moment])
+    value = ops.numeric(symbols, column)
+    slope = ops.numeric(symbols, ops.jacobian(column, ops.column(symbols)))
+    for creep in ((0, 0, 0), (1e-12, 0, 0), (0, 1e-3, 0), (0, 0, 1.0), (1.0, -1.0, 300.0)):
+        for pressed in (0.0, 1e-9, 1.0, 1e5):
+            for axes in ((5e-3, 5e-3), (1e-6, 1e-6), (1e-2, 1e-3)):
+                there = (*creep, pressed, *axes, 10.0)
+                assert np.isfinite(value(*there)).all(), there
+                assert np.isfinite(slope(*there)).all(), there
+    # The slope at zero creep is that of the linear theory, not that of a regularisation.
+    steepest = 1.4 * 7.0 * SHEAR * 25e-6
+    assert np.abs(slope(0, 0, 0, LOAD, 5e-3, 5e-3, 0.0)[:2, :2]).max() < steepest
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_continuous_along_random_lines(kind):
+    rng = np.random.default_rng(1)
+    for start, stop in rng.normal(size=(4, 2, 3)) * [2e-3, 2e-3, 0.4]:
+        steps = np.linspace(0.0, 1.0, 401)
+        forces = np.array([vector(kind, *(start + s * (stop - start))) for s in steps])
+        assert np.abs(np.diff(forces[:, :2], axis=0)).max() < 0.03 * FRICTION * LOAD
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_parameters_may_be_symbols(kind):
+    table = ParameterTable()
+    symbolic = table.add_set("creep", law(kind))
+    force = symbolic.forces(contact(1e-3, 5e-4, 0.3)).lateral
+    found = ops.numeric([entry.symbol for entry in table.entries], ops.column([force]))
+    value = found(*[entry.value for entry in table.entries])[0, 0]
+    assert value == pytest.approx(vector(kind, 1e-3, 5e-4, 0.3)[1], rel=1e-12)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_a_stiffness_factor_scales_small_creep_only(kind):
+    soft = law(kind, stiffness_factor=0.5)
+    assert vector(soft, 1e-7, 0, 0)[0] == pytest.approx(0.5 * vector(kind, 1e-7, 0, 0)[0], rel=1e-3)
+    assert vector(soft, 0.5, 0, 0)[0] == pytest.approx(vector(kind, 0.5, 0, 0)[0], rel=0.01)
+
+
+@pytest.mark.parametrize("kind", sorted(set(KINDS) - NO_MOMENT))
+def test_spin_moment_opposes_spin(kind):
+    for phi in (0.01, 0.5, 5.0):
+        assert vector(kind, 0.0, 0.0, phi)[2] < 0.0 < vector(kind, 0.0, 0.0, -phi)[2]
+    assert vector(kind, 0.0, 1e-6, 0.0)[2] > 0.0
+
+
+@pytest.mark.parametrize(
+    ("module", "name"),
+    [
+        (creep_law, "LIMIT_FLOOR"),
+        (creep_law, "RELATIVE_FLOOR"),
+        (polach, "CREEP_FLOOR"),
+    ],
+)
+def test_halving_a_floor_moves_nothing(module, name, monkeypatch):
+    before = {kind: vector(kind, 1e-3, 5e-4, 0.3) for kind in KINDS}
+    monkeypatch.setattr(module, name, 0.5 * getattr(module, name))
+    for kind, wanted in before.items():
+        assert vector(kind, 1e-3, 5e-4, 0.3) == pytest.approx(wanted, rel=1e-9)
+
+
+def test_linear_is_cut_off_where_friction_is_reached():
+    linear = float(kalker_forces(contact(1e-3, 0, 0)).longitudinal)
+    assert vector("linear", 1e-3, 0, 0)[0] == pytest.approx(linear, rel=1e-12)
+    assert abs(linear) < FRICTION * LOAD
+    assert vector("linear", 1e-2, 0, 0)[0] == pytest.approx(-FRICTION * LOAD, rel=1e-12)
+
+
+def test_smooth_linear_law_at_its_knee():
+    stiffness = SHEAR * 25e-6 * float(creep_coefficients(1.0, POISSON).longitudinal)
+    knee = FRICTION * LOAD / stiffness
+    assert vector("linear_smooth", knee, 0, 0)[0] == pytest.approx(
+        -FRICTION * LOAD / math.sqrt(2.0), rel=1e-12
+    )
+
+
+def test_cubic_of_shen_hedrick_elkins():
+    limit = FRICTION * LOAD
+    for felt in ((1e-3, 0.0, 0.0), (0.0, 1e-3, 0.5), (1e-3, -2e-3, 0.4)):
+        linear = kalker_forces(contact(*felt))
+        x, y = float(linear.longitudinal), float(linear.lateral)
+        rho = math.hypot(x, y) / limit
+        bent = rho - rho**2 / 3.0 + rho**3 / 27.0 if rho < 3.0 else 1.0
+        found = vector("shen_hedrick_elkins", *felt)[:2]
+        assert found == pytest.approx(limit * bent / rho / limit * np.array([x, y]), rel=1e-9)
+    assert vector("shen_hedrick_elkins", 0.02, 0, 0)[0] == pytest.approx(-limit, rel=1e-12)
+
+
+def test_vermeulen_and_johnson_on_a_circle():
+    """Johnson's (1958) circle: φ = π/4 (1 - 3ν/4), ψ = π/4 (1 - ν/4)."""
+    limit = FRICTION * LOAD
+    for felt, factor in (((1e-3, 0, 0), 1 - 0.75 * POISSON), ((0, 1e-3, 0), 1 - 0.25 * POISSON)):
+        tau = 4.0 * SHEAR * 25e-6 * 1e-3 / (limit * factor)
+        wanted = -limit * (1.0 - (1.0 - tau / 3.0) ** 3)
+        assert vector("johnson_vermeulen", *felt).min() == pytest.approx(wanted, rel=1e-9)
+
+
+@pytest.mark.parametrize("s", [0.01, 0.3, 0.999, 1.0, 1.001, 2.0, 30.0])
+def test_vermeulens_factors_are_the_integrals(s):
+    def root(angle):
+        return math.sqrt(math.cos(angle) ** 2 + (s * math.sin(angle)) ** 2)
+
+    end, options = 0.5 * math.pi, {"epsabs": 1e-13, "limit": 500}
+    b = quad(lambda t: math.cos(t) ** 2 / root(t), 0.0, end, **options)[0]
+    c = quad(lambda t: (math.sin(t) * math.cos(t)) ** 2 / root(t) ** 3, 0.0, end, **options)[0]
+    shear = 0.3 * s * s * c
+    phi, psi = map(float, vermeulen_factors(s, 0.3))
+    assert phi == pytest.approx(0.7 * b + shear, rel=1e-9)
+    assert psi == pytest.approx(b - shear, rel=1e-9)
+
+
+def test_polach_in_one_direction():
+    """The formula of 1999 by hand, pure longitudinal creep."""
+    c11 = float(creep_coefficients(1.0, POISSON).longitudinal)
+    limit, xi = FRICTION * LOAD, 2e-3
+    epsilon = SHEAR * math.pi * 25e-6 * c11 * xi / (4.0 * limit)
+    wanted = -2.0 * limit / math.pi * (epsilon / (1.0 + epsilon**2) + math.atan(epsilon))
+    assert vector("polach", xi, 0, 0)[0] == pytest.approx(wanted, rel=1e-9)
+
+
+def test_polach_on_wet_rail_has_its_maximum_at_large_creep():
+    """A falling friction with k_S < k_A: the force rises, then falls with sliding."""
+    wet = law(
+        "polach",
+        adhesion_reduction=0.3,
+        slip_reduction=0.1,
+        friction_ratio=0.4,
+        friction_decay=0.2,
+    )
+    pull = [-vector(wet, xi, 0, 0, speed=20.0)[0] for xi in (0.005, 0.05, 0.5)]
+    assert pull[0] < pull[1] > pull[2]
+    sliding = FRICTION * LOAD * (0.6 * math.exp(-0.2 * 20.0 * 0.5) + 0.4)
+    assert 0.9 * sliding < pull[2] < sliding
+
+
+def test_polach_opposes_spin_by_its_side_force():
+    small = vector("polach", 0.0, 0.0, 1e-4)[1]
+    kalker = kalker_forces(contact(0.0, 0.0, 1e-4))
+    assert small == pytest.approx(float(kalker.lateral), rel=1e-3)
+
+
+def test_tanh_is_the_law_of_the_wheelset_problem():
+    wheelset = law("tanh", friction=0.12, c11=4.72772197, c22=4.27526987, c23=1.97203505)
+    load, xi, eta, phi, g = 80.0, 1e-3, -4e-4, 0.25, 7.92e10
+    ellipse = wheelset_ellipse(
+        load, 13.3, g, 0.28, axis_ratio=0.7115218, elliptic_integral=1.3537956
+    )
+    felt = CreepContact(xi, eta, phi, load, ellipse, g, 0.28)
+    forces = wheelset.forces(felt)
+    c = (3.0 * load * 0.72 * 1.3537956 / (2.0 * math.pi * 13.3 * g * math.sqrt(0.7115218))) ** (
+        1 / 3
+    )
+    w = 0.12 * load
+    x = -w * math.tanh(g * c**2 * 4.72772197 * xi / w)
+    y = -w * math.tanh((g * c**2 * 4.27526987 * eta + g * c**3 * 1.97203505 * phi) / w)
+    back = min(1.0, w / math.hypot(x, y))
+    assert float(forces.longitudinal) == pytest.approx(x * back, rel=1e-9)
+    assert float(forces.lateral) == pytest.approx(y * back, rel=1e-9)
+
+
+def test_the_wheelset_problems_ellipse_is_hertzs():
+    """Its two constants are those of one and the same ellipse, that of its own curvatures.
+
+    Cone of angle δ and radius r on a circle of radius R: A = cos δ/(2 r), B = 1/(2 R); E* of
+    equal bodies is G/(1 - ν).
+    """
+    a, b = 0.5 * math.cos(0.0262) / 0.1, 0.5 / 0.06
+    exact = hertz(a, b, 7.92e10 / 0.72).ellipse(80.0)
+    theirs = wheelset_ellipse(
+        80.0, a + b, 7.92e10, 0.28, axis_ratio=0.7115218, elliptic_integral=1.3537956
+    )
+    area, own = (e.semi_axis_x * e.semi_axis_y for e in (exact, theirs))
+    assert own == pytest.approx(area, rel=1e-4)
+    assert exact.semi_axis_y / exact.semi_axis_x == pytest.approx(0.7115218, rel=1e-4)
+
+
+def test_a_law_names_what_is_missing_and_what_is_wrong():
+    with pytest.raises(ValueError, match="friction"):
+        find("creep", "polach")()
+    with pytest.raises(ValueError, match="strips"):
+        law("fastsim", strips=1)

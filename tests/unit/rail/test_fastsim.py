@@ -1,0 +1,109 @@
+"""FASTSIM: exact where all adheres or slides, arrays like scalars, error control, Kalker's grid."""
+
+import numpy as np
+import pytest
+
+from vehicledyn.base.errors import InputError
+from vehicledyn.base.registry import find
+from vehicledyn.rail.creep_law import CreepContact, kalker_forces
+from vehicledyn.rail.fastsim import Rates, fine_forces, march, march_arrays
+from vehicledyn.rail.hertz import ContactEllipse
+
+CASES = Rates(
+    np.array([0.1, 0.8, 0.0, -0.4, 3.0]),
+    np.array([0.0, 0.3, 0.1, 1.5, 0.2]),
+    np.array([0.0, 0.2, 1.0, -0.6, 5.0]),
+    np.array([0.0, 0.1, 1.5, -0.9, 8.0]),
+)
+
+
+def contact(xi, eta, phi, a=5e-3, b=5e-3):
+    return CreepContact(xi, eta, phi, 5e4, ContactEllipse(a, b), 8.2e10, 0.28)
+
+
+def test_arrays_and_scalars_agree():
+    arrays = march_arrays(CASES, 7, 5)
+    for k in range(5):
+        scalars = march(Rates(*(float(rate[k]) for rate in vars(CASES).values())), 7, 5)
+        for name, value in vars(scalars).items():
+            assert float(value) == pytest.approx(getattr(arrays, name)[k], abs=1e-14)
+
+
+def test_adhesion_is_that_of_the_linear_theory():
+    """The linear theory's forces, which the flexibilities are made for."""
+    small = contact(1e-9, 2e-9, 1e-7, a=3e-3, b=6e-3)
+    forces = find("creep", "fastsim")(friction=0.3, strips=10, elements=2).forces(small)
+    linear = kalker_forces(small)
+    assert float(forces.longitudinal) == pytest.approx(float(linear.longitudinal), rel=5e-4)
+    assert float(forces.lateral) == pytest.approx(float(linear.lateral), rel=5e-4)
+
+
+def test_sliding_is_exact_on_the_smallest_grid():
+    sums = march(Rates(-1e9, 0.0, 0.0, 0.0), 3, 2)
+    assert float(sums.longitudinal) == pytest.approx(1.0, rel=1e-8)
+
+
+def test_pure_longitudinal_creep_has_a_closed_form():
+    """A strip of half length l slides from x = k - l on, k = ξ a/L1: each strip by hand."""
+    k = 0.6
+    sums = march_arrays(Rates(k, 0.0, 0.0, 0.0), 400, 400)
+    angle = np.pi * ((np.arange(4000) + 0.5) / 4000 - 0.5)
+    length = np.cos(angle)
+    adhering = np.maximum(2.0 * length - k, 0.0)
+    slid_from = length - adhering
+    slid = length**2 * (slid_from + length) - (slid_from**3 + length**3) / 3.0
+    wanted = np.sum((0.5 * k * adhering**2 + slid) * length) * 2.0 / 4000
+    assert -float(sums.longitudinal) == pytest.approx(wanted, rel=1e-5)
+
+
+def kalkers_grid(rates, strips, elements):
+    """FASTSIM as published: equal strips and elements, tractions at their middles."""
+    along = across = 0.0
+    for j in range(strips):
+        y = -1.0 + (2.0 * j + 1.0) / strips
+        half = np.sqrt(1.0 - y * y)
+        step = 2.0 * half / elements
+        p = np.zeros(2)
+        for i in range(elements):
+            x = half - (i + 0.5) * step
+            rate = np.array(
+                [rates[0] - rates[2] * y, rates[1] + rates[3] * (x + (0.0 if i else 0.25 * step))]
+            )
+            p = p - rate * (step if i else 0.5 * step)
+            bound, size = half**2 - x * x, np.hypot(*p)
+            p = p * min(1.0, bound / size) if size else p
+            along += p[0] * step * 2.0 / strips
+            across += p[1] * step * 2.0 / strips
+    return np.array([along, across]) * 2.0 / np.pi
+
+
+@pytest.mark.parametrize("case", range(5))
+def test_kalkers_own_grid_leads_to_the_same(case):
+    rates = [float(rate[case]) for rate in vars(CASES).values()]
+    fine = march_arrays(Rates(*rates), 320, 320)
+    found = np.array([float(fine.longitudinal), float(fine.lateral)])
+    finer = 2.0 * kalkers_grid(rates, 120, 120) - kalkers_grid(rates, 60, 60)
+    assert finer == pytest.approx(found, abs=4e-3)
+
+
+@pytest.mark.parametrize(("grid", "typical", "largest"), [(10, 0.035, 0.08), (20, 0.02, 0.03)])
+def test_grids_against_the_finest(grid, typical, largest):
+    """At any creep and spin; the largest are of narrow contacts that spin fast."""
+    rng = np.random.default_rng(7)
+    for ratio in (0.3, 1.0, 3.0):
+        along, across, turn = 10.0 ** rng.uniform(-1.5, 0.8, size=(3, 200))
+        across *= rng.choice([-1.0, 1.0], size=200)
+        rates = Rates(along, across, turn / ratio, turn)
+        coarse, fine = march_arrays(rates, grid, grid), march_arrays(rates, 160, 160)
+        apart = np.hypot(coarse.longitudinal - fine.longitudinal, coarse.lateral - fine.lateral)
+        assert np.quantile(apart, 0.95) < typical
+        assert apart.max() < largest
+
+
+def test_a_tolerance_is_kept():
+    felt = contact(5e-4, 1e-3, 0.5)
+    rough, fine = fine_forces(felt, 0.3, 1e-2), fine_forces(felt, 0.3, 1e-3)
+    assert abs(rough.lateral - fine.lateral) < 1e-2 * 0.3 * 5e4
+    assert rough != fine
+    with pytest.raises(InputError, match="1280 strips"):
+        fine_forces(contact(0.0, 0.0, 2.0), 0.3, 1e-9)

@@ -1,0 +1,89 @@
+"""Creep law of the wheelset problem: linear forces, each bent by a hyperbolic tangent."""
+
+from __future__ import annotations
+
+import math
+
+from vehicledyn.base.parameters import quantity
+from vehicledyn.base.registry import register
+from vehicledyn.rail.creep_law import (
+    RELATIVE_FLOOR,
+    CreepContact,
+    CreepForces,
+    CreepLaw,
+    floored_limit,
+    linear_forces,
+)
+from vehicledyn.rail.hertz import ContactEllipse
+from vehicledyn.rail.kalker import CreepCoefficients
+from vehicledyn.symbolic import ops
+from vehicledyn.symbolic.ops import Scalar
+
+
+@register("creep", "tanh")
+class Tanh(CreepLaw):
+    """Linear forces with given coefficients, each bent by a hyperbolic tangent.
+
+    F_x = -μ N tanh(G c² C11 ξ/(μ N)),    F_y = -μ N tanh((G c² C22 η + G c³ C23 φ)/(μ N)),
+
+    and both scaled back where together they exceed μ N. No spin moment. The coefficients do not
+    depend on the shape of the contact: the law of the wheelset problem of the Test Set for IVP
+    Solvers, whose ellipse :func:`wheelset_ellipse` gives. Creepages there refer to the mean
+    speed, :func:`vehicledyn.rail.creepage.mean_speed`.
+
+    References
+    ----------
+    Simeon, Führer, Rentrop (1991), Introduction to differential-algebraic equations in vehicle
+    system dynamics, Surveys on Mathematics for Industry 1, 1-37; the form of the saturation by
+    Jaschinski (1990), DLR-FB 90-06.
+    """
+
+    c11: float = quantity("1", "Kalker's C11 of the contact", gt=0)
+    c22: float = quantity("1", "Kalker's C22 of the contact", gt=0)
+    c23: float = quantity("1", "Kalker's C23 of the contact", ge=0)
+
+    def forces(self, contact: CreepContact) -> CreepForces:
+        """Return the forces; the spin moment is zero."""
+        kalker = CreepCoefficients(self.c11, self.c22, self.c23, 0.0)
+        linear = linear_forces(contact, kalker, self.stiffness_factor)
+        limit = self.friction * contact.normal_force
+        floor = floored_limit(limit)
+        x = ops.tanh(linear.longitudinal / floor)
+        y = ops.tanh(linear.lateral / floor)
+        kept = limit / ops.maximum(1.0, ops.smooth_norm(x, y, RELATIVE_FLOOR))
+        return CreepForces(kept * x, kept * y, 0.0)
+
+
+def wheelset_ellipse(
+    normal_force: Scalar,
+    curvature_sum: Scalar,
+    shear_modulus: Scalar,
+    poissons_ratio: float,
+    *,
+    axis_ratio: float,
+    elliptic_integral: float,
+) -> ContactEllipse:
+    """Return the ellipse of the wheelset problem, whose shape does not change.
+
+    c³ = 3 N (1 - ν) E / (2 π G (A + B) √g),    a = c √g, b = c/√g
+
+    Parameters
+    ----------
+    normal_force
+        N [N].
+    curvature_sum
+        A + B, half sum of all curvatures [1/m].
+    shear_modulus
+        G of both bodies [N/m²].
+    poissons_ratio
+        ν of both bodies [1].
+    axis_ratio
+        g, short over long axis; which is which has no effect on the forces [1].
+    elliptic_integral
+        E, complete elliptic integral of the second kind for that shape [1].
+    """
+    force = ops.maximum(normal_force, RELATIVE_FLOOR)
+    root = math.sqrt(axis_ratio)
+    material = (1.0 - poissons_ratio) * elliptic_integral / (shear_modulus * root)
+    c = (1.5 / math.pi * force * material / curvature_sum) ** (1.0 / 3.0)
+    return ContactEllipse(c * root, c / root)
