@@ -303,6 +303,7 @@ def _refined(
     onward = np.sign(ends[1] - ends[0])
     below, above = (onward * _steeper(wheel, rail, pose, y) for y in (low, high))
     middle = 0.5 * (low + high)
+    before = np.zeros(len(found), dtype=bool)
     for step in range(_REFINEMENTS):
         if step > 0:
             with np.errstate(invalid="ignore", divide="ignore"):
@@ -311,10 +312,11 @@ def _refined(
             middle = np.where(unsure, 0.5 * (low + high), middle)
         rest = onward * _steeper(wheel, rail, pose, middle)
         rising = rest > 0.0
-        # Illinois: an end that stays is given half its weight, so that both ends move.
-        low, high = np.where(rising, low, middle), np.where(rising, middle, high)
-        below = np.where(rising, 0.5 * below, rest)
-        above = np.where(rising, rest, 0.5 * above)
+        # Illinois: an end that stays twice is given half its weight, so that both ends move.
+        again = (rising == before) if step > 0 else np.zeros_like(rising)
+        below = np.where(rising, np.where(again, 0.5 * below, below), rest)
+        above = np.where(rising, rest, np.where(again, 0.5 * above, above))
+        low, high, before = np.where(rising, low, middle), np.where(rising, middle, high), rising
     return middle
 
 

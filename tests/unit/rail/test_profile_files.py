@@ -1,0 +1,235 @@
+"""Profiles from files: formats, directions, units, smoothing, and what is refused."""
+
+import numpy as np
+import pytest
+
+from vehicledyn.base.errors import InputError
+from vehicledyn.rail.profile_names import named_profile
+from vehicledyn.rail.profile_open import open_profile, read_profile
+from vehicledyn.rail.profile_smoothing import smoothed
+
+WHEEL, RAIL = named_profile("S1002", "wheel"), named_profile("60E1", "rail")
+PLACES = np.arange(-0.068, 0.0581, 2.5e-4)
+TREAD = np.linspace(-0.037, 0.05, 400)
+
+
+def points(factor=1e3, flip_y=False, flip_z=False, reverse=False, shift=0.0):
+    y, z = PLACES * factor, WHEEL.height(PLACES) * factor + shift
+    pairs = [(-a if flip_y else a, -b if flip_z else b) for a, b in zip(y, z, strict=True)]
+    return pairs[::-1] if reverse else pairs
+
+
+def written(tmp_path, text, name="wheel.txt"):
+    path = tmp_path / name
+    path.write_text(text, encoding="utf-8")
+    return path
+
+
+def lines(pairs, separator=" "):
+    return "".join(f"{y!r}{separator}{z!r}\n" for y, z in ((float(a), float(b)) for a, b in pairs))
+
+
+def is_s1002(profile):
+    assert profile.height(TREAD) == pytest.approx(WHEEL.height(TREAD), abs=1e-6)
+    return profile.notes
+
+
+@pytest.mark.parametrize(
+    ("changes", "told"),
+    [
+        ({}, "lengths in mm, assumed"),
+        ({"flip_y": True}, "y turned"),
+        ({"flip_z": True}, "z turned"),
+        ({"reverse": True}, "direction of falling y"),
+        ({"flip_y": True, "flip_z": True, "reverse": True, "shift": 3.0}, "z shifted by"),
+    ],
+)
+def test_direction_is_found_and_told(tmp_path, changes, told):
+    notes = is_s1002(read_profile(written(tmp_path, lines(points(**changes))), "wheel"))
+    assert any(told in note for note in notes), notes
+
+
+@pytest.mark.parametrize(
+    ("head", "factor", "separator"),
+    [
+        ("y_mm,z_mm\n", 1e3, ","),
+        ("y [m];z [m]\n", 1.0, ";"),
+        ("# measured in 2020\n# unit: cm\n", 1e2, "\t"),
+        ("# numbers in metres are not meant\n", 1e3, " "),
+        ("y_inch,z_inch\n", 1.0 / 0.0254, ","),
+    ],
+)
+def test_columns_with_units(tmp_path, head, factor, separator):
+    text = head + lines(points(factor), separator)
+    is_s1002(read_profile(written(tmp_path, text, "wheel.csv"), "wheel"))
+
+
+def simpack(pairs, **settings):
+    head = "".join(
+        f"  {key.replace('_', '.')} = {value} ! told\n" for key, value in settings.items()
+    )
+    return (
+        "header.begin\n version = 1\n type = 1\nheader.end\nspline.begin\n"
+        f" comment = 'a wheel'\n{head} point.begin\n ! y z weight\n"
+        + "".join(f"{y!r} {z!r} 1.0\n" for y, z in ((float(a), float(b)) for a, b in pairs))
+        + " point.end\nspline.end\n"
+    )
+
+
+@pytest.mark.parametrize(
+    ("factor", "settings", "shift"),
+    [
+        (1e3, {}, 0.0),
+        (1.0, {"units_len_f": "1.0"}, 0.0),
+        (1e3, {"units_len_f": "1000.", "shift_z": "-2.5"}, 2.5),
+        (1e3, {"mirror_y": 1, "mirror_z": 1}, 0.0),
+    ],
+)
+def test_simpack(tmp_path, factor, settings, shift):
+    pairs = points(factor, shift=shift)
+    path = written(tmp_path, simpack(pairs, **settings), "wheel.prw")
+    notes = is_s1002(read_profile(path, "wheel"))
+    assert notes[0] == "Simpack profile"
+    assert not any("z shifted" in note for note in notes)
+
+
+def test_miniprof(tmp_path):
+    head = 'FileName=x.whl\n"Date=01-01-2020"\nColumnDef=N,X,Y,A\nXYPOINTS=505\n\n'
+    rows = "".join(
+        f"{k} {y!r} {z!r} 0.0\n" for k, (y, z) in enumerate(map(tuple, np.array(points()).tolist()))
+    )
+    notes = is_s1002(read_profile(written(tmp_path, head + rows, "w.whl"), "wheel"))
+    assert notes[0] == "MiniProf profile"
+
+
+def test_under_the_head_of_a_rail_is_cut_off(tmp_path):
+    y = np.arange(-0.0365, 0.03651, 2.5e-4)
+    head = np.column_stack([y, RAIL.height(y)])
+    under = head[-1] + np.column_stack(
+        [-np.linspace(0.5e-3, 0.01, 20), -np.linspace(1e-3, 5e-3, 20)]
+    )
+    path = written(tmp_path, lines(1e3 * np.vstack([head, under])), "rail.txt")
+    profile = read_profile(path, "rail")
+    assert any(note.startswith("20 points cut off") for note in profile.notes)
+    crown = np.linspace(-0.035, 0.035, 301)
+    assert profile.height(crown) == pytest.approx(RAIL.height(crown), abs=2e-6)
+
+
+def test_curvature_through_exact_points():
+    """The error of interpolated curvature falls with the spacing."""
+    y = np.linspace(-0.009, 0.009, 37)
+    curve = smoothed(y, RAIL.height(y), 0.0)
+    inner = np.linspace(-0.005, 0.005, 101)
+    _, slope, bend = curve.table.values(inner)
+    assert bend / (1.0 + slope**2) ** 1.5 == pytest.approx(-1.0 / 0.3, rel=2e-3)
+    assert curve.largest < 1e-12
+
+
+def test_smoothing_removes_noise_and_reports_what_it_moved():
+    """Noise of 5 µm each 0.25 mm leaves the curvature that the docstring says, times three."""
+    noise, spacing, wavelength = 5e-6, 2.5e-4, 12e-3
+    y = np.arange(-0.026, 0.0261, spacing)
+    z = 0.08 * (np.sqrt(1.0 - (y / 0.08) ** 2) - 1.0)
+    rough = z + np.random.default_rng(1).normal(0.0, noise, len(y))
+    curve = smoothed(y, rough, wavelength)
+    inner = np.linspace(-0.012, 0.012, 301)
+    _, slope, bend = curve.table.values(inner)
+    bound = 3.0 * noise * np.sqrt(spacing / wavelength) * (2.0 * np.pi / wavelength) ** 2
+    assert np.abs(bend / (1.0 + slope**2) ** 1.5 + 12.5).max() < bound < 1.0
+    raw = smoothed(y, rough, 0.0).table.values(inner)[2]
+    assert np.abs(raw + 12.5).max() > 100.0
+
+
+def test_deviation_is_the_noise(tmp_path):
+    y = np.arange(-0.05, 0.05, 2.5e-4)
+    rough = 0.3 * y + np.random.default_rng(2).normal(0.0, 5e-6, len(y))
+    curve = smoothed(y, rough, 12e-3)
+    across = 5e-6 / np.hypot(1.0, 0.3)
+    assert curve.rms == pytest.approx(across, rel=0.15)
+    assert 2.0 * across < curve.largest < 5.0 * across
+
+
+def test_half_of_a_wave_is_left():
+    y = np.linspace(-0.05, 0.05, 2001)
+    curve = smoothed(y, 1e-6 * np.cos(2.0 * np.pi * y / 5e-3), 5e-3)
+    assert curve.table.height(np.array(0.0)) == pytest.approx(0.5e-6, rel=1e-3)
+
+
+def refused(tmp_path, text, told, name="bad.csv", kind="wheel"):
+    path = written(tmp_path, text, name)
+    with pytest.raises(InputError) as caught:
+        open_profile(str(path), kind)
+    message = str(caught.value)
+    assert message.startswith(f"{path}:"), message
+    assert told in message, message
+    return int(message.split(":")[1])
+
+
+def test_metres_for_millimetres(tmp_path):
+    refused(tmp_path, lines(points(1.0)), "are the lengths in m? Then say so: '# unit: m'")
+
+
+def test_millimetres_for_metres(tmp_path):
+    refused(tmp_path, "y_m z_m\n" + lines(points()), "read in m; are the lengths in mm?")
+
+
+def test_too_few_points(tmp_path):
+    refused(tmp_path, lines(points()[::80]), "points are too few")
+
+
+def test_doubled_point(tmp_path):
+    pairs = points()
+    line = refused(tmp_path, lines([*pairs[:100], *pairs[99:]]), "same as that of line 100")
+    assert line == 101
+
+
+def test_unsorted_points(tmp_path):
+    pairs = points()
+    pairs[300], pairs[301] = pairs[301], pairs[300]
+    line = refused(tmp_path, lines(pairs), "unsorted: y goes back")
+    assert line == 302
+
+
+def test_loop(tmp_path):
+    pairs = points()
+    y, z = pairs[300]
+    loop = [(y + 1.5, z), (y + 1.5, z + 3.0), (y + 0.5, z + 3.0), (y + 0.5, z - 2.0)]
+    refused(tmp_path, lines([*pairs[:300], *loop, *pairs[310:]]), "crosses itself: a loop")
+
+
+@pytest.mark.parametrize(
+    ("text", "told", "line"),
+    [
+        ("1 2\n3 x\n", "'x' is not a number", 2),
+        ("1 2\n3\n", "needs two numbers", 2),
+        ("1 2\n3 nan\n", "no usable length", 2),
+        ("# nothing\n", "no points found", 1),
+    ],
+)
+def test_wrong_lines(tmp_path, text, told, line):
+    assert refused(tmp_path, text, told) == line
+
+
+def test_tape_circle_outside(tmp_path):
+    pairs = [(y + 200.0, z) for y, z in points()]
+    refused(tmp_path, lines(pairs), "y = 0 must be the tape circle")
+
+
+@pytest.mark.parametrize(
+    ("settings", "told"),
+    [
+        ({"rotate": "0.1"}, "rotate"),
+        ({"units_len_f": "0"}, "units.len.f"),
+        ({"shift_y": "a"}, "shift.y"),
+    ],
+)
+def test_wrong_simpack(tmp_path, settings, told):
+    refused(tmp_path, simpack(points(), **settings), told, "wheel.prw")
+
+
+def test_missing_and_binary_files(tmp_path):
+    with pytest.raises(InputError, match="cannot be read: No such file"):
+        open_profile(str(tmp_path / "none.csv"), "rail")
+    (tmp_path / "b.csv").write_bytes(b"1 2\0\n")
+    with pytest.raises(InputError, match="not a text file"):
+        open_profile(str(tmp_path / "b.csv"), "rail")
