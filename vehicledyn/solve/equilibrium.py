@@ -16,6 +16,8 @@ from vehicledyn.solve.newton import solve_damped
 from vehicledyn.symbolic.equations import Equations
 
 _NAMED = 4
+_LARGEST_TURN = 0.5
+"""How far a coordinate may turn at once on the way to an equilibrium [rad]."""
 
 
 @dataclass(frozen=True)
@@ -113,7 +115,13 @@ def find_equilibrium(
         kernel, derivatives or Derivatives(equations), time, list(free), list(balanced)
     )
     problem.start(state, unknowns)
-    found = solve_damped(problem.evaluate, problem.state[problem.free], tolerance=tolerance)
+    limits = [_LARGEST_TURN if equations.states[k].unit == "rad" else np.inf for k in problem.free]
+    found = solve_damped(
+        problem.evaluate,
+        problem.state[problem.free],
+        tolerance=tolerance,
+        largest_step=np.array(limits),
+    )
     if not found.solved:
         raise NumericalError(_unbalanced(equations, balanced, found.residual, tolerance))
     final_state, final_unknowns = problem.point(found.point)
@@ -165,6 +173,10 @@ def _where(kernel: Kernel, index: int, time: float) -> str:
     return f"block '{kernel.equations.blocks[index].name}' at t = {time:.9g} s"
 
 
+def _per_second(unit: str) -> str:
+    return f"{unit}^2" if unit.endswith("/s") else f"{unit}/s"
+
+
 def _unbalanced(
     equations: Equations, balanced: Sequence[int], residual: Vector, tolerance: float
 ) -> str:
@@ -172,7 +184,7 @@ def _unbalanced(
     worst = [k for k in order if not abs(residual[k]) <= tolerance][:_NAMED]
     rates = [
         f"{equations.states[balanced[k]].name} ({residual[k]:.4g} "
-        f"{equations.states[balanced[k]].unit}/s)"
+        f"{_per_second(equations.states[balanced[k]].unit)})"
         for k in worst
     ]
     return (

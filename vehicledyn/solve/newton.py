@@ -33,7 +33,12 @@ class NewtonResult:
 
 
 def solve_damped(
-    evaluate: Evaluate, start: Vector, *, tolerance: float, max_iterations: int = 60
+    evaluate: Evaluate,
+    start: Vector,
+    *,
+    tolerance: float,
+    max_iterations: int = 60,
+    largest_step: Any = np.inf,
 ) -> NewtonResult:
     """Find a point where every residual is at most the tolerance.
 
@@ -50,24 +55,26 @@ def solve_damped(
         Largest residual that counts as solved.
     max_iterations
         Newton steps at most.
+    largest_step
+        How far a step may move each unknown, so that it does not leap to a solution far off.
     """
-    result = _newton(evaluate, start, tolerance, max_iterations)
+    result = _newton(evaluate, start, tolerance, max_iterations, largest_step)
     if result.solved:
         return result
     nearest = _least_squares(evaluate, start)
-    again = _newton(evaluate, nearest, tolerance, max_iterations)
+    again = _newton(evaluate, nearest, tolerance, max_iterations, largest_step)
     iterations = result.iterations + again.iterations
     return NewtonResult(again.point, again.residual, iterations, again.solved)
 
 
 def _newton(
-    evaluate: Evaluate, start: Vector, tolerance: float, max_iterations: int
+    evaluate: Evaluate, start: Vector, tolerance: float, max_iterations: int, largest_step: Any
 ) -> NewtonResult:
     point = start
     residual, jacobian = evaluate(point)
     for iteration in range(max_iterations):
         solved = _largest(residual) <= tolerance
-        trial = _damped_step(evaluate, point, residual, jacobian)
+        trial = _damped_step(evaluate, point, residual, jacobian, largest_step)
         if trial is None or (solved and _largest(trial[1]) >= _largest(residual)):
             return NewtonResult(point, residual, iteration, solved)
         point, residual, jacobian = trial
@@ -77,12 +84,12 @@ def _newton(
 
 
 def _damped_step(
-    evaluate: Evaluate, point: Vector, residual: Vector, jacobian: Vector
+    evaluate: Evaluate, point: Vector, residual: Vector, jacobian: Vector, largest_step: Any
 ) -> tuple[Vector, Vector, Vector] | None:
     """Return the next point with its residual and Jacobian, or None if no step is good."""
     step = _correction(jacobian, residual)
-    part = 1.0
-    while part > _SMALLEST_PART:
+    part = first = 1.0 / max(1.0, float(np.max(np.abs(step) / largest_step, initial=0.0)))
+    while part > _SMALLEST_PART * first:
         try:
             trial = point - part * step
             trial_residual, trial_jacobian = evaluate(trial)
@@ -107,7 +114,8 @@ def _least_squares(evaluate: Evaluate, start: Vector) -> Vector:
     """Return the point of least squared residual near the start; none is worse than it."""
     from scipy.optimize import least_squares
 
-    scale = np.maximum(np.abs(evaluate(start)[1]).max(axis=1), 1e-300)
+    scale = np.abs(evaluate(start)[1]).max(axis=1)
+    scale[scale == 0.0] = 1.0
 
     def residual(point: Vector) -> Any:
         try:

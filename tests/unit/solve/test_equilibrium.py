@@ -18,6 +18,7 @@ from vehicledyn.solve.equilibrium import assemble, find_equilibrium
 from vehicledyn.solve.kernel import compile_kernel
 from vehicledyn.solve.linearise import linearise
 from vehicledyn.solve.modes import eigenmodes
+from vehicledyn.solve.newton import solve_damped
 
 
 def turned_pendulum(torque):
@@ -66,6 +67,21 @@ def test_equilibrium_through_loops():
     point = balance(equations, [0, 1], [2, 3])
     assert point.state == pytest.approx([0.0, 0.0, 0.0, 0.0], abs=1e-12)
     assert point.unknowns == pytest.approx([0.0, -1.0, 0.0, -1.8], abs=1e-12)
+
+
+def test_newton_does_not_leap_to_a_solution_far_off():
+    def sine(point):
+        return np.sin(point), np.diag(np.cos(point))
+
+    leap = solve_damped(sine, np.array([1.5]), tolerance=1e-12)
+    near = solve_damped(sine, np.array([1.5]), tolerance=1e-12, largest_step=0.5)
+    assert leap.solved and abs(leap.point[0]) > 6.0
+    assert near.solved and near.point == pytest.approx([0.0], abs=1e-12)
+
+
+def test_what_nothing_moves_is_left_unbalanced_without_warnings():
+    found = solve_damped(lambda _: (np.array([5.0]), np.zeros((1, 1))), np.zeros(1), tolerance=1e-9)
+    assert not found.solved and found.residual == pytest.approx([5.0])
 
 
 def test_equilibrium_needs_as_many_rates_as_states():
