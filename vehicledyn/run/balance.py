@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -111,13 +111,22 @@ def find_equilibrium(
         kind, wanted = target.scenario.start or "steady", target.scenario.speed or 0.0
     shown_speed = 0.0 if kind == "static" else wanted
     progress("finding the equilibrium", None)
-    nominal = _channels(prepared, nominal_point(prepared, shown_speed))
+    start = nominal_point(prepared, shown_speed)
     point = equilibrium_point(prepared, shown_speed, "steady" if shown_speed else "static")
-    balanced = _channels(prepared, point)
+    if not shown_speed:
+        start, point = _still(prepared, start), _still(prepared, point)
+    nominal, balanced = _channels(prepared, start), _channels(prepared, point)
     coordinates, forces = _tables(prepared, nominal, balanced)
     return EquilibriumReport(
         prepared.equations.name, shown_speed, kind, point.residual, coordinates, forces
     )
+
+
+def _still(prepared: Prepared, point: Point) -> Point:
+    """Return a point without the velocities that a start gives it."""
+    state = point.state.copy()
+    state[list(prepared.equations.velocities)] = 0.0
+    return replace(point, state=state)
 
 
 def _channels(prepared: Prepared, point: Point) -> NDArray[np.float64]:

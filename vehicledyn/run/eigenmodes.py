@@ -75,6 +75,7 @@ def find_modes(
     found: list[ModesAtSpeed] = []
     cases: list[ModeCase] = []
     table = ModeTable("", "", (), (), (), ())
+    has_speed = True
     for setting, variant in variants:
         prepared = prepare(variant, backend=backend, progress=progress)
         if speeds:
@@ -85,7 +86,9 @@ def find_modes(
         table = table if found else own
         scenario = variant if isinstance(variant, LoadedScenario) else None
         for speed in speeds or [scenario.scenario.speed or 0.0 if scenario else 0.0]:
-            progress(f"linearising at {shown(speed, 'm/s')}", None)
+            has_speed = _has_speed(prepared)
+            place = f" at {shown(speed, 'm/s')}" if has_speed else ""
+            progress(f"linearising{place}", None)
             entry, linear = _modes_at(prepared, speed, scenario)
             found.append(replace(entry, setting=setting))
             cases.append(_case(table, found[-1], linear))
@@ -95,13 +98,18 @@ def find_modes(
     if plots is not None:
         progress("drawing", None)
         save_figures(mode_figures(whole), plots, ("png", "svg"))
-    return ModesReport(whole.model, found, whole)
+    return ModesReport(whole.model, found, whole, has_speed)
+
+
+def _has_speed(prepared: Prepared) -> bool:
+    """Return whether a speed says something: of a vehicle, or of a system with such wheels."""
+    subject = prepared.subject
+    return not isinstance(subject, SystemSubject) or bool(subject.parameters_at(1.0))
 
 
 def _check_speed(prepared: Prepared) -> None:
     """Raise InputError if a speed says nothing about a system."""
-    subject = prepared.subject
-    if isinstance(subject, SystemSubject) and not subject.parameters_at(1.0):
+    if not _has_speed(prepared):
         raise InputError(
             f"--speed: nothing in '{prepared.equations.name}' depends on a speed of this name; "
             "set the parameter or the start rate that says how fast it moves, with --set"

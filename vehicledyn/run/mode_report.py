@@ -40,11 +40,15 @@ class ModesAtSpeed:
 
 @dataclass(frozen=True)
 class ModesReport:
-    """Modes of a model in one or several cases; ``table`` holds their shapes."""
+    """Modes of a model in one or several cases; ``table`` holds their shapes.
+
+    ``has_speed`` tells a vehicle from a system, which no single speed describes.
+    """
 
     model: str
     speeds: list[ModesAtSpeed]
     table: ModeTable
+    has_speed: bool = True
 
     def as_text(self) -> str:
         """Return a table of modes for each case."""
@@ -71,7 +75,7 @@ class ModesReport:
         zeros = sum(1 for m in entry.modes if abs(m.eigenvalue) < _NEAR_ZERO)
         verdict = f"{len(entry.unstable)} unstable" if entry.unstable else "all others stable"
         place = self.model
-        if entry.speed or not entry.setting:
+        if entry.speed or (self.has_speed and not entry.setting):
             place += f" at {shown(entry.speed, 'm/s')}"
         if entry.setting:
             place += f", {entry.setting}"

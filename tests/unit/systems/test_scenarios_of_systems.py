@@ -9,6 +9,8 @@ import pytest
 
 import vehicledyn.catalogue  # noqa: F401
 from vehicledyn.base.errors import InputError
+from vehicledyn.run.balance import find_equilibrium
+from vehicledyn.run.eigenmodes import find_modes
 from vehicledyn.run.prepare import prepare, start_point
 from vehicledyn.scenario import is_system_file, load_model, load_scenario
 
@@ -133,6 +135,34 @@ def test_static_start_is_an_equilibrium_with_the_given_rates(write):
     assert point.residual < 1e-9
     assert channels(prepared, point)["slider.x_rate"] == pytest.approx(0.2, rel=1e-12)
     assert channels(prepared, point)["slider.x"] != pytest.approx(0.3, abs=1e-3)
+
+
+HANGING = """\
+title: A double pendulum on a cart
+bodies:
+  cart: {joints: [T1 x], mass: 2 kg}
+  upper: {parent: cart, joints: [R2 angle], mass: 1 kg, com: [0, 0, -0.3 m],
+          inertia: [0.03, 0.03, 0]}
+  lower: {parent: upper, at: [0, 0, -0.6 m], joints: [R2 angle], mass: 1 kg, com: [0, 0, -0.3 m],
+          inertia: [0.03, 0.03, 0]}
+sensors: {hook: {kind: reaction, body: upper, axes: world, shows: [force]}}
+initial: {upper.angle: 60 deg, lower.angle: 40 deg, upper.angle_rate: 5 rad/s}
+"""
+
+
+def test_the_equilibrium_of_pendulums_is_the_near_one_and_at_rest(write):
+    model = load_model(str(write(system=HANGING).parent / "sub" / "system.yaml"))
+    found = find_equilibrium(model, speed=None, backend="interpreted", progress=lambda *_: None)
+    angles = {row.name: row.equilibrium for row in found.coordinates}
+    assert angles == pytest.approx(dict.fromkeys(angles, 0.0), abs=1e-9)
+    force = {row.name: row.equilibrium for row in found.forces}
+    assert force["hook.force_z"] == pytest.approx(2.0 * 9.81, rel=1e-12)
+
+
+def test_modes_of_a_system_tell_no_speed(write):
+    model = load_model(str(write(system=HANGING).parent / "sub" / "system.yaml"))
+    found = find_modes(model, speeds=[], backend="interpreted", progress=lambda *_: None)
+    assert found.as_text().startswith("system: 2 zeros, all others stable\n")
 
 
 def test_verbs_on_a_system_file(write):
