@@ -16,6 +16,7 @@ FEWEST = 10
 NARROWEST, WIDEST = 0.02, 0.5
 _FLANGE = 0.01
 _SAME = 1e-8
+_SWAPPED = 2  # segments apart: two points in the wrong order, no loop
 _UNITS = {1.0: "m", 1e-3: "mm", 1e-2: "cm", 1e-6: "µm", 0.0254: "inch"}
 
 
@@ -73,7 +74,7 @@ def _check_points(points: RawPoints, y: Floats, z: Floats, unit: str) -> None:
 def _check_order(points: RawPoints, y: Floats, z: Floats, lines: NDArray[np.int_]) -> None:
     """Refuse a profile that crosses itself, or turns back elsewhere than at its ends."""
     crossing = _first_crossing(y, z)
-    if crossing is not None:
+    if crossing is not None and crossing[1] - crossing[0] > _SWAPPED:
         message = (
             f"the profile crosses itself: a loop with the part at line {lines[crossing[0]]}; "
             "remove it, or sort the points"

@@ -57,7 +57,8 @@ def smoothed(y: Floats, z: Floats, wavelength: float) -> Smoothed:
     curve = table(position[usable, 0], position[usable, 1], slope[usable], bend[usable])
     # Along the normal: what is moved along the profile does not show.
     rates = _evaluate(length, values, bends, length)[1]
-    across = np.cross(rates / np.linalg.norm(rates, axis=1)[:, None], points - values)
+    moved = points - values
+    across = (rates[:, 0] * moved[:, 1] - rates[:, 1] * moved[:, 0]) / np.hypot(*rates.T)
     return Smoothed(curve, float(np.max(np.abs(across))), float(np.sqrt(np.mean(across**2))))
 
 
