@@ -10,6 +10,11 @@ strips and elements. Here the strips are equal in θ, y = sin θ, and the elemen
 points of the strip, so that the sums over them are exact where all slides and (to 2e-4 for ten
 strips) where all adheres; in between the error falls in proportion to the number of elements.
 
+Three unequal flexibilities turn the sliding traction away from the slip, which is the rigid
+one, (ξ - φ b y, η + φ a x), where creep is large. A second set of rates is therefore followed to
+the part that the traction has of its bound, to the fourth power: with one flexibility, the
+geometric mean, for all three (:func:`sliding_rates`), or the same rates again, as published.
+
 Flexibilities: L1 = 8 a/(3 G C11), L2 = 8 a/(3 G C22), L3 = π a √(a/b)/(4 G C23).
 
 References
@@ -81,6 +86,22 @@ def rates_of(contact: CreepContact, limit: Scalar, factor: Scalar = 1.0) -> Rate
     )
 
 
+def sliding_rates(contact: CreepContact, limit: Scalar, factor: Scalar = 1.0) -> Rates:
+    """Return the growth of tractions by one flexibility, the geometric mean of the three."""
+    kalker = creep_coefficients(contact.axis_ratio, contact.poissons_ratio)
+    a, b = contact.ellipse.semi_axis_x, contact.ellipse.semi_axis_y
+    straight = 3.0 * math.pi / 16.0
+    spin = 2.0 * kalker.lateral_spin * ops.sqrt(b / a)
+    product = straight * kalker.longitudinal * straight * kalker.lateral * spin
+    common = factor * contact.shear_modulus * a * b / limit * product ** (1.0 / 3.0)
+    return Rates(
+        common * contact.longitudinal,
+        common * contact.lateral,
+        common * b * contact.spin,
+        common * a * contact.spin,
+    )
+
+
 def total(contact: CreepContact, limit: Scalar, sums: Sums) -> CreepForces:
     """Return the forces of the sums, for a friction force μ N [N]."""
     ellipse = contact.ellipse
@@ -89,30 +110,37 @@ def total(contact: CreepContact, limit: Scalar, sums: Sums) -> CreepForces:
     return CreepForces(limit * sums.longitudinal, limit * sums.lateral, limit * moment)
 
 
-def march(rates: Rates, strips: int, elements: int) -> Sums:
+def march(rates: Rates, sliding: Rates, strips: int, elements: int) -> Sums:
     """Return the sums of the tractions over the ellipse, of numbers or expressions.
 
     Parameters
     ----------
-    rates
-        What the tractions grow by.
+    rates, sliding
+        What the tractions grow by where they are small, and where they reach their bound.
     strips, elements
         Number of strips and of elements in each, at least 2.
     """
     totals: list[Scalar] = [0.0, 0.0, 0.0, 0.0]
     for y, half_length, width in _strips(strips):
-        for k, part in enumerate(_strip(ops, rates, y, half_length, elements)):
+        for k, part in enumerate(_strip(ops, (rates, sliding), y, half_length, elements)):
             totals[k] = totals[k] + width * part
     return Sums(*totals)
 
 
-def march_arrays(rates: Rates, strips: int, elements: int) -> Sums:
+def march_arrays(rates: Rates, sliding: Rates, strips: int, elements: int) -> Sums:
     """Return what :func:`march` does for rates that are arrays of one shape, by NumPy."""
     import numpy as np
 
     y, half_length, width = np.array(_strips(strips)).T
-    cases = Rates(*(np.asarray(rate)[..., None] for rate in vars(rates).values()))
-    return Sums(*(part @ width for part in _strip(np, cases, y, half_length, elements)))
+    both = _columns(rates), _columns(sliding)
+    return Sums(*(part @ width for part in _strip(np, both, y, half_length, elements)))
+
+
+def _columns(rates: Rates) -> Rates:
+    """Return rates with a last axis for the strips."""
+    import numpy as np
+
+    return Rates(*(np.asarray(rate)[..., None] for rate in vars(rates).values()))
 
 
 def fine_forces(contact: CreepContact, friction: float, tolerance: float) -> CreepForces:
@@ -134,11 +162,11 @@ def fine_forces(contact: CreepContact, friction: float, tolerance: float) -> Cre
         If 1280 strips and elements do not suffice.
     """
     limit = friction * contact.normal_force
-    rates = rates_of(contact, limit)
-    size, sums = 10, march_arrays(rates, 10, 10)
+    both = rates_of(contact, limit), sliding_rates(contact, limit)
+    size, sums = 10, march_arrays(*both, 10, 10)
     while size < LARGEST_GRID:
         size, before = 2 * size, sums
-        sums = march_arrays(rates, size, size)
+        sums = march_arrays(*both, size, size)
         if _change(before, sums) <= tolerance:
             return total(contact, limit, sums)
     raise InputError(f"FASTSIM: a tolerance of {tolerance:g} needs more than {size} strips")
@@ -157,10 +185,12 @@ def _strips(count: int) -> list[tuple[float, float, float]]:
 
 
 def _strip(
-    library: Any, rates: Rates, y: Scalar, half_length: Scalar, elements: int
+    library: Any, both: tuple[Rates, Rates], y: Scalar, half_length: Scalar, elements: int
 ) -> tuple[Scalar, Scalar, Scalar, Scalar]:
     """Return ∫ p_x, ∫ p_y, ∫ x p_y, ∫ y p_x along a strip, or along an array of strips."""
+    rates, sliding = both
     along = rates.longitudinal - rates.spin_along * y
+    sliding_along = sliding.longitudinal - sliding.spin_along * y
     px: Scalar = 0.0
     py: Scalar = 0.0
     sums: list[Scalar] = [0.0, 0.0, 0.0]
@@ -169,23 +199,20 @@ def _strip(
         x = half_length * node
         step, mean = before - x, 0.5 * (before + x)
         bound = half_length**2 - x * x
-        px = px - along * step
-        py = py - (rates.lateral + rates.spin_across * mean) * step
-        # Sliding follows the slip at the end of the element, adhesion the mean over it.
-        slides = 1.0 - _kept(library, px, py, bound)
-        py = py - slides * rates.spin_across * (x - mean) * step
-        kept = _kept(library, px, py, bound)
+        across = rates.lateral + rates.spin_across * mean
+        # Adhesion takes the mean rate over the element, sliding the one at its end.
+        grown = (px - along * step) ** 2 + (py - across * step) ** 2
+        share = library.minimum(1.0, grown / bound**2) ** 2
+        sliding_across = sliding.lateral + sliding.spin_across * x
+        px = px - (along + share * (sliding_along - along)) * step
+        py = py - (across + share * (sliding_across - across)) * step
+        size = library.sqrt(px * px + py * py + TRACTION_FLOOR**2)
+        kept = library.minimum(1.0, bound / size)
         px, py, before = px * kept, py * kept, x
-        share = half_length * weight
+        width = half_length * weight
         for k, part in enumerate((px, py, x * py)):
-            sums[k] = sums[k] + share * part
+            sums[k] = sums[k] + width * part
     return sums[0], sums[1], sums[2], y * sums[0]
-
-
-def _kept(library: Any, px: Scalar, py: Scalar, bound: Scalar) -> Scalar:
-    """Return the part of a traction that friction leaves, at most 1."""
-    size = library.sqrt(px * px + py * py + TRACTION_FLOOR**2)
-    return library.minimum(1.0, bound / size)
 
 
 @lru_cache(maxsize=32)

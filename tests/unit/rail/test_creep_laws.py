@@ -22,6 +22,7 @@ assert vehicledyn.rail.creep
 LOAD, FRICTION, SHEAR, POISSON = 5e4, 0.3, 8.2e10, 0.28
 EXAMPLES = {
     "fastsim": {"strips": 6, "elements": 6},
+    "fastsim_1982": {"strips": 6, "elements": 6},
     "johnson_vermeulen": {},
     "linear": {},
     "linear_smooth": {},

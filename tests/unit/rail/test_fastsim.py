@@ -6,7 +6,14 @@ import pytest
 from vehicledyn.base.errors import InputError
 from vehicledyn.base.registry import find
 from vehicledyn.rail.creep_law import CreepContact, kalker_forces
-from vehicledyn.rail.fastsim import Rates, fine_forces, march, march_arrays
+from vehicledyn.rail.fastsim import (
+    Rates,
+    fine_forces,
+    march,
+    march_arrays,
+    rates_of,
+    sliding_rates,
+)
 from vehicledyn.rail.hertz import ContactEllipse
 
 CASES = Rates(
@@ -16,15 +23,18 @@ CASES = Rates(
     np.array([0.0, 0.1, 1.5, -0.9, 8.0]),
 )
 
+OTHER = Rates(*(1.2 * rate for rate in vars(CASES).values()))
+
 
 def contact(xi, eta, phi, a=5e-3, b=5e-3):
     return CreepContact(xi, eta, phi, 5e4, ContactEllipse(a, b), 8.2e10, 0.28)
 
 
 def test_arrays_and_scalars_agree():
-    arrays = march_arrays(CASES, 7, 5)
+    arrays = march_arrays(CASES, OTHER, 7, 5)
     for k in range(5):
-        scalars = march(Rates(*(float(rate[k]) for rate in vars(CASES).values())), 7, 5)
+        both = [Rates(*(float(rate[k]) for rate in vars(x).values())) for x in (CASES, OTHER)]
+        scalars = march(*both, 7, 5)
         for name, value in vars(scalars).items():
             assert float(value) == pytest.approx(getattr(arrays, name)[k], abs=1e-14)
 
@@ -39,14 +49,16 @@ def test_adhesion_is_that_of_the_linear_theory():
 
 
 def test_sliding_is_exact_on_the_smallest_grid():
-    sums = march(Rates(-1e9, 0.0, 0.0, 0.0), 3, 2)
+    slip = Rates(-1e9, 0.0, 0.0, 0.0)
+    sums = march(slip, slip, 3, 2)
     assert float(sums.longitudinal) == pytest.approx(1.0, rel=1e-8)
 
 
 def test_pure_longitudinal_creep_has_a_closed_form():
     """A strip of half length l slides from x = k - l on, k = ξ a/L1: each strip by hand."""
     k = 0.6
-    sums = march_arrays(Rates(k, 0.0, 0.0, 0.0), 400, 400)
+    rates = Rates(k, 0.0, 0.0, 0.0)
+    sums = march_arrays(rates, rates, 400, 400)
     angle = np.pi * ((np.arange(4000) + 0.5) / 4000 - 0.5)
     length = np.cos(angle)
     adhering = np.maximum(2.0 * length - k, 0.0)
@@ -80,21 +92,23 @@ def kalkers_grid(rates, strips, elements):
 @pytest.mark.parametrize("case", range(5))
 def test_kalkers_own_grid_leads_to_the_same(case):
     rates = [float(rate[case]) for rate in vars(CASES).values()]
-    fine = march_arrays(Rates(*rates), 320, 320)
+    fine = march_arrays(Rates(*rates), Rates(*rates), 320, 320)
     found = np.array([float(fine.longitudinal), float(fine.lateral)])
     finer = 2.0 * kalkers_grid(rates, 120, 120) - kalkers_grid(rates, 60, 60)
     assert finer == pytest.approx(found, abs=4e-3)
 
 
-@pytest.mark.parametrize(("grid", "typical", "largest"), [(10, 0.035, 0.08), (20, 0.02, 0.03)])
-def test_grids_against_the_finest(grid, typical, largest):
-    """At any creep and spin; the largest are of narrow contacts that spin fast."""
+@pytest.mark.parametrize(("turning", "typical", "largest"), [(0.0, 3e-3, 5e-3), (1.0, 0.07, 0.12)])
+def test_the_usual_grid_against_a_fine_one(turning, typical, largest):
+    """At any creep and spin, of narrow and long contacts."""
     rng = np.random.default_rng(7)
     for ratio in (0.3, 1.0, 3.0):
-        along, across, turn = 10.0 ** rng.uniform(-1.5, 0.8, size=(3, 200))
-        across *= rng.choice([-1.0, 1.0], size=200)
-        rates = Rates(along, across, turn / ratio, turn)
-        coarse, fine = march_arrays(rates, grid, grid), march_arrays(rates, 160, 160)
+        xi, eta, turn = 10.0 ** rng.uniform(-4.2, -1.8, size=(3, 200))
+        eta *= rng.choice([-1.0, 1.0], size=200)
+        a, b = 5e-3 * ratio**0.5, 5e-3 / ratio**0.5
+        felt = contact(xi, eta, turning * turn / 5e-3, a=a, b=b)
+        both = rates_of(felt, 1.5e4), sliding_rates(felt, 1.5e4)
+        coarse, fine = march_arrays(*both, 10, 16), march_arrays(*both, 128, 128)
         apart = np.hypot(coarse.longitudinal - fine.longitudinal, coarse.lateral - fine.lateral)
         assert np.quantile(apart, 0.95) < typical
         assert apart.max() < largest
