@@ -228,6 +228,9 @@ def _syntax(words: str, name: str, mark: Mark) -> Exception:
     return refusal([Problem(name, mark, "syntax", words)], name)
 
 
+_QUOTE = "put a text that holds { } [ ] or , or begins with * in quotation marks"
+
+
 def _syntax_words(error: MarkedYAMLError) -> str:
     problem = re.sub(r"\s+", " ", str(error.problem or error.context or "not YAML"))
     if "'\\t'" in problem:
@@ -236,7 +239,9 @@ def _syntax_words(error: MarkedYAMLError) -> str:
         return f"{problem}; check the indentation and the colons here and in the line above"
     context = re.sub(r"\s+", " ", str(error.context or ""))
     parts = [context, problem] if context.startswith("expected") else [problem, context]
-    return " ".join(filter(None, parts)) if error.problem else problem
+    words = " ".join(filter(None, parts)) if error.problem else problem
+    in_flow = "flow sequence" in words or "flow mapping" in words
+    return f"{words}; {_QUOTE}" if in_flow or "alias" in words else words
 
 
 def _syntax_mark(error: MarkedYAMLError) -> Mark:

@@ -225,9 +225,27 @@ def _quantity(number: str, unit: str) -> Quantity:
     try:
         given = parse_unit(unit) if unit else None
     except InputError as error:
-        raise ExpressionError(str(error)) from None
+        raise ExpressionError(f"{error}{_split_hint(unit)}") from None
     solid = unit if "(" in unit else re.sub(r"\s*([*/·])\s*|\s+", lambda m: m[1] or "*", unit)
     return replace(_bare(number), unit=solid, given=given)
+
+
+def _split_hint(unit: str) -> str:
+    """Return how to end a unit where a name follows it without a blank, as in "2 rad/s*time"."""
+    for sign in reversed(list(re.finditer(r"[*/]", unit))):
+        head, name = unit[: sign.start()], unit[sign.end() :]
+        if _is_unit(head):
+            split = _shown(f"{head} {sign[0]} {name}")
+            return f"; to go on after a unit put blanks round the sign: {split}"
+    return ""
+
+
+def _is_unit(text: str) -> bool:
+    try:
+        parse_unit(text)
+    except InputError:
+        return False
+    return bool(text)
 
 
 def _bare(number: str | float) -> Quantity:

@@ -113,7 +113,8 @@ def _declared(
     for name, item in data.items():
         here = (*place, name)
         if not is_name(name):
-            problems.append((here, f"'{name}' cannot be a name; use letters, digits and _"))
+            hint = "; decimals have a point, no comma" if name[:1].isdigit() else ""
+            problems.append((here, f"'{name}' cannot be a name; use letters, digits and _{hint}"))
         elif name in RESERVED:
             problems.append((here, f"'{name}' has a meaning in expressions; take another name"))
         elif isinstance(item, dict) and not is_long(item):

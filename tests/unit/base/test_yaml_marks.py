@@ -40,6 +40,8 @@ def test_marks_of_keys_and_values():
         ("a: 1\n--- \nb: 2", "f.yaml:2:1: syntax: ", "single document"),
         ("a: &x [*x]", "f.yaml:1:4: syntax: ", "repeats itself"),
         ("a: *x", "f.yaml:1:4: syntax: ", "undefined alias"),
+        ("a: [2, *x]", "f.yaml:1:8: syntax: ", "begins with * in quotation marks"),
+        ("a: [2*{i}, 3]", "f.yaml:1:7: syntax: ", "put a text that holds { } [ ] or ,"),
         ("%YAML 1.1\n---\na: on", "f.yaml:1:1: syntax: ", "1.2"),
         ("[" * 1000, "f.yaml:1:1: syntax: ", "too deeply"),
         ("a: {b: 1\nc: 2", "f.yaml:2:2: syntax: ", "expected"),

@@ -107,8 +107,12 @@ def test_places_of_coordinates_parts_and_given_rates(tmp_path):
         ("sin(x=1)", "is not allowed in an expression"),
         ("await l", "is not allowed in an expression"),
         ("1; 2", "neither a quantity nor an expression"),
+        ("2 rad/s*time", "'time' is not a known unit; to go on after a unit put blanks round the "
+         "sign: rad/s * time"),
+        ("0.3 m*sin(l)", "put blanks round the sign: m * sin"),
+        ("1 m" + "*m" * 900 + "*l", "put blanks round the sign: m*m*"),
     ],
-)
+)  # fmt: skip
 def test_no_expression_runs_code_or_the_interpreter_down(text, words):
     with pytest.raises(ExpressionError) as refused:
         read_expression(text).value({"l": 2.0}, NUMBERS)
