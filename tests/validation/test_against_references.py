@@ -20,6 +20,7 @@ ROWS = {
     "repeatability": 2,
     "contact_points": 6,
     "tyre_tables": 3,
+    "rail_geometry": 10,
 }
 NEEDS_COMPILER = {
     "convergence": "runs with small steps take minutes interpreted",

@@ -13,6 +13,7 @@ from reference_cases import (
     mechanics,
     modes,
     positions,
+    rail_geometry,
     repeatability,
     slalom,
     standstill,
@@ -34,6 +35,7 @@ GROUPS = {
     "repeatability": repeatability.compare,
     "contact_points": contact_points.compare,
     "tyre_tables": tyre_tables.compare,
+    "rail_geometry": rail_geometry.compare,
 }
 
 
