@@ -22,7 +22,11 @@ _NO_WORK = ("OP_INPUT", "OP_OUTPUT", "OP_CONST", "OP_PARAMETER")
 
 @dataclass(frozen=True)
 class KernelFunctions:
-    """CasADi functions of a kernel; ``blocks`` are in the order of the equations' blocks."""
+    """CasADi functions of a kernel; ``blocks`` are in the order of the equations' blocks.
+
+    ``waves`` return residual and Jacobian of neighbouring blocks that do not depend on each
+    other, in one column, and ``wave_starts`` are their first blocks.
+    """
 
     prepare: Any
     rates: Any
@@ -30,6 +34,8 @@ class KernelFunctions:
     blocks: tuple[Any, ...]
     events: Any
     resets: Any
+    waves: tuple[Any, ...]
+    wave_starts: tuple[int, ...]
 
 
 def derive_functions(equations: Equations) -> KernelFunctions:
@@ -58,6 +64,12 @@ def derive_functions(equations: Equations) -> KernelFunctions:
         casadi.vertcat(*items) if items else casadi.SX(0, 1) for items in (symbols, fixed)
     )
     inputs = [time, state, unknown, constants]
+    starts = wave_starts(equations)
+    waves = []
+    for k, start in enumerate(starts):
+        stop = starts[k + 1] if k + 1 < len(starts) else len(equations.blocks)
+        parts = [casadi.vec(item) for item in expressions[4 + 2 * start : 4 + 2 * stop]]
+        waves.append(casadi.Function(f"wave_{k}", inputs, [casadi.vertcat(*parts)]))
     return KernelFunctions(
         prepare=casadi.Function("prepare", [equations.parameter], [values]),
         rates=casadi.Function("rates", inputs, expressions[:1]),
@@ -68,7 +80,28 @@ def derive_functions(equations: Equations) -> KernelFunctions:
         ),
         events=casadi.Function("events", inputs, expressions[2:3]),
         resets=casadi.Function("resets", inputs, expressions[3:4]),
+        waves=tuple(waves),
+        wave_starts=starts,
     )
+
+
+def wave_starts(equations: Equations) -> tuple[int, ...]:
+    """Return the first block of each run of blocks that do not depend on each other's unknowns."""
+    import casadi
+
+    if not equations.blocks:
+        return ()
+    pattern = casadi.jacobian(equations.residual, equations.algebraic).sparsity()
+    needed: dict[int, set[int]] = {}
+    for row, column in zip(*pattern.get_triplet(), strict=True):
+        needed.setdefault(row, set()).add(column)
+    starts = [0]
+    for number, block in enumerate(equations.blocks):
+        first = equations.blocks[starts[-1]].start
+        own = range(block.start, block.stop)
+        if any(first <= item < block.start for row in own for item in needed.get(row, ())):
+            starts.append(number)
+    return tuple(starts)
 
 
 def event_expressions(equations: Equations) -> list[Any]:

@@ -53,7 +53,7 @@ VD_EXPORT void vd_outputs(double t, const double *x, const double *z, const doub
 
 VD_EXPORT void vd_block(int k, double t, const double *x, const double *z, const double *c,
                         double *residual, double *jacobian) {
-  block_functions[k](&t, x, z, c, residual, jacobian);
+  evaluate_block(k, &t, x, z, c, residual, jacobian);
 }
 
 /* Largest residual and determinant of each block at some points, one row a point. */
@@ -64,7 +64,7 @@ VD_EXPORT void vd_survey(long long n_points, const double *t, const double *xs, 
     for (int k = 0; k < NB; k++) {
       const int n = block_start[k + 1] - block_start[k];
       double largest = 0.0;
-      block_functions[k](t + point, xs + point * NX, zs + point * NZ, c, residual, jacobian);
+      evaluate_block(k, t + point, xs + point * NX, zs + point * NZ, c, residual, jacobian);
       for (int i = 0; i < n; i++)
         if (!(fabs(residual[i]) <= largest)) largest = fabs(residual[i]);
       *residuals++ = largest;

@@ -30,14 +30,14 @@ def lane_source(equations: Equations, functions: KernelFunctions, lanes: int) ->
 
 
 def _common(equations: Equations, functions: KernelFunctions) -> list[str]:
-    blocks = enumerate(functions.blocks)
+    waves = enumerate(functions.waves)
     return [
         shared_source("real.h"),
         shared_source("elementary.c"),
         print_function(functions.prepare, "prepare", ["p"]),
         print_function(functions.rates, "rates", _ARGUMENTS),
         print_function(functions.outputs, "outputs", _ARGUMENTS),
-        *[print_function(block, f"block_{k}", _ARGUMENTS) for k, block in blocks],
+        *[print_function(wave, f"wave_{k}", _ARGUMENTS) for k, wave in waves],
         _tables(equations, functions),
         shared_source("steps.c"),
     ]
@@ -58,6 +58,8 @@ def _tables(equations: Equations, functions: KernelFunctions) -> str:
         "NZ1": max(1, n_unknowns),
         "NY": len(equations.channels),
         "NB": len(blocks),
+        "NV": max([1, *[wave.numel_out(0) for wave in functions.waves]]),
+        "NWAVES": len(functions.waves),
         "NW": max([1, *[block.stop - block.start for block in blocks]]),
         "NQ": len(equations.positions),
         "NE": len(equations.events),
@@ -65,8 +67,8 @@ def _tables(equations: Equations, functions: KernelFunctions) -> str:
     }
     counts = operations_of(functions)
     starts = [block.start for block in blocks] + [n_unknowns]
-    signature = ", ".join(["const real *"] * 4 + ["real *"] * 2)
-    names = [f"block_{k}" for k in range(len(blocks))] or ["0"]
+    signature = ", ".join(["const real *"] * 4 + ["real *"])
+    names = [f"wave_{k}" for k in range(len(functions.waves))] or ["0"]
     return "\n".join(
         [
             *[f"#define {name} {size}" for name, size in sizes.items()],
@@ -76,13 +78,33 @@ def _tables(equations: Equations, functions: KernelFunctions) -> str:
             _table("static const int", "velocities", equations.velocities),
             _table("static const int", "fires_rising", _fires(equations, "rising")),
             _table("static const int", "fires_falling", _fires(equations, "falling")),
-            f"typedef void (*block_function)({signature});",
-            _table("static const block_function", "block_functions", names),
+            f"typedef void (*wave_function)({signature});",
+            _table("static const wave_function", "wave_functions", names),
+            _table("static const int", "wave_start", [*functions.wave_starts, len(blocks)]),
+            _table("static const int", "wave_of", _waves_of(functions, len(blocks))),
+            _table("static const int", "value_start", _value_starts(equations, functions)),
             f"VD_EXPORT const int vd_constants = {functions.prepare.numel_out(0)};",
             f"VD_EXPORT const int vd_new_values = {functions.resets.numel_out(0)};",
             _table("VD_EXPORT const int", "vd_operations", [counts[key] for key in COUNTED]),
         ]
     )
+
+
+def _waves_of(functions: KernelFunctions, n_blocks: int) -> list[int]:
+    """Return the wave of each block."""
+    starts = functions.wave_starts
+    return [sum(start <= k for start in starts) - 1 for k in range(n_blocks)]
+
+
+def _value_starts(equations: Equations, functions: KernelFunctions) -> list[int]:
+    """Return where the values of each block begin among those of its wave."""
+    starts, place = [], 0
+    for k, block in enumerate(equations.blocks):
+        place = 0 if k in functions.wave_starts else place
+        starts.append(place)
+        size = block.stop - block.start
+        place += size + size * size
+    return starts
 
 
 def _fires(equations: Equations, direction: str) -> list[int]:

@@ -109,55 +109,82 @@ static real largest_of(int n, const real *values) {
   return largest;
 }
 
-static real residual_of(int k, real t, const real *x, const real *z, const real *c) {
-  real residual[NW], jacobian[NW * NW];
-  block_functions[k](&t, x, z, c, residual, jacobian);
-  return largest_of(block_start[k + 1] - block_start[k], residual);
+/* Residual and Jacobian of a block. */
+static void evaluate_block(int k, const real *t, const real *x, const real *z, const real *c,
+                           real *residual, real *jacobian) {
+  real values[NV];
+  const int n = block_start[k + 1] - block_start[k];
+  wave_functions[wave_of[k]](t, x, z, c, values);
+  memcpy(residual, values + value_start[k], n * sizeof(real));
+  memcpy(jacobian, values + value_start[k] + n, n * n * sizeof(real));
 }
 
 static VD_APART void stop_block(vd_mask lanes, int status, int k, real t, const real *x,
                                 const real *z, const real *c, struct course *course) {
-  stop_lanes(lanes, status, k, residual_of(k, t, x, z, c), course);
+  real residual[NW], jacobian[NW * NW];
+  evaluate_block(k, &t, x, z, c, residual, jacobian);
+  const int n = block_start[k + 1] - block_start[k];
+  stop_lanes(lanes, status, k, largest_of(n, residual), course);
 }
 
-static void newton(int k, real t, const real *x, real *z, const real *c, struct course *course) {
-  real step[NW], jacobian[NW * NW];
-  real *unknown = z + block_start[k];
+/* Take Newton's step of a block in the lanes that are open; return those that are open still. */
+static vd_mask take_newton_step(int k, vd_mask open, real *values, real t, const real *x, real *z,
+                                const real *c, struct course *course) {
   const int n = block_start[k + 1] - block_start[k];
-  vd_mask open = course->alive;
-  for (int iteration = 0; iteration < MAX_ITERATIONS; iteration++) {
-    block_functions[k](&t, x, z, c, step, jacobian);
-    course->iterations++;
-    const vd_mask regular = solve_linear(n, jacobian, step);
-    vd_mask finite = regular, small = open;
-    for (int i = 0; i < n; i++) {
-      const real next = unknown[i] - step[i];
-      unknown[i] = vd_select(vd_and(open, regular), next, unknown[i]);
-      finite = vd_and(finite, vd_finite(next));
-      const real limit = SMALL_STEP + ROUNDING * vd_abs(next);
-      small = vd_and(small, vd_le(vd_abs(step[i]), limit));
-    }
-    const vd_mask lost = vd_and(open, vd_not(finite));
-    if (vd_any(lost)) {
-      stop_block(vd_and(lost, vd_not(regular)), SINGULAR, k, t, x, z, c, course);
-      stop_block(lost, NOT_CONVERGED, k, t, x, z, c, course);
-      open = vd_and(open, finite);
-    }
-    open = vd_and(open, vd_not(small));
-    if (!vd_any(open)) return;
+  real *unknown = z + block_start[k], *step = values + value_start[k];
+  const vd_mask regular = solve_linear(n, step + n, step);
+  vd_mask finite = regular, small = open;
+  for (int i = 0; i < n; i++) {
+    const real next = unknown[i] - step[i];
+    unknown[i] = vd_select(vd_and(open, regular), next, unknown[i]);
+    finite = vd_and(finite, vd_finite(next));
+    const real limit = SMALL_STEP + ROUNDING * vd_abs(next);
+    small = vd_and(small, vd_le(vd_abs(step[i]), limit));
   }
-  stop_block(open, NOT_CONVERGED, k, t, x, z, c, course);
+  course->iterations++;
+  const vd_mask lost = vd_and(open, vd_not(finite));
+  if (vd_any(lost)) {
+    stop_block(vd_and(lost, vd_not(regular)), SINGULAR, k, t, x, z, c, course);
+    stop_block(lost, NOT_CONVERGED, k, t, x, z, c, course);
+  }
+  return vd_and(vd_and(open, finite), vd_not(small));
+}
+
+/* Solve blocks that do not depend on each other, all in each pass. */
+static void newton(int wave, real t, const real *x, real *z, const real *c,
+                   struct course *course) {
+  const int first = wave_start[wave], last = wave_start[wave + 1];
+  vd_mask open[NB + 1];
+  real values[NV];
+  for (int k = first; k < last; k++) open[k] = course->alive;
+  for (int iteration = 0; iteration < MAX_ITERATIONS; iteration++) {
+    int going = 0;
+    wave_functions[wave](&t, x, z, c, values);
+    for (int k = first; k < last; k++) {
+      open[k] = vd_and(open[k], course->alive);
+      if (!vd_any(open[k])) continue;
+      open[k] = take_newton_step(k, open[k], values, t, x, z, c, course);
+      going |= vd_any(open[k]);
+    }
+    if (!going) return;
+  }
+  for (int k = first; k < last; k++)
+    if (vd_any(open[k])) stop_block(open[k], NOT_CONVERGED, k, t, x, z, c, course);
 }
 
 static void solve_blocks(real t, const real *x, real *z, const real *c, struct course *course) {
-  for (int k = 0; k < NB && vd_any(course->alive); k++) newton(k, t, x, z, c, course);
+  for (int wave = 0; wave < NWAVES && vd_any(course->alive); wave++)
+    newton(wave, t, x, z, c, course);
 }
 
 /* Keep the largest residual; stop where a block is above its tolerance. */
 static void check_residuals(real t, const real *x, const real *z, const real *c,
                             struct course *course) {
+  real values[NV];
   for (int k = 0; k < NB; k++) {
-    const real residual = residual_of(k, t, x, z, c);
+    if (value_start[k] == 0) wave_functions[wave_of[k]](&t, x, z, c, values);
+    const int n = block_start[k + 1] - block_start[k];
+    const real residual = largest_of(n, values + value_start[k]);
     const vd_mask larger = vd_and(course->alive, vd_lt(course->largest_residual, residual));
     course->largest_residual = vd_select(larger, residual, course->largest_residual);
     const vd_mask held = vd_le(residual, vd_all(block_tolerance[k]));

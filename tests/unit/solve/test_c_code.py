@@ -8,8 +8,9 @@ from solve_examples import build, double_pendulum, slider_crank, starts, symbols
 from vehicledyn.base.errors import MissingPartError
 from vehicledyn.solve import source
 from vehicledyn.solve.code import print_function
-from vehicledyn.solve.functions import count_operations, derive_functions
+from vehicledyn.solve.functions import count_operations, derive_functions, wave_starts
 from vehicledyn.solve.kernel import compile_kernel
+from vehicledyn.symbolic.equations import Block
 
 UNARY = {
     **{
@@ -118,3 +119,48 @@ def test_operations_are_counted_alike(backend):
     kernel = compile_kernel(equations, backend=backend)
     assert kernel.report.operations == count_operations(equations)
     assert all(kernel.report.operations[key] > 0 for key in ("rates", "outputs", "blocks"))
+
+
+def test_blocks_that_wait_for_each_other_are_solved_in_turn():
+    assert wave_starts(double_pendulum()) == (0, 1)
+    assert wave_starts(slider_crank()) == (0,)
+    assert wave_starts(one_state({})) == ()
+    a, b, x = symbols("a", "b", "x")
+    apart = build(
+        "apart",
+        time=symbols("t")[0],
+        states=[(x, 0.0)],
+        rates=[x],
+        parameters=[],
+        unknowns=[(a, 0.0), (b, 0.0)],
+        residuals=[a - x, b - 2.0 * x],
+        outputs=[],
+        blocks=(Block("a", 0, 1, 1e-9), Block("b", 1, 2, 1e-9)),
+    )
+    assert wave_starts(apart) == (0,)
+
+
+def test_products_are_fused_where_they_are_not_needed_themselves():
+    laws = {
+        "fused": lambda x, y: x * y + x,
+        "kept": lambda x, y: x * x - y,
+        "x2": lambda x, y: x * x,
+    }
+    text = print_function(
+        derive_functions(one_state(laws)).outputs, "outputs", ["t", "x", "z", "c"]
+    )
+    assert text.count("vd_fma(") == 1
+    assert text.count("vd_fms(") == 0
+
+
+def test_functions_are_called_in_packs():
+    laws = {
+        "angles": lambda x, y: ca.sin(x) + ca.cos(x) * ca.sin(y),
+        "later": lambda x, y: ca.sin(ca.atan(x) + ca.tan(y)),
+    }
+    text = print_function(
+        derive_functions(one_state(laws)).outputs, "outputs", ["t", "x", "z", "c"]
+    )
+    assert text.count("vd_sincos(2 * VD_LANES") == 1
+    assert text.count("vd_sincos(") == 2
+    assert text.count("vd_atan(1 * VD_LANES") == 1
