@@ -51,8 +51,6 @@ class Written:
             If it is no finite quantity in this unit.
         """
         value = self.values[number]
-        if self.source:
-            value = f"{value} {self.unit}".strip() if isinstance(value, str) else value
         found = _fast(value, self.unit, unit) if self.source else to_si(value, unit)
         if not math.isfinite(found):
             raise InputError(f"expected a finite number, found {describe(value)}")

@@ -221,12 +221,9 @@ class _Reading:
                 return None
             found = dict(_leaves(loaded.resolved))
             changed = [k for k in {*known, *found} if known.get(k, _NONE) != found.get(k, _NONE)]
-            units = {loaded.units.get(k) or loaded.units.get(_whole(k)) for k in changed}
             if changed:
-                return _only_unit(units, changed, found)
-        name = column.key
-        unit = base.units.get(name) or base.units.get(_whole(name))
-        return unit or base.units.get(f"parameters.{name}") or ""
+                return _unit_of(column.key, loaded, changed, found)
+        return _named_unit(column.key, base)
 
     def _choice(self, column: Written, recipe: Recipe) -> Axis | None:
         if column.is_range:
@@ -294,6 +291,7 @@ class _Reading:
 
 
 _NONE = object()
+_INITIAL = "initial."
 
 
 def _leaves(value: Any, name: str = "") -> Iterator[tuple[str, Any]]:
@@ -314,11 +312,32 @@ def _whole(name: str) -> str:
     return name.rpartition(".")[0]
 
 
-def _only_unit(units: set[str | None], changed: list[str], found: dict[str, Any]) -> str:
-    """Return the unit that all changed values share if they are numbers with units, else ""."""
-    numbers = all(isinstance(found.get(name), float) for name in changed)
-    shared = next(iter(units)) if len(units) == 1 else None
-    return shared if numbers and shared else ""
+def _unit_of(key: str, loaded: LoadedScenario, changed: list[str], found: dict[str, Any]) -> str:
+    """Return the unit of a key that changes these values; "" unless all are quantities."""
+    named = _named_unit(key, loaded)
+    if key.startswith(_INITIAL):
+        return named
+    units = {loaded.units.get(k) or loaded.units.get(_whole(k)) for k in changed}
+    if None in units or not all(isinstance(found.get(name), float) for name in changed):
+        return ""
+    return named or (str(units.pop()) if len(units) == 1 else "")
+
+
+def _named_unit(key: str, loaded: LoadedScenario) -> str:
+    """Return the unit of the quantity that a key names itself, "" if it is none."""
+    if key.startswith(_INITIAL):
+        return _start_unit(key.removeprefix(_INITIAL), loaded)
+    names = (key, _whole(key), f"parameters.{key}", f"parameters.{_whole(key)}")
+    return next((loaded.units[name] for name in names if name in loaded.units), "")
+
+
+def _start_unit(name: str, loaded: LoadedScenario) -> str:
+    """Return the unit of a coordinate's start, or of a rate's."""
+    known = getattr(loaded.written, "coordinates", {})
+    if name in known:
+        return str(known[name].unit)
+    coordinate = known.get(name.removesuffix("_rate"))
+    return "" if coordinate is None else f"{coordinate.unit}/s"
 
 
 def _spaced(axis: Axis, count: int) -> array[float]:

@@ -41,6 +41,9 @@ MOST_SHOWN = 20
 _CHUNK_BYTES = 1_000_000
 _BLOCK_BYTES = 48_000_000
 _LARGEST_CHUNK, _LARGEST_BLOCK, _GROUP = 512, 2048, 8
+_CHUNKS = 64
+"""Chunks of a file at least, where there are cases enough for lanes in each."""
+
 _SHARE = 8
 """Blocks that a worker gets at least, so that none waits long for the last."""
 
@@ -188,12 +191,13 @@ class _Run:
         except InputError as error:
             self.writer.close(STOPPED, str(error))
             raise
-        self.writer.close(self.status, message)
         if message:
+            done = total - int((self.writer.status == PENDING).sum())
             self.messages.append(
-                f"{message}; {self._done} of {total} cases are kept in {self.writer.path.name}, "
+                f"{message}; {done} of {total} cases are kept in {self.writer.path.name}, "
                 "go on with --resume"
             )
+        self.writer.close(self.status, message)
 
     def _take(self, block: StudyBlock) -> None:
         self.writer.write(block)
@@ -243,7 +247,8 @@ def _header(study: LoadedStudy, work: Work, model: Model) -> StudyHeader:
     channels = [StudyChannel(c.name, c.unit, c.description) for c in model.channels]
     interval, n_samples = work.interval, work.n_samples
     case_bytes = n_samples * max(1, len(channels)) * (4 if work.single else 8)
-    chunk = min(work.design.count, _LARGEST_CHUNK, max(1, _CHUNK_BYTES // case_bytes))
+    by_share = max(_GROUP, work.design.count // _CHUNKS)
+    chunk = min(work.design.count, _LARGEST_CHUNK, by_share, max(1, _CHUNK_BYTES // case_bytes))
     return StudyHeader(
         title=study.study.title,
         n_cases=work.design.count,

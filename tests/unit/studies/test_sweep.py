@@ -1,0 +1,265 @@
+"""Sweeps in one process: results, choices, failures, going on, and the file."""
+
+import json
+import os
+
+import h5py
+import numpy as np
+import pytest
+from small_study import PENDULUM, STUDY, swept, written
+
+from vehicledyn.base.errors import InputError
+from vehicledyn.results.reader import open_result
+from vehicledyn.results.study_compare import compare_studies
+from vehicledyn.results.study_reader import open_study
+from vehicledyn.results.study_writer import StudyWriter, pending
+from vehicledyn.results.tolerances import Tolerances
+from vehicledyn.run.simulation import run_scenario
+from vehicledyn.scenario import load_scenario
+from vehicledyn.studies import sweep
+
+EXACTLY = Tolerances(0.0, 0.0)
+SLALOM = PENDULUM.parents[1] / "iltis_slalom.yaml"
+
+
+def contents(path):
+    """Return all numbers and texts of a study's file by place, figures by name."""
+    with open_study(path) as file:
+        found = {name: file.figure(name) for name in file.figures}
+        found |= {f"{name} text": file.figure_texts(name) for name in file.figures}
+    with h5py.File(path) as file:
+        found |= {name: file[name][()] for name in ("time", "samples") if name in file}
+        found |= {name: file["cases"][name][()] for name in file["cases"]}
+    return found
+
+
+def same(first, second):
+    one, other = contents(first), contents(second)
+    assert one.keys() == other.keys()
+    for name, values in one.items():
+        np.testing.assert_array_equal(values, other[name], err_msg=name)
+
+
+def test_a_case_is_the_run_of_its_scenario(tmp_path, study):
+    outcome = swept(study, tmp_path / "out.h5")
+    assert (outcome.status, outcome.exit_code, outcome.counts["done"]) == ("ok", 0, 24)
+    with open_study(outcome.path) as file:
+        values, samples = file.values(), file.samples(11)
+        changes = [f"{a.name}={v!r}" for a, v in zip(file.axes, values[11].tolist(), strict=True)]
+        loaded = load_scenario(
+            PENDULUM,
+            [*changes, "solver={kind: rk4, step: 1 ms}", "duration=0.2 s", "output.interval=20 ms"],
+        )
+        single = run_scenario(
+            loaded,
+            output=tmp_path / "single.h5",
+            backend="auto",
+            plots=None,
+            progress=lambda *_: None,
+        )
+        with open_result(single.path) as result:
+            assert file.times == pytest.approx(result.time, abs=1e-15)
+            for number, channel in enumerate(file.channels):
+                wanted = result.channel(channel.name)
+                assert samples[:, number] == pytest.approx(wanted.values, rel=1e-11, abs=1e-11)
+                assert channel.unit == wanted.unit
+        summary = {name: entry.value for name, entry in single.summary.items()}
+        figures = {name: file.figure(name)[11] for name in file.figures}
+        assert figures == pytest.approx(summary, rel=1e-9, abs=1e-11)
+
+
+def test_vehicle_starts_in_the_equilibrium_of_each_case(tmp_path):
+    text = f"""\
+title: Slaloms
+scenario: {SLALOM}
+set: {{duration: 0.1 s}}
+cases:
+  kind: list
+  rows:
+    - {{speed: 36 km/h, parameters.chassis.mass: 1.2 t, tyres.friction: 0.9}}
+    - {{speed: 50 km/h, parameters.chassis.mass: 1.6 t, tyres.friction: 1.0}}
+    - {{speed: 20 km/h, parameters.chassis.mass: 1.0 t, tyres.friction: 0.6}}
+output: {{interval: 10 ms, channels: [chassis.*, wheel_*.tyre.normal_force]}}
+"""
+    outcome = swept(written(tmp_path, text), tmp_path / "out.h5")
+    assert outcome.exit_code == 0
+    with open_study(outcome.path) as file:
+        names = [c.name for c in file.channels]
+        for case, (speed, mass) in enumerate(((10.0, 1200.0), (50 / 3.6, 1600.0), (20 / 3.6, 1e3))):
+            start = dict(zip(names, file.samples(case)[0], strict=True))
+            assert start["chassis.x_rate"] == pytest.approx(speed, rel=1e-12)
+            load = sum(v for name, v in start.items() if name.endswith("normal_force"))
+            rest = 4 * 57.35 + 4 * 6.0  # wheels and arms [kg]
+            assert load == pytest.approx((mass + rest) * 9.81, rel=2e-3)
+            later = dict(zip(names, file.samples(case)[-1], strict=True))
+            assert later["chassis.z"] == pytest.approx(start["chassis.z"], abs=1e-6)
+
+
+def test_lanes_blocks_and_resuming_change_nothing(tmp_path, study, monkeypatch):
+    whole = swept(study, tmp_path / "whole.h5").path
+    same(whole, swept(study, tmp_path / "scalar.h5", lanes=1).path)
+    same(whole, swept(study, tmp_path / "four.h5", lanes=4).path)
+    calls = []
+    write = StudyWriter.write
+
+    def stop_after_two(writer, block):
+        write(writer, block)
+        calls.append(range(block.first, block.first + len(block)))
+        if len(calls) == 2:
+            raise KeyboardInterrupt
+
+    monkeypatch.setattr(sweep, "_BLOCK_BYTES", 1)  # blocks of eight cases
+    monkeypatch.setattr(sweep, "_CHUNK_BYTES", 10_000)
+    monkeypatch.setattr(StudyWriter, "write", stop_after_two)
+    outcome = swept(study, tmp_path / "parts.h5")
+    assert (outcome.status, outcome.exit_code) == ("interrupted", 130)
+    assert outcome.counts == {"done": 16, "failed": 0, "ended": 0, "pending": 8}
+    assert "16 of 24 cases are kept in parts.h5, go on with --resume" in outcome.messages[0]
+    outcome = swept(study, tmp_path / "parts.h5", resume=True)
+    assert (outcome.status, outcome.exit_code) == ("ok", 0)
+    assert sorted(k for span in calls for k in span) == list(range(24))  # nothing twice
+    same(whole, tmp_path / "parts.h5")
+    done = swept(study, tmp_path / "parts.h5", resume=True)
+    assert (done.status, len(calls)) == ("ok", 3)
+
+
+def test_choices_have_equations_of_their_own(tmp_path):
+    text = (
+        STUDY.partition("cases:")[0]
+        + """\
+cases:
+  kind: grid
+  vary:
+    solver.kind: [rk4, symplectic_euler]
+    parameters.mass: [1 kg, 2 kg]
+output: {interval: 20 ms, channels: [tip.z], precision: single, figures: false}
+"""
+    )
+    outcome = swept(written(tmp_path, text), tmp_path / "out.h5")
+    assert outcome.counts["done"] == 4
+    with open_study(outcome.path) as file:
+        tips = file.channel("tip.z")
+        assert tips.dtype == np.float32
+        assert file.axes[0].choices == ('"rk4"', '"symplectic_euler"')
+        assert not file.figures
+    assert np.allclose(tips[0], tips[1])  # equal masses fall equally
+    assert np.abs(tips[0] - tips[2]).max() > 1e-4  # first order is less exact
+
+
+def test_failed_cases_are_told_and_kept(tmp_path):
+    quarter = PENDULUM.with_name("quarter_car.yaml")
+    text = f"""\
+title: Quarter cars
+scenario: {quarter}
+set: {{solver: {{kind: rk4, step: 1 ms}}, start: nominal, duration: 1 s}}
+cases:
+  kind: grid
+  vary: {{wheel.stiffness: [180 kN/m, 1.0e+10 N/m, 200 kN/m]}}
+output: {{interval: 10 ms, channels: [wheel.height]}}
+"""
+    outcome = swept(written(tmp_path, text), tmp_path / "out.h5")
+    assert (outcome.status, outcome.exit_code) == ("ok", 5)
+    assert outcome.counts == {"done": 2, "failed": 1, "ended": 0, "pending": 0}
+    ((case, time, reason),) = outcome.failures
+    assert case == 1
+    assert "is no longer a finite number after t =" in reason
+    assert f"case 1: {reason}" in outcome.as_text()
+    json.dumps(outcome.as_dict() | {"result": ""})
+    with open_study(outcome.path) as file:
+        reached = file.times <= time
+        assert np.isfinite(file.samples(1)[reached]).all()
+        assert not np.isfinite(file.samples(1)[~reached]).any()
+        assert np.isfinite(file.samples(2)).all()
+
+
+@pytest.mark.parametrize(
+    ("override", "words"),
+    [
+        ("cases.seed=6", "the study has changed"),
+        ("duration=0.4 s", "its scenario or model has changed"),
+        ("output.precision=single", "the study has changed"),
+    ],
+)
+def test_another_study_cannot_go_on_in_a_file(tmp_path, study, override, words):
+    path = swept(study, tmp_path / "out.h5", "cases.number=2").path
+    before = path.read_bytes()
+    with pytest.raises(InputError, match=f"cannot be gone on with: .*{words}"):
+        swept(study, path, "cases.number=2", override, resume=True)
+    assert path.read_bytes() == before
+
+
+def test_another_program_cannot_go_on_in_a_file(tmp_path, study, monkeypatch):
+    path = swept(study, tmp_path / "out.h5", "cases.number=2").path
+    monkeypatch.setattr("vehicledyn.studies.block.program_fingerprint", lambda: "other")
+    with pytest.raises(InputError, match="begun by another version of vehicledyn"):
+        swept(study, path, "cases.number=2", resume=True)
+
+
+def test_files_that_exist_or_cannot_be_written(tmp_path, study):
+    path = swept(study, tmp_path / "out.h5", "cases.number=2").path
+    with pytest.raises(InputError, match="exists; go on with it by --resume"):
+        swept(study, path, "cases.number=2")
+    other = tmp_path / "text.h5"
+    other.write_text("no result", encoding="utf-8")
+    with pytest.raises(InputError, match="is no HDF5 file"):
+        swept(study, other, resume=True)
+    with pytest.raises(InputError, match="does not exist"):
+        swept(study, tmp_path / "none" / "out.h5")
+    if os.geteuid():
+        path.chmod(0o400)
+        with pytest.raises(InputError, match="read-only"):
+            swept(study, path, "cases.number=2", resume=True)
+
+
+def test_a_full_disk_loses_nothing(tmp_path, study, monkeypatch):
+    from vehicledyn.results import disk
+
+    whole = swept(study, tmp_path / "whole.h5").path
+    monkeypatch.setattr(sweep, "_BLOCK_BYTES", 1)
+    monkeypatch.setattr(sweep, "_CHUNK_BYTES", 10_000)
+    path, limit = tmp_path / "out.h5", [0]
+    write = disk._SteadyFile.write
+
+    def no_space(file, data):
+        if limit[0] and file.tell() + len(data) > limit[0]:
+            file.error = OSError(28, "No space left on device")
+        return write(file, data)
+
+    monkeypatch.setattr(disk._SteadyFile, "write", no_space)
+    for size in (40_000, 55_000, 70_000, 90_000):
+        limit[0] = size
+        try:
+            swept(study, path, resume=True)
+        except InputError as error:
+            assert "No space left on device" in str(error)
+            assert "go on with --resume" in str(error)
+    limit[0] = 0
+    assert swept(study, path, resume=True).counts["done"] == 24
+    same(whole, path)
+
+
+def test_more_than_the_disk_holds_is_refused_at_once(tmp_path, study):
+    with pytest.raises(InputError, match=r"1000000000000 cases need about .* TB, .* has .* free"):
+        swept(study, tmp_path / "out.h5", "cases.number=1000000000000")
+    assert not (tmp_path / "out.h5").exists()
+
+
+def test_spans_of_pending_cases():
+    status = np.array([0, 0, 1, 1, 0, 2, 0, 0, 0], dtype=np.int8)
+    assert list(pending(status, 2, 4)) == [(0, 2), (4, 5), (6, 8), (8, 9)]
+    assert list(pending(np.ones(5, dtype=np.int8), 2, 4)) == []
+
+
+def test_files_of_studies_are_compared(tmp_path, study):
+    first = swept(study, tmp_path / "a.h5").path
+    second = swept(study, tmp_path / "b.h5", "output.precision=single").path
+    assert compare_studies(first, first, tolerances=EXACTLY).exit_code == 0
+    rough = compare_studies(second, first, tolerances=EXACTLY)
+    assert rough.exit_code == 1
+    assert "in case" in rough.as_text()
+    assert compare_studies(second, first, tolerances=Tolerances(1e-6, 0.0)).exit_code == 0
+    third = swept(study, tmp_path / "c.h5", "cases.number=3").path
+    assert (
+        "3 cases, in the reference 24"
+        in compare_studies(third, first, tolerances=EXACTLY).as_text()
+    )

@@ -1,0 +1,191 @@
+"""Sweeps by several processes, stopped and killed in all ways: nothing is lost."""
+
+import contextlib
+import os
+import re
+import shutil
+import signal
+import socket
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+from small_study import STUDY, command, environment, swept, written
+from test_sweep import same
+
+import vehicledyn
+from vehicledyn.results.study_reader import open_study
+
+distributed = pytest.importorskip("distributed")
+
+LONG = STUDY.replace("duration: 0.2 s", "duration: 20 s").replace("number: 24", "number: 400")
+LONG = LONG.replace("interval: 20 ms", "interval: 1 s").replace("seed: 5", "seed: 5\n  # long")
+PATIENCE = 120.0
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    place = tmp_path_factory.mktemp("long")
+    ignored = shutil.ignore_patterns("__pycache__")
+    shutil.copytree(Path(vehicledyn.__file__).parent, place / "vehicledyn", ignore=ignored)
+    swept(written(place, LONG, "long.yaml"), place / "whole.h5")
+    return place
+
+
+def start(folder, *words):
+    words = [sys.executable, "-m", "vehicledyn", "sweep", "long.yaml", "-v", "--lanes", "1", *words]
+    return subprocess.Popen(
+        words, cwd=folder, env=environment(folder), stderr=subprocess.PIPE, stdout=subprocess.PIPE,
+        text=True, start_new_session=True,
+    )  # fmt: skip
+
+
+def await_cases(process):
+    """Wait until some cases are done."""
+    told = []
+    for line in process.stderr:
+        told.append(line)
+        if re.match(r"computing: [1-9]", line):
+            return
+    raise AssertionError("".join(told))
+
+
+def kept(path):
+    with open_study(path) as file:
+        counts = file.counts()
+        return counts["done"], file.status, file.state
+
+
+def finish(folder, name, *words):
+    done = command("sweep", "long.yaml", "-o", name, "--resume", *words, folder=folder)
+    assert done.returncode == 0, done.stderr
+    same(folder / "whole.h5", folder / name)
+
+
+def end(process):
+    with contextlib.suppress(ProcessLookupError):
+        os.killpg(process.pid, signal.SIGKILL)
+    process.communicate()
+
+
+def children_of(process):
+    listed = subprocess.run(
+        ["ps", "-o", "pid=", "--ppid", str(process.pid)],
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    return [int(number) for number in listed.stdout.split()]
+
+
+def test_ctrl_c_keeps_what_is_done(folder):
+    process = start(folder, "-o", "stopped.h5", "--workers", "2")
+    try:
+        await_cases(process)
+        process.send_signal(signal.SIGINT)
+        _, told = process.communicate(timeout=PATIENCE)
+    finally:
+        end(process)
+    assert process.returncode == 130, told
+    assert "Traceback" not in told
+    assert "cases are kept in stopped.h5, go on with --resume" in told
+    done, status, state = kept(folder / "stopped.h5")
+    assert 0 < done < 400
+    assert (status, state) == ("interrupted", "partial: stopped by the user")
+    finish(folder, "stopped.h5", "--workers", "1")
+
+
+def test_a_killed_command_goes_on(folder):
+    process = start(folder, "-o", "killed.h5", "--workers", "2")
+    try:
+        await_cases(process)
+        workers = children_of(process)
+    finally:
+        end(process)
+    done, status, state = kept(folder / "killed.h5")
+    assert 0 < done < 400
+    assert (status, state[:32]) == ("running", "partial: its process ended witho")
+    assert len(workers) == 2
+    await_end(workers)
+    finish(folder, "killed.h5", "--workers", "2")
+
+
+def await_end(processes):
+    """Wait until orphaned workers have ended themselves."""
+    ending = time.monotonic() + PATIENCE
+    while time.monotonic() < ending:
+        if not any(Path(f"/proc/{number}/cmdline").exists() for number in processes):
+            return
+        time.sleep(0.2)
+    raise AssertionError("workers outlive the command")
+
+
+def test_a_killed_worker_is_replaced(folder):
+    process = start(folder, "-o", "worker.h5", "--workers", "2")
+    try:
+        await_cases(process)
+        os.kill(children_of(process)[0], signal.SIGKILL)
+        _, told = process.communicate(timeout=PATIENCE)
+    finally:
+        end(process)
+    assert process.returncode == 0, told
+    same(folder / "whole.h5", folder / "worker.h5")
+
+
+@contextlib.contextmanager
+def cluster(folder, count):
+    """A scheduler and workers as processes of their own, as on other machines."""
+    with socket.socket() as free:
+        free.bind(("127.0.0.1", 0))
+        address = f"tcp://127.0.0.1:{free.getsockname()[1]}"
+    port = address.rpartition(":")[2]
+    quiet = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL, "env": environment(folder)}
+    module = [sys.executable, "-m", "distributed.cli.dask_scheduler"]
+    options = ["--host", "127.0.0.1", "--port", port, "--no-dashboard", "--dashboard-address", ":0"]
+    scheduler = subprocess.Popen([*module, *options], **quiet)
+    module = [sys.executable, "-m", "distributed.cli.dask_worker", address]
+    options = ["--no-nanny", "--nthreads", "1", "--no-dashboard"]
+    workers = [subprocess.Popen([*module, *options], **quiet) for _ in range(count)]
+    try:
+        yield address, scheduler, workers
+    finally:
+        for process in (*workers, scheduler):
+            process.kill()
+            process.wait()
+
+
+def test_the_workers_of_a_cluster_give_the_same(folder):
+    with cluster(folder, 2) as (address, _, _):
+        done = command(
+            "sweep", "long.yaml", "-o", "cluster.h5", "--scheduler", address, folder=folder
+        )
+    assert done.returncode == 0, done.stderr
+    assert f"computed by the cluster at {address}" in done.stderr
+    same(folder / "whole.h5", folder / "cluster.h5")
+
+
+def test_a_scheduler_that_goes_away_loses_nothing(folder):
+    with cluster(folder, 2) as (address, scheduler, _):
+        process = start(folder, "-o", "gone.h5", "--scheduler", address)
+        try:
+            await_cases(process)
+            scheduler.kill()
+            _, told = process.communicate(timeout=PATIENCE)
+        finally:
+            end(process)
+    assert process.returncode == 3, told
+    assert f"the scheduler at {address} has gone away" in told
+    assert "Traceback" not in told
+    assert 0 < kept(folder / "gone.h5")[0] < 400
+    finish(folder, "gone.h5", "--workers", "1")
+
+
+def test_no_scheduler_at_the_address(folder):
+    done = command(
+        "sweep", "long.yaml", "-o", "none.h5", "--scheduler", "tcp://127.0.0.1:9", folder=folder
+    )
+    assert done.returncode == 2
+    assert "--scheduler tcp://127.0.0.1:9: no scheduler answers there" in done.stderr
+    assert not (folder / "none.h5").exists()
