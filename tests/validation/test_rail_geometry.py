@@ -8,8 +8,10 @@ import pytest
 from reference_cases.rail_geometry import deviations, jump_distance, table_jumps
 
 from vehicledyn.rail.conicity import RadiusDifference, equivalent_conicity
-from vehicledyn.rail.contact_geometry import Wheel, place_rail
+from vehicledyn.rail.contact_geometry import Pose, Wheel, place_rail
+from vehicledyn.rail.contact_geometry_elastic import settled
 from vehicledyn.rail.contact_geometry_wheelset import WheelsetOnTrack, stand, stand_level
+from vehicledyn.rail.hertz import effective_modulus
 from vehicledyn.rail.profile_names import named_profile
 from vehicledyn.rail.profile_open import read_profile
 
@@ -98,3 +100,28 @@ def extract(folder, name):
     rows = [line.partition(",")[2] for line in lines if line.startswith(f"{name},")]
     path.write_text("\n".join(["y_mm,z_mm", *rows]), encoding="utf-8")
     return path
+
+
+@third_party
+def test_elastic_contact_of_the_manchester_benchmark():
+    """Case A-2.2 by an exact elastic program: contact on the wheel at the same normal force.
+
+    Its y counts to the right and its roll from there: both change sign here.
+    """
+    steel = effective_modulus(2.0 * 82e9 * 1.28, 0.28, 2.0 * 82e9 * 1.28, 0.28)
+    wheel = Wheel(named_profile("S1002", "wheel"), 0.46, 0.75)
+    rail = place_rail(named_profile("60E1_manchester", "rail"), np.arctan(1 / 40), 1.435, 0.014)
+    missed, approaches = [], []
+    with (REFERENCE / "manchester_a22_contact.csv").open(encoding="utf-8") as file:
+        for row in csv.DictReader(file):
+            value = {key: float(row[key]) for key in row if key not in ("case", "side", "patch")}
+            pose = Pose(-1e-3 * value["y_ws"], 0.46, value["roll"], -value["yaw"])
+            right = row["side"] == "right"
+            load = value["Fn"] * np.cos(value["delt"])
+            _, found = settled(wheel, rail, pose.mirrored() if right else pose, load, steel)
+            missed.append(1e3 * found[0].place - value["ycp_w"] * (1.0 if right else -1.0))
+            approaches.append(1e3 * found[0].approach / value["approach"])
+    assert len(missed) == 22
+    assert np.abs(missed).max() < 1.5
+    assert np.median(np.abs(missed)) < 0.05
+    assert approaches == pytest.approx(np.ones(22), abs=0.08)

@@ -231,7 +231,7 @@ def lowest_gap(wheel: Wheel, rail: Rail, pose: Pose) -> tuple[float, float]:
     the profiles are smooth: enough to begin with. Both are nan where the wheel is nowhere
     above its rail.
     """
-    seen = silhouette(wheel, pose, *_above(wheel, rail, pose))
+    seen = silhouette(wheel, pose, *wheel_above(wheel, rail, pose))
     gap = _gap(rail, seen)
     if len(gap) == 0 or np.isnan(gap).all():
         return np.nan, np.nan
@@ -262,7 +262,7 @@ def touching_points(wheel: Wheel, rail: Rail, pose: Pose) -> Touch:
     on the rail; minima at equal gaps are a contact at two points. A wheel that is nowhere above
     its rail has no minima.
     """
-    places, height, slope = _above(wheel, rail, pose)
+    places, height, slope = wheel_above(wheel, rail, pose)
     gap = _gap(rail, silhouette(wheel, pose, places, height, slope))
     padded = np.concatenate([[np.inf], np.where(np.isnan(gap), np.inf, gap), [np.inf]])
     lower = (padded[1:-1] < padded[:-2]) & (padded[1:-1] <= padded[2:])
@@ -277,7 +277,7 @@ def touching_points(wheel: Wheel, rail: Rail, pose: Pose) -> Touch:
     return Touch(refined[order], gaps[order], x, y, z, rail_slope, ~inner[order])
 
 
-def _above(wheel: Wheel, rail: Rail, pose: Pose) -> tuple[Floats, Floats, Floats]:
+def wheel_above(wheel: Wheel, rail: Rail, pose: Pose) -> tuple[Floats, Floats, Floats]:
     """Return the scanned part of a wheel that is above its rail, and a margin beside."""
     places, height, slope = wheel.scan
     tilt = abs(pose.roll) + pose.yaw**2 + abs(pose.curvature) * wheel.radius

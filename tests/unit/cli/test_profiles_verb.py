@@ -1,0 +1,119 @@
+"""The verb ``profiles``: options, JSON, refusals, light start."""
+
+import json
+import os
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+
+from vehicledyn.base.errors import InputError
+from vehicledyn.results.contact_table import read_contacts
+from vehicledyn.run.contact_geometry import ContactWish, find_contact_geometry
+
+
+def quiet(*_):
+    """Show no progress."""
+
+
+def command(*arguments, folder=None):
+    return subprocess.run(
+        [sys.executable, "-m", "vehicledyn", "profiles", *arguments],
+        cwd=folder, capture_output=True, text=True, timeout=120, check=False,
+        env=os.environ,
+    )  # fmt: skip
+
+
+def test_options_reach_the_geometry(tmp_path):
+    """Units, unequal wheels, yaw, curve; JSON and file say the same."""
+    done = command(
+        "S1002", "60E1", "--gauge", "1.436 m", "--inclination", "1/20",
+        "--right-wheel", "cone:1/40", "--radius", "458", "--right-radius", "459 mm",
+        "--yaw", "3 mrad", "--curve-radius", "300 m",
+        "--back-to-back", "1361", "--shift", "-1:2:3", "--amplitude", "0", "-o", "r.h5", "--json",
+        folder=tmp_path,
+    )  # fmt: skip
+    assert done.returncode == 0, done.stderr
+    told, table = json.loads(done.stdout), read_contacts(tmp_path / "r.h5")
+    expected = {
+        "gauge": 1.436, "inclination": np.arctan(0.05), "back_to_back": 1.361, "yaw": 3e-3,
+        "curvature": 1 / 300, "radius_left": 0.458, "radius_right": 0.459,
+    }  # fmt: skip
+    for name, value in expected.items():
+        assert told["settings"][name] == pytest.approx(value, rel=1e-12)
+        assert table.settings[name] == pytest.approx(value, rel=1e-12)
+    assert told["shift"] == pytest.approx([-1e-3, 0.0, 1e-3, 2e-3], abs=1e-15)
+    assert table.wheel == "S1002 / cone of slope 0.025"
+    assert told["radius_difference"] == pytest.approx(table.radius_difference.tolist(), abs=0.0)
+    right = np.array(told["contacts"]["right"]["radius"], dtype=float)[:, 0]
+    place = np.array(told["contacts"]["right"]["place"], dtype=float)[:, 0]
+    assert right == pytest.approx(0.459 - 0.025 * place, abs=1e-12)
+    left = np.array(told["contacts"]["left"]["radius"], dtype=float)[:, 0]
+    assert told["radius_difference"] == pytest.approx(left - right, abs=1e-12)
+    assert told["amplitude"] == []
+
+
+@pytest.mark.parametrize(
+    ("arguments", "told"),
+    [
+        (("S1003", "60E1"), "did you mean 'S1002'?"),
+        (("60E1", "60E1"), "a wheel's is needed"),
+        (("S1002", "none.prr"), "none.prr: cannot be read"),
+        (("S1002", "60E1", "--gauge", "1400"), "gauge 1400 mm does not fit the wheelset"),
+        (("S1002", "60E1", "--gauge", "-5"), "--gauge -5: must be above zero"),
+        (("S1002", "60E1", "--gauge", "3 s"), "--gauge 3 s: '3 s' has the wrong unit"),
+        (("S1002", "60E1", "--inclination", "40"), "--inclination 40: write a slope"),
+        (("S1002", "60E1", "--yaw", "1"), "--yaw 1: must be below 0.2 rad"),
+        (("S1002", "60E1", "--radius", "0"), "--radius: must be above zero"),
+        (("S1002", "60E1", "--shift", "3:1:2"), "--shift 3:1:2: must rise"),
+        (("S1002", "60E1", "--curve-radius", "300"), "write its unit: '300 m'"),
+        (("S1002", "60E1", "--smoothing", "-1"), "--smoothing -1: must not be negative"),
+    ],
+)
+def test_refusals(arguments, told, tmp_path):
+    done = command(*arguments, "-o", "r.h5", folder=tmp_path)
+    assert done.returncode == 2
+    assert told in done.stderr
+    assert "Traceback" not in done.stderr
+    assert not (tmp_path / "r.h5").exists()
+
+
+def test_shifts_beyond_the_rail_are_told():
+    """What is found stays; the shift at which a wheel is beside its rail is named."""
+    wish = ContactWish(("S1002",) * 2, ("60E1",) * 2, shifts=(0.0, 0.2), amplitudes=())
+    report = find_contact_geometry(wish, progress=quiet)
+    assert report.table.shift.tolist() == [0.0]
+    assert (
+        "at a lateral shift of 200.000 mm the left wheel is not above its rail" in report.as_text()
+    )
+    with pytest.raises(InputError, match="not above its rail"):
+        find_contact_geometry(
+            ContactWish(("S1002",) * 2, ("60E1",) * 2, shifts=(0.2,)), progress=quiet
+        )
+
+
+def test_conicity_of_a_cone_and_its_roll():
+    wish = ContactWish(
+        ("cone:1/20",) * 2, ("arc:300",) * 2, shifts=(0.0,), amplitudes=(0.001, 0.004)
+    )
+    table = find_contact_geometry(wish, progress=quiet).table
+    for name in ("conicity", "conicity_harmonic", "conicity_regression"):
+        assert getattr(table, name) == pytest.approx(0.05, rel=2e-4)
+    half = table.contacts.y[0, 0, 0]
+    expected = 0.05 * (half + 0.3 * 0.05) / (half - table.contacts.radius[0, 0, 0] * 0.05)
+    assert table.conicity_with_roll == pytest.approx(expected, rel=2e-3)
+
+
+def test_help_is_light():
+    code = (
+        "import sys\nsys.argv = ['vehicledyn', 'profiles', '--help']\n"
+        "from vehicledyn.cli import main\ntry:\n    main()\nexcept SystemExit:\n    pass\n"
+        "heavy = {'numpy', 'casadi', 'h5py', 'matplotlib', 'scipy', 'pandas'} & set(sys.modules)\n"
+        "assert not heavy, heavy"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, timeout=60, check=False
+    )
+    assert done.returncode == 0, done.stderr
+    assert "Find contact points" in done.stdout
