@@ -31,6 +31,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from vehicledyn.base.errors import InputError
 from vehicledyn.rail.profile import Profile, tabulated
 from vehicledyn.rail.profile_pieces import Floats, Table
 
@@ -39,7 +40,8 @@ SCAN_STEP = 1e-4
 
 _RAIL_STEP = 1e-4
 _ITERATIONS = 60
-_REFINEMENTS = 9
+_REFINEMENTS = 12
+_SLOPE_ACCURACY = 1e-11
 _MARGIN = 2e-3
 
 
@@ -277,6 +279,28 @@ def touching_points(wheel: Wheel, rail: Rail, pose: Pose) -> Touch:
     return Touch(refined[order], gaps[order], x, y, z, rail_slope, ~inner[order])
 
 
+def wheel_standing(wheel: Wheel, rail: Rail, pose: Pose) -> tuple[float, Touch]:
+    """Return the height at which a wheel of its own stands on its rail, and its contacts.
+
+    Parameters
+    ----------
+    wheel, rail
+        The wheel and its rail.
+    pose
+        Shift, roll and yaw of its axle; its height is not used.
+
+    Raises
+    ------
+    InputError
+        If the wheel is not above its rail.
+    """
+    touch = touching_points(wheel, rail, pose)
+    if len(touch.gap) == 0:
+        raise InputError("the wheel is not above its rail")
+    drop = float(touch.gap[0])
+    return pose.height - drop, touch._replace(gap=touch.gap - drop, z=touch.z - drop)
+
+
 def wheel_above(wheel: Wheel, rail: Rail, pose: Pose) -> tuple[Floats, Floats, Floats]:
     """Return the scanned part of a wheel that is above its rail, and a margin beside."""
     places, height, slope = wheel.scan
@@ -298,10 +322,10 @@ def _refined(
     """Return minima between the neighbours of places found, by bisection of the slope of f."""
     low = places[np.maximum(found - 1, 0)].copy()
     high = places[np.minimum(found + 1, len(places) - 1)].copy()
-    ends = [silhouette(wheel, pose, y, *wheel.table.values(y)[:2]).y for y in (low, high)]
+    (below, first), (above, last) = (_steeper(wheel, rail, pose, y) for y in (low, high))
     # At large yaw the outline turns back where the profile is hollow.
-    onward = np.sign(ends[1] - ends[0])
-    below, above = (onward * _steeper(wheel, rail, pose, y) for y in (low, high))
+    onward = np.sign(last - first)
+    below, above = onward * below, onward * above
     middle = 0.5 * (low + high)
     before = np.zeros(len(found), dtype=bool)
     for step in range(_REFINEMENTS):
@@ -310,7 +334,9 @@ def _refined(
                 middle = low - below * (high - low) / (above - below)
             unsure = ~((middle >= low) & (middle <= high))
             middle = np.where(unsure, 0.5 * (low + high), middle)
-        rest = onward * _steeper(wheel, rail, pose, middle)
+        rest = onward * _steeper(wheel, rail, pose, middle)[0]
+        if (np.abs(rest) < _SLOPE_ACCURACY).all():
+            break
         rising = rest > 0.0
         # Illinois: an end that stays twice is given half its weight, so that both ends move.
         again = (rising == before) if step > 0 else np.zeros_like(rising)
@@ -320,8 +346,8 @@ def _refined(
     return middle
 
 
-def _steeper(wheel: Wheel, rail: Rail, pose: Pose, place: Floats) -> Floats:
-    """Return by how much the outline of a wheel is steeper than the rail below it [1].
+def _steeper(wheel: Wheel, rail: Rail, pose: Pose, place: Floats) -> tuple[Floats, Floats]:
+    """Return by how much the outline of a wheel is steeper than the rail below [1], and y [m].
 
     The outline is an envelope, so that its tangent is square to the normal of the wheel and its
     slope -n_y/n_z, without a derivative of θ.
@@ -334,4 +360,4 @@ def _steeper(wheel: Wheel, rail: Rail, pose: Pose, place: Floats) -> Floats:
     n_y = sine * s_yaw + cosine * c_yaw * s_roll - slope * c_yaw * c_roll
     n_z = -cosine * c_roll - slope * s_roll
     outward = -n_y / n_z
-    return np.asarray(outward - rail.surface.values(seen.y)[1])
+    return outward - rail.surface.values(seen.y)[1], seen.y

@@ -7,7 +7,7 @@ grows steadily with the roll, so it has one zero.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from typing import NamedTuple
@@ -154,10 +154,18 @@ def find_jumps(wheelset: WheelsetOnTrack, standing: Sequence[Standing]) -> list[
     A leap is told from a fast but steady motion by halving the interval, down to a micrometre,
     until the motion agrees with the rates at both ends.
     """
+    known = {position.lateral: position for position in standing}
+
+    def between(before: Standing, after: Standing) -> Standing:
+        lateral = 0.5 * (before.lateral + after.lateral)
+        if lateral not in known:
+            known[lateral] = stand(wheelset, lateral, before.yaw)
+        return known[lateral]
+
     jumps = []
     for before, after in pairwise(standing):
         for side in ("left", "right"):
-            jumps += _jumps_between(wheelset, before, after, side)
+            jumps += _jumps_between(wheelset, before, after, side, between)
     return sorted(jumps)
 
 
@@ -174,7 +182,11 @@ def mirrored(standing: Standing) -> Standing:
 
 
 def _jumps_between(
-    wheelset: WheelsetOnTrack, before: Standing, after: Standing, side: str
+    wheelset: WheelsetOnTrack,
+    before: Standing,
+    after: Standing,
+    side: str,
+    between: Callable[[Standing, Standing], Standing],
 ) -> list[Jump]:
     step = after.lateral - before.lateral
     first, last = _place(before, side), _place(after, side)
@@ -187,10 +199,10 @@ def _jumps_between(
         expected = 0.5 * step * (rates[0] + rates[1])
         if abs(last - first - expected) < 0.25 * abs(expected) + 0.5 * _JUMP:
             return []
-    between = stand(wheelset, 0.5 * (before.lateral + after.lateral), before.yaw)
+    middle = between(before, after)
     return [
-        *_jumps_between(wheelset, before, between, side),
-        *_jumps_between(wheelset, between, after, side),
+        *_jumps_between(wheelset, before, middle, side, between),
+        *_jumps_between(wheelset, middle, after, side, between),
     ]
 
 

@@ -5,7 +5,14 @@ import pytest
 
 from vehicledyn.base.errors import InputError
 from vehicledyn.rail.contact_fit import check_fit
-from vehicledyn.rail.contact_geometry import Pose, Wheel, place_rail, silhouette, touching_points
+from vehicledyn.rail.contact_geometry import (
+    Pose,
+    Wheel,
+    place_rail,
+    silhouette,
+    touching_points,
+    wheel_standing,
+)
 from vehicledyn.rail.contact_geometry_wheelset import (
     WheelsetOnTrack,
     find_jumps,
@@ -190,6 +197,19 @@ def test_gauge_that_does_not_fit(gauge, told):
     with pytest.raises(InputError, match=told):
         check_fit(WheelsetOnTrack(S1002, S1002, rail, rail), gauge)
     check_fit(STANDARD, 1.435)
+
+
+def test_wheel_of_its_own_stands_as_in_a_wheelset():
+    standing = stand(STANDARD, 0.0045, 0.004)
+    pose = Pose(standing.lateral, 0.3, standing.roll, standing.yaw)
+    for own, side in ((pose, "left"), (pose.mirrored(), "right")):
+        height, touch = wheel_standing(S1002, RAIL, own)
+        assert height == pytest.approx(standing.height, abs=1e-11)
+        for name in ("place", "gap", "y", "z"):
+            expected = getattr(getattr(standing, side), name)
+            assert getattr(touch, name) == pytest.approx(expected, abs=1e-10)
+    with pytest.raises(InputError, match="not above its rail"):
+        wheel_standing(S1002, RAIL, pose._replace(lateral=0.3))
 
 
 def test_wheel_beside_its_rail():
