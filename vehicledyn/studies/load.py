@@ -211,7 +211,7 @@ class _Reading:
 
     def _unit(self, column: Written, recipe: Recipe, base: LoadedScenario) -> str | None:
         """Return the unit of a key, "" where it is a choice, None where its values are wrong."""
-        known = dict(_leaves(base.resolved))
+        known = _named(base.resolved)
         for number in dict.fromkeys((*range(min(4, len(column.values))), len(column.values) - 1)):
             value = column.values[number]
             if column.unit and not isinstance(value, str):
@@ -219,7 +219,7 @@ class _Reading:
             loaded = self._try(column, number, value, recipe)
             if loaded is None:
                 return None
-            found = dict(_leaves(loaded.resolved))
+            found = _named(loaded.resolved)
             changed = [k for k in {*known, *found} if known.get(k, _NONE) != found.get(k, _NONE)]
             if changed:
                 return _unit_of(column.key, loaded, changed, found)
@@ -294,17 +294,21 @@ _NONE = object()
 _INITIAL = "initial."
 
 
-def _leaves(value: Any, name: str = "") -> Iterator[tuple[str, Any]]:
-    """Yield dotted names and values of plain data."""
+def leaves(value: Any, path: tuple[str, ...] = ()) -> Iterator[tuple[tuple[str, ...], Any]]:
+    """Yield paths and values of plain data."""
     if isinstance(value, dict):
         items = [(str(key), item) for key, item in value.items()]
     elif isinstance(value, list):
         items = [(str(number), item) for number, item in enumerate(value)]
     else:
-        yield name, value
+        yield path, value
         return
     for key, item in items:
-        yield from _leaves(item, f"{name}.{key}" if name else key)
+        yield from leaves(item, (*path, key))
+
+
+def _named(data: Any) -> dict[str, Any]:
+    return {".".join(path): value for path, value in leaves(data)}
 
 
 def _whole(name: str) -> str:

@@ -20,7 +20,7 @@ from vehicledyn.solve.batch import Batch, make_batch
 from vehicledyn.solve.kernel import Backend
 from vehicledyn.studies import scatter
 from vehicledyn.studies.axes import Axis
-from vehicledyn.studies.load import Recipe
+from vehicledyn.studies.load import Recipe, leaves
 from vehicledyn.studies.starts import Reference, find_reference, start_of, starting_at
 from vehicledyn.symbolic.equations import Channel
 
@@ -38,20 +38,21 @@ class Case:
 
 @dataclass(frozen=True)
 class Shortcut:
-    """Which parameters of the equations each axis sets, where it sets nothing else.
+    """Where the parameters that vary stand in a resolved scenario, if they all do.
 
-    ``base`` are all parameters (n_parameters,), and ``places`` the indices that take the value
-    of each axis; a choice sets none.
+    ``base`` are all parameters (n_parameters,); those of the indices ``varying`` have the values
+    at ``paths``.
     """
 
     base: Vector
-    places: tuple[tuple[int, ...], ...]
+    varying: tuple[int, ...]
+    paths: tuple[tuple[str, ...], ...]
 
-    def parameters(self, values: Sequence[float]) -> Vector:
-        """Return the parameters of a case."""
+    def parameters(self, resolved: dict[str, Any]) -> Vector:
+        """Return the parameters of a scenario from its plain data."""
         found = self.base.copy()
-        for value, places in zip(values, self.places, strict=True):
-            found[list(places)] = value
+        for index, path in zip(self.varying, self.paths, strict=True):
+            found[index] = _at(resolved, path)
         return found
 
 
@@ -93,7 +94,10 @@ class Model:
             equations = starting_at(self.prepared.equations, self.prepared.subject, subject)
         else:
             subject = _in_manoeuvre(self.prepared.subject, loaded)
-            parameters, equations = self.shortcut.parameters(values), self.prepared.equations
+            parameters, equations = (
+                self.shortcut.parameters(loaded.resolved),
+                self.prepared.equations,
+            )
         kernel = replace(self.prepared.kernel, equations=equations).with_parameters(parameters)
         own = replace(self.prepared, subject=subject, equations=equations, kernel=kernel)
         scenario = loaded.scenario
@@ -200,31 +204,46 @@ def _in_manoeuvre(subject: Subject, loaded: LoadedScenario) -> Subject:
 def _find_shortcut(
     recipe: Recipe, values: Sequence[float], prepared: Prepared, reference: Reference | None
 ) -> Shortcut | None:
-    """Return which parameters the axes set, None if they set more than that.
+    """Return where parameters that vary stand in scenarios, None if more than these vary.
 
-    Found by building the scenario at two places, and tested at a third, the case itself.
+    Found by building the scenario at two places inside the ranges and at the case itself.
     """
     try:
-        first, second = (_probe(recipe.axes, values, number) for number in _PROBES)
-        subjects = [build_subject(recipe.scenario(v, "probe")) for v in (first, second, values)]
-        tables = [_parameters_of(subject, prepared) for subject in subjects]
+        places = [_probe(recipe.axes, values, number) for number in _PROBES]
+        scenarios = [recipe.scenario(place, "probe") for place in (*places, values)]
+        subjects = [build_subject(scenario) for scenario in scenarios]
+        tables = np.array([_parameters_of(subject, prepared) for subject in subjects])
     except VehicledynError:
         return None
-    moved = [a for a in range(len(first)) if first[a] != second[a]]
-    places: list[tuple[int, ...]] = [()] * len(first)
-    for axis in moved:
-        both = (tables[0] == first[axis]) & (tables[1] == second[axis])
-        places[axis] = tuple(np.flatnonzero(both).tolist())
-    shortcut = Shortcut(tables[2], tuple(places))
-    same_start = [_held(subject, prepared, reference) for subject in subjects]
+    varying = np.flatnonzero((tables[0] != tables[1]) | (tables[0] != tables[2])).tolist()
+    named = _leaf_by_values(scenarios)
+    paths = [named.get(tuple(tables[:, index].tolist())) for index in varying]
+    starts = [_held(subject, prepared, reference) for subject in subjects]
     exact = (
-        np.array_equal(shortcut.parameters(first), tables[0])
-        and np.array_equal(shortcut.parameters(second), tables[1])
-        and np.array_equal(shortcut.parameters(values), tables[2])
-        and all(np.array_equal(start, same_start[0]) for start in same_start)
+        None not in paths
+        and all(np.array_equal(start, starts[0]) for start in starts)
         and len({_shape(subject) for subject in [*subjects, prepared.subject]}) == 1
     )
-    return shortcut if exact else None
+    known = tuple(path for path in paths if path is not None)
+    return Shortcut(tables[2], tuple(varying), known) if exact else None
+
+
+def _leaf_by_values(
+    scenarios: Sequence[LoadedScenario],
+) -> dict[tuple[float, ...], tuple[str, ...]]:
+    """Return where a number stands that has these values in the scenarios."""
+    tables = [dict(leaves(scenario.resolved)) for scenario in scenarios]
+    return {
+        tuple(float(table[path]) for table in tables): path
+        for path, value in tables[0].items()
+        if isinstance(value, float) and all(isinstance(t.get(path), float) for t in tables)
+    }
+
+
+def _at(data: Any, path: tuple[str, ...]) -> float:
+    for step in path:
+        data = data[int(step)] if isinstance(data, list) else data[step]
+    return float(data)
 
 
 def _probe(axes: Sequence[Axis], values: Sequence[float], number: int) -> list[float]:
