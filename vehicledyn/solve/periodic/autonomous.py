@@ -1,0 +1,177 @@
+"""Equations without time as a field of rates with one parameter, and its exact derivatives."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from vehicledyn.base.errors import InputError, NumericalError, unknown_name
+from vehicledyn.solve.engine import Vector
+from vehicledyn.solve.interpreted import BufferedFunction
+from vehicledyn.symbolic.equations import Equations
+
+
+@dataclass(frozen=True)
+class Field:
+    """Rates and derivatives at some points (n_points, ...), the unknowns eliminated.
+
+    ``rates`` f - f_z g_z⁻¹ g, ``by_state`` f_x - f_z g_z⁻¹ g_x, ``by_parameter`` likewise;
+    ``gap`` g_z⁻¹ g, ``follow`` g_z⁻¹ g_x and ``follow_parameter`` g_z⁻¹ g_p correct the unknowns:
+    δz = -(gap + follow δx + follow_parameter δp).
+    """
+
+    rates: Vector
+    by_state: Vector
+    by_parameter: Vector
+    gap: Vector
+    follow: Vector
+    follow_parameter: Vector
+
+
+@dataclass(eq=False)
+class AutonomousField:
+    """The states that matter of some equations, with one free parameter.
+
+    States that no rate depends on (a path travelled, an angle of rotation) follow the others
+    and are set apart; ``kept`` are the others. ``values`` are the parameters in SI.
+    """
+
+    equations: Equations
+    parameter: str
+    values: Vector
+    kept: list[int] = field(init=False)
+    index: int = field(init=False)
+
+    def __post_init__(self) -> None:
+        """Find the parameter and the states that matter; refuse equations with time."""
+        import casadi
+
+        e = self.equations
+        names = [item.name for item in e.parameters]
+        if self.parameter not in names:
+            raise InputError(unknown_name("parameter", self.parameter, names))
+        self.index = names.index(self.parameter)
+        self.values = np.array(self.values, dtype=float)
+        whole = casadi.vertcat(e.rate, e.residual)
+        if casadi.which_depends(whole, e.time, 1, False)[0]:
+            raise InputError(
+                f"model '{e.name}' depends on time: limit cycles are those of free motions; "
+                "hold drives and excitations still"
+            )
+        self.kept = _mattering(e)
+        if not self.kept:
+            raise InputError(f"model '{e.name}' has no states that influence its motion")
+        self._base = np.array([s.start for s in e.states])
+        self._evaluations: dict[int, BufferedFunction] = {}
+
+    @property
+    def size(self) -> int:
+        """Number of states kept."""
+        return len(self.kept)
+
+    @property
+    def n_unknowns(self) -> int:
+        """Number of algebraic unknowns."""
+        return len(self.equations.unknowns)
+
+    @property
+    def names(self) -> list[str]:
+        """Names of the states kept."""
+        return [self.equations.states[k].name for k in self.kept]
+
+    def parameters(self, value: float) -> Vector:
+        """Return all parameters with a value of the free one."""
+        values = self.values.copy()
+        values[self.index] = value
+        return values
+
+    def reduced(self, state: Vector) -> Vector:
+        """Return the states kept of full ones (..., n_states); remember the others."""
+        self._base = np.array(np.asarray(state).reshape(-1, len(self.equations.states))[0])
+        return np.asarray(state)[..., self.kept]
+
+    def full(self, states: Vector) -> Vector:
+        """Return full states (..., n_states) of kept ones, the others as remembered."""
+        whole = np.broadcast_to(self._base, (*states.shape[:-1], self._base.size)).copy()
+        whole[..., self.kept] = states
+        return whole
+
+    def evaluate(self, states: Vector, unknowns: Vector, value: float) -> Field:
+        """Return the field at states (n_points, n_kept) with unknowns (n_points, n_unknowns).
+
+        Raises
+        ------
+        NumericalError
+            If a value is not finite or the loops are singular.
+        """
+        n, m, count = self.size, self.n_unknowns, len(states)
+        if count not in self._evaluations:
+            mapped = self._slopes.map("field", "serial", count, [2], [])
+            self._evaluations[count] = BufferedFunction(mapped)
+        found, slopes = self._evaluations[count](
+            states.ravel(), unknowns.ravel(), self.parameters(value)
+        )
+        values = found.T if found.ndim == 2 else found.reshape(count, n + m)
+        by = slopes.reshape((n + m, n + m + 1, count), order="F").transpose(2, 0, 1)
+        if not (np.isfinite(values).all() and np.isfinite(by).all()):
+            raise NumericalError("the rates or their derivatives are no finite numbers")
+        if not m:
+            empty = np.zeros((count, 0))
+            return Field(values, by[:, :, :n], by[:, :, n], empty, np.zeros((count, 0, n)), empty)
+        known = np.concatenate([values[:, n:, None], by[:, n:, :n], by[:, n:, n + m :]], axis=2)
+        try:
+            solved = np.linalg.solve(by[:, n:, n : n + m], known)
+        except np.linalg.LinAlgError:
+            raise NumericalError("the loops are singular at a point of the motion") from None
+        own = np.concatenate([values[:, :n, None], by[:, :n, :n], by[:, :n, n + m :]], axis=2)
+        total = own - by[:, :n, n : n + m] @ solved
+        return Field(
+            total[:, :, 0],
+            total[:, :, 1 : n + 1],
+            total[:, :, n + 1],
+            solved[:, :, 0],
+            solved[:, :, 1 : n + 1],
+            solved[:, :, n + 1],
+        )
+
+    @cached_property
+    def _slopes(self) -> Any:
+        """The function (x, z, p) -> values of f and g, and their derivatives by x, z and p."""
+        import casadi
+
+        e = self.equations
+        state = [casadi.SX(s.start) for s in e.states]
+        for k in self.kept:
+            state[k] = e.state[k]
+        whole = casadi.vertcat(e.rate[self.kept], e.residual)
+        given = [e.time, e.state]
+        fixed = [casadi.SX(0.0), casadi.vertcat(*state)]
+        (whole,) = casadi.substitute([whole], given, fixed)
+        chosen = e.state[self.kept]
+        by = casadi.jacobian(whole, casadi.vertcat(chosen, e.algebraic, e.parameter[self.index]))
+        results = casadi.cse([casadi.densify(whole), casadi.densify(by)])
+        return casadi.Function("slopes", [chosen, e.algebraic, e.parameter], results)
+
+
+def _mattering(e: Equations) -> list[int]:
+    """Return the states that rates of other kept states, or residuals, depend on."""
+    import casadi
+
+    by = casadi.jacobian_sparsity if hasattr(casadi, "jacobian_sparsity") else None
+    pattern = (
+        by(casadi.vertcat(e.rate, e.residual), e.state)
+        if by
+        else casadi.jacobian(casadi.vertcat(e.rate, e.residual), e.state).sparsity()
+    )
+    depends = np.array(casadi.DM(pattern, 1.0).full(), dtype=bool)
+    n = len(e.states)
+    kept = list(range(n))
+    searching = True
+    while searching:
+        rows = [*kept, *range(n, depends.shape[0])]
+        left = [k for k in kept if depends[rows, k].any()]
+        searching, kept = len(left) < len(kept), left
+    return kept

@@ -1,0 +1,391 @@
+"""Follow periodic orbits along a parameter, through folds, and find where they change.
+
+References
+----------
+Keller (1977), Numerical solution of bifurcation and nonlinear eigenvalue problems: pseudo-
+arclength continuation. Seydel (2010), Practical Bifurcation and Stability Analysis, 3rd ed.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
+from itertools import pairwise
+
+import numpy as np
+
+from vehicledyn.base.errors import NumericalError
+from vehicledyn.solve.periodic.autonomous import AutonomousField
+from vehicledyn.solve.periodic.collocation import (
+    Corrected,
+    Direction,
+    Scales,
+    correct,
+    dot,
+    tangent_of,
+)
+from vehicledyn.solve.periodic.floquet import Multipliers, multipliers_of
+from vehicledyn.solve.periodic.orbit import Orbit, adapted_mesh
+
+Told = Callable[["CyclePoint"], None]
+
+_NO_TURN = 1e-7
+"""Slope of the parameter along the branch below which its sign is rounding [1]."""
+
+_SMALLEST, _FIRST, _LARGEST = 1e-7, 0.05, 0.4
+_SHARP, _SHARPLY = 0.5, 2e-3
+_EASY, _HARD = 4, 7
+_LOCATED = 1e-7
+_SHRUNK = 0.5
+
+
+@dataclass(frozen=True)
+class Limits:
+    """Where a branch ends and how finely it is followed.
+
+    ``low`` and ``high`` bound the parameter, ``parameter_step`` is the largest step of it,
+    ``points`` the largest number of points. ``trivial`` is how far the trivial multiplier may
+    be from 1 before the mesh gets finer, up to ``intervals``.
+    """
+
+    low: float
+    high: float
+    parameter_step: float
+    points: int = 400
+    trivial: float = 1e-4
+    intervals: int = 320
+
+
+@dataclass(frozen=True)
+class CyclePoint:
+    """A periodic orbit with its multipliers and the direction of the branch there.
+
+    ``kind`` is "" for an ordinary point, else "fold", "period_doubling", "torus" or
+    "branch_point".
+    """
+
+    orbit: Orbit
+    multipliers: Multipliers
+    tangent: Direction
+    iterations: int
+    kind: str = ""
+
+    @property
+    def stable(self) -> bool:
+        """Whether disturbances decay."""
+        return self.multipliers.unstable == 0
+
+
+@dataclass
+class Branch:
+    """Points in the order they were found, special ones among them, and how it ended.
+
+    ``ending`` is "range" (the parameter left it), "equilibrium" (the orbit shrank to one),
+    "points" or "lost"; ``reason`` says it in words.
+    """
+
+    points: list[CyclePoint] = field(default_factory=list)
+    ending: str = ""
+    reason: str = ""
+
+    @property
+    def special(self) -> list[CyclePoint]:
+        """Folds and bifurcations."""
+        return [point for point in self.points if point.kind]
+
+
+def follow_cycles(
+    model: AutonomousField,
+    start: Orbit,
+    direction: Direction | None,
+    limits: Limits,
+    *,
+    branch: Branch | None = None,
+    told: Told | None = None,
+    upwards: bool = True,
+) -> Branch:
+    """Return the branch of periodic orbits from one that is nearly one.
+
+    Parameters
+    ----------
+    model
+        The equations.
+    start
+        A guess of the first orbit.
+    direction
+        The side to which the branch is followed, for a start at a Hopf bifurcation the growing
+        oscillation; None to follow it ``upwards`` in the parameter or downwards.
+    limits
+        Where it ends.
+    branch
+        Filled as points are found, so that they are kept where an interrupt comes.
+    told
+        Told each point.
+
+    Raises
+    ------
+    NumericalError
+        If not even the first orbit is found. A branch that is lost later says so in its ending.
+    """
+    result = Branch() if branch is None else branch
+    tracer = _Tracer(model, limits, result, told or (lambda point: None))
+    tracer.begin(start, direction, upwards=upwards)
+    tracer.run()
+    return result
+
+
+@dataclass
+class _Tracer:
+    """A branch while it is followed."""
+
+    model: AutonomousField
+    limits: Limits
+    branch: Branch
+    told: Told
+    step: float = _FIRST
+    first_size: float = 0.0
+
+    def begin(self, start: Orbit, direction: Direction | None, *, upwards: bool) -> None:
+        """Find the first orbit."""
+        scales = self._scales(start)
+        if direction is None:
+            found, _ = self._corrected(start, scales, None)
+            along = Direction(np.zeros_like(found.orbit.states), 0.0, 1.0 if upwards else -1.0)
+            self.first_size = 0.0
+        else:
+            length = np.sqrt(dot(start, direction, direction, scales))
+            along = direction.times(1.0 / length)
+            found = correct(self.model, start, scales, along=along)
+            self.first_size = float(np.ptp(start.states, axis=0).max())
+        self._add(self._point(found, scales, along))
+
+    def run(self) -> None:
+        """Follow the branch to its end."""
+        while len(self.branch.points) < self.limits.points:
+            base = next(p for p in reversed(self.branch.points) if not p.kind)
+            point, size = self._next(base)
+            if point is None:
+                return
+            self._special(base, point, size)
+            if not self.limits.low <= point.orbit.parameter <= self.limits.high:
+                self._finish_range(point)
+                return
+            self._add(point)
+            if np.ptp(point.orbit.states, axis=0).max() < _SHRUNK * self.first_size:
+                self._end("equilibrium", "the cycle shrinks to an equilibrium")
+                return
+        self._end("points", f"{self.limits.points} points are found")
+
+    def _next(self, base: CyclePoint) -> tuple[CyclePoint | None, float]:
+        """Return the next point and the step to it; None where the branch is lost."""
+        why = ""
+        while self.step > _SMALLEST:
+            size = self._limited(base)
+            try:
+                point = self._step_from(base, size)
+            except NumericalError as error:
+                why, self.step = str(error), 0.4 * size
+                continue
+            if self._turn(base, point) < _SHARP and size > _SHARPLY:
+                self.step = 0.5 * size
+                continue
+            if point.iterations <= _EASY:
+                self.step = min(1.5 * size, _LARGEST)
+            elif point.iterations >= _HARD:
+                self.step = 0.6 * size
+            return point, size
+        value = base.orbit.parameter
+        self._end("lost", f"lost near {self.model.parameter} = {value:.6g}: {why}")
+        return None, 0.0
+
+    def _limited(self, base: CyclePoint) -> float:
+        slope = abs(base.tangent.parameter)
+        largest = self.limits.parameter_step / slope if slope else np.inf
+        return float(min(self.step, largest))
+
+    def _turn(self, before: CyclePoint, after: CyclePoint) -> float:
+        """Return the cosine of the angle between the directions at two points."""
+        scales = self._scales(after.orbit)
+        first, second = _moved(before.orbit, before.tangent, after.orbit.mesh), after.tangent
+        product = dot(after.orbit, first, second, scales)
+        sizes = [dot(after.orbit, d, d, scales) for d in (first, second)]
+        return float(product / np.sqrt(sizes[0] * sizes[1]))
+
+    def _step_from(self, base: CyclePoint, size: float) -> CyclePoint:
+        """Return the point at a distance along the branch."""
+        scales = self._scales(base.orbit)
+        mesh = adapted_mesh(base.orbit, scales.states, base.orbit.intervals)
+        tangent = _moved(base.orbit, base.tangent, mesh)
+        orbit = base.orbit.moved(mesh)
+        guess = replace(
+            orbit,
+            states=orbit.states + size * tangent.states,
+            period=orbit.period + size * tangent.period,
+            parameter=orbit.parameter + size * tangent.parameter,
+        )
+        found, along = self._corrected(guess, scales, tangent)
+        return self._point(found, self._scales(found.orbit), along or tangent)
+
+    def _corrected(
+        self, guess: Orbit, scales: Scales, along: Direction | None
+    ) -> tuple[Corrected, Direction | None]:
+        """Return the orbit near a guess and the direction, on a mesh that is fine enough."""
+        found = correct(self.model, guess, scales, along=along)
+        while True:
+            error = abs(multipliers_of(self.model, found.system).trivial - 1.0)
+            count = found.orbit.intervals
+            if error <= self.limits.trivial or count >= self.limits.intervals:
+                return found, along
+            finer = min(self.limits.intervals, count + max(4, count // 3))
+            mesh = adapted_mesh(found.orbit, scales.states, finer)
+            if along is not None:
+                along = _moved(found.orbit, along, mesh)
+            again = correct(self.model, found.orbit.moved(mesh), scales, along=along)
+            found = replace(again, iterations=found.iterations)
+
+    def _point(self, found: Corrected, scales: Scales, before: Direction) -> CyclePoint:
+        tangent = tangent_of(found, found.system.scales, before)
+        length = np.sqrt(dot(found.orbit, tangent, tangent, scales))
+        return CyclePoint(
+            found.orbit,
+            multipliers_of(self.model, found.system),
+            tangent.times(1.0 / length),
+            found.iterations,
+        )
+
+    def _special(self, base: CyclePoint, after: CyclePoint, size: float) -> None:
+        """Add the folds and bifurcations between two points."""
+        found: list[tuple[float, CyclePoint]] = []
+        for kind, measure in _MEASURES.items():
+            low, high = measure(base), measure(after)
+            if low * high < 0.0 and self._is(kind, base, after):
+                located = self._locate(base, size, measure, low)
+                if located is not None:
+                    found.append((located[0], replace(located[1], kind=kind)))
+        if base.multipliers.turning != after.multipliers.turning:
+            located = self._torus(base, after, size)
+            if located is not None:
+                found.append((located[0], replace(located[1], kind="torus")))
+        for _, point in sorted(found, key=lambda item: item[0]):
+            if self.limits.low <= point.orbit.parameter <= self.limits.high:
+                self._add(point)
+
+    def _is(self, kind: str, before: CyclePoint, after: CyclePoint) -> bool:
+        slopes = [p.tangent.parameter / self._parameter_scale for p in (before, after)]
+        turned = slopes[0] * slopes[1] < 0.0
+        if kind == "fold":
+            return min(map(abs, slopes)) > _NO_TURN
+        return kind != "branch_point" or not turned
+
+    def _locate(
+        self,
+        base: CyclePoint,
+        size: float,
+        measure: Callable[[CyclePoint], float],
+        at_base: float,
+    ) -> tuple[float, CyclePoint] | None:
+        """Return where a measure passes zero on a step, by the method of false position."""
+        low, high, below = 0.0, size, at_base
+        above: float | None = None
+        best: tuple[float, CyclePoint] | None = None
+        try:
+            for _ in range(30):
+                middle = 0.5 * (low + high)
+                if above is not None and below != above:
+                    middle = low + (high - low) * min(0.9, max(0.1, below / (below - above)))
+                point = self._step_from(base, middle)
+                best = (middle, point)
+                value = measure(point)
+                if value * at_base > 0.0:
+                    low, below = middle, value
+                else:
+                    high, above = middle, value
+                if value == 0.0 or high - low < _LOCATED * size:
+                    break
+        except NumericalError:
+            return best
+        return best
+
+    def _torus(
+        self, base: CyclePoint, after: CyclePoint, size: float
+    ) -> tuple[float, CyclePoint] | None:
+        """Return where a complex pair crosses the unit circle, None if that is not how."""
+
+        def outside(point: CyclePoint) -> float:
+            return 1.0 if point.multipliers.turning > least else -1.0
+
+        counts = base.multipliers.turning, after.multipliers.turning
+        least = min(counts)
+        found = self._locate(base, size, outside, outside(base))
+        if found is None:
+            return None
+        values = found[1].multipliers.others
+        values = values[np.abs(values.imag) > 1e-6]
+        near = np.abs(np.abs(values) - 1.0).min(initial=1.0) < 1e-3
+        return found if near else None
+
+    def _finish_range(self, point: CyclePoint) -> None:
+        """Add the orbit on the edge of the range and end the branch."""
+        edge = min(max(point.orbit.parameter, self.limits.low), self.limits.high)
+        before = self.branch.points[-1]
+        reach = point.orbit.parameter - before.orbit.parameter
+        if abs(edge - before.orbit.parameter) > 1e-9 * abs(reach):
+            try:
+                scales = self._scales(point.orbit)
+                guess = replace(point.orbit, parameter=edge)
+                found, _ = self._corrected(guess, scales, None)
+                along = _moved(point.orbit, point.tangent, found.orbit.mesh)
+                self._add(self._point(found, scales, along))
+            except NumericalError:
+                pass
+        self._end("range", f"{self.model.parameter} reaches {edge:.6g}")
+
+    @property
+    def _parameter_scale(self) -> float:
+        return 0.2 * (self.limits.high - self.limits.low)
+
+    def _scales(self, orbit: Orbit) -> Scales:
+        return Scales(orbit.scales(), orbit.period, self._parameter_scale)
+
+    def _add(self, point: CyclePoint) -> None:
+        self.branch.points.append(point)
+        self.told(point)
+
+    def _end(self, ending: str, reason: str) -> None:
+        self.branch.ending, self.branch.reason = ending, reason
+
+
+def _moved(orbit: Orbit, direction: Direction, mesh: np.ndarray) -> Direction:
+    """Return a direction on another mesh."""
+    states = replace(orbit, states=direction.states).moved(mesh).states
+    return Direction(states, direction.period, direction.parameter)
+
+
+_MEASURES: dict[str, Callable[[CyclePoint], float]] = {
+    "fold": lambda point: point.tangent.parameter,
+    "branch_point": lambda point: point.multipliers.test_branch,
+    "period_doubling": lambda point: point.multipliers.test_doubling,
+}
+
+
+def cycle_at(model: AutonomousField, branch: Branch, value: float) -> list[CyclePoint]:
+    """Return the cycles of a branch at a value of the parameter, in the order of the branch.
+
+    Raises
+    ------
+    NumericalError
+        If one of them is not found again from its neighbours.
+    """
+    ordinary = [point for point in branch.points if point.orbit.intervals]
+    found = []
+    for before, after in pairwise(ordinary):
+        ends = before.orbit.parameter, after.orbit.parameter
+        if not (min(ends) <= value < max(ends)):
+            continue
+        near = before if abs(value - ends[0]) < abs(value - ends[1]) else after
+        orbit = replace(near.orbit, parameter=value)
+        scales = Scales(orbit.scales(), orbit.period, abs(value) or 1.0)
+        corrected = correct(model, orbit, scales, along=None)
+        values = multipliers_of(model, corrected.system)
+        found.append(CyclePoint(corrected.orbit, values, near.tangent, corrected.iterations))
+    return found

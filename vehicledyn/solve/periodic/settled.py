@@ -1,0 +1,277 @@
+"""Limit cycles as simulation finds them: run until the motion repeats, change the parameter.
+
+This is how critical speeds are found by simulation: the parameter is lowered in steps, each
+long enough to settle, until the cycle is gone; the step in which that happens is halved.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from vehicledyn.solve.engine import Vector
+from vehicledyn.solve.kernel import Kernel
+from vehicledyn.solve.methods.rk4 import RungeKutta4
+from vehicledyn.solve.periodic.autonomous import AutonomousField
+from vehicledyn.solve.periodic.basis import basis
+from vehicledyn.solve.periodic.critical import Balance, find_balance
+from vehicledyn.solve.periodic.orbit import Orbit
+from vehicledyn.solve.simulate import simulate
+
+SAMPLES = 200
+"""Samples a period."""
+
+_WINDOW = 10
+_MOST_WINDOWS = 80
+_SETTLED = 1e-5
+_GONE = 0.02
+_STIFF = 0.5
+"""Largest product of step and eigenvalue [1]."""
+
+
+@dataclass(frozen=True)
+class Settled:
+    """Where a simulation came to at a value of the parameter.
+
+    ``amplitude`` is half the range of the watched channel, ``period`` [s], ``states`` and
+    ``unknowns`` the samples of the last period and a little more, ``times`` [s] theirs.
+    ``alive`` tells a lasting motion from one that died away.
+    """
+
+    value: float
+    amplitude: float
+    period: float
+    alive: bool
+    times: Vector
+    states: Vector
+    unknowns: Vector
+
+    def orbit(self, field: AutonomousField, *, intervals: int, degree: int) -> Orbit:
+        """Return the last period as a guess of a periodic orbit."""
+        from scipy.interpolate import CubicSpline
+
+        mesh = np.linspace(0.0, 1.0, intervals + 1)
+        empty = np.zeros((intervals * degree, 0))
+        bare = Orbit(basis(degree), mesh, empty, empty, self.period, self.value)
+        own, gauss = bare.times_of(mesh)
+        kept = CubicSpline(self.times, field.reduced(self.states))
+        others = CubicSpline(self.times, self.unknowns)
+        begin = self.times[0]
+        return replace(
+            bare,
+            states=kept(begin + own * self.period),
+            unknowns=np.asarray(others(begin + gauss * self.period)).reshape(len(gauss), -1),
+        )
+
+
+@dataclass
+class Runner:
+    """Simulates a model at values of the parameter, watching one channel."""
+
+    kernel: Kernel
+    field: AutonomousField
+    channel: int
+
+    def settle(
+        self, value: float, state: Vector, unknowns: Vector, period: float, *, rate: float
+    ) -> Settled:
+        """Return what a motion settles to, ``rate`` being the fastest eigenvalue [1/s].
+
+        Raises
+        ------
+        NumericalError
+            If the simulation cannot go on.
+        """
+        before, largest = math.inf, 0.0
+        result: Settled | None = None
+        for _ in range(_MOST_WINDOWS):
+            result = self.window(value, state, unknowns, period, rate=rate)
+            state, unknowns, period = result.states[-1], result.unknowns[-1], result.period
+            largest = max(largest, result.amplitude)
+            if result.amplitude < _GONE * largest:
+                return replace(result, alive=False)
+            if abs(result.amplitude - before) < _SETTLED * result.amplitude:
+                break
+            before = result.amplitude
+        assert result is not None
+        return result
+
+    def window(
+        self, value: float, state: Vector, unknowns: Vector, period: float, *, rate: float
+    ) -> Settled:
+        """Return the end of a simulation over some periods."""
+        kernel = self.kernel.with_parameters(self.field.parameters(value))
+        interval = period / SAMPLES
+        steps = max(1, math.ceil(interval * rate / _STIFF))
+        parts: list[tuple[Vector, ...]] = []
+        simulate(
+            kernel,
+            RungeKutta4(step=interval / steps),
+            start=0.0,
+            stop=interval * SAMPLES * _WINDOW,
+            state=state,
+            unknowns=unknowns,
+            interval=interval,
+            sink=lambda *samples: parts.append(samples),
+        )
+        times, states, others, outputs = (
+            np.concatenate([part[k] for part in parts]) for k in range(4)
+        )
+        watched = outputs[:, self.channel]
+        found = _period_of(times, watched) or period
+        last = np.searchsorted(times, times[-1] - 1.05 * found)
+        tail = slice(max(0, int(last)), None)
+        two = watched[np.searchsorted(times, times[-1] - 2.0 * found) :]
+        amplitude = 0.5 * (_peak(two) + _peak(-two))
+        return Settled(value, amplitude, found, True, times[tail], states[tail], others[tail])
+
+    def disturbed(self, balance: Balance, size: float) -> tuple[Vector, Vector, float, float]:
+        """Return state, unknowns, period and fastest rate of a disturbed equilibrium.
+
+        It is disturbed in the shape of the oscillation that decays least, whose largest
+        position gets the size, in its unit.
+        """
+        found = self.field.evaluate(balance.state[None], balance.unknowns[None], balance.value)
+        values, vectors = np.linalg.eig(found.by_state[0])
+        turning = np.flatnonzero(values.imag > 1e-6 * np.abs(values).max())
+        chosen = turning[np.argmax(values[turning].real)]
+        shape = vectors[:, chosen] / vectors[leading(self.field, vectors[:, chosen]), chosen]
+        state = self.field.full(balance.state + size * shape.real)
+        guess = balance.unknowns - size * (found.follow[0] @ shape).real
+        rate = float(np.abs(values).max())
+        return state, guess, 2.0 * math.pi / float(values[chosen].imag), rate
+
+
+def leading(field: AutonomousField, shape: Vector) -> int:
+    """Return the index, among the states kept, of the position that moves most in a shape."""
+    positions = set(field.equations.positions)
+    among = [k for k, state in enumerate(field.kept) if state in positions]
+    among = among or list(range(field.size))
+    return among[int(np.argmax(np.abs(shape[among])))]
+
+
+def lower(
+    runner: Runner,
+    values: Sequence[float],
+    balances: Callable[[float], Balance],
+    size: float,
+    *,
+    resolution: float,
+    told: Callable[[Settled], None],
+) -> tuple[float, float] | None:
+    """Change the parameter step by step and tell each settled cycle; return where it is gone.
+
+    The cycle lives at the first of the two values returned and dies at the second. None if
+    there is no cycle to begin with, or if it lives at all values.
+    """
+    first = balances(values[0])
+    state, unknowns, period, rate = runner.disturbed(first, size)
+    alive: Settled | None = None
+    for value in values:
+        found = runner.settle(value, state, unknowns, period, rate=rate)
+        if not found.alive or (alive is None and found.amplitude < 0.1 * size):
+            break
+        alive = found
+        told(found)
+        state, unknowns, period = found.states[-1], found.unknowns[-1], found.period
+        rate = max(rate, _fastest(balances, value))
+    else:
+        return None
+    if alive is None:
+        return None
+    dead = value
+    while abs(dead - alive.value) > resolution:
+        middle = 0.5 * (alive.value + dead)
+        rate = max(rate, _fastest(balances, middle))
+        found = runner.settle(middle, alive.states[-1], alive.unknowns[-1], alive.period, rate=rate)
+        if found.alive:
+            alive = found
+            told(found)
+        else:
+            dead = middle
+    return alive.value, dead
+
+
+def growth_begins(
+    runner: Runner,
+    values: Sequence[float],
+    balances: Callable[[float], Balance],
+    size: float,
+    *,
+    resolution: float,
+) -> tuple[float, float] | None:
+    """Raise the parameter until a small disturbance grows; return values before and after.
+
+    None if it decays at all values, or grows at the first.
+    """
+    low: float | None = None
+    for value in values:
+        if _grows(runner, balances(value), size):
+            break
+        low = value
+    else:
+        return None
+    if low is None:
+        return None
+    high = value
+    while abs(high - low) > resolution:
+        middle = 0.5 * (low + high)
+        if _grows(runner, balances(middle), size):
+            high = middle
+        else:
+            low = middle
+    return low, high
+
+
+def balances_near(field: AutonomousField, known: Sequence[Balance]) -> Callable[[float], Balance]:
+    """Return a function that finds the equilibrium at a value from the nearest known one."""
+
+    def near(value: float) -> Balance:
+        start = min(known, key=lambda balance: abs(balance.value - value))
+        return find_balance(field, value, start.state, start.unknowns)
+
+    return near
+
+
+def steps(first: float, last: float, count: int) -> Iterator[float]:
+    """Yield equally spaced values from the first to the last."""
+    return (first + (last - first) * k / (count - 1) for k in range(count))
+
+
+def _grows(runner: Runner, balance: Balance, size: float) -> bool:
+    """Return whether a small disturbance is larger after two windows than after one."""
+    state, unknowns, period, rate = runner.disturbed(balance, size)
+    first = runner.window(balance.value, state, unknowns, period, rate=rate)
+    second = runner.window(
+        balance.value, first.states[-1], first.unknowns[-1], first.period, rate=rate
+    )
+    return second.amplitude > first.amplitude
+
+
+def _fastest(balances: Callable[[float], Balance], value: float) -> float:
+    return float(np.abs(balances(value).eigenvalues).max())
+
+
+def _period_of(times: Vector, values: Vector) -> float | None:
+    """Return the mean time between upward passages through the middle of the range."""
+    last = values[len(values) // 2 :]
+    middle = 0.5 * (float(last.max()) + float(last.min()))
+    rising = np.flatnonzero((values[:-1] < middle) & (values[1:] >= middle))
+    if rising.size < 3:
+        return None
+    part = (middle - values[rising]) / (values[rising + 1] - values[rising])
+    moments = times[rising] + part * (times[rising + 1] - times[rising])
+    return float(np.median(np.diff(moments)))
+
+
+def _peak(values: Vector) -> float:
+    """Return the largest value, with a parabola through its neighbours."""
+    k = int(np.argmax(values))
+    if not 0 < k < len(values) - 1:
+        return float(values[k])
+    left, top, right = values[k - 1 : k + 2]
+    bend = left - 2.0 * top + right
+    return float(top - (right - left) ** 2 / (8.0 * bend)) if bend else float(top)
