@@ -20,6 +20,7 @@ from vehicledyn.results.layout import EventRecord, ResultHeader, SummaryEntry
 from vehicledyn.results.output import check_folder, check_output
 from vehicledyn.results.plots import draw_plots
 from vehicledyn.results.writer import ResultWriter
+from vehicledyn.run.moved_starts import moved_starts
 from vehicledyn.run.places import wrong_output
 from vehicledyn.run.prepare import Point, Prepared, Progress
 from vehicledyn.run.rerun import prepare_run
@@ -103,7 +104,10 @@ def run_scenario(
         check(prepared.equations)
     run = _Run(loaded, prepared, kept, _needed_channels(prepared), described)
     run.simulate(start, output, progress)
-    messages = [_kernel_message(prepared), *redundant_constraints(prepared), *run.messages]
+    messages = [_kernel_message(prepared), *redundant_constraints(prepared)]
+    if loaded.scenario.start in (None, "nominal"):
+        messages.extend(moved_starts(prepared, start))
+    messages.extend(run.messages)
     if plots is not None and run.samples and described:
         progress("drawing the figures", None)
         messages.append(_draw(output, plots))
