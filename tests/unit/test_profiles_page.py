@@ -44,6 +44,11 @@ def test_first_command_writes_result_and_pictures(told):
     pictures = {path.name for path in (folder / "geometry").iterdir()}
     assert pictures == {"contact.png", "contact.svg", "geometry.png", "geometry.svg"}
     assert "contact jumps at y = 4.99" in printed[COMMANDS[0]]
+    again = {path.name for path in (folder / "again").iterdir()}
+    assert again == {"contact.png"}
+    told = next(text for line, text in printed.items() if line.startswith("vehicledyn info"))
+    assert "contact geometry of wheel and rail" in told
+    assert "17 shifts from -8 to 8 mm" in told
 
 
 def test_profiles_of_the_folder_are_those_of_the_names(told):

@@ -1,4 +1,4 @@
-"""What files of eigenmodes and frequency responses hold: describe them, draw them again."""
+"""What files of modes, responses and contact geometry hold: describe them, draw them again."""
 
 from __future__ import annotations
 
@@ -8,8 +8,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from vehicledyn.base.errors import InputError, unknown_name
-from vehicledyn.results import mode_table, response_table
+from vehicledyn.results import contact_table, mode_table, response_table
 from vehicledyn.results.bode import bode_figures
+from vehicledyn.results.contact_figures import contact_figures
 from vehicledyn.results.linear_file import format_of
 from vehicledyn.results.mode_figures import mode_figures
 from vehicledyn.results.pictures import save_figures
@@ -18,7 +19,7 @@ from vehicledyn.results.plot_style import STYLE
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-FORMATS = (mode_table.FORMAT, response_table.FORMAT)
+FORMATS = (mode_table.FORMAT, response_table.FORMAT, contact_table.FORMAT)
 
 
 @dataclass(frozen=True)
@@ -42,12 +43,14 @@ class LinearDescription:
 
 
 def is_linear(path: Path) -> bool:
-    """Return whether a file holds eigenmodes or frequency responses."""
+    """Return whether a file holds eigenmodes, frequency responses or contact geometry."""
     return format_of(path) in FORMATS
 
 
 def describe_linear(path: Path) -> LinearDescription:
-    """Return what a file of eigenmodes or frequency responses holds."""
+    """Return what a file of eigenmodes, frequency responses or contact geometry holds."""
+    if format_of(path) == contact_table.FORMAT:
+        return LinearDescription(str(path), _contact_facts(path))
     if format_of(path) == mode_table.FORMAT:
         modes = mode_table.read_modes(path)
         facts: dict[str, Any] = {
@@ -74,6 +77,22 @@ def describe_linear(path: Path) -> LinearDescription:
     return LinearDescription(str(path), facts)
 
 
+def _contact_facts(path: Path) -> dict[str, Any]:
+    contacts = contact_table.read_contacts(path)
+    first, last = 1e3 * contacts.shift[0], 1e3 * contacts.shift[-1]
+    return {
+        "holds": "contact geometry of wheel and rail",
+        "title": contacts.title,
+        "wheel": contacts.wheel,
+        "rail": contacts.rail,
+        "settings": [f"{name} {value:.6g}" for name, value in contacts.settings.items()],
+        "shifts": f"{len(contacts.shift)} shifts from {first:g} to {last:g} mm",
+        "jumps": len(contacts.jumps),
+        "amplitudes": len(contacts.amplitude),
+        "notes": list(contacts.notes),
+    }
+
+
 def draw_linear(
     path: Path, folder: Path, names: Sequence[str] | None, formats: Sequence[str]
 ) -> list[Path]:
@@ -98,5 +117,7 @@ def draw_linear(
 def _figures(path: Path) -> Iterator[tuple[str, Figure]]:
     if format_of(path) == mode_table.FORMAT:
         yield from mode_figures(mode_table.read_modes(path))
+    elif format_of(path) == contact_table.FORMAT:
+        yield from contact_figures(contact_table.read_contacts(path))
     else:
         yield from bode_figures(response_table.read_response(path))
