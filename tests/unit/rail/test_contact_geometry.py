@@ -143,6 +143,25 @@ def test_jumps_are_contacts_at_two_points():
             assert found == pytest.approx(place, abs=1e-4)
 
 
+def test_jumps_are_found_between_distant_shifts():
+    """From no shift to 2 mm the contact leaps and moves on as far again."""
+    (jump,) = find_jumps(STANDARD, [stand(STANDARD, 0.0), stand(STANDARD, 0.002)])
+    assert jump.lateral == pytest.approx(2.26e-4, abs=2e-6)
+    one = Wheel(cone(0.05, "wheel"), 0.46, 0.75)
+    plain = WheelsetOnTrack(one, one, RAIL, RAIL)
+    assert find_jumps(plain, [stand(plain, -0.004), stand(plain, 0.004)]) == []
+
+
+def test_place_on_the_profile_of_an_inclined_rail():
+    """The contact lies on the upright profile, turned and moved to where the rail is."""
+    standing = stand(STANDARD, 0.0045)
+    place = RAIL.on_profile(standing.left.y[:1], standing.left.z[:1])
+    height = RAIL.profile.height(place)
+    c, s = np.cos(RAIL.inclination), np.sin(RAIL.inclination)
+    assert RAIL.origin[0] + c * place - s * height == pytest.approx(standing.left.y[0], abs=1e-10)
+    assert RAIL.origin[1] + s * place + c * height == pytest.approx(standing.left.z[0], abs=1e-10)
+
+
 def test_mirror_images():
     to_left, to_right = stand(STANDARD, 0.0035, 0.01), stand(STANDARD, -0.0035, -0.01)
     image = mirrored(to_right)

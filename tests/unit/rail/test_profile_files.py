@@ -93,6 +93,16 @@ def test_simpack(tmp_path, factor, settings, shift):
     assert not any("z shifted" in note for note in notes)
 
 
+def test_simpack_mirrors(tmp_path):
+    """A file that says how it is mirrored needs no guess."""
+    path = written(
+        tmp_path, simpack(points(flip_y=True, flip_z=True), mirror_y=1, mirror_z=1), "wheel.prw"
+    )
+    notes = is_s1002(read_profile(path, "wheel"))
+    assert not any("turned" in note for note in notes), notes
+    assert "y mirrored, as the file says" in notes
+
+
 def test_miniprof(tmp_path):
     head = 'FileName=x.whl\n"Date=01-01-2020"\nColumnDef=N,X,Y,A\nXYPOINTS=505\n\n'
     rows = "".join(
