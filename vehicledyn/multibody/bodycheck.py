@@ -18,8 +18,9 @@ def check_bodies(system: System) -> None:
     """Raise InputError, all faults at once, for masses and inertias no body can have.
 
     A mass must be positive; the principal moments of inertia must not be negative and none
-    larger than the sum of the other two (triangle inequality). A body with ``spins_about``
-    must be one of revolution about that axis.
+    larger than the sum of the other two (triangle inequality), unless these are zero: a body
+    that only turns about one axis is often given that one moment. A body with
+    ``spins_about`` must be one of revolution about that axis.
     """
     symbols = ops.column([entry.symbol for entry in system.table.entries])
     values = [entry.value for entry in system.table.entries]
@@ -49,7 +50,7 @@ def _faults(numbers: np.ndarray) -> list[str]:
     least, middle, largest = np.linalg.eigvalsh(matrix)
     if least < -_ROUNDING * abs(largest):
         faults.append(f"its smallest moment of inertia is {least:g} kg m²; none may be negative")
-    elif largest > (least + middle) * (1.0 + _ROUNDING):
+    elif middle > _ROUNDING * largest and largest > (least + middle) * (1.0 + _ROUNDING):
         faults.append(
             f"its principal moments of inertia {least:g}, {middle:g}, {largest:g} kg m² break "
             "the triangle inequality: the largest exceeds the sum of the other two"

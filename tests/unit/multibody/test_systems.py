@@ -28,9 +28,10 @@ from vehicledyn.multibody import (
     SequenceSensor,
     System,
     TimeLaw,
+    Turn,
     derive,
 )
-from vehicledyn.symbolic import ops
+from vehicledyn.symbolic import ops, rotations
 from vehicledyn.symbolic.equations import Channel
 
 BALL = (0.1, 0.1, 0.1)
@@ -151,6 +152,20 @@ def test_a_disc_and_a_point_mass_are_possible():
     disc = mass("disc", joints=[Joint("R1", "a")], inertia=(1.0, 1.0, 2.0))
     point = mass("point", "disc", [Joint("T1", "b")], inertia=(0.0, 0.0, 0.0))
     assert derive(system([disc, point])).structure["degrees_of_freedom"] == 2
+
+
+@pytest.mark.parametrize("tilt", [0.0, 0.4])
+def test_the_one_moment_of_a_planar_body_will_do(tilt):
+    """Other moments of a body that turns about one axis do not matter: 0 or any."""
+    c, s = np.cos(tilt), np.sin(tilt)
+    one = (2.0 * s * s, 0.0, 2.0 * c * c, 0.0, 2.0 * s * c, 0.0)
+    found = []
+    for inertia in (one, (2.0, 2.0, 2.0)):
+        turn = Turn(rotations.turn(2, -tilt))
+        bar = mass("bar", joints=[Joint("R3", "a"), turn], com=(0.3, 0.1, 0.0), inertia=inertia)
+        found.append(values(derive(system([bar])), state=[0.2, 3.0])["energy.kinetic"])
+    assert found[0] == pytest.approx(found[1], rel=1e-12)
+    assert found[0] > 9.0
 
 
 def test_with_starts_replaces_some_starts():
