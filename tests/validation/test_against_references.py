@@ -21,6 +21,8 @@ ROWS = {
     "contact_points": 6,
     "tyre_tables": 3,
     "rail_geometry": 10,
+    "rail_contact": 27,
+    "book": 21,
 }
 NEEDS_COMPILER = {
     "convergence": "runs with small steps take minutes interpreted",

@@ -13,6 +13,7 @@ from reference_cases import (
     mechanics,
     modes,
     positions,
+    rail_contact,
     rail_geometry,
     repeatability,
     slalom,
@@ -36,6 +37,7 @@ GROUPS = {
     "contact_points": contact_points.compare,
     "tyre_tables": tyre_tables.compare,
     "rail_geometry": rail_geometry.compare,
+    "rail_contact": rail_contact.compare,
 }
 
 
