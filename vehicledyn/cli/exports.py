@@ -20,6 +20,7 @@ class Kind(StrEnum):
     PYTHON = "python"
     MATLAB = "matlab"
     FMU = "fmu"
+    CUDA = "cuda"
 
 
 def add_verbs(app: typer.Typer) -> None:
@@ -38,7 +39,7 @@ def export(
     overrides: Overrides = None,
     as_json: Json = False,
 ) -> None:
-    """Write the equations as functions in C, Python or MATLAB, or as an FMU; print the files."""
+    """Write the equations as C, Python or MATLAB functions, as an FMU or for CUDA."""
     loaded = read_target(target, overrides)
     from vehicledyn.run.exporting import export_target
 

@@ -10,7 +10,7 @@ from vehicledyn.export.document import Start, write_document
 from vehicledyn.export.languages import MATLAB, PYTHON, C, safe_name
 from vehicledyn.multibody.ingredients import Ingredients
 
-SUFFIXES = {"c": ".c", "python": ".py", "matlab": ".m", "fmu": ".fmu"}
+SUFFIXES = {"c": ".c", "python": ".py", "matlab": ".m", "fmu": ".fmu", "cuda": ".cu"}
 """Ending of the file by what a system is exported to."""
 
 
@@ -67,11 +67,21 @@ def export_files(
         )
     paths = []
     for suffix, text in export_text(ingredients, language, path.stem, start).items():
-        file = path.with_suffix(suffix)
-        try:
-            file.parent.mkdir(parents=True, exist_ok=True)
-            file.write_text(text, encoding="utf-8")
-        except OSError as error:
-            raise InputError(f"{file}: cannot be written: {error.strerror}") from None
-        paths.append(file)
+        paths.append(write_text(path.with_suffix(suffix), text))
     return paths
+
+
+def write_text(file: Path, text: str) -> Path:
+    """Write a text to a file, with the folders that it needs; return its path.
+
+    Raises
+    ------
+    InputError
+        If it cannot be written.
+    """
+    try:
+        file.parent.mkdir(parents=True, exist_ok=True)
+        file.write_text(text, encoding="utf-8")
+    except OSError as error:
+        raise InputError(f"{file}: cannot be written: {error.strerror}") from None
+    return file

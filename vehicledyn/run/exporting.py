@@ -7,15 +7,16 @@ from pathlib import Path
 from typing import Any, Literal, TypeAlias
 
 from vehicledyn.export.document import Start
-from vehicledyn.export.files import SUFFIXES, export_files, file_of
+from vehicledyn.export.files import SUFFIXES, export_files, file_of, write_text
 from vehicledyn.export.fmi_description import Experiment
 from vehicledyn.export.fmu import export_fmu
 from vehicledyn.multibody.ingredients import derive_ingredients
 from vehicledyn.run.prepare import Point, Prepared, Progress, nominal_point, prepare, start_point
 from vehicledyn.run.vehicle import Target
 from vehicledyn.scenario import LoadedModel
+from vehicledyn.solve.cuda import cuda_source
 
-ExportKind: TypeAlias = Literal["c", "python", "matlab", "fmu"]
+ExportKind: TypeAlias = Literal["c", "python", "matlab", "fmu", "cuda"]
 
 
 @dataclass(frozen=True)
@@ -46,7 +47,7 @@ def export_target(
     target
         The validated scenario or model.
     kind
-        "c", "python", "matlab" or "fmu".
+        "c", "python", "matlab", "fmu" or "cuda".
     path
         File to write, or the folder to write it to; None for the present folder.
     progress
@@ -70,6 +71,8 @@ def export_target(
     name = target.name if isinstance(target, LoadedModel) else target.path.stem
     file = file_of(path, Path(name).stem, SUFFIXES[kind])
     progress(f"writing {file}", None)
+    if kind == "cuda":
+        return ExportReport((write_text(file, cuda_source(prepared.equations)),))
     if kind == "fmu":
         return ExportReport((export_fmu(prepared.equations, file, start, _experiment(target)),))
     ingredients = derive_ingredients(prepared.subject.system)

@@ -30,10 +30,14 @@ def lane_source(equations: Equations, functions: KernelFunctions, lanes: int) ->
 
 
 def _common(equations: Equations, functions: KernelFunctions) -> list[str]:
+    head = [shared_source("real.h"), shared_source("elementary.c")]
+    return [*head, *shared_texts(equations, functions)]
+
+
+def shared_texts(equations: Equations, functions: KernelFunctions) -> list[str]:
+    """Return what is the same on any machine: functions of the model, tables and steps."""
     waves = enumerate(functions.waves)
     return [
-        shared_source("real.h"),
-        shared_source("elementary.c"),
         print_function(functions.prepare, "prepare", ["p"]),
         print_function(functions.rates, "rates", _ARGUMENTS),
         print_function(functions.outputs, "outputs", _ARGUMENTS),
