@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import functools
 import hashlib
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
@@ -70,6 +71,7 @@ def work_of(study: LoadedStudy, *, lanes: int | None, backend: Backend) -> Work:
     )
 
 
+@functools.cache
 def program_fingerprint() -> str:
     """Return a text that changes with the program's own code."""
     folder, digest = Path(vehicledyn.__file__).parent, hashlib.sha256()
