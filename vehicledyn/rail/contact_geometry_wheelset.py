@@ -24,10 +24,6 @@ from vehicledyn.rail.contact_geometry import (
     roll_rate,
     touching_points,
 )
-from vehicledyn.rail.profile_pieces import Floats
-
-TOUCHING = 1e-6
-"""Gap up to which a further minimum counts as a contact of its own [m]."""
 
 _LARGEST_ROLL = 0.2
 _ROLL_ACCURACY = 1e-13
@@ -272,8 +268,3 @@ def _difference(
 
 def _at(lateral: float) -> str:
     return f"at a lateral shift of {1e3 * lateral:.3f} mm"
-
-
-def contacts(touch: Touch) -> Floats:
-    """Return which minima of one side are contacts: no further away than TOUCHING, shape (n,)."""
-    return np.asarray(touch.gap <= touch.gap[0] + TOUCHING)

@@ -12,7 +12,7 @@ from vehicledyn.rail.profile import Kind
 from vehicledyn.rail.profile_files import RawPoints
 from vehicledyn.rail.profile_pieces import Floats
 
-FEWEST = 10
+FEWEST, MOST = 10, 20_000
 NARROWEST, WIDEST = 0.02, 0.5
 _FLANGE = 0.01
 _SAME = 1e-8
@@ -51,6 +51,9 @@ def _check_points(points: RawPoints, y: Floats, z: Floats, unit: str) -> None:
     if len(y) < FEWEST:
         message = f"{len(y)} points are too few for a profile; give at least {FEWEST}"
         raise points.refused(points.lines[-1], 1, message)
+    if len(y) > MOST:
+        message = f"{len(y)} points are too many for a profile; give at most {MOST}"
+        raise points.refused(points.lines[MOST], 1, message)
     width = float(np.ptp(y))
     if not NARROWEST <= width <= WIDEST:
         guess = next(
@@ -80,7 +83,7 @@ def _check_order(points: RawPoints, y: Floats, z: Floats, lines: NDArray[np.int_
             "remove it, or sort the points"
         )
         raise points.refused(int(lines[crossing[1]]), 1, message)
-    first, last = int(np.argmin(y)), int(np.argmax(y))
+    first, last = _ends(y)
     back = np.flatnonzero(np.diff(y[first : last + 1]) <= 0.0)
     if first > last or len(back):
         k = first + int(back[0]) + 1 if len(back) else first
@@ -110,9 +113,14 @@ def _cross(a: Floats, b: Floats, c: Floats, d: Floats) -> bool:
     return side(a, b, c) * side(a, b, d) <= 0.0 and side(c, d, a) * side(c, d, b) <= 0.0
 
 
+def _ends(y: Floats) -> tuple[int, int]:
+    """Return where y is smallest and largest, next to the rest of the profile if upright there."""
+    return len(y) - 1 - int(np.argmin(y[::-1])), int(np.argmax(y))
+
+
 def _visible(y: Floats, z: Floats) -> tuple[Floats, Floats, int]:
     """Return the points between smallest and largest y, and how many were cut off."""
-    first, last = int(np.argmin(y)), int(np.argmax(y))
+    first, last = _ends(y)
     kept = slice(first, last + 1)
     return y[kept], z[kept], len(y) - (last + 1 - first)
 

@@ -125,6 +125,14 @@ def test_under_the_head_of_a_rail_is_cut_off(tmp_path):
     assert profile.height(crown) == pytest.approx(RAIL.height(crown), abs=2e-6)
 
 
+def test_upright_back_of_a_flange_is_cut_off(tmp_path):
+    pairs = points()
+    y, z = pairs[0]
+    back = [(y, z - height) for height in (15.0, 10.0, 5.0)]
+    notes = is_s1002(read_profile(written(tmp_path, lines([*back, *pairs])), "wheel"))
+    assert any(note.startswith("3 points cut off") for note in notes)
+
+
 def test_curvature_through_exact_points():
     """The error of interpolated curvature falls with the spacing."""
     y = np.linspace(-0.009, 0.009, 37)
@@ -185,6 +193,12 @@ def test_millimetres_for_metres(tmp_path):
 
 def test_too_few_points(tmp_path):
     refused(tmp_path, lines(points()[::80]), "points are too few")
+
+
+def test_too_many_points(tmp_path):
+    places = np.linspace(-50.0, 50.0, 20_001)
+    line = refused(tmp_path, lines(zip(places, 0.0 * places, strict=True)), "points are too many")
+    assert line == 20_001
 
 
 def test_doubled_point(tmp_path):
