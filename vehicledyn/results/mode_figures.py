@@ -14,6 +14,7 @@ from vehicledyn.results.plot_style import BLUE, PALETTE, VERMILION, axis_label
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
+    from numpy.typing import NDArray
 
 MODES_PER_FIGURE = 4
 BARS = 8
@@ -21,6 +22,8 @@ NEAR_ZERO = 1e-4
 """Eigenvalues up to this belong to free motions, whose shapes are not drawn [1/s]."""
 
 _HEADING, _PANEL, _LOCUS = 0.8, 1.75, 4.4  # inch
+_ROUNDING = 1e-9
+"""Part of the largest eigenvalue up to which real parts are rounding errors of zero [1]."""
 
 
 def mode_figures(table: ModeTable) -> Iterator[tuple[str, Figure]]:
@@ -50,12 +53,20 @@ def _locus(table: ModeTable) -> Figure:
         label = case.label if told and case.label else None
         axes.plot(both.real, both.imag, "x", color=colour, label=label, markersize=5)
     axes.axvline(0.0, color="0.4", linewidth=0.8)
+    _widen(axes, np.concatenate([case.eigenvalue for case in table.cases]))
     axes.set_xlabel(axis_label("Real part", "1/s"))
     axes.set_ylabel(axis_label("Imaginary part", "rad/s"))
     if any(case.label for case in table.cases):
         axes.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=3)
     _entitle(figure, "Eigenvalues", table)
     return figure
+
+
+def _widen(axes: Axes, values: NDArray[np.complex128]) -> None:
+    """Keep the axis of real parts from showing rounding errors where nothing is damped."""
+    largest = float(np.abs(values).max(initial=0.0))
+    if largest > 0.0 and float(np.abs(values.real).max()) <= _ROUNDING * largest:
+        axes.set_xlim(-0.1 * largest, 0.1 * largest)
 
 
 def _shapes(table: ModeTable, case: ModeCase, modes: list[int]) -> Figure:
@@ -76,7 +87,7 @@ def _bars(axes: Axes, table: ModeTable, case: ModeCase, mode: int) -> None:
     axes.barh(range(len(chosen)), sizes, color=colours, height=0.7)
     axes.set_yticks(range(len(chosen)), [name for name, _, _ in chosen], fontsize=6.5)
     for row, (size, phase) in enumerate(zip(sizes, phases, strict=True)):
-        axes.text(size, row, f" {phase + 0.0:.0f}°", va="center", fontsize=6.5)
+        axes.text(size, row, f" {round(phase) + 0}°", va="center", fontsize=6.5)
     axes.margins(x=0.12)
     axes.grid(visible=False, axis="y")
     axes.set_title(_mode_words(case, mode), fontsize=8.0, loc="left")
@@ -85,7 +96,8 @@ def _bars(axes: Axes, table: ModeTable, case: ModeCase, mode: int) -> None:
 def _mode_words(case: ModeCase, mode: int) -> str:
     if case.kind[mode] == "oscillation":
         ratio = case.damping_ratio[mode]
-        return f"{case.frequency[mode]:.4g} Hz, damping ratio {ratio + 0.0:.3g}"
+        shown = 0.0 if abs(ratio) <= _ROUNDING else ratio
+        return f"{case.frequency[mode]:.4g} Hz, damping ratio {shown:.3g}"
     return f"aperiodic, {case.eigenvalue[mode].real:.4g} 1/s"
 
 

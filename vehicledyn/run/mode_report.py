@@ -92,7 +92,7 @@ class ModesReport:
         told = self._shape(mode, case, number)
         if not mode.is_oscillation:
             return f"{f'{value.real:.6f}':>34} {'':>12} {'':>9}  {told}"
-        pair = f"{value.real:.6f} ± {value.imag:.6f}i"
+        pair = f"{round(value.real, 6) + 0.0:.6f} ± {value.imag:.6f}i"
         ratio = f"{round(mode.damping_ratio, 4) + 0.0:>9.4f}"
         return f"{pair:>34} {mode.frequency:>9.4f} Hz {ratio}  {told}"
 

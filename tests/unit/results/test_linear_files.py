@@ -141,6 +141,16 @@ def test_axes_say_quantity_and_unit():
     assert locus.axes[0].get_xlabel() == "Real part [1/s]"
 
 
+def test_figures_of_undamped_modes_show_no_rounding_errors():
+    (case, *_) = modes().cases
+    undamped = replace(case, eigenvalue=np.array([0.0, 4.0j, -1e-15 + 5.0j]))
+    table = replace(modes(), cases=(undamped,))
+    (_, locus), (_, shapes) = mode_figures(table)
+    assert locus.axes[0].get_xlim() == pytest.approx((-0.5, 0.5))
+    assert shapes.axes[-1].get_title(loc="left").endswith(" Hz, damping ratio 0")
+    assert not any(" -0°" in text.get_text() for axes in shapes.axes for text in axes.texts)
+
+
 def test_pictures_of_unknown_formats_are_refused(tmp_path):
     with pytest.raises(InputError, match="picture format"):
         save_figures([], tmp_path, ("gif",))
