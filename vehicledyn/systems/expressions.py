@@ -202,7 +202,9 @@ def _read_text(text: str) -> Node:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
             tree = ast.parse(code, mode="eval")
-        return _converted(tree.body, held)
+        root = _converted(tree.body, held)
+        _refuse_comparison(root)
+        return root
     except (SyntaxError, ValueError, MemoryError) as error:
         if isinstance(error, ExpressionError):
             raise
@@ -211,6 +213,17 @@ def _read_text(text: str) -> Node:
         raise ExpressionError(f"'{_shown(text)}' is neither a quantity nor an expression") from None
     except RecursionError:
         raise ExpressionError("nested too deeply") from None
+
+
+def _refuse_comparison(node: Node) -> None:
+    """Refuse comparisons outside the conditions of where(): they are no quantities."""
+    if node.function in _COMPARISONS.values():
+        raise ExpressionError(
+            f"'{_shown(str(node))}' is a comparison, which has its place in where(condition, yes, "
+            "no); what passes zero is a difference of its sides"
+        )
+    for inner in node.arguments[1 if node.function == "where" else 0 :]:
+        _refuse_comparison(inner)
 
 
 def _alone(text: str) -> Quantity | None:

@@ -107,6 +107,8 @@ def test_places_of_coordinates_parts_and_given_rates(tmp_path):
         ("sin(x=1)", "is not allowed in an expression"),
         ("await l", "is not allowed in an expression"),
         ("1; 2", "neither a quantity nor an expression"),
+        ("l > 1", "'l > 1' is a comparison, which has its place in where("),
+        ("where(l > 1, 2, l < 3)", "'l < 3' is a comparison"),
         ("2 rad/s*time", "'time' is not a known unit; to go on after a unit put blanks round the "
          "sign: rad/s * time"),
         ("0.3 m*sin(l)", "put blanks round the sign: m * sin"),
