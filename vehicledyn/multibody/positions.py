@@ -156,7 +156,8 @@ def _outputs(
         if part.unknowns():
             continue
         states, unknowns = symbols.states[part.name], symbols.unknowns[part.name]
-        for output in part.outputs(Situation(symbols.time, states, unknowns, kinematics)):
+        situation = Situation(symbols.time, states, unknowns, kinematics, symbols.states)
+        for output in part.outputs(situation):
             found.append((output.channel, ops.scalar(output.expression)))
     return found
 

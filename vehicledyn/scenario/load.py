@@ -94,7 +94,7 @@ def examine_scenario(
         Further changes, made after them.
     """
     problems = [*document.problems, *_check_top(document)]
-    if not isinstance(document.data, dict):
+    if not isinstance(document.data, dict) or is_system(document.data):
         return None, problems
     data, sources = copy.deepcopy(document.data), Sources(document)
     groups = _parameter_groups(data.get("model"), path)
@@ -209,6 +209,9 @@ def _read_written(
 
 
 def _check_top(document: Document) -> list[Problem]:
+    if is_system(document.data):
+        words = "this is a system; name it in a scenario, 'model: {}', beside duration and solver"
+        return [Problem(document.name, START, "file", words.format(Path(document.name).name))]
     if isinstance(document.data, dict):
         return []
     empty = document.data is None and not document.problems

@@ -9,8 +9,10 @@ import pytest
 
 import vehicledyn.catalogue  # noqa: F401
 from vehicledyn.base.errors import InputError
+from vehicledyn.results.reader import open_result
 from vehicledyn.run.balance import find_equilibrium
 from vehicledyn.run.eigenmodes import find_modes
+from vehicledyn.run.kinematics import Wish, sweep_kinematics
 from vehicledyn.run.prepare import prepare, start_point
 from vehicledyn.scenario import is_system_file, load_model, load_scenario
 
@@ -163,6 +165,29 @@ def test_modes_of_a_system_tell_no_speed(write):
     model = load_model(str(write(system=HANGING).parent / "sub" / "system.yaml"))
     found = find_modes(model, speeds=[], backend="interpreted", progress=lambda *_: None)
     assert found.as_text().startswith("system: 2 zeros, all others stable\n")
+
+
+def test_a_system_in_place_of_a_scenario_says_what_to_write(write):
+    told = refusal(write().parent / "sub" / "system.yaml")
+    assert told == [
+        "system.yaml:1:1: file: this is a system; name it in a scenario, 'model: system.yaml', "
+        "beside duration and solver",
+        "1 problem in system.yaml",
+    ]
+
+
+def test_kinematics_knows_switches(write, tmp_path):
+    text = (
+        SYSTEM.replace(", role: independent", "")
+        + "switches: {held: 1}\nforces: {f: {coordinate: slider.x, force: 2 N * held}}\n"
+    )
+    model = load_model(str(write(system=text).parent / "sub" / "system.yaml"))
+    wish = Wish({"crank.angle": "60 deg:70 deg:2"})
+    quiet = {"plots": None, "progress": lambda *_: None}
+    sweep_kinematics(model, wish, output=tmp_path / "k.h5", **quiet)
+    with open_result(tmp_path / "k.h5") as result:
+        found = np.degrees(result.channel("crank.angle").values)
+    assert found == pytest.approx([60.0, 65.0, 70.0])
 
 
 def test_verbs_on_a_system_file(write):
