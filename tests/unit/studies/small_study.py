@@ -48,9 +48,9 @@ def environment(folder):
     return os.environ | {"PATH": path, "PYTHONPATH": str(folder)}
 
 
-def command(*words, folder, **options):
+def command(*words, folder, cwd_of=None):
     words = [sys.executable, "-m", "vehicledyn", *map(str, words)]
     return subprocess.run(
-        words, cwd=folder, env=environment(folder), check=False, capture_output=True, text=True,
-        timeout=300, **options,
+        words, cwd=cwd_of.parent if cwd_of else folder, env=environment(folder), check=False,
+        capture_output=True, text=True, timeout=300,
     )  # fmt: skip

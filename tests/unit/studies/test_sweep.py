@@ -95,6 +95,42 @@ output: {{interval: 10 ms, channels: [chassis.*, wheel_*.tyre.normal_force]}}
             assert later["chassis.z"] == pytest.approx(start["chassis.z"], abs=1e-6)
 
 
+def test_starts_that_parameters_alone_do_not_give(tmp_path):
+    """Of the coordinates of a system, and of wheels whose radius gives their spin."""
+    text = (
+        STUDY.partition("cases:")[0]
+        + """\
+cases:
+  kind: list
+  rows:
+    - {initial.upper.angle: 30 deg, initial.lower.angle_rate: 1 rad/s}
+    - {initial.upper.angle: -1.5, initial.lower.angle_rate: -20 deg/s}
+output: {interval: 20 ms, channels: [upper.*, lower.*]}
+"""
+    )
+    outcome = swept(written(tmp_path, text), tmp_path / "out.h5")
+    with open_study(outcome.path) as file:
+        names = [c.name for c in file.channels]
+        for case, (angle, rate) in enumerate(((np.pi / 6, 1.0), (-1.5, -np.pi / 9))):
+            start = dict(zip(names, file.samples(case)[0], strict=True))
+            assert start["upper.angle"] == pytest.approx(angle, rel=1e-14)
+            assert start["lower.angle_rate"] == pytest.approx(rate, rel=1e-14)
+    text = f"""\
+title: Wheels
+scenario: {SLALOM}
+set: {{duration: 10 ms, start: static}}
+cases: {{kind: grid, vary: {{front.unloaded_radius: [360 mm, 370 mm]}}}}
+output: {{interval: 10 ms, channels: [wheel_*.spin_angle_rate], figures: false}}
+"""
+    outcome = swept(written(tmp_path, text), tmp_path / "wheels.h5")
+    with open_study(outcome.path) as file:
+        names = [c.name for c in file.channels]
+        for case, radius in enumerate((0.36, 0.37)):
+            start = dict(zip(names, file.samples(case)[0], strict=True))
+            assert start["wheel_fl.spin_angle_rate"] == pytest.approx(10.0 / radius, rel=1e-12)
+            assert start["wheel_rl.spin_angle_rate"] == pytest.approx(10.0 / 0.363812, rel=1e-12)
+
+
 def test_lanes_blocks_and_resuming_change_nothing(tmp_path, study, monkeypatch):
     whole = swept(study, tmp_path / "whole.h5").path
     same(whole, swept(study, tmp_path / "scalar.h5", lanes=1).path)
