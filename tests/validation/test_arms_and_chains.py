@@ -65,6 +65,7 @@ def puma():
         at = (link["length"], -link["offset"] * np.sin(angle), link["offset"] * np.cos(angle))
         joints = (Turn(rotations.turn(1, angle)), Joint("R3", f"joint_{k + 1}"))
         six = {"mass": link["mass"] or 1e-3, "com": link["com"], "inertia": link["inertia"]}
+        six["apparent_inertia"] = True  # as identified
         bodies.append(Body(f"link_{k + 1}", parent, at, joints, **six))
         parent = f"link_{k + 1}"
     return with_actuators(bodies)

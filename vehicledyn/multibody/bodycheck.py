@@ -19,7 +19,8 @@ def check_bodies(system: System) -> None:
 
     A mass must be positive; the principal moments of inertia must not be negative and none
     larger than the sum of the other two (triangle inequality), unless these are zero: a body
-    that only turns about one axis is often given that one moment. A body with
+    that only turns about one axis is often given that one moment, or said to be apparent: those
+    identified on a machine hold motors and gears. A body with
     ``spins_about`` must be one of revolution about that axis.
     """
     symbols = ops.column([entry.symbol for entry in system.table.entries])
@@ -31,14 +32,17 @@ def check_bodies(system: System) -> None:
         matrix = matrix_of(body.inertia)
         column = ops.column([body.mass, *body.com, *(matrix[k] for k in range(9))])
         numbers = ops.numeric([symbols], column)(values)[:, 0]
-        faults = [*_faults(numbers), *_spin_faults(numbers, body.spins_about)]
+        faults = [
+            *_faults(numbers, body.apparent_inertia),
+            *_spin_faults(numbers, body.spins_about),
+        ]
         problems.extend(f"body '{body.name}': {text}" for text in faults)
     if problems:
         listed = "\n".join(f"  - {problem}" for problem in problems)
         raise InputError(f"system '{system.name}' has {len(problems)} problem(s):\n{listed}")
 
 
-def _faults(numbers: np.ndarray) -> list[str]:
+def _faults(numbers: np.ndarray, is_apparent: bool) -> list[str]:
     mass, matrix = float(numbers[0]), numbers[4:].reshape(3, 3)
     faults = []
     if not (math.isfinite(mass) and mass > 0.0):
@@ -50,10 +54,13 @@ def _faults(numbers: np.ndarray) -> list[str]:
     least, middle, largest = np.linalg.eigvalsh(matrix)
     if least < -_ROUNDING * abs(largest):
         faults.append(f"its smallest moment of inertia is {least:g} kg m²; none may be negative")
-    elif middle > _ROUNDING * largest and largest > (least + middle) * (1.0 + _ROUNDING):
+    elif is_apparent or middle <= _ROUNDING * largest:
+        return faults
+    elif largest > (least + middle) * (1.0 + _ROUNDING):
         faults.append(
             f"its principal moments of inertia {least:g}, {middle:g}, {largest:g} kg m² break "
-            "the triangle inequality: the largest exceeds the sum of the other two"
+            "the triangle inequality: the largest exceeds the sum of the other two; where they "
+            "were identified or hold motors and gears, say so with apparent_inertia"
         )
     return faults
 

@@ -80,6 +80,9 @@ class Body:
         axes of the body then do not spin with it, which is cheaper and exact. Its centre of
         mass must lie on the axis and the two inertias across it be equal; nothing hangs on
         such a body, and points of it off the axis stay where they are.
+    apparent_inertia
+        Whether the inertia was identified on a machine or holds motors and gears, so that it may
+        break the triangle inequality.
     """
 
     name: str
@@ -90,6 +93,7 @@ class Body:
     com: Sequence[Scalar] = (0.0, 0.0, 0.0)
     inertia: Sequence[Scalar] = (0.0,) * 6
     spins_about: int | None = None
+    apparent_inertia: bool = False
 
 
 @dataclass(frozen=True)

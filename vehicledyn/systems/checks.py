@@ -253,15 +253,16 @@ def _inertias(file: SystemFile, parameters: Parameters) -> Problems:
         except (ExpressionError, TypeError):
             continue
         largest, total = max(values[:3]), sum(values[:3])
-        alone = total - largest <= _ROUNDING * largest
+        excused = body.apparent_inertia or total - largest <= _ROUNDING * largest
         place = ("bodies", name, "inertia")
         if min(values[:3]) < 0.0:
             yield place, "no moment of inertia may be negative"
-        elif not any(values[3:]) and not alone and 2.0 * largest > total * (1.0 + _ROUNDING):
+        elif not any(values[3:]) and not excused and 2.0 * largest > total * (1.0 + _ROUNDING):
             yield (
                 place,
                 f"the moments {', '.join(f'{v:g}' for v in values[:3])} kg m² break the triangle "
-                "inequality: the largest exceeds the sum of the other two",
+                "inequality: the largest exceeds the sum of the other two; where they were "
+                "identified or hold motors and gears, say 'apparent_inertia: true'",
             )
 
 

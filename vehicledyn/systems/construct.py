@@ -233,6 +233,7 @@ class _Builder:
             com=self.value(body.com),
             inertia=inertia,
             spins_about=body.spins_about,
+            apparent_inertia=body.apparent_inertia,
         )
 
     def _chain(self, body: str, joint: JointSet) -> list[Joint | Turn]:

@@ -66,6 +66,8 @@ class _Writer:
         written["inertia"] = inertia if any(inertia[3:]) else inertia[:3]
         if body.spins_about is not None:
             written["spins_about"] = body.spins_about
+        if body.apparent_inertia:
+            written["apparent_inertia"] = True
         return written
 
     def _joint(self, item: Joint | Turn) -> list[dict[str, Any]]:

@@ -54,6 +54,11 @@ class BodySet(SystemSet):
         description="Axis of a body of revolution whose last joint turns about it; the axes of "
         "the body then do not spin",
     )
+    apparent_inertia: bool = Field(
+        default=False,
+        description="Whether the inertia is one that was identified or that holds gears and "
+        "motors, so that it may break the triangle inequality",
+    )
 
     @field_validator("joints", mode="before")
     @classmethod

@@ -135,6 +135,14 @@ def test_impossible_bodies(more, message):
         derive(system([mass("it", joints=[Joint("R1", "a")], **more)]))
 
 
+def test_inertia_said_to_be_apparent_may_break_the_triangle_inequality():
+    six = {"inertia": (0.066, 0.086, 0.0125), "apparent_inertia": True}
+    assert derive(system([mass("it", joints=[Joint("R1", "a")], **six)])).states
+    with pytest.raises(InputError, match="none may be negative"):
+        six["inertia"] = (0.1, -0.1, 0.1)
+        derive(system([mass("it", joints=[Joint("R1", "a")], **six)]))
+
+
 @pytest.mark.parametrize(
     ("more", "message"),
     [

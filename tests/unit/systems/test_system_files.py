@@ -88,7 +88,8 @@ def test_good_file_has_no_problems_and_keeps_its_parameters_free(tmp_path):
         ("mass: 1 kg", "mass: -1 kg", ["18:11: bodies.tip.mass: must be greater than 0 kg, is -1"]),
         ("inertia: [crank.inertia, crank.inertia, 0]", "inertia: [1, 1, 3]",
          ["13:14: bodies.crank.inertia: the moments 1, 1, 3 kg m² break the triangle inequality: "
-          "the largest exceeds the sum of the other two"]),
+          "the largest exceeds the sum of the other two; where they were identified or hold motors "
+          "and gears, say 'apparent_inertia: true'"]),
         ("inertia: [crank.inertia, crank.inertia, 0]", "inertia: [1, 1]",
          ["8:3: bodies.crank: the inertia has 3 or 6 elements, not 2"]),
         ("parent: crank", "parent: cranc", ["15:13: bodies.tip.parent: no body named 'cranc'; "
