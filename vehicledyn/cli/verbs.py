@@ -10,7 +10,7 @@ from typer.core import TyperGroup
 
 import vehicledyn
 from vehicledyn.base.errors import InputError, StoppedError
-from vehicledyn.cli import analyses, exports, files, linear, paths, rail, sweep
+from vehicledyn.cli import analyses, exports, files, hunt, linear, paths, rail, sweep
 from vehicledyn.cli.options import (
     Backend,
     BackendChoice,
@@ -160,3 +160,4 @@ exports.add_verbs(app)
 paths.add_verbs(app)
 rail.add_verbs(app)
 sweep.add_verbs(app)
+hunt.add_verbs(app)

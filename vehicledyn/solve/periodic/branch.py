@@ -15,6 +15,7 @@ from itertools import pairwise
 import numpy as np
 
 from vehicledyn.base.errors import NumericalError
+from vehicledyn.solve.engine import Vector
 from vehicledyn.solve.periodic.autonomous import AutonomousField
 from vehicledyn.solve.periodic.collocation import (
     Corrected,
@@ -25,6 +26,7 @@ from vehicledyn.solve.periodic.collocation import (
     tangent_of,
 )
 from vehicledyn.solve.periodic.floquet import Multipliers, multipliers_of
+from vehicledyn.solve.periodic.kinks import Kinks, aligned, misalignment
 from vehicledyn.solve.periodic.orbit import Orbit, adapted_mesh
 
 Told = Callable[["CyclePoint"], None]
@@ -37,6 +39,7 @@ _SHARP, _SHARPLY = 0.5, 2e-3
 _EASY, _HARD = 4, 7
 _LOCATED = 1e-7
 _SHRUNK = 0.5
+_REMESHED, _ALIGNED = 10, 1e-7
 
 
 @dataclass(frozen=True)
@@ -144,9 +147,15 @@ class _Tracer:
     told: Told
     step: float = _FIRST
     first_size: float = 0.0
+    intervals: int = 0
+
+    def __post_init__(self) -> None:
+        """Prepare to look for kinks."""
+        self.kinks = Kinks(self.model)
 
     def begin(self, start: Orbit, direction: Direction | None, *, upwards: bool) -> None:
         """Find the first orbit."""
+        self.intervals = start.intervals
         scales = self._scales(start)
         if direction is None:
             found, _ = self._corrected(start, scales, None)
@@ -214,7 +223,7 @@ class _Tracer:
     def _step_from(self, base: CyclePoint, size: float) -> CyclePoint:
         """Return the point at a distance along the branch."""
         scales = self._scales(base.orbit)
-        mesh = adapted_mesh(base.orbit, scales.states, base.orbit.intervals)
+        mesh = self._mesh(base.orbit, scales, self.kinks.along(base.orbit))
         tangent = _moved(base.orbit, base.tangent, mesh)
         orbit = base.orbit.moved(mesh)
         guess = replace(
@@ -229,19 +238,28 @@ class _Tracer:
     def _corrected(
         self, guess: Orbit, scales: Scales, along: Direction | None
     ) -> tuple[Corrected, Direction | None]:
-        """Return the orbit near a guess and the direction, on a mesh that is fine enough."""
+        """Return the orbit near a guess and the direction, on a mesh that fits and is fine."""
         found = correct(self.model, guess, scales, along=along)
-        while True:
-            error = abs(multipliers_of(self.model, found.system).trivial - 1.0)
-            count = found.orbit.intervals
-            if error <= self.limits.trivial or count >= self.limits.intervals:
-                return found, along
-            finer = min(self.limits.intervals, count + max(4, count // 3))
-            mesh = adapted_mesh(found.orbit, scales.states, finer)
-            if along is not None:
-                along = _moved(found.orbit, along, mesh)
-            again = correct(self.model, found.orbit.moved(mesh), scales, along=along)
-            found = replace(again, iterations=found.iterations)
+        iterations = found.iterations
+        for _ in range(_REMESHED):
+            orbit = found.orbit
+            kinks = self.kinks.along(orbit)
+            if misalignment(orbit.mesh, kinks) > _ALIGNED:
+                mesh = aligned(orbit.mesh, kinks)
+            else:
+                error = abs(multipliers_of(self.model, found.system).trivial - 1.0)
+                if error <= self.limits.trivial or self.intervals >= self.limits.intervals:
+                    break
+                finer = self.intervals + max(4, self.intervals // 3)
+                self.intervals = min(self.limits.intervals, finer)
+                mesh = self._mesh(orbit, scales, kinks)
+            along = None if along is None else _moved(orbit, along, mesh)
+            found = correct(self.model, orbit.moved(mesh), scales, along=along)
+        return replace(found, iterations=iterations), along
+
+    def _mesh(self, orbit: Orbit, scales: Scales, kinks: Vector) -> Vector:
+        """Return a mesh that spreads the error of an orbit, with points on its kinks."""
+        return aligned(adapted_mesh(orbit, scales.states, self.intervals, kinks), kinks)
 
     def _point(self, found: Corrected, scales: Scales, before: Direction) -> CyclePoint:
         tangent = tangent_of(found, found.system.scales, before)
@@ -355,7 +373,7 @@ class _Tracer:
         self.branch.ending, self.branch.reason = ending, reason
 
 
-def _moved(orbit: Orbit, direction: Direction, mesh: np.ndarray) -> Direction:
+def _moved(orbit: Orbit, direction: Direction, mesh: Vector) -> Direction:
     """Return a direction on another mesh."""
     states = replace(orbit, states=direction.states).moved(mesh).states
     return Direction(states, direction.period, direction.parameter)

@@ -12,6 +12,9 @@ from vehicledyn.solve.periodic.basis import Basis
 _SMOOTHING = 0.2
 """Part of the mean monitor that every interval gets."""
 
+_ON_KINK = 1e-6
+"""Distance of a mesh point from a kink whose jump of derivatives is no error."""
+
 _SMALL = 1e-3
 """Least scale of a state, part of the largest range of all."""
 
@@ -59,7 +62,9 @@ class Orbit:
     def scales(self) -> Vector:
         """Return a size for each state: its range, at least a small part of the largest."""
         ranges = np.ptp(self.states, axis=0)
-        return np.maximum(ranges, max(_SMALL * float(ranges.max()), np.finfo(float).tiny))
+        return np.asarray(
+            np.maximum(ranges, max(_SMALL * float(ranges.max()), np.finfo(float).tiny))
+        )
 
     def sample(self, places: Vector) -> tuple[Vector, Vector]:
         """Return states and (interpolated) unknowns at places, parts of the period."""
@@ -83,11 +88,14 @@ class Orbit:
         return replace(self, mesh=mesh, states=self.sample(own)[0], unknowns=self.sample(gauss)[1])
 
 
-def adapted_mesh(orbit: Orbit, scales: Vector, intervals: int) -> Vector:
+def adapted_mesh(
+    orbit: Orbit, scales: Vector, intervals: int, kinks: Vector | None = None
+) -> Vector:
     """Return the mesh on which the error of collocation is spread evenly.
 
     The (m + 1)-th derivative comes from differences of the m-th one, which is constant in each
-    interval. At a bend of the motion it grows as the mesh gets finer, which gathers points.
+    interval. At a bend of the motion it grows as the mesh gets finer, which gathers points;
+    jumps at mesh points that lie on ``kinks`` (parts of the period) are no error.
 
     References
     ----------
@@ -99,7 +107,12 @@ def adapted_mesh(orbit: Orbit, scales: Vector, intervals: int) -> Vector:
     highest /= widths[:, None] ** m
     distances = 0.5 * (widths + np.roll(widths, 1))
     jumps = np.abs(highest - np.roll(highest, 1, axis=0)) / distances[:, None]
-    error = 0.5 * (jumps + np.roll(jumps, -1, axis=0)).max(axis=1)
+    if kinks is not None and kinks.size:
+        near = np.abs(orbit.mesh[:-1, None] - kinks[None, :]).min(axis=1) < _ON_KINK
+        jumps[near] = np.nan
+    sides = np.stack([jumps, np.roll(jumps, -1, axis=0)])
+    known = np.isfinite(sides)
+    error = (np.where(known, sides, 0.0).sum(axis=0) / np.maximum(known.sum(axis=0), 1)).max(axis=1)
     monitor = error ** (1.0 / (m + 1))
     monitor = (np.roll(monitor, 1) + 2.0 * monitor + np.roll(monitor, -1)) / 4.0
     mean = float(monitor @ widths)

@@ -1,0 +1,91 @@
+"""The verb "hunt": limit cycles along a parameter."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from vehicledyn.cli.analyses import read_target
+from vehicledyn.cli.options import Backend, BackendChoice, Json, Overrides, Quiet, Target
+from vehicledyn.cli.terminal import emit_report, show_progress, tell
+
+
+def add_verbs(app: typer.Typer) -> None:
+    """Add the verb of this module to the command line."""
+    app.command()(hunt)
+
+
+def hunt(
+    target: Target,
+    *,
+    first: Annotated[
+        str, typer.Option("--from", metavar="VALUE", help='Lowest value, such as "5 m/s".')
+    ],
+    last: Annotated[str, typer.Option("--to", metavar="VALUE", help="Highest value.")],
+    parameter: Annotated[
+        str, typer.Option("--parameter", "-p", metavar="NAME", help="What is varied.")
+    ] = "speed",
+    points: Annotated[
+        int, typer.Option(min=2, max=10000, help="About as many cycles on a branch.")
+    ] = 60,
+    channels: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--channel",
+            metavar="CHANNEL",
+            help="Tell amplitudes of this; the first one is watched in simulations.",
+        ),
+    ] = None,
+    amplitude: Annotated[
+        float, typer.Option(help="First amplitude of a branch, in m or rad, of the leading one.")
+    ] = 1e-4,
+    disturbance: Annotated[
+        float, typer.Option(help="With which simulations start, in m or rad.")
+    ] = 1e-3,
+    no_simulation: Annotated[
+        bool, typer.Option("--no-simulation", help="Leave out the check by simulation.")
+    ] = False,
+    overrides: Overrides = None,
+    output: Annotated[
+        Path | None, typer.Option("--output", "-o", help="Result file; NAME_hunt.h5.")
+    ] = None,
+    plots: Annotated[
+        Path | None, typer.Option(help="Folder of the figures; the result's name with _plots.")
+    ] = None,
+    no_plots: Annotated[bool, typer.Option("--no-plots", help="Draw nothing.")] = False,
+    backend: BackendChoice = Backend.AUTO,
+    as_json: Json = False,
+    quiet: Quiet = False,
+) -> None:
+    """Find critical speeds and limit cycles along a speed or any other parameter."""
+    loaded = read_target(target, overrides)
+    from vehicledyn.run.hunt import HuntSettings, find_limit_cycles
+
+    result = output or Path(f"{Path(target).stem}_hunt.h5")
+    folder = None if no_plots else plots or result.parent / f"{result.stem}_plots"
+    settings = HuntSettings(
+        parameter,
+        first,
+        last,
+        points=points,
+        channels=tuple(channels or ()),
+        amplitude=amplitude,
+        disturbance=disturbance,
+        simulate=not no_simulation,
+    )
+    with show_progress(quiet=quiet) as progress:
+        report = find_limit_cycles(
+            loaded,
+            settings,
+            backend=backend.value,
+            output=result,
+            plots=folder,
+            progress=progress,
+        )
+    for message in report.messages:
+        tell(message)
+    if as_json or not quiet:
+        emit_report(report, as_json=as_json)
+    raise typer.Exit(report.exit_code)

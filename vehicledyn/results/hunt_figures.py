@@ -1,0 +1,143 @@
+"""Figures of a hunting study: bifurcation diagram, period, root locus, and the motion."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from vehicledyn.results.figures import new_figure
+from vehicledyn.results.hunt_table import CycleRow, HuntTable
+from vehicledyn.results.plot_style import BLUE, GREEN, PALETTE, VERMILION, axis_label
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+MOST_PANELS = 4
+KINDS = {
+    "fold": ("o", "fold"),
+    "period_doubling": ("s", "period doubling"),
+    "torus": ("D", "torus"),
+    "branch_point": ("^", "branch point"),
+}
+_HEADING, _PANEL = 1.0, 2.2  # inch
+
+
+def hunt_figures(table: HuntTable) -> Iterator[tuple[str, Figure]]:
+    """Yield name and figure: diagram, root locus, and where there are cycles their motion."""
+    yield "bifurcation", _diagram(table)
+    yield "root_locus", _locus(table)
+    if table.cycles:
+        yield "motion", _motion(table)
+
+
+def _diagram(table: HuntTable) -> Figure:
+    """Amplitudes and period against the parameter: stable solid, unstable dashed."""
+    watched = table.channels[:MOST_PANELS]
+    figure = new_figure(_HEADING + _PANEL * (len(watched) + 1))
+    panels = figure.subplots(len(watched) + 1, 1, sharex=True, squeeze=False)[:, 0]
+    for k, (axes, channel) in enumerate(zip(panels, watched, strict=False)):
+        _equilibria(axes, table)
+        for number in table.branches:
+            _branch(axes, table.branch(number), lambda row, k=k: float(row.amplitude[k]))
+        if not k and len(table.simulated):
+            axes.plot(
+                table.simulated[:, 0], table.simulated[:, 1], "x", color=GREEN, label="simulated"
+            )
+        axes.set_ylabel(axis_label(f"Amplitude of {channel.name}", channel.unit))
+    for number in table.branches:
+        _branch(panels[-1], table.branch(number), lambda row: row.period)
+    if len(table.simulated):
+        panels[-1].plot(table.simulated[:, 0], table.simulated[:, 2], "x", color=GREEN)
+    panels[-1].set_ylabel(axis_label("Period", "s"))
+    panels[-1].set_xlabel(axis_label(table.parameter.name, table.parameter.unit))
+    if len(table.locus_values):
+        panels[-1].set_xlim(float(table.locus_values.min()), float(table.locus_values.max()))
+    handles, labels = panels[0].get_legend_handles_labels()
+    unique = dict(zip(labels, handles, strict=True))
+    panels[0].legend(
+        unique.values(), unique.keys(), loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=4
+    )
+    figure.align_ylabels(panels)
+    _entitle(figure, "Limit cycles", table)
+    return figure
+
+
+def _equilibria(axes: Axes, table: HuntTable) -> None:
+    """Draw the equilibria along zero."""
+    if not len(table.locus_values):
+        return
+    stable = table.eigenvalues.real.max(axis=1) <= 1e-6
+    _runs(axes, table.locus_values, np.zeros(len(stable)), stable, "0.3")
+
+
+def _branch(axes: Axes, rows: list[CycleRow], measure: Any) -> None:
+    values = np.array([row.value for row in rows])
+    heights = np.array([measure(row) for row in rows])
+    stable = np.array([row.stable for row in rows])
+    _runs(axes, values, heights, stable, BLUE)
+    for row, height in zip(rows, heights, strict=True):
+        if row.kind:
+            marker, label = KINDS[row.kind]
+            axes.plot(row.value, height, marker, color=VERMILION, label=label, markersize=5)
+
+
+def _runs(axes: Axes, values: Any, heights: Any, stable: Any, colour: str) -> None:
+    """Draw a line that is solid where it is stable and dashed elsewhere."""
+    edges = np.flatnonzero(np.diff(stable.astype(int))) + 1
+    for begin, end in zip([0, *edges], [*edges, len(values)], strict=True):
+        solid = bool(stable[begin])
+        axes.plot(
+            values[max(0, begin - 1) : end],
+            heights[max(0, begin - 1) : end],
+            "-" if solid else "--",
+            color=colour,
+            label="stable" if solid else "unstable",
+        )
+
+
+def _locus(table: HuntTable) -> Figure:
+    figure = new_figure(_HEADING + 1.6 * _PANEL)
+    upper, lower = figure.subplots(2, 1, sharex=True)
+    for column in range(table.eigenvalues.shape[1] if len(table.eigenvalues) else 0):
+        values = table.eigenvalues[:, column]
+        upper.plot(table.locus_values, values.real, ".", color=BLUE, markersize=2.5)
+        lower.plot(
+            table.locus_values, np.abs(values.imag) / (2 * np.pi), ".", color=BLUE, markersize=2.5
+        )
+    upper.axhline(0.0, color="0.4", linewidth=0.8)
+    upper.set_ylabel(axis_label("Real part", "1/s"))
+    lower.set_ylabel(axis_label("Frequency", "Hz"))
+    lower.set_xlabel(axis_label(table.parameter.name, table.parameter.unit))
+    figure.align_ylabels((upper, lower))
+    _entitle(figure, "Eigenvalues of the equilibrium", table)
+    return figure
+
+
+def _motion(table: HuntTable) -> Figure:
+    """Draw one period of up to seven cycles, spread over the stable ones."""
+    rows = [row for row in table.cycles if row.stable] or list(table.cycles)
+    places = np.unique(np.linspace(0, len(rows) - 1, min(len(rows), len(PALETTE))).astype(int))
+    watched = table.channels[:MOST_PANELS]
+    figure = new_figure(_HEADING + _PANEL * len(watched))
+    panels = figure.subplots(len(watched), 1, sharex=True, squeeze=False)[:, 0]
+    for k, (axes, channel) in enumerate(zip(panels, watched, strict=True)):
+        for colour, place in zip(PALETTE, places, strict=False):
+            row = rows[place]
+            time = np.linspace(0.0, row.period, len(row.motion))
+            label = f"{row.value:.4g} {table.parameter.unit}"
+            axes.plot(time, row.motion[:, k], color=colour, label=label)
+        axes.set_ylabel(axis_label(channel.name, channel.unit))
+    panels[-1].set_xlabel(axis_label("Time", "s"))
+    panels[0].legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=4)
+    figure.align_ylabels(panels)
+    _entitle(figure, "One period of the cycles", table)
+    return figure
+
+
+def _entitle(figure: Figure, title: str, table: HuntTable) -> None:
+    state = "" if table.status == "ok" else f" ({table.status})"
+    figure.suptitle(title + state, fontsize=10.5, fontweight="bold", x=0.01, ha="left")
+    figure.supxlabel(table.title, fontsize=6.5, color="0.45", x=0.99, ha="right")

@@ -1,0 +1,181 @@
+"""Hunting studies as a table and as a result file: eigenvalues, cycles, simulated cycles."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from vehicledyn.results.linear_file import (
+    Quantity,
+    new_file,
+    old_file,
+    read_complex,
+    read_quantities,
+    read_texts,
+    write_numbers,
+    write_quantities,
+    write_texts,
+)
+
+FORMAT = "vehicledyn-hunt"
+
+
+@dataclass(frozen=True)
+class CycleRow:
+    """One limit cycle: parameter, period [s], stability, and the range of each channel.
+
+    ``kind`` is "" or "fold", "period_doubling", "torus", "branch_point"; ``trivial`` and
+    ``largest`` are the trivial Floquet multiplier and the largest magnitude of the others;
+    ``smallest``, ``greatest`` (n_channels,) and ``motion`` (n_phases, n_channels) are in SI.
+    """
+
+    branch: int
+    value: float
+    period: float
+    stable: bool
+    kind: str
+    trivial: float
+    multipliers: Any
+    smallest: Any
+    greatest: Any
+    motion: Any
+
+    @property
+    def amplitude(self) -> Any:
+        """Half the range of each channel, shape (n_channels,)."""
+        return 0.5 * (np.asarray(self.greatest) - np.asarray(self.smallest))
+
+
+@dataclass(frozen=True)
+class HuntTable:
+    """A hunting study: the parameter, what was watched, and what was found.
+
+    ``locus_values`` (n,) and ``eigenvalues`` (n, n_states) belong to the equilibria;
+    ``simulated`` (n, 3) holds parameter, amplitude of the first channel and period [s];
+    ``figures`` are the critical values by name.
+    """
+
+    title: str
+    model: str
+    parameter: Quantity
+    channels: tuple[Quantity, ...]
+    locus_values: Any
+    eigenvalues: Any
+    cycles: tuple[CycleRow, ...]
+    simulated: Any
+    figures: dict[str, float]
+    status: str
+    message: str
+
+    def branch(self, number: int) -> list[CycleRow]:
+        """Return the cycles of a branch, in its order."""
+        return [row for row in self.cycles if row.branch == number]
+
+    @property
+    def branches(self) -> list[int]:
+        """Numbers of the branches."""
+        return sorted({row.branch for row in self.cycles})
+
+
+def write_hunt(path: Path, table: HuntTable) -> None:
+    """Write a study to a file.
+
+    Raises
+    ------
+    InputError
+        If it cannot be written.
+    """
+    head = {
+        "title": table.title,
+        "model": table.model,
+        "status": table.status,
+        "message": table.message,
+        **{f"figure_{name}": value for name, value in table.figures.items()},
+    }
+    unit, name = table.parameter.unit, table.parameter.description or table.parameter.name
+    with new_file(path, FORMAT, head) as file:
+        write_quantities(file, "parameter", [table.parameter])
+        channels = write_quantities(file, "channel", table.channels)
+        write_numbers(file, "equilibrium_parameter", table.locus_values, (), (unit, name))
+        write_numbers(file, "eigenvalue", table.eigenvalues, (), ("1/s", "Eigenvalues"))
+        columns: dict[str, tuple[Any, str, str]] = {
+            "cycle_parameter": ([r.value for r in table.cycles], unit, name),
+            "cycle_branch": ([r.branch for r in table.cycles], "1", "Number of the branch"),
+            "cycle_period": ([r.period for r in table.cycles], "s", "Period"),
+            "cycle_stable": ([r.stable for r in table.cycles], "1", "1 where it is stable"),
+            "cycle_trivial": ([r.trivial for r in table.cycles], "1", "Trivial multiplier"),
+        }
+        for place, (values, units, words) in columns.items():
+            write_numbers(file, place, values, (), (units, words))
+        write_texts(file, "cycle_kind", [row.kind for row in table.cycles])
+        shape = (len(table.cycles), len(table.channels))
+        for place, pick in (("smallest", "smallest"), ("greatest", "greatest")):
+            values = [getattr(row, pick) for row in table.cycles]
+            stacked = np.array(values, dtype=float).reshape(shape)
+            write_numbers(file, f"cycle_{place}", stacked, (), ("SI", f"{pick} value"))
+        multipliers = [row.multipliers for row in table.cycles]
+        write_numbers(file, "cycle_multiplier", _rows(multipliers), (), ("1", "Multipliers"))
+        motion = [row.motion for row in table.cycles]
+        whole = np.array(motion, dtype=float) if motion else np.zeros((0, 0, len(table.channels)))
+        write_numbers(file, "cycle_motion", whole, (), ("SI", "One period, equally sampled"))
+        write_numbers(file, "simulated", table.simulated, (), ("SI", "Value, amplitude, period"))
+        channels.attrs["long_name"] = "Channels watched"
+
+
+def read_hunt(path: Path) -> HuntTable:
+    """Return the study in a file.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be read or holds something else.
+    """
+    with old_file(path, FORMAT) as file:
+        columns = {
+            name: np.asarray(file[f"cycle_{name}"][()])
+            for name in ("parameter", "branch", "period", "stable", "trivial")
+        }
+        kinds = read_texts(file, "cycle_kind")
+        multipliers = read_complex(file, "cycle_multiplier")
+        smallest, greatest = file["cycle_smallest"][()], file["cycle_greatest"][()]
+        motion = file["cycle_motion"][()]
+        cycles = tuple(
+            CycleRow(
+                int(columns["branch"][k]),
+                float(columns["parameter"][k]),
+                float(columns["period"][k]),
+                bool(columns["stable"][k]),
+                kinds[k],
+                float(columns["trivial"][k]),
+                multipliers[k],
+                smallest[k],
+                greatest[k],
+                motion[k],
+            )
+            for k in range(len(kinds))
+        )
+        prefix = "figure_"
+        return HuntTable(
+            str(file.attrs["title"]),
+            str(file.attrs["model"]),
+            read_quantities(file, "parameter")[0],
+            read_quantities(file, "channel"),
+            np.asarray(file["equilibrium_parameter"][()]),
+            read_complex(file, "eigenvalue"),
+            cycles,
+            np.asarray(file["simulated"][()]),
+            {
+                key.removeprefix(prefix): float(value)
+                for key, value in file.attrs.items()
+                if key.startswith(prefix)
+            },
+            str(file.attrs["status"]),
+            str(file.attrs["message"]),
+        )
+
+
+def _rows(values: list[Any]) -> Any:
+    return np.array(values, dtype=complex) if values else np.zeros((0, 0), dtype=complex)

@@ -1,0 +1,443 @@
+"""The verb "hunt": where a motion begins to oscillate, and the limit cycles it then has."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vehicledyn.base.errors import InputError, NumericalError, nearest_name, unknown_name
+from vehicledyn.base.units import to_si
+from vehicledyn.results.hunt_figures import hunt_figures
+from vehicledyn.results.hunt_table import CycleRow, HuntTable, write_hunt
+from vehicledyn.results.linear_file import Quantity
+from vehicledyn.results.output import check_folder, check_output
+from vehicledyn.results.pictures import save_figures
+from vehicledyn.run.hunt_report import HuntReport
+from vehicledyn.run.prepare import Prepared, Progress, prepare, reference_point
+from vehicledyn.run.system_subject import SystemSubject
+from vehicledyn.run.vehicle import Target
+from vehicledyn.scenario import LoadedScenario
+from vehicledyn.solve.kernel import Backend
+from vehicledyn.solve.periodic.autonomous import AutonomousField
+from vehicledyn.solve.periodic.branch import Branch, CyclePoint, Limits, cycle_at, follow_cycles
+from vehicledyn.solve.periodic.collocation import Direction
+from vehicledyn.solve.periodic.critical import Balance, Hopf, find_balance, find_hopf
+from vehicledyn.solve.periodic.orbit import Orbit
+from vehicledyn.solve.periodic.settled import (
+    Runner,
+    Settled,
+    balances_near,
+    growth_begins,
+    leading,
+    lower,
+    steps,
+)
+
+Vector = NDArray[np.float64]
+
+DEGREE = 4
+_PHASES = 101
+_MOST_CHANNELS = 8
+_BEHIND = 8
+"""Points an interval at which the range of a channel is looked for."""
+
+
+@dataclass(frozen=True)
+class HuntSettings:
+    """What is asked of a study.
+
+    ``parameter`` goes from ``first`` up to ``last``, numbers in SI or texts with unit;
+    ``points`` is about the number of cycles of a branch; ``channels`` are watched, the first
+    one for the amplitude. ``amplitude`` is the size of the first cycle at a Hopf bifurcation
+    and ``disturbance`` that with which simulations start, both of the position that moves
+    most, in its unit. ``simulate`` asks for the check by simulation in ``levels`` steps.
+    """
+
+    parameter: str
+    first: float | str
+    last: float | str
+    points: int = 60
+    channels: tuple[str, ...] = ()
+    amplitude: float = 1e-4
+    disturbance: float = 1e-3
+    intervals: int = 30
+    simulate: bool = True
+    levels: int = 13
+
+
+def find_limit_cycles(
+    target: Target,
+    settings: HuntSettings,
+    *,
+    backend: Backend,
+    output: Path | None = None,
+    plots: Path | None = None,
+    progress: Progress,
+) -> HuntReport:
+    """Return where a motion begins to oscillate and the limit cycles along a parameter.
+
+    Parameters
+    ----------
+    target
+        A scenario or a model.
+    settings
+        What is asked.
+    backend, progress
+        As for a run.
+    output
+        Result file to write.
+    plots
+        Folder for the figures.
+
+    Raises
+    ------
+    InputError
+        If the parameter, its range or a channel is not usable, or a file cannot be written.
+    NumericalError
+        If there is no equilibrium at the first value.
+    """
+    if output is not None:
+        check_output(output)
+    if plots is not None:
+        check_folder(plots)
+    _check(settings)
+    prepared = prepare(target, backend=backend, progress=progress)
+    study = _Study.of(prepared, target, settings, progress)
+    study.examine()
+    table = study.table()
+    if output is not None:
+        write_hunt(output, table)
+    if plots is not None:
+        progress("drawing", None)
+        save_figures(hunt_figures(table), plots, ("png", "svg"))
+    return HuntReport(table, tuple(study.messages), study.exit_code)
+
+
+@dataclass
+class _Study:
+    """A study while it is made; what was found is kept whatever comes."""
+
+    prepared: Prepared
+    settings: HuntSettings
+    model: AutonomousField
+    title: str
+    watched: list[int]
+    progress: Progress
+    span: tuple[float, float]
+    start: tuple[Vector, Vector]
+    balances: list[Balance] = field(default_factory=list)
+    hopfs: list[Hopf] = field(default_factory=list)
+    branches: list[Branch] = field(default_factory=list)
+    simulated: list[Settled] = field(default_factory=list)
+    figures: dict[str, float] = field(default_factory=dict)
+    messages: list[str] = field(default_factory=list)
+    exit_code: int = 0
+    status: str = "ok"
+
+    @staticmethod
+    def of(
+        prepared: Prepared, target: Target, settings: HuntSettings, progress: Progress
+    ) -> _Study:
+        """Return a study at its beginning: the equilibrium near the first value."""
+        index = _parameter_index(prepared, settings.parameter)
+        span = _span(prepared, index, settings)
+        values = prepared.kernel.parameters
+        values[index] = span[0]
+        prepared.kernel.set_parameters(values)
+        is_system = isinstance(prepared.subject, SystemSubject)
+        scenario = target.scenario if isinstance(target, LoadedScenario) else None
+        own_speed = settings.parameter == "speed"
+        speed = span[0] if own_speed else (scenario.speed or 0.0 if scenario else 0.0)
+        progress("finding the equilibrium", None)
+        start = scenario.start if scenario else None
+        point = reference_point(prepared, speed, start, is_system=is_system)
+        model = AutonomousField(prepared.equations, settings.parameter, prepared.kernel.parameters)
+        title = scenario.title if scenario else prepared.equations.name
+        return _Study(
+            prepared,
+            settings,
+            model,
+            title,
+            _watched(prepared, settings.channels),
+            progress,
+            span,
+            (model.reduced(point.state), point.unknowns),
+        )
+
+    def examine(self) -> None:
+        """Follow equilibria and cycles, and check them by simulation."""
+        try:
+            self._equilibria()
+            self._cycles()
+            if self.settings.simulate:
+                self._simulations()
+        except KeyboardInterrupt:
+            self._ended("interrupted", 130, "stopped by the user; what was found is kept")
+        except NumericalError as error:
+            self._ended("failed", 3, f"{error}; what was found is kept")
+        self._figures()
+
+    def table(self) -> HuntTable:
+        """Return everything that was found."""
+        e = self.prepared.equations
+        entry = e.parameters[self.model.index]
+        eigenvalues = [b.eigenvalues for b in self.balances]
+        rows = [
+            self._row(number, point)
+            for number, branch in enumerate(self.branches, 1)
+            for point in branch.points
+        ]
+        return HuntTable(
+            self.title,
+            e.name,
+            Quantity(entry.name, entry.unit, entry.description),
+            tuple(
+                Quantity(e.channels[k].name, e.channels[k].unit, e.channels[k].description)
+                for k in self.watched
+            ),
+            np.array([b.value for b in self.balances]),
+            np.array(eigenvalues).reshape(len(eigenvalues), -1),
+            tuple(rows),
+            np.array([[s.value, s.amplitude, s.period] for s in self.simulated]).reshape(-1, 3),
+            self.figures,
+            self.status,
+            "; ".join(self.messages),
+        )
+
+    def _equilibria(self) -> None:
+        s = self.settings
+        state, unknowns = self.start
+        for k, value in enumerate(np.linspace(*self.span, max(s.points, 20))):
+            self.progress("following the equilibrium", k / max(s.points, 20))
+            try:
+                found = find_balance(self.model, float(value), state, unknowns)
+            except NumericalError as error:
+                if not self.balances:
+                    raise
+                self._ended("partial", 3, f"{error}; the equilibrium is followed up to there")
+                break
+            self.balances.append(found)
+            state, unknowns = found.state, found.unknowns
+        self.hopfs = find_hopf(self.model, self.balances)
+
+    def _cycles(self) -> None:
+        s = self.settings
+        for hopf in self.hopfs:
+            if any(self._reaches(branch, hopf) for branch in self.branches):
+                continue
+            index = leading(self.model, hopf.shape)
+            start = hopf.orbit(s.amplitude, index, intervals=s.intervals, degree=DEGREE)
+            self._follow(start, hopf.growing(start), f"from {hopf.balance.value:.6g}")
+
+    def _follow(
+        self, start: Orbit, direction: Direction | None, place: str, upwards: bool = True
+    ) -> None:
+        low, high = self.span
+        points = self.settings.points
+        branch = Branch()
+        self.branches.append(branch)
+        limits = Limits(low, high, (high - low) / points, points=4 * points)
+
+        def told(point: CyclePoint) -> None:
+            part = (point.orbit.parameter - low) / (high - low)
+            self.progress(f"following the limit cycles {place}", min(1.0, max(0.0, part)))
+
+        follow_cycles(
+            self.model,
+            start,
+            direction,
+            limits,
+            branch=branch,
+            told=told,
+            upwards=upwards,
+        )
+        if branch.ending == "lost":
+            self._ended("partial", 3, f"branch {len(self.branches)}: {branch.reason}")
+
+    def _reaches(self, branch: Branch, hopf: Hopf) -> bool:
+        """Return whether a branch ended at a Hopf bifurcation."""
+        if branch.ending != "equilibrium" or not branch.points:
+            return False
+        end = branch.points[-1].orbit.parameter
+        return abs(end - hopf.balance.value) < 1e-2 * (self.span[1] - self.span[0])
+
+    def _simulations(self) -> None:
+        s = self.settings
+        if not any(np.any(b.eigenvalues.imag != 0.0) for b in self.balances):
+            return
+        runner = Runner(self.prepared.kernel, self.model, self.watched[0])
+        near = balances_near(self.model, self.balances)
+        resolution = 2e-4 * (self.span[1] - self.span[0])
+        self.progress("lowering the parameter in simulations", None)
+        high = self.balances[-1].value
+        found = lower(
+            runner,
+            list(steps(high, self.span[0], s.levels)),
+            near,
+            s.disturbance,
+            resolution=resolution,
+            told=self._simulated,
+        )
+        if found is not None:
+            self.figures["simulated_lowering"] = 0.5 * sum(found)
+        if self.simulated and not any(branch.points for branch in self.branches):
+            self._from_simulation(self.simulated[0])
+        self.progress("raising the parameter in simulations", None)
+        grown = growth_begins(
+            runner,
+            list(steps(self.span[0], high, s.levels)),
+            near,
+            s.amplitude,
+            resolution=resolution,
+        )
+        if grown is not None:
+            self.figures["simulated_raising"] = 0.5 * sum(grown)
+
+    def _from_simulation(self, found: Settled) -> None:
+        """Follow the cycle that a simulation settled to, to both sides."""
+        s = self.settings
+        start = found.orbit(self.model, intervals=s.intervals, degree=DEGREE)
+        self._follow(start, None, "down from the simulated one", upwards=False)
+
+    def _simulated(self, found: Settled) -> None:
+        self.simulated.append(found)
+
+    def _figures(self) -> None:
+        """Note the critical values, and how far simulation and continuation differ."""
+        begins = [h.balance.value for h in self.hopfs if h.begins]
+        if begins:
+            self.figures["linear_critical"] = min(begins)
+            self.figures["linear_critical_frequency"] = next(
+                h.frequency / (2.0 * math.pi) for h in self.hopfs if h.balance.value == min(begins)
+            )
+        folds = [p.orbit.parameter for b in self.branches for p in b.special if p.kind == "fold"]
+        stable = [p.orbit.parameter for b in self.branches for p in b.points if p.stable]
+        if stable:
+            lowest = min(stable)
+            nearest = min(folds, key=lambda v: abs(v - lowest), default=lowest)
+            self.figures["nonlinear_critical"] = min(lowest, nearest)
+        differences = [self._difference(s) for s in self.simulated]
+        known = [d for d in differences if d is not None]
+        if known:
+            self.figures["largest_difference_amplitude"] = max(d[0] for d in known)
+            self.figures["largest_difference_period"] = max(d[1] for d in known)
+
+    def _difference(self, found: Settled) -> tuple[float, float] | None:
+        """Return relative differences of amplitude and period to the nearest stable cycle."""
+        best: tuple[float, float] | None = None
+        for branch in self.branches:
+            try:
+                cycles = [c for c in cycle_at(self.model, branch, found.value) if c.stable]
+            except NumericalError:
+                continue
+            for cycle in cycles:
+                row = self._row(0, cycle)
+                size = abs(found.amplitude / float(row.amplitude[0]) - 1.0)
+                if best is None or size < best[0]:
+                    best = size, abs(found.period / row.period - 1.0)
+        return best
+
+    def _row(self, number: int, point: CyclePoint) -> CycleRow:
+        """Return a cycle with the motion of the watched channels."""
+        orbit = point.orbit
+        widths = orbit.widths[:, None]
+        places = (orbit.mesh[:-1, None] + widths * np.arange(_BEHIND) / _BEHIND).ravel()
+        values = self._channels(point, places)
+        even = np.linspace(0.0, 1.0, _PHASES)
+        motion = self._channels(point, even % 1.0)
+        return CycleRow(
+            number,
+            orbit.parameter,
+            orbit.period,
+            point.stable,
+            point.kind,
+            point.multipliers.trivial,
+            point.multipliers.all,
+            -np.array([_top(places, -column) for column in values.T]),
+            np.array([_top(places, column) for column in values.T]),
+            motion,
+        )
+
+    def _channels(self, point: CyclePoint, places: Vector) -> Vector:
+        kernel = self.prepared.kernel.with_parameters(self.model.parameters(point.orbit.parameter))
+        states, unknowns = point.orbit.sample(places)
+        rows = []
+        for state, guess in zip(self.model.full(states), unknowns, strict=True):
+            solved = kernel.solve_unknowns(0.0, state, guess)
+            rows.append(kernel.outputs(0.0, state, solved)[self.watched])
+        return np.array(rows)
+
+    def _ended(self, status: str, exit_code: int, message: str) -> None:
+        self.status, self.exit_code = status, exit_code
+        self.messages.append(message)
+
+
+def _top(places: Vector, values: Vector) -> float:
+    """Return the largest value of a periodic channel, with a parabola through neighbours."""
+    k = int(np.argmax(values))
+    around = [k - 1, k, (k + 1) % len(values)]
+    x = places[around] - places[k]
+    x[0] -= 1.0 if x[0] > 0.0 else 0.0
+    x[2] += 1.0 if x[2] < 0.0 else 0.0
+    y = values[around]
+    a, b, c = np.polyfit(x / x[2], y, 2)
+    top = float(c - b * b / (4.0 * a)) if a < 0.0 else float(values[k])
+    return top if float(values[k]) <= top < float(values[k]) + np.ptp(values) else float(values[k])
+
+
+def _check(settings: HuntSettings) -> None:
+    s = settings
+    if s.points < 2 or s.intervals < 5:
+        raise InputError("--points must be at least 2, and --intervals at least 5")
+    if not (s.amplitude > 0.0 and s.disturbance > 0.0):
+        raise InputError("--amplitude and --disturbance must be above zero")
+
+
+def _parameter_index(prepared: Prepared, name: str) -> int:
+    names = [p.name for p in prepared.equations.parameters]
+    if name in names:
+        return names.index(name)
+    guess = nearest_name(name, names)
+    hint = f"; did you mean '{guess}'?" if guess else ""
+    raise InputError(
+        f"--parameter {name}: '{prepared.equations.name}' has no parameter of this name{hint} "
+        "(a speed is one only where the model prescribes it); 'models show' lists them"
+    )
+
+
+def _span(prepared: Prepared, index: int, settings: HuntSettings) -> tuple[float, float]:
+    """Return the range in SI."""
+    unit = prepared.equations.parameters[index].unit
+    values = []
+    for option, given in (("--from", settings.first), ("--to", settings.last)):
+        try:
+            values.append(to_si(given, unit))
+        except InputError as error:
+            raise InputError(f"{option} {given}: {error}") from None
+    low, high = values
+    if not (math.isfinite(low) and math.isfinite(high) and low < high):
+        raise InputError(
+            f"--from {settings.first} --to {settings.last}: the first must be below the last"
+        )
+    return low, high
+
+
+def _watched(prepared: Prepared, wanted: Sequence[str]) -> list[int]:
+    """Return the channels to watch: those asked for, else the coordinates."""
+    names = [c.name for c in prepared.equations.channels]
+    for name in wanted:
+        if name not in names:
+            raise InputError(f"--channel {unknown_name('channel', name, names)}")
+    chosen = list(wanted)
+    if not chosen:
+        joints = [j.name for j in prepared.subject.system.joints() if j.name in names]
+        states = {s.name for s in prepared.equations.states}
+        chosen = [n for n in joints if n in states][:_MOST_CHANNELS] or joints[:_MOST_CHANNELS]
+    if not chosen:
+        raise InputError("--channel: missing: name a channel to watch")
+    return [names.index(name) for name in dict.fromkeys(chosen)]
