@@ -22,7 +22,7 @@ class Fastsim(CreepLaw):
     Without spin this grid is within 0.3 % of μ N of infinitely fine ones; with spin, mostly
     within 7 %, 20 by 20 within 5 %, in proportion to one over the number of elements.
     :func:`vehicledyn.rail.fastsim.fine_forces` takes as many as a tolerance asks for; the
-    infinitely fine grid is up to 10 % of μ N off the exact curves where spin alone slides.
+    infinitely fine grid is up to 11 % of μ N off the exact curves where spin alone slides.
 
     References
     ----------
