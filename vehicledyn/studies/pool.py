@@ -80,7 +80,7 @@ class Cluster:
         InputError
             If a worker runs another version of the program.
         """
-        from distributed import wait
+        from distributed import CancelledError, wait
 
         waiting: list[tuple[int, int]] = []
         seen = time.monotonic()
@@ -97,7 +97,7 @@ class Cluster:
                     self._submit(span)
                 if not self._running and not waiting:
                     return
-                with contextlib.suppress(TimeoutError):
+                with contextlib.suppress(TimeoutError, CancelledError):
                     wait(list(self._running), timeout=_POLL, return_when="FIRST_COMPLETED")
                 for future in [f for f in self._running if f.done()]:
                     waiting += self._collect(future, take)
@@ -123,7 +123,8 @@ class Cluster:
         except VehicledynError:
             raise
         except (CancelledError, OSError, TimeoutError) as error:
-            if self.workers() is None or self.client.status != "running":
+            self.workers()  # raises if the scheduler does not answer
+            if self.client.status != "running":
                 raise self._gone() from error
             self.deaths[span] = self.deaths.get(span, 0) + 1
             return self._died(span, take) if self.deaths[span] >= _LIVES else [span]
