@@ -8,9 +8,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from vehicledyn.base.errors import InputError, unknown_name
-from vehicledyn.results import contact_table, mode_table, response_table
+from vehicledyn.results import contact_table, hunt_table, mode_table, response_table
 from vehicledyn.results.bode import bode_figures
 from vehicledyn.results.contact_figures import contact_figures
+from vehicledyn.results.hunt_figures import hunt_figures
 from vehicledyn.results.linear_file import format_of
 from vehicledyn.results.mode_figures import mode_figures
 from vehicledyn.results.pictures import save_figures
@@ -19,7 +20,7 @@ from vehicledyn.results.plot_style import STYLE
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-FORMATS = (mode_table.FORMAT, response_table.FORMAT, contact_table.FORMAT)
+FORMATS = (mode_table.FORMAT, response_table.FORMAT, contact_table.FORMAT, hunt_table.FORMAT)
 
 
 @dataclass(frozen=True)
@@ -63,6 +64,8 @@ def describe_linear(path: Path) -> LinearDescription:
             "channels": len(modes.channels),
         }
         return LinearDescription(str(path), facts)
+    if format_of(path) == hunt_table.FORMAT:
+        return LinearDescription(str(path), _hunt_facts(hunt_table.read_hunt(path)))
     table = response_table.read_response(path)
     first, last = table.frequency[0], table.frequency[-1]
     facts = {
@@ -93,6 +96,21 @@ def _contact_facts(path: Path) -> dict[str, Any]:
     }
 
 
+def _hunt_facts(table: hunt_table.HuntTable) -> dict[str, Any]:
+    """Return what a hunting study holds."""
+    return {
+        "holds": "limit cycles along a parameter",
+        "title": table.title,
+        "model": table.model,
+        "status": f"{table.status} {table.message}".strip(),
+        "parameter": f"{table.parameter.name} [{table.parameter.unit}]",
+        "equilibria": len(table.locus_values),
+        "cycles": [f"branch {n}: {len(table.branch(n))}" for n in table.branches],
+        "channels": [f"{item.name} [{item.unit}]" for item in table.channels],
+        **{name: f"{value:.6g}" for name, value in table.figures.items()},
+    }
+
+
 def draw_linear(
     path: Path, folder: Path, names: Sequence[str] | None, formats: Sequence[str]
 ) -> list[Path]:
@@ -117,6 +135,8 @@ def draw_linear(
 def _figures(path: Path) -> Iterator[tuple[str, Figure]]:
     if format_of(path) == mode_table.FORMAT:
         yield from mode_figures(mode_table.read_modes(path))
+    elif format_of(path) == hunt_table.FORMAT:
+        yield from hunt_figures(hunt_table.read_hunt(path))
     elif format_of(path) == contact_table.FORMAT:
         yield from contact_figures(contact_table.read_contacts(path))
     else:
