@@ -6,7 +6,8 @@ from pathlib import Path
 
 import pytest
 
-import vehicledyn.catalogue  # noqa: F401
+import vehicledyn.catalogue
+import vehicledyn.studies  # noqa: F401
 from vehicledyn.base.parameters import ParameterSet, field_family, field_unit
 from vehicledyn.base.registry import families, find, kinds
 from vehicledyn.systems import load_kinds
@@ -89,11 +90,12 @@ def test_tests_run_over_all_kinds_of_the_family(family):
 def test_scenarios_reach_every_family():
     """Every catalogue but those of models stands behind a field of some set."""
     from vehicledyn.scenario.sets import Scenario, Tyres
+    from vehicledyn.studies import Study
     from vehicledyn.systems.fields import fact
     from vehicledyn.systems.sets import SystemFile
 
     sets = {s for entry in ENTRIES for s in sets_of(find(*entry))}
-    sets |= {Scenario, Tyres, *sets_of(SystemFile)}
+    sets |= {Scenario, Study, Tyres, *sets_of(SystemFile)}
     reached = {field_family(s, name) for s in sets for name in s.model_fields}
     reached |= {fact(s, name, "section") for s in sets for name in s.model_fields}
     assert (reached - {None}) | {"model", "model_file"} | FROM_PYTHON == set(families())

@@ -5,6 +5,7 @@ import pytest
 from small_study import STUDY, written
 
 from vehicledyn.base.errors import InputError
+from vehicledyn.base.registry import kinds
 from vehicledyn.studies import load_study
 
 HEAD = STUDY.partition("cases:")[0]
@@ -140,3 +141,20 @@ def test_overrides_reach_the_study_and_its_scenario(study):
     assert found.base.scenario.duration == 0.1
     assert found.study.output.precision == "single"
     assert found.digests != load_study(study, ["cases.number=3"]).digests
+
+
+EXAMPLES = {
+    "grid": "vary: {parameters.mass: [1 kg, 2 kg]}",
+    "list": "rows: [{parameters.mass: 1 kg}, {parameters.mass: 2 kg}]",
+    "latin_hypercube": "number: 2\n  seed: 0\n  vary: {parameters.mass: {from: 1 kg, to: 2 kg}}",
+    "random": "number: 2\n  seed: 0\n  vary: {parameters.mass: {from: 1 kg, to: 2 kg}}",
+}
+
+
+@pytest.mark.parametrize("kind", kinds("cases"))
+def test_every_kind_gives_cases_inside_its_ranges(tmp_path, kind):
+    design = loaded(tmp_path, f"  kind: {kind}\n  {EXAMPLES[kind]}\n").design
+    values = design.cases(0, design.count)
+    assert values.shape == (2, 1)
+    assert values.min() >= 1.0
+    assert values.max() <= 2.0
