@@ -126,7 +126,8 @@ def make_batch(
     kernel
         The model.
     lanes
-        Cases side by side: 1, 4 or 8; None for what suits this processor.
+        Cases side by side: 1, 4 or 8; None for what suits this processor, which is also the
+        most that it is given.
     progress
         Told what is going on.
 
@@ -143,7 +144,8 @@ def make_batch(
     """
     if lanes is not None and lanes not in CHOICES:
         raise InputError(f"{lanes} lanes are impossible; choose one of 1, 4 and 8")
-    wanted = suitable_lanes() if lanes is None else lanes
+    most = suitable_lanes()
+    wanted = most if lanes is None else min(lanes, most)
     if wanted == 1:
         return Batch(kernel)
     if kernel.equations.events:

@@ -28,7 +28,8 @@ operations are fused that the source fuses, so results do not depend on the numb
 
 _DISABLED = "none"
 _CANDIDATES = ("cc", "gcc", "clang")
-_TIME_LIMIT = 900.0
+_TIME_LIMIT, _ANSWER_LIMIT = 900.0, 20.0
+"""Most time for a build and for telling the version [s]."""
 
 
 class CompilationError(Exception):
@@ -109,7 +110,7 @@ def build_library(compiler: Compiler, source: str, folder: Path) -> Path:
     text, library = folder / "kernel.c", folder / f"kernel{library_suffix()}"
     text.write_text(source, encoding="utf-8")
     command = [*compiler.command, *compiler.options, str(text), "-o", str(library)]
-    _run([*command, "-lm"] if sys.platform != "win32" else command)
+    _run([*command, "-lm"] if sys.platform != "win32" else command, _TIME_LIMIT)
     if not library.is_file():
         raise CompilationError(f"{compiler.command[0]} wrote no library")
     return library
@@ -126,7 +127,7 @@ def _split(named: str) -> tuple[str, ...]:
 
 
 def _ask_version(command: tuple[str, ...]) -> Compiler:
-    lines = _run([*command, "--version"]).splitlines()
+    lines = _run([*command, "--version"], _ANSWER_LIMIT).splitlines()
     words = lines[0].split() if lines else []
     numbers = [word for word in words if word[0].isdigit() and "." in word]
     name = "clang" if "clang" in words else "gcc" if words and "cc" in words[0] else command[0]
@@ -147,12 +148,12 @@ def _processor() -> str:
     return hashlib.sha256("\n".join(facts).encode()).hexdigest()[:16] if facts else ""
 
 
-def _run(command: list[str]) -> str:
+def _run(command: list[str], limit: float) -> str:
     try:
-        done = subprocess.run(
-            command, capture_output=True, text=True, timeout=_TIME_LIMIT, check=False
-        )
-    except (OSError, subprocess.TimeoutExpired) as error:
+        done = subprocess.run(command, capture_output=True, text=True, timeout=limit, check=False)
+    except subprocess.TimeoutExpired:
+        raise CompilationError(f"{command[0]} does not end within {limit:g} s") from None
+    except OSError as error:
         raise CompilationError(f"{command[0]} does not run: {error}") from None
     if done.returncode:
         lines = [line for line in done.stderr.splitlines() if line.strip()]

@@ -36,9 +36,9 @@ VD_INLINE void vd_pad(int n, double *a) {
   for (int i = n; i % VD_WIDTH; i++) a[i] = 1.0;
 }
 #if VD_WIDTH == 8
-VD_INLINE vd_wide vd_sqrt_wide(vd_wide a) { return (vd_wide)_mm512_sqrt_pd((__m512d)a); }
+VD_INLINE vd_wide vd_sqrt_wide(vd_wide a) { return (vd_wide)VD_SQRT8(a); }
 #elif VD_WIDTH == 4
-VD_INLINE vd_wide vd_sqrt_wide(vd_wide a) { return (vd_wide)_mm256_sqrt_pd((__m256d)a); }
+VD_INLINE vd_wide vd_sqrt_wide(vd_wide a) { return (vd_wide)VD_SQRT4(a); }
 #else
 VD_INLINE vd_wide vd_sqrt_wide(vd_wide a) {
   for (int k = 0; k < VD_WIDTH; k++) a[k] = sqrt(a[k]);

@@ -5,10 +5,6 @@
 #include <float.h>
 #include <math.h>
 #include <string.h>
-#if defined(__x86_64__) && (defined(__FMA__) || defined(__AVX__))
-#include <immintrin.h>
-#endif
-
 #ifndef VD_LANES
 #define VD_LANES 1
 #endif
@@ -29,16 +25,45 @@
 #define VD_WIDTH 2
 #endif
 
-/* Length of an array for n numbers of elementary.c. */
-#define VD_ROOM(n) (((n) * VD_LANES + VD_WIDTH - 1) / VD_WIDTH * VD_WIDTH / VD_LANES)
-
-/* Whether any of the wholes is not zero; they are all bits or none. */
-#if VD_WIDTH == 8
-#define VD_ANY8(m) (_mm512_movepi64_mask((__m512i)(m)) != 0)
+/* Fused sum, square root and "any sign bit" of whole registers. Where the compiler offers them
+   without, immintrin.h is left out: it takes longer to compile than a small kernel. */
+typedef double vd_four __attribute__((vector_size(32)));
+typedef double vd_eight __attribute__((vector_size(64)));
+typedef long long vd_eight_wholes __attribute__((vector_size(64)));
+#if !defined(__has_builtin)
+#define __has_builtin(name) 0
 #endif
 #if VD_WIDTH >= 4
-#define VD_ANY4(m) (_mm256_movemask_pd((__m256d)(m)) != 0)
+#if __has_builtin(__builtin_ia32_vfmaddpd256) && __has_builtin(__builtin_ia32_sqrtpd256) && \
+    __has_builtin(__builtin_ia32_movmskpd256)
+#define VD_FMA4(a, b, c) \
+  __builtin_ia32_vfmaddpd256((vd_four)(a), (vd_four)(b), (vd_four)(c))
+#define VD_SQRT4(a) __builtin_ia32_sqrtpd256((vd_four)(a))
+#define VD_ANY4(a) (__builtin_ia32_movmskpd256((vd_four)(a)) != 0)
+#else
+#include <immintrin.h>
+#define VD_FMA4(a, b, c) _mm256_fmadd_pd((__m256d)(a), (__m256d)(b), (__m256d)(c))
+#define VD_SQRT4(a) _mm256_sqrt_pd((__m256d)(a))
+#define VD_ANY4(a) (_mm256_movemask_pd((__m256d)(a)) != 0)
 #endif
+#endif
+#if VD_WIDTH == 8
+#if __has_builtin(__builtin_ia32_vfmaddpd512_mask) && \
+    __has_builtin(__builtin_ia32_sqrtpd512_mask) && __has_builtin(__builtin_ia32_cvtq2mask512)
+#define VD_FMA8(a, b, c) \
+  __builtin_ia32_vfmaddpd512_mask((vd_eight)(a), (vd_eight)(b), (vd_eight)(c), -1, 4)
+#define VD_SQRT8(a) __builtin_ia32_sqrtpd512_mask((vd_eight)(a), (vd_eight){0.0}, -1, 4)
+#define VD_ANY8(a) (__builtin_ia32_cvtq2mask512((vd_eight_wholes)(a)) != 0)
+#else
+#include <immintrin.h>
+#define VD_FMA8(a, b, c) _mm512_fmadd_pd((__m512d)(a), (__m512d)(b), (__m512d)(c))
+#define VD_SQRT8(a) _mm512_sqrt_pd((__m512d)(a))
+#define VD_ANY8(a) (_mm512_movepi64_mask((__m512i)(a)) != 0)
+#endif
+#endif
+
+/* Length of an array for n numbers of elementary.c. */
+#define VD_ROOM(n) (((n) * VD_LANES + VD_WIDTH - 1) / VD_WIDTH * VD_WIDTH / VD_LANES)
 
 typedef double vd_wide __attribute__((vector_size(8 * VD_WIDTH), aligned(8), may_alias));
 typedef long long vd_whole __attribute__((vector_size(8 * VD_WIDTH), aligned(8), may_alias));
@@ -51,11 +76,11 @@ typedef long long vd_whole __attribute__((vector_size(8 * VD_WIDTH), aligned(8),
 
 #if VD_WIDTH == 8
 VD_INLINE vd_wide vd_fma_wide(vd_wide a, vd_wide b, vd_wide c) {
-  return (vd_wide)_mm512_fmadd_pd((__m512d)a, (__m512d)b, (__m512d)c);
+  return (vd_wide)VD_FMA8(a, b, c);
 }
 #elif VD_WIDTH == 4 && defined(__FMA__)
 VD_INLINE vd_wide vd_fma_wide(vd_wide a, vd_wide b, vd_wide c) {
-  return (vd_wide)_mm256_fmadd_pd((__m256d)a, (__m256d)b, (__m256d)c);
+  return (vd_wide)VD_FMA4(a, b, c);
 }
 #else
 VD_INLINE vd_wide vd_fma_wide(vd_wide a, vd_wide b, vd_wide c) {
@@ -118,15 +143,15 @@ VD_INLINE real vd_select(vd_mask m, real a, real b) {
   return (real)((m & (vd_mask)a) | (~m & (vd_mask)b));
 }
 #if VD_LANES == 8 && VD_WIDTH == 8
-VD_INLINE real vd_fma(real a, real b, real c) { return (real)_mm512_fmadd_pd((__m512d)a, (__m512d)b, (__m512d)c); }
-VD_INLINE real vd_fms(real a, real b, real c) { return (real)_mm512_fmsub_pd((__m512d)a, (__m512d)b, (__m512d)c); }
-VD_INLINE real vd_fnma(real a, real b, real c) { return (real)_mm512_fnmadd_pd((__m512d)a, (__m512d)b, (__m512d)c); }
-VD_INLINE real vd_sqrt(real a) { return (real)_mm512_sqrt_pd((__m512d)a); }
+#define vd_fma(a, b, c) ((real)VD_FMA8(a, b, c))
+#define vd_fms(a, b, c) ((real)VD_FMA8(a, b, -(c)))
+#define vd_fnma(a, b, c) ((real)VD_FMA8(-(a), b, c))
+#define vd_sqrt(a) ((real)VD_SQRT8(a))
 #elif VD_LANES == 4 && VD_WIDTH >= 4 && defined(__FMA__)
-VD_INLINE real vd_fma(real a, real b, real c) { return (real)_mm256_fmadd_pd((__m256d)a, (__m256d)b, (__m256d)c); }
-VD_INLINE real vd_fms(real a, real b, real c) { return (real)_mm256_fmsub_pd((__m256d)a, (__m256d)b, (__m256d)c); }
-VD_INLINE real vd_fnma(real a, real b, real c) { return (real)_mm256_fnmadd_pd((__m256d)a, (__m256d)b, (__m256d)c); }
-VD_INLINE real vd_sqrt(real a) { return (real)_mm256_sqrt_pd((__m256d)a); }
+#define vd_fma(a, b, c) ((real)VD_FMA4(a, b, c))
+#define vd_fms(a, b, c) ((real)VD_FMA4(a, b, -(c)))
+#define vd_fnma(a, b, c) ((real)VD_FMA4(-(a), b, c))
+#define vd_sqrt(a) ((real)VD_SQRT4(a))
 #else
 VD_INLINE real vd_fma(real a, real b, real c) {
   for (int i = 0; i < VD_LANES; i++) a[i] = vd_fma1(a[i], b[i], c[i]);

@@ -8,6 +8,7 @@ from solve_examples import Samples, double_pendulum, oscillator, slider_crank, s
 from vehicledyn.base.errors import InputError
 from vehicledyn.solve.batch import Cases, make_batch, run_batch
 from vehicledyn.solve.kernel import compile_kernel
+from vehicledyn.solve.lanes import suitable_lanes
 from vehicledyn.solve.methods.rk4 import RungeKutta4
 from vehicledyn.solve.methods.symplectic_euler import SymplecticEuler
 from vehicledyn.solve.simulate import simulate
@@ -90,6 +91,8 @@ def test_sizes_and_values_are_checked(change, words):
 
 @pytest.fixture(params=[4, 8])
 def lanes(request, needs_compiler):
+    if request.param > suitable_lanes():
+        pytest.skip(f"this processor carries no {request.param} lanes")
     return request.param
 
 
@@ -194,14 +197,16 @@ def test_interrupt_keeps_what_is_finished(lanes):
     assert done == list(range(lanes))
 
 
-def test_models_with_events_run_one_by_one(needs_compiler):
+def test_models_with_events_run_one_by_one(needs_compiler, monkeypatch):
+    monkeypatch.setattr("vehicledyn.solve.batch.suitable_lanes", lambda: 8)
     equations = bouncing_ball()
     batch = make_batch(compile_kernel(equations), lanes=8)
     assert batch.lanes == 1
     assert "has events; cases run one after the other" in batch.remark
 
 
-def test_without_lanes_in_one_line(needs_compiler, monkeypatch, tmp_path, caplog):
+def test_without_lanes_in_one_line(needs_compiler, monkeypatch, caplog):
+    monkeypatch.setattr("vehicledyn.solve.batch.suitable_lanes", lambda: 8)
     kernel = compile_kernel(oscillator())
     monkeypatch.setenv("VEHICLEDYN_CC", "none")
     batch = make_batch(kernel, lanes=4)
@@ -210,6 +215,13 @@ def test_without_lanes_in_one_line(needs_compiler, monkeypatch, tmp_path, caplog
     assert [record.getMessage() for record in caplog.records] == [batch.remark]
     interpreted = compile_kernel(oscillator(), backend="interpreted")
     assert "is interpreted" in make_batch(interpreted, lanes=4).remark
+
+
+@pytest.mark.parametrize(("flags", "most"), [("sse2 avx", 1), ("avx2 fma", 4), ("", 1)])
+def test_processors_without_wide_registers_get_fewer_lanes(monkeypatch, flags, most):
+    text = f"processor : 0\nflags : fpu {flags}\n"
+    monkeypatch.setattr("pathlib.Path.read_text", lambda *arguments, **more: text)
+    assert suitable_lanes() == most
 
 
 def test_lanes_that_cannot_be():

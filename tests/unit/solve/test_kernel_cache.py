@@ -172,6 +172,16 @@ def test_broken_compiler(folder, tmp_path, monkeypatch, caplog, fault):
     assert not list(folder.glob("*")) if folder.exists() else True
 
 
+@pytest.mark.parametrize("limit", ["_ANSWER_LIMIT", "_TIME_LIMIT"])
+def test_compiler_that_hangs(folder, tmp_path, monkeypatch, limit):
+    hangs = "exec sleep 60" if limit == "_ANSWER_LIMIT" else VERSION + "exec sleep 60"
+    monkeypatch.setenv("VEHICLEDYN_CC", script(tmp_path / "slowcc", hangs))
+    monkeypatch.setattr(f"vehicledyn.solve.compiler.{limit}", 0.5)
+    kernel = compile_kernel(oscillator())
+    assert kernel.backend == "interpreted"
+    assert "does not end within 0.5 s" in kernel.report.remark
+
+
 def test_progress_is_told(folder):
     told = []
     compile_kernel(slider_crank(), progress=lambda what, part: told.append((what, part)))

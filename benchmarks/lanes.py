@@ -1,0 +1,181 @@
+"""Measure cases side by side: ``python benchmarks/lanes.py [--quick] [--json FILE]``.
+
+Chains, a right-hand side of the Iltis and its slalom, one case alone and several in SIMD lanes,
+and the starting points of many cases. Candidates take turns; times are processor times, of which
+the median of several repetitions is printed with the smallest and the largest. Writes nothing
+but the JSON file where one is asked for.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import os
+import statistics
+import tempfile
+import time
+from dataclasses import asdict, dataclass
+from pathlib import Path
+
+import chains
+import numpy as np
+
+import vehicledyn.catalogue  # noqa: F401 - registers models, tyres, solvers
+from vehicledyn.base.registry import find
+from vehicledyn.multibody import derive
+from vehicledyn.run.case_starts import CaseStarter
+from vehicledyn.run.prepare import prepare
+from vehicledyn.scenario import load_scenario
+from vehicledyn.solve.batch import Cases, make_batch, run_batch
+from vehicledyn.solve.kernel import compile_kernel
+from vehicledyn.solve.lanes import suitable_lanes
+
+SCENARIOS = Path(__file__).resolve().parents[1] / "scenarios"
+STAGES = 4  # right-hand sides of a Runge-Kutta step
+STEP = 1e-3  # s
+SPREAD = 0.05  # of the masses of cases, to either side
+
+
+@dataclass(frozen=True)
+class Figure:
+    """A measured quantity over its repetitions; ``goal`` is what the project asks for."""
+
+    name: str
+    unit: str
+    values: list[float]
+    goal: str = ""
+
+    @property
+    def median(self) -> float:
+        return statistics.median(self.values)
+
+    def line(self) -> str:
+        low, high = min(self.values), max(self.values)
+        return (
+            f"{self.name:56} {self.median:>9.4g} {self.unit:4} {low:.4g} ... {high:.4g} {self.goal}"
+        )
+
+
+class Track:
+    """Cases of one kernel, run alone and in lanes from the same starts."""
+
+    def __init__(self, kernel, cases, span, channels=(), step=STEP):
+        self.kernel, self.cases, self.span, self.channels = kernel, cases, span, list(channels)
+        self.solver = find("solver", "rk4")(step=step)
+        self.batches = {1: make_batch(kernel, lanes=1)}
+        for lanes in (4, 8):
+            if lanes <= suitable_lanes():
+                self.batches[lanes] = make_batch(kernel, lanes=lanes)
+        self.times = {lanes: [] for lanes in self.batches}
+        self.steps = round((span["stop"] - span["start"]) / step)
+
+    def measure(self, repeats):
+        """Let the candidates take turns; return the processor time of a case by lanes [s]."""
+        for repeat in range(repeats + 1):
+            for lanes, batch in self.batches.items():
+                n = 2 * lanes if lanes > 1 else 2
+                cases = self.cases.part(slice(0, n))
+                started = time.process_time()
+                result = run_batch(batch, self.solver, cases, channels=self.channels, **self.span)
+                seconds = time.process_time() - started
+                if any(end.failed for end in result.ends):
+                    raise SystemExit(f"a case failed: {result.ends}")
+                if repeat:
+                    self.times[lanes].append(seconds / n)
+        return self.times
+
+
+def words(lanes):
+    return "alone" if lanes == 1 else f"{lanes} lanes"
+
+
+def chain_figures(lengths, repeats):
+    """Return nanoseconds of forward dynamics of chains, a case."""
+    figures = []
+    for joints in lengths:
+        equations = derive(chains.build(f"chain_{joints}", joints, chains.serial))
+        kernel = compile_kernel(equations, backend="compiled")
+        factor = 1.0 + SPREAD * np.linspace(-1.0, 1.0, 16)
+        cases = Cases(
+            np.outer(factor, kernel.parameters),
+            np.tile([s.start for s in equations.states], (16, 1)),
+            np.zeros((16, 0)),
+        )
+        intervals = max(1, 300 // joints)  # so that small systems run as long as large ones
+        span = {"start": 0.0, "stop": 200 * intervals * chains.STEP, "interval": 200 * chains.STEP}
+        track = Track(kernel, cases, span, step=chains.STEP)
+        for lanes, times in track.measure(repeats).items():
+            values = [1e9 * t / (STAGES * track.steps) for t in times]
+            figures.append(
+                Figure(f"chain of {joints}, forward dynamics, {words(lanes)}", "ns", values)
+            )
+    return figures
+
+
+def iltis(name):
+    """Return a prepared Iltis, its starter and 1,000 sets of parameters with their speeds."""
+    loaded = load_scenario(SCENARIOS / f"{name}.yaml")
+    prepared = prepare(loaded, backend="compiled", progress=lambda what, part: None)
+    scenario = loaded.scenario
+    starter = CaseStarter(
+        prepared, make_batch(prepared.kernel), speed=scenario.speed, kind=scenario.start
+    )
+    parameters = np.tile(prepared.kernel.parameters, (1000, 1))
+    masses = [k for k, p in enumerate(prepared.equations.parameters) if p.unit in ("kg", "kg*m^2")]
+    rng = np.random.default_rng(0)
+    parameters[:, masses] *= 1.0 + SPREAD * rng.uniform(-1.0, 1.0, (1000, len(masses)))
+    return prepared, starter, parameters, np.full(1000, scenario.speed)
+
+
+def iltis_figures(repeats):
+    """Return right-hand sides of the Iltis, times real time of its slalom, and starts."""
+    figures = []
+    goals = {1: "<= 1.3", 8: "<= 0.3"}
+    prepared, starter, parameters, speeds = iltis("iltis_ramp_steer")
+    cases = starter.starts(parameters[:16], speeds=speeds[:16]).cases
+    track = Track(prepared.kernel, cases, {"start": 0.0, "stop": 2.0, "interval": 1.0})
+    for lanes, times in track.measure(repeats).items():
+        values = [1e6 * t / (STAGES * track.steps) for t in times]
+        name = f"Iltis, right-hand side, benchmark tyres, {words(lanes)}"
+        figures.append(Figure(name, "us", values, goals.get(lanes, "")))
+    prepared, starter, parameters, speeds = iltis("iltis_slalom")
+    started = []
+    for _ in range(repeats):
+        clock = time.process_time()
+        starter.starts(parameters, speeds=speeds)
+        started.append(time.process_time() - clock)
+    figures.append(Figure("Iltis, starts of 1,000 slaloms", "s", started, "<= 2"))
+    cases = starter.starts(parameters[:16], speeds=speeds[:16]).cases
+    goals = {1: ">= 150", 8: ">= 800"}
+    span = {"start": 0.0, "stop": 2.0, "interval": 0.01}
+    track = Track(prepared.kernel, cases, span, channels=range(20))
+    for lanes, times in track.measure(repeats).items():
+        values = [span["stop"] / t for t in times]
+        name = f"Iltis, slalom, 20 channels at 100 Hz, {words(lanes)}"
+        figures.append(Figure(name, "x", values, goals.get(lanes, "")))
+    return figures
+
+
+def main(arguments=None):
+    """Measure, print and, if asked, write the figures as JSON."""
+    parser = argparse.ArgumentParser(description="Measure cases side by side in SIMD lanes.")
+    parser.add_argument("--quick", action="store_true", help="few repetitions, short chains")
+    parser.add_argument("--json", type=Path, help="also write the figures to this file")
+    options = parser.parse_args(arguments)
+    repeats, lengths = (3, (6, 12)) if options.quick else (9, (6, 12, 30, 100))
+    known = os.environ.get("VEHICLEDYN_CACHE")
+    with tempfile.TemporaryDirectory() as folder:
+        os.environ["VEHICLEDYN_CACHE"] = known or folder
+        figures = []
+        for found in (chain_figures(lengths, repeats), iltis_figures(repeats)):
+            figures += found
+            print("\n".join(figure.line() for figure in found), flush=True)
+    if known is None:
+        del os.environ["VEHICLEDYN_CACHE"]
+    if options.json:
+        content = [{**asdict(f), "median": f.median} for f in figures]
+        options.json.write_text(json.dumps(content, indent=2) + "\n", encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main()
