@@ -50,17 +50,17 @@ class AutonomousField:
         import casadi
 
         e = self.equations
-        names = [item.name for item in e.parameters]
-        if self.parameter not in names:
-            raise InputError(unknown_name("parameter", self.parameter, names))
-        self.index = names.index(self.parameter)
-        self.values = np.array(self.values, dtype=float)
         whole = casadi.vertcat(e.rate, e.residual)
         if casadi.which_depends(whole, e.time, 1, False)[0]:
             raise InputError(
                 f"model '{e.name}' depends on time: limit cycles are those of free motions; "
                 "hold drives and excitations still"
             )
+        names = [item.name for item in e.parameters]
+        if self.parameter not in names:
+            raise InputError(unknown_name("parameter", self.parameter, names))
+        self.index = names.index(self.parameter)
+        self.values = np.array(self.values, dtype=float)
         self.kept = _mattering(e)
         if not self.kept:
             raise InputError(f"model '{e.name}' has no states that influence its motion")
@@ -160,12 +160,7 @@ def _mattering(e: Equations) -> list[int]:
     """Return the states that rates of other kept states, or residuals, depend on."""
     import casadi
 
-    by = casadi.jacobian_sparsity if hasattr(casadi, "jacobian_sparsity") else None
-    pattern = (
-        by(casadi.vertcat(e.rate, e.residual), e.state)
-        if by
-        else casadi.jacobian(casadi.vertcat(e.rate, e.residual), e.state).sparsity()
-    )
+    pattern = casadi.jacobian_sparsity(casadi.vertcat(e.rate, e.residual), e.state)
     depends = np.array(casadi.DM(pattern, 1.0).full(), dtype=bool)
     n = len(e.states)
     kept = list(range(n))

@@ -31,8 +31,8 @@ from vehicledyn.solve.periodic.orbit import Orbit, adapted_mesh
 
 Told = Callable[["CyclePoint"], None]
 
-_NO_TURN = 1e-7
-"""Slope of the parameter along the branch below which its sign is rounding [1]."""
+_NO_TURN = 1e-5
+"""Scaled slope of the parameter along the branch below which its sign may be rounding [1]."""
 
 _SMALLEST, _FIRST, _LARGEST = 1e-7, 0.05, 0.4
 _SHARP, _SHARPLY = 0.5, 2e-3
@@ -148,6 +148,7 @@ class _Tracer:
     step: float = _FIRST
     first_size: float = 0.0
     intervals: int = 0
+    side: float = 0.0
 
     def __post_init__(self) -> None:
         """Prepare to look for kinks."""
@@ -167,6 +168,7 @@ class _Tracer:
             found = correct(self.model, start, scales, along=along)
             self.first_size = float(np.ptp(start.states, axis=0).max())
         self._add(self._point(found, scales, along))
+        self.side = self._side(self.branch.points[0])
 
     def run(self) -> None:
         """Follow the branch to its end."""
@@ -274,9 +276,13 @@ class _Tracer:
     def _special(self, base: CyclePoint, after: CyclePoint, size: float) -> None:
         """Add the folds and bifurcations between two points."""
         found: list[tuple[float, CyclePoint]] = []
+        turned = self._has_turned(after)
+        if turned and _slope(base) * _slope(after) >= 0.0:
+            found.append((0.0, replace(base, kind="fold")))
         for kind, measure in _MEASURES.items():
             low, high = measure(base), measure(after)
-            if low * high < 0.0 and self._is(kind, base, after):
+            wanted = turned if kind == "fold" else kind != "branch_point" or not turned
+            if low * high < 0.0 and wanted:
                 located = self._locate(base, size, measure, low)
                 if located is not None:
                     found.append((located[0], replace(located[1], kind=kind)))
@@ -288,12 +294,15 @@ class _Tracer:
             if self.limits.low <= point.orbit.parameter <= self.limits.high:
                 self._add(point)
 
-    def _is(self, kind: str, before: CyclePoint, after: CyclePoint) -> bool:
-        slopes = [p.tangent.parameter / self._parameter_scale for p in (before, after)]
-        turned = slopes[0] * slopes[1] < 0.0
-        if kind == "fold":
-            return min(map(abs, slopes)) > _NO_TURN
-        return kind != "branch_point" or not turned
+    def _has_turned(self, after: CyclePoint) -> bool:
+        """Return whether the parameter now runs the other way, beyond rounding."""
+        before, now = self.side, self._side(after)
+        self.side = now or before
+        return before * now < 0.0
+
+    def _side(self, point: CyclePoint) -> float:
+        slope = point.tangent.parameter / self._parameter_scale
+        return float(np.sign(slope)) if abs(slope) > _NO_TURN else 0.0
 
     def _locate(
         self,
@@ -379,8 +388,12 @@ def _moved(orbit: Orbit, direction: Direction, mesh: Vector) -> Direction:
     return Direction(states, direction.period, direction.parameter)
 
 
+def _slope(point: CyclePoint) -> float:
+    return float(point.tangent.parameter)
+
+
 _MEASURES: dict[str, Callable[[CyclePoint], float]] = {
-    "fold": lambda point: point.tangent.parameter,
+    "fold": _slope,
     "branch_point": lambda point: point.multipliers.test_branch,
     "period_doubling": lambda point: point.multipliers.test_doubling,
 }
@@ -394,11 +407,11 @@ def cycle_at(model: AutonomousField, branch: Branch, value: float) -> list[Cycle
     NumericalError
         If one of them is not found again from its neighbours.
     """
-    ordinary = [point for point in branch.points if point.orbit.intervals]
-    found = []
-    for before, after in pairwise(ordinary):
+    found: list[CyclePoint] = []
+    for before, after in pairwise(branch.points):
         ends = before.orbit.parameter, after.orbit.parameter
-        if not (min(ends) <= value < max(ends)):
+        is_last = after is branch.points[-1] and value == ends[1]
+        if not (min(ends) <= value < max(ends) or is_last):
             continue
         near = before if abs(value - ends[0]) < abs(value - ends[1]) else after
         orbit = replace(near.orbit, parameter=value)
