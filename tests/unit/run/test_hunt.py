@@ -1,0 +1,122 @@
+"""The verb hunt: what it refuses, what it keeps, and branches found from simulations."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import vehicledyn.catalogue  # noqa: F401
+from vehicledyn.base.errors import InputError, NumericalError
+from vehicledyn.results.hunt_table import read_hunt
+from vehicledyn.run import hunt
+from vehicledyn.run.hunt import HuntSettings, find_limit_cycles
+from vehicledyn.scenario import load_model
+
+WHEELSET = Path(__file__).parents[3] / "systems" / "simple_wheelset.yaml"
+ISOLATED = """\
+title: A balance wheel, stable at rest, that swings on once it is pushed
+parameters: {push: 0.1 N*m*s/rad^3, loss: 0.04 N*m*s/rad, limit: 0.02 N*m*s/rad^5}
+gravity: [0, 0, 0]
+bodies:
+  wheel: {joints: [R3 angle], mass: 1 kg, inertia: [1, 1, 1]}
+forces:
+  spring: {coordinate: wheel.angle, force: -1 N*m/rad * position}
+  air: {coordinate: wheel.angle, force: "-(loss - push * position**2 + limit * position**4) * rate"}
+"""
+
+
+def study(settings, target=None, tmp_path=None, **more):
+    output = None if tmp_path is None else tmp_path / "hunt.h5"
+    return find_limit_cycles(
+        target or load_model(str(WHEELSET)), settings, backend="auto", output=output,
+        progress=lambda *_: None, **more,
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("settings", "message"),
+    [
+        (HuntSettings("sped", "20 m/s", "30 m/s"), "did you mean 'speed'"),
+        (HuntSettings("speed", "20 kg", "30 m/s"), "--from 20 kg"),
+        (HuntSettings("speed", "30 m/s", "20 m/s"), "the first must be below the last"),
+        (HuntSettings("speed", 20.0, float("inf")), "must be below|finite|infinite"),
+        (HuntSettings("speed", 20.0, 30.0, points=1), "--points"),
+        (HuntSettings("speed", 20.0, 30.0, amplitude=0.0), "--amplitude"),
+        (HuntSettings("speed", 20.0, 30.0, channels=("wheelset.yow",)), "wheelset.yaw"),
+    ],
+)
+def test_what_is_refused(settings, message):
+    with pytest.raises(InputError, match=message):
+        study(settings)
+
+
+def test_a_range_without_oscillation(tmp_path):
+    report = study(HuntSettings("speed", 20.0, 40.0, points=10), tmp_path=tmp_path)
+    assert report.exit_code == 0 and not report.table.cycles
+    assert "no oscillation begins to grow" in report.as_text()
+    assert read_hunt(tmp_path / "hunt.h5").eigenvalues.real.max() < 0.0
+
+
+@pytest.mark.parametrize(
+    ("error", "code", "status"), [(KeyboardInterrupt, 130, "interrupted"), (None, 3, "partial")]
+)
+def test_what_was_found_is_kept(tmp_path, monkeypatch, error, code, status):
+    """Ctrl-C on the way, or a branch that is lost, leaves the cycles before in the file."""
+    follow = hunt.follow_cycles
+
+    def cut(model, start, direction, limits, *, branch, told, upwards):
+        def stop(point):
+            if len(branch.points) == 6:
+                raise error
+
+        found = follow(
+            model, start, direction, limits, branch=branch, told=stop if error else told,
+            upwards=upwards,
+        )  # fmt: skip
+        del branch.points[6:]
+        branch.ending, branch.reason = "lost", "lost near speed = 61: it does not converge"
+        return found
+
+    monkeypatch.setattr(hunt, "follow_cycles", cut)
+    settings = HuntSettings("speed", 50.0, 70.0, points=8, simulate=False)
+    report = study(settings, tmp_path=tmp_path, plots=tmp_path / "plots")
+    assert report.exit_code == code
+    kept = read_hunt(tmp_path / "hunt.h5")
+    assert kept.status == status and len(kept.cycles) == 6
+    assert "kept" in kept.message or "lost near speed" in kept.message
+    assert (tmp_path / "plots" / "bifurcation.png").is_file()
+
+
+def test_ranges_of_channels_are_those_of_the_motion():
+    report = study(HuntSettings("speed", 50.0, 65.0, points=15, simulate=False))
+    row = report.table.cycles[-1]
+    motion = np.asarray(row.motion)
+    assert row.greatest == pytest.approx(motion.max(axis=0), rel=5e-3)
+    assert row.smallest == pytest.approx(-row.greatest, rel=1e-6)  # left and right are alike
+    assert report.as_dict()["cycles"][-1]["amplitude"] == pytest.approx(row.amplitude)
+
+
+def test_no_equilibrium_is_told(tmp_path):
+    text = WHEELSET.read_text(encoding="utf-8").replace(
+        "springs:\n", "springs:\n  none: {coordinate: wheelset.yaw, law: {kind: spring_damper}}\n"
+    )
+    text = text.replace("forces:\n", "forces:\n  wind: {coordinate: wheelset.yaw, force: 9e9 N}\n")
+    path = tmp_path / "blown.yaml"
+    path.write_text(text, encoding="utf-8")
+    with pytest.raises((NumericalError, InputError)):
+        study(HuntSettings("speed", 20.0, 40.0, points=5), load_model(str(path)))
+
+
+def test_a_cycle_apart_from_the_equilibrium_is_found_by_simulation(tmp_path):
+    """By averaging the swing of 2 rad is lost where push² = 8 loss limit, at 0.08."""
+    path = tmp_path / "balance.yaml"
+    path.write_text(ISOLATED, encoding="utf-8")
+    settings = HuntSettings("push", 0.05, 0.12, points=20, disturbance=2.0)
+    report = study(settings, load_model(str(path)))
+    figures = report.table.figures
+    assert "linear_critical" not in figures
+    assert figures["nonlinear_critical"] == pytest.approx(0.08, rel=1e-2)
+    assert figures["simulated_lowering"] == pytest.approx(figures["nonlinear_critical"], rel=5e-3)
+    (fold,) = (row for row in report.table.cycles if row.kind == "fold")
+    assert fold.amplitude[0] == pytest.approx(2.0, rel=2e-2)
+    assert figures["largest_difference_amplitude"] < 0.005
