@@ -1,6 +1,5 @@
 """Forces of prescribed motions: they bring about the motion, along laws and tables."""
 
-
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
