@@ -37,7 +37,7 @@ _NO_TURN = 1e-5
 _SMALLEST, _FIRST, _LARGEST = 1e-7, 0.05, 0.4
 _SHARP, _SHARPLY = 0.5, 2e-3
 _EASY, _HARD = 4, 7
-_LOCATED = 1e-7
+_LOCATED, _HALVED = 1e-6, 1e-3
 _SHRUNK = 0.5
 _REMESHED, _ALIGNED = 10, 1e-7
 
@@ -283,11 +283,11 @@ class _Tracer:
             low, high = measure(base), measure(after)
             wanted = turned if kind == "fold" else kind != "branch_point" or not turned
             if low * high < 0.0 and wanted:
-                located = self._locate(base, size, measure, low)
+                located = self._locate(base, size, measure)
                 if located is not None:
                     found.append((located[0], replace(located[1], kind=kind)))
         if base.multipliers.turning != after.multipliers.turning:
-            located = self._torus(base, after, size)
+            located = self._torus(base, size)
             if located is not None:
                 found.append((located[0], replace(located[1], kind="torus")))
         for _, point in sorted(found, key=lambda item: item[0]):
@@ -305,45 +305,46 @@ class _Tracer:
         return float(np.sign(slope)) if abs(slope) > _NO_TURN else 0.0
 
     def _locate(
-        self,
-        base: CyclePoint,
-        size: float,
-        measure: Callable[[CyclePoint], float],
-        at_base: float,
+        self, base: CyclePoint, size: float, measure: Callable[[CyclePoint], float]
     ) -> tuple[float, CyclePoint] | None:
-        """Return where a measure passes zero on a step, by the method of false position."""
-        low, high, below = 0.0, size, at_base
-        above: float | None = None
-        best: tuple[float, CyclePoint] | None = None
+        """Return where a measure passes zero on a step, and the point there."""
+        from scipy.optimize import brentq
+
+        points: dict[float, CyclePoint] = {0.0: base}
+
+        def value(part: float) -> float:
+            if part not in points:
+                points[part] = self._step_from(base, part)
+            return measure(points[part])
+
         try:
-            for _ in range(30):
+            place = float(brentq(value, 0.0, size, xtol=_LOCATED * size, maxiter=40, disp=False))
+            value(place)
+        except (NumericalError, ValueError):
+            return None
+        return place, points[place]
+
+    def _halved(
+        self, base: CyclePoint, size: float, changed: Callable[[CyclePoint], bool]
+    ) -> tuple[float, CyclePoint] | None:
+        """Return the first point on a step where something has changed, by halving."""
+        low, high, best = 0.0, size, None
+        try:
+            while high - low > _HALVED * size:
                 middle = 0.5 * (low + high)
-                if above is not None and below != above:
-                    middle = low + (high - low) * min(0.9, max(0.1, below / (below - above)))
                 point = self._step_from(base, middle)
-                best = (middle, point)
-                value = measure(point)
-                if value * at_base > 0.0:
-                    low, below = middle, value
+                if changed(point):
+                    high, best = middle, (middle, point)
                 else:
-                    high, above = middle, value
-                if value == 0.0 or high - low < _LOCATED * size:
-                    break
+                    low = middle
         except NumericalError:
             return best
         return best
 
-    def _torus(
-        self, base: CyclePoint, after: CyclePoint, size: float
-    ) -> tuple[float, CyclePoint] | None:
+    def _torus(self, base: CyclePoint, size: float) -> tuple[float, CyclePoint] | None:
         """Return where a complex pair crosses the unit circle, None if that is not how."""
-
-        def outside(point: CyclePoint) -> float:
-            return 1.0 if point.multipliers.turning > least else -1.0
-
-        counts = base.multipliers.turning, after.multipliers.turning
-        least = min(counts)
-        found = self._locate(base, size, outside, outside(base))
+        first = base.multipliers.turning
+        found = self._halved(base, size, lambda point: point.multipliers.turning != first)
         if found is None:
             return None
         values = found[1].multipliers.others
