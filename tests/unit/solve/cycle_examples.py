@@ -68,6 +68,24 @@ def gap_oscillator():
     )  # fmt: skip
 
 
+def circle_beside(kind):
+    """The circle r = 1 run through in 2π, and beside it a motion that begins to grow at μ = 0.
+
+    "torus" is an oscillation at 0.3 rad/s, "branch_point" a deviation to one side.
+    """
+    t, x, y, u, w, m = symbols("t", "x", "y", "u", "w", "mu")
+    r2, s2 = x * x + y * y, u * u + w * w
+    if kind == "torus":
+        beside = [u * (m - s2) - 0.3 * w, w * (m - s2) + 0.3 * u]
+    else:
+        beside = [u * (m - u * u), -w]
+    return build(
+        "circle", time=t, states=[(x, 1.0), (y, 0.0), (u, 0.0), (w, 0.0)],
+        rates=[x * (1 - r2) - y, y * (1 - r2) + x, *beside],
+        parameters=[(m, -0.5)], outputs=[("x", x)],
+    )  # fmt: skip
+
+
 def rossler(c=2.0):
     """Rössler's equations, a = b = 0.2: the period doubles near c = 2.83."""
     t, x, y, z, p = symbols("t", "x", "y", "z", "c")

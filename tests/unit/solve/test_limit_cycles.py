@@ -5,6 +5,7 @@ import math
 import numpy as np
 import pytest
 from cycle_examples import (
+    circle_beside,
     duffing,
     field,
     from_hopf,
@@ -167,6 +168,29 @@ def test_stops_that_touch_keep_the_trivial_multiplier():
     near = run_off_by(rates, middle, last, 1e-4)
     decay = branch.points[-1].multipliers.others[0].real
     assert near == pytest.approx(decay, rel=1e-3)
+
+
+@pytest.mark.parametrize("kind", ["torus", "branch_point"])
+def test_what_grows_beside_a_circle(kind):
+    """Its multipliers are exp(2π (μ ± 0.3 i)) or exp(2π μ): the circle loses stability at 0."""
+    model = field(circle_beside(kind), "mu")
+    start = sampled_orbit(
+        6.0, -0.5,
+        lambda s: np.column_stack(
+            [np.cos(2 * np.pi * s), np.sin(2 * np.pi * s), np.zeros((len(s), 2))]
+        ),
+        intervals=20,
+    )  # fmt: skip
+    branch = follow_cycles(model, start, None, Limits(-0.6, 0.5, 0.1))
+    (found,) = branch.special
+    assert found.kind == kind
+    assert found.orbit.parameter == pytest.approx(0.0, abs=2e-4)
+    turn = 0.3j if kind == "torus" else 0.0
+    for point in branch.points:
+        expected = np.exp(2.0 * np.pi * (point.orbit.parameter + turn))
+        assert np.abs(point.multipliers.others - expected).min() < 1e-6 * (1.0 + abs(expected))
+        if not point.kind:
+            assert point.stable == (point.orbit.parameter < 0.0)
 
 
 def test_period_doubling_of_rossler():
