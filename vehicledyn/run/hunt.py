@@ -155,7 +155,10 @@ class _Study:
         speed = span[0] if own_speed else (scenario.speed or 0.0 if scenario else 0.0)
         progress("finding the equilibrium", None)
         start = scenario.start if scenario else None
-        point = reference_point(prepared, speed, start, is_system=is_system)
+        try:
+            point = reference_point(prepared, speed, start, is_system=is_system)
+        except NumericalError as error:
+            raise NumericalError(f"{settings.parameter} = {span[0]:.6g}: {error}") from None
         model = AutonomousField(prepared.equations, settings.parameter, prepared.kernel.parameters)
         title = scenario.title if scenario else prepared.equations.name
         return _Study(
@@ -179,6 +182,10 @@ class _Study:
         except KeyboardInterrupt:
             self._ended("interrupted", 130, "stopped by the user; what was found is kept")
         except NumericalError as error:
+            if not self.balances:
+                raise NumericalError(
+                    f"{error}; a motion whose speed slowly falls is not steady either"
+                ) from None
             self._ended("failed", 3, f"{error}; what was found is kept")
         self._figures()
 
@@ -201,7 +208,7 @@ class _Study:
                 for k in self.watched
             ),
             np.array([b.value for b in self.balances]),
-            np.array(eigenvalues).reshape(len(eigenvalues), -1),
+            np.array(eigenvalues, dtype=complex).reshape(len(eigenvalues), self.model.size),
             tuple(rows),
             np.array([[s.value, s.amplitude, s.period] for s in self.simulated]).reshape(-1, 3),
             self.figures,

@@ -37,6 +37,9 @@ _NO_TURN = 1e-5
 _SMALLEST, _FIRST, _LARGEST = 1e-7, 0.05, 0.4
 _SHARP, _SHARPLY = 0.5, 2e-3
 _EASY, _HARD = 4, 7
+_NEUTRAL = 1e-6
+"""Distance from 1 at which a multiplier counts as 1 all along the branch."""
+
 _LOCATED, _HALVED = 1e-6, 1e-3
 _SHRUNK = 0.5
 _REMESHED, _ALIGNED = 10, 1e-7
@@ -281,7 +284,7 @@ class _Tracer:
             found.append((0.0, replace(base, kind="fold")))
         for kind, measure in _MEASURES.items():
             low, high = measure(base), measure(after)
-            wanted = turned if kind == "fold" else kind != "branch_point" or not turned
+            wanted = turned if kind == "fold" else self._crosses(kind, base, after, turned)
             if low * high < 0.0 and wanted:
                 located = self._locate(base, size, measure)
                 if located is not None:
@@ -293,6 +296,14 @@ class _Tracer:
         for _, point in sorted(found, key=lambda item: item[0]):
             if self.limits.low <= point.orbit.parameter <= self.limits.high:
                 self._add(point)
+
+    def _crosses(self, kind: str, base: CyclePoint, after: CyclePoint, turned: bool) -> bool:
+        """Return whether a multiplier passes 1, elsewhere than at a fold, or -1."""
+        place = -1.0 if kind == "period_doubling" else 1.0
+        if turned and kind == "branch_point":
+            return False
+        nearest = [np.abs(p.multipliers.others - place).min() for p in (base, after)]
+        return bool(min(nearest) > _NEUTRAL)
 
     def _has_turned(self, after: CyclePoint) -> bool:
         """Return whether the parameter now runs the other way, beyond rounding."""
