@@ -103,7 +103,7 @@ def find_balance(field: AutonomousField, value: float, state: Vector, unknowns: 
             return Balance(value, x, z, np.linalg.eigvals(found.by_state[0]).astype(complex))
         if not np.isfinite(x).all():
             break
-    raise NumericalError(f"there is no equilibrium near at {field.parameter} = {value:.9g}")
+    raise NumericalError(f"there is no equilibrium near by at {field.parameter} = {value:.9g}")
 
 
 def follow_balance(
