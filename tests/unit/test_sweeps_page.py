@@ -14,7 +14,7 @@ PAGE = (ROOT / "docs" / "sweeps.md").read_text(encoding="utf-8")
 
 
 @pytest.fixture(scope="module")
-def folder(tmp_path_factory):
+def folder(tmp_path_factory, needs_compiler):
     place = tmp_path_factory.mktemp("sweeps")
     (scenario,) = blocks(README, "yaml")
     (place / "my_ramp.yaml").write_text(scenario, encoding="utf-8")
