@@ -150,7 +150,7 @@ def test_lanes_blocks_and_resuming_change_nothing(tmp_path, study, monkeypatch):
     outcome = swept(study, tmp_path / "parts.h5")
     assert (outcome.status, outcome.exit_code) == ("interrupted", 130)
     assert outcome.counts == {"done": 16, "failed": 0, "ended": 0, "pending": 8}
-    assert "16 of 24 cases are kept in parts.h5, go on with --resume" in outcome.messages[0]
+    assert "16 of 24 cases are kept in parts.h5, go on with --resume" in "\n".join(outcome.messages)
     outcome = swept(study, tmp_path / "parts.h5", resume=True)
     assert (outcome.status, outcome.exit_code) == ("ok", 0)
     assert sorted(k for span in calls for k in span) == list(range(24))  # nothing twice

@@ -26,7 +26,7 @@ PATIENCE = 120.0
 
 
 @pytest.fixture(scope="module")
-def folder(tmp_path_factory):
+def folder(tmp_path_factory, needs_compiler):
     place = tmp_path_factory.mktemp("long")
     ignored = shutil.ignore_patterns("__pycache__")
     shutil.copytree(Path(vehicledyn.__file__).parent, place / "vehicledyn", ignore=ignored)
