@@ -107,13 +107,24 @@ def _forget_old(folder: Path) -> None:
 
 
 def _is_ours(loaded: LoadedScenario) -> bool:
-    """Return whether the model and all parts of a scenario are defined in this package."""
-    scenario = loaded.scenario
-    parts = [getattr(scenario, name) for name in type(scenario).model_fields]
-    kinds = [type(part) for part in parts if hasattr(type(part), "model_fields")]
+    """Return whether the model and all parts of a scenario, theirs too, are this package's."""
+    kinds = list(_kinds(loaded.scenario))
     if loaded.written is None:
-        kinds.append(find("model", scenario.model))
+        kinds.append(find("model", loaded.scenario.model))
     return all(kind.__module__.split(".")[0] == vehicledyn.__name__ for kind in kinds)
+
+
+def _kinds(part: Any) -> Iterator[type]:
+    """Yield the class of a part and of all parts in it."""
+    if isinstance(part, list | tuple):
+        for item in part:
+            yield from _kinds(item)
+    elif isinstance(part, dict):
+        yield from _kinds(list(part.values()))
+    elif hasattr(type(part), "model_fields"):
+        yield type(part)
+        for name in type(part).model_fields:
+            yield from _kinds(getattr(part, name))
 
 
 @cache

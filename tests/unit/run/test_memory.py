@@ -7,6 +7,7 @@ import h5py
 import numpy as np
 import pytest
 
+import vehicledyn.catalogue  # noqa: F401
 from vehicledyn.run import prepare, rerun
 from vehicledyn.run.memory import key_of_run, recall
 from vehicledyn.run.simulation import run_scenario
@@ -85,6 +86,18 @@ def test_changed_system_file_is_another_run(scenario):
     system = scenario.parents[2] / "systems/slider_crank.yaml"
     system.write_text(system.read_text(encoding="utf-8") + "\n# changed\n", encoding="utf-8")
     assert key_of_run(load_scenario(scenario)) != plain
+
+
+@pytest.mark.parametrize("part", ["tyres.front", "manoeuvre", "manoeuvre.driver", "road"])
+def test_parts_of_others_are_not_remembered(needs_compiler, monkeypatch, part):
+    """Their code is not among the files that the key follows from."""
+    loaded = load_scenario(ROOT / "scenarios/iltis_slalom.yaml")
+    assert key_of_run(loaded) is not None
+    item = loaded.scenario
+    for name in part.split("."):
+        item = getattr(item, name)
+    monkeypatch.setattr(type(item), "__module__", "others.parts")
+    assert key_of_run(loaded) is None
 
 
 def test_damaged_memory_is_as_good_as_none(scenario, tmp_path, derivations):
