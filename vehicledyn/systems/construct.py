@@ -8,6 +8,7 @@ from typing import Any
 
 from vehicledyn.base.errors import InputError
 from vehicledyn.base.parameters import ParameterSet
+from vehicledyn.multibody.bushing import Bushing
 from vehicledyn.multibody.constraints import Constraint
 from vehicledyn.multibody.coordinate_forces import CoordinateForce
 from vehicledyn.multibody.drives import ConstantRate, TimeLaw
@@ -33,6 +34,7 @@ from vehicledyn.systems.read import SystemModel
 from vehicledyn.systems.sensors import SensorSet, motion_of
 from vehicledyn.systems.sets import (
     BodySet,
+    BushingSet,
     DriveSet,
     ForceSet,
     LinkSet,
@@ -148,6 +150,7 @@ class _Builder:
         parts = [
             *(self._drive(n, d) for n, d in file.drives.items()),
             *(self._link(n, link) for n, link in file.links.items()),
+            *(self._bushing(n, b) for n, b in file.bushings.items()),
             *(self._spring(n, s) for n, s in file.springs.items()),
             *(self._force(n, f) for n, f in file.forces.items()),
             *(self._wrench(n, w) for n, w in file.wrenches.items()),
@@ -274,6 +277,19 @@ class _Builder:
         if link.direction is None:
             return Link(name, a, b, law)
         return GuidedLink(name, a, self.value(link.direction), b, law)
+
+    def _bushing(self, name: str, bushing: BushingSet) -> Part:
+        return Bushing(
+            name,
+            self._attachment(bushing.a),
+            self._attachment(bushing.b),
+            self.value(bushing.stiffness),
+            self.value(bushing.damping),
+            self.value(bushing.turning_stiffness),
+            self.value(bushing.turning_damping),
+            self.value(bushing.preload),
+            self.value(bushing.offset),
+        )
 
     def _attachment(self, place: Place) -> Attachment:
         return Attachment(place.body, self.value(place.point))

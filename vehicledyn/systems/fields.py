@@ -71,7 +71,8 @@ def measured(
         Value when the file says nothing; without it the field is required.
     nature
         How a mirror image changes it: "scalar" (not at all), "polar" (a place or force),
-        "axial" (a torque), "inertia" (six elements).
+        "axial" (a torque), "inertia" (six elements), "diagonal" (three numbers along the axes,
+        not at all).
     least, above
         Bounds of the value: not less than, or greater than.
     variables

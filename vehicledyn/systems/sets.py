@@ -104,6 +104,31 @@ class LinkSet(SystemSet):
     )
 
 
+class BushingSet(SystemSet):
+    """Springs and dampers in three directions and three turns between two bodies."""
+
+    a: Place = Field(description="Where it is fixed to the one body, whose axes it has")
+    b: Place = Field(description="Where it is fixed to the other body")
+    stiffness: Vector = measured(
+        "N/m", "Stiffness along x, y, z", default=origin(), nature="diagonal"
+    )
+    damping: Vector = measured(
+        "N*s/m", "Damping along x, y, z", default=origin(), nature="diagonal"
+    )
+    turning_stiffness: Vector = measured(
+        "N*m/rad", "Stiffness against turns about x, y, z", default=origin(), nature="diagonal"
+    )
+    turning_damping: Vector = measured(
+        "N*m*s/rad", "Damping of turns about x, y, z", default=origin(), nature="diagonal"
+    )
+    preload: Vector = measured(
+        "N", "Force on body b where the deflection is zero", default=origin(), nature="polar"
+    )
+    offset: Vector = measured(
+        "m", "Place of b from a where the deflection is zero", default=origin(), nature="polar"
+    )
+
+
 class SpringSet(SystemSet):
     """A spring or damper on a coordinate: its force is minus what the law gives."""
 
@@ -190,6 +215,10 @@ class Sections(SystemSet):
     constraints: dict[str, ParameterSet] = section("constraint", "Further constraints, by name")
     links: dict[str, LinkSet] = Field(
         default_factory=dict, description="Force elements between two points, by name"
+    )
+    bushings: dict[str, BushingSet] = Field(
+        default_factory=dict,
+        description="Springs and dampers in three directions and turns, by name",
     )
     springs: dict[str, SpringSet] = Field(
         default_factory=dict, description="Springs and dampers on coordinates, by name"

@@ -12,7 +12,16 @@ from vehicledyn.systems.joints import Coordinate
 from vehicledyn.systems.sets import SystemFile
 
 Problems = Iterator[tuple[Place, str]]
-_WITH_CHANNELS = ("cuts", "constraints", "links", "springs", "forces", "wrenches", "wheels")
+_WITH_CHANNELS = (
+    "cuts",
+    "constraints",
+    "links",
+    "bushings",
+    "springs",
+    "forces",
+    "wrenches",
+    "wheels",
+)
 
 
 def structure_problems(file: SystemFile, coordinates: dict[str, Coordinate]) -> Problems:

@@ -14,7 +14,7 @@ from vehicledyn.systems.fields import SystemSet, expressions, fact
 from vehicledyn.systems.joints import Coordinate, JointSet
 from vehicledyn.systems.sets import BodySet, SystemFile
 
-_VECTORS = ("polar", "axial")
+_VECTORS = ("polar", "axial", "diagonal")
 
 
 @dataclass(frozen=True)
