@@ -77,6 +77,7 @@ class Scenario(ParameterSet):
         default=None, description="Tyre law: one for all wheels, or 'front' and 'rear'"
     )
     road: ParameterSet | None = part("road", "Surface of the road", default=None)
+    track: ParameterSet | None = part("track", "Railway track of a system", default=None)
     manoeuvre: ParameterSet | None = part("manoeuvre", "What the vehicle does", default=None)
     contact: Literal["disc", "vertical"] | None = Field(
         default=None,

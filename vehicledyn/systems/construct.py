@@ -17,6 +17,8 @@ from vehicledyn.multibody.links import Attachment, GuidedLink, Link
 from vehicledyn.multibody.parts import Part, Situation
 from vehicledyn.multibody.sensors import Accelerometer, BodySensor
 from vehicledyn.multibody.system import Body, Joint, System, Turn
+from vehicledyn.rail.track import Track
+from vehicledyn.rail.track_set import TrackSet
 from vehicledyn.road.vehicle import Corner, RoadVehicle
 from vehicledyn.road.wheel import RoadWheel
 from vehicledyn.symbolic.parameters import ParameterTable
@@ -48,7 +50,8 @@ from vehicledyn.systems.sets import (
 class RoadChoice:
     """What a scenario chooses for the wheels of a system; None leaves it to the file.
 
-    ``speed`` is the forward speed at the start [m/s].
+    ``speed`` is the forward speed at the start [m/s], ``track`` the railway track of the
+    scenario, its files read.
     """
 
     front_tyre: ParameterSet | None = None
@@ -58,6 +61,7 @@ class RoadChoice:
     speed: float = 0.0
     contact: str = "disc"
     relaxation: ParameterSet | None = None
+    track: Track | None = None
 
 
 def build_system(model: SystemModel, choice: RoadChoice | None = None) -> System:
@@ -207,6 +211,23 @@ class _Builder:
     def surface_numbers(self) -> ParameterSet | None:
         """Return the road with numbers."""
         return self.choice.surface or self.model.file.road
+
+    def track(self) -> Track:
+        """Return the railway track, the scenario's before that of the file.
+
+        Raises
+        ------
+        InputError
+            If neither has one.
+        """
+        if self.choice.track is not None:
+            return self.choice.track
+        if isinstance(self.model.file.track, TrackSet):
+            return self.model.file.track.track(self.model.path.parent)
+        raise InputError(
+            f"{self.model.path}: track: missing: the system runs on rails, give it a track, or "
+            "give one to the scenario"
+        )
 
     def _enter(self, entry: Entry) -> Any:
         """Return the symbols of a parameter; what is calculated from others stays so."""

@@ -282,6 +282,9 @@ class SystemFile(Sections):
     road: ParameterSet | None = part(
         "road", "Surface under the wheels, if the scenario does not choose it", default=None
     )
+    track: ParameterSet | None = part(
+        "track", "Railway track, if the scenario does not choose it", default=None
+    )
     vehicle: VehicleSet | None = Field(
         default=None, description="What manoeuvres need, for road vehicles"
     )

@@ -1,0 +1,63 @@
+"""What every kind of track must obey: its frame is one curve, consistent with its derivatives."""
+
+from pathlib import Path
+
+import casadi as ca
+import numpy as np
+import pytest
+
+from vehicledyn.base.parameters import read_part
+from vehicledyn.base.registry import kinds
+from vehicledyn.symbolic import ops
+
+RAILS = {"gauge": "1435 mm", "inclination": "1/40", "rail": "60E1"}
+EXAMPLES = {
+    "straight": {},
+}
+PLACES = (-7.0, 0.3, 41.7, 60.01, 93.3, 149.9, 500.0)
+
+
+def track_of(kind):
+    return read_part("track", {"kind": kind, **RAILS, **EXAMPLES[kind]}).track(Path())
+
+
+def frame_function(track):
+    s = ops.symbol("s")
+    frame, yaw_pitch_roll = track.frame(s), ca.vertcat(*track.line.angles(s))
+    outputs = [frame.position, frame.rotation, ca.SX(frame.stretch), frame.turning, yaw_pitch_roll]
+    function = ca.Function("frame", [s], [ca.densify(o) for o in outputs])
+    return lambda value: [np.array(o).squeeze() for o in function(value)]
+
+
+@pytest.mark.parametrize("kind", kinds("track"))
+def test_the_frame_follows_its_curve(kind):
+    at, step = frame_function(track_of(kind)), 1e-4
+    for s in PLACES:
+        _, rotation, stretch, turning, angles = at(s)
+        ahead, behind = at(s + step), at(s - step)
+        tangent = (ahead[0] - behind[0]) / (2.0 * step)
+        assert tangent == pytest.approx(stretch * rotation[:, 0], abs=1e-7)
+        spin = rotation.T @ (ahead[1] - behind[1]) / (2.0 * step)
+        assert [spin[2, 1], spin[0, 2], spin[1, 0]] == pytest.approx(turning, abs=1e-7)
+        assert rotation.T @ rotation == pytest.approx(np.eye(3), abs=1e-13)
+        yaw, pitch, roll = (float(a) for a in angles)
+        cy, sy, cp, sp = np.cos(yaw), np.sin(yaw), np.cos(pitch), np.sin(pitch)
+        about_z = np.array([[cy, -sy, 0], [sy, cy, 0], [0, 0, 1]])
+        about_y = np.array([[cp, 0, sp], [0, 1, 0], [-sp, 0, cp]])
+        cr, sr = np.cos(roll), np.sin(roll)
+        about_x = np.array([[1, 0, 0], [0, cr, -sr], [0, sr, cr]])
+        assert about_z @ about_y @ about_x == pytest.approx(rotation, abs=1e-13)
+
+
+@pytest.mark.parametrize("kind", kinds("track"))
+def test_a_point_beside_the_track_is_located_and_its_progress_known(kind):
+    track, s, guess = track_of(kind), ops.symbol("s"), ops.symbol("guess")
+    frame, beside = track.frame(s), ops.vector(0.0, 0.8, -0.4)
+    point = frame.position + frame.rotation @ beside
+    found = ca.Function("found", [s, guess], [ops.scalar(track.locate(point, guess))])
+    rate = ops.derivative(point, s, 1.0)
+    progress = track.progress(frame, beside, frame.rotation.T @ rate)
+    one = ca.Function("one", [s], [ops.scalar(progress)])
+    for place in PLACES:
+        assert float(found(place, place + 1e-4)) == pytest.approx(place, abs=2e-9)
+        assert float(one(place)) == pytest.approx(1.0, abs=1e-9)

@@ -1,0 +1,18 @@
+"""Straight, level track."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from vehicledyn.base.registry import register
+from vehicledyn.rail.track import Track
+from vehicledyn.rail.track_set import TrackSet
+
+
+@register("track", "straight")
+class StraightTrack(TrackSet):
+    """Straight, level track along x, without end."""
+
+    def track(self, folder: Path) -> Track:
+        """Return the track."""
+        return Track(self.gauge, self.gauge_depth, self.lean(), self.rail_name(folder))
