@@ -204,14 +204,18 @@ def derivative(expression: Any, variables: Any, direction: Any) -> Any:
     """Return the directional derivative (∂expression/∂variables) direction."""
     import casadi
 
-    return casadi.jtimes(expression, variables, direction)
+    from vehicledyn.symbolic.table_calls import settled
+
+    return settled(casadi.jtimes(expression, variables, direction))
 
 
 def jacobian(expression: Any, variables: Any) -> Any:
     """Return ∂expression/∂variables, shape (n_expression, n_variables), sparse."""
     import casadi
 
-    return casadi.jacobian(expression, variables)
+    from vehicledyn.symbolic.table_calls import settled
+
+    return settled(casadi.jacobian(expression, variables))
 
 
 def is_structurally_zero(expression: Any) -> bool:

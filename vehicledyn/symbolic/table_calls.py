@@ -1,0 +1,146 @@
+"""Tables in expressions: calls that find the cell of a place, and what they do to derivatives.
+
+CasADi differentiates a call by calls of further functions. Those of a cell are zero everywhere,
+since knot and coefficients do not change within a cell, so :func:`settled` removes them.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+from weakref import WeakValueDictionary
+
+if TYPE_CHECKING:
+    from vehicledyn.symbolic.tables import CurveTable
+
+_PREFIX = "cell_of_"
+
+
+@dataclass(frozen=True, eq=False)
+class TableCall:
+    """The function x -> (knot, coefficients) of tables with equal numbers, and one of them."""
+
+    function: Any
+    table: CurveTable
+
+
+_CALLS: WeakValueDictionary[str, TableCall] = WeakValueDictionary()
+
+
+def call_of(table: CurveTable) -> TableCall:
+    """Return the call of a table; it lasts as long as anyone holds it."""
+    readable = re.sub(r"[^0-9A-Za-z]+", "_", table.name).strip("_")
+    name = f"{_PREFIX}{table.digest[:16]}_{readable}".rstrip("_")
+    call = _CALLS.get(name)
+    if call is None:
+        call = _CALLS[name] = TableCall(_function(name, table), table)
+    return call
+
+
+def table_of(function: Any) -> CurveTable | None:
+    """Return the table whose cells a called ``casadi.Function`` finds, None for any other.
+
+    Raises
+    ------
+    ValueError
+        If the table itself is gone; whoever uses its expressions must keep it.
+    """
+    name = function.name()
+    if not name.startswith(_PREFIX):
+        return None
+    call = _CALLS.get(name)
+    if call is None:
+        raise ValueError(f"the table of '{name}' is gone; keep it as long as its expressions")
+    return call.table
+
+
+def calls_in(function: Any) -> dict[int, Any]:
+    """Return what a function made of SX expressions calls, by the number of the instruction."""
+    import casadi
+
+    if not function.get_function():
+        return {}
+    instructions = function.instructions_sx()
+    return {
+        k: instructions[k].which_function()
+        for k in range(function.n_instructions())
+        if function.instruction_id(k) == casadi.OP_CALL
+    }
+
+
+def tables_in(expressions: Sequence[Any]) -> tuple[CurveTable, ...]:
+    """Return the tables of SX matrices in the order in which they are first computed."""
+    import casadi
+
+    if not _CALLS:
+        return ()
+    results = [casadi.SX(item) for item in expressions]
+    symbols = casadi.symvar(casadi.veccat(*results))
+    called = calls_in(casadi.Function("tables", symbols, results)).values()
+    tables = {function.name(): table_of(function) for function in called}
+    return tuple(table for table in tables.values() if table is not None)
+
+
+def settled(expression: Any) -> Any:
+    """Return an SX matrix without the derivatives of cells, which are zero."""
+    import casadi
+
+    if not _CALLS:
+        return expression
+    symbols = casadi.symvar(expression)
+    function = casadi.Function("settled", symbols, [expression])
+    if not any(_is_slope(name) for name in function.get_function()):
+        return expression
+    calls = calls_in(function)
+    values: dict[int, Any] = {}
+    entries = [casadi.SX(0.0)] * function.nnz_out(0)
+    for k in range(function.n_instructions()):
+        code = function.instruction_id(k)
+        given, target = function.instruction_input(k), function.instruction_output(k)
+        if code == casadi.OP_OUTPUT:
+            entries[target[1]] = values[given[0]]
+        elif code == casadi.OP_INPUT:
+            values[target[0]] = symbols[given[0]]
+        elif code == casadi.OP_CONST:
+            values[target[0]] = casadi.SX(function.instruction_constant(k))
+        elif code == casadi.OP_CALL:
+            values.update(_results(calls[k], [values[item] for item in given], target))
+        elif len(given) == 2:
+            values[target[0]] = casadi.SX.binary(code, values[given[0]], values[given[1]])
+        else:
+            values[target[0]] = casadi.SX.unary(code, values[given[0]])
+    return casadi.SX(function.sparsity_out(0), casadi.vertcat(*entries))
+
+
+def _results(function: Any, given: list[Any], target: list[int]) -> Iterator[tuple[int, Any]]:
+    import casadi
+
+    found = None if _is_slope(function.name()) else function(*given)
+    for k, place in enumerate(target):
+        if place >= 0:
+            yield place, casadi.SX(0.0) if found is None else found[k]
+
+
+def _is_slope(name: str) -> bool:
+    """Return whether a name is that of a function CasADi made to differentiate a cell."""
+    return not name.startswith(_PREFIX) and _PREFIX in name
+
+
+def _function(name: str, table: CurveTable) -> Any:
+    """Return the CasADi function of a table.
+
+    An element of a vector is chosen by the whole part of its index. The index is left with its
+    fraction, so that CasADi finds derivatives of full shape, all zero: in forward mode, CasADi
+    3.8 leaves the derivative of a call undefined where it has none.
+    """
+    import casadi
+
+    x = casadi.MX.sym("x")
+    rows = len(table.cells)
+    index = casadi.fmax(casadi.fmin((x - table.origin) * (1.0 / table.step), rows - 1.0), 0.0)
+    knots = [table.origin + table.step * k for k in range(rows)]
+    columns = [casadi.MX(casadi.DM(column)) for column in (knots, *table.cells.T)]
+    found = casadi.vertcat(*[column.nz[index] for column in columns])
+    return casadi.Function(name, [x], [found], {"never_inline": True})
