@@ -20,6 +20,6 @@ for scenario in "$@"; do
       wheel_*.tyre.normal_force, wheel_fl.tyre.lateral_force]")
   fi
   "${VEHICLEDYN:-vehicledyn}" run "$scenario" --no-plots --quiet -o "$target" \
-    --set "${changes[0]}" --set "${changes[1]}"
+    --set "${changes[0]}" --set "${changes[1]}" --set output.animation=false
   echo "$target"
 done

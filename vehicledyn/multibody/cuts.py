@@ -10,6 +10,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Protocol
 
+from vehicledyn.base.shapes import Anchor, Ball, Shape, Tube
 from vehicledyn.symbolic import ops
 from vehicledyn.symbolic.ops import Mat, Scalar, Vec
 
@@ -96,6 +97,10 @@ class BallCut:
             for k, axis in enumerate(_AXES)
         ]
 
+    def shapes(self) -> tuple[Shape, ...]:
+        """Return the ball, which holds on to both bodies."""
+        return _balls(self.name, self.body_a, self.point_a, self.body_b, self.point_b)
+
 
 @dataclass(frozen=True)
 class RodCut:
@@ -121,6 +126,11 @@ class RodCut:
         return [
             Residual(stretch, "m", "axial_force", "N", "Axial force, positive in tension", -1.0)
         ]
+
+    def shapes(self) -> tuple[Shape, ...]:
+        """Return the rod."""
+        a, b = Anchor(self.body_a, tuple(self.point_a)), Anchor(self.body_b, tuple(self.point_b))
+        return (Tube(self.name, a, b, style="rod"),)
 
 
 @dataclass(frozen=True)
@@ -152,3 +162,14 @@ class BodyCut:
             for value, axis in zip(axial, _AXES, strict=True)
         ]
         return [*ball.residuals(geometry), *turns]
+
+    def shapes(self) -> tuple[Shape, ...]:
+        """Return a mark where the body is cut, which holds on to both sides."""
+        return _balls(self.name, self.body_a, self.point_a, self.body_b, self.point_b)
+
+
+def _balls(
+    name: str, body_a: str, point_a: Sequence[Scalar], body_b: str, point_b: Sequence[Scalar]
+) -> tuple[Shape, ...]:
+    """Return the balls at the points of both bodies, which coincide when the loop is closed."""
+    return Ball(name, Anchor(body_a, tuple(point_a))), Ball(name, Anchor(body_b, tuple(point_b)))

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
+from vehicledyn.base.shapes import Shape
 from vehicledyn.multibody.parts import (
     BasePart,
     Clock,
@@ -103,6 +104,10 @@ class MovedDrive:
     def events(self, situation: Situation) -> tuple[PartEvent, ...]:
         """Return the events of the part."""
         return self.inner.events(situation)
+
+    def shapes(self) -> tuple[Shape, ...]:
+        """Return the shapes of the part."""
+        return self.inner.shapes()
 
 
 @dataclass(frozen=True)

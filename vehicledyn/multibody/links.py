@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
+from vehicledyn.base.shapes import Anchor, Coil, Shape
 from vehicledyn.multibody.kinematics import Kinematics
 from vehicledyn.multibody.parts import BasePart, Loads, Output, Situation, Wrench
 from vehicledyn.symbolic import ops
@@ -45,6 +46,10 @@ class Link(BasePart):
         line = _Line.between(situation.kinematics, self.a, self.b)
         return _link_outputs(self.name, line.length, line.rate, self.law)
 
+    def shapes(self) -> tuple[Shape, ...]:
+        """Return a spring between the points."""
+        return (_coil(self.name, self.a, self.b),)
+
 
 @dataclass(frozen=True)
 class GuidedLink(BasePart):
@@ -69,6 +74,10 @@ class GuidedLink(BasePart):
         """Return length, its rate and the force."""
         _, length, rate = self._geometry(situation)
         return _link_outputs(self.name, length, rate, self.law)
+
+    def shapes(self) -> tuple[Shape, ...]:
+        """Return a spring between the points; that on A is where the slider starts from."""
+        return (_coil(self.name, self.a, self.b),)
 
     def _geometry(self, situation: Situation) -> tuple[_Line, Scalar, Scalar]:
         kinematics = situation.kinematics
@@ -135,6 +144,10 @@ def _link_outputs(name: str, length: Scalar, rate: Scalar, law: ForceLaw) -> tup
             law(length, rate),
         ),
     )
+
+
+def _coil(name: str, a: Attachment, b: Attachment) -> Coil:
+    return Coil(name, Anchor(a.body, tuple(a.point)), Anchor(b.body, tuple(b.point)))
 
 
 def _items(vector: Vec) -> tuple[Scalar, Scalar, Scalar]:

@@ -10,6 +10,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Protocol
 
+from vehicledyn.base.shapes import Shape
 from vehicledyn.multibody.kinematics import Kinematics
 from vehicledyn.symbolic.equations import Channel, Direction, Variable
 from vehicledyn.symbolic.ops import Scalar, Vec
@@ -137,6 +138,9 @@ class Part(Protocol):
     def events(self, situation: Situation) -> tuple[PartEvent, ...]:
         """Return the part's events; the kinematics know the accelerations."""
 
+    def shapes(self) -> tuple[Shape, ...]:
+        """Return what the part looks like."""
+
 
 @dataclass(frozen=True)
 class BasePart:
@@ -166,4 +170,8 @@ class BasePart:
 
     def events(self, situation: Situation) -> tuple[PartEvent, ...]:
         """Watch nothing."""
+        return ()
+
+    def shapes(self) -> tuple[Shape, ...]:
+        """Look like nothing."""
         return ()

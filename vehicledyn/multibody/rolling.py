@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+from vehicledyn.base.shapes import Anchor, Plane, Shape, Wheel
 from vehicledyn.multibody.constraints import BaseConstraint, Geometry, Movement
 from vehicledyn.multibody.cuts import Residual
 from vehicledyn.symbolic import ops
@@ -62,6 +63,18 @@ class RollingWheel(BaseConstraint):
             Residual(along, "m/s", "longitudinal_force", "N", "Force along the track"),
             Residual(across, "m/s", "lateral_force", "N", "Force to the left of the track"),
         ]
+
+    def shapes(self) -> tuple[Shape, ...]:
+        """Return the wheel and the ground it rolls on."""
+        axis = tuple(1.0 if k == self.axis else 0.0 for k in (1, 2, 3))
+        radius, width = self.radius + self.crown, None
+        if isinstance(self.crown, int | float) and self.crown == 0.0:
+            width = 0.06 * self.radius
+        place = Anchor(self.body, tuple(self.centre))
+        return (
+            Wheel(self.name, place, axis, radius, width, style="disc"),
+            Plane("ground", (0.0, 0.0, 0.0)),
+        )
 
     def _axis(self, geometry: Geometry) -> Vec:
         """Return the axis e in world axes."""

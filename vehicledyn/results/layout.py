@@ -13,6 +13,7 @@ The file is NetCDF-4 compatible HDF5::
     /solver, /versions   attributes
     /plots/descriptions  JSON
     /scene/...           static data such as cones
+    /animation/...       shapes and poses of bodies, see :mod:`vehicledyn.results.animation`
 """
 
 from __future__ import annotations
@@ -40,6 +41,7 @@ RESERVED = (
     "versions",
     "plots",
     "scene",
+    "animation",
 )
 
 

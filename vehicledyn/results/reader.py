@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from vehicledyn.base.errors import InputError, unknown_name
 from vehicledyn.results import superblock
+from vehicledyn.results.animation import GROUP, Animation, read_animation
 from vehicledyn.results.layout import (
     FORMAT,
     FORMAT_VERSION,
@@ -225,6 +226,11 @@ class Result:
                 for name, item in self._file["scene"].items()
                 if item.attrs.get("CLASS") != b"DIMENSION_SCALE"
             }
+
+    def animation(self, most: int) -> Animation | None:
+        """Return shapes and at most so many poses of the bodies, None where there are none."""
+        with reading(self.path):
+            return read_animation(self._file[GROUP], most) if GROUP in self._file else None
 
     def as_frame(self) -> pandas.DataFrame:
         """Return all channels as a table with one column a channel and the time as index."""

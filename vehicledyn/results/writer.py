@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from vehicledyn.base.errors import InputError
 from vehicledyn.base.signals import undisturbed
 from vehicledyn.results import sections
+from vehicledyn.results.animation import GROUP, PictureDatasets, Pictures, Stage, write_ground
 from vehicledyn.results.disk import Container
 from vehicledyn.results.layout import (
     STATUSES,
@@ -62,6 +63,10 @@ class ResultWriter:
         States and algebraic unknowns, in the order of the columns of :meth:`append`.
     expected_samples
         How many samples will come, if known; it keeps small files small.
+    stage
+        What an animation shows, if :meth:`append_pictures` is to be used.
+    expected_pictures
+        How many pictures will come, if known.
 
     Raises
     ------
@@ -77,6 +82,8 @@ class ResultWriter:
         header: ResultHeader,
         states: Sequence[Described] = (),
         expected_samples: int = 1024,
+        stage: Stage | None = None,
+        expected_pictures: int = 1024,
     ) -> None:
         check_names(channel.name for channel in channels)
         self.path = check_output(path)
@@ -84,6 +91,9 @@ class ResultWriter:
         self._chunk = min(max(expected_samples, 1), LARGEST_CHUNK)
         self._widths = (len(channels), len(states))
         self._buffer: list[_Block] = []
+        self._stage = stage
+        self._expected_pictures = expected_pictures
+        self._waiting: list[Pictures] = []
         self._last_time = -np.inf
         self._flushed_at = time.monotonic()
         self._scratch = self.path.with_name(f".{self.path.name}.new")
@@ -122,6 +132,10 @@ class ResultWriter:
         if overdue or sum(len(block.times) for block in self._buffer) >= self._chunk:
             self._flush(self._container)
 
+    def append_pictures(self, pictures: Pictures) -> None:
+        """Add poses of the bodies of the stage; they reach the file with the samples."""
+        self._waiting.append(pictures)
+
     @undisturbed()
     def close(
         self,
@@ -131,6 +145,7 @@ class ResultWriter:
         summary: Sequence[SummaryEntry] = (),
         solver: Mapping[str, Any] | None = None,
         events: Sequence[EventRecord] = (),
+        ground: Floats | None = None,
     ) -> None:
         """Write what is left and give the file its final status; closing twice does nothing.
 
@@ -146,6 +161,8 @@ class ResultWriter:
             Statistics of the solver, by name.
         events
             Events in the order in which they happened.
+        ground
+            Surface of uneven ground for the animation, shape (rows, columns, 3) [m].
 
         Raises
         ------
@@ -167,6 +184,8 @@ class ResultWriter:
             sections.write_attributes(finished.file["solver"], solver or {})
             sections.write_summary(finished.file["summary"], summary)
             sections.write_events(finished.file["events"], events)
+            if ground is not None and GROUP in finished.file:
+                write_ground(finished.file[GROUP], ground)
             finished.close()
             self._scratch.replace(self.path)
         except (OSError, RuntimeError) as error:
@@ -208,6 +227,8 @@ class ResultWriter:
         self._states = sections.create_states(group, states, self._chunk, self._time)
         for group in ("events", "summary", "solver"):
             file.create_group(group, track_order=True)
+        if self._stage is not None:
+            self._pictures = PictureDatasets(file, self._stage, self._expected_pictures)
         file.swmr_mode = True
 
     def _checked(self, times: Floats, channels: Floats, states: Floats | None) -> _Block:
@@ -235,6 +256,8 @@ class ResultWriter:
                 sections.extend(dataset, self.samples, values)
             if self._states is not None:
                 sections.extend(self._states, self.samples, np.ascontiguousarray(block.states))
+            for pictures in self._waiting:
+                self._pictures.extend(pictures)
             container.flush()
             sections.extend(self._time, self.samples, block.times)
             container.flush()
@@ -242,6 +265,7 @@ class ResultWriter:
             raise self._failed(error) from error
         self.samples += len(block.times)
         self._buffer.clear()
+        self._waiting.clear()
         self._flushed_at = time.monotonic()
 
     def _failed(self, error: Exception) -> InputError:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
+from vehicledyn.base.shapes import Anchor, Force, Plane, Shape, Wheel
 from vehicledyn.multibody.parts import BasePart, Loads, Output, Situation, Wrench
 from vehicledyn.road.contact import (
     Contact,
@@ -20,7 +21,7 @@ from vehicledyn.road.slip import (
     rolling_share,
     slip_angle,
 )
-from vehicledyn.road.surface import RoadSurface
+from vehicledyn.road.surface import RoadSurface, ground_normal
 from vehicledyn.road.tyre import Tyre, TyreForces, TyreInput
 from vehicledyn.symbolic import ops
 from vehicledyn.symbolic.equations import Channel, Variable
@@ -150,6 +151,24 @@ class RoadWheel(BasePart):
             Output(Channel(f"{self.name}.{name}", unit, text, frame), value)
             for name, unit, text, value, frame in channels
         )
+
+    def shapes(self) -> tuple[Shape, ...]:
+        """Return the tyre, its force on the ground and the ground, if that is one plane."""
+        ground: tuple[Shape, ...] = ()
+        if self.surface.is_flat:
+            vector = ground_normal(self.surface, 0.0, 0.0)
+            foot = (0.0, 0.0, self.surface.height(0.0, 0.0))
+            ground = (Plane("ground", foot, (vector[0], vector[1], vector[2])),)
+        force = Force(
+            f"{self.name}.tyre",
+            tuple(f"{self.name}.contact_{axis}" for axis in "xyz"),
+            tuple(f"{self.name}.tyre.{way}_force" for way in ("longitudinal", "lateral", "normal")),
+            axes="contact",
+            body=self.body,
+            camber=f"{self.name}.tyre.camber",
+        )
+        wheel = Wheel(self.name, Anchor(self.body), (0.0, 1.0, 0.0), self.radius)
+        return (wheel, force, *ground)
 
     def state(self, situation: Situation) -> WheelState:
         """Return contact, motion, slips and tyre forces as expressions."""

@@ -35,7 +35,7 @@ _log = logging.getLogger(__name__)
 
 @dataclass(frozen=True)
 class Memory:
-    """Facts of the equations, key of the kernel, and the start: states, unknowns, parameters."""
+    """Facts of the equations, key of the kernel, look, and start: states, unknowns, parameters."""
 
     facts: dict[str, Any]
     kernel: str
@@ -43,6 +43,7 @@ class Memory:
     unknowns: list[float]
     residual: float
     parameters: list[float]
+    look: dict[str, Any]
 
 
 def key_of_run(loaded: LoadedScenario) -> str | None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -58,13 +58,17 @@ class Derived:
 
 @dataclass
 class Prepared:
-    """A subject with its equations and kernel; the rest is made when first needed."""
+    """A subject with its equations and kernel; the rest is made when first needed.
+
+    ``look`` is what pictures show, see :func:`vehicledyn.multibody.appearance.appearance`.
+    """
 
     subject: Subject
     equations: Equations
     kernel: Kernel
     derived: Derived
     _derivatives: list[Derivatives] = field(default_factory=list)
+    look: dict[str, Any] = field(default_factory=dict)
 
     @cached_property
     def watch(self) -> PartitionWatch:

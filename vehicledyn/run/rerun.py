@@ -10,6 +10,7 @@ import numpy as np
 
 import vehicledyn
 from vehicledyn.run.memory import Memory, key_of_run, recall, remember
+from vehicledyn.run.pictures import look_of
 from vehicledyn.run.places import told_with_places
 from vehicledyn.run.prepare import Derived, Point, Prepared, Progress, prepare, start_point
 from vehicledyn.run.resisted import refuse_idle_start, refuse_rigid_loops
@@ -39,6 +40,7 @@ def prepare_run(
             refuse_rigid_loops(prepared)
             start = start_point(prepared, loaded.scenario.speed or 0.0, loaded.scenario.start)
             refuse_idle_start(prepared, 0.0, start.state, start.unknowns)
+    prepared.look = look_of(prepared)
     if key is not None and prepared.kernel.key and not told:
         remember(key, _memory_of(prepared, start))
     return prepared, start
@@ -52,7 +54,7 @@ def _from_memory(loaded: LoadedScenario, memory: Memory) -> tuple[Prepared, Poin
         return None
     kernel.set_parameters(memory.parameters)
     start = Point(np.array(memory.state), np.array(memory.unknowns), memory.residual)
-    return Prepared(derived.subject, equations, kernel, derived), start
+    return Prepared(derived.subject, equations, kernel, derived, look=memory.look), start
 
 
 def _memory_of(prepared: Prepared, start: Point) -> Memory:
@@ -63,6 +65,7 @@ def _memory_of(prepared: Prepared, start: Point) -> Memory:
         start.unknowns.tolist(),
         float(start.residual),
         prepared.kernel.parameters.tolist(),
+        prepared.look,
     )
 
 

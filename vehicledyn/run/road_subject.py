@@ -6,6 +6,7 @@ import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
+from vehicledyn.base.shapes import Hull, Shape
 from vehicledyn.manoeuvres.manoeuvre import RoadManoeuvre
 from vehicledyn.manoeuvres.recording import Recording
 from vehicledyn.multibody.system import System
@@ -91,6 +92,10 @@ class RoadSubject:
     def scene(self) -> dict[str, SceneItem]:
         """Return what the manoeuvre shows."""
         return self.manoeuvre.scene(self.vehicle)
+
+    def shapes(self) -> tuple[Shape, ...]:
+        """Return the hull of the vehicle."""
+        return (Hull(self.vehicle.chassis, self.vehicle.chassis, self.vehicle.outline),)
 
     def plots(self, _: Equations) -> list[dict[str, Any]]:
         """Return the figures of the manoeuvre."""

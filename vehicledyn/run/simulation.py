@@ -21,6 +21,7 @@ from vehicledyn.results.output import check_folder, check_output
 from vehicledyn.results.plots import draw_plots
 from vehicledyn.results.writer import ResultWriter
 from vehicledyn.run.moved_starts import moved_starts
+from vehicledyn.run.pictures import Recorder, ground_of
 from vehicledyn.run.places import wrong_output
 from vehicledyn.run.prepare import Point, Prepared, Progress
 from vehicledyn.run.rerun import prepare_run
@@ -102,7 +103,11 @@ def run_scenario(
     check = getattr(loaded.scenario.solver, "check", None)
     if check is not None:
         check(prepared.equations)
-    run = _Run(loaded, prepared, kept, _needed_channels(prepared), described)
+    recorder = None
+    if loaded.scenario.output.animation:
+        names = [channel.name for channel in prepared.equations.channels]
+        recorder = Recorder.of(prepared.look, names, loaded.scenario.output.interval)
+    run = _Run(loaded, prepared, kept, _needed_channels(prepared), described, recorder)
     run.simulate(start, output, progress)
     messages = [_kernel_message(prepared), *redundant_constraints(prepared)]
     if loaded.scenario.start in (None, "nominal"):
@@ -135,6 +140,7 @@ class _Run:
     kept: list[int]
     needed: list[int]
     plots: list[dict[str, Any]]
+    recorder: Recorder | None
     status: str = "ok"
     exit_code: int = EXIT_OK
     samples: int = 0
@@ -180,11 +186,15 @@ class _Run:
                 summary=self.summary,
                 solver=self._solver(statistics),
                 events=self.events,
+                ground=None if self.recorder is None else self._ground(self.recorder),
             )
         if ending:
             self.messages.append(ending)
         if message:
             self.messages.append(f"{message}; the partial result is kept in {output}")
+
+    def _ground(self, recorder: Recorder) -> Matrix | None:
+        return ground_of(self.prepared, recorder.path)
 
     def _writer(self, output: Path) -> ResultWriter:
         e, s = self.prepared.equations, self.loaded.scenario
@@ -207,6 +217,8 @@ class _Run:
             header=header,
             states=[*e.states, *e.unknowns],
             expected_samples=round(s.duration / s.output.interval) + 1,
+            stage=None if self.recorder is None else self.recorder.stage,
+            expected_pictures=0 if self.recorder is None else self.recorder.expected(s.duration),
         )
 
     def _take(self, writer: ResultWriter, t: Matrix, x: Matrix, z: Matrix, y: Matrix) -> None:
@@ -215,6 +227,8 @@ class _Run:
         self._values.append(y[:, self.needed].copy())
         self.samples += len(t)
         self._last = (float(t[-1]), x[-1].copy(), z[-1].copy())
+        if self.recorder is not None:
+            writer.append_pictures(self.recorder.take(t, y))
         writer.append(t, y[:, self.kept], np.hstack([x, z]))
 
     def _summarise(self) -> None:

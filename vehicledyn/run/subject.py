@@ -12,6 +12,7 @@ from vehicledyn.multibody.system import System
 from vehicledyn.symbolic.equations import Equations
 
 if TYPE_CHECKING:
+    from vehicledyn.base.shapes import Shape
     from vehicledyn.results.layout import SceneItem, SummaryEntry
 
 Vector = NDArray[np.float64]
@@ -50,6 +51,9 @@ class Subject(Protocol):
 
     def scene(self) -> dict[str, SceneItem]:
         """Return static things to show in pictures."""
+
+    def shapes(self) -> tuple[Shape, ...]:
+        """Return shapes that no part of the system offers."""
 
     def plots(self, equations: Equations) -> list[dict[str, Any]]:
         """Return descriptions of the standard figures."""

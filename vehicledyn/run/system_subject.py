@@ -12,6 +12,7 @@ from vehicledyn.run.subject import Vector, start_values
 from vehicledyn.symbolic.equations import Channel, Equations
 
 if TYPE_CHECKING:
+    from vehicledyn.base.shapes import Shape
     from vehicledyn.results.layout import SceneItem, SummaryEntry
 
 MOST_COORDINATES = 12
@@ -68,6 +69,10 @@ class SystemSubject:
     def scene(self) -> dict[str, SceneItem]:
         """Return nothing."""
         return {}
+
+    def shapes(self) -> tuple[Shape, ...]:
+        """Return nothing."""
+        return ()
 
     def plots(self, equations: Equations) -> list[dict[str, Any]]:
         """Return paths over the ground, coordinates, rates, forces and energies against time."""

@@ -31,6 +31,10 @@ class Output(ParameterSet):
     plots: tuple[str, ...] | None = Field(
         default=None, description="Figures to draw, by name; all of the run if left out"
     )
+    animation: bool = Field(
+        default=True,
+        description="Whether the result keeps shapes and poses for 'vehicledyn animate'",
+    )
 
 
 class Kinematics(ParameterSet):

@@ -1,0 +1,193 @@
+"""The tree of a system as numbers: poses of all bodies from the coordinates, many at once.
+
+A pose is the position of the body's origin and the unit quaternion (w, x, y, z) of its axes, both
+in world axes. Where the last joint of a body turns, its angle is kept apart as a turn about an
+axis of the pose: that stays exact between two pictures, however fast a wheel spins.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vehicledyn.multibody.system import System
+from vehicledyn.multibody.tree import unfold
+from vehicledyn.multibody.unknowns import declare, locked
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Poses:
+    """Poses of bodies at n moments.
+
+    ``position`` (n, bodies, 3) [m], ``quaternion`` (n, bodies, 4), and the ``turn`` (n, bodies)
+    about the axis of each body [rad], zero for bodies without one.
+    """
+
+    position: Array
+    quaternion: Array
+    turn: Array
+
+
+@dataclass(frozen=True)
+class Skeleton:
+    """The links of a tree with numbers, parents first, and the bodies that they end in.
+
+    ``links`` are mappings with parent, offset, before, after (rows or None), kind of the joint,
+    its coordinate (or value where it is locked); ``bodies`` have name, link, axis (0 for
+    none) and ``axes_spin``: whether the axes turn with the last joint.
+    """
+
+    links: tuple[Mapping[str, Any], ...]
+    bodies: tuple[Mapping[str, Any], ...]
+
+    @property
+    def coordinates(self) -> tuple[str, ...]:
+        """Names of the coordinates that the poses follow from."""
+        names = (link["coordinate"] for link in self.links)
+        return tuple(dict.fromkeys(name for name in names if name))
+
+    def poses(self, values: Mapping[str, Array]) -> Poses:
+        """Return the poses of all bodies.
+
+        Parameters
+        ----------
+        values
+            Values of each coordinate, shape (n,).
+        """
+        count = len(next(iter(values.values()))) if values else 1
+        origin = np.zeros((count, 3)), np.tile([1.0, 0.0, 0.0, 0.0], (count, 1))
+        after: list[tuple[Array, Array]] = []
+        before: list[tuple[Array, Array]] = []
+        for link in self.links:
+            position, turned = after[link["parent"]] if link["parent"] >= 0 else origin
+            position = position + rotated(turned, np.array(link["offset"], dtype=float))
+            turned = multiplied(turned, _quaternion(link["before"]))
+            value = _value(link, values, count)
+            axis = _axis(link["kind"])
+            if link["kind"] and link["kind"][0] == "T":
+                position = position + rotated(turned, axis) * value[:, None]
+            before.append((position, turned))
+            if link["kind"] and link["kind"][0] == "R" and not link["ignored"]:
+                turned = multiplied(turned, about(axis, value))
+            after.append((position, multiplied(turned, _quaternion(link["after"]))))
+        chosen, turns = [], []
+        for body in self.bodies:
+            link = body["link"]
+            chosen.append(before[link] if body["axis"] else after[link])
+            turns.append(
+                _value(self.links[link], values, count) if body["axis"] else np.zeros(count)
+            )
+        return Poses(
+            np.stack([position for position, _ in chosen], axis=1),
+            np.stack([quaternion for _, quaternion in chosen], axis=1),
+            np.stack(turns, axis=1),
+        )
+
+
+def raw_skeleton(system: System) -> dict[str, Any]:
+    """Return links and bodies of a system as plain data whose numbers may still be symbols."""
+    tree, symbols = unfold(system), declare(system)
+    fixed = locked(system, symbols)
+    links = []
+    for link in tree.links:
+        joint = link.joint
+        is_fixed = joint is not None and joint.name in fixed
+        links.append(
+            {
+                "parent": link.parent,
+                "offset": [link.offset[k] for k in range(3)],
+                "before": _rows(link.before),
+                "after": _rows(link.after),
+                "kind": joint.kind if joint else None,
+                "coordinate": joint.name if joint and not is_fixed else None,
+                "value": joint.start if joint and is_fixed else 0.0,
+                "ignored": link.is_ignorable_spin,
+            }
+        )
+    bodies = []
+    for body in system.bodies:
+        index = tree.body_link[body.name]
+        last = tree.links[index]
+        turns = last.joint is not None and last.joint.is_rotation and last.after is None
+        bodies.append(
+            {
+                "name": body.name,
+                "link": index,
+                "axis": last.joint.axis if turns and last.joint else 0,
+                "axes_spin": not last.is_ignorable_spin,
+            }
+        )
+    return {"links": links, "bodies": bodies}
+
+
+def skeleton_from(plain: Mapping[str, Any]) -> Skeleton:
+    """Return a skeleton from plain data with numbers."""
+    return Skeleton(tuple(plain["links"]), tuple(plain["bodies"]))
+
+
+def multiplied(a: Array, b: Array) -> Array:
+    """Return the products a b of quaternions, shape (..., 4)."""
+    aw, ax, ay, az = np.moveaxis(a, -1, 0)
+    bw, bx, by, bz = np.moveaxis(b, -1, 0)
+    parts = (
+        aw * bw - ax * bx - ay * by - az * bz,
+        aw * bx + ax * bw + ay * bz - az * by,
+        aw * by - ax * bz + ay * bw + az * bx,
+        aw * bz + ax * by - ay * bx + az * bw,
+    )
+    return np.stack(np.broadcast_arrays(*parts), axis=-1)
+
+
+def rotated(quaternion: Array, vector: Array) -> Array:
+    """Return vectors turned by quaternions, v + 2 w (u × v) + 2 u × (u × v)."""
+    w, u = quaternion[..., :1], quaternion[..., 1:]
+    across = np.cross(u, vector)
+    turned: Array = vector + 2.0 * (w * across + np.cross(u, across))
+    return turned
+
+
+def about(axis: Array, angle: Array) -> Array:
+    """Return the quaternions of turns about a unit axis, shape (n, 4)."""
+    half = 0.5 * angle
+    return np.concatenate([np.cos(half)[:, None], np.sin(half)[:, None] * axis], axis=1)
+
+
+def _quaternion(rows: Any) -> Array:
+    """Return the unit quaternion of a rotation matrix; of None that of no rotation."""
+    if rows is None:
+        return np.array([1.0, 0.0, 0.0, 0.0])
+    r = np.array(rows, dtype=float)
+    # The largest of the four squared components is at least a quarter: no cancellation.
+    squares = np.array([1.0 + np.trace(r), *(1.0 + 2.0 * np.diag(r) - np.trace(r))])
+    k = int(np.argmax(squares))
+    skew = np.array([r[2, 1] - r[1, 2], r[0, 2] - r[2, 0], r[1, 0] - r[0, 1]])
+    if k == 0:
+        found = np.array([squares[0], *skew])
+    else:
+        i = k - 1
+        found = np.array([skew[i], *(r[:, i] + r[i, :])])
+        found[1 + i] = squares[k]
+    unit: Array = found / np.linalg.norm(found)
+    return unit
+
+
+def _axis(kind: str | None) -> Array:
+    return np.eye(3)[int(kind[1]) - 1] if kind else np.zeros(3)
+
+
+def _value(link: Mapping[str, Any], values: Mapping[str, Array], count: int) -> Array:
+    if link["coordinate"]:
+        return np.asarray(values[link["coordinate"]], dtype=float)
+    return np.full(count, float(link["value"]))
+
+
+def _rows(matrix: Any) -> list[list[Any]] | None:
+    if matrix is None:
+        return None
+    return [[matrix[i, j] for j in range(3)] for i in range(3)]

@@ -1,0 +1,185 @@
+"""The section /animation of a result: shapes, and poses of the bodies they are on.
+
+::
+
+    /animation/description   JSON: bodies and shapes
+    /animation/time          (n,) times of the pictures [s]
+    /animation/body          names of the bodies
+    /animation/origin        (n, 3) place that positions are counted from [m]
+    /animation/position      (n, bodies, 3) origins of the bodies less that place, world axes [m]
+    /animation/quaternion    (n, bodies, 4) w, x, y, z of the axes of the bodies
+    /animation/turn          (n, bodies) further turn about the body's axis [rad]
+    /animation/ground_...    places and heights of uneven ground [m]
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import h5py
+import numpy as np
+from numpy.typing import NDArray
+
+from vehicledyn.results.layout import clean_text
+
+Array = NDArray[np.float64]
+
+GROUP = "animation"
+MOST_IN_CHUNK = 512
+_COMPONENTS = {
+    "origin": ("m", "Place that positions are counted from", "f8"),
+    "position": ("m", "Origin of the body from that place, world axes", "f4"),
+    "quaternion": ("1", "Axes of the body as a unit quaternion w, x, y, z", "f4"),
+    "turn": ("rad", "Further turn about the axis of the body", "f8"),
+}
+
+
+@dataclass(frozen=True)
+class Stage:
+    """What moves in an animation: bodies and the shapes on them, plain data.
+
+    ``bodies`` have a name, an axis (1 to 3, 0 for none) of their further turn, and
+    ``axes_spin``, whether that turns the axes of the body or only its wheels. ``shapes`` are
+    those of :mod:`vehicledyn.base.shapes`.
+    """
+
+    bodies: Sequence[Mapping[str, Any]]
+    shapes: Sequence[Mapping[str, Any]]
+
+    def as_json(self) -> str:
+        """Return the stage as JSON."""
+        names = ("name", "axis", "axes_spin")
+        bodies = [{name: body[name] for name in names} for body in self.bodies]
+        return json.dumps({"bodies": bodies, "shapes": list(self.shapes)}, default=float)
+
+
+@dataclass(frozen=True)
+class Pictures:
+    """Poses at n times, see :class:`Stage`.
+
+    ``position`` (n, bodies, 3) [m], ``quaternion`` (n, bodies, 4), ``turn`` (n, bodies) [rad].
+    """
+
+    time: Array
+    position: Array
+    quaternion: Array
+    turn: Array
+
+
+@dataclass(frozen=True)
+class Animation:
+    """What a result holds for an animation; ``ground``: points of uneven ground (r, c, 3) [m]."""
+
+    stage: Stage
+    pictures: Pictures
+    ground: Array | None = field(default=None)
+
+
+class PictureDatasets:
+    """The growing datasets of the section while a result is written."""
+
+    def __init__(self, file: h5py.File, stage: Stage, expected: int) -> None:
+        group = file.create_group(GROUP, track_order=True)
+        text = clean_text(stage.as_json())
+        group.create_dataset("description", data=text, dtype=h5py.string_dtype())
+        chunk, count = min(max(expected, 1), MOST_IN_CHUNK), len(stage.bodies)
+        self._time = group.create_dataset(
+            "time", (0,), "f8", maxshape=(None,), chunks=(chunk,), fillvalue=np.nan
+        )
+        self._time.attrs.update({"units": "s", "long_name": "Time of the picture"})
+        self._time.make_scale("time")
+        names = [clean_text(str(body["name"])) for body in stage.bodies]
+        body = group.create_dataset("body", data=names, dtype=h5py.string_dtype())
+        body.make_scale("body")
+        shapes = {
+            "origin": (3,),
+            "position": (count, 3),
+            "quaternion": (count, 4),
+            "turn": (count,),
+        }
+        axes = {3: _scale(group, "component", 3), 4: _scale(group, "quaternion_component", 4)}
+        self._parts = {}
+        for name, shape in shapes.items():
+            unit, text, kind = _COMPONENTS[name]
+            dataset = group.create_dataset(
+                name, (0, *shape), kind, maxshape=(None, *shape), chunks=(chunk, *shape),
+                fillvalue=np.nan,
+            )  # fmt: skip
+            dataset.attrs.update({"units": unit, "long_name": text})
+            dataset.dims[0].attach_scale(self._time)
+            if name != "origin":
+                dataset.dims[1].attach_scale(body)
+            if name != "turn":
+                dataset.dims[len(shape)].attach_scale(axes[shape[-1]])
+            self._parts[name] = dataset
+
+    def extend(self, pictures: Pictures) -> None:
+        """Append pictures; the times come last, so that they never promise missing poses."""
+        origin = pictures.position[:, 0, :]
+        values = {
+            "origin": origin,
+            "position": pictures.position - origin[:, None, :],
+            "quaternion": pictures.quaternion,
+            "turn": pictures.turn,
+        }
+        start, stop = len(self._time), len(self._time) + len(pictures.time)
+        for name, dataset in self._parts.items():
+            dataset.resize(stop, axis=0)
+            dataset[start:stop] = values[name]
+        self._time.resize(stop, axis=0)
+        self._time[start:stop] = pictures.time
+
+
+def write_ground(group: h5py.Group, surface: Array) -> None:
+    """Write the surface of uneven ground, points of shape (rows, columns, 3) [m]."""
+    dataset = group.create_dataset("ground", data=surface.astype("f4"))
+    dataset.attrs.update({"units": "m", "long_name": "Surface of the ground, world axes"})
+    for axis, name in enumerate(("ground_row", "ground_column")):
+        dataset.dims[axis].attach_scale(_scale(group, name, surface.shape[axis]))
+    dataset.dims[2].attach_scale(group["component"])
+
+
+def read_animation(group: h5py.Group, most: int) -> Animation:
+    """Return the section with at most so many pictures, evenly thinned, the last included."""
+    description = json.loads(group["description"].asstr()[()])
+    time = np.asarray(group["time"][()], dtype=float)
+    rows = thinned(len(time), most)
+    origin = _rows(group["origin"], rows)
+    return Animation(
+        Stage(description["bodies"], description["shapes"]),
+        Pictures(
+            time[rows],
+            origin[:, None, :] + _rows(group["position"], rows),
+            _rows(group["quaternion"], rows),
+            _rows(group["turn"], rows),
+        ),
+        np.asarray(group["ground"][()], dtype=float) if "ground" in group else None,
+    )
+
+
+def thinned(count: int, most: int) -> NDArray[np.intp]:
+    """Return at most so many of the first ``count`` indices, with the first and the last."""
+    if count <= most:
+        return np.arange(count)
+    return np.unique(np.linspace(0, count - 1, most).round().astype(np.intp))
+
+
+def _rows(dataset: h5py.Dataset, rows: NDArray[np.intp]) -> Array:
+    """Return some rows of a dataset, read block by block so that memory stays bounded."""
+    block = 4096
+    parts = [
+        np.asarray(dataset[start : start + block], dtype=float)[
+            rows[(rows >= start) & (rows < start + block)] - start
+        ]
+        for start in range(0, int(rows[-1]) + 1 if len(rows) else 0, block)
+    ]
+    return np.concatenate(parts) if parts else np.empty((0, *dataset.shape[1:]))
+
+
+def _scale(group: h5py.Group, name: str, length: int) -> h5py.Dataset:
+    dataset = group.create_dataset(name, data=np.arange(length))
+    dataset.make_scale(name)
+    return dataset
