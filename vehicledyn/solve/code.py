@@ -22,6 +22,9 @@ gcc 12 compiles them in a time that grows linearly; the run time is the same wit
 to 4000, and least for 500.
 """
 
+_PACK = 4
+"""Reals in a vd_pack of real.h."""
+
 _TEMPLATES = {
     "ASSIGN": "{0}",
     "ADD": "{0} + {1}",
@@ -188,16 +191,20 @@ class _Printer:
         n = len(pack.operands)
         given = [f"a{number}_{k}" for k in range(len(pack.operands[0]))]
         found = [f"b{number}_{k}" for k in range(len(pack.values[0]))]
-        lines = ["real " + ", ".join(f"{name}[VD_ROOM({n})]" for name in given + found) + ";"]
-        for k, operands in enumerate(pack.operands):
-            for name, operand in zip(given, operands, strict=True):
-                lines.append(f"{name}[{k}] = {self._number(operand, piece)};")
+        lines = []
+        for name, operands in zip(given, zip(*pack.operands, strict=True), strict=True):
+            numbers = [self._number(operand, piece) for operand in operands]
+            numbers += ["vd_all(1.0)"] * (-n % _PACK)
+            packs = [", ".join(numbers[k : k + _PACK]) for k in range(0, n, _PACK)]
+            lines.append(f"vd_pack {name}[] = {{{', '.join(f'VD_PACK({p})' for p in packs)}}};")
+        room = math.ceil(n / _PACK)
+        lines.append("vd_pack " + ", ".join(f"{name}[{room}]" for name in found) + ";")
         arrays = ", ".join(f"(double *){name}" for name in given + found)
         lines.append(f"vd_{pack.function}({n} * VD_LANES, {arrays});")
         for k, values in enumerate(pack.values):
             for name, value in zip(found, values, strict=True):
                 if value is not None:
-                    lines.append(f"const real w{value} = {name}[{k}];")
+                    lines.append(f"const real w{value} = ((real *){name})[{k}];")
         return lines
 
     def _expression(self, index: int, piece: int) -> str:

@@ -6,7 +6,7 @@
 #define VD_EXPORT static __device__
 #define VD_APART __noinline__
 #define VD_INLINE static __device__ __forceinline__
-#define VD_ROOM(n) (n)
+#define VD_PACK(a, b, c, d) {{a, b, c, d}}
 #define VD_LANE(value, lane) (value)
 #define restrict __restrict__
 #ifndef DBL_MAX
@@ -15,6 +15,7 @@
 
 typedef double real;
 typedef int vd_mask;
+typedef struct { real item[4]; } vd_pack;
 #define vd_all(a) (a)
 #define vd_abs(a) fabs(a)
 #define vd_sqrt(a) sqrt(a)

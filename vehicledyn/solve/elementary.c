@@ -1,7 +1,7 @@
 /* Elementary functions of n doubles at once, in registers of any width.
 
-   The arrays hold room up to the next multiple of VD_WIDTH; what lies behind n is set to one.
-   Each element is computed by itself, so neither its place nor n nor the width matter to it.
+   The arrays hold numbers up to the next multiple of VD_WIDTH; what lies behind n is computed
+   too. Each element is computed by itself, so neither its place nor n nor the width matter to it.
    The few elements outside of the range of a method are given to the C library. Errors are
    below two units in the last place; a test measures them.
 
@@ -32,9 +32,6 @@ VD_INLINE vd_wide vd_signed(vd_wide a, vd_wide b) {
 #else
 #define vd_some(m) ((m)[0] | (m)[1])
 #endif
-VD_INLINE void vd_pad(int n, double *a) {
-  for (int i = n; i % VD_WIDTH; i++) a[i] = 1.0;
-}
 #if VD_WIDTH == 8
 VD_INLINE vd_wide vd_sqrt_wide(vd_wide a) { return (vd_wide)VD_SQRT8(a); }
 #elif VD_WIDTH == 4
@@ -50,38 +47,34 @@ VD_INLINE vd_wide vd_sqrt_wide(vd_wide a) {
 #define VD_ROUNDER 6755399441055744.0
 #define VD_NEXT(value, coefficient) value = vd_fma_wide(value, z, vd_w(coefficient))
 
-/* The sine of -0 is +0. */
+/* The sine of -0 is +0. The angle less its quarter turns is rounded twice, each time by half a
+   unit in its own last place, since both products enter whole. */
 static VD_APART void vd_sincos(int n, double *a, double *s, double *c) {
-  vd_pad(n, a);
   VD_EACH(n) {
     const vd_wide x = VD_WIDE(a);
     const vd_wide shifted = vd_fma_wide(x, vd_w(0.63661977236758134308), vd_w(VD_ROUNDER));
     const vd_wide turns = shifted - VD_ROUNDER;
     const vd_whole quarter = (vd_whole)shifted;
-    const vd_wide first = vd_fma_wide(turns, vd_w(-1.57079632673412561417), x);
-    const vd_wide second = vd_fma_wide(turns, vd_w(-6.07710050630396597660e-11), first);
-    vd_wide low = vd_fma_wide(turns, vd_w(-6.07710050630396597660e-11), first - second);
-    low = vd_fma_wide(turns, vd_w(-2.02226624879595063154e-21), low);
-    const vd_wide y = second + low, z = y * y;
-    low += second - y;
+    const vd_wide near = vd_fma_wide(turns, vd_w(-1.57079632679489655800), x);
+    const vd_wide y = vd_fma_wide(turns, vd_w(-6.12323399573676603587e-17), near), z = y * y;
     vd_wide p = vd_w(1.58969099521155010221e-10);
     VD_NEXT(p, -2.50507602534068634195e-08);
     VD_NEXT(p, 2.75573137070700676789e-06);
     VD_NEXT(p, -1.98412698298579493134e-04);
     VD_NEXT(p, 8.33333333332248946124e-03);
     VD_NEXT(p, -1.66666666666666324348e-01);
-    const vd_wide sine = y + vd_fma_wide(z * y, p, low);
+    const vd_wide sine = vd_fma_wide(z * y, p, y);
     vd_wide q = vd_w(-1.13596475577881948265e-11);
     VD_NEXT(q, 2.08757232129817482790e-09);
     VD_NEXT(q, -2.75573143513906633035e-07);
     VD_NEXT(q, 2.48015872894767294178e-05);
     VD_NEXT(q, -1.38888888888741095749e-03);
     VD_NEXT(q, 4.16666666666666019037e-02);
-    const vd_wide half = 0.5 * z, rest = 1.0 - half;
-    const vd_wide cosine = rest + (vd_fma_wide(z * z, q, (1.0 - rest) - half) - y * low);
-    const vd_whole odd = (quarter & 1) != 0;
+    VD_NEXT(q, -0.5);
+    VD_NEXT(q, 1.0);
+    const vd_whole odd = -(quarter & 1);
     const vd_whole sign_of_sine = (quarter & 2) << 62, sign_of_cosine = ((quarter + 1) & 2) << 62;
-    const vd_wide one = vd_pick(odd, cosine, sine), other = vd_pick(odd, sine, cosine);
+    const vd_wide one = vd_pick(odd, q, sine), other = vd_pick(odd, sine, q);
     const vd_whole far = ~(vd_abs_wide(x) < 1e6);
     VD_STORE(s, (vd_wide)((vd_whole)one ^ sign_of_sine));
     VD_STORE(c, (vd_wide)((vd_whole)other ^ sign_of_cosine));
@@ -92,48 +85,35 @@ static VD_APART void vd_sincos(int n, double *a, double *s, double *c) {
 }
 
 /* Arc tangent of a / b >= 0, for a, b >= 0, not both zero: the angle from the nearest of the
-   directions with the tangents 0, 1/2, 1, 3/2 and infinity, and that of the direction. */
+   directions 0, 45 and 90 degrees, and that of the direction. */
 VD_INLINE vd_wide vd_atan_ratio(vd_wide a, vd_wide b) {
-  const vd_whole m1 = a > 0.4375 * b, m2 = a > 0.6875 * b, m3 = a > 1.1875 * b,
-                 m4 = a > 2.4375 * b;
-#define VD_CHOOSE(k0, k1, k2, k3, k4)                                                     \
-  vd_pick(m4, vd_w(k4), vd_pick(m3, vd_w(k3), vd_pick(m2, vd_w(k2), vd_pick(m1, vd_w(k1), \
-                                                                            vd_w(k0)))))
-  const vd_wide along = vd_pick(m4, vd_w(0.0), vd_w(1.0));
-  const vd_wide across = VD_CHOOSE(0.0, 0.5, 1.0, 1.5, 1.0);
-  const vd_wide base = VD_CHOOSE(0.0, 4.63647609000806093515e-01, 7.85398163397448278999e-01,
-                                 9.82793723247329054082e-01, 1.57079632679489655800e+00);
-#undef VD_CHOOSE
-  const vd_wide x = (along * a - across * b) / (along * b + across * a), z = x * x;
-  vd_wide p = vd_w(1.62858201153657823623e-02);
-  VD_NEXT(p, -3.65315727442169155270e-02);
-  VD_NEXT(p, 4.97687799461593236017e-02);
-  VD_NEXT(p, -5.83357013379057348645e-02);
-  VD_NEXT(p, 6.66107313738753120669e-02);
-  VD_NEXT(p, -7.69187620504482999495e-02);
-  VD_NEXT(p, 9.09088713343650656196e-02);
-  VD_NEXT(p, -1.11111104054623557880e-01);
-  VD_NEXT(p, 1.42857142725034663711e-01);
-  VD_NEXT(p, -1.99999999998764832476e-01);
-  VD_NEXT(p, 3.33333333333329318027e-01);
-  /* What the rounded base lacks is close to 4e-17 of it, for all directions. */
-  return base + (x - vd_fma_wide(z * x, p, base * -3.9e-17));
+  const vd_whole steep = a > 0.41421356237309503 * b, steeper = a > 2.41421356237309510 * b;
+  const vd_wide across = vd_pick(steeper, -b, vd_pick(steep, a - b, a));
+  const vd_wide along = vd_pick(steeper, a, vd_pick(steep, a + b, b));
+  const vd_wide base = vd_pick(steeper, vd_w(1.57079632679489655800),
+                               vd_pick(steep, vd_w(0.78539816339744827900), vd_w(0.0)));
+  const vd_wide x = across / along, z = x * x;
+  vd_wide p = vd_w(0.021258265202632331938);
+  VD_NEXT(p, -0.043589673095549364756);
+  VD_NEXT(p, 0.056924951125022744292);
+  VD_NEXT(p, -0.066411129005250079750);
+  VD_NEXT(p, 0.076900673596383494670);
+  VD_NEXT(p, -0.090907823469368162024);
+  VD_NEXT(p, 0.11111106650845162306);
+  VD_NEXT(p, -0.14285714195196932155);
+  VD_NEXT(p, 0.19999999999088227086);
+  VD_NEXT(p, -0.33333333333330148055);
+  return base + vd_fma_wide(z * x, p, x);
 }
 
 static VD_APART void vd_atan(int n, double *a, double *r) {
-  vd_pad(n, a);
   VD_EACH(n) {
     const vd_wide x = VD_WIDE(a);
     VD_STORE(r, vd_signed(vd_atan_ratio(vd_abs_wide(x), vd_w(1.0)), x));
-    const vd_whole odd = ~(vd_abs_wide(x) < 1e300);
-    if (vd_some(odd))
-      for (int k = 0; k < VD_WIDTH; k++)
-        if (odd[k]) r[i + k] = atan(x[k]);
   }
 }
 
 static VD_APART void vd_atan2(int n, double *a, double *b, double *r) {
-  vd_pad(n, a), vd_pad(n, b);
   VD_EACH(n) {
     const vd_wide y = VD_WIDE(a), x = VD_WIDE(b), ay = vd_abs_wide(y), ax = vd_abs_wide(x);
     const vd_wide angle = vd_atan_ratio(ay, ax);
@@ -150,7 +130,6 @@ static VD_APART void vd_atan2(int n, double *a, double *b, double *r) {
 
 /* asin x = atan2(x, w), acos x = atan2(w, x) with w = sqrt((1 - x) (1 + x)). */
 static VD_APART void vd_asin(int n, double *a, double *r) {
-  vd_pad(n, a);
   VD_EACH(n) {
     const vd_wide x = VD_WIDE(a), w = vd_sqrt_wide((1.0 - x) * (1.0 + x));
     VD_STORE(r, vd_signed(vd_atan_ratio(vd_abs_wide(x), w), x));
@@ -162,7 +141,6 @@ static VD_APART void vd_asin(int n, double *a, double *r) {
 }
 
 static VD_APART void vd_acos(int n, double *a, double *r) {
-  vd_pad(n, a);
   VD_EACH(n) {
     const vd_wide x = VD_WIDE(a), w = vd_sqrt_wide((1.0 - x) * (1.0 + x));
     const vd_wide angle = vd_atan_ratio(w, vd_abs_wide(x));
@@ -200,7 +178,6 @@ VD_INLINE vd_wide vd_exp_wide(vd_wide x) {
 }
 
 static VD_APART void vd_exp(int n, double *a, double *r) {
-  vd_pad(n, a);
   VD_EACH(n) {
     const vd_wide x = VD_WIDE(a);
     VD_STORE(r, vd_exp_wide(x));
@@ -212,7 +189,6 @@ static VD_APART void vd_exp(int n, double *a, double *r) {
 }
 
 static VD_APART void vd_tanh(int n, double *a, double *r) {
-  vd_pad(n, a);
   VD_EACH(n) {
     const vd_wide x = VD_WIDE(a), size = vd_abs_wide(x);
     const vd_wide held = vd_pick(size < 20.0, size, vd_w(20.0));
@@ -233,7 +209,6 @@ static VD_APART void vd_tanh(int n, double *a, double *r) {
 }
 
 static VD_APART void vd_log(int n, double *a, double *r) {
-  vd_pad(n, a);
   VD_EACH(n) {
     const vd_wide x = VD_WIDE(a);
     /* x = m 2^k with sqrt(1/2) <= m < sqrt(2); all k are made positive for the shift. */

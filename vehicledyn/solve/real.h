@@ -16,8 +16,9 @@
 #define VD_APART __attribute__((noinline))
 #define VD_INLINE static inline __attribute__((always_inline))
 
-/* Doubles in a register of this processor. */
-#if defined(__AVX512F__) && defined(__AVX512DQ__)
+/* Doubles in the widest registers that elementary functions fill; those of one case alone come in
+   fours. */
+#if VD_LANES == 8 && defined(__AVX512F__) && defined(__AVX512DQ__)
 #define VD_WIDTH 8
 #elif defined(__AVX2__)
 #define VD_WIDTH 4
@@ -62,9 +63,6 @@ typedef long long vd_eight_wholes __attribute__((vector_size(64)));
 #endif
 #endif
 
-/* Length of an array for n numbers of elementary.c. */
-#define VD_ROOM(n) (((n) * VD_LANES + VD_WIDTH - 1) / VD_WIDTH * VD_WIDTH / VD_LANES)
-
 typedef double vd_wide __attribute__((vector_size(8 * VD_WIDTH), aligned(8), may_alias));
 typedef long long vd_whole __attribute__((vector_size(8 * VD_WIDTH), aligned(8), may_alias));
 
@@ -89,10 +87,15 @@ VD_INLINE vd_wide vd_fma_wide(vd_wide a, vd_wide b, vd_wide c) {
 }
 #endif
 
+/* A vd_pack holds four reals that are given to elementary.c; in one case alone it is made in a
+   register and stored whole, so that it is read without waiting for four stores. */
+
 #if VD_LANES == 1
 
 typedef double real;
 typedef int vd_mask;
+typedef double vd_pack __attribute__((vector_size(32)));
+#define VD_PACK(a, b, c, d) {a, b, c, d}
 #define VD_LANE(value, lane) (value)
 #define vd_all(a) (a)
 VD_INLINE vd_mask vd_lt(real a, real b) { return a < b; }
@@ -115,6 +118,8 @@ VD_INLINE real vd_select(vd_mask m, real a, real b) { return m ? a : b; }
 
 typedef double real __attribute__((vector_size(8 * VD_LANES), may_alias));
 typedef long long vd_mask __attribute__((vector_size(8 * VD_LANES), may_alias));
+typedef struct { real item[4]; } vd_pack;
+#define VD_PACK(a, b, c, d) {{a, b, c, d}}
 #define VD_LANE(value, lane) ((value)[lane])
 VD_INLINE real vd_all(double a) { return a - (real){0.0}; }
 VD_INLINE vd_mask vd_lt(real a, real b) { return a < b; }
