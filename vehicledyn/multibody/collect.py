@@ -14,7 +14,13 @@ from vehicledyn.multibody.parts import Motion, Output, Part
 from vehicledyn.multibody.system import Joint, System
 from vehicledyn.multibody.unknowns import Symbols, locked
 from vehicledyn.symbolic import ops
-from vehicledyn.symbolic.equations import Block, Equations, ParameterValue, Variable
+from vehicledyn.symbolic.equations import (
+    Block,
+    Equations,
+    ParameterValue,
+    Variable,
+    with_tables,
+)
 from vehicledyn.symbolic.ops import Scalar
 
 LOOP_TOLERANCE = 1e-12
@@ -100,7 +106,7 @@ def collect(
     impacts = Impacts(symbols, loops, solved, roles.independent)
     found = collect_events(system, symbols, solved, [s.name for s in states], impacts)
     n = len(independent)
-    return Equations(
+    equations = Equations(
         name=system.name,
         time=symbols.time,
         state=ops.column(state),
@@ -127,6 +133,7 @@ def collect(
         reset=_put_motions(ops.column(found.new_values), symbols, moved),
         structure=_structure(system, symbols, loops, roles),
     )
+    return with_tables(equations)
 
 
 def _slopes(loops: Loops, contact: list[Scalar], unknowns: list[Scalar]) -> Scalar:

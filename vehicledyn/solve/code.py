@@ -12,8 +12,27 @@ from dataclasses import dataclass
 from typing import Any
 
 from vehicledyn.solve.compiler import CompilationError
-from vehicledyn.solve.instructions import CONST, INPUT, Instruction, read_function
-from vehicledyn.solve.lowering import CALLED, CONDITIONS, Lowered, Pack, Step, is_at_hand, lower
+from vehicledyn.solve.instructions import (
+    CELL,
+    CONST,
+    ENTRY,
+    INPUT,
+    KNOT,
+    Instruction,
+    read_function,
+)
+from vehicledyn.solve.lowering import (
+    CALLED,
+    CONDITIONS,
+    LOOKED_UP,
+    Lowered,
+    Pack,
+    Step,
+    is_at_hand,
+    lower,
+)
+from vehicledyn.solve.table_rows import ROW
+from vehicledyn.symbolic.tables import CurveTable
 
 PIECE = 500
 """Instructions a C function holds at most.
@@ -52,13 +71,23 @@ _TEMPLATES = {
     "FMIN": "vd_min({0}, {1})",
     "FMAX": "vd_max({0}, {1})",
     "SIGN": "vd_sign({0})",
+    CELL: "vd_cell({0}, {table})",
+    KNOT: "vd_knot({0}, {table})",
+    ENTRY: "vd_entry({0}, {table}, {width}, {power})",
 }
 
 _CONDITIONAL = {"NOT": (0,), "AND": (0, 1), "OR": (0, 1), "IF_ELSE_ZERO": (0,), "SELECT": (0,)}
 """Operands that are conditions."""
 
 
-def print_function(function: Any, name: str, inputs: Sequence[str], *, piece: int = PIECE) -> str:
+def print_function(
+    function: Any,
+    name: str,
+    inputs: Sequence[str],
+    *,
+    tables: Sequence[CurveTable] = (),
+    piece: int = PIECE,
+) -> str:
     """Return the C text of an SX function with dense inputs.
 
     The C function is ``static void name(const real *input_1, ..., real *r0, ...)``; each
@@ -72,6 +101,9 @@ def print_function(function: Any, name: str, inputs: Sequence[str], *, piece: in
         Name of the C function.
     inputs
         C names of the input arrays, in the order of the function's inputs.
+    tables
+        Those that the function looks up; their rows, see :mod:`vehicledyn.solve.table_rows`,
+        follow the numbers of the last input.
     piece
         Instructions a C function holds at most; a longer one calls its pieces in turn.
 
@@ -80,11 +112,13 @@ def print_function(function: Any, name: str, inputs: Sequence[str], *, piece: in
     CompilationError
         If the function holds an operation that has no translation.
     """
-    lowered = lower(read_function(function))
+    lowered = lower(read_function(function, tables))
     _check(lowered, function.name())
     arrays = [f"const real *restrict {item}" for item in inputs]
     arrays += [f"real *restrict r{k}" for k in range(function.n_out())]
-    return _Printer(lowered, list(inputs)).function(name, arrays, piece)
+    first_row = function.numel_in(function.n_in() - 1)
+    widths = [table.order + 1 for table in tables]
+    return _Printer(lowered, list(inputs), first_row, widths).function(name, arrays, piece)
 
 
 def _check(lowered: Lowered, name: str) -> None:
@@ -114,6 +148,8 @@ class _Printer:
 
     lowered: Lowered
     inputs: list[str]
+    first_row: int
+    widths: list[int]
 
     def __post_init__(self) -> None:
         self._values = self.lowered.values
@@ -214,7 +250,15 @@ class _Printer:
             self._condition(operand, piece) if k in conditions else self._number(operand, piece)
             for k, operand in enumerate(item.operands)
         ]
-        return _TEMPLATES[item.operation].format(*names)
+        return _TEMPLATES[item.operation].format(*names, **self._table(item))
+
+    def _table(self, item: Instruction) -> dict[str, str | int]:
+        """Return what the template of a look-up asks for."""
+        if item.operation not in LOOKED_UP:
+            return {}
+        table, power = item.source
+        row = f"{self.inputs[-1]} + {self.first_row + ROW * table}"
+        return {"table": row, "width": self.widths[table], "power": power}
 
     def _number(self, index: int, piece: int) -> str:
         item = self._values[index]

@@ -11,6 +11,7 @@ import numpy as np
 
 from vehicledyn.solve.engine import Ledger, March, Rows, Span, Status, Vector
 from vehicledyn.solve.source import COUNTED
+from vehicledyn.solve.table_rows import TableRows
 from vehicledyn.symbolic.equations import Equations
 
 _D, _I, _L, _P = ctypes.c_double, ctypes.c_int, ctypes.c_longlong, ctypes.c_void_p
@@ -45,6 +46,7 @@ class CompiledEngine:
             function.restype, function.argtypes = result, arguments
         self._library = library
         self._sizes = [block.stop - block.start for block in equations.blocks]
+        self._tables = TableRows(equations.tables)
         self._n_rates = len(equations.states)
         self._n_outputs = len(equations.channels)
         self._n_events = len(equations.events)
@@ -55,8 +57,9 @@ class CompiledEngine:
 
     def prepare(self, parameters: Vector) -> Vector:
         """Return what depends on the parameters alone."""
-        constants = np.zeros(self._n_constants)
-        self._library.vd_prepare(parameters.ctypes.data, constants.ctypes.data)
+        constants = self._tables.after(np.zeros(self._n_constants))
+        given = self._tables.after(parameters)
+        self._library.vd_prepare(given.ctypes.data, constants.ctypes.data)
         return constants
 
     def rates(self, time: float, state: Vector, unknowns: Vector, constants: Vector) -> Vector:

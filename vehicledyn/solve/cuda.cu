@@ -13,19 +13,23 @@ VD_INLINE void hand_back(int n, const double *own, long long n_cases, long long 
   for (int k = 0; k < n; k++) all[k * n_cases + i] = own[k];
 }
 
-/* Rows of c. */
+/* Rows of p and c. */
 extern "C" {
-__constant__ int n_constants = NC;
+__constant__ int n_given = NP + NT;
+__constant__ int n_constants = NC + NT;
 }
 
-/* What depends on the parameters alone: p (NP, n_cases) to c (NC, n_cases). */
+/* What depends on the parameters alone: p (NP + NT, n_cases) to c (NC + NT, n_cases). The last NT
+   rows of p, handed on to c, hold for each table its origin, 1 / step, step, the number of its
+   last cell and the address of its cells in the memory of the GPU, as the bits of a double. */
 extern "C" __global__ void vd_prepare_cases(long long n_cases, const double *p, double *c) {
   const long long i = this_case();
   if (i >= n_cases) return;
-  double parameters[NP1], constants[NC1];
-  fetch(NP, p, n_cases, i, parameters);
+  double parameters[NP + NT + 1], constants[NC + NT + 1];
+  fetch(NP + NT, p, n_cases, i, parameters);
   prepare(parameters, constants);
-  hand_back(NC, constants, n_cases, i, c);
+  for (int k = 0; k < NT; k++) constants[NC + k] = parameters[NP + k];
+  hand_back(NC + NT, constants, n_cases, i, c);
 }
 
 /* Run each case n_steps steps from a start in x (NX, n_cases), with a close guess of the unknowns
@@ -39,8 +43,8 @@ extern "C" __global__ void vd_run_cases(long long n_cases, int method, long long
                                         int *where, long long *good) {
   const long long i = this_case();
   if (i >= n_cases) return;
-  double constants[NC1], state[NX1], unknowns[NZ1], again[NZ1], memory[1 + 2 * NZ1], y[NY + 1];
-  fetch(NC, c, n_cases, i, constants);
+  double constants[NC + NT + 1], state[NX1], unknowns[NZ1], again[NZ1], memory[1 + 2 * NZ1], y[NY + 1];
+  fetch(NC + NT, c, n_cases, i, constants);
   fetch(NX, x, n_cases, i, state);
   fetch(NZ, z, n_cases, i, unknowns);
   for (int k = 0; k < 1 + 2 * NZ; k++) memory[k] = 0.0;

@@ -38,6 +38,18 @@ VD_INLINE real vd_select(vd_mask m, real a, real b) { return m ? a : b; }
 VD_INLINE real vd_min(real a, real b) { return a < b || b != b ? a : b; }
 VD_INLINE real vd_max(real a, real b) { return b < a || b != b ? a : b; }
 VD_INLINE real vd_sign(real a) { return a < 0.0 ? -1.0 : 0.0 < a ? 1.0 : a; }
+
+/* Tables: origin, 1/step, step, last cell and address of the cells lie side by side at t. Each
+   place has a cell inside the table, one that is no number has the last. */
+VD_INLINE real vd_cell(real x, const real *t) {
+  return floor(vd_max(vd_min((x - t[0]) * t[1], t[3]), 0.0));
+}
+VD_INLINE real vd_knot(real cell, const real *t) { return t[0] + t[2] * cell; }
+VD_INLINE real vd_entry(real cell, const real *t, int width, int power) {
+  const double *cells = (const double *)__double_as_longlong(t[4]);
+  return __ldg(cells + (long long)cell * width + power);
+}
+
 VD_INLINE vd_mask vd_finite(real a) { return fabs(a) <= DBL_MAX; }
 
 #define VD_OF_ONE(name)                                               \

@@ -7,6 +7,7 @@ import re
 from vehicledyn.base.errors import InputError
 from vehicledyn.solve.functions import derive_functions
 from vehicledyn.solve.source import shared_source, shared_texts
+from vehicledyn.solve.table_rows import ROW
 from vehicledyn.symbolic.equations import Equations
 
 _LOCAL = re.compile(r"^((?:VD_APART )?)static ", re.MULTILINE)
@@ -38,9 +39,8 @@ def cuda_source(equations: Equations) -> str:
     n_parameters, n_constants = len(equations.parameters), functions.prepare.numel_out(0)
     sizes = {
         "NP": n_parameters,
-        "NP1": max(1, n_parameters),
         "NC": n_constants,
-        "NC1": max(1, n_constants),
+        "NT": ROW * len(equations.tables),
     }
     texts = [
         _contents(equations),
@@ -60,6 +60,7 @@ def _contents(equations: Equations) -> str:
         ("unknowns z", [f"{v.name} [{v.unit}] = {v.start!r}" for v in equations.unknowns]),
         ("channels", [f"{v.name} [{v.unit}]" for v in equations.channels]),
         ("blocks", [block.name for block in equations.blocks]),
+        ("tables", [f"{t.name}: cells of {t.order + 1} numbers" for t in equations.tables]),
     ]
     lines = [f"Model '{equations.name}', the numbers of a case in order."]
     for title, items in named:

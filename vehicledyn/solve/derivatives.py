@@ -15,6 +15,7 @@ import numpy as np
 from vehicledyn.base.errors import NumericalError
 from vehicledyn.solve.engine import Vector
 from vehicledyn.solve.interpreted import BufferedFunction
+from vehicledyn.symbolic import ops
 from vehicledyn.symbolic.equations import Equations
 
 
@@ -53,7 +54,7 @@ class Derivatives:
         chosen = [e.parameter[index] for index in self._chosen]
         variables = casadi.vertcat(e.state, e.algebraic, *chosen)
         direction = casadi.SX.sym("direction", variables.numel())
-        slope = casadi.densify(casadi.jtimes(results, variables, direction))
+        slope = casadi.densify(ops.derivative(results, variables, direction))
         inputs = [e.time, e.state, e.algebraic, e.parameter, direction]
         self._slope = BufferedFunction(casadi.Function("slope", inputs, [slope]))
 

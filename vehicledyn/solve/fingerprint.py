@@ -4,16 +4,25 @@ from __future__ import annotations
 
 import hashlib
 from pathlib import Path
+from typing import Any
 
 from vehicledyn.solve.functions import event_expressions
+from vehicledyn.solve.instructions import read_function
 from vehicledyn.symbolic.equations import Equations
 
-_GENERATORS = ("code.py", "functions.py", "instructions.py", "lowering.py", "source.py")
+_GENERATORS = (
+    "code.py",
+    "functions.py",
+    "instructions.py",
+    "lowering.py",
+    "source.py",
+    "table_rows.py",
+)
 _SHARED = ("real.h", "elementary.c", "steps.c", "loop.c", "batch.c")
 
 
 def fingerprint(equations: Equations) -> str:
-    """Return a text that is equal for equal equations, whatever the parameters' values."""
+    """Return a text that is equal for equal equations, whatever values and tables hold."""
     import casadi
 
     e = equations
@@ -23,7 +32,17 @@ def fingerprint(equations: Equations) -> str:
     facts = [casadi.CasadiMeta.version(), repr(e.positions), repr(e.velocities)]
     facts += [f"{block.start}:{block.stop}:{block.tolerance!r}" for block in e.blocks]
     facts += [event.direction for event in e.events]
-    return hashlib.sha256("\n".join([*facts, function.serialize()]).encode()).hexdigest()
+    return hashlib.sha256("\n".join([*facts, _text(function, e)]).encode()).hexdigest()
+
+
+def _text(function: Any, equations: Equations) -> str:
+    """Return what a function computes as a text, without the numbers of tables."""
+    tables = equations.tables
+    if not tables:
+        return str(function.serialize())
+    program = read_function(function, tables)
+    facts = ([table.order for table in tables], program.results, program.instructions)
+    return repr(facts)
 
 
 def generator_fingerprint() -> str:

@@ -15,7 +15,9 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Any
 
+from vehicledyn.symbolic import ops
 from vehicledyn.symbolic.equations import Equations
+from vehicledyn.symbolic.table_calls import calls_in
 
 _NO_WORK = ("OP_INPUT", "OP_OUTPUT", "OP_CONST", "OP_PARAMETER")
 
@@ -51,7 +53,7 @@ def derive_functions(equations: Equations) -> KernelFunctions:
         known = None if slopes is None else slopes[inside, inside]
         expressions += [
             residual,
-            casadi.jacobian(residual, unknown[inside]) if known is None else known,
+            ops.jacobian(residual, unknown[inside]) if known is None else known,
         ]
     expressions = casadi.cse([casadi.densify(casadi.SX(item)) for item in expressions])
     inputs = [time, state, unknown, equations.parameter]
@@ -161,6 +163,7 @@ def _use_reciprocals(function: Any, inputs: list[Any]) -> list[Any]:
     fixed = _fixed_values(nodes, function.n_in() - 1)
     elements = [casadi.vertsplit(item) if item.numel() else [] for item in inputs]
     values: list[Any] = []
+    calls = calls_in(function)
     inverse: dict[int, Any] = {}
     for code, operands, detail in nodes:
         if code == casadi.OP_INPUT:
@@ -174,6 +177,10 @@ def _use_reciprocals(function: Any, inputs: list[Any]) -> list[Any]:
             numerator = casadi.SX(1.0) if code == casadi.OP_INV else values[operands[0]]
             is_one = numerator.is_constant() and float(numerator) == 1.0
             values.append(inverse[divisor] if is_one else numerator * inverse[divisor])
+        elif code == casadi.OP_CALL:
+            values.append(calls[int(detail)](*[values[item] for item in operands]))
+        elif code == _RESULT:
+            values.append(values[operands[0]][int(detail)])
         elif len(operands) == 2:
             values.append(casadi.SX.binary(code, values[operands[0]], values[operands[1]]))
         else:
@@ -186,6 +193,10 @@ def _use_reciprocals(function: Any, inputs: list[Any]) -> list[Any]:
 
 
 Node = tuple[int, tuple[int, ...], float]
+"""Operation, operands and constant: of a call its instruction, of a result which one it is."""
+
+_RESULT = -1
+"""Operation that takes a result of a call."""
 
 
 def _read_nodes(function: Any) -> tuple[list[Node], list[list[tuple[int, int]]]]:
@@ -205,6 +216,14 @@ def _read_nodes(function: Any) -> tuple[list[Node], list[list[tuple[int, int]]]]
             nodes.append((code, (given[0], given[1]), 0.0))
         elif code == casadi.OP_CONST:
             nodes.append((code, (), function.instruction_constant(k)))
+        elif code == casadi.OP_CALL:
+            call = len(nodes)
+            nodes.append((code, tuple(slot[item] for item in given), float(k)))
+            for number, place in enumerate(target):
+                if place >= 0:
+                    slot[place] = len(nodes)
+                    nodes.append((_RESULT, (call,), float(number)))
+            continue
         else:
             nodes.append((code, tuple(slot[item] for item in given), 0.0))
         slot[target[0]] = len(nodes) - 1

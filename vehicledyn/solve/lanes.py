@@ -16,6 +16,7 @@ from vehicledyn.solve.compiler import CompilationError, build_library, find_comp
 from vehicledyn.solve.engine import Vector
 from vehicledyn.solve.functions import derive_functions
 from vehicledyn.solve.source import lane_source
+from vehicledyn.solve.table_rows import TableRows
 from vehicledyn.symbolic.equations import Equations
 
 _D, _I, _L, _P = ctypes.c_double, ctypes.c_int, ctypes.c_longlong, ctypes.c_void_p
@@ -73,6 +74,8 @@ class LaneEngine:
             function.restype, function.argtypes = result, arguments
         self._library = library
         self._sizes = (len(equations.states), len(equations.unknowns))
+        self._n_parameters = len(equations.parameters)
+        self._tables = TableRows(equations.tables)
         self._n_constants = int(_I.in_dll(library, "vd_constants").value)
         self.lanes = int(_I.in_dll(library, "vd_lanes").value)
 
@@ -92,9 +95,17 @@ class LaneEngine:
 
     def prepare(self, parameters: Vector) -> Vector:
         """Return what depends on the parameters alone, in lanes."""
-        constants = self.room(self._n_constants)
-        self._library.vd_prepare_lanes(parameters.ctypes.data, constants.ctypes.data)
+        given = self._before_tables(self._n_parameters)
+        given[: self._n_parameters] = parameters[: self._n_parameters]
+        constants = self._before_tables(self._n_constants)
+        self._library.vd_prepare_lanes(given.ctypes.data, constants.ctypes.data)
         return constants
+
+    def _before_tables(self, count: int) -> Vector:
+        """Return room for numbers in lanes, with the rows of the tables behind them."""
+        room = self.room(count + len(self._tables.numbers))
+        room[count : count + len(self._tables.numbers)] = self._tables.numbers[:, None]
+        return room
 
     def rates(
         self, time: float, state: Vector, unknowns: Vector, constants: Vector

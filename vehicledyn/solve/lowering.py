@@ -13,7 +13,15 @@ from collections import defaultdict
 from collections.abc import Iterable
 from dataclasses import dataclass
 
-from vehicledyn.solve.instructions import CONST, INPUT, Instruction, Program
+from vehicledyn.solve.instructions import (
+    CELL,
+    CONST,
+    ENTRY,
+    INPUT,
+    KNOT,
+    Instruction,
+    Program,
+)
 
 CONDITIONS = frozenset({"LT", "LE", "EQ", "NE", "NOT", "AND", "OR"})
 """Operations whose values are conditions."""
@@ -34,6 +42,9 @@ CALLED = {
     "CONSTPOW": "pow",
 }
 """Functions of elementary.c by operation."""
+
+LOOKED_UP = frozenset({CELL, KNOT, ENTRY})
+"""Operations that look up a table."""
 
 _AT_HAND = (INPUT, CONST)
 
@@ -83,13 +94,16 @@ def is_at_hand(value: Instruction) -> bool:
 
 
 def _without_repeats(program: Program) -> tuple[list[Instruction], list[tuple[int, int, int]]]:
-    """Return the instructions with each function called once a value, tan x as sin x / cos x."""
+    """Return the instructions with each function and table asked once a value.
+
+    tan x becomes sin x / cos x.
+    """
     values: list[Instruction] = []
     place: list[int] = []
     known: dict[Instruction, int] = {}
 
     def add(item: Instruction) -> int:
-        if item.operation in CALLED and item in known:
+        if (item.operation in CALLED or item.operation in LOOKED_UP) and item in known:
             return known[item]
         values.append(item)
         known[item] = len(values) - 1

@@ -97,6 +97,12 @@ typedef int vd_mask;
 typedef double vd_pack __attribute__((vector_size(32)));
 #define VD_PACK(a, b, c, d) {a, b, c, d}
 #define VD_LANE(value, lane) (value)
+VD_INLINE real vd_whole_part(real a) { return floor(a); }
+VD_INLINE real vd_entry(real cell, const real *t, int width, int power) {
+  const double *cells;
+  memcpy(&cells, t + 4, sizeof cells);
+  return cells[(long long)cell * width + power];
+}
 #define vd_all(a) (a)
 VD_INLINE vd_mask vd_lt(real a, real b) { return a < b; }
 VD_INLINE vd_mask vd_le(real a, real b) { return a <= b; }
@@ -130,6 +136,18 @@ VD_INLINE vd_mask vd_not(vd_mask a) { return ~a; }
 VD_INLINE vd_mask vd_every(int a) { return -(long long)(a != 0) - (vd_mask){0}; }
 VD_INLINE real vd_only(vd_mask m, real a) { return (real)(m & (vd_mask)a); }
 VD_INLINE real vd_real(vd_mask a) { return vd_only(a, vd_all(1.0)); }
+/* Of numbers from 0 to 2^51: a sum with 2^52 has no fraction, its last bits are the number. */
+VD_INLINE real vd_whole_part(real a) {
+  const real whole = (a + 0x1p52) - 0x1p52;
+  return whole - vd_only(vd_lt(a, whole), vd_all(1.0));
+}
+VD_INLINE real vd_entry(real cell, const real *t, int width, int power) {
+  const vd_mask index = (vd_mask)(cell * (double)width + 0x1p52) & 0xfffffffffffffLL;
+  const vd_mask place = (vd_mask)t[4] + (index << 3);
+  real entry;
+  for (int i = 0; i < VD_LANES; i++) entry[i] = ((const double *)place[i])[power];
+  return entry;
+}
 VD_INLINE real vd_abs(real a) {
   return (real)((vd_mask)a & (0x7fffffffffffffffLL - (vd_mask){0}));
 }
@@ -181,4 +199,12 @@ VD_INLINE real vd_sign(real a) {
   const real zero = vd_all(0.0);
   return vd_select(vd_lt(a, zero), vd_all(-1.0), vd_select(vd_lt(zero, a), vd_all(1.0), a));
 }
+
+/* Tables: origin, 1/step, step, last cell and address of the cells lie side by side at t. Each
+   place has a cell inside the table, one that is no number has the last. */
+VD_INLINE real vd_cell(real x, const real *t) {
+  return vd_whole_part(vd_max(vd_min((x - t[0]) * t[1], t[3]), vd_all(0.0)));
+}
+VD_INLINE real vd_knot(real cell, const real *t) { return t[0] + t[2] * cell; }
+
 VD_INLINE vd_mask vd_finite(real a) { return vd_le(vd_abs(a), vd_all(DBL_MAX)); }

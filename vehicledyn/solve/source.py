@@ -16,8 +16,8 @@ _ARGUMENTS = ("t", "x", "z", "c")
 def kernel_source(equations: Equations, functions: KernelFunctions) -> str:
     """Return the complete C source of a kernel for one case."""
     events = [
-        print_function(functions.events, "events", _ARGUMENTS),
-        print_function(functions.resets, "resets", _ARGUMENTS),
+        print_function(functions.events, "events", _ARGUMENTS, tables=equations.tables),
+        print_function(functions.resets, "resets", _ARGUMENTS, tables=equations.tables),
     ]
     parts = [*_common(equations, functions), *events, shared_source("loop.c")]
     return "\n".join(parts)
@@ -38,10 +38,13 @@ def shared_texts(equations: Equations, functions: KernelFunctions) -> list[str]:
     """Return what is the same on any machine: functions of the model, tables and steps."""
     waves = enumerate(functions.waves)
     return [
-        print_function(functions.prepare, "prepare", ["p"]),
-        print_function(functions.rates, "rates", _ARGUMENTS),
-        print_function(functions.outputs, "outputs", _ARGUMENTS),
-        *[print_function(wave, f"wave_{k}", _ARGUMENTS) for k, wave in waves],
+        print_function(functions.prepare, "prepare", ["p"], tables=equations.tables),
+        print_function(functions.rates, "rates", _ARGUMENTS, tables=equations.tables),
+        print_function(functions.outputs, "outputs", _ARGUMENTS, tables=equations.tables),
+        *[
+            print_function(wave, f"wave_{k}", _ARGUMENTS, tables=equations.tables)
+            for k, wave in waves
+        ],
         _tables(equations, functions),
         shared_source("steps.c"),
     ]

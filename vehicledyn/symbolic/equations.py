@@ -10,8 +10,11 @@ on its own unknowns and those of earlier blocks only, so each block is a small N
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
-from typing import Any, Literal, TypeAlias
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING, Any, Literal, TypeAlias
+
+if TYPE_CHECKING:
+    from vehicledyn.symbolic.tables import CurveTable
 
 Expression = Any
 """A ``casadi.SX`` column."""
@@ -90,8 +93,10 @@ class Equations:
     ``positions`` and ``velocities`` are the indices of x that form second-order pairs: the
     rate of ``x[positions[k]]`` is ``x[velocities[k]]``. ``reset`` is a column of new values of
     states for the resets of events, None where there are none. ``slopes`` is ∂residual/∂algebraic
-    where its author knows it better than differentiation would, else None. ``structure`` holds
-    facts for people (bodies, joints, degrees of freedom), never used in computing.
+    where its author knows it better than differentiation would, else None. ``tables`` are all
+    that the expressions look up; like values of parameters, they are no part of what is
+    compiled. ``structure`` holds facts for people (bodies, joints, degrees of freedom), never
+    used in computing.
     """
 
     name: str
@@ -113,4 +118,14 @@ class Equations:
     velocities: tuple[int, ...] = ()
     slopes: Expression | None = None
     reset: Expression = None
+    tables: tuple[CurveTable, ...] = ()
     structure: dict[str, Any] = field(default_factory=dict)
+
+
+def with_tables(equations: Equations) -> Equations:
+    """Return equations that hold the tables which their expressions look up."""
+    from vehicledyn.symbolic.table_calls import tables_in
+
+    e = equations
+    others = [item for item in (e.slopes, e.reset) if item is not None]
+    return replace(e, tables=tables_in([e.rate, e.residual, e.output, e.event, *others]))

@@ -6,7 +6,6 @@ since knot and coefficients do not change within a cell, so :func:`settled` remo
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
@@ -31,8 +30,7 @@ _CALLS: WeakValueDictionary[str, TableCall] = WeakValueDictionary()
 
 def call_of(table: CurveTable) -> TableCall:
     """Return the call of a table; it lasts as long as anyone holds it."""
-    readable = re.sub(r"[^0-9A-Za-z]+", "_", table.name).strip("_")
-    name = f"{_PREFIX}{table.digest[:16]}_{readable}".rstrip("_")
+    name = _PREFIX + table.identity
     call = _CALLS.get(name)
     if call is None:
         call = _CALLS[name] = TableCall(_function(name, table), table)

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import hashlib
 import math
+import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -139,6 +140,12 @@ class CurveTable:
         rows[-1, :2] = last.sum(), (order * last).sum() / self.step
         rows.flags.writeable = False
         return rows
+
+    @property
+    def identity(self) -> str:
+        """A word for name and numbers, of letters, digits and single underlines."""
+        readable = re.sub(r"[^0-9A-Za-z]+", "_", self.name).strip("_")
+        return f"{self.digest[:16]}_{readable}".rstrip("_")
 
     @cached_property
     def digest(self) -> str:

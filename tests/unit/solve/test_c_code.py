@@ -1,9 +1,12 @@
 """The printed C computes what CasADi computes, operation by operation."""
 
+from functools import partial
+
 import casadi as ca
 import numpy as np
 import pytest
 from solve_examples import build, double_pendulum, slider_crank, starts, symbols
+from table_examples import height, quintic, rider
 
 from vehicledyn.base.errors import MissingPartError
 from vehicledyn.solve import source
@@ -83,12 +86,14 @@ def test_unknown_operation_is_named(needs_compiler):
     assert "ERFINV" in kernel.report.remark
 
 
+@pytest.mark.parametrize("make", [double_pendulum, lambda: rider(height(), quintic())])
 @pytest.mark.parametrize("piece", [1, 7, 20])
-def test_pieces_change_nothing(needs_compiler, monkeypatch, piece):
-    equations = double_pendulum()
+def test_pieces_change_nothing(needs_compiler, monkeypatch, make, piece):
+    equations = make()
     state, unknowns = starts(equations)
     whole = compile_kernel(equations, backend="compiled")
-    monkeypatch.setattr(source, "print_function", lambda *args: print_function(*args, piece=piece))
+    cut = partial(print_function, piece=piece)
+    monkeypatch.setattr(source, "print_function", cut)
     monkeypatch.setattr("vehicledyn.solve.kernel.generator_fingerprint", lambda: f"pieces {piece}")
     parts = compile_kernel(equations, backend="compiled")
     assert not parts.report.cached

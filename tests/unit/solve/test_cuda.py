@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 from event_examples import bouncing_ball
 from solve_examples import double_pendulum, oscillator, slider_crank
+from table_examples import height, quintic, rider
 from test_batch import cases_of
 
 from vehicledyn.base.errors import InputError
@@ -19,6 +20,7 @@ from vehicledyn.solve.batch import make_batch, run_batch
 from vehicledyn.solve.cuda import cuda_source
 from vehicledyn.solve.kernel import compile_kernel
 from vehicledyn.solve.methods.rk4 import RungeKutta4
+from vehicledyn.solve.table_rows import TableRows
 
 ON_THE_PROCESSOR = """
 #include <cmath>
@@ -29,6 +31,12 @@ using namespace std;
 #define __constant__
 #define __forceinline__ inline
 #define __noinline__ __attribute__((noinline))
+#define __ldg(place) (*(place))
+static long long __double_as_longlong(double a) {
+  long long bits;
+  memcpy(&bits, &a, sizeof bits);
+  return bits;
+}
 static struct { unsigned x; } blockIdx, blockDim = {1}, threadIdx;
 """
 ONE_AFTER_THE_OTHER = """
@@ -58,6 +66,9 @@ def run_on_the_processor(compiler, folder, equations, cases):
     p, x, z = (
         np.ascontiguousarray(item.T) for item in (cases.parameters, cases.states, cases.unknowns)
     )
+    rows = TableRows(equations.tables)
+    p = np.vstack([p, np.tile(rows.numbers[:, None], (1, n))])
+    assert len(p) == ctypes.c_int.in_dll(model, "n_given").value
     constants = ctypes.c_int.in_dll(model, "n_constants").value
     c, samples = np.zeros((constants, n)), np.full((n_samples, channels.size, n), np.nan)
     status, where = np.zeros(n, dtype=np.intc), np.zeros(n, dtype=np.intc)
@@ -85,6 +96,7 @@ def run_on_the_processor(compiler, folder, equations, cases):
         (oscillator, {"stiffness": [2.0, 5.0, 9.0]}),
         (double_pendulum, {"g": [9.81, 3.7, 1.6]}),
         (slider_crank, {"inertia": [0.2, 0.25]}),
+        (lambda: rider(height(), quintic()), {"k": [0.4, 0.7]}),
     ],
 )
 def test_equals_the_compiled_kernel(needs_compiler, compiler, tmp_path, make, changes):

@@ -11,6 +11,7 @@ import numpy as np
 from vehicledyn.base.errors import InputError, NumericalError, unknown_name
 from vehicledyn.solve.engine import Vector
 from vehicledyn.solve.interpreted import BufferedFunction
+from vehicledyn.symbolic import ops
 from vehicledyn.symbolic.equations import Equations
 
 
@@ -151,7 +152,7 @@ class AutonomousField:
         fixed = [casadi.SX(0.0), casadi.vertcat(*state)]
         (whole,) = casadi.substitute([whole], given, fixed)
         chosen = e.state[self.kept]
-        by = casadi.jacobian(whole, casadi.vertcat(chosen, e.algebraic, e.parameter[self.index]))
+        by = ops.jacobian(whole, casadi.vertcat(chosen, e.algebraic, e.parameter[self.index]))
         results = casadi.cse([casadi.densify(whole), casadi.densify(by)])
         return casadi.Function("slopes", [chosen, e.algebraic, e.parameter], results)
 
