@@ -1,4 +1,4 @@
-"""Verbs on result files: compare, plot, info; and how a run's outcome is shown."""
+"""Verbs on result files: compare, plot, info, assess; and how a run's outcome is shown."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from vehicledyn.base.errors import InputError
+from vehicledyn.base.units import to_si
 from vehicledyn.cli.options import Format, Json, ResultFile, tolerance_of_channels
 from vehicledyn.cli.terminal import emit, emit_report, write_text
 
@@ -18,7 +19,7 @@ if TYPE_CHECKING:
 
 def add_verbs(app: typer.Typer) -> None:
     """Add the verbs of this module to the command line."""
-    for verb in (compare, plot, info):
+    for verb in (compare, plot, info, assess):
         app.command()(verb)
 
 
@@ -164,3 +165,32 @@ def info(result: ResultFile, as_json: Json = False) -> None:
     else:
         report = describe_linear(result) if is_linear(result) else describe_result(result)
         emit_report(report, as_json=as_json)
+
+
+def assess(
+    result: ResultFile,
+    *,
+    begin: Annotated[
+        str | None, typer.Option("--from", metavar="TIME", help="Assess what comes after it.")
+    ] = None,
+    end: Annotated[
+        str | None, typer.Option("--to", metavar="TIME", help="Assess what comes before it.")
+    ] = None,
+    output: Annotated[
+        Path | None, typer.Option("--output", "-o", help="File to write as JSON as well.")
+    ] = None,
+    as_json: Json = False,
+) -> None:
+    """Assess running safety, comfort and wear of a rail vehicle's run."""
+    first, last = _time("--from", begin), _time("--to", end)
+    from vehicledyn.results.assessment.report import assess_result
+
+    report = assess_result(result, begin=first, end=last)
+    emit_report(report, as_json=as_json, file=output)
+
+
+def _time(option: str, text: str | None) -> float | None:
+    try:
+        return None if text is None else to_si(text, "s")
+    except InputError as error:
+        raise InputError(f"{option} {text}: {error}") from None

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
@@ -12,7 +12,11 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Recording:
-    """Samples of a run: ``time``, shape (n,) [s], and channels by name, shape (n,), in SI."""
+    """Samples of a run: ``time``, shape (n,) [s], and channels by name, shape (n,), in SI.
+
+    ``units`` are those of the channels, by name.
+    """
 
     time: NDArray[np.float64]
     channels: dict[str, NDArray[np.float64]]
+    units: dict[str, str] = field(default_factory=dict)

@@ -235,9 +235,10 @@ class _Run:
         if not self.samples:
             return
         values = np.vstack(self._values)
-        names = [self.prepared.equations.channels[k].name for k in self.needed]
-        columns = {name: values[:, k] for k, name in enumerate(names)}
-        recording = Recording(np.concatenate(self._times), columns)
+        needed = [self.prepared.equations.channels[k] for k in self.needed]
+        columns = {channel.name: values[:, k] for k, channel in enumerate(needed)}
+        units = {channel.name: channel.unit for channel in needed}
+        recording = Recording(np.concatenate(self._times), columns, units)
         self.summary = self.prepared.subject.summarise(recording)
 
     def _cause(self) -> str:

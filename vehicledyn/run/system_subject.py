@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -104,12 +104,15 @@ class SystemSubject:
 
     def channels(self, equations: Equations) -> list[str]:
         """Return the channels that the summary is made from."""
-        known = {c.name for c in equations.channels}
-        wanted = [*self._coordinates(known), _GAP, _OPENING, *_ENERGIES, _POWER]
-        return [name for name in wanted if name in known]
+        units = {c.name: c.unit for c in equations.channels}
+        wanted = [*self._coordinates(set(units)), _GAP, _OPENING, *_ENERGIES, _POWER]
+        return [*(name for name in wanted if name in units), *_assessed(units, wanted)]
 
     def summarise(self, recording: Recording) -> list[SummaryEntry]:
-        """Return the ranges of the coordinates, the errors of the loops and of the energy."""
+        """Return ranges of coordinates, errors of loops and energy, the assessment on rails."""
+        return [*self._general(recording), *_assessment(recording)]
+
+    def _general(self, recording: Recording) -> list[SummaryEntry]:
         from vehicledyn.results.layout import SummaryEntry
 
         values = recording.channels
@@ -133,6 +136,27 @@ class SystemSubject:
     def _coordinates(self, known: set[str]) -> list[str]:
         names = [j.name for j in self.system.joints() if j.name in known]
         return names if len(names) <= MOST_COORDINATES else []
+
+
+def _assessed(units: dict[str, str], others: Collection[str]) -> list[str]:
+    """Return the further channels that the assessment of a vehicle on rails reads."""
+    from vehicledyn.results.assessment.subjects import find_subjects
+
+    subjects = find_subjects(units)
+    names = subjects.channels(units) if subjects.axles else []
+    return [name for name in names if name not in others]
+
+
+def _assessment(recording: Recording) -> list[SummaryEntry]:
+    """Return the worst figures of running safety, comfort and wear of a vehicle on rails."""
+    from vehicledyn.results.assessment.subjects import find_subjects
+
+    if not find_subjects(recording.units).axles or len(recording.time) < 2:
+        return []
+    from vehicledyn.results.assessment.assess import assess
+    from vehicledyn.results.assessment.summary import summarise_assessment
+
+    return summarise_assessment(assess(recording.time, recording.channels, recording.units))
 
 
 def _energy_error(recording: Recording) -> Iterator[SummaryEntry]:

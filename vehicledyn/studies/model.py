@@ -106,11 +106,10 @@ class Model:
 
     def figures(self, case: Case, times: Vector, samples: Vector) -> list[Any]:
         """Return the key figures of a case from its samples (n_times, n_columns)."""
-        names = [self.prepared.equations.channels[k].name for k in self.needed]
-        columns = {
-            n: samples[:, self.columns.index(k)] for n, k in zip(names, self.needed, strict=True)
-        }
-        return list(case.subject.summarise(Recording(times, columns)))
+        channels = {self.prepared.equations.channels[k]: k for k in self.needed}
+        columns = {c.name: samples[:, self.columns.index(k)] for c, k in channels.items()}
+        units = {c.name: c.unit for c in channels}
+        return list(case.subject.summarise(Recording(times, columns, units)))
 
 
 def make_model(

@@ -13,6 +13,7 @@ from reference_cases import (
     mechanics,
     modes,
     positions,
+    rail_assessment,
     rail_contact,
     rail_geometry,
     repeatability,
@@ -38,6 +39,7 @@ GROUPS = {
     "tyre_tables": tyre_tables.compare,
     "rail_geometry": rail_geometry.compare,
     "rail_contact": rail_contact.compare,
+    "rail_assessment": rail_assessment.compare,
 }
 
 

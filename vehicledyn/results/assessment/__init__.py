@@ -1,0 +1,1 @@
+"""Running safety, ride comfort and wear of a rail vehicle, from the channels of a run."""

@@ -1,0 +1,202 @@
+"""The assessment of a run: safety of wheels and axles, comfort, wear, and what is left out."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from vehicledyn.results.assessment.comfort import (
+    DIRECTIONS,
+    WINDOW,
+    WINDOWS,
+    Comfort,
+    assess_comfort,
+)
+from vehicledyn.results.assessment.running_safety import (
+    CUT_OFF,
+    AxleSafety,
+    WheelSafety,
+    assess_axle,
+    assess_wheel,
+    static_load,
+)
+from vehicledyn.results.assessment.running_safety import WINDOW as WAY
+from vehicledyn.results.assessment.signals import Floats, Samples, even_samples
+from vehicledyn.results.assessment.subjects import Subjects, find_subjects
+from vehicledyn.results.assessment.wear import WheelWear, assess_wear
+
+SLOWEST_RATE = 100.0
+"""Samples a second below which nothing is filtered: five a period of the low-pass filter [Hz]."""
+COMFORT_RATE = 200.0
+"""Samples a second that EN 12299 asks for [Hz]."""
+
+_ROUNDING = 1e-6
+
+
+@dataclass
+class Assessment:
+    """What a run comes to.
+
+    ``begin`` and ``end`` limit the section that was assessed [s]; ``way`` is the distance run in
+    it, None if unknown [m]; ``rate`` the samples a second [Hz]. ``remarks`` say what was left out
+    and why.
+    """
+
+    begin: float
+    end: float
+    rate: float
+    way: float | None = None
+    wheels: list[WheelSafety] = field(default_factory=list)
+    axles: list[AxleSafety] = field(default_factory=list)
+    comfort: list[Comfort] = field(default_factory=list)
+    wear: list[WheelWear] = field(default_factory=list)
+    remarks: list[str] = field(default_factory=list)
+
+
+def assess(
+    time: Floats,
+    channels: Mapping[str, Floats],
+    units: Mapping[str, str],
+    *,
+    begin: float | None = None,
+    end: float | None = None,
+) -> Assessment:
+    """Return the assessment of a run, or of a section of it.
+
+    Parameters
+    ----------
+    time
+        Not falling, shape (n,) [s].
+    channels
+        Values by name, shape (n,), SI.
+    units
+        SI units by name.
+    begin, end
+        Limits of the section; the whole run if absent [s].
+
+    Raises
+    ------
+    InputError
+        If the section holds fewer than two samples.
+    """
+    subjects = find_subjects({name: units[name] for name in channels})
+    whole = {name: values for name, values in channels.items() if np.isfinite(values).all()}
+    samples = even_samples(time, whole, begin=begin, end=end)
+    section = samples.time[samples.kept]
+    found = Assessment(float(section[0]), float(section[-1]), samples.rate)
+    for name in sorted(set(subjects.channels(channels)) - set(whole)):
+        found.remarks.append(f"{name} holds values that are not finite; what needs it is left out")
+    distance = _distance(subjects, samples)
+    found.way = None if distance is None else float(distance[-1] - distance[0])
+    _assess_wear(found, subjects, samples, distance)
+    if samples.rate < SLOWEST_RATE * (1.0 - _ROUNDING):
+        found.remarks.append(
+            f"forces and comfort are left out: {samples.rate:.4g} samples a second are too few for "
+            f"a filter at {CUT_OFF:g} Hz; set output.interval to 5 ms, {1e3 / SLOWEST_RATE:g} ms "
+            "at most"
+        )
+        return found
+    _assess_safety(found, subjects, samples, distance)
+    _assess_comfort(found, subjects, samples)
+    return found
+
+
+def _distance(subjects: Subjects, samples: Samples) -> Floats | None:
+    """Return the way from the start of the run at the section's samples; None if unknown.
+
+    All bodies of a vehicle go the same way; coordinates relative to another body hardly move. So
+    the channel that goes farthest tells it, arc coordinates along the track before others.
+    """
+    known = [name for name in subjects.ways if name in samples.channels]
+    ways = {name: np.abs(np.diff(samples.channels[name])) for name in known}
+    along = {name: steps for name, steps in ways.items() if name.endswith(".track_position")}
+    farthest = max((along or ways).values(), key=np.sum, default=None)
+    speeds = [samples.channels[name] for name in subjects.speeds if name in samples.channels]
+    if farthest is None and speeds:
+        farthest = samples.step * np.abs(0.5 * (speeds[0][:-1] + speeds[0][1:]))
+    if farthest is None:
+        return None
+    return np.concatenate([[0.0], np.cumsum(farthest)])[samples.kept]
+
+
+def _assess_safety(
+    found: Assessment, subjects: Subjects, samples: Samples, distance: Floats | None
+) -> None:
+    if subjects.axles and distance is None:
+        found.remarks.append(
+            "sliding means over the track are left out: no channel tells the distance run; keep "
+            "a 'track_position', a coordinate 'x' or a 'forward_speed'"
+        )
+    elif subjects.axles and found.way is not None and found.way < WAY:
+        found.remarks.append(
+            f"sliding means over {WAY:g} m of track are left out: only {found.way:.3g} m were run"
+        )
+        distance = None
+    for axle, all_wheels in subjects.axles.items():
+        wheels = tuple(wheel for wheel in all_wheels if _has(samples, wheel, "Y", "Q"))
+        static = static_load(samples, wheels) if wheels else 0.0
+        if static <= 0.0:
+            if wheels:
+                found.remarks.append(f"{axle} carries no load: its forces are left out")
+            continue
+        for wheel in wheels:
+            safety = assess_wheel(wheel, samples, distance, static)
+            found.wheels.append(safety)
+            if safety.lifted > 0.0:
+                found.remarks.append(
+                    f"{wheel} has no load for {100.0 * safety.lifted:.2g} % of the time: its Y/Q "
+                    "is left out"
+                )
+        if distance is not None and len(wheels) == 2:
+            total = assess_axle(axle, samples, distance, static, wheels)
+            found.axles.extend([] if total is None else [total])
+
+
+def _assess_comfort(found: Assessment, subjects: Subjects, samples: Samples) -> None:
+    sensors = [s for s in subjects.sensors if any(_has(samples, s, d) for d in DIRECTIONS)]
+    if not sensors:
+        if subjects.axles:
+            found.remarks.append("comfort is left out: there is no accelerometer")
+        return
+    if samples.duration < WINDOW * (1.0 - _ROUNDING):
+        found.remarks.append(
+            f"comfort is left out: {samples.duration:.3g} s are shorter than a window of "
+            f"{WINDOW:g} s; set a longer duration"
+        )
+        return
+    found.comfort.extend(assess_comfort(sensor, samples) for sensor in sensors)
+    found.remarks.extend(_comfort_remarks(found.comfort, samples))
+
+
+def _comfort_remarks(comfort: list[Comfort], samples: Samples) -> Iterator[str]:
+    for one in comfort:
+        missing = [f"{one.name}.{d}" for d in DIRECTIONS if d not in one.continuous]
+        if missing:
+            yield f"N_MV of {one.name} is left out: there is no {' and no '.join(missing)}"
+    count = max(len(values) for one in comfort for values in one.continuous.values())
+    if count < WINDOWS:
+        yield f"comfort: {count} windows of {WINDOW:g} s; EN 12299 asks for {WINDOWS}"
+    if samples.rate < COMFORT_RATE * (1.0 - _ROUNDING):
+        yield (
+            f"comfort: {samples.rate:.4g} samples a second; EN 12299 asks for {COMFORT_RATE:g}, "
+            f"an output.interval of {1e3 / COMFORT_RATE:g} ms"
+        )
+
+
+def _assess_wear(
+    found: Assessment, subjects: Subjects, samples: Samples, distance: Floats | None
+) -> None:
+    worn = [wheel for wheel in subjects.worn if _has(samples, wheel, "wear_number")]
+    if distance is None or not found.way:
+        if worn:
+            found.remarks.append("wear is left out: no way along the track is known")
+        return
+    found.wear.extend(
+        assess_wear(wheel, distance, samples.section(f"{wheel}.wear_number")) for wheel in worn
+    )
+
+
+def _has(samples: Samples, name: str, *words: str) -> bool:
+    return all(f"{name}.{word}" in samples.channels for word in words)

@@ -1,0 +1,180 @@
+"""Running safety and track loading from the forces Y and Q of wheels on rails, after EN 14363.
+
+Y is the lateral, Q the vertical force between a wheel and its rail. All are low-pass filtered at
+20 Hz. Sliding means are taken over 2 m of track, in steps of 0.5 m. Extremes are the 0.15 % and
+99.85 % percentiles, quasi-static values the medians.
+
+References
+----------
+EN 14363:2016 and UIC 518:2009, tables of the assessment quantities and their processing.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from vehicledyn.base.errors import InputError
+from vehicledyn.results.assessment.signals import (
+    Floats,
+    Samples,
+    butterworth,
+    filtered,
+    sliding_mean,
+)
+
+CUT_OFF, ORDER = 20.0, 4
+"""Low-pass filter: cut-off frequency [Hz] and order, 24 dB an octave."""
+WINDOW, EVERY = 2.0, 0.5
+"""Sliding means: length and step [m]."""
+LOW, HIGH = 0.15, 99.85
+"""Percentiles of the extremes [%]."""
+YQ_LIMIT = 0.8
+"""Limit of Y/Q on a flange of 70° [1]."""
+
+_LIFTED = 0.01
+"""Part of its static load below which a wheel counts as lifted: Y/Q means nothing [1]."""
+
+
+@dataclass(frozen=True)
+class WheelSafety:
+    """Figures of one wheel: forces in N, the rest in 1.
+
+    ``vertical_largest`` is the percentile of Q, ``vertical_smallest`` its smallest value, and
+    ``unloading`` 1 - Q/Q₀ there. ``lifted`` is the part of the time in which the wheel has no
+    load. ``derailment`` is the extreme of the sliding mean of Y/Q, by its magnitude; None where
+    it is not known.
+    """
+
+    name: str
+    static: float
+    guiding_quasi_static: float
+    vertical_quasi_static: float
+    vertical_largest: float
+    vertical_smallest: float
+    unloading: float
+    lifted: float
+    derailment: float | None
+
+
+@dataclass(frozen=True)
+class AxleSafety:
+    """Sum of the guiding forces of a wheelset: extreme of the sliding mean and its limit [N]."""
+
+    name: str
+    track_shift: float
+    limit: float
+
+
+def nadal_limit(flange_angle: float, friction: float) -> float:
+    """Return the ratio Y/Q above which a wheel climbs the rail [1].
+
+    Y/Q = (tan γ - µ) / (1 + µ tan γ)
+
+    Parameters
+    ----------
+    flange_angle
+        γ, largest contact angle on the flange [rad].
+    friction
+        µ, coefficient of friction there [1].
+
+    Raises
+    ------
+    InputError
+        If the angle is not between 0 and a right angle or the friction is negative.
+
+    References
+    ----------
+    Nadal (1896), Annales des Mines.
+    """
+    if not 0.0 < flange_angle < 0.5 * math.pi or not friction >= 0.0:
+        raise InputError(
+            f"Nadal's limit: a flange angle of {math.degrees(flange_angle):g}° with a friction of "
+            f"{friction:g}; the angle must lie between 0 and 90°, the friction not below 0"
+        )
+    slope = math.tan(flange_angle)
+    return (slope - friction) / (1.0 + friction * slope)
+
+
+def track_shift_limit(static: float, factor: float = 1.0) -> float:
+    """Return the largest sum of guiding forces that the track bears [N].
+
+    ΣY = k (10 kN + 2 Q₀/3)
+
+    Parameters
+    ----------
+    static
+        Q₀, static load of one wheel [N].
+    factor
+        k, 1 for passenger vehicles, 0.85 for freight [1].
+
+    References
+    ----------
+    Prud'homme (1967), Revue Générale des Chemins de Fer; EN 14363.
+    """
+    return factor * (1e4 + 2.0 * static / 3.0)
+
+
+def static_load(samples: Samples, wheels: tuple[str, ...]) -> float:
+    """Return the static load Q₀ of each wheel of an axle: the mean of their median loads [N]."""
+    return float(np.mean([np.median(samples.section(f"{wheel}.Q")) for wheel in wheels]))
+
+
+def assess_wheel(
+    name: str, samples: Samples, distance: Floats | None, static: float
+) -> WheelSafety:
+    """Return the figures of a wheel with channels "name.Y" and "name.Q".
+
+    Parameters
+    ----------
+    name
+        Wheel, such as "front.left".
+    samples
+        Channels of the run.
+    distance
+        Way along the track of the section's samples, not falling, shape (n,) [m]; None if unknown.
+    static
+        Static load Q₀ [N].
+    """
+    guiding, vertical = (_smooth(samples, f"{name}.{force}") for force in ("Y", "Q"))
+    has_load = vertical > _LIFTED * static
+    smallest = float(vertical.min())
+    ratio = None
+    if distance is not None and has_load.all():
+        ratio = _extreme(distance, guiding / vertical)
+    return WheelSafety(
+        name=name,
+        static=static,
+        guiding_quasi_static=float(np.median(guiding)),
+        vertical_quasi_static=float(np.median(vertical)),
+        vertical_largest=float(np.percentile(vertical, HIGH)),
+        vertical_smallest=smallest,
+        unloading=1.0 - smallest / static,
+        lifted=1.0 - float(np.mean(has_load)),
+        derailment=ratio,
+    )
+
+
+def assess_axle(
+    name: str, samples: Samples, distance: Floats, static: float, wheels: tuple[str, ...]
+) -> AxleSafety | None:
+    """Return the sum of the guiding forces of an axle's wheels; None if the way is too short."""
+    total = np.sum([_smooth(samples, f"{wheel}.Y") for wheel in wheels], axis=0)
+    extreme = _extreme(distance, total)
+    return None if extreme is None else AxleSafety(name, extreme, track_shift_limit(static))
+
+
+def _smooth(samples: Samples, channel: str) -> Floats:
+    low_pass = butterworth(CUT_OFF, ORDER)
+    return filtered(samples.channels[channel], samples.step, low_pass)[samples.kept]
+
+
+def _extreme(distance: Floats, values: Floats) -> float | None:
+    """Return the percentile of larger magnitude of the sliding means."""
+    means = sliding_mean(distance, values, window=WINDOW, every=EVERY).mean
+    if not len(means):
+        return None
+    low, high = np.percentile(means, [LOW, HIGH])
+    return float(low if abs(low) > abs(high) else high)

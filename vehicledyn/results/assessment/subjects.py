@@ -1,0 +1,77 @@
+"""What of a run can be assessed: wheels on rails, accelerometers, ways along the track."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+
+from vehicledyn.results.assessment.comfort import DIRECTIONS
+
+_WHEEL = re.compile(r"(.+)\.(left|right)\.Q")
+_WAYS = ("track_position", "x")
+_SPEED = "forward_speed"
+
+
+@dataclass(frozen=True)
+class Subjects:
+    """Names found among the channels of a run.
+
+    ``axles`` holds the wheels of each body that has any; ``sensors`` the accelerometers; ``worn``
+    the wheels whose wear number is known; ``ways`` channels that may tell the distance run, in m,
+    and ``speeds`` in m/s.
+    """
+
+    axles: Mapping[str, tuple[str, ...]]
+    sensors: tuple[str, ...]
+    worn: tuple[str, ...]
+    ways: tuple[str, ...]
+    speeds: tuple[str, ...]
+
+    @property
+    def wheels(self) -> tuple[str, ...]:
+        """All wheels."""
+        return tuple(wheel for wheels in self.axles.values() for wheel in wheels)
+
+    def channels(self, known: Iterable[str]) -> list[str]:
+        """Return the channels that an assessment reads."""
+        names = set(known)
+        forces = [f"{wheel}.{force}" for wheel in self.wheels for force in ("Y", "Q")]
+        wear = [f"{wheel}.wear_number" for wheel in self.worn]
+        sensed = [f"{sensor}.{word}" for sensor in self.sensors for word in DIRECTIONS]
+        return [
+            *forces,
+            *wear,
+            *(name for name in sensed if name in names),
+            *self.ways,
+            *self.speeds,
+        ]
+
+
+def find_subjects(units: Mapping[str, str]) -> Subjects:
+    """Return what can be assessed in a run with channels of these names and units."""
+    axles: dict[str, tuple[str, ...]] = {}
+    for name in units:
+        match = _WHEEL.fullmatch(name)
+        if match is not None and f"{match[1]}.{match[2]}.Y" in units:
+            axles[match[1]] = (*axles.get(match[1], ()), f"{match[1]}.{match[2]}")
+    wheels = [wheel for both in axles.values() for wheel in both]
+    sensors = {
+        name.rpartition(".")[0]: None
+        for name, unit in units.items()
+        if name.rpartition(".")[2] in DIRECTIONS and name.count(".") and unit == "m/s^2"
+    }
+    return Subjects(
+        axles=axles,
+        sensors=tuple(sensors),
+        worn=tuple(wheel for wheel in wheels if f"{wheel}.wear_number" in units),
+        ways=_ending(units, _WAYS, "m"),
+        speeds=_ending(units, (_SPEED,), "m/s"),
+    )
+
+
+def _ending(units: Mapping[str, str], words: Iterable[str], unit: str) -> tuple[str, ...]:
+    wanted = set(words)
+    return tuple(
+        name for name, own in units.items() if own == unit and name.rpartition(".")[2] in wanted
+    )

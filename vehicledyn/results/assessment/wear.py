@@ -1,0 +1,50 @@
+"""Wear of wheels: the wear number Tγ over the distance run.
+
+Tγ = |T_x ξ| + |T_y η| + |M φ| is the energy that creep takes per metre of track, in N = J/m.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from vehicledyn.results.assessment.signals import Floats, integral_between
+
+PARTS = 10
+"""Equal parts of the distance for which a mean is told."""
+
+
+@dataclass(frozen=True)
+class WheelWear:
+    """Wear number of one wheel: mean over the distance, largest, means of equal parts [N]."""
+
+    name: str
+    mean: float
+    largest: float
+    parts: Floats
+    work: float
+
+
+def assess_wear(name: str, distance: Floats, wear_number: Floats) -> WheelWear:
+    """Return the wear of a wheel; ``work`` is the integral of Tγ over the distance [J].
+
+    Parameters
+    ----------
+    name
+        Wheel, such as "front.left".
+    distance
+        Way along the track, not falling, shape (n,) [m].
+    wear_number
+        Tγ there, shape (n,) [N].
+    """
+    edges = np.linspace(distance[0], distance[-1], PARTS + 1)
+    work = integral_between(distance, wear_number, edges)
+    way = float(distance[-1] - distance[0])
+    return WheelWear(
+        name=name,
+        mean=float(work[-1]) / way,
+        largest=float(wear_number.max()),
+        parts=np.diff(work) * PARTS / way,
+        work=float(work[-1]),
+    )
