@@ -73,7 +73,7 @@ VD_EXPORT int vd_advance_lanes(int method, long long first_step, long long n_ste
                                const real *c, real *x, real *z, real *memory, int n_channels,
                                const int *channels, double *samples, long long stride,
                                long long *good, int *status, int *where, double *residual) {
-  const struct march march = {method, per_interval, start, interval};
+  const struct march march = begin_march(method, per_interval, start, interval);
   real y[NY + 1];
   struct course course;
   resume(&course, status, where, residual);

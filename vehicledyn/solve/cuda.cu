@@ -48,7 +48,7 @@ extern "C" __global__ void vd_run_cases(long long n_cases, int method, long long
   fetch(NX, x, n_cases, i, state);
   fetch(NZ, z, n_cases, i, unknowns);
   for (int k = 0; k < 1 + 2 * NZ; k++) memory[k] = 0.0;
-  const struct march march = {method, per_interval, start, interval};
+  const struct march march = begin_march(method, per_interval, start, interval);
   struct course course;
   begin_course(&course);
   solve_blocks(start, state, unknowns, constants, &course);

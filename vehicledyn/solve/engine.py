@@ -29,10 +29,15 @@ class Status(IntEnum):
 
 
 class Method(IntEnum):
-    """Fixed-step methods; the numbers are those of loop.c."""
+    """Fixed-step methods; the numbers are those of loop.c, ``CHEBYSHEV`` plus its stages."""
 
     RK4 = 0
     SYMPLECTIC_EULER = 1
+    CHEBYSHEV = 100
+
+
+MOST_STAGES = 50
+"""Stages that a step of ``Method.CHEBYSHEV`` may have."""
 
 
 class Count(IntEnum):
@@ -64,6 +69,8 @@ class Ledger:
 class March:
     """A run with fixed steps, changed in place as it advances.
 
+    ``method`` is a :class:`Method`, plus the number of stages for ``CHEBYSHEV``.
+
     ``state`` (n_states,) and ``unknowns`` (n_unknowns,) are consistent and belong to step
     number ``step``, at ``start + interval * step / per_interval``; ``memory`` holds what the
     guesses of the unknowns extrapolate from, so that a run cut into chunks gives the same
@@ -71,7 +78,7 @@ class March:
     events there, see :class:`vehicledyn.solve.events.EventWatch`.
     """
 
-    method: Method
+    method: int
     start: float
     interval: float
     per_interval: int

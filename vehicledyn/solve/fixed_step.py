@@ -23,7 +23,7 @@ ends at rest.
 """
 
 
-def run_fixed(task: Task, name: str, method: Method, step: float) -> Statistics:
+def run_fixed(task: Task, name: str, method: int, step: float) -> Statistics:
     """Integrate a task with a fixed step.
 
     Parameters
@@ -100,7 +100,7 @@ def _take_step_with_events(task: Task, march: March) -> None:
         point = trial(end)
         if watch.fires(point):
             fraction, point = watch.cross(trial, fraction, end, step)
-            reach = _SHORTEST / step if march.method is Method.SYMPLECTIC_EULER else 1.0
+            reach = _SHORTEST / step if march.method == Method.SYMPLECTIC_EULER else 1.0
         else:
             watch.passed(point)
             fraction, reach = end, _REACH * reach

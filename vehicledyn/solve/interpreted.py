@@ -7,6 +7,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from vehicledyn.solve.chebyshev import chebyshev_weights
 from vehicledyn.solve.engine import (
     Count,
     Figure,
@@ -36,13 +37,17 @@ class _Point(NamedTuple):
 
 
 class _Stretch(NamedTuple):
-    """Size and times of a step, or of a part of one; first and last lie just inside."""
+    """Size and times of a step, or of a part of one; first and last lie just inside.
+
+    ``at`` gives the time of a place in it between 0 and 1.
+    """
 
     size: float
     first: float
     middle: float
     last: float
     end: float
+    at: Callable[[float], float]
 
     @staticmethod
     def of(march: March, step: int, part: Span = (0.0, 1.0)) -> _Stretch:
@@ -54,6 +59,7 @@ class _Stretch(NamedTuple):
             march.time(step, begin + 0.5 * share),
             march.time(step, to - INSIDE * share),
             march.time(step, to) if to < 1.0 else march.time(step + 1),
+            lambda place: march.time(step, begin + place * share),
         )
 
 
@@ -99,7 +105,7 @@ class InterpretedEngine:
         self._blocks = [BufferedFunction(block) for block in functions.blocks]
         self._events = BufferedFunction(functions.events)
         self._resets = BufferedFunction(functions.resets)
-        self._steps: dict[Method, Callable[[March, _Stretch, Vector], Status]] = {
+        self._steps: dict[int, Callable[[March, _Stretch, Vector], Status]] = {
             Method.RK4: self._step_rk4,
             Method.SYMPLECTIC_EULER: self._step_symplectic,
         }
@@ -149,7 +155,7 @@ class InterpretedEngine:
 
     def advance(self, march: March, n_steps: int, constants: Vector, rows: Rows) -> Status:
         """Take steps and write a row for each whole interval."""
-        step_once = self._steps[march.method]
+        step_once = self._steps.get(march.method, self._step_chebyshev)
         watched = bool(self._equations.events)
         for step in range(march.step, march.step + n_steps):
             held = [march.state.copy(), march.unknowns.copy(), march.memory.copy()]
@@ -170,7 +176,8 @@ class InterpretedEngine:
         """Take a part of one step, moving state and unknowns but neither step nor sides."""
         stretch = _Stretch.of(march, march.step, part)
         held, march.memory = march.memory, np.zeros_like(march.memory)
-        status = self._steps[march.method](march, stretch, constants)
+        step_once = self._steps.get(march.method, self._step_chebyshev)
+        status = step_once(march, stretch, constants)
         march.memory = held
         return status
 
@@ -269,6 +276,24 @@ class InterpretedEngine:
         new[self._positions] = x[self._positions] + h * new[self._velocities]
         guess = 2.0 * z - before if march.memory[0] else z.copy()
         return self._accept(march, stretch.end, (new, guess, z), constants)
+
+    def _step_chebyshev(self, march: March, stretch: _Stretch, constants: Vector) -> Status:
+        """Stabilised explicit step of second order, see loop.c."""
+        x, ledger, h = march.state, march.ledger, stretch.size
+        weights = chebyshev_weights(march.method - Method.CHEBYSHEV)
+        first = self.rates(stretch.first, x, march.unknowns, constants)
+        ledger.counts[Count.EVALUATIONS] += 1
+        before, gain = np.zeros_like(x), h * weights.rate[1] * first
+        unknowns = march.unknowns.copy()
+        for j in range(2, len(weights.place)):
+            time = stretch.at(min(weights.place[j - 1], 1.0 - INSIDE))
+            status, rate = self._stage(_Point(time, x + gain, unknowns, constants), ledger)
+            if status is not Status.SOLVED:
+                return status
+            moved = h * (weights.rate[j] * rate + weights.first_rate[j] * first)
+            kept = weights.last[j] * gain + weights.before[j] * before
+            before, gain = gain, kept + moved
+        return self._accept(march, stretch.end, (x + gain, unknowns, march.unknowns), constants)
 
     def _accept(
         self, march: March, end: float, result: tuple[Vector, Vector, Vector], constants: Vector

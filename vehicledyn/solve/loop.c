@@ -110,7 +110,7 @@ VD_EXPORT int vd_advance_part(int method, long long step, double from, double to
                               long long per_interval, double start, double interval,
                               const double *c, double *x, double *z, long long *counts,
                               double *figures) {
-  const struct march march = {method, per_interval, start, interval};
+  const struct march march = begin_march(method, per_interval, start, interval);
   double memory[1 + 2 * NZ1] = {0.0};
   struct course course;
   begin_course(&course);
@@ -126,7 +126,7 @@ VD_EXPORT int vd_advance(int method, long long first_step, long long n_steps,
                          const double *c, double *x, double *z, double *memory, int *sides,
                          double *xs, double *zs, double *ys, long long *counts,
                          double *figures) {
-  const struct march march = {method, per_interval, start, interval};
+  const struct march march = begin_march(method, per_interval, start, interval);
   double held_x[NX1], held_z[NZ1], held_memory[1 + 2 * NZ1];
   struct course course;
   begin_course(&course);

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from vehicledyn.solve.engine import Count, Figure, Ledger, Method, Status, Vector
+from vehicledyn.solve.engine import Count, Figure, Ledger, Status, Vector
 from vehicledyn.solve.lanes import Fate, LaneEngine
 
 _CHUNK_SECONDS, _FIRST_CHUNK, _GROWTH, _MOST_NUMBERS = 0.08, 16, 8, 1_000_000
@@ -34,7 +34,7 @@ class Platoon:
     """
 
     engine: LaneEngine
-    method: Method
+    method: int
     start: float
     interval: float
     per_interval: int

@@ -11,7 +11,7 @@ from vehicledyn.solve.simulate import simulate
 from vehicledyn.symbolic.equations import Event
 
 GRAVITY = 9.81
-FIXED = ("rk4", "symplectic_euler")
+FIXED = ("rk4", "symplectic_euler", "rkc")
 
 
 def with_events(equations, *events):
@@ -124,5 +124,5 @@ class Run:
 def settings_of(solver, *, step=1e-3, tolerance=1e-10):
     """Return settings of a method, fixed or adaptive."""
     if solver in FIXED:
-        return {"step": step}
+        return {"step": step} | ({"stages": 4} if solver == "rkc" else {})
     return {"relative_tolerance": tolerance, "absolute_tolerance": tolerance}

@@ -50,6 +50,19 @@ def oscillator(stiffness=4.0, damping=0.0):
     )
 
 
+def decay(rate):
+    """A state that follows sin(t) ever more closely the faster it decays."""
+    t, x = symbols("t", "position")
+    return build(
+        "decay",
+        time=t,
+        states=[(x, 0.01)],
+        rates=[-rate * (x - ca.sin(t)) + ca.cos(t)],
+        parameters=[],
+        outputs=[("position_again", x)],
+    )
+
+
 def forced():
     """Rate that depends on time alone: x = sin(t) + t⁵, with a state that grows with it."""
     t, x, y = symbols("t", "position", "other")

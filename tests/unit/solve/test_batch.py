@@ -10,6 +10,7 @@ from vehicledyn.solve.batch import Cases, make_batch, run_batch
 from vehicledyn.solve.kernel import compile_kernel
 from vehicledyn.solve.lanes import suitable_lanes
 from vehicledyn.solve.methods.rk4 import RungeKutta4
+from vehicledyn.solve.methods.rkc import RungeKuttaChebyshev
 from vehicledyn.solve.methods.symplectic_euler import SymplecticEuler
 from vehicledyn.solve.simulate import simulate
 
@@ -100,10 +101,14 @@ def same(one, two):
     return np.array_equal(one, two, equal_nan=True)
 
 
-METHODS = [RungeKutta4(step=0.005), SymplecticEuler(step=0.005)]
+METHODS = [
+    RungeKutta4(step=0.005),
+    SymplecticEuler(step=0.005),
+    RungeKuttaChebyshev(step=0.005, stages=4),
+]
 
 
-@pytest.mark.parametrize("solver", METHODS, ids=["rk4", "symplectic_euler"])
+@pytest.mark.parametrize("solver", METHODS, ids=["rk4", "symplectic_euler", "rkc"])
 @pytest.mark.parametrize("example", [slider_crank, double_pendulum, oscillator])
 def test_lanes_change_nothing(lanes, example, solver):
     equations = example()

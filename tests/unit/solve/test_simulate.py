@@ -12,6 +12,7 @@ import pytest
 from solve_examples import (
     Samples,
     build,
+    decay,
     double_pendulum,
     exact_slider_crank,
     forced,
@@ -47,6 +48,10 @@ def run(kernel, solver, *, stop, interval, start=0.0, sink=None, **settings):
     return sink, statistics
 
 
+def steps_of(solver, step):
+    return {"step": step} | ({"stages": 4} if solver == "rkc" else {})
+
+
 def tolerances(value):
     return {"relative_tolerance": value, "absolute_tolerance": value}
 
@@ -56,18 +61,44 @@ def test_catalogue():
     assert {"rk4", "symplectic_euler", "dop853", "rosenbrock", "idas"} <= set(kinds("solver"))
 
 
-@pytest.mark.parametrize(("solver", "order"), [("rk4", 4), ("symplectic_euler", 1)])
+@pytest.mark.parametrize(
+    ("solver", "order", "settings"),
+    [("rk4", 4, {}), ("symplectic_euler", 1, {}), ("rkc", 2, {"stages": 5})],
+)
 @pytest.mark.parametrize("make", [oscillator, forced, slider_crank, double_pendulum])
-def test_order_of_fixed_steps(backend, solver, order, make):
+def test_order_of_fixed_steps(backend, solver, order, settings, make):
     """Halving the step divides the error by 2 to the order."""
     kernel = compile_kernel(make(), backend=backend)
     ends = [
-        run(kernel, solver, stop=1.0, interval=1.0, step=1.0 / steps)[0].states[-1]
+        run(kernel, solver, stop=1.0, interval=1.0, step=1.0 / steps, **settings)[0].states[-1]
         for steps in (32, 64, 128, 1024)
     ]
     errors = [np.abs(end - ends[-1]).max() for end in ends[:3]]
     slopes = np.log2(np.array(errors[:-1]) / errors[1:])
     assert slopes == pytest.approx([order, order], abs=0.35)
+
+
+@pytest.mark.parametrize("stages", [2, 5, 12])
+def test_stabilised_method_bears_rates_that_decay_fast(backend, stages):
+    """Near 0.65 s²/h a decaying rate stays put, and a little beyond the known limit it grows.
+
+    The stability function is P(z) = 1 - b T_s(w0) + b T_s(w0 + w1 z).
+    """
+    w0 = 1.0 + 2.0 / 13.0 / stages**2
+    polynomial = np.polynomial.Chebyshev.basis(stages)
+    slope, bend = polynomial.deriv()(w0), polynomial.deriv(2)(w0)
+    z = np.linspace(0.0, 0.8 * stages**2, 20_000)
+    growth = 1.0 + bend / slope**2 * (polynomial(w0 - slope / bend * z) - polynomial(w0))
+    limit = z[np.flatnonzero(np.abs(growth) > 1.0 + 1e-9)[0]]
+    assert limit == pytest.approx(2.0 / 3.0 * (stages**2 - 1) * (1 - 4.0 / 195.0), rel=0.08)
+    ends = {}
+    for part in (0.98, 1.05):
+        step = 0.01
+        kernel = compile_kernel(decay(part * limit / step), backend=backend)
+        sink, _ = run(kernel, "rkc", stop=2.0, interval=0.1, step=step, stages=stages)
+        ends[part] = abs(sink.states[-1, 0] - np.sin(2.0))
+    assert ends[0.98] < 0.02
+    assert ends[1.05] > 1e3
 
 
 @pytest.mark.parametrize("solver", ADAPTIVE)
@@ -177,7 +208,7 @@ def test_chunks_change_nothing(backend, monkeypatch, chunk):
 @pytest.mark.parametrize("solver", kinds("solver"))
 def test_samples_come_at_exact_times(solver):
     kernel = compile_kernel(oscillator(), backend="interpreted")
-    settings = {"step": 0.05} if solver not in ADAPTIVE else tolerances(1e-6)
+    settings = steps_of(solver, 0.05) if solver not in ADAPTIVE else tolerances(1e-6)
     sink, statistics = run(kernel, solver, start=1.0, stop=8.3, interval=0.1, **settings)
     assert np.array_equal(sink.times, 1.0 + 0.1 * np.arange(74))
     assert statistics.samples == 74
@@ -187,7 +218,7 @@ def test_samples_come_at_exact_times(solver):
 @pytest.mark.parametrize("solver", kinds("solver"))
 def test_no_time_gives_one_sample(solver):
     kernel = compile_kernel(oscillator(), backend="interpreted")
-    settings = {"step": 0.1} if solver not in ADAPTIVE else tolerances(1e-6)
+    settings = steps_of(solver, 0.1) if solver not in ADAPTIVE else tolerances(1e-6)
     sink, _ = run(kernel, solver, stop=0.0, interval=0.1, **settings)
     assert sink.times.tolist() == [0.0]
 
@@ -228,7 +259,7 @@ def blow_up():
 @pytest.mark.parametrize("solver", kinds("solver"))
 def test_blow_up_names_time_and_state(backend, solver):
     kernel = compile_kernel(blow_up(), backend=backend)
-    settings = {"step": 1e-3} if solver not in ADAPTIVE else tolerances(1e-6)
+    settings = steps_of(solver, 1e-3) if solver not in ADAPTIVE else tolerances(1e-6)
     sink = Samples()
     with pytest.raises(NumericalError, match="growth") as caught:
         run(kernel, solver, stop=2.0, interval=0.05, sink=sink, **settings)
@@ -261,7 +292,7 @@ def stuck_crank():
 @pytest.mark.parametrize("solver", ["rk4", "symplectic_euler", "dop853", "rosenbrock"])
 def test_loop_that_cannot_close_is_named(backend, solver):
     kernel = compile_kernel(stuck_crank(), backend=backend)
-    settings = {"step": 1e-3} if solver not in ADAPTIVE else tolerances(1e-6)
+    settings = steps_of(solver, 1e-3) if solver not in ADAPTIVE else tolerances(1e-6)
     sink, message = Samples(), "crank loop" if solver != "rosenbrock" else "integration stopped"
     with pytest.raises(NumericalError, match=message) as caught:
         run(kernel, solver, stop=5.0, interval=0.01, sink=sink, **settings)
