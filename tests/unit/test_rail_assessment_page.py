@@ -67,7 +67,7 @@ def test_commands(folder):
     assert set(rows) == {"front", "front.left", "front.right"}
     found = json.loads(as_json)
     ratio = found["wheels"][1]["derailment"]
-    assert ratio == pytest.approx(-14.0 / 58.0, rel=1e-6)
+    assert ratio == pytest.approx(14.0 / 58.0, rel=1e-6)
     assert len(found["wear"][0]["parts"]) == 10
 
 

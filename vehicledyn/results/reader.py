@@ -159,6 +159,13 @@ class Result:
             raise InputError(f"{self.path}: {unknown_name('channel', name, self.channels)}")
 
     @property
+    def units(self) -> dict[str, str]:
+        """SI units of the channels, by name."""
+        with reading(self.path):
+            file = self._file
+            return {n: str(file[dataset_path(n)].attrs["units"]) for n in self.channels}
+
+    @property
     def states(self) -> StateTable:
         """States and algebraic unknowns at the times of the samples, for a restart."""
         with reading(self.path):

@@ -35,6 +35,7 @@ from vehicledyn.results.assessment.weighting import (
     W_D,
     Sperling,
 )
+from vehicledyn.results.layout import Axis
 
 STEP = 5e-3
 TIME = np.arange(0.0, 300.0 + STEP / 2, STEP)
@@ -233,7 +234,7 @@ def test_wear_over_the_distance():
 def test_a_ride_as_a_whole():
     found = assess(*ride())
     assert found.way == pytest.approx(1200.0)
-    assert [w.derailment for w in found.wheels] == pytest.approx([0.1, -0.06])
+    assert [w.derailment for w in found.wheels] == pytest.approx([0.1, 0.06])
     assert [w.static for w in found.wheels] == pytest.approx([5e4, 5e4])
     (axle,) = found.axles
     assert axle.track_shift == pytest.approx(2e3)
@@ -308,9 +309,12 @@ def test_a_file_as_text_and_json(make_result):
         assess_result(path, begin=70.0)
 
 
-def test_a_file_without_wheels_on_rails(make_result):
+def test_files_that_hold_nothing_to_assess(make_result):
     with pytest.raises(InputError, match="neither forces of wheels on rails"):
         assess_result(make_result())
+    counted = make_result("counted.h5", axis=Axis("1", "Sample"))
+    with pytest.raises(InputError, match="its samples are not taken in time"):
+        assess_result(counted)
 
 
 def test_a_partial_file_says_so_first(make_result):

@@ -70,7 +70,9 @@ def assess_result(
         If the file cannot be read, has nothing to assess, or no samples in the section.
     """
     with open_result(path) as result:
-        units = {name: result.channel(name).unit for name in result.channels}
+        if not result.is_timed:
+            raise InputError(f"{path}: has nothing to assess: its samples are not taken in time")
+        units = result.units
         subjects = find_subjects(units)
         if not subjects.axles and not subjects.sensors:
             raise InputError(

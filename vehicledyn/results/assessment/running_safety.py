@@ -1,7 +1,7 @@
 """Running safety and track loading from the forces Y and Q of wheels on rails, after EN 14363.
 
-Y is the lateral, Q the vertical force between a wheel and its rail. All are low-pass filtered at
-20 Hz. Sliding means are taken over 2 m of track, in steps of 0.5 m. Extremes are the 0.15 % and
+Y is the force of a wheel on its rail to the left, Q that downwards; for a single wheel Y counts
+outwards, where its flange climbs. All are low-pass filtered at 20 Hz. Sliding means are taken over 2 m of track, in steps of 0.5 m. Extremes are the 0.15 % and
 99.85 % percentiles, quasi-static values the medians.
 
 References
@@ -40,7 +40,7 @@ _LIFTED = 0.01
 
 @dataclass(frozen=True)
 class WheelSafety:
-    """Figures of one wheel: forces in N, the rest in 1.
+    """Figures of one wheel: forces in N, the rest in 1; Y is positive outwards.
 
     ``vertical_largest`` is the percentile of Q, ``vertical_smallest`` its smallest value, and
     ``unloading`` 1 - Q/Q₀ there. ``lifted`` is the part of the time in which the wheel has no
@@ -61,7 +61,7 @@ class WheelSafety:
 
 @dataclass(frozen=True)
 class AxleSafety:
-    """Sum of the guiding forces of a wheelset: extreme of the sliding mean and its limit [N]."""
+    """Sum of Y of a wheelset: extreme of the sliding mean, positive to the left, and limit [N]."""
 
     name: str
     track_shift: float
@@ -139,6 +139,7 @@ def assess_wheel(
         Static load Q₀ [N].
     """
     guiding, vertical = (_smooth(samples, f"{name}.{force}") for force in ("Y", "Q"))
+    guiding = -guiding if name.endswith(".right") else guiding
     has_load = vertical > _LIFTED * static
     smallest = float(vertical.min())
     ratio = None
