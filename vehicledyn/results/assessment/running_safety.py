@@ -1,8 +1,9 @@
 """Running safety and track loading from the forces Y and Q of wheels on rails, after EN 14363.
 
 Y is the force of a wheel on its rail to the left, Q that downwards; for a single wheel Y counts
-outwards, where its flange climbs. All are low-pass filtered at 20 Hz. Sliding means are taken over 2 m of track, in steps of 0.5 m. Extremes are the 0.15 % and
-99.85 % percentiles, quasi-static values the medians.
+outwards, where its flange climbs. All are low-pass filtered at 20 Hz. Sliding means are taken
+over 2 m of track, in steps of 0.5 m. Extremes are the 0.15 % and 99.85 % percentiles, quasi-static
+values the medians.
 
 References
 ----------
