@@ -2,8 +2,8 @@
 
 An entry holds the facts of the equations, the key of the compiled kernel and the point that the
 run starts from. Its name is a digest of everything these follow from: the resolved scenario
-with all parameters, the program's own files, the version of CasADi and the compiler. A missing,
-old or damaged entry is as good as none.
+with all parameters, the files it names, the program's own files, the version of CasADi and the
+compiler. A missing, old or damaged entry is as good as none.
 """
 
 from __future__ import annotations
@@ -22,6 +22,7 @@ from typing import Any
 
 import vehicledyn
 from vehicledyn.base.registry import find
+from vehicledyn.run.named_files import named_files
 from vehicledyn.scenario import LoadedScenario
 from vehicledyn.solve.cache import cache_folder
 from vehicledyn.solve.compiler import CompilationError, find_compiler
@@ -58,7 +59,7 @@ def key_of_run(loaded: LoadedScenario) -> str | None:
     except CompilationError:
         return None
     resolved = {k: v for k, v in loaded.resolved.items() if k not in _WITHOUT_EFFECT}
-    facts = [_program(), version("casadi"), compiler.identity, resolved]
+    facts = [_program(), version("casadi"), compiler.identity, resolved, named_files(loaded)]
     try:
         text = json.dumps(facts, sort_keys=True)
     except TypeError:

@@ -313,12 +313,13 @@ def _plot_channels(plot: dict[str, Any]) -> set[str]:
 
 
 def _model_hash(prepared: Prepared) -> str:
-    """Return a digest of the structure and the parameter values of the model."""
+    """Return a digest of the structure, the parameter values and the tables of the model."""
     e = prepared.equations
     facts = {
         "structure": e.structure,
         "parameters": {p.name: p.value for p in e.parameters},
         "channels": [c.name for c in e.channels],
+        **({"tables": [(t.name, t.digest) for t in e.tables]} if e.tables else {}),
     }
     text = json.dumps(facts, sort_keys=True, default=str)
     return hashlib.sha256(text.encode()).hexdigest()

@@ -19,6 +19,7 @@ from vehicledyn.base.problems import START, Place, Problem, dotted, refusal
 from vehicledyn.base.units import describe
 from vehicledyn.base.wording import UNKNOWN_KEY
 from vehicledyn.base.yaml import Document, read_yaml, remembered_files
+from vehicledyn.run.named_files import named_files
 from vehicledyn.scenario.load import LoadedScenario, examine_scenario
 from vehicledyn.scenario.overrides import Change, apply_change, read_override
 from vehicledyn.scenario.sources import Sources
@@ -85,7 +86,9 @@ class LoadedStudy:
         values = hashlib.sha256(b"".join(a.values.tobytes() for a in self.design.axes)).hexdigest()
         kept = self.study.output.model_dump()
         facts = (self.design.kind, self.design.count, self.design.seed, axes, values, kept)
-        return {"study": _digest(facts), "scenario": _digest(self.base.resolved)}
+        contents = sorted((Path(name).name, d) for name, d in named_files(self.base).items())
+        scenario = {**self.base.resolved, "files": contents}
+        return {"study": _digest(facts), "scenario": _digest(scenario)}
 
 
 def is_study(data: Any) -> bool:

@@ -1,14 +1,15 @@
 """Equations without their expressions: what a run needs to know, as plain data.
 
-The facts of some equations (names, units, starts, blocks, events) go into a file and come back
-at once; the expressions are derived when one of them is first asked for.
+The facts of some equations (names, units, starts, blocks, events, tables) go into a file and come
+back at once; the expressions are derived when one of them is first asked for.
 """
 
 from __future__ import annotations
 
+import base64
 from collections.abc import Callable
 from dataclasses import asdict, dataclass, fields
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from vehicledyn.symbolic.equations import (
     Block,
@@ -18,6 +19,9 @@ from vehicledyn.symbolic.equations import (
     ParameterValue,
     Variable,
 )
+
+if TYPE_CHECKING:
+    from vehicledyn.symbolic.tables import CurveTable
 
 _ITEMS: dict[str, type[Any]] = {
     "states": Variable,
@@ -54,6 +58,7 @@ class RememberedEquations(Equations):
 def facts_of(equations: Equations) -> dict[str, Any]:
     """Return all but the expressions as plain mappings, lists, texts and numbers."""
     plain = {name: getattr(equations, name) for name in _PLAIN}
+    plain["tables"] = [_table_facts(table) for table in equations.tables]
     return plain | {name: [asdict(item) for item in getattr(equations, name)] for name in _ITEMS}
 
 
@@ -75,6 +80,7 @@ def equations_from(facts: dict[str, Any], source: Callable[[], Equations]) -> Eq
         "structure": facts["structure"],
         "positions": tuple(facts["positions"]),
         "velocities": tuple(facts["velocities"]),
+        "tables": tuple(_table(entry) for entry in facts["tables"]),
     }
     others: dict[str, Any] = {f.name: _DEFERRED for f in fields(Equations) if f.name not in known}
     return RememberedEquations(**known, **others, source=source)
@@ -84,3 +90,25 @@ def _item(kind: type[Any], entry: dict[str, Any]) -> Any:
     if kind is Event:
         return Event(**(entry | {"resets": tuple((a, b) for a, b in entry["resets"])}))
     return kind(**entry)
+
+
+def _table_facts(table: CurveTable) -> dict[str, Any]:
+    """Return a table as plain data; its numbers as a text, which is read far faster than a list."""
+    numbers = base64.b64encode(table.coefficients.astype("<f8").tobytes()).decode("ascii")
+    return {
+        "name": table.name,
+        "start": table.start,
+        "step": table.step,
+        "order": table.order,
+        "numbers": numbers,
+    }
+
+
+def _table(facts: dict[str, Any]) -> CurveTable:
+    import numpy as np
+
+    from vehicledyn.symbolic.tables import CurveTable
+
+    numbers = np.frombuffer(base64.b64decode(facts["numbers"]), dtype="<f8")
+    coefficients = numbers.reshape(-1, facts["order"] + 1)
+    return CurveTable(facts["name"], facts["start"], facts["step"], coefficients)

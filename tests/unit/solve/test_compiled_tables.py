@@ -1,5 +1,6 @@
 """Tables in compiled code: as the virtual machine has them, in lanes, with other numbers."""
 
+import json
 from dataclasses import replace
 
 import numpy as np
@@ -8,9 +9,10 @@ from scipy.integrate import solve_ivp
 from table_examples import height, quintic, rider
 
 from vehicledyn.solve.batch import Cases, make_batch, run_batch
-from vehicledyn.solve.kernel import compile_kernel
+from vehicledyn.solve.kernel import compile_kernel, known_kernel
 from vehicledyn.solve.lanes import suitable_lanes
 from vehicledyn.solve.methods.rk4 import RungeKutta4
+from vehicledyn.symbolic.remembered import equations_from, facts_of
 from vehicledyn.symbolic.tables import CurveTable
 
 POINTS = np.random.default_rng(7).uniform(-6.0, 9.0, (30, 3))
@@ -116,3 +118,15 @@ def test_places_that_are_no_numbers_stay_inside_the_table(backend):
     for place in (1e300, -1e300):
         expected = [height().value(place), 0.0, 0.0]
         assert kernel.outputs(0.0, [place, 0.0], [0.0]) == pytest.approx(expected, rel=1e-12)
+
+
+def test_remembered_equations_bring_their_tables(needs_compiler):
+    """By way of a file, to the machine code that was made for other tables."""
+    made = compile_kernel(rider(height(5, 60, -4.0, 0.2), quintic()), backend="compiled")
+    equations = rider(height(), quintic())
+    known = equations_from(json.loads(json.dumps(facts_of(equations))), lambda: equations)
+    kernel = known_kernel(known, made.key)
+    assert kernel.outputs(0.0, [0.3, 0.0], [0.0]) == pytest.approx(
+        [height().value(0.3), height().curvature(0.3), 0.0], rel=1e-12
+    )
+    assert [t.identity for t in known.tables] == [t.identity for t in equations.tables]
