@@ -16,6 +16,7 @@ from vehicledyn.export.document import (
 )
 from vehicledyn.export.procedures import Procedure
 from vehicledyn.export.statements import Body
+from vehicledyn.export.tables import c_table
 
 _SIGN = """\
 
@@ -131,6 +132,8 @@ def c_source(document: Document) -> str:
         _wrapped(f"const double {name}_x_start[] = {_numbers(document.start.state)};"),
         _wrapped(f"const double {name}_z_start[] = {_numbers(document.start.unknowns)};"),
     ]
+    for named in document.tables:
+        lines += ["", *c_table(named)]
     for procedure, body in document.written:
         lines += ["", *_function(document, procedure, body)]
     solve = (_SOLVE if n else _NOTHING_TO_SOLVE).replace("@NAME@", name).replace("@N@", str(n))

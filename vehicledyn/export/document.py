@@ -10,6 +10,7 @@ from vehicledyn import __version__
 from vehicledyn.export.languages import Language, safe_name, safe_names
 from vehicledyn.export.procedures import Procedure, procedures
 from vehicledyn.export.statements import Body, write_body
+from vehicledyn.export.tables import NamedTable, named_tables
 from vehicledyn.multibody.ingredients import Ingredients
 from vehicledyn.symbolic.equations import Equations
 
@@ -36,7 +37,8 @@ def start_of(equations: Equations) -> Start:
 class Document:
     """A system written in a language: its bodies by procedure, and the names in it.
 
-    ``name`` is the identifier of the model, ``parameters`` those of its parameters.
+    ``name`` is the identifier of the model, ``parameters`` those of its parameters; ``tables``
+    are those that it looks up.
     """
 
     name: str
@@ -45,6 +47,7 @@ class Document:
     start: Start
     parameters: list[str]
     written: tuple[tuple[Procedure, Body], ...]
+    tables: tuple[NamedTable, ...] = ()
 
     @property
     def equations(self) -> Equations:
@@ -77,13 +80,16 @@ def write_document(
     """Return a system written in a language; without a start, the equations' own values."""
     equations = ingredients.equations
     names = safe_names([p.name for p in equations.parameters])
+    parts = procedures(ingredients)
+    tables = named_tables(parts)
     return Document(
         safe_name(name),
         language,
         ingredients,
         start or start_of(equations),
         names,
-        tuple((p, write_body(p, language, names)) for p in procedures(ingredients)),
+        tuple((p, write_body(p, language, names, tables)) for p in parts),
+        tables,
     )
 
 

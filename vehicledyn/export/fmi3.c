@@ -51,7 +51,7 @@ enum { TIME = 0, STATE = 1, RATE = STATE + NX, PARAMETER = RATE + NX, CHANNEL = 
 typedef struct {
   fmi3InstanceEnvironment environment;
   fmi3LogMessageCallback log;
-  double t, x[NX1], z[NZ1], accepted[NZ1], p[NP + 1], c[NC + 1], rate[NX1], y[NY + 1], mark[NE1];
+  double t, x[NX1], z[NZ1], accepted[NZ1], p[NP + NT + 1], c[NC + NT + 1], rate[NX1], y[NY + 1], mark[NE1];
   int sides[NE1];
   bool initialising, has_constants, has_unknowns, has_rates, has_outputs, has_marks;
 } Model;
@@ -67,6 +67,8 @@ static void restart(Model *m) {
   memcpy(m->z, unknown_start, NZ * sizeof(double));
   memcpy(m->accepted, m->z, NZ * sizeof(double));
   memcpy(m->p, parameter_start, NP * sizeof(double));
+  fill_table_rows(m->p + NP);
+  fill_table_rows(m->c + NC);
   memset(m->sides, 0, sizeof m->sides);
   m->initialising = true;
   m->has_constants = m->has_unknowns = false;

@@ -24,7 +24,9 @@ from vehicledyn.export.languages import safe_name
 from vehicledyn.solve.compiler import CompilationError, build_library, find_compiler
 from vehicledyn.solve.functions import KernelFunctions, derive_functions
 from vehicledyn.solve.source import kernel_source
+from vehicledyn.solve.table_rows import ROW
 from vehicledyn.symbolic.equations import Equations
+from vehicledyn.symbolic.tables import CurveTable
 
 _log = logging.getLogger(__name__)
 _SYSTEMS = {"linux": "linux", "darwin": "darwin", "win32": "windows"}
@@ -93,6 +95,8 @@ def _tables(equations: Equations, functions: KernelFunctions, start: Start) -> l
         f"#define NP {len(e.parameters)}",
         f"#define NC {functions.prepare.numel_out(0)}",
         f"#define NR {functions.resets.numel_out(0)}",
+        f"#define NT {ROW * len(e.tables)}",
+        *_curves(e.tables),
         _table("double", "parameter_start", [repr(float(v)) for v in start.parameters]),
         _table("double", "state_start", [repr(float(v)) for v in start.state]),
         _table("double", "unknown_start", [repr(float(v)) for v in start.unknowns]),
@@ -102,6 +106,19 @@ def _tables(equations: Equations, functions: KernelFunctions, start: Start) -> l
         _table("int", "reset_row", [str(row) for _, row in resets]),
         _table("char *const", "block_failures", failures),
     ]
+
+
+def _curves(tables: Sequence[CurveTable]) -> list[str]:
+    """Return the cells of tables, and the function that writes the rows that look them up."""
+    lines, fill = [], []
+    for k, table in enumerate(tables):
+        items = [repr(float(number)) for number in table.cells.ravel()]
+        lines.append(_table("double", f"cells_{k}", items))
+        numbers = (table.origin, 1.0 / table.step, table.step, len(table.cells) - 1.0)
+        fill += [f"  row[{ROW * k + i}] = {float(item)!r};" for i, item in enumerate(numbers)]
+        fill += [f"  place = cells_{k};", f"  memcpy(row + {ROW * k + 4}, &place, sizeof place);"]
+    body = ["  const double *place;", *fill] if tables else ["  (void)row;"]
+    return [*lines, "static void fill_table_rows(double *row) {", *body, "}"]
 
 
 def _table(kind: str, name: str, items: Sequence[str]) -> str:

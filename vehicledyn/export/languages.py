@@ -11,6 +11,7 @@ from typing import NamedTuple
 
 from vehicledyn.base.errors import MissingPartError
 from vehicledyn.export.procedures import Argument
+from vehicledyn.solve.instructions import ENTRY
 
 _ATOM, _NOT, _PRODUCT, _SUM, _COMPARISON, _AND, _OR, _CHOICE = 100, 70, 60, 50, 40, 30, 20, 10
 
@@ -119,6 +120,11 @@ class Language:
         if self.brackets == "[][]":
             return name + "".join(f"[{k}]" for k in indices)
         return f"{name}{self.brackets[0]}{', '.join(indices)}{self.brackets[1]}"
+
+    def look_up(self, operation: str, table: str, term: Term, power: int) -> Term:
+        """Return a look-up of a table by the functions of its name; all count powers from zero."""
+        arguments = [_as_number(term).text, *([str(power)] if operation == ENTRY else [])]
+        return Term(f"{table}_{operation.lower()}({', '.join(arguments)})")
 
     def apply(self, operation: str, terms: list[Term]) -> Term:
         """Return an operation on written expressions.

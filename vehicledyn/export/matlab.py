@@ -13,6 +13,7 @@ from vehicledyn.export.document import (
 )
 from vehicledyn.export.procedures import Procedure
 from vehicledyn.export.statements import Body
+from vehicledyn.export.tables import matlab_table
 
 _SOLVE = """\
 function z = solve_loops(t, x, z, p)
@@ -73,6 +74,8 @@ def matlab_function(document: Document) -> str:
         lines += ["", *_function(document, procedure, body)]
         if procedure.name == "loops":
             lines += ["", *_SOLVE.splitlines()]
+    for named in document.tables:
+        lines += ["", *matlab_table(named)]
     for operation in sorted(document.features & set(_HELPERS)):
         lines += ["", *_HELPERS[operation].splitlines()]
     return text_of(lines)

@@ -13,6 +13,7 @@ from vehicledyn.export.document import (
 )
 from vehicledyn.export.procedures import Procedure
 from vehicledyn.export.statements import Body
+from vehicledyn.export.tables import python_table
 
 _SOLVE = '''\
 def solve_loops(t, x, z, p):
@@ -45,6 +46,8 @@ def python_module(document: Document) -> str:
         f"x_start = np.array({_numbers(document.start.state)})",
         f"z_start = np.array({_numbers(document.start.unknowns)})",
     ]
+    for named in document.tables:
+        lines += ["", "", *python_table(named)]
     for procedure, body in document.written:
         lines += ["", "", *_function(document, procedure, body)]
         if procedure.name == "loops":

@@ -12,9 +12,12 @@ from dataclasses import dataclass, field
 
 from vehicledyn.export.languages import Language, Term, safe_name
 from vehicledyn.export.procedures import Procedure
+from vehicledyn.export.tables import NamedTable
 from vehicledyn.multibody.ingredients import Label
 from vehicledyn.solve.instructions import CONST, INPUT, Instruction, Program, read_expressions
+from vehicledyn.solve.lowering import LOOKED_UP
 from vehicledyn.symbolic.ops import Scalar
+from vehicledyn.symbolic.tables import CurveTable
 
 LONGEST = 42
 """Characters an expression may have that is written inside another one."""
@@ -45,18 +48,32 @@ class Body:
     features: set[str]
 
 
-def write_body(procedure: Procedure, language: Language, parameters: Sequence[str]) -> Body:
+def write_body(
+    procedure: Procedure,
+    language: Language,
+    parameters: Sequence[str],
+    tables: Sequence[NamedTable] = (),
+) -> Body:
     """Return the statements of a procedure; ``parameters`` are identifiers."""
+    curves = [named.table for named in tables]
     inputs = [argument.symbols for argument in procedure.arguments]
     goals = [value for target in procedure.targets for value in target.entries.values()]
-    labels = _alive(inputs, procedure.labels, goals)
-    program = read_expressions(inputs, [*(label.expression for label in labels), *goals])
-    return _Writer(procedure, language, parameters, labels, program).write()
+    labels = _alive(inputs, procedure.labels, goals, curves)
+    expressions = [*(label.expression for label in labels), *goals]
+    program = read_expressions(inputs, expressions, curves)
+    names = [named.name for named in tables]
+    return _Writer(procedure, language, parameters, names, labels, program).write()
 
 
-def _alive(inputs: list[Scalar], labels: tuple[Label, ...], goals: list[Scalar]) -> list[Label]:
+def _alive(
+    inputs: list[Scalar],
+    labels: tuple[Label, ...],
+    goals: list[Scalar],
+    tables: Sequence[CurveTable],
+) -> list[Label]:
     """Return the labels of values that the goals need, the first of each name and value."""
-    program = read_expressions(inputs, [*(label.expression for label in labels), *goals])
+    expressions = [*(label.expression for label in labels), *goals]
+    program = read_expressions(inputs, expressions, tables)
     needed = _needed(program, len(labels))
     kept: list[Label] = []
     seen: set[int] = set()
@@ -89,6 +106,7 @@ class _Writer:
     procedure: Procedure
     language: Language
     parameters: Sequence[str]
+    tables: Sequence[str]
     labels: list[Label]
     program: Program
     terms: dict[int, Term] = field(default_factory=dict)
@@ -157,6 +175,11 @@ class _Writer:
             self.used.add(argument.name)
             return self.language.element(argument, item.source[1], self.parameters)
         self.features.add(item.operation)
+        if item.operation in LOOKED_UP:
+            table, power = item.source
+            return self.language.look_up(
+                item.operation, self.tables[table], self.terms[item.operands[0]], power
+            )
         return self.language.apply(item.operation, [self.terms[k] for k in item.operands])
 
     def _results(self, n: int) -> list[tuple[str, tuple[int, ...], str]]:

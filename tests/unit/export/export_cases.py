@@ -27,6 +27,7 @@ from vehicledyn.scenario import load_model
 from vehicledyn.solve.kernel import compile_kernel
 from vehicledyn.symbolic import ops
 from vehicledyn.symbolic.equations import Channel, Variable
+from vehicledyn.symbolic.tables import CurveTable
 
 __all__ = ["CASES", "Case", "case"]
 
@@ -118,6 +119,35 @@ def skate():
     return System("skate", table, (body,), constraints=(knife,))
 
 
+@dataclass(frozen=True)
+class Curves(BasePart):
+    """A spring by a cubic curve and a brake by a line; a channel of both, one beyond its end."""
+
+    def loads(self, situation):
+        angle = situation.kinematics.coordinate("rod.angle")
+        rate = situation.kinematics.rate("rod.angle")
+        return Loads(joint_forces={"rod.angle": -SPRING.value(angle) - BRAKE.value(rate)})
+
+    def outputs(self, situation):
+        angle = situation.kinematics.coordinate("rod.angle")
+        values = {
+            "slope": SPRING.slope(angle) * BRAKE.slope(angle),
+            "beyond": SPRING.value(angle + 9.0) + SPRING.value(angle - 9.0),
+            "chosen": BRAKE.value(angle > 0.0),
+        }
+        return tuple(Output(Channel(f"c.{n}", "1", n), v) for n, v in values.items())
+
+
+SPRING = CurveTable.through("spring's force", -1.0, 0.1, np.sinh(np.arange(-1.0, 1.05, 0.1)))
+BRAKE = CurveTable("brake", -2.0, 4.0, [[-0.2, 0.4]])
+
+
+def rod_on_curves():
+    table = ParameterTable()
+    body, _ = rod(table, "rod", GROUND, (0.0, 0.0, 0.0))
+    return System("rod on curves", table, (body,), parts=(Curves("curves"),))
+
+
 UNARY = (
     *("sin", "cos", "tan", "atan", "sinh", "cosh", "tanh", "asinh", "exp", "fabs", "sign"),
     *("floor", "ceil", "erf", "expm1", "log1p", "asin", "acos", "atanh", "log", "sqrt"),
@@ -169,6 +199,7 @@ CASES = {
     "four_bar": four_bar,
     "motor_on_a_shaker": motor_on_a_shaker,
     "skate": skate,
+    "rod_on_curves": rod_on_curves,
     "calculator": calculator,
     "iltis": iltis,
 }

@@ -85,7 +85,9 @@ def assert_same(found, times, wanted):
         assert np.abs(found[name][at] - values).max() < SAME_MOTION * scale, name
 
 
-@pytest.mark.parametrize("name", ["double_pendulum", "four_bar", "motor_on_a_shaker"])
+@pytest.mark.parametrize(
+    "name", ["double_pendulum", "four_bar", "motor_on_a_shaker", "rod_on_curves"]
+)
 def test_motion(name, tmp_path):
     equations = case(name).equations
     path = export_fmu(equations, tmp_path / "model.fmu")
