@@ -5,6 +5,7 @@ from __future__ import annotations
 import vehicledyn.manoeuvres
 import vehicledyn.models
 import vehicledyn.rail.creep
+import vehicledyn.rail.irregularities
 import vehicledyn.rail.tracks
 import vehicledyn.road
 import vehicledyn.solve

@@ -39,6 +39,7 @@ _PREFIXABLE = {
 _PLAIN = {
     "1": Unit(1.0, _NONE),
     "%": Unit(0.01, _NONE),
+    "permil": Unit(1e-3, _NONE),
     "deg": Unit(math.pi / 180.0, _ANGLE),
     "°": Unit(math.pi / 180.0, _ANGLE),
     "rev": Unit(2.0 * math.pi, _ANGLE),

@@ -5,20 +5,49 @@ from __future__ import annotations
 import math
 from abc import abstractmethod
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any, Literal
 
 from pydantic import Field, field_validator
 
-from vehicledyn.base.parameters import ParameterSet, quantity
+from vehicledyn.base.errors import InputError
+from vehicledyn.base.parameters import ParameterSet, part, quantity
 from vehicledyn.base.slopes import slope_of
-from vehicledyn.rail.track import Track
+from vehicledyn.rail.track import CentreLine, RailShift, Track
+
+if TYPE_CHECKING:
+    from vehicledyn.rail.track_alignment import Alignment
+
+HEAD_WIDTH = 0.065
+"""Width of a rail's head, which gives 1500 mm on standard gauge (EN 13803) [m]."""
 
 STEEPEST_INCLINATION = 0.2
 """Inclination of rails beyond which it is taken for a mistake, such as one in degrees [1]."""
 
 
-class TrackSet(ParameterSet):
-    """Base of the kinds of track."""
+class TrackChoice(ParameterSet):
+    """Base of all kinds of track."""
+
+    @abstractmethod
+    def track(self, folder: Path) -> Track:
+        """Return the track; files are looked for in a folder.
+
+        Raises
+        ------
+        InputError
+            If a file cannot be read or holds no track.
+        """
+
+    def problems_beside(self, folder: Path) -> str:
+        """Return what is wrong with the files that it names, lines of ``file:line: ...``."""
+        try:
+            self.track(folder)
+        except InputError as error:
+            return str(error)
+        return ""
+
+
+class TrackSet(TrackChoice):
+    """Base of the kinds of track that say what rails they have."""
 
     gauge: float = quantity("m", "Distance of the running edges of the rails", gt=0.3, lt=3.0)
     gauge_depth: float = quantity(
@@ -31,6 +60,9 @@ class TrackSet(ParameterSet):
         le=STEEPEST_INCLINATION,
     )
     rail: str = Field(description="Profile of the rails: a name such as 60E1, or a file")
+    irregularities: ParameterSet | None = part(
+        "irregularity", "How the rails deviate from their design", default=None
+    )
 
     @field_validator("inclination", mode="before")
     @classmethod
@@ -38,23 +70,84 @@ class TrackSet(ParameterSet):
         slope = slope_of(value) if isinstance(value, str) else None
         return value if slope is None else slope
 
+    @field_validator("rail", mode="before")
+    @classmethod
+    def _read_name(cls, value: Any) -> Any:
+        """Return the name that YAML takes for a number, such as 60E1."""
+        from vehicledyn.rail.profile_names import STANDARD
+
+        if not isinstance(value, float):
+            return value
+        return next((name for name in STANDARD if _number(name) == value), value)
+
+    def on(self, folder: Path, line: CentreLine, *shifts: RailShift) -> Track:
+        """Return the track of these rails along a centre line, with its irregularities.
+
+        Parameters
+        ----------
+        folder
+            Where files are looked for.
+        line, shifts
+            Centre line, and displacements that belong to the design.
+        """
+        from vehicledyn.rail.profile_names import is_name
+
+        beside = folder / self.rail
+        rail = str(beside) if not is_name(self.rail) and beside.is_file() else self.rail
+        rough = self.irregularities
+        if isinstance(rough, IrregularitySet):
+            shifts = (*shifts, rough.shift(folder))
+        lean = math.atan(self.inclination)
+        return Track(self.gauge, self.gauge_depth, lean, rail, line, shifts)
+
+
+class IrregularitySet(ParameterSet):
+    """Base of the kinds of irregularities."""
+
     @abstractmethod
-    def track(self, folder: Path) -> Track:
-        """Return the track; files are looked for in a folder.
+    def shift(self, folder: Path) -> RailShift:
+        """Return the displacement of the rails; files are looked for in a folder.
 
         Raises
         ------
         InputError
-            If a file cannot be read or holds no track.
+            If a file cannot be read.
         """
 
-    def lean(self) -> float:
-        """Return the angle by which the rails lean inwards [rad]."""
-        return math.atan(self.inclination)
 
-    def rail_name(self, folder: Path) -> str:
-        """Return the name of the rails' profile, or the path of its file."""
-        from vehicledyn.rail.profile_names import is_name
+class DesignedTrack(TrackSet):
+    """Base of the tracks with a designed alignment."""
 
-        beside = folder / self.rail
-        return str(beside) if not is_name(self.rail) and beside.is_file() else self.rail
+    cant_base: float | None = quantity(
+        "m",
+        "Distance over which cant is measured; gauge and 65 mm if left out",
+        default=None,
+        gt=0.3,
+        lt=3.5,
+    )
+    cant_about: Literal["centre_line", "low_rail"] = Field(
+        default="centre_line", description="Line about which cant turns the track"
+    )
+
+    @property
+    def base(self) -> float:
+        """Distance of the rail heads across which cant is measured [m]."""
+        return self.gauge + HEAD_WIDTH if self.cant_base is None else self.cant_base
+
+    @abstractmethod
+    def alignment(self, folder: Path) -> Alignment:
+        """Return the design; files are looked for in a folder."""
+
+    def track(self, folder: Path) -> Track:
+        """Return the track."""
+        from vehicledyn.rail.track_tables import centre_line
+
+        line, widening = centre_line(self.alignment(folder))
+        return self.on(folder, line, *([widening] if widening else []))
+
+
+def _number(text: str) -> float | None:
+    try:
+        return float(text)
+    except ValueError:
+        return None

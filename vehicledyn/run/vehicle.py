@@ -8,7 +8,7 @@ from vehicledyn.base.errors import InputError
 from vehicledyn.base.registry import find
 from vehicledyn.manoeuvres.manoeuvre import RoadManoeuvre
 from vehicledyn.manoeuvres.straight import Straight
-from vehicledyn.rail.track_set import TrackSet
+from vehicledyn.rail.track_set import TrackChoice
 from vehicledyn.road.vehicle import RoadOptions, RoadVehicle
 from vehicledyn.run.road_subject import RoadSubject
 from vehicledyn.run.subject import Subject
@@ -119,5 +119,5 @@ def _choice(target: Target) -> RoadChoice:
         speed=s.speed or 0.0,
         contact=s.contact or "disc",
         relaxation=s.relaxation,
-        track=s.track.track(target.path.parent) if isinstance(s.track, TrackSet) else None,
+        track=s.track.track(target.path.parent) if isinstance(s.track, TrackChoice) else None,
     )

@@ -18,7 +18,7 @@ from vehicledyn.multibody.parts import Part, Situation
 from vehicledyn.multibody.sensors import Accelerometer, BodySensor
 from vehicledyn.multibody.system import Body, Joint, System, Turn
 from vehicledyn.rail.track import Track
-from vehicledyn.rail.track_set import TrackSet
+from vehicledyn.rail.track_set import TrackChoice
 from vehicledyn.road.vehicle import Corner, RoadVehicle
 from vehicledyn.road.wheel import RoadWheel
 from vehicledyn.symbolic.parameters import ParameterTable
@@ -222,7 +222,7 @@ class _Builder:
         """
         if self.choice.track is not None:
             return self.choice.track
-        if isinstance(self.model.file.track, TrackSet):
+        if isinstance(self.model.file.track, TrackChoice):
             return self.model.file.track.track(self.model.path.parent)
         raise InputError(
             f"{self.model.path}: track: missing: the system runs on rails, give it a track, or "

@@ -6,6 +6,7 @@ import casadi as ca
 import numpy as np
 import pytest
 
+import vehicledyn.catalogue  # noqa: F401
 from vehicledyn.base.parameters import read_part
 from vehicledyn.base.registry import kinds
 from vehicledyn.symbolic import ops
@@ -13,6 +14,21 @@ from vehicledyn.symbolic import ops
 RAILS = {"gauge": "1435 mm", "inclination": "1/40", "rail": "60E1"}
 EXAMPLES = {
     "straight": {},
+    "layout": {
+        "cant_about": "low_rail",
+        "segments": [
+            {"kind": "straight", "length": 20.01},
+            {"kind": "bloss", "length": 30},
+            {"kind": "arc", "length": 25, "radius": 150, "cant": 0.12, "widening": 0.008},
+            {"kind": "clothoid", "length": 41.234},
+            {"kind": "arc", "length": 20, "radius": -180, "cant": -0.08},
+            {"kind": "clothoid", "length": 30},
+        ],
+        "gradients": [
+            {"at": 35, "slope": 0.02, "radius": 900},
+            {"at": 130, "slope": -0.01, "radius": 1200},
+        ],
+    },
 }
 PLACES = (-7.0, 0.3, 41.7, 60.01, 93.3, 149.9, 500.0)
 

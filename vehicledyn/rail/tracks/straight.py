@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from vehicledyn.base.registry import register
-from vehicledyn.rail.track import Track
+from vehicledyn.rail.track import StraightLine, Track
 from vehicledyn.rail.track_set import TrackSet
 
 
@@ -15,4 +15,4 @@ class StraightTrack(TrackSet):
 
     def track(self, folder: Path) -> Track:
         """Return the track."""
-        return Track(self.gauge, self.gauge_depth, self.lean(), self.rail_name(folder))
+        return self.on(folder, StraightLine())
