@@ -11,6 +11,7 @@ from vehicledyn.base.errors import InputError
 from vehicledyn.results.assessment.assess import assess
 from vehicledyn.results.assessment.comfort import assess_comfort, mean_comfort
 from vehicledyn.results.assessment.report import assess_result
+from vehicledyn.results.assessment.running_behaviour import assess_acceleration
 from vehicledyn.results.assessment.running_safety import (
     assess_axle,
     assess_wheel,
@@ -22,12 +23,12 @@ from vehicledyn.results.assessment.signals import (
     butterworth,
     even_samples,
     filtered,
+    high_pass,
     sliding_mean,
 )
 from vehicledyn.results.assessment.summary import summarise_assessment
 from vehicledyn.results.assessment.wear import assess_wear
 from vehicledyn.results.assessment.weighting import (
-    LATERAL,
     VERTICAL,
     W_B,
     W_B_ISO,
@@ -118,6 +119,24 @@ def test_low_pass_is_that_of_scipy():
     assert found == pytest.approx(expected, abs=1e-3 * np.ptp(noise))
 
 
+def test_high_pass_mirrors_the_low_pass():
+    frequencies = np.array([0.0, 0.1, 0.4, 3.0])
+    found = abs(high_pass(0.4, 4)(frequencies))
+    assert found == pytest.approx([0.0, *abs(butterworth(0.4, 4)(0.16 / frequencies[1:]))])
+    assert abs(signal.freqs(*signal.butter(4, 0.4, "high", analog=True), frequencies)[1]) == (
+        pytest.approx(found, abs=1e-12)
+    )
+
+
+def test_running_behaviour_of_a_sine_on_a_curve():
+    """2 Hz pass, 0.02 Hz and the constant only behind the low-pass, 50 Hz nowhere."""
+    values = 0.7 + sine(2.0, 0.5) + sine(0.02, 0.1) + sine(50.0, 2.0)
+    found = assess_acceleration("c", "lateral", even_samples(TIME, {"c.lateral": values}))
+    assert found.rms == pytest.approx(0.5 / math.sqrt(2.0), rel=5e-3)
+    assert abs(found.largest) == pytest.approx(0.5, rel=1e-2)
+    assert found.quasi_static == pytest.approx(0.7, abs=0.02)
+
+
 def test_a_constant_passes_the_low_pass_and_not_the_weightings():
     constant = np.full(4001, 3.0)
     assert filtered(constant, STEP, butterworth(20.0, 4)) == pytest.approx(constant, rel=1e-12)
@@ -166,7 +185,7 @@ def test_rms_of_windows():
     assert block_rms(values, STEP, 5.0) == pytest.approx([2.0, 3.0])
 
 
-@pytest.mark.parametrize(("direction", "factor"), [("lateral", LATERAL), ("vertical", VERTICAL)])
+@pytest.mark.parametrize(("direction", "factor"), [("lateral", 0.737), ("vertical", 0.588)])
 def test_ride_index_of_a_sine(direction, factor):
     """W_z = (a B)^0.3 with a in cm/s², B by its own formula; 4.42 times the rms to 0.3."""
     f, amplitude = 5.3, 0.6
@@ -206,6 +225,15 @@ def test_forces_of_a_wheel_are_percentiles_of_slow_signals():
     axle = assess_axle("w", samples, distance, 5e4, ("w.left", "w.left"))
     assert axle.track_shift == pytest.approx(2.0 * 0.9985e4, rel=1e-3)
     assert axle.limit == pytest.approx(10e3 + 1e5 / 3.0)
+
+
+def test_forces_near_20_hz_lose_3_db():
+    """19.7 Hz are no whole part of the sampling rate, so that a sample meets each peak."""
+    values = {"w.left.Q": 5e4 + sine(19.7, 1e4), "w.left.Y": 0.0 * TIME}
+    wheel = assess_wheel("w.left", even_samples(TIME, values), None, 5e4)
+    smallest = 5e4 - 1e4 / math.sqrt(1.0 + (19.7 / 20.0) ** 8)
+    assert wheel.vertical_smallest == pytest.approx(smallest, rel=2e-3)
+    assert wheel.derailment is None
 
 
 def test_extremes_keep_their_sign():

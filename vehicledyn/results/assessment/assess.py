@@ -14,6 +14,13 @@ from vehicledyn.results.assessment.comfort import (
     Comfort,
     assess_comfort,
 )
+from vehicledyn.results.assessment.running_behaviour import (
+    DIRECTIONS as ASIDE_AND_UP,
+)
+from vehicledyn.results.assessment.running_behaviour import (
+    BodyAcceleration,
+    assess_acceleration,
+)
 from vehicledyn.results.assessment.running_safety import (
     CUT_OFF,
     AxleSafety,
@@ -50,6 +57,7 @@ class Assessment:
     way: float | None = None
     wheels: list[WheelSafety] = field(default_factory=list)
     axles: list[AxleSafety] = field(default_factory=list)
+    behaviour: list[BodyAcceleration] = field(default_factory=list)
     comfort: list[Comfort] = field(default_factory=list)
     wear: list[WheelWear] = field(default_factory=list)
     remarks: list[str] = field(default_factory=list)
@@ -99,7 +107,7 @@ def assess(
         )
         return found
     _assess_safety(found, subjects, samples, distance)
-    _assess_comfort(found, subjects, samples)
+    _assess_ride(found, subjects, samples)
     return found
 
 
@@ -154,12 +162,18 @@ def _assess_safety(
             found.axles.extend([] if total is None else [total])
 
 
-def _assess_comfort(found: Assessment, subjects: Subjects, samples: Samples) -> None:
+def _assess_ride(found: Assessment, subjects: Subjects, samples: Samples) -> None:
     sensors = [s for s in subjects.sensors if any(_has(samples, s, d) for d in DIRECTIONS)]
     if not sensors:
         if subjects.axles:
             found.remarks.append("comfort is left out: there is no accelerometer")
         return
+    found.behaviour.extend(
+        assess_acceleration(sensor, direction, samples)
+        for sensor in sensors
+        for direction in ASIDE_AND_UP
+        if _has(samples, sensor, direction)
+    )
     if samples.duration < WINDOW * (1.0 - _ROUNDING):
         found.remarks.append(
             f"comfort is left out: {samples.duration:.3g} s are shorter than a window of "

@@ -37,6 +37,7 @@ class AssessmentReport:
             _wheels(self.assessment),
             _axles(self.assessment),
             _wear(self.assessment),
+            _behaviour(self.assessment),
             _comfort(self.assessment.comfort),
             _remarks(self.assessment),
         )
@@ -127,6 +128,20 @@ def _wear(found: Assessment) -> list[str]:
         for wear in found.wear
     ]
     return _table("Wear number", ("mean N", "largest N", "sum J"), rows)
+
+
+def _behaviour(found: Assessment) -> list[str]:
+    rows = [
+        (
+            f"{one.name}.{one.direction}",
+            f"{one.largest:.3f}",
+            f"{one.rms:.3f}",
+            f"{one.quasi_static:.3f}",
+        )
+        for one in found.behaviour
+    ]
+    head = ("99.85 %", "rms", "quasi-static")
+    return _table("Accelerations, 0.4 to 10 Hz, m/s^2", head, rows)
 
 
 def _comfort(comfort: Sequence[Comfort]) -> list[str]:

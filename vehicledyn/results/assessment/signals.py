@@ -125,14 +125,27 @@ def filtered(values: Floats, step: float, response: Response) -> Floats:
 
 def butterworth(cut_off: float, order: int) -> Response:
     """Return a low-pass filter of Butterworth, -3 dB at the cut-off [Hz]."""
-    angles = np.pi * (2.0 * np.arange(1, order + 1) + order - 1.0) / (2.0 * order)
-    poles = np.exp(1j * angles)
+    poles = _poles(order)
 
     def response(frequency: Floats) -> NDArray[np.complex128]:
         place = 1j * np.asarray(frequency) / cut_off
         gain = np.ones(place.shape, dtype=complex)
         for pole in poles:
             gain /= 1.0 - place / pole
+        return gain
+
+    return response
+
+
+def high_pass(cut_off: float, order: int) -> Response:
+    """Return a high-pass filter of Butterworth, -3 dB at the cut-off [Hz]."""
+    poles = _poles(order)
+
+    def response(frequency: Floats) -> NDArray[np.complex128]:
+        place = 1j * np.asarray(frequency) / cut_off
+        gain = np.ones(place.shape, dtype=complex)
+        for pole in poles:
+            gain *= place / (place - pole)
         return gain
 
     return response
@@ -184,6 +197,12 @@ def block_rms(values: Floats, step: float, duration: float) -> Floats:
     count = int(np.floor((len(values) - 1) * step / duration + 1e-9))
     edges = np.round(np.arange(count + 1) * duration / step).astype(int)
     return np.array([np.sqrt(np.mean(values[a:b] ** 2)) for a, b in pairwise(edges)])
+
+
+def _poles(order: int) -> NDArray[np.complex128]:
+    """Return the poles of a Butterworth filter with the cut-off 1."""
+    angles = np.pi * (2.0 * np.arange(1, order + 1) + order - 1.0) / (2.0 * order)
+    return np.asarray(np.exp(1j * angles))
 
 
 def _between(time: Floats, step: float, begin: float | None, end: float | None) -> slice:

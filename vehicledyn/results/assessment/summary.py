@@ -13,6 +13,10 @@ from vehicledyn.results.layout import SummaryEntry
 def summarise_assessment(found: Assessment) -> list[SummaryEntry]:
     """Return the worst wheel and axle of each kind, the comfort of each sensor, and the remarks."""
     entries = [*_safety(found), *_wear(found)]
+    for one in found.behaviour:
+        text = f"Largest {one.direction} acceleration, 0.4 to 10 Hz, 99.85 %"
+        name = f"{one.name}.largest_{one.direction}"
+        entries.append(SummaryEntry(name, abs(one.largest), "m/s^2", text))
     for comfort in found.comfort:
         entries.extend(_comfort(comfort))
     if found.remarks:
