@@ -1,9 +1,9 @@
 """Measure cases side by side: ``python benchmarks/lanes.py [--quick] [--json FILE]``.
 
-Chains, a right-hand side of the Iltis and its slalom, one case alone and several in SIMD lanes,
-and the starting points of many cases. Candidates take turns; times are processor times, of which
-the median of several repetitions is printed with the smallest and the largest. Writes nothing
-but the JSON file where one is asked for.
+Look-ups of tables, chains, a right-hand side of the Iltis and its slalom, one case alone and
+several in SIMD lanes, and the starting points of many cases. Candidates take turns; times are
+processor times, of which the median of several repetitions is printed with the smallest and the
+largest. Writes nothing but the JSON file where one is asked for.
 """
 
 from __future__ import annotations
@@ -15,6 +15,7 @@ import statistics
 import tempfile
 import time
 from dataclasses import asdict, dataclass
+from functools import partial
 from pathlib import Path
 
 import chains
@@ -22,17 +23,28 @@ import numpy as np
 
 import vehicledyn.catalogue  # noqa: F401 - registers models, tyres, solvers
 from vehicledyn.base.registry import find
-from vehicledyn.multibody import derive
+from vehicledyn.multibody import (
+    GROUND,
+    BasePart,
+    Body,
+    Joint,
+    Loads,
+    ParameterTable,
+    System,
+    derive,
+)
 from vehicledyn.run.case_starts import CaseStarter
 from vehicledyn.run.prepare import prepare
 from vehicledyn.scenario import load_scenario
 from vehicledyn.solve.batch import Cases, make_batch, run_batch
 from vehicledyn.solve.kernel import compile_kernel
 from vehicledyn.solve.lanes import suitable_lanes
+from vehicledyn.symbolic.tables import CurveTable
 
 SCENARIOS = Path(__file__).resolve().parents[1] / "scenarios"
 STAGES = 4  # right-hand sides of a Runge-Kutta step
 STEP = 1e-3  # s
+LOOK_UPS = 100
 SPREAD = 0.05  # of the masses of cases, to either side
 
 
@@ -156,6 +168,49 @@ def iltis_figures(repeats):
     return figures
 
 
+@dataclass(frozen=True)
+class Curves(BasePart):
+    """A force that sums values and slopes of a curve at many places, none without a curve."""
+
+    curve: CurveTable | None = None
+
+    def loads(self, situation):
+        x = situation.kinematics.coordinate("x")
+        force = 0.0
+        for k in range(LOOK_UPS):
+            place = x * (1.0 + k / LOOK_UPS)
+            if self.curve is None:
+                force += place
+            else:
+                force += self.curve.value(place) + self.curve.slope(place)
+        return Loads(joint_forces={"x": force})
+
+
+def table_figures(repeats):
+    """Return nanoseconds of a look-up of a cubic, index, value and slope, a case."""
+    found = {}
+    values = np.sin(np.linspace(0.0, 10.0, 1001))
+    for curve in (None, CurveTable.through("curve", -5.0, 0.01, values)):
+        body = Body("mass", GROUND, joints=(Joint("T1", "x", start=0.3),), mass=1e3)
+        system = System("curves", ParameterTable(), (body,), parts=(Curves("curves", curve),))
+        kernel = compile_kernel(derive(system), backend="compiled")
+        starts = np.linspace(-2.0, 2.0, 16)[:, None] * [[1.0, 0.0]]
+        cases = Cases(np.tile(kernel.parameters, (16, 1)), starts, np.zeros((16, 0)))
+        track = Track(kernel, cases, {"start": 0.0, "stop": 2.0, "interval": 1.0})
+        found[curve is None] = track.measure(repeats)
+    return [
+        Figure(
+            f"look-up of a cubic, value and slope, {words(lanes)}",
+            "ns",
+            [
+                1e9 * (t - min(found[True][lanes])) / (STAGES * track.steps * LOOK_UPS)
+                for t in times
+            ],
+        )
+        for lanes, times in found[False].items()
+    ]
+
+
 def main(arguments=None):
     """Measure, print and, if asked, write the figures as JSON."""
     parser = argparse.ArgumentParser(description="Measure cases side by side in SIMD lanes.")
@@ -167,7 +222,12 @@ def main(arguments=None):
     with tempfile.TemporaryDirectory() as folder:
         os.environ["VEHICLEDYN_CACHE"] = known or folder
         figures = []
-        for found in (chain_figures(lengths, repeats), iltis_figures(repeats)):
+        for measure in (
+            partial(table_figures, repeats),
+            partial(chain_figures, lengths, repeats),
+            partial(iltis_figures, repeats),
+        ):
+            found = measure()
             figures += found
             print("\n".join(figure.line() for figure in found), flush=True)
     if known is None:

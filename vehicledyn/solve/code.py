@@ -44,6 +44,9 @@ to 4000, and least for 500.
 _PACK = 4
 """Reals in a vd_pack of real.h."""
 
+_LOADED_AT_ONCE = 4
+"""Entries of a cell that are loaded together, those of cubic curves."""
+
 _TEMPLATES = {
     "ASSIGN": "{0}",
     "ADD": "{0} + {1}",
@@ -154,6 +157,7 @@ class _Printer:
     def __post_init__(self) -> None:
         self._values = self.lowered.values
         self._place: dict[int, int] = {}
+        self._loaded: set[int] = set()
         self._room = 0
         self._piece_of: dict[int, int] = {}
         self._arising: dict[int, list[str]] = defaultdict(list)
@@ -207,15 +211,30 @@ class _Printer:
 
     def _lines(self, steps: list[Step], piece: int) -> list[str]:
         lines = []
+        self._loaded = set[int]()
         for number, step in enumerate(steps):
             if isinstance(step, Pack):
                 lines += self._call(step, number, piece)
             else:
+                lines += self._load(step, piece)
                 kind = "vd_mask" if self._values[step].operation in CONDITIONS else "real"
                 lines.append(f"const {kind} w{step} = {self._expression(step, piece)};")
             for value in _computed(step):
                 lines += self._stores(value, piece)
         return lines
+
+    def _load(self, step: int, piece: int) -> list[str]:
+        """Return what loads all entries of a cell at once, before the first of them is used."""
+        item = self._values[step]
+        if item.operation != ENTRY or self.widths[item.source[0]] != _LOADED_AT_ONCE:
+            return []
+        cell = item.operands[0]
+        if cell in self._loaded:
+            return []
+        self._loaded.add(cell)
+        row = self._table(item)["table"]
+        place = self._number(cell, piece)
+        return [f"real e{cell}[4];", f"vd_four_entries({place}, {row}, e{cell});"]
 
     def _stores(self, value: int, piece: int) -> list[str]:
         targets = [f"s[{self._place[value]}]"] if value in self._place else []
@@ -245,6 +264,8 @@ class _Printer:
 
     def _expression(self, index: int, piece: int) -> str:
         item = self._values[index]
+        if item.operation == ENTRY and item.operands[0] in self._loaded:
+            return f"e{item.operands[0]}[{item.source[1]}]"
         conditions = _CONDITIONAL.get(item.operation, ())
         names = [
             self._condition(operand, piece) if k in conditions else self._number(operand, piece)

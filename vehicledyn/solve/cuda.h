@@ -49,6 +49,9 @@ VD_INLINE real vd_entry(real cell, const real *t, int width, int power) {
   const double *cells = (const double *)__double_as_longlong(t[4]);
   return __ldg(cells + (long long)cell * width + power);
 }
+VD_INLINE void vd_four_entries(real cell, const real *t, real *r) {
+  for (int k = 0; k < 4; k++) r[k] = vd_entry(cell, t, 4, k);
+}
 
 VD_INLINE vd_mask vd_finite(real a) { return fabs(a) <= DBL_MAX; }
 

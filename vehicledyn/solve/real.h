@@ -103,6 +103,9 @@ VD_INLINE real vd_entry(real cell, const real *t, int width, int power) {
   memcpy(&cells, t + 4, sizeof cells);
   return cells[(long long)cell * width + power];
 }
+VD_INLINE void vd_four_entries(real cell, const real *t, real *r) {
+  for (int k = 0; k < 4; k++) r[k] = vd_entry(cell, t, 4, k);
+}
 #define vd_all(a) (a)
 VD_INLINE vd_mask vd_lt(real a, real b) { return a < b; }
 VD_INLINE vd_mask vd_le(real a, real b) { return a <= b; }
@@ -141,13 +144,54 @@ VD_INLINE real vd_whole_part(real a) {
   const real whole = (a + 0x1p52) - 0x1p52;
   return whole - vd_only(vd_lt(a, whole), vd_all(1.0));
 }
-VD_INLINE real vd_entry(real cell, const real *t, int width, int power) {
-  const vd_mask index = (vd_mask)(cell * (double)width + 0x1p52) & 0xfffffffffffffLL;
-  const vd_mask place = (vd_mask)t[4] + (index << 3);
-  real entry;
-  for (int i = 0; i < VD_LANES; i++) entry[i] = ((const double *)place[i])[power];
-  return entry;
+VD_INLINE vd_mask vd_place(real cell, const real *t, int width) {
+  return (vd_mask)t[4] + (((vd_mask)(cell * (double)width + 0x1p52) & 0xfffffffffffffLL) << 3);
 }
+VD_INLINE real vd_entry(real cell, const real *t, int width, int power) {
+  const vd_mask place = vd_place(cell, t, width);
+#define VD_AT(lane) ((const double *)place[lane])[power]
+#if VD_LANES == 8
+  return (real){VD_AT(0), VD_AT(1), VD_AT(2), VD_AT(3), VD_AT(4), VD_AT(5), VD_AT(6), VD_AT(7)};
+#else
+  return (real){VD_AT(0), VD_AT(1), VD_AT(2), VD_AT(3)};
+#endif
+#undef VD_AT
+}
+/* The four entries of a cell: a load for each lane, then turned. */
+#if __has_builtin(__builtin_shufflevector)
+typedef double vd_row __attribute__((vector_size(32), aligned(8), may_alias));
+#define VD_TURN(a, b, ...) __builtin_shufflevector(a, b, __VA_ARGS__)
+VD_INLINE void vd_four_entries(real cell, const real *t, real *r) {
+  const vd_mask place = vd_place(cell, t, 4);
+#define VD_AT(lane) (*(const vd_row *)place[lane])
+#if VD_LANES == 8
+#define VD_TWO(lane) VD_TURN(VD_AT(lane), VD_AT(lane + 4), 0, 1, 2, 3, 4, 5, 6, 7)
+  const real a = VD_TWO(0), b = VD_TWO(1), c = VD_TWO(2), d = VD_TWO(3);
+  const real ab0 = VD_TURN(a, b, 0, 8, 2, 10, 4, 12, 6, 14);
+  const real ab1 = VD_TURN(a, b, 1, 9, 3, 11, 5, 13, 7, 15);
+  const real cd0 = VD_TURN(c, d, 0, 8, 2, 10, 4, 12, 6, 14);
+  const real cd1 = VD_TURN(c, d, 1, 9, 3, 11, 5, 13, 7, 15);
+  r[0] = VD_TURN(ab0, cd0, 0, 1, 8, 9, 4, 5, 12, 13);
+  r[1] = VD_TURN(ab1, cd1, 0, 1, 8, 9, 4, 5, 12, 13);
+  r[2] = VD_TURN(ab0, cd0, 2, 3, 10, 11, 6, 7, 14, 15);
+  r[3] = VD_TURN(ab1, cd1, 2, 3, 10, 11, 6, 7, 14, 15);
+#undef VD_TWO
+#else
+  const vd_row a = VD_AT(0), b = VD_AT(1), c = VD_AT(2), d = VD_AT(3);
+  const vd_row ab0 = VD_TURN(a, b, 0, 4, 2, 6), ab1 = VD_TURN(a, b, 1, 5, 3, 7);
+  const vd_row cd0 = VD_TURN(c, d, 0, 4, 2, 6), cd1 = VD_TURN(c, d, 1, 5, 3, 7);
+  r[0] = (real)VD_TURN(ab0, cd0, 0, 1, 4, 5);
+  r[1] = (real)VD_TURN(ab1, cd1, 0, 1, 4, 5);
+  r[2] = (real)VD_TURN(ab0, cd0, 2, 3, 6, 7);
+  r[3] = (real)VD_TURN(ab1, cd1, 2, 3, 6, 7);
+#endif
+#undef VD_AT
+}
+#else
+VD_INLINE void vd_four_entries(real cell, const real *t, real *r) {
+  for (int k = 0; k < 4; k++) r[k] = vd_entry(cell, t, 4, k);
+}
+#endif
 VD_INLINE real vd_abs(real a) {
   return (real)((vd_mask)a & (0x7fffffffffffffffLL - (vd_mask){0}));
 }
@@ -203,7 +247,9 @@ VD_INLINE real vd_sign(real a) {
 /* Tables: origin, 1/step, step, last cell and address of the cells lie side by side at t. Each
    place has a cell inside the table, one that is no number has the last. */
 VD_INLINE real vd_cell(real x, const real *t) {
-  return vd_whole_part(vd_max(vd_min((x - t[0]) * t[1], t[3]), vd_all(0.0)));
+  const real place = (x - t[0]) * t[1];
+  const real below = vd_select(vd_lt(place, t[3]), place, t[3]);
+  return vd_whole_part(vd_select(vd_lt(vd_all(0.0), below), below, vd_all(0.0)));
 }
 VD_INLINE real vd_knot(real cell, const real *t) { return t[0] + t[2] * cell; }
 
