@@ -8,7 +8,7 @@ from vehicledyn.base.errors import InputError
 from vehicledyn.base.wording import lower_first
 from vehicledyn.multibody.impacts import Impacts
 from vehicledyn.multibody.loops import Loops
-from vehicledyn.multibody.observation import Solved, observe
+from vehicledyn.multibody.observation import Exerted, Solved, exerted, observe
 from vehicledyn.multibody.part_events import collect_events
 from vehicledyn.multibody.parts import Motion, Output, Part
 from vehicledyn.multibody.system import Joint, System
@@ -25,6 +25,9 @@ from vehicledyn.symbolic.ops import Scalar
 
 LOOP_TOLERANCE = 1e-12
 """Residual at which a loop counts as closed [m]; a hundredth of what users are promised."""
+
+REACTION_TOLERANCE = 1e-10
+"""Error at which an implicit force counts as found, as a part of the weight of all bodies [1]."""
 
 
 @dataclass(frozen=True)
@@ -65,7 +68,8 @@ def collect(
 
     States are the independent coordinates, their rates, the coordinates whose rates alone are
     dependent, and the parts' states; unknowns are the dependent coordinates in the order of
-    solution and the parts' unknowns.
+    solution, the parts' unknowns and, in one block, the forces of constraints that loads depend
+    on.
 
     Raises
     ------
@@ -75,6 +79,7 @@ def collect(
     joints = symbols.joints
     part_states = [(p, v) for p in system.parts for v in p.states()]
     part_unknowns = [(p, v) for p in system.parts for v in p.unknowns()]
+    reactions = [(p, v) for p in system.parts for v in p.reactions()]
     independent = [joints[k] for k in roles.independent]
     dependent = [joints[k] for k in roles.dependent]
     following = [joints[k] for k in roles.following]
@@ -93,10 +98,13 @@ def collect(
     algebraic = [
         *(symbols.coordinates[j.name] for j in dependent),
         *(symbols.unknowns[p.name][v.name] for p, v in part_unknowns),
+        *(symbols.reactions[p.name][v.name] for p, v in reactions),
     ]
     contact = [r for p in system.parts for r in solved.loads[p.name].residuals]
     kept = [loops.constraints[row].residual.expression for row, _ in loops.positions.pairs]
-    outputs = observe(system, symbols, loops, solved)
+    forces = exerted(system, symbols, loops, solved)
+    implicit = _reaction_residuals(system, symbols, solved, forces)
+    outputs = observe(system, symbols, loops, solved, forces)
     _check_unique(outputs)
     states = (
         *_coordinate_states(independent, loops),
@@ -113,39 +121,89 @@ def collect(
         algebraic=ops.column(algebraic),
         parameter=ops.column([e.symbol for e in system.table.entries]),
         rate=_put_motions(ops.column(rate), symbols, moved),
-        residual=_put_motions(ops.column([*kept, *contact]), symbols, moved),
+        residual=_put_motions(ops.column([*kept, *contact, *implicit]), symbols, moved),
         output=_put_motions(ops.column([o.expression for o in outputs]), symbols, moved),
         event=_put_motions(ops.column(found.functions), symbols, moved),
         states=states,
         unknowns=(
             *(_coordinate(j, loops.start[j.name]) for j in dependent),
             *_part_variables(part_unknowns),
+            *_reaction_variables(reactions),
         ),
         parameters=tuple(
             ParameterValue(e.name, e.unit, e.description, e.value) for e in system.table.entries
         ),
         channels=tuple(o.channel for o in outputs),
-        blocks=(*_loop_blocks(loops), *_part_blocks(system, len(dependent))),
+        blocks=(
+            *_loop_blocks(loops),
+            *_part_blocks(system, len(dependent)),
+            *_reaction_block(reactions, len(algebraic)),
+        ),
         positions=tuple(range(n)),
         events=tuple(found.events),
         velocities=tuple(range(n, 2 * n)),
-        slopes=_put_motions(_slopes(loops, contact, algebraic), symbols, moved),
+        slopes=_put_motions(_slopes(loops, contact, implicit, unknowns=algebraic), symbols, moved),
         reset=_put_motions(ops.column(found.new_values), symbols, moved),
         structure=_structure(system, symbols, loops, roles),
     )
     return with_tables(equations)
 
 
-def _slopes(loops: Loops, contact: list[Scalar], unknowns: list[Scalar]) -> Scalar:
-    """Return ∂residual/∂unknown, shape (n, n): that of the loops as they know it themselves."""
+def _reaction_residuals(
+    system: System, symbols: Symbols, solved: Solved, forces: Exerted
+) -> list[Scalar]:
+    """Return the assumed less the found forces over the weight of all bodies [1]."""
+    residuals: list[Scalar] = []
+    for part in system.parts:
+        assumed = symbols.reactions[part.name].values()
+        situation = symbols.situation(part, solved.kinematics, forces.transmitted)
+        found = part.found_reactions(situation)
+        pairs = zip(assumed, found, strict=True)
+        residuals.extend(a - f / symbols.force_scale for a, f in pairs)
+    return residuals
+
+
+def _reaction_variables(pairs: list[tuple[Part, Variable]]) -> tuple[Variable, ...]:
+    """Return the implicit forces, which together carry the weight at the start."""
+    return tuple(
+        Variable(
+            f"{p.name}.{v.name}",
+            "1",
+            f"{v.description}, over the weight of all bodies",
+            1.0 / len(pairs),
+        )
+        for p, v in pairs
+    )
+
+
+def _reaction_block(pairs: list[tuple[Part, Variable]], stop: int) -> tuple[Block, ...]:
+    if not pairs:
+        return ()
+    name = ", ".join(dict.fromkeys(p.name for p, _ in pairs))
+    first = stop - len(pairs)
+    return (Block(name, first, stop, REACTION_TOLERANCE, "1", "force"),)
+
+
+def _slopes(
+    loops: Loops, contact: list[Scalar], implicit: list[Scalar], *, unknowns: list[Scalar]
+) -> Scalar:
+    """Return ∂residual/∂unknown of the blocks, shape (n, n).
+
+    That of the loops is as they know it themselves; implicit forces are the last unknowns.
+    """
     place = {column: k for k, column in enumerate(loops.dependent)}
     rows = [
         {place[c]: v for c, v in loops.closure.jacobian[row].items() if c in place}
         for row, _ in loops.positions.pairs
     ]
     width = len(unknowns)
+    first = width - len(implicit)
+    by_force = ops.jacobian(ops.column(implicit), ops.column(unknowns[first:]))
+    forces = [{first + k: v for k, v in row.items()} for row in ops.rows_of(by_force)]
     return ops.stacked(
-        ops.matrix_of(rows, width), ops.jacobian(ops.column(contact), ops.column(unknowns))
+        ops.matrix_of(rows, width),
+        ops.jacobian(ops.column(contact), ops.column(unknowns)),
+        ops.matrix_of(forces, width),
     )
 
 
@@ -193,7 +251,7 @@ def _part_blocks(system: System, first: int) -> tuple[Block, ...]:
     for part in system.parts:
         count = len(part.unknowns())
         if count:
-            blocks.append(Block(part.name, first, first + count, LOOP_TOLERANCE, is_loop=False))
+            blocks.append(Block(part.name, first, first + count, LOOP_TOLERANCE, kind="contact"))
             first += count
     return tuple(blocks)
 

@@ -32,7 +32,8 @@ class Residual:
     """One scalar of a constraint: zero when closed.
 
     ``force_channel`` names the multiplier's channel, ``sign`` turns the multiplier into it;
-    ``more`` are further forces that are multiples of the multiplier.
+    ``more`` are further forces that are multiples of the multiplier. A constraint on coordinates
+    that no force acts on has no channel, an empty name.
     """
 
     expression: Scalar

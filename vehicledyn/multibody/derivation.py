@@ -16,7 +16,7 @@ from vehicledyn.multibody.forward import Formulation, TreeProblem, solve_tree
 from vehicledyn.multibody.kinematics import Kinematics
 from vehicledyn.multibody.loops import Loops, Moment, close
 from vehicledyn.multibody.observation import Solved
-from vehicledyn.multibody.parts import Loads, Motion, Part, Situation
+from vehicledyn.multibody.parts import Loads, Motion
 from vehicledyn.multibody.resistance import Resistance, refuse_idle
 from vehicledyn.multibody.segmentation import solve_loops
 from vehicledyn.multibody.system import System
@@ -139,18 +139,8 @@ def _motion(
     for k, rate in loops.closure.dependent_rates(known).items():
         rates[joints[k].name] = rate
     kinematics = loops.kinematics.with_rates(rates)
-    loads = {part.name: part.loads(_situation(symbols, part, kinematics)) for part in system.parts}
+    loads = {p.name: p.loads(symbols.situation(p, kinematics)) for p in system.parts}
     return _MotionState(kinematics, rates, loads)
-
-
-def _situation(symbols: Symbols, part: Part, kinematics: Kinematics) -> Situation:
-    return Situation(
-        symbols.time,
-        symbols.states[part.name],
-        symbols.unknowns[part.name],
-        kinematics,
-        symbols.states,
-    )
 
 
 def _dynamics(

@@ -84,6 +84,14 @@ class MovedDrive:
         """Return the unknowns of the part."""
         return self.inner.unknowns()
 
+    def reactions(self) -> tuple[Variable, ...]:
+        """Return the reactions of the part."""
+        return self.inner.reactions()
+
+    def found_reactions(self, situation: Situation) -> tuple[Scalar, ...]:
+        """Return what the part finds for them."""
+        return self.inner.found_reactions(situation)
+
     def motions(self, clock: Clock) -> dict[str, Motion]:
         """Return the motions of the part, the coordinate's with the signal."""
         motions = dict(self.inner.motions(clock))

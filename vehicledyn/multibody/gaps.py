@@ -41,7 +41,7 @@ class Row:
     @property
     def label(self) -> str:
         """Name of the row: that of the cut and of the force, which tells rows of a cut apart."""
-        return f"{self.cut}.{self.residual.force_channel}"
+        return f"{self.cut}.{self.residual.force_channel}".rstrip(".")
 
 
 def rows_of_system(system: System, bare: Kinematics, time: Scalar) -> list[Row]:

@@ -17,7 +17,7 @@ from dataclasses import dataclass, replace
 from vehicledyn.multibody.derivation import Derivation, equations_of, solve_motion
 from vehicledyn.multibody.dynamics import JointWrench, inverse_dynamics, mass_matrix
 from vehicledyn.multibody.kinematics import Kinematics
-from vehicledyn.multibody.parts import Loads, Part, Situation
+from vehicledyn.multibody.parts import Loads, Part
 from vehicledyn.multibody.system import System
 from vehicledyn.multibody.tree import Tree
 from vehicledyn.symbolic import ops
@@ -104,6 +104,9 @@ def derive_ingredients(system: System) -> Ingredients:
     reduced = _InStates.of(d)
     part_states = [(p, v) for p in system.parts for v in p.states()]
     part_unknowns = [(p, v) for p in system.parts for v in p.unknowns()]
+    reactions = [(p, v) for p in system.parts for v in p.reactions()]
+    unknown = [d.symbols.unknowns[p.name][v.name] for p, v in part_unknowns]
+    unknown += [d.symbols.reactions[p.name][v.name] for p, v in reactions]
     return Ingredients(
         equations=equations_of(d),
         links=_link_facts(d.tree),
@@ -113,12 +116,12 @@ def derive_ingredients(system: System) -> Ingredients:
         ),
         roles=_roles(d),
         part_variables=_named(part_states),
-        part_unknown_variables=_named(part_unknowns),
+        part_unknown_variables=_named([*part_unknowns, *reactions]),
         coordinates=d.symbols.coordinate_column,
         rates=d.symbols.rate_column,
         accelerations=ops.column([accelerations[n] for n in names]),
         part_states=ops.column([d.symbols.states[p.name][v.name] for p, v in part_states]),
-        part_unknowns=ops.column([d.symbols.unknowns[p.name][v.name] for p, v in part_unknowns]),
+        part_unknowns=ops.column(unknown),
         mass={(names.index(a), names.index(b)): v for (a, b), v in free.mass.items()},
         bias=[free.bias[n] for n in names],
         forces=[free.forces[n] for n in names],
@@ -147,18 +150,7 @@ class _Tree:
     def of(cls, d: Derivation, accelerations: dict[str, Scalar]) -> _Tree:
         symbols, gravity = d.symbols, ops.vector(*d.system.gravity)
         bare = Kinematics(d.tree, symbols.coordinates, symbols.rates)
-        loads = {
-            part.name: part.loads(
-                Situation(
-                    symbols.time,
-                    symbols.states[part.name],
-                    symbols.unknowns[part.name],
-                    bare,
-                    symbols.states,
-                )
-            )
-            for part in d.system.parts
-        }
+        loads = {p.name: p.loads(symbols.situation(p, bare)) for p in d.system.parts}
         wrenches = [w for load in loads.values() for w in load.wrenches]
         at_rest = bare.with_accelerations({n: ops.scalar(0.0) for n in accelerations})
         moving = bare.with_accelerations(accelerations)

@@ -10,7 +10,7 @@ from vehicledyn.multibody.closure import Closure
 from vehicledyn.multibody.dynamics import inverse_dynamics
 from vehicledyn.multibody.kinematics import Kinematics
 from vehicledyn.multibody.loops import Loops
-from vehicledyn.multibody.parts import Loads, Output, Situation, Wrench
+from vehicledyn.multibody.parts import Loads, Output, Wrench
 from vehicledyn.multibody.reactions import TransmittedForces
 from vehicledyn.multibody.system import System
 from vehicledyn.multibody.unknowns import Symbols, locked
@@ -32,27 +32,26 @@ class Solved:
     gravity: Vec
 
 
-def observe(
-    system: System,
-    symbols: Symbols,
-    loops: Loops,
-    solved: Solved,
-) -> list[Output]:
-    """Return all channels of a system; they cost nothing while nobody samples them."""
+@dataclass(frozen=True)
+class Exerted:
+    """Forces that the solved motion takes, from inverse dynamics.
+
+    ``needed`` is what each coordinate needs beyond the parts, by name [N or N m],
+    ``multipliers`` that of each kept row of the constraints.
+    """
+
+    needed: dict[str, Scalar]
+    multipliers: dict[int, Scalar]
+    transmitted: TransmittedForces
+
+
+def exerted(system: System, symbols: Symbols, loops: Loops, solved: Solved) -> Exerted:
+    """Return the forces of drives and constraints."""
     closure = loops.closure
     needed, _ = inverse_dynamics(solved.kinematics, solved.wrenches, solved.gravity)
     needed = {n: f - solved.joint_forces.get(n, 0.0) for n, f in needed.items()}
     names = [j.name for j in symbols.joints]
     multipliers = closure.multipliers({k: needed[names[k]] for k in closure.partition.columns})
-    drive = _drive_forces(symbols, closure, needed, multipliers)
-    outputs = [
-        *_coordinates(system, symbols, solved),
-        *_part_states(system, symbols),
-        *_cut_forces(loops, multipliers),
-        *_drives(system, symbols, drive),
-        *_constraint_errors(symbols, loops, solved),
-        *_energies(system, solved, drive, _driven_power(loops, multipliers)),
-    ]
     forces = TransmittedForces(
         system,
         symbols,
@@ -61,15 +60,29 @@ def observe(
         wrenches=solved.wrenches,
         multipliers=multipliers,
     )
+    return Exerted(needed, multipliers, forces)
+
+
+def observe(
+    system: System,
+    symbols: Symbols,
+    loops: Loops,
+    solved: Solved,
+    forces: Exerted,
+) -> list[Output]:
+    """Return all channels of a system; they cost nothing while nobody samples them."""
+    multipliers = forces.multipliers
+    drive = _drive_forces(symbols, loops.closure, forces.needed, multipliers)
+    outputs = [
+        *_coordinates(system, symbols, solved),
+        *_part_states(system, symbols),
+        *_cut_forces(loops, multipliers),
+        *_drives(system, symbols, drive),
+        *_constraint_errors(symbols, loops, solved),
+        *_energies(system, solved, drive, _driven_power(loops, multipliers)),
+    ]
     for part in system.parts:
-        situation = Situation(
-            symbols.time,
-            symbols.states[part.name],
-            symbols.unknowns[part.name],
-            solved.kinematics,
-            symbols.states,
-            forces,
-        )
+        situation = symbols.situation(part, solved.kinematics, forces.transmitted)
         outputs.extend(part.outputs(situation))
     return [Output(o.channel, ops.scalar(o.expression)) for o in outputs]
 
@@ -108,9 +121,9 @@ def _cut_forces(loops: Loops, multipliers: dict[int, Scalar]) -> list[Output]:
     outputs = []
     vague = loops.undetermined
     for row, constraint in enumerate(loops.constraints):
-        if row not in multipliers or row in vague:
-            continue
         r = constraint.residual
+        if row not in multipliers or row in vague or not r.force_channel:
+            continue
         channel = Channel(constraint.label, r.force_unit, r.force_description, constraint.frame)
         outputs.append(Output(channel, r.sign * multipliers[row]))
         for other in r.more:

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from vehicledyn.base.errors import InputError, unknown_name
 from vehicledyn.multibody.impacts import Impacts
 from vehicledyn.multibody.observation import Solved
-from vehicledyn.multibody.parts import PartEvent, Situation
+from vehicledyn.multibody.parts import PartEvent
 from vehicledyn.multibody.system import System
 from vehicledyn.multibody.unknowns import Symbols
 from vehicledyn.symbolic.equations import Event
@@ -45,14 +45,7 @@ def collect_events(
     """
     collected = CollectedEvents()
     for part in system.parts:
-        situation = Situation(
-            symbols.time,
-            symbols.states[part.name],
-            symbols.unknowns[part.name],
-            solved.kinematics,
-            symbols.states,
-        )
-        for event in part.events(situation):
+        for event in part.events(symbols.situation(part, solved.kinematics)):
             name = f"{part.name}.{event.name}" if event.name else part.name
             if any(other.name == name for other in collected.events):
                 raise InputError(f"two events are named '{name}'")

@@ -52,7 +52,8 @@ class Situation:
     """What a part sees: time, its own states and unknowns by short name, and the kinematics.
 
     ``all_states`` are those of all parts, by the part's name and short name. ``forces`` of joints
-    and constraints are known to outputs only.
+    and constraints are known to outputs only; ``reactions`` are those that the part asked for,
+    by short name [N].
     """
 
     time: Scalar
@@ -61,6 +62,7 @@ class Situation:
     kinematics: Kinematics
     all_states: dict[str, dict[str, Scalar]] = field(default_factory=dict)
     forces: TransmittedForces | None = None
+    reactions: dict[str, Scalar] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -126,6 +128,16 @@ class Part(Protocol):
     def unknowns(self) -> tuple[Variable, ...]:
         """Return the part's algebraic unknowns, named without the part's prefix."""
 
+    def reactions(self) -> tuple[Variable, ...]:
+        """Return forces of joints and constraints that the part's loads depend on [N].
+
+        Named without the part's prefix. They are unknowns that are solved together with the
+        accelerations, as friction needs whose limit is the force of a constraint.
+        """
+
+    def found_reactions(self, situation: Situation) -> tuple[Scalar, ...]:
+        """Return these forces as the solved motion gives them, in the order of ``reactions``."""
+
     def motions(self, clock: Clock) -> dict[str, Motion]:
         """Return position and velocity of the coordinates that the part drives."""
 
@@ -154,6 +166,14 @@ class BasePart:
 
     def unknowns(self) -> tuple[Variable, ...]:
         """Return no algebraic unknowns."""
+        return ()
+
+    def reactions(self) -> tuple[Variable, ...]:
+        """Depend on no forces of constraints."""
+        return ()
+
+    def found_reactions(self, situation: Situation) -> tuple[Scalar, ...]:
+        """Find none."""
         return ()
 
     def motions(self, clock: Clock) -> dict[str, Motion]:

@@ -11,7 +11,7 @@ from vehicledyn.multibody.configuration import Place
 from vehicledyn.multibody.gaps import Gaps, rows_of_system
 from vehicledyn.multibody.kinematics import Kinematics
 from vehicledyn.multibody.loops import Moment, start_values
-from vehicledyn.multibody.parts import Output, Situation
+from vehicledyn.multibody.parts import Output
 from vehicledyn.multibody.system import System
 from vehicledyn.multibody.tree import Tree, unfold
 from vehicledyn.multibody.unknowns import Symbols, declare, locked, motions
@@ -153,11 +153,9 @@ def _outputs(
     """Return the channels of all parts but of those with unknowns of their own."""
     found = []
     for part in system.parts:
-        if part.unknowns():
+        if part.unknowns() or part.reactions():
             continue
-        states, unknowns = symbols.states[part.name], symbols.unknowns[part.name]
-        situation = Situation(symbols.time, states, unknowns, kinematics, symbols.states)
-        for output in part.outputs(situation):
+        for output in part.outputs(symbols.situation(part, kinematics)):
             found.append((output.channel, ops.scalar(output.expression)))
     return found
 

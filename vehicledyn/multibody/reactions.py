@@ -110,6 +110,34 @@ class TransmittedForces:
             raise InputError(_acts_elsewhere(constraint, body, touched))
         return JointWrench(force, torque)
 
+    def multiplier(self, constraint: str, channel: str) -> Scalar:
+        """Return the multiplier of one row of a cut or constraint, as solved [N or N m].
+
+        Parameters
+        ----------
+        constraint
+            Name of the cut or constraint.
+        channel
+            ``force_channel`` of the row.
+
+        Raises
+        ------
+        InputError
+            If there is no such row, or redundant constraints leave its multiplier undetermined.
+        """
+        label = f"{constraint}.{channel}"
+        labels = [row.label for row in self._loops.constraints]
+        if label not in labels:
+            raise InputError(unknown_name("force of a constraint", label, labels))
+        row = labels.index(label)
+        if row in self._loops.undetermined:
+            raise InputError(
+                f"the force '{label}' is not unique, as redundant constraints share their load; "
+                "take away a constraint, or let a body move that they hold",
+                about=[constraint],
+            )
+        return self._values[row]
+
     @property
     def redundant(self) -> list[str]:
         """Names of the forces of constraints that are not unique."""

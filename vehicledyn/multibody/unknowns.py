@@ -2,24 +2,29 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
 
 from vehicledyn.base.errors import InputError
 from vehicledyn.multibody.kinematics import Kinematics
-from vehicledyn.multibody.parts import Clock, Motion, Part
+from vehicledyn.multibody.parts import Clock, Motion, Part, Situation
 from vehicledyn.multibody.system import Joint, System
 from vehicledyn.multibody.tree import Tree
 from vehicledyn.symbolic import ops
 from vehicledyn.symbolic.equations import Variable
 from vehicledyn.symbolic.ops import Scalar
 
+if TYPE_CHECKING:
+    from vehicledyn.multibody.reactions import TransmittedForces
+
 
 @dataclass(frozen=True)
 class Symbols:
     """Symbols of a system before it is known which coordinates are independent.
 
-    ``coordinates`` and ``rates`` are indexed like ``joints``; ``states`` and ``unknowns`` hold
-    the parts' symbols by part name and short name.
+    ``coordinates`` and ``rates`` are indexed like ``joints``; ``states``, ``unknowns`` and
+    ``reactions`` hold the parts' symbols by part name and short name. The symbols of reactions
+    are forces over ``force_scale``, a number near one for any size of system.
     """
 
     time: Scalar
@@ -28,6 +33,8 @@ class Symbols:
     rates: dict[str, Scalar]
     states: dict[str, dict[str, Scalar]]
     unknowns: dict[str, dict[str, Scalar]]
+    reactions: dict[str, dict[str, Scalar]] = field(default_factory=dict)
+    force_scale: Scalar = 1.0
 
     @property
     def coordinate_column(self) -> Scalar:
@@ -43,6 +50,20 @@ class Symbols:
         """Return the kinematics of a tree at these coordinates and rates."""
         return Kinematics(tree, self.coordinates, self.rates)
 
+    def situation(
+        self, part: Part, kinematics: Kinematics, forces: TransmittedForces | None = None
+    ) -> Situation:
+        """Return what a part sees of a motion."""
+        return Situation(
+            self.time,
+            self.states[part.name],
+            self.unknowns[part.name],
+            kinematics,
+            self.states,
+            forces,
+            {name: self.force_scale * x for name, x in self.reactions[part.name].items()},
+        )
+
 
 def declare(system: System) -> Symbols:
     """Return fresh symbols for a system."""
@@ -54,7 +75,15 @@ def declare(system: System) -> Symbols:
         rates={j.name: ops.symbol(f"{j.name}_rate") for j in joints},
         states={p.name: _named(p.name, p.states()) for p in system.parts},
         unknowns={p.name: _named(p.name, p.unknowns()) for p in system.parts},
+        reactions={p.name: _named(p.name, p.reactions()) for p in system.parts},
+        force_scale=_weight(system),
     )
+
+
+def _weight(system: System) -> Scalar:
+    """Return the weight of all bodies, at least one newton [N]."""
+    mass = sum((body.mass for body in system.bodies if body.mass is not None), 0.0)
+    return ops.maximum(mass * ops.norm(ops.vector(*system.gravity)), 1.0)
 
 
 def _named(part: str, variables: tuple[Variable, ...]) -> dict[str, Scalar]:

@@ -3,7 +3,19 @@
 from __future__ import annotations
 
 from vehicledyn.solve.engine import Count, Figure, Ledger, Status
-from vehicledyn.symbolic.equations import Equations
+from vehicledyn.symbolic.equations import BlockKind, Equations
+
+_WHAT: dict[BlockKind, str] = {"loop": "block", "contact": "contact of", "force": "forces of"}
+_SINGULAR: dict[BlockKind, str] = {
+    "loop": "the loop is at a dead centre, or other coordinates must be the dependent ones",
+    "contact": "the wheel may lie flat on the ground",
+    "force": "friction jams: any force of the constraint would do",
+}
+_UNSOLVED: dict[BlockKind, str] = {
+    "loop": "the loop cannot close here",
+    "contact": "no point of contact is found here",
+    "force": "no force of the constraint fits the friction that it brings about",
+}
 
 
 def describe_failure(equations: Equations, status: Status, time: float, ledger: Ledger) -> str:
@@ -28,25 +40,16 @@ def describe_failure(equations: Equations, status: Status, time: float, ledger: 
         )
     block = equations.blocks[where]
     residual = f"{ledger.figures[Figure.FAILED_RESIDUAL]:.3g} {block.unit}"
-    what = "block" if block.is_loop else "contact of"
-    place = f"{what} '{block.name}' at t = {time:.9g} s"
-    if status is Status.SINGULAR and not block.is_loop:
-        return (
-            f"{place}: its equations are singular (residual {residual}); the wheel may lie flat "
-            "on the ground"
-        )
+    place = f"{_WHAT[block.kind]} '{block.name}' at t = {time:.9g} s"
     if status is Status.SINGULAR:
-        return (
-            f"{place}: its equations are singular (residual {residual}); the loop is at a dead "
-            "centre, or other coordinates must be the dependent ones"
-        )
+        cause = _SINGULAR[block.kind]
+        return f"{place}: its equations are singular (residual {residual}); {cause}"
     if status is Status.INACCURATE:
         return (
             f"{place}: the residual {residual} stays above its tolerance "
             f"{block.tolerance:.3g} {block.unit}"
         )
-    cause = "the loop cannot close here" if block.is_loop else "no point of contact is found here"
     return (
-        f"{place}: Newton's method did not converge (residual {residual}); {cause}, or the step "
-        "is too large"
+        f"{place}: Newton's method did not converge (residual {residual}); "
+        f"{_UNSOLVED[block.kind]}, or the step is too large"
     )

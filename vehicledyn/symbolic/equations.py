@@ -21,6 +21,10 @@ Expression = Any
 
 Direction: TypeAlias = Literal["rising", "falling", "either"]
 
+BlockKind: TypeAlias = Literal["loop", "contact", "force"]
+"""What the unknowns of a block are: coordinates of a loop, places of a contact, or forces of
+constraints that the loads depend on."""
+
 
 @dataclass(frozen=True)
 class Variable:
@@ -57,8 +61,7 @@ class Block:
     """Unknowns ``start:stop`` of z, solved from the residuals ``start:stop`` of g.
 
     ``tolerance`` is the largest residual that counts as solved, in the residual's own unit,
-    which ``unit`` states; ``name`` says which loop or part it is, for error messages. The
-    unknowns of a part that is no loop are those of a contact.
+    which ``unit`` states; ``name`` says which loop or part it is, for error messages.
     """
 
     name: str
@@ -66,7 +69,7 @@ class Block:
     stop: int
     tolerance: float
     unit: str = "m"
-    is_loop: bool = True
+    kind: BlockKind = "loop"
 
 
 @dataclass(frozen=True)

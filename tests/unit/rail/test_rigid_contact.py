@@ -1,0 +1,90 @@
+"""Rigid contact by constraint: geometry against a search of profiles, forces against statics."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from rigid_examples import STRAIGHT, Circle, channels, on_rails, rigid_wheels, wheelset_body
+
+from vehicledyn.rail.contact_geometry import Wheel, place_rail
+from vehicledyn.rail.contact_geometry_wheelset import WheelsetOnTrack, stand
+from vehicledyn.rail.outline import ArcOutline, ConeOutline
+from vehicledyn.rail.profile_names import named_profile
+
+SHAPES = {
+    "cone": ("cone:1/20", ConeOutline(0.05)),
+    "ball": ("arc:500 mm", ArcOutline(0.5, (0.0, -0.5))),
+}
+
+
+def round_wheelset(profile, *, inclination=1 / 40, curvature=0.0):
+    """Return a wheelset of a profile on rails of one arc."""
+    rail = place_rail(named_profile("arc:300 mm", "rail"), np.arctan(inclination), 1.435, 0.001)
+    wheel = Wheel(named_profile(profile, "wheel"), 0.46, rail.origin[0])
+    return WheelsetOnTrack(wheel, wheel, rail, rail, curvature)
+
+
+@pytest.mark.parametrize(
+    ("shape", "lateral", "yaw"),
+    [("cone", 0.0, 0.0), ("cone", -0.0045, 0.02), ("ball", 0.003, 0.0), ("ball", 0.002, -0.03)],
+)
+def test_contact_is_where_a_search_of_the_profiles_finds_it(shape, lateral, yaw):
+    profile, outline = SHAPES[shape]
+    wheelset = round_wheelset(profile)
+    standing = stand(wheelset, lateral, yaw)
+    starts = (standing.left.place[0] + 1e-3, standing.right.place[0] - 1e-3)
+    body = wheelset_body(lateral=lateral, yaw=yaw, height=standing.height)
+    found = channels(*on_rails(rigid_wheels(wheelset, outline, starts), body))
+    assert found["z"] == pytest.approx(standing.height, abs=2e-9)
+    assert found["roll"] == pytest.approx(standing.roll, abs=1e-8)
+    for side, sign in (("left", 1.0), ("right", -1.0)):
+        touch = getattr(standing, side)
+        assert found[f"wheels.{side}.place"] == pytest.approx(touch.place[0], abs=2e-6)
+        assert found[f"wheels.{side}.contact_y"] == pytest.approx(sign * touch.y[0], abs=2e-6)
+        assert np.tan(found[f"wheels.{side}.contact_angle"]) == pytest.approx(
+            touch.slope[0], abs=1e-5
+        )
+
+
+def test_contact_on_a_curve():
+    """Seen along a circle of 20 m the rails bend below the wheels; yaw makes that matter."""
+    wheelset = round_wheelset("cone:1/5", inclination=1 / 5, curvature=1.0 / 20.0)
+    standing = stand(wheelset, 0.002, 0.1)
+    starts = (standing.left.place[0], standing.right.place[0])
+    body = wheelset_body(lateral=0.002, yaw=0.1, height=standing.height)
+    track = replace(STRAIGHT, line=Circle(20.0))
+    part = rigid_wheels(wheelset, ConeOutline(0.2), starts, track=track)
+    found = channels(*on_rails(part, body))
+    assert found["wheels.track_position"] == pytest.approx(0.0, abs=1e-12)
+    assert found["wheels.lateral_shift"] == pytest.approx(0.002, abs=1e-12)
+    assert found["z"] == pytest.approx(standing.height, abs=2e-9)
+    assert found["roll"] == pytest.approx(standing.roll, abs=1e-8)
+    straight = stand(replace(wheelset, curvature=0.0), 0.002, 0.1)
+    for side in ("left", "right"):
+        place = getattr(standing, side).place[0]
+        assert abs(getattr(straight, side).place[0] - place) > 2e-5
+        assert found[f"wheels.{side}.place"] == pytest.approx(place, abs=2e-6)
+
+
+def test_normal_forces_carry_the_weight_and_the_creep_forces():
+    """Both rails together balance weight and inertia, whatever creep does."""
+    wheelset, outline = round_wheelset("cone:1/20"), SHAPES["cone"][1]
+    standing = stand(wheelset, 0.003, 0.005)
+    starts = (standing.left.place[0], standing.right.place[0])
+    body = wheelset_body(lateral=0.003, yaw=0.005, height=standing.height, speed=20.0)
+    equations, kernel, state, unknowns = on_rails(rigid_wheels(wheelset, outline, starts), body)
+    found = channels(equations, kernel, state, unknowns)
+    rates = dict(
+        zip([v.name for v in equations.states], kernel.rates(0.0, state, unknowns), strict=True)
+    )
+    across = found["wheels.left.Y"] + found["wheels.right.Y"]
+    assert across == pytest.approx(-1500.0 * rates["y_rate"], rel=1e-9)
+    along = [found[f"wheels.{side}.longitudinal_force"] for side in ("left", "right")]
+    assert abs(along[0]) > 1000.0
+    for side in ("left", "right"):
+        normal = found[f"wheels.{side}.normal_force"]
+        creep = np.hypot(*(found[f"wheels.{side}.{k}_force"] for k in ("longitudinal", "lateral")))
+        assert creep <= 0.3 * normal * (1.0 + 1e-9)
+        assert found[f"wheels.{side}.vertical_force"] == pytest.approx(
+            normal * np.cos(found[f"wheels.{side}.contact_angle"]), rel=1e-9
+        )

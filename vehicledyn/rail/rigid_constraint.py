@@ -1,0 +1,89 @@
+"""Constraints of rigid contact: a wheel touches its rail, and where on the track it is."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from vehicledyn.multibody.constraints import BaseConstraint, Geometry
+from vehicledyn.multibody.cuts import Residual
+from vehicledyn.multibody.kinematics import Kinematics
+from vehicledyn.rail.rigid_touch import Touch, TouchingWheel, touch_at
+from vehicledyn.rail.track import Side, Track, TrackFrame
+from vehicledyn.symbolic.ops import Scalar, Vec
+
+FORCE = "vertical_force"
+"""Channel of the multiplier of a gap, the part of the normal force out of the track's plane."""
+
+
+@dataclass(frozen=True)
+class OnTrack:
+    """A body with an axle that moves along a track.
+
+    ``position`` names the coordinate that is its arc coordinate, on straight track not needed.
+    """
+
+    body: str
+    track: Track
+    position: str
+
+    def arc(self, kinematics: Kinematics) -> Scalar:
+        """Return the arc coordinate [m]."""
+        if self.track.is_straight:
+            return kinematics.position(self.body)[0]
+        return kinematics.coordinate(self.position)
+
+    def frame(self, kinematics: Kinematics) -> TrackFrame:
+        """Return the frame of the track beside the body."""
+        return self.track.frame(self.arc(kinematics))
+
+    def axle(self, kinematics: Kinematics) -> Vec:
+        """Return the unit axis of the axle, world axes."""
+        return kinematics.rotation(self.body)[:, 1]
+
+    def place(self, kinematics: Kinematics) -> Vec:
+        """Return the place of the body's origin in the axes of the track [m]."""
+        return self.frame(kinematics).place(kinematics.position(self.body))
+
+
+@dataclass(frozen=True)
+class PositionConstraint(BaseConstraint):
+    """The track's frame at the arc coordinate of a body has the body beside it."""
+
+    carrier: OnTrack
+
+    def residuals(self, geometry: Geometry) -> list[Residual]:
+        """Return how far the body is ahead of the frame [m]; no force acts on the coordinate."""
+        ahead = self.carrier.place(geometry.kinematics)[0]
+        return [Residual(ahead, "m", "", "N", "No force acts on an arc coordinate")]
+
+
+@dataclass(frozen=True)
+class TouchConstraint(BaseConstraint):
+    """Wheel and rail touch: gap and tangency vanish, by the contact coordinate ``contact``."""
+
+    carrier: OnTrack
+    wheel: TouchingWheel
+    side: Side
+    contact: str
+
+    def residuals(self, geometry: Geometry) -> list[Residual]:
+        """Return gap [m] and tangency [1]; no force acts on the contact coordinate."""
+        touch = self.touch(geometry.kinematics)
+        text = "Part of the normal force square to the plane of the track"
+        return [
+            Residual(touch.gap, "m", FORCE, "N", text),
+            Residual(touch.tangency, "1", "", "N", "No force acts on a contact coordinate"),
+        ]
+
+    def touch(self, kinematics: Kinematics) -> Touch:
+        """Return the point of the wheel that touches, in the axes of the track."""
+        carrier = self.carrier
+        frame = carrier.frame(kinematics)
+        return touch_at(
+            self.wheel,
+            frame.place(kinematics.position(carrier.body)),
+            frame.rotation.T @ carrier.axle(kinematics),
+            kinematics.coordinate(self.contact),
+            curvature=frame.curvature,
+            shift=carrier.track.rail_shift(self.side, carrier.arc(kinematics)),
+        )
