@@ -89,6 +89,8 @@ class ParameterSet(BaseModel):
 
     family: ClassVar[str] = ""
     kind: ClassVar[str] = ""
+    in_equations: ClassVar[bool] = False
+    """Whether its quantities are numbers inside the equations, and no parameters of them."""
 
     @field_validator("*", mode="before")
     @classmethod

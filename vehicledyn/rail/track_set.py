@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from abc import abstractmethod
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Any, ClassVar, Literal
 
 from pydantic import Field, field_validator
 
@@ -26,6 +26,8 @@ STEEPEST_INCLINATION = 0.2
 
 class TrackChoice(ParameterSet):
     """Base of all kinds of track."""
+
+    in_equations: ClassVar[bool] = True
 
     @abstractmethod
     def track(self, folder: Path) -> Track:

@@ -320,7 +320,13 @@ def _whole(name: str) -> str:
 
 
 def _unit_of(key: str, loaded: LoadedScenario, changed: list[str], found: dict[str, Any]) -> str:
-    """Return the unit of a key that changes these values; "" unless all are quantities."""
+    """Return the unit of a key that changes these values; "" unless all are quantities.
+
+    Quantities that are numbers in the equations do not count as such.
+    """
+    part = getattr(loaded.scenario, key.partition(".")[0], None)
+    if getattr(part, "in_equations", False):
+        return ""
     named = _named_unit(key, loaded)
     if key.startswith(_INITIAL):
         return named

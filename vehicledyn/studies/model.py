@@ -11,18 +11,19 @@ import numpy as np
 
 from vehicledyn.base.errors import InputError, VehicledynError, nearest_name
 from vehicledyn.manoeuvres.recording import Recording
-from vehicledyn.run.prepare import Point, Prepared, Progress, Vector, prepare
+from vehicledyn.run.prepare import Derived, Point, Prepared, Progress, Vector, prepare
 from vehicledyn.run.road_subject import RoadSubject
 from vehicledyn.run.subject import Subject
 from vehicledyn.run.vehicle import build_subject, manoeuvre_of
 from vehicledyn.scenario.load import LoadedScenario
 from vehicledyn.solve.batch import Batch, make_batch
+from vehicledyn.solve.fingerprint import fingerprint
 from vehicledyn.solve.kernel import Backend
 from vehicledyn.studies import scatter
 from vehicledyn.studies.axes import Axis
 from vehicledyn.studies.load import Recipe, leaves
 from vehicledyn.studies.starts import Reference, find_reference, start_of, starting_at
-from vehicledyn.symbolic.equations import Channel
+from vehicledyn.symbolic.equations import Channel, Equations
 
 _PROBES = (101, 102)
 
@@ -134,6 +135,7 @@ def make_model(
     """
     loaded = _template(recipe, values)
     prepared = prepare(loaded, backend=backend, progress=progress)
+    _check_equations(recipe, values, prepared)
     solver: Any = loaded.scenario.solver
     check = getattr(solver, "check", None)
     if check is not None:
@@ -174,6 +176,37 @@ def chosen_channels(names: Sequence[str], patterns: Sequence[str] | None) -> lis
     if wrong:
         raise InputError("\n".join(wrong))
     return [k for k, n in enumerate(names) if any(fnmatch.fnmatchcase(n, p) for p in patterns)]
+
+
+def _check_equations(recipe: Recipe, values: Sequence[float], prepared: Prepared) -> None:
+    """Refuse quantities that change the equations or their tables, not just parameters.
+
+    Only parts that look up tables have numbers in their equations, so only these are looked at.
+    """
+    if not prepared.equations.tables or all(axis.is_choice for axis in recipe.axes):
+        return
+    known = _identity(prepared.equations)
+    place = _probe(recipe.axes, values, _PROBES[0])
+    if _identity(_equations_at(recipe, place)) == known:
+        return
+    wrong, known = [], _identity(_equations_at(recipe, values))
+    for index, axis in enumerate(recipe.axes):
+        own = [*values[:index], place[index], *values[index + 1 :]]
+        if not axis.is_choice and _identity(_equations_at(recipe, own)) != known:
+            wrong.append(f"'{axis.key}'")
+    raise InputError(
+        f"cases.vary: {', '.join(wrong) or 'the keys together'}: changes the equations or the "
+        "curves in them, not just parameters, and cannot vary as a quantity"
+    )
+
+
+def _equations_at(recipe: Recipe, place: Sequence[float]) -> Equations:
+    loaded = recipe.scenario(place, "probe")
+    return Derived(loaded, build_subject(loaded)).equations
+
+
+def _identity(equations: Equations) -> tuple[str, ...]:
+    return (fingerprint(equations), *(table.digest for table in equations.tables))
 
 
 def _template(recipe: Recipe, values: Sequence[float]) -> LoadedScenario:
