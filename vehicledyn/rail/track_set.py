@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from abc import abstractmethod
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar, Literal
@@ -17,6 +18,9 @@ from vehicledyn.rail.track import CentreLine, RailShift, Track
 if TYPE_CHECKING:
     from vehicledyn.rail.track_alignment import Alignment
 
+_COUNT = re.compile(r"\d+ problems? in .*")
+"""The line that ends what is told of a file."""
+
 HEAD_WIDTH = 0.065
 """Width of a rail's head, which gives 1500 mm on standard gauge (EN 13803) [m]."""
 
@@ -25,7 +29,9 @@ STEEPEST_INCLINATION = 0.2
 
 
 class TrackChoice(ParameterSet):
-    """Base of all kinds of track."""
+    """Base of all kinds of track; ``names_files`` says whether it rests on further files."""
+
+    names_files: ClassVar[bool] = False
 
     in_equations: ClassVar[bool] = True
 
@@ -39,13 +45,17 @@ class TrackChoice(ParameterSet):
             If a file cannot be read or holds no track.
         """
 
-    def problems_beside(self, folder: Path) -> str:
-        """Return what is wrong with the files that it names, lines of ``file:line: ...``."""
+    def problems_beside(self, folder: Path) -> list[str]:
+        """Return what is wrong with the files that it names, one line each."""
+        rough = getattr(self, "irregularities", None)
+        if not self.names_files and not getattr(rough, "names_files", False):
+            return []
         try:
             self.track(folder)
         except InputError as error:
-            return str(error)
-        return ""
+            lines = str(error).splitlines()
+            return [line for line in lines if not _COUNT.fullmatch(line)]
+        return []
 
 
 class TrackSet(TrackChoice):
@@ -104,7 +114,9 @@ class TrackSet(TrackChoice):
 
 
 class IrregularitySet(ParameterSet):
-    """Base of the kinds of irregularities."""
+    """Base of the kinds of irregularities; ``names_files`` as with tracks."""
+
+    names_files: ClassVar[bool] = False
 
     @abstractmethod
     def shift(self, folder: Path) -> RailShift:

@@ -16,6 +16,7 @@ from vehicledyn.base.registry import find, kinds
 from vehicledyn.base.units import describe
 from vehicledyn.base.wording import UNKNOWN_KEY
 from vehicledyn.base.yaml import Document, read_yaml
+from vehicledyn.scenario.beside import beside
 from vehicledyn.scenario.checks import check_times
 from vehicledyn.scenario.merge import merge_parameters
 from vehicledyn.scenario.overrides import Change, apply_change, apply_override
@@ -107,6 +108,9 @@ def examine_scenario(
     problems += _unless_told(problems, wrong) + wrong_parameters + wrong_model
     problems += _unless_told(problems, unsuitable(data, written, sources))
     problems += check_times(data, scenario, sources)
+    if scenario is not None:
+        told = beside(scenario, path.parent)
+        problems += [sources.problem((name,), words) for name, words in told]
     if problems or scenario is None or (parameters is None and written is None):
         return None, problems
     resolved, units = as_plain(scenario), units_of(scenario)

@@ -39,6 +39,14 @@ class WrittenModel(Protocol):
         """Whether it can drive a manoeuvre."""
 
     @property
+    def needs_track(self) -> bool:
+        """Whether it runs on rails."""
+
+    @property
+    def has_track(self) -> bool:
+        """Whether its file says on which track."""
+
+    @property
     def resolved(self) -> dict[str, float]:
         """Parameters in SI by dotted name."""
 
@@ -90,6 +98,8 @@ def unsuitable(data: dict[str, Any], model: WrittenModel | None, sources: Source
         wrong = _lacking(data, (*_IN_MANOEUVRES, *needs_of(data.get("model"))))
         if data.get("initial"):
             wrong["initial"] = "only for system files; a vehicle starts straight ahead"
+        if data.get("track") is not None:
+            wrong["track"] = "only for system files that run on rails; leave this out"
     elif model is None:
         return []
     elif model.is_vehicle:
@@ -102,10 +112,22 @@ def unsuitable(data: dict[str, Any], model: WrittenModel | None, sources: Source
             wrong["manoeuvre"] = f"{model.path.name} has no section 'vehicle'; leave this out"
         if data.get("start") == "steady":
             wrong["start"] = "'steady' is for vehicles; take 'nominal' or 'static'"
+    if model is not None:
+        wrong |= _wrong_track(data, model)
     return [
         sources.problem((key,), words, at_key=data.get(key) is not None)
         for key, words in wrong.items()
     ]
+
+
+def _wrong_track(data: dict[str, Any], model: WrittenModel) -> dict[str, str]:
+    given = data.get("track") is not None
+    if given and not model.needs_track:
+        return {"track": f"{model.path.name} has nothing that runs on rails; leave this out"}
+    if not given and model.needs_track and not model.has_track:
+        text = f"{model.path.name} runs on rails; give it a track, such as 'kind: straight'"
+        return {"track": f"missing: {text}"}
+    return {}
 
 
 def needs_of(model: Any) -> tuple[str, ...]:

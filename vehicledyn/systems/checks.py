@@ -18,6 +18,7 @@ from vehicledyn.systems.joints import Coordinate
 from vehicledyn.systems.parameters import Parameters, is_name
 from vehicledyn.systems.sets import BodySet, Sections, SystemFile
 from vehicledyn.systems.structure_checks import structure_problems
+from vehicledyn.systems.track_frame import track_frame_problems
 from vehicledyn.systems.walk import Found, Reference, walk
 
 Problems = Iterator[tuple[Place, str]]
@@ -55,6 +56,7 @@ def check(file: SystemFile, coordinates: dict[str, Coordinate], parameters: Para
     yield from _switches(file, known)
     yield from _events(file, known)
     yield from _constraint_forces(file)
+    yield from track_frame_problems(file)
 
 
 class _Known:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any
 
 from vehicledyn.base.errors import InputError
@@ -18,6 +19,7 @@ from vehicledyn.multibody.parts import Part, Situation
 from vehicledyn.multibody.sensors import Accelerometer, BodySensor
 from vehicledyn.multibody.system import Body, Joint, System, Turn
 from vehicledyn.rail.track import Track
+from vehicledyn.rail.track_follower import TrackFollower
 from vehicledyn.rail.track_set import TrackChoice
 from vehicledyn.road.vehicle import Corner, RoadVehicle
 from vehicledyn.road.wheel import RoadWheel
@@ -44,6 +46,7 @@ from vehicledyn.systems.sets import (
     WheelSet,
     WrenchSet,
 )
+from vehicledyn.systems.track_frame import TrackFrameSet
 
 
 @dataclass(frozen=True)
@@ -137,6 +140,7 @@ class _Builder:
         self.table = ParameterTable()
         self.numbers = model.parameters.values
         self.symbols: dict[str, Any] = {}
+        self._track = choice.track
         for entry in model.parameters.entries:
             self.symbols[entry.name] = self._enter(entry)
 
@@ -152,6 +156,7 @@ class _Builder:
         """Return the system."""
         file = self.model.file
         parts = [
+            *self._track_frames(),
             *(self._drive(n, d) for n, d in file.drives.items()),
             *(self._link(n, link) for n, link in file.links.items()),
             *(self._bushing(n, b) for n, b in file.bushings.items()),
@@ -220,10 +225,10 @@ class _Builder:
         InputError
             If neither has one.
         """
-        if self.choice.track is not None:
-            return self.choice.track
-        if isinstance(self.model.file.track, TrackChoice):
-            return self.model.file.track.track(self.model.path.parent)
+        if self._track is None and isinstance(self.model.file.track, TrackChoice):
+            self._track = self.model.file.track.track(self.model.path.parent)
+        if self._track is not None:
+            return self._track
         raise InputError(
             f"{self.model.path}: track: missing: the system runs on rails, give it a track, or "
             "give one to the scenario"
@@ -284,6 +289,23 @@ class _Builder:
         if self.model.file.vehicle is not None:
             driven.add(self.model.file.vehicle.rack)
         return driven
+
+    def _track_frames(self) -> list[Part]:
+        return [
+            TrackFollower(
+                f"{name}.track_frame",
+                tuple(c.name for c in joint.coordinates(name)),
+                name,
+                self.track(),
+                partial(self._at_time, joint.position),
+            )
+            for name, body in self.model.file.bodies.items()
+            for joint in body.joints
+            if isinstance(joint, TrackFrameSet)
+        ]
+
+    def _at_time(self, expression: Expression, time: Any) -> Any:
+        return self.value(expression, time=time)
 
     def _drive(self, name: str, drive: DriveSet) -> Part:
         sign, law = -1.0 if drive.mirrored else 1.0, drive.law

@@ -13,6 +13,7 @@ from vehicledyn.base.problems import START, Place, Problem
 from vehicledyn.base.units import describe
 from vehicledyn.base.wording import UNKNOWN_KEY
 from vehicledyn.base.yaml import Document, read_yaml
+from vehicledyn.scenario.beside import beside
 from vehicledyn.scenario.sources import Sources
 from vehicledyn.systems import changes, load_kinds
 from vehicledyn.systems.checks import check
@@ -24,6 +25,7 @@ from vehicledyn.systems.parameters import Parameters, read_parameters
 from vehicledyn.systems.repeat import Expansion, expand
 from vehicledyn.systems.sets import Sections, SystemFile
 from vehicledyn.systems.structure_checks import given_twice
+from vehicledyn.systems.track_frame import runs_on_rails
 
 
 @dataclass(frozen=True)
@@ -57,6 +59,16 @@ class SystemModel:
     def is_vehicle(self) -> bool:
         """Whether it can drive a manoeuvre."""
         return self.file.vehicle is not None
+
+    @property
+    def needs_track(self) -> bool:
+        """Whether it runs on rails."""
+        return runs_on_rails(self.file)
+
+    @property
+    def has_track(self) -> bool:
+        """Whether it says on which track."""
+        return self.file.track is not None
 
     @property
     def resolved(self) -> dict[str, float]:
@@ -100,6 +112,7 @@ def read_system(
     coordinates = _coordinates(file)
     places = reading.places(file)
     laws = reading.motion(coordinates)
+    reading.look_beside(file, path.parent)
     if reading.problems:
         return None, _once(reading.problems)
     model = SystemModel(path, document.text, file, reading.parameters, coordinates, places, laws)
@@ -152,6 +165,11 @@ class _Reading:
                 found.setdefault(name, (section, name))
         rates = {name: ("initial", name) for name in file.initial if name not in found}
         return {name: self._problem(place, "") for name, place in (found | rates).items()}
+
+    def look_beside(self, file: SystemFile, folder: Path) -> None:
+        """Note what is wrong with the files that the parts of the file name."""
+        for name, words in beside(file, folder):
+            self._tell_one((name,), words)
 
     def motion(self, coordinates: dict[str, Coordinate]) -> dict[str, TimeLaw]:
         """Return the laws of the motion that a scenario prescribes."""

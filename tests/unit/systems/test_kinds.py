@@ -11,6 +11,7 @@ from vehicledyn.systems import load_kinds
 load_kinds()
 
 MASS = "mass: 2 kg, inertia: [0.3, 0.4, 0.5]"
+TRACK = "track: {kind: straight, gauge: 1 m, inclination: 0, rail: 60E1}\n"
 JOINTS = {
     **{kind: f"{{kind: {kind}, name: q}}" for kind in ("T1", "T2", "T3", "R1", "R2", "R3")},
     "turn": "{kind: turn, axis: 3, angle: 90 deg}, R2 q",
@@ -19,9 +20,10 @@ JOINTS = {
     "universal": "{kind: universal, axes: [3, 1]}",
     "cylindrical": "{kind: cylindrical, axis: 3}",
     "planar": "{kind: planar, normal: 2}",
+    "track_frame": "{kind: track_frame, position: 3 m/s * time}, R1 q",
 }
 COORDINATES = {
-    **{key: ["q"] for key in ("T1", "T2", "T3", "R1", "R2", "R3", "turn")},
+    **{key: ["q"] for key in ("T1", "T2", "T3", "R1", "R2", "R3", "turn", "track_frame")},
     "spherical": ["roll", "pitch", "yaw"],
     "free": ["x", "y", "z", "yaw", "pitch", "roll"],
     "universal": ["yaw", "roll"],
@@ -32,7 +34,7 @@ COORDINATES = {
 
 @pytest.mark.parametrize("kind", kinds("joint"))
 def test_joint(kind, tmp_path):
-    text = f"title: t\nbodies: {{b: {{joints: [{JOINTS[kind]}], {MASS}}}}}\n"
+    text = f"title: t\n{TRACK}bodies: {{b: {{joints: [{JOINTS[kind]}], {MASS}}}}}\n"
     e = equations(tmp_path, text)
     assert [e.states[k].name for k in e.positions] == [f"b.{n}" for n in COORDINATES[kind]]
 
