@@ -1,4 +1,4 @@
-"""Write validation.md and the figures beside this file: ``python reports/generate.py``.
+"""Write validation.md and the figures beside this file, for ``vehicledyn report --validation``.
 
 Everything shown is computed here and now by the modules in tests/validation/reference_cases,
 which the tests use too.
@@ -7,6 +7,7 @@ which the tests use too.
 from __future__ import annotations
 
 import sys
+from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -19,9 +20,9 @@ HEAD = """# Validation
 
 Version {version}. {count} comparisons, {failures} out of their band.
 
-This page and its figures are generated. To make them anew, with the package installed:
+This page and its figures are generated. To make them anew, in a clone of the repository:
 
-    python reports/generate.py
+    vehicledyn report --validation
 
 A reference is published data, an independent program, or a second way to the same result
 within this one; the source says which. Deviations far below their band are given as the decade
@@ -30,23 +31,28 @@ above them.
 COLUMNS = ("source", "quantity", "reference", "computed", "band", "verdict")
 
 
-def main() -> int:
-    """Write table and figures; return 1 if anything is out of its band."""
-    sys.path.insert(0, str(CASES))
-    sys.path.insert(0, str(HERE))
-    import pictures
+def compute(told: Callable[[str, float | None], None]) -> list[Group]:
+    """Return all comparisons, computed now; ``told`` hears what is going on."""
+    for folder in (CASES, HERE):
+        if str(folder) not in sys.path:
+            sys.path.insert(0, str(folder))
     from reference_cases.groups import GROUPS, computed
 
     groups = []
-    for name in GROUPS:
-        sys.stderr.write(f"computing {name}\n")
+    for place, name in enumerate(GROUPS):
+        told(f"computing {name}", place / len(GROUPS))
         groups.append(computed(name))
+    return groups
+
+
+def write(groups: list[Group]) -> Path:
+    """Write the table and draw the figures; return where the table is."""
+    import pictures
+
     pictures.draw_all(HERE / "figures")
-    (HERE / "validation.md").write_text(page(groups, pictures.CAPTIONS), encoding="utf-8")
-    failures = [row for group in groups for row in group.failures()]
-    for row in failures:
-        sys.stderr.write(f"out of its band: {row.quantity}: {row.computed}\n")
-    return 1 if failures else 0
+    target = HERE / "validation.md"
+    target.write_text(page(groups, pictures.CAPTIONS), encoding="utf-8")
+    return target
 
 
 def page(groups: list[Group], captions: dict[str, str]) -> str:
@@ -82,7 +88,3 @@ def cells(row: Comparison) -> tuple[str, ...]:
 
 def _line(texts: tuple[str, ...]) -> str:
     return f"| {' | '.join(texts)} |"
-
-
-if __name__ == "__main__":
-    raise SystemExit(main())

@@ -15,6 +15,7 @@ from vehicledyn.catalogue import counts
 _PACKAGES = (
     "casadi",
     "h5py",
+    "jinja2",
     "matplotlib",
     "numpy",
     "pandas",

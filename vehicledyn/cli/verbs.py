@@ -10,7 +10,7 @@ from typer.core import TyperGroup
 
 import vehicledyn
 from vehicledyn.base.errors import InputError, StoppedError
-from vehicledyn.cli import analyses, exports, files, hunt, linear, paths, rail, sweep
+from vehicledyn.cli import analyses, exports, files, hunt, linear, paths, rail, report, sweep
 from vehicledyn.cli.options import (
     Backend,
     BackendChoice,
@@ -161,3 +161,4 @@ paths.add_verbs(app)
 rail.add_verbs(app)
 sweep.add_verbs(app)
 hunt.add_verbs(app)
+report.add_verbs(app)

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from vehicledyn.results.figures import new_figure
-from vehicledyn.results.plot_style import LINE_STYLES, PALETTE, axis_label
+from vehicledyn.results.plot_style import LINE_STYLES, PALETTE, axis_label, plain
 from vehicledyn.results.response_table import ResponseTable, ratio_unit
 
 if TYPE_CHECKING:
@@ -37,7 +37,7 @@ def _figure(table: ResponseTable, output: int, inputs: list[int]) -> Figure:
         style = {
             "color": PALETTE[number % len(PALETTE)],
             "linestyle": LINE_STYLES[number % len(LINE_STYLES)],
-            "label": table.inputs[i].name,
+            "label": plain(table.inputs[i].name),
         }
         size = np.where(magnitudes[:, i, output] > 0.0, magnitudes[:, i, output], np.nan)
         upper.plot(table.frequency, size, **style)
@@ -60,7 +60,7 @@ def _figure(table: ResponseTable, output: int, inputs: list[int]) -> Figure:
     figure.align_ylabels((upper, lower))
     given = table.inputs[inputs[0]].name if len(inputs) == 1 else "the inputs"
     speed = f" at {table.speed:g} m/s" if table.speed else ""
-    title = f"{target.name} by {given}{speed}"
+    title = plain(f"{target.name} by {given}{speed}")
     figure.suptitle(title, fontsize=10.5, fontweight="bold", x=0.01, ha="left")
-    figure.supxlabel(table.title, fontsize=6.5, color="0.45", x=0.99, ha="right")
+    figure.supxlabel(plain(table.title), fontsize=6.5, color="0.45", x=0.99, ha="right")
     return figure

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from vehicledyn.results.contact_table import SIDES, ContactTable
-from vehicledyn.results.plot_style import BLUE, VERMILION, WIDTH, axis_label
+from vehicledyn.results.plot_style import BLUE, VERMILION, WIDTH, axis_label, plain
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -98,4 +98,4 @@ def _draw_geometry(table: ContactTable) -> Figure:
 
 
 def _entitle(figure: Figure, table: ContactTable) -> None:
-    figure.suptitle(table.title, fontsize=10.5, fontweight="bold", x=0.01, ha="left")
+    figure.suptitle(plain(table.title), fontsize=10.5, fontweight="bold", x=0.01, ha="left")

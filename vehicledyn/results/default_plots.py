@@ -18,7 +18,7 @@ def default_plots(result: Result) -> tuple[Plot, ...]:
     """
     quantities: dict[tuple[str, str], list[str]] = {}
     for name in result.channels:
-        key = (result.channel(name).unit, name.rsplit(".", 1)[-1])
+        key = (result.facts(name)[0], name.rsplit(".", 1)[-1])
         quantities.setdefault(key, []).append(name)
     by_unit: dict[str, list[Panel]] = {}
     for (unit, word), names in quantities.items():

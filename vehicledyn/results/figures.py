@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from vehicledyn.results.arrangement import arranged
 from vehicledyn.results.path_figure import draw_path
 from vehicledyn.results.plot_description import Panel, PathPlot, Plot, TimePlot, unit_factor
-from vehicledyn.results.plot_style import LINE_STYLES, PALETTE, WIDTH, axis_label
+from vehicledyn.results.plot_style import LINE_STYLES, PALETTE, WIDTH, axis_label, plain
 from vehicledyn.results.reader import Result
 
 if TYPE_CHECKING:
@@ -21,6 +21,7 @@ Floats = NDArray[np.float64]
 
 PANEL_HEIGHT = 1.75  # inch
 HEADING_HEIGHT = 0.95  # inch: title, time axis and footer
+LONGEST_FOOTER = 160  # characters
 ROUNDING = 1e-9  # of the values' size, at least of 1 in the unit shown
 
 
@@ -90,7 +91,7 @@ def _draw_panel(axes: Axes, result: Result, panel: Panel, across: Floats, *, nam
             "linestyle": LINE_STYLES[index % len(LINE_STYLES)],
         }
         values = series.values * unit_factor(series.unit, panel.unit)
-        axes.plot(*_in_order(across, values), label=label, **style)
+        axes.plot(*_in_order(across, values), label=plain(label), **style)
     _keep_rounding_small(axes)
     axes.set_ylabel(axis_label(panel.label, panel.unit))
     if len(across) > 1 and np.ptp(across) > 0.0:
@@ -110,9 +111,11 @@ def _keep_rounding_small(axes: Axes) -> None:
 
 
 def _title(result: Result, plot: Plot) -> str:
-    return plot.title if result.is_whole else f"{plot.title}\n({result.state_of_run})"
+    title = plain(plot.title)
+    return title if result.is_whole else f"{title}\n({plain(result.state_of_run)})"
 
 
 def _origin(result: Result) -> str:
     model = f"{result.model} {result.model_hash[:12]}".strip()
-    return f"{result.title}   |   {model}   |   vehicledyn {result.program_version}"
+    text = f"{result.title}   |   {model}   |   vehicledyn {result.program_version}"
+    return plain(text, LONGEST_FOOTER)

@@ -9,7 +9,7 @@ import numpy as np
 
 from vehicledyn.results.figures import new_figure
 from vehicledyn.results.hunt_table import CycleRow, HuntTable
-from vehicledyn.results.plot_style import BLUE, GREEN, PALETTE, VERMILION, axis_label
+from vehicledyn.results.plot_style import BLUE, GREEN, PALETTE, VERMILION, axis_label, plain
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -140,4 +140,4 @@ def _motion(table: HuntTable) -> Figure:
 def _entitle(figure: Figure, title: str, table: HuntTable) -> None:
     state = "" if table.status == "ok" else f" ({table.status})"
     figure.suptitle(title + state, fontsize=10.5, fontweight="bold", x=0.01, ha="left")
-    figure.supxlabel(table.title, fontsize=6.5, color="0.45", x=0.99, ha="right")
+    figure.supxlabel(plain(table.title), fontsize=6.5, color="0.45", x=0.99, ha="right")

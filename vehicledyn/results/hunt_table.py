@@ -21,6 +21,15 @@ from vehicledyn.results.linear_file import (
 )
 
 FORMAT = "vehicledyn-hunt"
+FIGURE_MEANINGS = {
+    "linear_critical": "linear critical value (an oscillation begins to grow)",
+    "linear_critical_frequency": "its frequency",
+    "nonlinear_critical": "non-linear critical value (lowest stable limit cycle)",
+    "simulated_lowering": "the same by simulation, lowered step by step",
+    "simulated_raising": "linear one by simulation, a small disturbance grows",
+    "largest_difference_amplitude": "largest difference of amplitude, simulated",
+    "largest_difference_period": "largest difference of period, simulated",
+}
 
 
 @dataclass(frozen=True)
@@ -73,6 +82,12 @@ class HuntTable:
     def branch(self, number: int) -> list[CycleRow]:
         """Return the cycles of a branch, in its order."""
         return [row for row in self.cycles if row.branch == number]
+
+    def figure_unit(self, name: str) -> str:
+        """Return the unit of a critical value."""
+        if name.startswith("largest_difference"):
+            return "1"
+        return "Hz" if name.endswith("frequency") else self.parameter.unit
 
     @property
     def branches(self) -> list[int]:

@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, astuple, dataclass
 from pathlib import Path
 from typing import Any
-
-import numpy as np
 
 from vehicledyn.base.units import shown
 from vehicledyn.results.layout import EventRecord, SummaryEntry
@@ -131,30 +129,24 @@ def describe_result(path: str | Path) -> ResultDescription:
             created=result.created,
             program_version=result.program_version,
             versions=result.versions,
-            samples=len(result.time),
+            samples=result.samples,
             timed=result.is_timed,
             start=float(result.time[0]) if len(result.time) else None,
             end=float(result.time[-1]) if len(result.time) else None,
             summary=tuple(result.summary.values()),
-            channels=tuple(_range(result, name) for name in result.channels),
-            states=len(result.states.names),
+            channels=channel_ranges(result),
+            states=len(result.state_names),
             solver=result.solver,
             plots=tuple(str(plot.get("name", "?")) for plot in result.plots),
             events=tuple(result.events),
         )
 
 
-def _range(result: Result, name: str) -> ChannelRange:
-    series = result.channel(name)
-    finite = series.values[np.isfinite(series.values)]
-    return ChannelRange(
-        name=name,
-        unit=series.unit,
-        description=series.description,
-        frame=series.frame,
-        smallest=float(finite.min()) if finite.size else None,
-        largest=float(finite.max()) if finite.size else None,
-        not_finite=int(series.values.size - finite.size),
+def channel_ranges(result: Result) -> tuple[ChannelRange, ...]:
+    """Return what the channels of a result mean and their ranges over all samples."""
+    return tuple(
+        ChannelRange(name, *result.facts(name), *astuple(result.range(name)))
+        for name in result.channels
     )
 
 

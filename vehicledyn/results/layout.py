@@ -9,7 +9,7 @@ The file is NetCDF-4 compatible HDF5::
     /states/value        (n_times, n_states), with /states/name and /states/units
     /events/at, name     instants [s] and names of events
     /summary/...         scalars or texts with units and long_name
-    /scenario/text, configuration
+    /scenario/text, configuration, sources (JSON), notes (texts)
     /solver, /versions   attributes
     /plots/descriptions  JSON
     /scene/...           static data such as cones
@@ -114,7 +114,8 @@ class ResultHeader:
     """What is known of a run before it starts.
 
     ``configuration`` is the resolved scenario and ``plots`` the plot descriptions, both
-    plain data that JSON can hold; ``versions`` adds to the packages' own versions. ``axis``
+    plain data that JSON can hold; ``sources`` say of each part used its "part", what it "does"
+    and its "source"; ``versions`` adds to the packages' own versions. ``axis``
     describes the dataset "time" where the samples are not taken in time.
     """
 
@@ -126,6 +127,7 @@ class ResultHeader:
     plots: Sequence[Mapping[str, Any]] = ()
     scene: Mapping[str, SceneItem] = field(default_factory=dict)
     versions: Mapping[str, str] = field(default_factory=dict)
+    sources: Sequence[Mapping[str, str]] = ()
     axis: Axis = field(default_factory=Axis)
 
 

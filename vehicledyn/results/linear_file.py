@@ -19,6 +19,7 @@ import numpy as np
 import vehicledyn
 from vehicledyn.base.errors import InputError
 from vehicledyn.results.layout import clean_text
+from vehicledyn.results.opening import open_file
 from vehicledyn.results.output import check_output, write_failed
 from vehicledyn.results.sections import write_attributes
 
@@ -87,9 +88,9 @@ def old_file(path: Path, kind: str) -> Iterator[h5py.File]:
 def format_of(path: Path) -> str:
     """Return the format that an HDF5 file names, empty if it names none or is none."""
     try:
-        with h5py.File(path, "r", swmr=True) as file:
+        with open_file(path) as file:
             return str(file.attrs.get("format", ""))
-    except (OSError, RuntimeError, ValueError):
+    except (InputError, OSError, RuntimeError, ValueError):
         return ""
 
 

@@ -124,7 +124,7 @@ def draw_linear(
     import matplotlib
 
     with matplotlib.rc_context(STYLE):
-        figures = dict(_figures(path))
+        figures = dict(linear_figures(path))
     for name in names or ():
         if name not in figures:
             raise InputError(f"{path}: {unknown_name('figure', name, figures)}")
@@ -132,7 +132,8 @@ def draw_linear(
     return save_figures(chosen, folder, formats)
 
 
-def _figures(path: Path) -> Iterator[tuple[str, Figure]]:
+def linear_figures(path: Path) -> Iterator[tuple[str, Figure]]:
+    """Yield name and figure of all there is to draw of such a file."""
     if format_of(path) == mode_table.FORMAT:
         yield from mode_figures(mode_table.read_modes(path))
     elif format_of(path) == hunt_table.FORMAT:

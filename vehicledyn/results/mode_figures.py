@@ -9,7 +9,7 @@ import numpy as np
 
 from vehicledyn.results.figures import new_figure
 from vehicledyn.results.mode_table import ModeCase, ModeTable
-from vehicledyn.results.plot_style import BLUE, PALETTE, VERMILION, axis_label
+from vehicledyn.results.plot_style import BLUE, PALETTE, VERMILION, axis_label, plain
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -103,4 +103,4 @@ def _mode_words(case: ModeCase, mode: int) -> str:
 
 def _entitle(figure: Figure, title: str, table: ModeTable) -> None:
     figure.suptitle(title, fontsize=10.5, fontweight="bold", x=0.01, ha="left")
-    figure.supxlabel(table.title, fontsize=6.5, color="0.45", x=0.99, ha="right")
+    figure.supxlabel(plain(table.title), fontsize=6.5, color="0.45", x=0.99, ha="right")

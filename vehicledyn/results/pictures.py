@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+import contextlib
+import warnings
+from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -55,7 +57,8 @@ def settle(figure: Figure) -> None:
     engine = figure.get_layout_engine()
     if engine is None:
         return
-    engine.execute(figure)
+    with signs_may_be_missing():
+        engine.execute(figure)
     figure.set_layout_engine("none")
     for axes in figure.axes:
         left, bottom, width, height = axes.get_position(original=True).bounds
@@ -65,10 +68,19 @@ def settle(figure: Figure) -> None:
 def save(figure: Figure, target: Path, kind: str) -> Path:
     """Save a figure and return where; an InputError says why it cannot be written."""
     try:
-        figure.savefig(target, format=kind, metadata=METADATA[kind])
+        with signs_may_be_missing():
+            figure.savefig(target, format=kind, metadata=METADATA[kind])
     except OSError as error:
         raise write_failed(target, error) from error
     return target
+
+
+@contextlib.contextmanager
+def signs_may_be_missing() -> Iterator[None]:
+    """Draw signs that the font lacks, in titles of users, as boxes and without a warning."""
+    with warnings.catch_warnings():
+        warnings.filterwarnings("ignore", message="Glyph .* missing from")
+        yield
 
 
 def made_folder(folder: Path) -> Path:

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from typing import Any
 
+LONGEST_TEXT = 120  # characters of a title or label
 WIDTH = 6.6  # inch, the text width of an A4 report
 BLUE, VERMILION, GREEN, ORANGE = "#0072B2", "#D55E00", "#009E73", "#E69F00"
 PALETTE = (BLUE, VERMILION, GREEN, "#CC79A7", ORANGE, "#56B4E9", "#000000")
@@ -38,6 +39,16 @@ STYLE: dict[str, Any] = {
 _SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
 
+def plain(text: str, most: int = LONGEST_TEXT) -> str:
+    r"""Return a text of a file for a picture: cut if it is long, its dollars no formulas.
+
+    >>> plain("costs $5")
+    'costs \\$5'
+    """
+    shown = text if len(text) <= most else f"{text[: most - 1]}…"
+    return shown.replace("$", r"\$")
+
+
 def axis_label(quantity: str, unit: str) -> str:
     """Return the label of an axis: quantity and unit.
 
@@ -49,4 +60,4 @@ def axis_label(quantity: str, unit: str) -> str:
     for power in powers:
         digits = power[: len(power) - len(power.lstrip("-0123456789"))]
         shown += digits.translate(_SUPERSCRIPTS) + power[len(digits) :]
-    return f"{quantity} [{'–' if unit in ('', '1') else shown}]"
+    return plain(f"{quantity} [{'–' if unit in ('', '1') else shown}]")

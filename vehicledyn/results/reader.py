@@ -15,7 +15,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vehicledyn.base.errors import InputError, unknown_name
-from vehicledyn.results import superblock
 from vehicledyn.results.animation import GROUP, Animation, read_animation
 from vehicledyn.results.layout import (
     FORMAT,
@@ -26,7 +25,9 @@ from vehicledyn.results.layout import (
     SummaryEntry,
     dataset_path,
 )
+from vehicledyn.results.opening import is_concurrent, open_file
 from vehicledyn.results.output import is_being_written
+from vehicledyn.results.thinning import ColumnRange, column_range, promises_too_much, thinned
 
 if TYPE_CHECKING:
     import pandas
@@ -54,10 +55,12 @@ class StateTable:
     values: Floats
 
 
-def open_result(path: str | Path) -> Result:
+def open_result(path: str | Path, most: int | None = None) -> Result:
     """Open a result file for reading; use the result in a ``with`` statement.
 
-    A file that is still being written shows the samples it had when it was opened.
+    A file that is still being written shows the samples it had when it was opened. Of a file
+    with more than ``most`` samples the times and channels are thinned to their envelope, which
+    keeps memory bounded; see :class:`vehicledyn.results.thinning.Thinning`.
 
     Raises
     ------
@@ -67,9 +70,9 @@ def open_result(path: str | Path) -> Result:
     place = Path(path)
     concurrent = is_concurrent(place)
     with reading(place):
-        file = h5py.File(place, "r", swmr=concurrent)
+        file = open_file(place)
     try:
-        return Result(place, file, closed=not concurrent)
+        return Result(place, file, closed=not concurrent, most=most)
     except InputError:
         file.close()
         raise
@@ -88,13 +91,17 @@ class Result:
         Why the run ended, if not as planned.
     channels
         Names of the channels in the order of the model.
+    samples, block
+        Number of samples in the file, and of how many of them two are shown (1: all are).
     time
         Times of the samples, shape (n_times,) [s]; their numbers where ``is_timed`` is false.
     is_timed
         Whether the samples were taken in time.
     """
 
-    def __init__(self, path: Path, file: h5py.File, *, closed: bool) -> None:
+    def __init__(
+        self, path: Path, file: h5py.File, *, closed: bool, most: int | None = None
+    ) -> None:
         self.path = path
         self._file = file
         with reading(path):
@@ -107,7 +114,11 @@ class Result:
             self.status = str(file.attrs["status"])
             self.status_message = str(file.attrs["status_message"])
             self.channels = tuple(str(name) for name in file.attrs["channels"])
-            self.time = np.asarray(file["time"][()], dtype=float)
+            self.samples = int(file["time"].shape[0])
+            self._refuse_promises()
+            self._thinning = thinned(self.samples, most)
+            self.block = self._thinning.block
+            self.time = self._thinning.times(file["time"])
             self.is_timed = str(file["time"].attrs.get("units", "s")) == "s"
             self._check_lengths(closed)
         if self.status not in STATUSES:
@@ -144,14 +155,21 @@ class Result:
         """
         self.require(name)
         with reading(self.path):
-            dataset = self._file[dataset_path(name)]
-            return Series(
-                name=name,
-                values=np.asarray(dataset[: len(self.time)], dtype=float),
-                unit=str(dataset.attrs["units"]),
-                description=str(dataset.attrs["long_name"]),
-                frame=str(dataset.attrs.get("frame", "")),
-            )
+            values = self._thinning.values(self._file[dataset_path(name)])
+        return Series(name, values, *self.facts(name))
+
+    def facts(self, name: str) -> tuple[str, str, str]:
+        """Return unit, meaning and frame of a channel."""
+        self.require(name)
+        with reading(self.path):
+            known = self._file[dataset_path(name)].attrs
+            return str(known["units"]), str(known["long_name"]), str(known.get("frame", ""))
+
+    def range(self, name: str) -> ColumnRange:
+        """Return the range of a channel over all samples, thinned or not."""
+        self.require(name)
+        with reading(self.path):
+            return column_range(self._file[dataset_path(name)], self.samples)
 
     def require(self, name: str) -> None:
         """Raise an InputError unless the file has this channel."""
@@ -171,12 +189,18 @@ class Result:
         with reading(self.path):
             group = self._file["states"]
             if "value" not in group:
-                return StateTable((), (), np.empty((len(self.time), 0)))
+                return StateTable((), (), np.empty((self.samples, 0)))
             return StateTable(
                 names=_texts(group["name"]),
                 units=_texts(group["units"]),
-                values=np.asarray(group["value"][: len(self.time)], dtype=float),
+                values=np.asarray(group["value"][: self.samples], dtype=float),
             )
+
+    @property
+    def state_names(self) -> tuple[str, ...]:
+        """Names of states and algebraic unknowns."""
+        with reading(self.path):
+            return _texts(self._file["states/name"]) if "states/name" in self._file else ()
 
     @property
     def events(self) -> tuple[EventRecord, ...]:
@@ -213,6 +237,20 @@ class Result:
     def scenario_text(self) -> str:
         """Text of the scenario file, as it was run."""
         return self._text("scenario/text")
+
+    @property
+    def sources(self) -> list[dict[str, str]]:
+        """Parts that were used, what they do and where they come from; empty in older files."""
+        with reading(self.path):
+            known = "scenario/sources" in self._file
+        return list(self._json("scenario/sources")) if known else []
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """What the run told its user, such as warnings."""
+        with reading(self.path):
+            group = self._file["scenario"]
+            return _texts(group["notes"]) if "notes" in group else ()
 
     @property
     def configuration(self) -> dict[str, Any]:
@@ -274,10 +312,19 @@ class Result:
     def _check_lengths(self, closed: bool) -> None:
         for name in self.channels:
             length = self._file[dataset_path(name)].shape[0]
-            if length < len(self.time) or (closed and length != len(self.time)):
+            if length < self.samples or (closed and length != self.samples):
                 raise InputError(
                     f"{self.path}: is damaged: {length} samples of {name}, "
-                    f"but {len(self.time)} of time; run it again"
+                    f"but {self.samples} of time; run it again"
+                )
+
+    def _refuse_promises(self) -> None:
+        """Refuse files that say to hold far more than they do, before anything is read."""
+        for name in ("time", *self.channels):
+            if promises_too_much(self._file[dataset_path(name)]):
+                raise InputError(
+                    f"{self.path}: is damaged: says to hold {self.samples} samples, but they "
+                    "are not in the file; run it again"
                 )
 
     def _attributes(self, place: str) -> dict[str, Any]:
@@ -292,20 +339,6 @@ class Result:
         text = self._text(place)
         with reading(self.path):
             return json.loads(text)
-
-
-def is_concurrent(path: Path) -> bool:
-    """Return whether the file was opened for writing with readers and never closed."""
-    try:
-        with path.open("rb") as file:
-            start = file.read(superblock.SIZE)
-    except FileNotFoundError:
-        raise InputError(f"{path}: no such file") from None
-    except OSError as error:
-        raise InputError(f"{path}: cannot be read: {error.strerror}") from error
-    if not start.startswith(superblock.SIGNATURE):
-        raise InputError(f"{path}: is not an HDF5 file; give a result of 'vehicledyn run'")
-    return superblock.is_open_with_readers(start)
 
 
 @contextlib.contextmanager

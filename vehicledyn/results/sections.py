@@ -51,6 +51,8 @@ def write_header(file: h5py.File, header: ResultHeader) -> None:
     _write_text(file, "scenario/text", header.scenario_text)
     configuration = json.dumps(header.configuration, default=str, ensure_ascii=False)
     _write_text(file, "scenario/configuration", configuration)
+    sources = [dict(source) for source in header.sources]
+    _write_text(file, "scenario/sources", json.dumps(sources, ensure_ascii=False))
     plots = [dict(plot) for plot in header.plots]
     _write_text(file, "plots/descriptions", json.dumps(plots, ensure_ascii=False))
     scene = file.create_group("scene", track_order=True)
@@ -139,6 +141,12 @@ def write_events(group: h5py.Group, events: Sequence[EventRecord]) -> None:
     instants.make_scale("at")
     names = _write_texts(group, "name", (event.name for event in events))
     names.dims[0].attach_scale(instants)
+
+
+def write_notes(group: h5py.Group, notes: Sequence[str]) -> None:
+    """Write what the run told its user."""
+    if notes:
+        _write_texts(group, "notes", notes)
 
 
 def write_names(place: h5py.Group, attribute_name: str, names: Sequence[str]) -> None:

@@ -17,7 +17,7 @@ import numpy as np
 from vehicledyn.base.errors import InputError, unknown_name
 from vehicledyn.base.units import parse_unit
 from vehicledyn.results.pictures import check_formats, save_figures
-from vehicledyn.results.plot_style import BLUE, STYLE, VERMILION, WIDTH, axis_label
+from vehicledyn.results.plot_style import BLUE, STYLE, VERMILION, WIDTH, axis_label, plain
 from vehicledyn.results.study_layout import DONE, ENDED
 from vehicledyn.results.study_reader import StudyFile, open_study
 
@@ -28,6 +28,9 @@ NAMES = ("distributions", "effects", "channels")
 MOST_PANELS = 12
 MOST_CASES = 500
 """Cases whose samples are read for the bands of the channels."""
+
+MOST_VALUES = 10_000_000
+"""Samples that are read for them; of more only every so many-th."""
 
 _FEWEST = 3
 _ROUNDING = 1e-12
@@ -55,13 +58,14 @@ def draw_study(
         if name not in NAMES:
             raise InputError(f"{path}: {unknown_name('figure', name, NAMES)}")
     with open_study(path) as file, matplotlib.rc_context(STYLE):
-        figures = [(n, f) for n, f in _figures(file) if names is None or n in names]
+        figures = [(n, f) for n, f in study_figures(file) if names is None or n in names]
     if not figures:
         raise InputError(f"{path}: holds nothing to draw yet ({file.state})")
     return save_figures(figures, folder, formats)
 
 
-def _figures(file: StudyFile) -> Iterator[tuple[str, Figure]]:
+def study_figures(file: StudyFile) -> Iterator[tuple[str, Figure]]:
+    """Yield name and figure of all there is to draw of a study."""
     status = file.case_status()
     good = np.flatnonzero((status == DONE) | (status == ENDED))
     values = {name: file.figure(name)[good] for name in file.figures}
@@ -114,7 +118,7 @@ def _grid(count: int, title: str, *, share_x: bool = False) -> tuple[Figure, lis
 
 def _title(file: StudyFile, what: str) -> str:
     state = "" if file.is_whole else f" ({file.state})"
-    return f"{file.title}: {what}{state}"
+    return f"{plain(file.title)}: {what}{plain(state)}"
 
 
 def _distributions(file: StudyFile, values: dict[str, Any]) -> Figure:
@@ -140,7 +144,7 @@ def _effects(file: StudyFile, values: dict[str, Any], axes_values: dict[str, Any
     axes = figure.subplots()
     image = axes.imshow(table.T, cmap="RdBu_r", vmin=-1.0, vmax=1.0, aspect="auto")
     axes.grid(visible=False)
-    axes.set_yticks(range(len(names)), names)
+    axes.set_yticks(range(len(names)), [plain(n) for n in names])
     axes.set_xticks(range(len(values)), [_words(n) for n in values], rotation=35, ha="right")
     figure.colorbar(image, label="Rank correlation [–]")
     figure.suptitle(_title(file, "main effects"), fontsize=9.0)
@@ -151,15 +155,16 @@ def _channels(file: StudyFile, good: Any) -> Figure:
     step = max(1, -(-len(good) // MOST_CASES))
     chosen = good[::step]
     channels = file.channels[:MOST_PANELS]
+    every = max(1, -(-len(chosen) * len(file.times) * len(channels) // MOST_VALUES))
     what = f"{_BAND[1]:g} % and {_BAND[0]:g}–{_BAND[2]:g} % of {len(chosen)} cases"
     figure, grid = _grid(len(channels), _title(file, what), share_x=True)
-    samples = np.stack([file.samples(int(case))[:, : len(channels)] for case in chosen])
+    samples = np.stack([file.samples(int(case), every, len(channels)) for case in chosen])
     for number, (axes, channel) in enumerate(zip(grid, channels, strict=True)):
         factor, unit = _scale(channel.unit)
         values = samples[:, :, number] * factor
         reached = np.isfinite(values).any(axis=0)
         low, middle, high = np.nanpercentile(values[:, reached], _BAND, axis=0)
-        times = file.times[reached]
+        times = file.times[::every][reached]
         axes.fill_between(times, low, high, color=BLUE, alpha=0.25, linewidth=0.0)
         axes.plot(times, middle, color=VERMILION)
         axes.set_ylabel(axis_label(channel.name, unit), fontsize=7.0)
@@ -174,4 +179,4 @@ def _scale(unit: str) -> tuple[float, str]:
 
 
 def _words(name: str) -> str:
-    return name.replace("_", " ").capitalize()
+    return plain(name.replace("_", " ").capitalize())

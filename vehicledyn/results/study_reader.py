@@ -14,8 +14,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vehicledyn.base.errors import InputError, unknown_name
+from vehicledyn.results.opening import open_file
 from vehicledyn.results.output import is_being_written
-from vehicledyn.results.reader import is_concurrent, reading
+from vehicledyn.results.reader import reading
 from vehicledyn.results.study_layout import (
     DONE,
     ENDED,
@@ -45,7 +46,7 @@ class FigureColumn:
 def is_study_file(path: Path) -> bool:
     """Return whether a file is one of a study; what cannot be read is none."""
     try:
-        with h5py.File(path, "r", swmr=is_concurrent(path)) as file:
+        with open_file(path) as file:
             return bool(file.attrs.get("format") == FORMAT)
     except (InputError, OSError, RuntimeError, KeyError):
         return False
@@ -61,7 +62,7 @@ def open_study(path: str | Path) -> StudyFile:
     """
     place = Path(path)
     with reading(place):
-        file = h5py.File(place, "r", swmr=is_concurrent(place))
+        file = open_file(place)
     try:
         return StudyFile(place, file)
     except InputError:
@@ -163,12 +164,15 @@ class StudyFile:
         with reading(self.path):
             return _texts(self._file["figures/text"][:, column])
 
-    def samples(self, case: int) -> NDArray[Any]:
-        """Return the samples of a case, shape (n_samples, n_channels)."""
+    def samples(self, case: int, every: int = 1, most: int | None = None) -> NDArray[Any]:
+        """Return the samples of a case, shape (n_samples, n_channels).
+
+        If asked for, only one of ``every`` so many samples, and the first ``most`` channels.
+        """
         with reading(self.path):
             if "samples" not in self._file:
-                return np.empty((len(self.times), 0))
-            return np.asarray(self._file["samples"][case])
+                return np.empty((len(self.times[::every]), 0))
+            return np.asarray(self._file["samples"][case, ::every, :most])
 
     def channel(self, name: str, cases: Any = slice(None)) -> NDArray[Any]:
         """Return a channel of some cases (a slice or rising numbers), shape (n, n_samples)."""

@@ -146,6 +146,7 @@ class ResultWriter:
         solver: Mapping[str, Any] | None = None,
         events: Sequence[EventRecord] = (),
         ground: Floats | None = None,
+        notes: Sequence[str] = (),
     ) -> None:
         """Write what is left and give the file its final status; closing twice does nothing.
 
@@ -163,6 +164,8 @@ class ResultWriter:
             Events in the order in which they happened.
         ground
             Surface of uneven ground for the animation, shape (rows, columns, 3) [m].
+        notes
+            What the user was told, such as warnings.
 
         Raises
         ------
@@ -186,6 +189,7 @@ class ResultWriter:
             sections.write_events(finished.file["events"], events)
             if ground is not None and GROUP in finished.file:
                 write_ground(finished.file[GROUP], ground)
+            sections.write_notes(finished.file["scenario"], notes)
             finished.close()
             self._scratch.replace(self.path)
         except (OSError, RuntimeError) as error:

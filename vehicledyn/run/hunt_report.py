@@ -6,19 +6,9 @@ from dataclasses import dataclass
 from typing import Any
 
 from vehicledyn.base.units import shown
-from vehicledyn.results.hunt_table import CycleRow, HuntTable
+from vehicledyn.results.hunt_table import FIGURE_MEANINGS, CycleRow, HuntTable
 
 _MOST_ROWS = 24
-_WORDS = {
-    "linear_critical": "linear critical value (an oscillation begins to grow)",
-    "linear_critical_frequency": "its frequency",
-    "nonlinear_critical": "non-linear critical value (lowest stable limit cycle)",
-    "simulated_lowering": "the same by simulation, lowered step by step",
-    "simulated_raising": "linear one by simulation, a small disturbance grows",
-    "largest_difference_amplitude": "largest difference of amplitude, simulated",
-    "largest_difference_period": "largest difference of period, simulated",
-}
-_PARTS = ("largest_difference_amplitude", "largest_difference_period")
 
 
 @dataclass(frozen=True)
@@ -37,7 +27,9 @@ class HuntReport:
             first, last = (shown(float(t.locus_values[k]), t.parameter.unit) for k in (0, -1))
             span = f" from {first} to {last}"
         lines = [f"{t.model}: {t.parameter.name}{span}"]
-        known = [(words, self._value(key)) for key, words in _WORDS.items() if key in t.figures]
+        known = [
+            (words, self._value(key)) for key, words in FIGURE_MEANINGS.items() if key in t.figures
+        ]
         lines += [f"  {words:56} {value}" for words, value in known]
         if "linear_critical" not in t.figures:
             lines.append("  no oscillation begins to grow in this range")
@@ -67,10 +59,8 @@ class HuntReport:
         }
 
     def _value(self, key: str) -> str:
-        value = self.table.figures[key]
-        if key in _PARTS:
-            return f"{100.0 * value:.3g} %"
-        return shown(value, "Hz" if key.endswith("frequency") else self.table.parameter.unit)
+        value, unit = self.table.figures[key], self.table.figure_unit(key)
+        return f"{100.0 * value:.3g} %" if unit == "1" else shown(value, unit)
 
     def _cycle(self, row: CycleRow) -> dict[str, Any]:
         return {

@@ -29,6 +29,7 @@ from vehicledyn.run.resisted import (
     hardly_resisted,
     redundant_constraints,
 )
+from vehicledyn.run.sources import sources_of
 from vehicledyn.run.watched import simulate_watched
 from vehicledyn.scenario import LoadedScenario
 from vehicledyn.solve.kernel import Backend
@@ -107,12 +108,12 @@ def run_scenario(
     if loaded.scenario.output.animation:
         names = [channel.name for channel in prepared.equations.channels]
         recorder = Recorder.of(prepared.look, names, loaded.scenario.output.interval)
-    run = _Run(loaded, prepared, kept, _needed_channels(prepared), described, recorder)
-    run.simulate(start, output, progress)
-    messages = [_kernel_message(prepared), *redundant_constraints(prepared)]
+    notes = redundant_constraints(prepared)
     if loaded.scenario.start in (None, "nominal"):
-        messages.extend(moved_starts(prepared, start))
-    messages.extend(run.messages)
+        notes.extend(moved_starts(prepared, start))
+    run = _Run(loaded, prepared, kept, _needed_channels(prepared), described, recorder, notes)
+    run.simulate(start, output, progress)
+    messages = [_kernel_message(prepared), *notes, *run.messages]
     if plots is not None and run.samples and described:
         progress("drawing the figures", None)
         messages.append(_draw(output, plots))
@@ -141,6 +142,7 @@ class _Run:
     needed: list[int]
     plots: list[dict[str, Any]]
     recorder: Recorder | None
+    notes: list[str]
     status: str = "ok"
     exit_code: int = EXIT_OK
     samples: int = 0
@@ -187,6 +189,7 @@ class _Run:
                 solver=self._solver(statistics),
                 events=self.events,
                 ground=None if self.recorder is None else self._ground(self.recorder),
+                notes=self.notes,
             )
         if ending:
             self.messages.append(ending)
@@ -210,6 +213,7 @@ class _Run:
             },
             plots=self.plots,
             scene=self.prepared.subject.scene(),
+            sources=sources_of(self.loaded),
         )
         return ResultWriter(
             output,

@@ -1,0 +1,78 @@
+"""The verb "report": pages for people to look at, and the validation table."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from vehicledyn.base.errors import InputError
+from vehicledyn.cli.options import Quiet
+from vehicledyn.cli.terminal import emit, show_progress, tell
+
+if TYPE_CHECKING:
+    from vehicledyn.cli.terminal import Progress
+
+
+def add_verbs(app: typer.Typer) -> None:
+    """Add the verb of this module to the command line."""
+    app.command()(report)
+
+
+def report(
+    source: Annotated[
+        Path | None,
+        typer.Argument(metavar="RESULT|FOLDER", help="Result file, or a folder of them."),
+    ] = None,
+    *,
+    output: Annotated[
+        Path | None,
+        typer.Option(
+            "--output", "-o", help="Page to write; NAME_report.html, or report.html in a folder."
+        ),
+    ] = None,
+    against: Annotated[
+        Path | None, typer.Option(metavar="RESULT", help="Show this result beside it.")
+    ] = None,
+    each: Annotated[
+        bool, typer.Option("--each", help="Of a folder: write a page of every result too.")
+    ] = False,
+    validation: Annotated[
+        bool,
+        typer.Option(
+            "--validation",
+            help="Compute reports/validation.md and its figures anew, in a clone of the project.",
+        ),
+    ] = False,
+    quiet: Quiet = False,
+) -> None:
+    """Write a page that shows a result, two side by side, or a folder; print its name."""
+    if validation:
+        if output is not None or against is not None or each:
+            raise InputError("--validation goes with no other option but --quiet")
+        from vehicledyn.cli.validation import validate_again
+
+        raise typer.Exit(validate_again(source, quiet=quiet))
+    if source is None:
+        raise InputError("report: name a result file or a folder of them, or give --validation")
+    if each and not source.is_dir():
+        raise InputError(f"--each: {source} is no folder")
+    from vehicledyn.results.report import write_report
+
+    with show_progress(quiet=quiet) as progress:
+        if each:
+            _write_each(source, progress)
+        page = write_report(source, output, against=against, told=progress)
+    emit(str(page))
+
+
+def _write_each(folder: Path, progress: Progress) -> None:
+    """Write the page of every result of a folder; what cannot be read is told and left out."""
+    from vehicledyn.results.report import results_in, write_report
+
+    for path in results_in(folder):
+        try:
+            write_report(path, told=progress)
+        except InputError as error:
+            tell(str(error))

@@ -1,0 +1,196 @@
+"""What a page shows of eigenmodes, frequency responses, contact geometry and hunting studies."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+
+from vehicledyn.results import contact_table, hunt_table, mode_table, response_table
+from vehicledyn.results.linear_file import format_of
+from vehicledyn.results.linear_results import describe_linear, linear_figures
+from vehicledyn.results.report.content import Content, KeyFigure, words
+from vehicledyn.results.report.page import Block, Notes, Section, Table
+from vehicledyn.results.report.texts import number
+from vehicledyn.results.response_table import ratio_unit
+
+MOST_CASES = 12
+LEADING = 3
+_FACTS = ("holds", "title", "status", "modes", "notes")
+_ROUNDING = 1e-9
+"""Damping ratios up to this are rounding errors of zero."""
+
+
+def linear_content(path: Path) -> Content:
+    """Return what a page shows of such a file."""
+    facts = describe_linear(path).facts
+    kind = format_of(path)
+    state = ""
+    if kind == mode_table.FORMAT:
+        what, key_figures, sections = "Eigenmodes", *_modes(mode_table.read_modes(path))
+    elif kind == response_table.FORMAT:
+        what, key_figures, sections = "Responses", *_responses(response_table.read_response(path))
+    elif kind == contact_table.FORMAT:
+        what, key_figures, sections = "Contact", *_contacts(contact_table.read_contacts(path))
+    else:
+        table = hunt_table.read_hunt(path)
+        what, key_figures, sections = "Limit cycles", *_cycles(table)
+        state = "" if table.status == "ok" else f"{table.status}: {table.message}"
+    rows = [
+        (words(name), ", ".join(map(str, value)) if isinstance(value, list) else str(value))
+        for name, value in facts.items()
+        if name not in _FACTS and name not in {figure.name for figure in key_figures}
+    ]
+    return Content(
+        path=path,
+        what=what,
+        title=str(facts["title"]),
+        state=state,
+        facts=[row for row in rows if row[1]],
+        key_figures=key_figures,
+        figures=lambda: linear_figures(path),
+        details=lambda: sections,
+    )
+
+
+Parts = tuple[Sequence[KeyFigure], Sequence[Section]]
+
+
+def _modes(table: mode_table.ModeTable) -> Parts:
+    figures = []
+    for case in table.cases:
+        moving = np.array([kind in ("aperiodic", "oscillation") for kind in case.kind], dtype=bool)
+        if not moving.any():
+            continue
+        growth = float(case.eigenvalue.real[moving].max())
+        label = f" at {case.label}" if case.label else ""
+        figures.append(
+            KeyFigure(
+                f"growth{label}",
+                growth,
+                "1/s",
+                f"Largest real part of an eigenvalue, free motions left out{label}",
+            )
+        )
+    sections = [
+        Section(
+            f"Modes of case {k}{': ' + case.label if case.label else ''}",
+            [_mode_table(table, case)],
+        )
+        for k, case in enumerate(table.cases[:MOST_CASES], 1)
+    ]
+    return figures[:MOST_CASES], sections
+
+
+def _mode_table(table: mode_table.ModeTable, case: mode_table.ModeCase) -> Table:
+    rows = []
+    for k, value in enumerate(case.eigenvalue):
+        oscillates = case.kind[k] == "oscillation"
+        told = f"{value.real:.5g}" + (f" ± {abs(value.imag):.5g}i" if oscillates else "")
+        frequency = number(float(case.frequency[k])) if oscillates else "–"
+        damping = _damping(float(case.damping_ratio[k])) if oscillates else "–"
+        leading = ", ".join(name for name, *_ in table.ranked(case, k)[:LEADING])
+        rows.append((told, case.kind[k], frequency, damping, leading))
+    head = ("Eigenvalue [1/s]", "Kind", "Frequency [Hz]", "Damping ratio", "Leading coordinates")
+    return Table(head, rows, (2, 3))
+
+
+def _damping(ratio: float) -> str:
+    return "0" if abs(ratio) <= _ROUNDING else f"{ratio:.4g}"
+
+
+def _responses(table: response_table.ResponseTable) -> Parts:
+    rows, figures = [], []
+    for i, given in enumerate(table.inputs):
+        for k, output in enumerate(table.outputs):
+            sizes, unit = table.magnitude[:, i, k], ratio_unit(output.unit, given.unit)
+            known = np.isfinite(sizes)
+            if not known.any():
+                continue
+            at = int(np.nanargmax(np.where(known, sizes, np.nan)))
+            name = f"{output.name} by {given.name}"
+            peak, place = float(sizes[at]), float(table.frequency[at])
+            still = float(table.static_gain[i, k])
+            told = number(still) if np.isfinite(still) else "does not settle"
+            rows.append((name, unit, told, number(peak), number(place)))
+            figures.append(KeyFigure(f"{name}, at", place, "Hz", f"Frequency of the peak, {name}"))
+    head = ("Response", "Unit", "At rest", "Largest magnitude", "At [Hz]")
+    return figures, [Section("Gains", [Table(head, rows, (2, 3, 4))])]
+
+
+def _critical(table: hunt_table.HuntTable, name: str, meaning: str) -> KeyFigure:
+    value, unit = table.figures[name], table.figure_unit(name)
+    return KeyFigure(name, *((100.0 * value, "%") if unit == "1" else (value, unit)), meaning)
+
+
+def _contacts(table: contact_table.ContactTable) -> Parts:
+    figures = [
+        KeyFigure(
+            f"conicity at {1e3 * amplitude:.3g} mm",
+            float(value),
+            "",
+            f"Equivalent conicity (EN 15302) at {1e3 * amplitude:.3g} mm",
+        )
+        for amplitude, value in zip(table.amplitude, table.conicity, strict=True)
+    ]
+    conicity = [
+        (f"{1e3 * row[0]:.3g}", *map(number, map(float, row[1:])))
+        for row in zip(
+            table.amplitude,
+            table.conicity,
+            table.conicity_with_roll,
+            table.conicity_harmonic,
+            table.conicity_regression,
+            strict=True,
+        )
+    ]
+    head = ("Amplitude [mm]", "EN 15302", "With roll", "Harmonic", "Regression")
+    blocks: list[Block] = [Table(head, conicity, (1, 2, 3, 4))]
+    jumps = [
+        (f"{1e3 * shift:.3f}", side, f"{1e3 * before:.2f}", f"{1e3 * after:.2f}")
+        for shift, side, before, after in table.jumps
+    ]
+    jump_head = ("Shift [mm]", "Side", "From [mm]", "To [mm]")
+    sections = [Section("Equivalent conicity", blocks)]
+    if jumps:
+        sections.append(Section("Jumps of the contact", [Table(jump_head, jumps, (2, 3))]))
+    if table.notes:
+        sections.append(Section("Notes", [Notes(table.notes)]))
+    return figures, sections
+
+
+def _cycles(table: hunt_table.HuntTable) -> Parts:
+    figures = [
+        _critical(table, name, words(meaning))
+        for name, meaning in hunt_table.FIGURE_MEANINGS.items()
+        if name in table.figures
+    ]
+    watched = [f"{channel.name} [{channel.unit}]" for channel in table.channels]
+    head = (
+        f"{table.parameter.name} [{table.parameter.unit}]",
+        "Branch",
+        "Period [s]",
+        "Stability",
+        *(f"Amplitude of {name}" for name in watched),
+    )
+    rows = [
+        (
+            number(row.value),
+            str(row.branch),
+            number(row.period),
+            " ".join(
+                filter(None, ("stable" if row.stable else "unstable", row.kind.replace("_", " ")))
+            ),
+            *(number(float(size)) for size in row.amplitude),
+        )
+        for row in table.cycles
+    ]
+    numbers = (1, 2, *range(4, len(head)))
+    caption = f"Limit cycles ({len(rows)})"
+    sections = (
+        [Section("Cycles", [Table(head, rows, numbers, caption, closed=True)])] if rows else []
+    )
+    if table.message:
+        sections.append(Section("Messages", [Notes([table.message])]))
+    return figures, sections

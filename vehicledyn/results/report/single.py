@@ -1,0 +1,167 @@
+"""The page of one result file, and the page of two side by side."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from vehicledyn.base.errors import InputError
+from vehicledyn.results.report.content import Content, KeyFigure, key_table, read_content
+from vehicledyn.results.report.differences import differences
+from vehicledyn.results.report.images import picture
+from vehicledyn.results.report.page import (
+    Facts,
+    Link,
+    Notes,
+    Page,
+    Picture,
+    Pictures,
+    Section,
+    Table,
+)
+from vehicledyn.results.report.texts import change
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+Told = Callable[[str, float | None], None]
+
+
+def page_of(path: Path, target: Path, told: Told) -> Page:
+    """Return the page of a result file."""
+    told("reading", None)
+    content = read_content(path)
+    sections = list(_warnings(content.warnings()))
+    sections.append(Section("What was computed", [Facts(content.facts)]))
+    if content.key_figures:
+        sections.append(Section("Key figures", key_table(content.key_figures)))
+    pictures = []
+    for name, figure in content.figures():
+        told(f"drawing {name}", None)
+        pictures.append(picture(figure))
+    if pictures:
+        sections.append(Section("Figures", [Pictures(pictures)]))
+    return Page(
+        title=content.title,
+        subtitle=f"{content.what} · {path.name}",
+        sections=[*sections, *content.details()],
+        state=content.state,
+        links=_links(path, target, "Moving picture"),
+    )
+
+
+def page_of_two(path: Path, other: Path, target: Path, told: Told) -> Page:
+    """Return the page of a result beside another of the same kind.
+
+    Raises
+    ------
+    InputError
+        If they are of different kinds.
+    """
+    told("reading", None)
+    first, second = read_content(path), read_content(other)
+    if first.what != second.what:
+        raise InputError(
+            f"{path} is of kind '{first.what}', {other} of kind '{second.what}': "
+            "only results of one kind can stand side by side"
+        )
+    names = _names(path, other)
+    warned = [
+        f"{name}: {text}"
+        for name, content in zip(names, (first, second), strict=True)
+        for text in ([content.state] if content.state else []) + list(content.warnings())
+    ]
+    told("comparing", None)
+    sections = [
+        *_warnings(warned),
+        Section("What was computed", [_facts_of_two(first, second, names)]),
+        Section("Key figures", [_key_figures_of_two(first, second, names)]),
+        *differences(first, second, names),
+        Section("Figures", [Pictures(list(_pairs(first, second, names, told)), paired=True)]),
+    ]
+    links = [*_links(path, target, names[0]), *_links(other, target, names[1])]
+    return Page(
+        title=f"{first.title} – compared",
+        subtitle=f"{first.what} · {path.name} beside {other.name}",
+        sections=sections,
+        state=first.state,
+        links=links,
+    )
+
+
+def _links(path: Path, target: Path, text: str) -> list[Link]:
+    """Return links to the moving picture of a result, if there is one."""
+    from vehicledyn.results.report.write import address, beside
+
+    animation = beside(path, "animation")
+    if not animation.is_file():
+        return []
+    return [Link(address(animation, target), f"{text}: watch it move")]
+
+
+def _warnings(texts: Sequence[str]) -> Iterator[Section]:
+    if texts:
+        yield Section("Warnings", [Notes(texts, warning=True)])
+
+
+def _names(path: Path, other: Path) -> tuple[str, str]:
+    if path.name != other.name:
+        return path.stem, other.stem
+    return f"{path.parent.name}/{path.stem}", f"{other.parent.name}/{other.stem}"
+
+
+def _facts_of_two(first: Content, second: Content, names: tuple[str, str]) -> Table:
+    left = {"Title": first.title, **dict(first.facts)}
+    right = {"Title": second.title, **dict(second.facts)}
+    rows = [(key, left.get(key, "–"), right.get(key, "–")) for key in left | right]
+    return Table(("", *names), rows)
+
+
+def _key_figures_of_two(first: Content, second: Content, names: tuple[str, str]) -> Table:
+    left, right = ({f.name: f for f in content.key_figures} for content in (first, second))
+    rows = []
+    for name in left | right:
+        a, b = left.get(name), right.get(name)
+        meaning = next((f.meaning for f in (a, b) if f is not None), "")
+        rows.append((meaning or name, _text(a), _text(b), _change(a, b)))
+    return Table(("Quantity", *names, "Difference"), rows, numbers=(1, 2, 3))
+
+
+def _text(figure: KeyFigure | None) -> str:
+    return "–" if figure is None else figure.text
+
+
+def _change(first: KeyFigure | None, second: KeyFigure | None) -> str:
+    if first is None or second is None or first.unit != second.unit:
+        return "–"
+    return change(first.value, second.value, first.unit)
+
+
+def _pairs(
+    first: Content, second: Content, names: tuple[str, str], told: Told
+) -> Iterator[Picture]:
+    """Yield figures in pairs, on equal scales where both have the same axes."""
+    others = dict(second.figures())
+    for name, figure in first.figures():
+        other = others.get(name)
+        if other is None:
+            continue
+        told(f"drawing {name}", None)
+        _equal_scales(figure, other)
+        yield picture(figure, caption=names[0])
+        yield picture(other, caption=names[1])
+
+
+def _equal_scales(figure: Figure, other: Figure) -> None:
+    if len(figure.axes) != len(other.axes):
+        return
+    for axes, partner in zip(figure.axes, other.axes, strict=True):
+        if axes.get_label() == "<colorbar>" or axes.images or axes.get_aspect() != "auto":
+            continue
+        for get, put in (("get_xlim", "set_xlim"), ("get_ylim", "set_ylim")):
+            (a, b), (c, d) = getattr(axes, get)(), getattr(partner, get)()
+            low, high = min(a, b, c, d), max(a, b, c, d)
+            ends = (low, high) if a <= b else (high, low)
+            for place in (axes, partner):
+                getattr(place, put)(*ends)
