@@ -18,6 +18,8 @@ from vehicledyn.solve.instructions import (
     ENTRY,
     INPUT,
     KNOT,
+    RESULT,
+    SHARED,
     Instruction,
     read_function,
 )
@@ -121,11 +123,33 @@ def print_function(
     arrays += [f"real *restrict r{k}" for k in range(function.n_out())]
     first_row = function.numel_in(function.n_in() - 1)
     widths = [table.order + 1 for table in tables]
-    return _Printer(lowered, list(inputs), first_row, widths).function(name, arrays, piece)
+    shared = _print_shared(lowered, name, widths, piece)
+    printer = _Printer(lowered, list(inputs), first_row, widths, name)
+    return shared + printer.function(name, arrays, piece)
+
+
+def _print_shared(lowered: Lowered, name: str, widths: list[int], piece: int) -> str:
+    """Return the functions that a function calls, named after it; ``rows`` are its tables."""
+    texts = []
+    for number, shared in enumerate(lowered.shared):
+        own = _name_of_shared(name, number)
+        texts.append(_print_shared(shared, own, widths, piece))
+        arrays = ["const real *restrict a", "const real *restrict rows", "real *restrict r0"]
+        printer = _Printer(shared, ["a", "rows"], 0, widths, own)
+        texts.append(printer.function(own, arrays, piece))
+    return "".join(texts)
+
+
+def _name_of_shared(name: str, number: int) -> str:
+    return f"{name}_shared_{number}"
 
 
 def _check(lowered: Lowered, name: str) -> None:
+    for function in lowered.shared:
+        _check(function, name)
     for item in lowered.values:
+        if item.operation in (SHARED, RESULT):
+            continue
         if not (is_at_hand(item) or item.operation in _TEMPLATES or item.operation in CALLED):
             raise CompilationError(
                 f"the operation {item.operation} in '{name}' has no translation to C; "
@@ -153,6 +177,7 @@ class _Printer:
     inputs: list[str]
     first_row: int
     widths: list[int]
+    name: str
 
     def __post_init__(self) -> None:
         self._values = self.lowered.values
@@ -213,7 +238,9 @@ class _Printer:
         lines = []
         self._loaded = set[int]()
         for number, step in enumerate(steps):
-            if isinstance(step, Pack):
+            if isinstance(step, Pack) and step.shared is not None:
+                lines += self._call_shared(step, number, piece)
+            elif isinstance(step, Pack):
                 lines += self._call(step, number, piece)
             else:
                 lines += self._load(step, piece)
@@ -261,6 +288,23 @@ class _Printer:
                 if value is not None:
                     lines.append(f"const real w{value} = ((real *){name})[{k}];")
         return lines
+
+    def _call_shared(self, call: Pack, number: int, piece: int) -> list[str]:
+        """Return the lines that lay out arguments, call a shared function and take its values."""
+        arguments = ", ".join(self._number(operand, piece) for operand in call.operands[0])
+        values = call.values[0]
+        name = _name_of_shared(self.name, call.shared or 0)
+        rows = f"{self.inputs[-1]} + {self.first_row}"
+        lines = [
+            f"const real a{number}[] = {{{arguments}}};",
+            f"real b{number}[{max(1, len(values))}];",
+            f"{name}(a{number}, {rows}, b{number});",
+        ]
+        return lines + [
+            f"const real w{value} = b{number}[{k}];"
+            for k, value in enumerate(values)
+            if value is not None
+        ]
 
     def _expression(self, index: int, piece: int) -> str:
         item = self._values[index]

@@ -17,7 +17,7 @@ from typing import Any
 
 from vehicledyn.symbolic import ops
 from vehicledyn.symbolic.equations import Equations
-from vehicledyn.symbolic.table_calls import calls_in
+from vehicledyn.symbolic.table_calls import call_with, calls_in, table_of
 
 _NO_WORK = ("OP_INPUT", "OP_OUTPUT", "OP_CONST", "OP_PARAMETER")
 
@@ -59,12 +59,9 @@ def derive_functions(equations: Equations) -> KernelFunctions:
     inputs = [time, state, unknown, equations.parameter]
     with _as_written():
         expressions = _use_reciprocals(casadi.Function("all", inputs, expressions), inputs)
-        expressions, symbols, fixed = casadi.extract_parametric(
-            expressions, [equations.parameter], {"extract_trivial": True}
+        expressions, constants, values = _move_apart(
+            casadi.Function("all", inputs, expressions), inputs
         )
-    constants, values = (
-        casadi.vertcat(*items) if items else casadi.SX(0, 1) for items in (symbols, fixed)
-    )
     inputs = [time, state, unknown, constants]
     starts = wave_starts(equations)
     waves = []
@@ -134,7 +131,9 @@ def _operations(function: Any) -> int:
     import casadi
 
     free = {getattr(casadi, name) for name in _NO_WORK}
-    return sum(function.instruction_id(k) not in free for k in range(function.n_instructions()))
+    own = sum(function.instruction_id(k) not in free for k in range(function.n_instructions()))
+    called = [item for item in calls_in(function).values() if table_of(item) is None]
+    return own + sum(_operations(item) - 1 for item in called)
 
 
 @contextmanager
@@ -161,35 +160,89 @@ def _use_reciprocals(function: Any, inputs: list[Any]) -> list[Any]:
     dividing = (casadi.OP_DIV, casadi.OP_INV)
     divided = Counter(operands[-1] for code, operands, _ in nodes if code in dividing)
     fixed = _fixed_values(nodes, function.n_in() - 1)
-    elements = [casadi.vertsplit(item) if item.numel() else [] for item in inputs]
+    rebuild = _Rebuild(function, inputs)
     values: list[Any] = []
-    calls = calls_in(function)
     inverse: dict[int, Any] = {}
-    for code, operands, detail in nodes:
-        if code == casadi.OP_INPUT:
-            values.append(elements[operands[0]][operands[1]])
-        elif code == casadi.OP_CONST:
-            values.append(casadi.SX(detail))
-        elif code in dividing and (fixed[operands[-1]] or divided[operands[-1]] > 1):
+    for node in nodes:
+        code, operands, _ = node
+        if code in dividing and (fixed[operands[-1]] or divided[operands[-1]] > 1):
             divisor = operands[-1]
             if divisor not in inverse:
                 inverse[divisor] = casadi.SX.unary(casadi.OP_INV, values[divisor])
             numerator = casadi.SX(1.0) if code == casadi.OP_INV else values[operands[0]]
             is_one = numerator.is_constant() and float(numerator) == 1.0
             values.append(inverse[divisor] if is_one else numerator * inverse[divisor])
-        elif code == casadi.OP_CALL:
-            values.append(calls[int(detail)](*[values[item] for item in operands]))
-        elif code == _RESULT:
-            values.append(values[operands[0]][int(detail)])
-        elif len(operands) == 2:
-            values.append(casadi.SX.binary(code, values[operands[0]], values[operands[1]]))
         else:
-            values.append(casadi.SX.unary(code, values[operands[0]]))
-    outputs = []
-    for k in range(function.n_out()):
-        column = [values[value] for _, value in sorted(results[k])]
-        outputs.append(casadi.reshape(casadi.vertcat(*column), function.size_out(k)))
-    return outputs
+            values.append(rebuild.value(node, values))
+    return rebuild.results(results, values)
+
+
+def _move_apart(function: Any, inputs: list[Any]) -> tuple[list[Any], Any, Any]:
+    """Return the results of a function in terms of constants, these, and their values.
+
+    A constant is whatever other parts need of what depends on the last input alone.
+    """
+    import casadi
+
+    nodes, results = _read_nodes(function)
+    fixed = _fixed_values(nodes, function.n_in() - 1)
+    number = [code == casadi.OP_CONST for code, _, _ in nodes]
+    needed = {value for pairs in results for _, value in pairs}
+    for (code, operands, _), is_fixed in zip(nodes, fixed, strict=True):
+        if not is_fixed and code != casadi.OP_INPUT:
+            needed.update(operands)
+    wanted = sorted(k for k in needed if fixed[k] and not number[k])
+    constants = casadi.SX.sym("constant", len(wanted))
+    rebuild = _Rebuild(function, inputs)
+    apart: list[Any] = []
+    values: list[Any] = []
+    names = {value: constants[k] for k, value in enumerate(wanted)}
+    for index, node in enumerate(nodes):
+        apart.append(rebuild.value(node, apart) if fixed[index] else None)
+        plain = number[index] or not fixed[index]
+        values.append(rebuild.value(node, values) if plain else names.get(index))
+    known = [apart[value] for value in wanted]
+    column = casadi.vertcat(*known) if known else casadi.SX(0, 1)
+    return rebuild.results(results, values), constants, column
+
+
+class _Rebuild:
+    """Builds expressions again from the nodes of a function."""
+
+    def __init__(self, function: Any, inputs: list[Any]) -> None:
+        """Take the function apart."""
+        import casadi
+
+        self._function = function
+        self._calls = calls_in(function)
+        self._elements = [casadi.vertsplit(item) if item.numel() else [] for item in inputs]
+
+    def value(self, node: Node, values: list[Any]) -> Any:
+        """Return what a node stands for, from the values of the nodes before it."""
+        import casadi
+
+        code, operands, detail = node
+        if code == casadi.OP_INPUT:
+            return self._elements[operands[0]][operands[1]]
+        if code == casadi.OP_CONST:
+            return casadi.SX(detail)
+        if code == casadi.OP_CALL:
+            return call_with(self._calls[int(detail)], [values[item] for item in operands])
+        if code == _RESULT:
+            return values[operands[0]][int(detail)]
+        if len(operands) == 2:
+            return casadi.SX.binary(code, values[operands[0]], values[operands[1]])
+        return casadi.SX.unary(code, values[operands[0]])
+
+    def results(self, results: list[list[tuple[int, int]]], values: list[Any]) -> list[Any]:
+        """Return the function's results from (element, value) pairs."""
+        import casadi
+
+        outputs = []
+        for k in range(self._function.n_out()):
+            column = [values[value] for _, value in sorted(results[k])]
+            outputs.append(casadi.reshape(casadi.vertcat(*column), self._function.size_out(k)))
+        return outputs
 
 
 Node = tuple[int, tuple[int, ...], float]

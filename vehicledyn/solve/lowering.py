@@ -4,7 +4,8 @@
   needed for itself;
 - the two halves of an if_else become one choice;
 - elementary functions are called in packs: those that do not wait for each other together, so
-  that they fill the registers of the processor whether a kernel has one lane or many.
+  that they fill the registers of the processor whether a kernel has one lane or many;
+- of functions that several places share only the results that a place needs are kept.
 """
 
 from __future__ import annotations
@@ -19,6 +20,8 @@ from vehicledyn.solve.instructions import (
     ENTRY,
     INPUT,
     KNOT,
+    RESULT,
+    SHARED,
     Instruction,
     Program,
 )
@@ -47,18 +50,21 @@ LOOKED_UP = frozenset({CELL, KNOT, ENTRY})
 """Operations that look up a table."""
 
 _AT_HAND = (INPUT, CONST)
+_ASKED = frozenset({*CALLED, *LOOKED_UP, SHARED, RESULT})
 
 
 @dataclass(frozen=True)
 class Pack:
     """Calls of one function at once: operands and values of each call.
 
-    A call of "sincos" has two values, one of which may be absent (None).
+    A call of "sincos" has two values, one of which may be absent (None). A call of a shared
+    function, whose number ``shared`` is, has one for each result kept.
     """
 
     function: str
     operands: list[tuple[int, ...]]
     values: list[tuple[int | None, ...]]
+    shared: int | None = None
 
     @property
     def computed(self) -> list[int]:
@@ -73,19 +79,44 @@ Step = int | Pack
 class Lowered:
     """Values, the steps that compute them in order, and (output, element, value) of results.
 
-    Inputs and constants take no step.
+    Inputs and constants take no step. ``shared`` are the functions that are called, with the
+    results that are needed, in the order of the results.
     """
 
     values: list[Instruction]
     steps: list[Step]
     results: list[tuple[int, int, int]]
+    shared: list[Lowered]
 
 
 def lower(program: Program) -> Lowered:
     """Return a program in the form in which it is printed."""
     values, results = _without_repeats(program)
     values = _fuse(_choose(values), results)
-    return Lowered(values, _schedule(values, results), results)
+    wanted = _results_wanted(values, results, len(program.shared))
+    shared = [
+        lower(_keeping(function, kept))
+        for function, kept in zip(program.shared, wanted, strict=True)
+    ]
+    return Lowered(values, _schedule(values, results, wanted), results, shared)
+
+
+def _results_wanted(
+    values: list[Instruction], results: Iterable[tuple[int, int, int]], n_shared: int
+) -> list[list[int]]:
+    """Return the numbers of the results that are needed of each shared function."""
+    wanted: list[set[int]] = [set() for _ in range(n_shared)]
+    for needed, item in zip(_needed(values, results), values, strict=True):
+        if needed and item.operation == RESULT:
+            wanted[item.source[0]].add(item.source[1])
+    return [sorted(numbers) for numbers in wanted]
+
+
+def _keeping(function: Program, kept: list[int]) -> Program:
+    """Return a function with some of its results, in their order."""
+    place = {number: k for k, number in enumerate(kept)}
+    results = [(0, place[k], value) for _, k, value in function.results if k in place]
+    return Program(function.instructions, results, function.done, function.shared)
 
 
 def is_at_hand(value: Instruction) -> bool:
@@ -103,7 +134,7 @@ def _without_repeats(program: Program) -> tuple[list[Instruction], list[tuple[in
     known: dict[Instruction, int] = {}
 
     def add(item: Instruction) -> int:
-        if (item.operation in CALLED or item.operation in LOOKED_UP) and item in known:
+        if item.operation in _ASKED and item in known:
             return known[item]
         values.append(item)
         known[item] = len(values) - 1
@@ -188,9 +219,14 @@ def _needed(values: list[Instruction], results: Iterable[tuple[int, int, int]]) 
     return needed
 
 
-def _schedule(values: list[Instruction], results: Iterable[tuple[int, int, int]]) -> list[Step]:
+def _schedule(
+    values: list[Instruction],
+    results: Iterable[tuple[int, int, int]],
+    wanted: list[list[int]],
+) -> list[Step]:
     """Return the steps; each pack as early as the functions it waits for allow."""
     needed = _needed(values, results)
+    shared: dict[int, dict[int, int]] = defaultdict(dict)
     level = [0] * len(values)
     waiting: dict[tuple[int, str], dict[tuple[int, ...], dict[str, int]]] = {}
     for index, item in enumerate(values):
@@ -199,14 +235,25 @@ def _schedule(values: list[Instruction], results: Iterable[tuple[int, int, int]]
             level[index] += 1
             calls = waiting.setdefault((level[index], CALLED[item.operation]), {})
             calls.setdefault(item.operands, {})[item.operation] = index
+        elif needed[index] and item.operation == SHARED:
+            level[index] += 1
+            waiting.setdefault((level[index], SHARED), {})[(index,)] = {}
+        elif needed[index] and item.operation == RESULT:
+            shared[item.operands[0]][item.source[1]] = index
     done = [is_at_hand(item) or not needed[index] for index, item in enumerate(values)]
     steps: list[Step] = []
     for key in sorted(waiting):
-        pack = _pack(key[1], waiting[key])
-        steps += _compute(values, {operand for call in pack.operands for operand in call}, done)
-        steps.append(pack)
-        for value in pack.computed:
-            done[value] = True
+        if key[1] == SHARED:
+            called = [index for (index,) in waiting[key]]
+            packs = [_shared_call(values[index], shared[index], wanted) for index in called]
+        else:
+            packs = [_pack(key[1], waiting[key])]
+        for pack in packs:
+            operands = {operand for call in pack.operands for operand in call}
+            steps += _compute(values, operands, done)
+            steps.append(pack)
+            for value in pack.computed:
+                done[value] = True
     return steps + _compute(values, {value for _, _, value in results}, done)
 
 
@@ -217,6 +264,13 @@ def _pack(function: str, calls: dict[tuple[int, ...], dict[str, int]]) -> Pack:
         for call in calls.values()
     ]
     return Pack(function, list(calls), found)
+
+
+def _shared_call(call: Instruction, found: dict[int, int], wanted: list[list[int]]) -> Pack:
+    """Return a call of a shared function with the values of the results kept of it."""
+    number = call.source[0]
+    values = tuple(found.get(k) for k in wanted[number])
+    return Pack(SHARED, [call.operands], [values], number)
 
 
 def _compute(values: list[Instruction], wanted: set[int], done: list[bool]) -> list[Step]:

@@ -6,7 +6,7 @@ since knot and coefficients do not change within a cell, so :func:`settled` remo
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 from weakref import WeakValueDictionary
@@ -76,20 +76,50 @@ def tables_in(expressions: Sequence[Any]) -> tuple[CurveTable, ...]:
         return ()
     results = [casadi.SX(item) for item in expressions]
     symbols = casadi.symvar(casadi.veccat(*results))
-    called = calls_in(casadi.Function("tables", symbols, results)).values()
-    tables = {function.name(): table_of(function) for function in called}
-    return tuple(table for table in tables.values() if table is not None)
+    tables: dict[str, CurveTable] = {}
+    _collect(casadi.Function("tables", symbols, results), tables)
+    return tuple(tables.values())
+
+
+def _collect(function: Any, tables: dict[str, CurveTable]) -> None:
+    """Add the tables that a function and those it calls look up."""
+    for called in calls_in(function).values():
+        table = table_of(called)
+        if table is not None:
+            tables.setdefault(called.name(), table)
+        elif called.is_a("SXFunction"):
+            _collect(called, tables)
 
 
 def settled(expression: Any) -> Any:
     """Return an SX matrix without the derivatives of cells, which are zero."""
-    import casadi
-
     if not _CALLS:
         return expression
+
+    def without_slopes(function: Any, scalars: list[Any]) -> list[Any]:
+        import casadi
+
+        if is_slope(function.name()):
+            return [casadi.SX(0.0)] * sum(function.nnz_out(k) for k in range(function.n_out()))
+        return call_with(function, scalars)
+
+    return walk_calls(expression, is_slope, without_slopes)
+
+
+def walk_calls(
+    expression: Any,
+    concerned: Callable[[str], bool],
+    replaced: Callable[[Any, list[Any]], list[Any]],
+) -> Any:
+    """Return an SX matrix with calls replaced; as it is where no called name is concerned.
+
+    ``replaced`` returns the results of a call, given the function and its arguments as scalars.
+    """
+    import casadi
+
     symbols = casadi.symvar(expression)
-    function = casadi.Function("settled", symbols, [expression])
-    if not any(_is_slope(name) for name in function.get_function()):
+    function = casadi.Function("walked", symbols, [expression])
+    if not any(concerned(name) for name in function.get_function()):
         return expression
     calls = calls_in(function)
     values: dict[int, Any] = {}
@@ -104,7 +134,8 @@ def settled(expression: Any) -> Any:
         elif code == casadi.OP_CONST:
             values[target[0]] = casadi.SX(function.instruction_constant(k))
         elif code == casadi.OP_CALL:
-            values.update(_results(calls[k], [values[item] for item in given], target))
+            found = replaced(calls[k], [values[item] for item in given])
+            values.update((place, found[n]) for n, place in enumerate(target) if place >= 0)
         elif len(given) == 2:
             values[target[0]] = casadi.SX.binary(code, values[given[0]], values[given[1]])
         else:
@@ -112,16 +143,24 @@ def settled(expression: Any) -> Any:
     return casadi.SX(function.sparsity_out(0), casadi.vertcat(*entries))
 
 
-def _results(function: Any, given: list[Any], target: list[int]) -> Iterator[tuple[int, Any]]:
+def call_with(function: Any, scalars: Sequence[Any]) -> list[Any]:
+    """Return the results of a function one by one, given its arguments one by one."""
     import casadi
 
-    found = None if _is_slope(function.name()) else function(*given)
-    for k, place in enumerate(target):
-        if place >= 0:
-            yield place, casadi.SX(0.0) if found is None else found[k]
+    arguments, first = [], 0
+    for k in range(function.n_in()):
+        size = function.nnz_in(k)
+        column = casadi.vertcat(*scalars[first : first + size])
+        arguments.append(casadi.SX(function.sparsity_in(k), column))
+        first += size
+    found = []
+    for k, result in enumerate(function.call(arguments)):
+        column = casadi.SX(function.sparsity_out(k), result).nz[:]
+        found += [column[n] for n in range(function.nnz_out(k))]
+    return found
 
 
-def _is_slope(name: str) -> bool:
+def is_slope(name: str) -> bool:
     """Return whether a name is that of a function CasADi made to differentiate a cell."""
     return not name.startswith(_PREFIX) and _PREFIX in name
 

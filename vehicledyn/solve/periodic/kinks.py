@@ -16,6 +16,7 @@ from vehicledyn.solve.engine import Vector
 from vehicledyn.solve.interpreted import BufferedFunction
 from vehicledyn.solve.periodic.autonomous import AutonomousField
 from vehicledyn.solve.periodic.orbit import Orbit
+from vehicledyn.symbolic.shared import inlined
 
 ALIGNED = 1e-9
 """Distance, part of the period, at which a mesh point counts as lying on a kink."""
@@ -41,7 +42,7 @@ class Kinks:
 
         m = self.model
         e = m.equations
-        whole = casadi.vertcat(e.rate[m.kept], e.residual)
+        whole = inlined(casadi.vertcat(e.rate[m.kept], e.residual))
         moving = casadi.vertcat(e.state[m.kept], e.algebraic)
         found = [item for item in _deciders(whole) if casadi.depends_on(item, moving)]
         self.count = len(found)

@@ -1,0 +1,86 @@
+"""Shared functions in compiled code: called once printed, equal to the written form."""
+
+import numpy as np
+import pytest
+from solve_examples import build, symbols
+
+from vehicledyn.solve.batch import Cases, make_batch, run_batch
+from vehicledyn.solve.functions import count_operations, derive_functions
+from vehicledyn.solve.kernel import compile_kernel
+from vehicledyn.solve.methods.rk4 import RungeKutta4
+from vehicledyn.solve.source import kernel_source
+from vehicledyn.symbolic import ops
+from vehicledyn.symbolic.equations import with_tables
+from vehicledyn.symbolic.shared import shared
+from vehicledyn.symbolic.tables import CurveTable
+
+TABLE = CurveTable.through("curve", -4.0, 0.5, np.cos(2.0 * np.arange(17)))
+
+
+def pull(values):
+    """A force of place, rate and stiffness; inside it calls another shared function."""
+    place, rate, stiffness = values
+    (inner,) = shared("inner", [place * rate], lambda v: [ops.atan(v[0]) + TABLE.value(v[0])])
+    lost = ops.exp(-place * place) * 1e3
+    return [-stiffness * (place + 0.1 * inner) - 0.3 * ops.tanh(rate), lost, inner]
+
+
+def masses(share):
+    """Six masses in a row, each pulled by the same law."""
+    t, k = symbols("t", "stiffness")
+    places, rates = (symbols(*[f"{n}{i}" for i in range(6)]) for n in "xv")
+    call = (lambda values: shared("pull", values, pull)) if share else pull
+    found = [call([x, v, k + 0.01 * i]) for i, (x, v) in enumerate(zip(places, rates, strict=True))]
+    rows = [(x, 0.1 * i - 0.3) for i, x in enumerate(places)] + [(v, 0.4) for v in rates]
+    accelerations = [item[0] + 0.05 * (places[i - 1] - places[i]) for i, item in enumerate(found)]
+    return with_tables(
+        build(
+            "masses",
+            time=t,
+            states=rows,
+            rates=[*rates, *accelerations],
+            parameters=[(k, 4.0)],
+            outputs=[(f"inner{i}", item[2]) for i, item in enumerate(found)],
+            positions=tuple(range(6)),
+            velocities=tuple(range(6, 12)),
+        )
+    )
+
+
+@pytest.mark.parametrize("backend", ["compiled", "interpreted"])
+def test_kernel_equals_the_written_form(backend, request):
+    if backend == "compiled":
+        request.getfixturevalue("needs_compiler")
+    rng = np.random.default_rng(5)
+    one, two = (compile_kernel(masses(share), backend=backend) for share in (True, False))
+    none = np.zeros(0)
+    for _ in range(20):
+        x = rng.normal(size=12)
+        assert one.rates(0.0, x, none) == pytest.approx(two.rates(0.0, x, none), rel=1e-13)
+        assert one.outputs(0.0, x, none) == pytest.approx(two.outputs(0.0, x, none), rel=1e-12)
+
+
+def test_the_function_is_printed_once_and_only_what_is_needed():
+    equations = masses(True)
+    text = kernel_source(equations, derive_functions(equations))
+    assert text.count("void rates_shared_0(") == 1
+    assert text.count("  rates_shared_0(a") == 6
+    assert "exp" not in text[text.index("void rates_shared_0(") : text.index("void rates(")]
+    counts, written = count_operations(equations), count_operations(masses(False))
+    assert counts["rates"] == pytest.approx(written["rates"], rel=0.25)
+
+
+def test_lanes_change_nothing(needs_compiler):
+    kernel = compile_kernel(masses(True), backend="compiled")
+    rng = np.random.default_rng(1)
+    cases = Cases(
+        parameters=4.0 + rng.random((9, 1)),
+        states=rng.normal(size=(9, 12)),
+        unknowns=np.zeros((9, 0)),
+    )
+    span = {"start": 0.0, "stop": 1.0, "interval": 0.1, "channels": [0, 3]}
+    found = [
+        run_batch(make_batch(kernel, lanes=n), RungeKutta4(step=0.01), cases, **span).samples
+        for n in (1, 4)
+    ]
+    assert np.array_equal(*found)

@@ -1,0 +1,58 @@
+"""Shared functions: equal to the same expressions written out, in every form they take."""
+
+import casadi as ca
+import numpy as np
+import pytest
+
+from vehicledyn.symbolic import ops
+from vehicledyn.symbolic.shared import inlined, shared
+from vehicledyn.symbolic.tables import CurveTable
+
+TABLE = CurveTable.through("curve", -1.0, 0.25, np.sin(3.0 * np.arange(12)))
+
+
+def law(values):
+    x, y, gain = values
+    bent = ops.where(x < 0.3, ops.sin(x) * y, x * x + gain / (1.0 + y * y))
+    return [gain * bent + TABLE.value(x), ops.sqrt(1.0 + x * x) * ops.maximum(y, 0.1)]
+
+
+def both(x):
+    """Return the same matrix with shared functions and written out."""
+    places = [(x[0], x[1], 2.0), (x[1], x[0] * x[2], 2.0), (x[2], x[1], x[0])]
+    with_calls = [item for place in places for item in shared("law", place, law)]
+    written = [item for place in places for item in law(list(place))]
+    return ca.vertcat(*with_calls), ca.vertcat(*written)
+
+
+@pytest.fixture
+def x():
+    return ca.SX.sym("x", 3)
+
+
+POINTS = [[0.2, 0.7, -0.4], [-0.9, 0.05, 1.2], [0.31, -0.6, 0.8]]
+
+
+@pytest.mark.parametrize("point", POINTS)
+def test_values_and_derivatives_are_those_of_the_written_form(x, point):
+    calls, written = both(x)
+    pairs = [(calls, written), (ops.jacobian(calls, x), ops.jacobian(written, x))]
+    pairs.append((ops.derivative(calls, x, x * x), ops.derivative(written, x, x * x)))
+    pairs.append((inlined(calls), written))
+    for one, two in pairs:
+        found, expected = (np.array(ca.Function("f", [x], [e])(point)) for e in (one, two))
+        assert found == pytest.approx(expected, rel=1e-13, abs=1e-14)
+
+
+def test_equal_places_call_one_function(x):
+    calls, _ = both(x)
+    functions = ca.Function("f", [x], [calls]).get_function()
+    laws = [name for name in functions if name.startswith("shared_")]
+    assert len(laws) == 2  # that with the gain 2.0 written into it, and that with a gain given
+    assert not [n for n in ca.Function("f", [x], [inlined(calls)]).get_function() if "law" in n]
+
+
+def test_numbers_alone_need_no_function():
+    found = shared("law", (0.2, 0.7, 2.0), law)
+    expected = law([0.2, 0.7, 2.0])
+    assert [float(item) for item in found] == pytest.approx([float(item) for item in expected])

@@ -1,0 +1,85 @@
+"""Expressions that several places share: written once, called with the arguments of each place.
+
+Eight wheels on rails, or four tyres, have the same equations for different numbers. As a call of
+one function they stay short: generated code holds the function once, which keeps it in the
+processor's cache, and compiling it takes a part of the time. CasADi evaluates and differentiates
+calls as they are; :func:`inlined` writes them out where a form without calls is needed.
+"""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Callable, Sequence
+from typing import Any
+
+from vehicledyn.symbolic.ops import Scalar
+from vehicledyn.symbolic.table_calls import call_with, walk_calls
+
+_PREFIX = "shared_"
+
+
+class _Shared:
+    """The function that is called, and the same function as CasADi inlines it."""
+
+    def __init__(self, function: Any, body: Any) -> None:
+        self.function, self.body = function, body
+
+
+_KEPT: dict[str, _Shared] = {}
+
+
+def shared(
+    name: str, arguments: Sequence[Scalar], build: Callable[[list[Scalar]], Sequence[Scalar]]
+) -> list[Scalar]:
+    """Return scalars as results of a function that is written once for all equal places.
+
+    Parameters
+    ----------
+    name
+        What the function is, letters and digits.
+    arguments
+        What differs from place to place; those that are plain numbers are written into the
+        function, as is all else that ``build`` uses.
+    build
+        Returns the results for given arguments; it may use nothing symbolic but these.
+    """
+    import casadi
+
+    given = [casadi.SX(item) for item in arguments]
+    free = [k for k, item in enumerate(given) if not item.is_constant()]
+    symbols = casadi.SX.sym(name, len(free))
+    values: list[Any] = [float(item) if item.is_constant() else None for item in given]
+    for number, k in enumerate(free):
+        values[k] = symbols[number]
+    results = casadi.vertcat(*[casadi.SX(item) for item in build(values)])
+    results = casadi.cse(casadi.densify(results))
+    if not free:
+        return [results[k] for k in range(results.numel())]
+    function = _known(name, symbols, results).function
+    found = function(casadi.vertcat(*[given[k] for k in free]))
+    return [found[k] for k in range(results.numel())]
+
+
+def inlined(expression: Any) -> Any:
+    """Return an SX matrix with all shared functions written out."""
+    if not _KEPT:
+        return expression
+
+    def written(function: Any, scalars: list[Any]) -> list[Any]:
+        known = _KEPT.get(function.name())
+        return call_with(function if known is None else known.body, scalars)
+
+    return walk_calls(expression, lambda name: name in _KEPT, written)
+
+
+def _known(name: str, symbols: Any, results: Any) -> _Shared:
+    import casadi
+
+    body = casadi.Function(name, [symbols], [results])
+    digest = hashlib.sha256(body.serialize().encode()).hexdigest()
+    full = f"{_PREFIX}{digest[:16]}_{name}"
+    known = _KEPT.get(full)
+    if known is None:
+        function = casadi.Function(full, [symbols], [results], {"never_inline": True})
+        known = _KEPT[full] = _Shared(function, body)
+    return known
