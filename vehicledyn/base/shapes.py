@@ -34,7 +34,10 @@ class Shape:
 
 @dataclass(frozen=True)
 class Box(Shape):
-    """A box of edges ``size``, turned by ``rotation`` (rows, v_body = R v_box)."""
+    """A box of edges ``size``, turned by ``rotation`` (rows, v_body = R v_box).
+
+    ``style`` is "body", "glass" to see through, or "steel".
+    """
 
     kind: ClassVar[str] = "box"
 
@@ -69,13 +72,18 @@ class Tube(Shape):
 
 @dataclass(frozen=True)
 class Coil(Shape):
-    """A spring or damper between two points of two bodies."""
+    """A spring or damper between two points of two bodies.
+
+    With a ``direction``, a unit vector of the body of ``a``, its end there slides across that
+    direction to where ``b`` is, so that the spring keeps the direction.
+    """
 
     kind: ClassVar[str] = "coil"
 
     a: Anchor
     b: Anchor
     radius: Any = None
+    direction: Point | None = None
 
 
 @dataclass(frozen=True)

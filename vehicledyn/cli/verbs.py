@@ -10,7 +10,18 @@ from typer.core import TyperGroup
 
 import vehicledyn
 from vehicledyn.base.errors import InputError, StoppedError
-from vehicledyn.cli import analyses, exports, files, hunt, linear, paths, rail, report, sweep
+from vehicledyn.cli import (
+    analyses,
+    animate,
+    exports,
+    files,
+    hunt,
+    linear,
+    paths,
+    rail,
+    report,
+    sweep,
+)
 from vehicledyn.cli.options import (
     Backend,
     BackendChoice,
@@ -162,3 +173,4 @@ rail.add_verbs(app)
 sweep.add_verbs(app)
 hunt.add_verbs(app)
 report.add_verbs(app)
+animate.add_verbs(app)

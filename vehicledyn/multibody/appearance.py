@@ -21,10 +21,12 @@ from vehicledyn.symbolic import ops
 Array = NDArray[np.float64]
 Plain = dict[str, Any]
 
-_SLENDER = 0.06
+_SLENDER = 0.04
 """Radius of a bar as part of the usual extent of a body."""
 _USUAL = 1.0
 """Extent of bodies that are points [m]."""
+_FRAME = 4
+"""Points from which on a body on the ground is drawn as a frame around them."""
 _FREE = 4
 """Joints to the ground from which on a body counts as free."""
 
@@ -152,9 +154,11 @@ def _bodies(
             continue
         arms = [p for p in _unique(points[name]) if np.linalg.norm(p) > 0.5 * thickness]
         box = _box(body, thickness)
-        is_free = body["parent"] == GROUND and len(body["joints"]) >= _FREE
-        if box and (is_free or not arms):
-            found.append(box)
+        is_first = body["parent"] == GROUND
+        if is_first and len(arms) >= _FRAME:
+            found.append(_frame(name, points[name], thickness))
+        elif box and (not arms or (is_first and len(body["joints"]) >= _FREE)):
+            found.append(box if not arms else {**box, "style": "glass"})
         elif arms:
             found += [_tube(name, [0.0, 0.0, 0.0], arm.tolist(), "arm") for arm in arms]
         elif body["mass"]:
@@ -169,6 +173,20 @@ def _unique(points: list[Array]) -> list[Array]:
         if all(np.linalg.norm(point - other) > 1e-9 for other in kept):
             kept.append(point)
     return kept
+
+
+def _frame(name: str, points: list[Array], thickness: float) -> Plain:
+    """Return the box around the points of a body and its origin."""
+    corners = np.array([np.zeros(3), *points])
+    low, high = corners.min(axis=0) - thickness, corners.max(axis=0) + thickness
+    return {
+        "kind": "box",
+        "name": name,
+        "at": {"body": name, "point": (0.5 * (low + high)).tolist()},
+        "size": (high - low).tolist(),
+        "rotation": None,
+        "style": "glass",
+    }
 
 
 def _box(body: Plain, thickness: float) -> Plain | None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from vehicledyn.base.shapes import Anchor, Coil, Shape
 from vehicledyn.multibody.kinematics import Kinematics
@@ -76,8 +76,8 @@ class GuidedLink(BasePart):
         return _link_outputs(self.name, length, rate, self.law)
 
     def shapes(self) -> tuple[Shape, ...]:
-        """Return a spring between the points; that on A is where the slider starts from."""
-        return (_coil(self.name, self.a, self.b),)
+        """Return a spring along the direction, where B is."""
+        return (replace(_coil(self.name, self.a, self.b), direction=tuple(self.direction)),)
 
     def _geometry(self, situation: Situation) -> tuple[_Line, Scalar, Scalar]:
         kinematics = situation.kinematics

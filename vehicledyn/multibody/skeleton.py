@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from vehicledyn.base.quaternions import about, from_rows, multiplied, rotated
 from vehicledyn.multibody.system import System
 from vehicledyn.multibody.tree import unfold
 from vehicledyn.multibody.unknowns import declare, locked
@@ -67,7 +68,7 @@ class Skeleton:
         for link in self.links:
             position, turned = after[link["parent"]] if link["parent"] >= 0 else origin
             position = position + rotated(turned, np.array(link["offset"], dtype=float))
-            turned = multiplied(turned, _quaternion(link["before"]))
+            turned = multiplied(turned, from_rows(link["before"]))
             value = _value(link, values, count)
             axis = _axis(link["kind"])
             if link["kind"] and link["kind"][0] == "T":
@@ -75,7 +76,7 @@ class Skeleton:
             before.append((position, turned))
             if link["kind"] and link["kind"][0] == "R" and not link["ignored"]:
                 turned = multiplied(turned, about(axis, value))
-            after.append((position, multiplied(turned, _quaternion(link["after"]))))
+            after.append((position, multiplied(turned, from_rows(link["after"]))))
         chosen, turns = [], []
         for body in self.bodies:
             link = body["link"]
@@ -129,52 +130,6 @@ def raw_skeleton(system: System) -> dict[str, Any]:
 def skeleton_from(plain: Mapping[str, Any]) -> Skeleton:
     """Return a skeleton from plain data with numbers."""
     return Skeleton(tuple(plain["links"]), tuple(plain["bodies"]))
-
-
-def multiplied(a: Array, b: Array) -> Array:
-    """Return the products a b of quaternions, shape (..., 4)."""
-    aw, ax, ay, az = np.moveaxis(a, -1, 0)
-    bw, bx, by, bz = np.moveaxis(b, -1, 0)
-    parts = (
-        aw * bw - ax * bx - ay * by - az * bz,
-        aw * bx + ax * bw + ay * bz - az * by,
-        aw * by - ax * bz + ay * bw + az * bx,
-        aw * bz + ax * by - ay * bx + az * bw,
-    )
-    return np.stack(np.broadcast_arrays(*parts), axis=-1)
-
-
-def rotated(quaternion: Array, vector: Array) -> Array:
-    """Return vectors turned by quaternions, v + 2 w (u × v) + 2 u × (u × v)."""
-    w, u = quaternion[..., :1], quaternion[..., 1:]
-    across = np.cross(u, vector)
-    turned: Array = vector + 2.0 * (w * across + np.cross(u, across))
-    return turned
-
-
-def about(axis: Array, angle: Array) -> Array:
-    """Return the quaternions of turns about a unit axis, shape (n, 4)."""
-    half = 0.5 * angle
-    return np.concatenate([np.cos(half)[:, None], np.sin(half)[:, None] * axis], axis=1)
-
-
-def _quaternion(rows: Any) -> Array:
-    """Return the unit quaternion of a rotation matrix; of None that of no rotation."""
-    if rows is None:
-        return np.array([1.0, 0.0, 0.0, 0.0])
-    r = np.array(rows, dtype=float)
-    # The largest of the four squared components is at least a quarter: no cancellation.
-    squares = np.array([1.0 + np.trace(r), *(1.0 + 2.0 * np.diag(r) - np.trace(r))])
-    k = int(np.argmax(squares))
-    skew = np.array([r[2, 1] - r[1, 2], r[0, 2] - r[2, 0], r[1, 0] - r[0, 1]])
-    if k == 0:
-        found = np.array([squares[0], *skew])
-    else:
-        i = k - 1
-        found = np.array([skew[i], *(r[:, i] + r[i, :])])
-        found[1 + i] = squares[k]
-    unit: Array = found / np.linalg.norm(found)
-    return unit
 
 
 def _axis(kind: str | None) -> Array:

@@ -15,45 +15,26 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any
 
 import h5py
 import numpy as np
 from numpy.typing import NDArray
 
+from vehicledyn.results.animation_stage import Stage, read_stage
 from vehicledyn.results.layout import clean_text
 
 Array = NDArray[np.float64]
 
 GROUP = "animation"
 MOST_IN_CHUNK = 512
+ROWS_AT_ONCE = 1 << 16
 _COMPONENTS = {
     "origin": ("m", "Place that positions are counted from", "f8"),
     "position": ("m", "Origin of the body from that place, world axes", "f4"),
     "quaternion": ("1", "Axes of the body as a unit quaternion w, x, y, z", "f4"),
     "turn": ("rad", "Further turn about the axis of the body", "f8"),
 }
-
-
-@dataclass(frozen=True)
-class Stage:
-    """What moves in an animation: bodies and the shapes on them, plain data.
-
-    ``bodies`` have a name, an axis (1 to 3, 0 for none) of their further turn, and
-    ``axes_spin``, whether that turns the axes of the body or only its wheels. ``shapes`` are
-    those of :mod:`vehicledyn.base.shapes`.
-    """
-
-    bodies: Sequence[Mapping[str, Any]]
-    shapes: Sequence[Mapping[str, Any]]
-
-    def as_json(self) -> str:
-        """Return the stage as JSON."""
-        names = ("name", "axis", "axes_spin")
-        bodies = [{name: body[name] for name in names} for body in self.bodies]
-        return json.dumps({"bodies": bodies, "shapes": list(self.shapes)}, default=float)
 
 
 @dataclass(frozen=True)
@@ -144,20 +125,29 @@ def write_ground(group: h5py.Group, surface: Array) -> None:
 
 def read_animation(group: h5py.Group, most: int) -> Animation:
     """Return the section with at most so many pictures, evenly thinned, the last included."""
-    description = json.loads(group["description"].asstr()[()])
+    stage = read_stage(json.loads(group["description"].asstr()[()]))
     time = np.asarray(group["time"][()], dtype=float)
+    _check_sizes(group, len(time), len(stage.bodies))
     rows = thinned(len(time), most)
-    origin = _rows(group["origin"], rows)
+    origin = read_rows(group["origin"], rows)
     return Animation(
-        Stage(description["bodies"], description["shapes"]),
+        stage,
         Pictures(
             time[rows],
-            origin[:, None, :] + _rows(group["position"], rows),
-            _rows(group["quaternion"], rows),
-            _rows(group["turn"], rows),
+            origin[:, None, :] + read_rows(group["position"], rows),
+            read_rows(group["quaternion"], rows),
+            read_rows(group["turn"], rows),
         ),
         np.asarray(group["ground"][()], dtype=float) if "ground" in group else None,
     )
+
+
+def _check_sizes(group: h5py.Group, count: int, bodies: int) -> None:
+    sizes = {"origin": (3,), "position": (bodies, 3), "quaternion": (bodies, 4), "turn": (bodies,)}
+    for name, size in sizes.items():
+        shape = group[name].shape
+        if shape[0] < count or shape[1:] != size:
+            raise ValueError(f"animation/{name} of shape {shape}, expected {(count, *size)}")
 
 
 def thinned(count: int, most: int) -> NDArray[np.intp]:
@@ -167,9 +157,9 @@ def thinned(count: int, most: int) -> NDArray[np.intp]:
     return np.unique(np.linspace(0, count - 1, most).round().astype(np.intp))
 
 
-def _rows(dataset: h5py.Dataset, rows: NDArray[np.intp]) -> Array:
-    """Return some rows of a dataset, read block by block so that memory stays bounded."""
-    block = 4096
+def read_rows(dataset: h5py.Dataset, rows: NDArray[np.intp]) -> Array:
+    """Return some rising rows of a dataset, read block by block so that memory stays bounded."""
+    block = ROWS_AT_ONCE
     parts = [
         np.asarray(dataset[start : start + block], dtype=float)[
             rows[(rows >= start) & (rows < start + block)] - start

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vehicledyn.base.errors import InputError, unknown_name
-from vehicledyn.results.animation import GROUP, Animation, read_animation
+from vehicledyn.results.animation import GROUP, Animation, read_animation, read_rows
 from vehicledyn.results.layout import (
     FORMAT,
     FORMAT_VERSION,
@@ -145,8 +145,8 @@ class Result:
         """Return where a sample lies, in words: its time, or its number if it has no time."""
         return f"t = {time:.6g} s" if self.is_timed else f"sample {time:.0f}"
 
-    def channel(self, name: str) -> Series:
-        """Return a channel.
+    def channel(self, name: str, rows: NDArray[np.intp] | None = None) -> Series:
+        """Return a channel, of the samples shown or of some rising ``rows`` of the file.
 
         Raises
         ------
@@ -155,7 +155,8 @@ class Result:
         """
         self.require(name)
         with reading(self.path):
-            values = self._thinning.values(self._file[dataset_path(name)])
+            dataset = self._file[dataset_path(name)]
+            values = self._thinning.values(dataset) if rows is None else read_rows(dataset, rows)
         return Series(name, values, *self.facts(name))
 
     def facts(self, name: str) -> tuple[str, str, str]:

@@ -17,7 +17,8 @@ from numpy.typing import NDArray
 from vehicledyn.base.errors import InputError
 from vehicledyn.base.signals import undisturbed
 from vehicledyn.results import sections
-from vehicledyn.results.animation import GROUP, PictureDatasets, Pictures, Stage, write_ground
+from vehicledyn.results.animation import GROUP, PictureDatasets, Pictures, write_ground
+from vehicledyn.results.animation_stage import Stage
 from vehicledyn.results.disk import Container
 from vehicledyn.results.layout import (
     STATUSES,

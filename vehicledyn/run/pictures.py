@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 
 from vehicledyn.multibody.appearance import appearance
 from vehicledyn.multibody.skeleton import Skeleton, skeleton_from
-from vehicledyn.results.animation import Pictures, Stage
+from vehicledyn.results.animation import Pictures
+from vehicledyn.results.animation_stage import Stage
 from vehicledyn.road.wheel import RoadWheel
 from vehicledyn.symbolic import ops
 

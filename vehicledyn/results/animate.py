@@ -1,0 +1,113 @@
+"""Animations of results: a page to move about in, a still picture, a film."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from vehicledyn.results.animation_page import page_of
+from vehicledyn.results.animation_scene import MOST_PICTURES, AnimatedScene, scene_of
+from vehicledyn.results.output import write_failed
+from vehicledyn.results.reader import open_result
+
+
+@dataclass(frozen=True)
+class AnimationFile:
+    """A file written: its path, size in bytes, pictures in it, and what is to be told."""
+
+    path: Path
+    size: int
+    pictures: int
+    messages: tuple[str, ...] = ()
+
+
+def animate_result(
+    path: Path,
+    target: Path,
+    *,
+    others: Sequence[Path] = (),
+    channels: Sequence[str] = (),
+    most: int = MOST_PICTURES,
+) -> AnimationFile:
+    """Write a page that plays a result, with other results laid over it.
+
+    Parameters
+    ----------
+    path
+        Result file, whole or partial.
+    target
+        HTML file to write.
+    others
+        Further results, shown in the same scene at the same times.
+    channels
+        Channels to plot beside, as shell patterns; those of the figures and others if empty.
+    most
+        Largest number of pictures; more are thinned evenly.
+
+    Raises
+    ------
+    InputError
+        If a file cannot be read or holds no shapes and poses, no channel matches a pattern, or the
+        page cannot be written.
+    """
+    scenes = read_scenes([path, *others], channels=channels, most=most)
+    text = page_of(scenes)
+    try:
+        target.write_text(text, encoding="utf-8")
+    except OSError as error:
+        raise write_failed(target, error) from error
+    size = len(text.encode("utf-8"))
+    return AnimationFile(target, size, len(scenes[0].time), messages_of(scenes))
+
+
+def picture_of_result(path: Path, target: Path, *, time: float | None, view: str) -> AnimationFile:
+    """Draw a result at a time [s] (the middle if None) into a picture, see ``draw_picture``."""
+    from vehicledyn.results.animation_still import draw_picture
+
+    scenes = read_scenes([path])
+    draw_picture(scenes[0], target, time=time, view=view)
+    return AnimationFile(target, target.stat().st_size, 1, messages_of(scenes))
+
+
+def film_of_result(
+    path: Path,
+    target: Path,
+    *,
+    view: str,
+    rate: int,
+    speed: float,
+    progress: Callable[[str, float | None], None],
+) -> AnimationFile:
+    """Draw a result into a film, see ``draw_film``."""
+    from vehicledyn.results.animation_film import draw_film
+
+    scenes = read_scenes([path])
+    pictures = draw_film(scenes[0], target, view=view, rate=rate, speed=speed, progress=progress)
+    return AnimationFile(target, target.stat().st_size, pictures, messages_of(scenes))
+
+
+def read_scenes(
+    paths: Sequence[Path], *, channels: Sequence[str] = (), most: int = MOST_PICTURES
+) -> list[AnimatedScene]:
+    """Return what is drawn of some results; the channels asked for must be in the first."""
+    scenes = []
+    for index, path in enumerate(paths):
+        with open_result(path) as result:
+            wanted = channels if index == 0 else ()
+            scenes.append(scene_of(result, most=most, patterns=wanted))
+    return scenes
+
+
+def messages_of(scenes: Sequence[AnimatedScene]) -> tuple[str, ...]:
+    """Return what is worth telling of some scenes: partial runs, values that are no numbers."""
+    messages = []
+    for scene in scenes:
+        if not scene.is_whole:
+            messages.append(f"{scene.label}: {scene.state}")
+        if scene.bad_from is not None:
+            messages.append(
+                f"{scene.label}: poses from t = {scene.bad_from:.6g} s on are not all numbers; "
+                "what is unknown is left out"
+            )
+    return tuple(messages)

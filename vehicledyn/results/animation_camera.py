@@ -1,0 +1,106 @@
+"""A pinhole camera that looks at an animated scene."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vehicledyn.base.errors import InputError
+from vehicledyn.results.animation_moment import Moment
+from vehicledyn.results.animation_scene import AnimatedScene
+from vehicledyn.results.animation_solids import Face
+
+Array = NDArray[np.float64]
+
+VIEWS = {
+    "angle": (-1.15, -1.25, 0.72),
+    "side": (0.0, -1.9, 0.25),
+    "front": (1.9, 0.0, 0.35),
+    "top": (-0.001, 0.0, 2.1),
+}
+"""Places of the camera in sizes of the vehicle, along and left of its heading, and up."""
+
+FIELD = math.radians(38.0)
+"""Angle of the picture's height [rad]."""
+
+_NEAR = 0.02
+_LIGHT = np.array([-0.3, -0.5, 0.81])
+
+
+class Camera:
+    """A pinhole camera: eye, target [m] and its axes right, up and back."""
+
+    def __init__(self, eye: Array, target: Array, near: float) -> None:
+        back = (eye - target) / np.linalg.norm(eye - target)
+        right = np.cross([0.0, 0.0, 1.0], back)
+        right /= np.linalg.norm(right)
+        self.eye, self.target, self._near = eye, target, near
+        self._axes = np.array([right, np.cross(back, right), back])
+
+    @classmethod
+    def behind(
+        cls, scene: AnimatedScene, time: float, view: str, middle: Array, extent: float
+    ) -> Camera:
+        """Return the camera of a view onto the first body, turned with its heading at the start."""
+        if view not in VIEWS:
+            raise InputError(f"view '{view}' is unknown; take one of {', '.join(VIEWS)}")
+        start = Moment(scene, float(scene.time[0]))
+        first = scene.bodies[0]["name"]
+        ahead = start.places(first, [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0]])
+        heading = math.atan2(*(ahead[1] - ahead[0])[1::-1]) if np.isfinite(ahead).all() else 0.0
+        c, s = math.cos(heading), math.sin(heading)
+        x, y, z = (extent * part for part in VIEWS[view])
+        target = np.nan_to_num(Moment(scene, time).position[0]) + middle
+        return cls(target + np.array([c * x - s * y, s * x + c * y, z]), target, _NEAR * extent)
+
+    def flat(self, points: Array) -> tuple[Array, Array]:
+        """Return places in the picture, shape (n, 2), and depths (n,) [m]."""
+        local = (points - self.eye) @ self._axes.T
+        depth = -local[:, 2]
+        return local[:, :2] / np.maximum(depth, self._near)[:, None], depth
+
+    def line(self, points: Array) -> Array:
+        """Return a line of two points in the picture, cut off in front of the eye."""
+        local = (points - self.eye) @ self._axes.T
+        depth = -local[:, 2]
+        if depth.max() <= self._near:
+            return np.empty((0, 2))
+        if depth.min() < self._near:
+            near, far = int(np.argmin(depth)), int(np.argmax(depth))
+            part = (self._near - depth[near]) / (depth[far] - depth[near])
+            local[near] += part * (local[far] - local[near])
+        flat: Array = local[:, :2] / -local[:, 2:3]
+        return flat
+
+    def face(self, face: Face) -> tuple[Array, float]:
+        """Return a face in the picture and its depth; nothing if it is behind the eye."""
+        flat, depth = self.flat(face.corners)
+        if depth.min() <= self._near:
+            return np.empty((0, 2)), 0.0
+        if face.width:
+            along = flat[1] - flat[0]
+            across = np.array([-along[1], along[0]]) / max(float(np.linalg.norm(along)), 1e-12)
+            across = across * 0.5 * face.width / depth.mean()
+            flat = np.array(
+                [flat[0] - across, flat[1] - across, flat[1] + across, flat[0] + across]
+            )
+        return flat, float(depth.mean())
+
+    def shade(self, face: Face) -> tuple[float, float, float]:
+        """Return the colour of a face in the light."""
+        from matplotlib.colors import to_rgb
+
+        bright = 0.85
+        if not face.width:
+            a, b = face.corners[1] - face.corners[0], face.corners[2] - face.corners[1]
+            normal = np.cross(a, b)
+            length = float(np.linalg.norm(normal))
+            if length > 0.0:
+                normal = normal / length
+                towards = self.eye - face.corners[0]
+                normal = normal if normal @ towards > 0.0 else -normal
+                bright = 0.68 + 0.4 * max(0.0, float(normal @ _LIGHT))
+        red, green, blue = (min(1.0, bright * part) for part in to_rgb(face.colour))
+        return red, green, blue
