@@ -59,7 +59,10 @@ class Curve:
 
     def symmetric(self, slip: Scalar) -> Scalar:
         """Return D sin(C atan(B φ)) of a slip that is already shifted."""
-        u = self.stiffness_factor * slip
+        return self.at(self.stiffness_factor * slip)
+
+    def at(self, u: Scalar) -> Scalar:
+        """Return D sin(C atan(B φ)) at u, the shifted slip times B."""
         bent = (1.0 - self.curvature) * u + self.curvature * ops.atan(u)
         return self.peak * ops.sin(self.shape * ops.atan(bent))
 
@@ -68,17 +71,21 @@ class Curve:
         return self.symmetric(slip + self.horizontal_shift) + self.vertical_shift
 
     def peak_slip(self) -> Scalar:
-        """Return the shifted slip at the peak, where C atan(B φ) = π/2 [deg or %].
+        """Return the shifted slip at the peak, where C atan(B φ) = π/2 [deg or %]."""
+        return self.peak_place() / self.stiffness_factor
+
+    def peak_place(self) -> Scalar:
+        """Return u at the peak, the shifted slip times B [1].
 
         Two Newton steps from the value for E = 0: within 1 % for loads to 20 kN, within
         0.1 % from 2 to 8 kN. It only scales combined slip, pure slip does not depend on it.
         """
-        target = math.tan(0.5 * math.pi / self.shape)
+        E, target = self.curvature, math.tan(0.5 * math.pi / self.shape)
         u: Scalar = target
         for _ in range(2):
-            error = (1.0 - self.curvature) * u + self.curvature * ops.atan(u) - target
-            u = u - error / (1.0 - self.curvature + self.curvature / (1.0 + u * u))
-        return u / self.stiffness_factor
+            error = (1.0 - E) * u + E * ops.atan(u) - target
+            u = u - error * (1.0 + u * u) / ((1.0 - E) * (1.0 + u * u) + E)
+        return u
 
     def on_friction(self, friction: Scalar) -> Curve:
         """Return the curve on a road of another friction, of the same slope at no slip.
@@ -96,27 +103,26 @@ def lateral_curve(load_kN: Scalar, camber_deg: Scalar, c: LateralCoefficients) -
     """Return the curve of the side force over the slip angle."""
     F = _fitted_load(load_kN)
     D = c.a1 * F + c.a2
-    BCD = c.a3 * ops.sin(c.a4 * ops.atan(c.a5 * F)) / F
+    B = c.a3 * ops.sin(c.a4 * ops.atan(c.a5 * F)) / (SHAPE_LATERAL * F * D)
     E = c.a6 * F * F + c.a7 * F + c.a8
-    return _cambered(load_kN, F, camber_deg, c, (D, SHAPE_LATERAL, BCD, E))
+    return _cambered(load_kN, F, camber_deg, c, (D, SHAPE_LATERAL, B, E))
 
 
 def aligning_curve(load_kN: Scalar, camber_deg: Scalar, c: AligningCoefficients) -> Curve:
     """Return the curve of the aligning moment over the slip angle."""
     F = _fitted_load(load_kN)
     D = c.a1 * F + c.a2
-    BCD = (c.a3 * F + c.a4) / ops.exp(c.a5 * F)
+    B = (c.a3 * F + c.a4) * ops.exp(-c.a5 * F) / (SHAPE_ALIGNING * D)
     E = c.a6 * F * F + c.a7 * F + c.a8
-    return _cambered(load_kN, F, camber_deg, c, (D, SHAPE_ALIGNING, BCD, E))
+    return _cambered(load_kN, F, camber_deg, c, (D, SHAPE_ALIGNING, B, E))
 
 
 def longitudinal_curve(load_kN: Scalar, c: LongitudinalCoefficients) -> Curve:
     """Return the curve of the longitudinal force over the longitudinal slip."""
     F = _fitted_load(load_kN)
     D = c.a1 * F + c.a2
-    BCD = (c.a3 * F + c.a4) / ops.exp(c.a5 * F)
+    B = (c.a3 * F + c.a4) * ops.exp(-c.a5 * F) / (SHAPE_LONGITUDINAL * D)
     E = c.a6 * F * F + c.a7 * F + c.a8
-    B = BCD / (SHAPE_LONGITUDINAL * D)
     return Curve(load_kN * D, SHAPE_LONGITUDINAL, B, ops.minimum(E, 1.0))
 
 
@@ -152,14 +158,13 @@ def _cambered(
     c: LateralCoefficients | AligningCoefficients,
     uncambered: tuple[Scalar, float, Scalar, Scalar],
 ) -> Curve:
-    """Return the curve from D/F, C, BCD/F and E, corrected for camber."""
-    D, C, BCD, E = uncambered
+    """Return the curve from D/F, C, B and E, corrected for camber."""
+    D, C, B, E = uncambered
     lean = ops.absolute(camber_deg)
-    B = BCD / (C * D) * floored(1.0 - c.a12 * lean, CAMBER_FACTOR_FLOOR)
     return Curve(
         peak=load_kN * D,
         shape=C,
-        stiffness_factor=B,
+        stiffness_factor=B * floored(1.0 - c.a12 * lean, CAMBER_FACTOR_FLOOR),
         curvature=ops.minimum(E / floored(1.0 - c.a13 * lean, CAMBER_FACTOR_FLOOR), 1.0),
         horizontal_shift=c.a9 * camber_deg,
         vertical_shift=load_kN * (c.a10 * F + c.a11) * camber_deg,

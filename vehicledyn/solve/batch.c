@@ -28,7 +28,7 @@ static void resume(struct course *course, const int *status, const int *where,
 static void take_sample(const real *y, const struct course *course, int n_channels,
                         const int *channels, double *samples, long long stride) {
   for (int lane = 0; lane < VD_LANES; lane++)
-    if (VD_LANE(course->alive, lane))
+    if (VD_HOLDS(course->alive, lane))
       for (int k = 0; k < n_channels; k++)
         samples[lane * stride + k] = VD_LANE(y[channels[k]], lane);
 }

@@ -81,6 +81,9 @@ _TEMPLATES = {
     ENTRY: "vd_entry({0}, {table}, {width}, {power})",
 }
 
+_BOUNDED = {"FMIN": "vd_lesser({0}, {1})", "FMAX": "vd_larger({0}, {1})"}
+"""The same where the second operand is surely a number."""
+
 _CONDITIONAL = {"NOT": (0,), "AND": (0, 1), "OR": (0, 1), "IF_ELSE_ZERO": (0,), "SELECT": (0,)}
 """Operands that are conditions."""
 
@@ -315,6 +318,10 @@ class _Printer:
             self._condition(operand, piece) if k in conditions else self._number(operand, piece)
             for k, operand in enumerate(item.operands)
         ]
+        if item.operation in _BOUNDED:
+            bounds = [k for k, operand in enumerate(item.operands) if self._is_number(operand)]
+            if bounds:
+                return _BOUNDED[item.operation].format(names[1 - bounds[-1]], names[bounds[-1]])
         return _TEMPLATES[item.operation].format(*names, **self._table(item))
 
     def _table(self, item: Instruction) -> dict[str, str | int]:
@@ -324,6 +331,10 @@ class _Printer:
         table, power = item.source
         row = f"{self.inputs[-1]} + {self.first_row + ROW * table}"
         return {"table": row, "width": self.widths[table], "power": power}
+
+    def _is_number(self, index: int) -> bool:
+        item = self._values[index]
+        return item.operation == CONST and not math.isnan(item.number)
 
     def _number(self, index: int, piece: int) -> str:
         item = self._values[index]

@@ -8,6 +8,7 @@
 #define VD_INLINE static __device__ __forceinline__
 #define VD_PACK(a, b, c, d) {{a, b, c, d}}
 #define VD_LANE(value, lane) (value)
+#define VD_HOLDS(mask, lane) (mask)
 #define restrict __restrict__
 #ifndef DBL_MAX
 #define DBL_MAX 1.7976931348623157e308
@@ -35,6 +36,8 @@ VD_INLINE vd_mask vd_true(real a) { return a != 0.0; }
 VD_INLINE real vd_real(vd_mask a) { return a ? 1.0 : 0.0; }
 VD_INLINE real vd_only(vd_mask m, real a) { return m ? a : 0.0; }
 VD_INLINE real vd_select(vd_mask m, real a, real b) { return m ? a : b; }
+VD_INLINE real vd_lesser(real a, real b) { return a < b ? a : b; }
+VD_INLINE real vd_larger(real a, real b) { return a > b ? a : b; }
 VD_INLINE real vd_min(real a, real b) { return a < b || b != b ? a : b; }
 VD_INLINE real vd_max(real a, real b) { return b < a || b != b ? a : b; }
 VD_INLINE real vd_sign(real a) { return a < 0.0 ? -1.0 : 0.0 < a ? 1.0 : a; }

@@ -14,7 +14,8 @@
 
 VD_INLINE vd_wide vd_w(double a) { return a - (vd_wide){0.0}; }
 VD_INLINE vd_whole vd_i(long long a) { return a - (vd_whole){0}; }
-VD_INLINE vd_wide vd_pick(vd_whole m, vd_wide a, vd_wide b) {
+/* a where the bits of m are set, else b. */
+VD_INLINE vd_wide vd_mix(vd_whole m, vd_wide a, vd_wide b) {
   return (vd_wide)((m & (vd_whole)a) | (~m & (vd_whole)b));
 }
 VD_INLINE vd_wide vd_abs_wide(vd_wide a) {
@@ -25,38 +26,60 @@ VD_INLINE vd_wide vd_signed(vd_wide a, vd_wide b) {
   const vd_whole sign = vd_i((long long)0x8000000000000000ULL);
   return (vd_wide)(((vd_whole)a & ~sign) | ((vd_whole)b & sign));
 }
+/* Conditions, choices and roots of wide numbers. */
 #if VD_WIDTH == 8
-#define vd_some(m) VD_ANY8(m)
-#elif VD_WIDTH == 4
-#define vd_some(m) VD_ANY4(m)
-#else
-#define vd_some(m) ((m)[0] | (m)[1])
-#endif
-#if VD_WIDTH == 8
+typedef unsigned char vd_test;
+#define VD_TRUE(m, k) ((m) >> (k) & 1)
+VD_INLINE vd_test vd_less(vd_wide a, vd_wide b) { return VD_LT8(a, b); }
+VD_INLINE vd_wide vd_pick(vd_test m, vd_wide a, vd_wide b) { return (vd_wide)VD_PICK8(m, a, b); }
+VD_INLINE int vd_some(vd_test m) { return m != 0; }
 VD_INLINE vd_wide vd_sqrt_wide(vd_wide a) { return (vd_wide)VD_SQRT8(a); }
-#elif VD_WIDTH == 4
+#else
+typedef vd_whole vd_test;
+#define VD_TRUE(m, k) ((m)[k])
+VD_INLINE vd_test vd_less(vd_wide a, vd_wide b) { return a < b; }
+#if VD_WIDTH == 4
+VD_INLINE vd_wide vd_pick(vd_test m, vd_wide a, vd_wide b) { return (vd_wide)VD_PICK4(m, a, b); }
+VD_INLINE int vd_some(vd_test m) { return VD_ANY4(m); }
 VD_INLINE vd_wide vd_sqrt_wide(vd_wide a) { return (vd_wide)VD_SQRT4(a); }
 #else
+#define vd_pick vd_mix
+VD_INLINE int vd_some(vd_test m) { return (m[0] | m[1]) != 0; }
 VD_INLINE vd_wide vd_sqrt_wide(vd_wide a) {
   for (int k = 0; k < VD_WIDTH; k++) a[k] = sqrt(a[k]);
   return a;
 }
+#endif
 #endif
 
 /* Adding and taking off 3/2 2^52 rounds to a whole number, which the low bits hold meanwhile. */
 #define VD_ROUNDER 6755399441055744.0
 #define VD_NEXT(value, coefficient) value = vd_fma_wide(value, z, vd_w(coefficient))
 
-/* The sine of -0 is +0. The angle less its quarter turns is rounded twice, each time by half a
-   unit in its own last place, since both products enter whole. */
+/* An angle less its quarter turns, with an error of about a unit in the last place of what is
+   left. A fused sum takes a product whole; without fused sums the parts of the quarter are so
+   short that their products are exact. */
+VD_INLINE vd_wide vd_less_turns(vd_wide x, vd_wide turns) {
+#if VD_FUSED
+  x = vd_fma_wide(turns, vd_w(-1.57079632679489655800e+00), x);
+  x = vd_fma_wide(turns, vd_w(-6.12323399573676603587e-17), x);
+  return vd_fma_wide(turns, vd_w(1.49738490485918329680e-33), x);
+#else
+  const vd_wide first = x - turns * 1.57079632673412561417e+00;
+  const vd_wide second = first - turns * 6.07710050630396597660e-11;
+  const vd_wide lost = (first - second) - turns * 6.07710050630396597660e-11;
+  return second + (lost - turns * 2.02226624879595063154e-21);
+#endif
+}
+
+/* The sine of -0 is +0. */
 static VD_APART void vd_sincos(int n, double *a, double *s, double *c) {
   VD_EACH(n) {
     const vd_wide x = VD_WIDE(a);
     const vd_wide shifted = vd_fma_wide(x, vd_w(0.63661977236758134308), vd_w(VD_ROUNDER));
     const vd_wide turns = shifted - VD_ROUNDER;
     const vd_whole quarter = (vd_whole)shifted;
-    const vd_wide near = vd_fma_wide(turns, vd_w(-1.57079632679489655800), x);
-    const vd_wide y = vd_fma_wide(turns, vd_w(-6.12323399573676603587e-17), near), z = y * y;
+    const vd_wide y = vd_less_turns(x, turns), z = y * y;
     vd_wide p = vd_w(1.58969099521155010221e-10);
     VD_NEXT(p, -2.50507602534068634195e-08);
     VD_NEXT(p, 2.75573137070700676789e-06);
@@ -74,20 +97,22 @@ static VD_APART void vd_sincos(int n, double *a, double *s, double *c) {
     VD_NEXT(q, 1.0);
     const vd_whole odd = -(quarter & 1);
     const vd_whole sign_of_sine = (quarter & 2) << 62, sign_of_cosine = ((quarter + 1) & 2) << 62;
-    const vd_wide one = vd_pick(odd, q, sine), other = vd_pick(odd, sine, q);
-    const vd_whole far = ~(vd_abs_wide(x) < 1e6);
+    const vd_wide one = vd_mix(odd, q, sine), other = vd_mix(odd, sine, q);
+    const vd_test far = ~vd_less(vd_abs_wide(x), vd_w(1e6));
     VD_STORE(s, (vd_wide)((vd_whole)one ^ sign_of_sine));
     VD_STORE(c, (vd_wide)((vd_whole)other ^ sign_of_cosine));
     if (vd_some(far))
       for (int k = 0; k < VD_WIDTH; k++)
-        if (far[k]) s[i + k] = sin(x[k]), c[i + k] = cos(x[k]);
+        if (VD_TRUE(far, k)) s[i + k] = sin(x[k]), c[i + k] = cos(x[k]);
   }
 }
 
 /* Arc tangent of a / b >= 0, for a, b >= 0, not both zero: the angle from the nearest of the
-   directions 0, 45 and 90 degrees, and that of the direction. */
-VD_INLINE vd_wide vd_atan_ratio(vd_wide a, vd_wide b) {
-  const vd_whole steep = a > 0.41421356237309503 * b, steeper = a > 2.41421356237309510 * b;
+   directions 0, 45 and 90 degrees, and that of the direction. What the rounded direction lacks is
+   added where the ratio itself is not exact: 3.9e-17 of it, for both. */
+VD_INLINE vd_wide vd_atan_ratio(vd_wide a, vd_wide b, int is_exact) {
+  const vd_test steep = vd_less(0.41421356237309503 * b, a);
+  const vd_test steeper = vd_less(2.41421356237309510 * b, a);
   const vd_wide across = vd_pick(steeper, -b, vd_pick(steep, a - b, a));
   const vd_wide along = vd_pick(steeper, a, vd_pick(steep, a + b, b));
   const vd_wide base = vd_pick(steeper, vd_w(1.57079632679489655800),
@@ -103,53 +128,63 @@ VD_INLINE vd_wide vd_atan_ratio(vd_wide a, vd_wide b) {
   VD_NEXT(p, -0.14285714195196932155);
   VD_NEXT(p, 0.19999999999088227086);
   VD_NEXT(p, -0.33333333333330148055);
-  return base + vd_fma_wide(z * x, p, x);
+  if (is_exact) return base + vd_fma_wide(z * x, p, x);
+  return base + (x + vd_fma_wide(z * x, p, base * 3.9e-17));
 }
 
 static VD_APART void vd_atan(int n, double *a, double *r) {
   VD_EACH(n) {
     const vd_wide x = VD_WIDE(a);
-    VD_STORE(r, vd_signed(vd_atan_ratio(vd_abs_wide(x), vd_w(1.0)), x));
+    VD_STORE(r, vd_signed(vd_atan_ratio(vd_abs_wide(x), vd_w(1.0), 1), x));
   }
 }
 
 static VD_APART void vd_atan2(int n, double *a, double *b, double *r) {
   VD_EACH(n) {
     const vd_wide y = VD_WIDE(a), x = VD_WIDE(b), ay = vd_abs_wide(y), ax = vd_abs_wide(x);
-    const vd_wide angle = vd_atan_ratio(ay, ax);
+    const vd_wide angle = vd_atan_ratio(ay, ax, 0);
     const vd_wide behind = 3.14159265358979311600 - (angle - 1.22464679914735320717e-16);
-    VD_STORE(r, vd_signed(vd_pick((vd_whole)x < 0, behind, angle), y));
-    const vd_wide larger = vd_pick(ax < ay, ay, ax), smaller = vd_pick(ax < ay, ax, ay);
-    const vd_whole odd = ~((larger < 1e150) & (larger > 1e-150) &
-                           ((smaller > 1e-150) | (smaller == 0.0)));
+    VD_STORE(r, vd_signed(vd_mix((vd_whole)x < 0, behind, angle), y));
+    const vd_wide larger = vd_pick(vd_less(ax, ay), ay, ax),
+                  smaller = vd_pick(vd_less(ax, ay), ax, ay);
+    const vd_test odd = ~(vd_less(larger, vd_w(1e150)) & vd_less(vd_w(1e-150), larger) &
+                          (vd_less(vd_w(1e-150), smaller) | ~vd_less(vd_w(0.0), smaller)));
     if (vd_some(odd))
       for (int k = 0; k < VD_WIDTH; k++)
-        if (odd[k]) r[i + k] = atan2(y[k], x[k]);
+        if (VD_TRUE(odd, k)) r[i + k] = atan2(y[k], x[k]);
   }
 }
 
-/* asin x = atan2(x, w), acos x = atan2(w, x) with w = sqrt((1 - x) (1 + x)). */
+/* asin x = atan2(x, w), acos x = atan2(w, x) with w = sqrt(1 - x x). */
+VD_INLINE vd_wide vd_beside(vd_wide x) {
+#if VD_FUSED
+  return vd_sqrt_wide(vd_fma_wide(-x, x, vd_w(1.0)));
+#else
+  return vd_sqrt_wide((1.0 - x) * (1.0 + x));
+#endif
+}
+
 static VD_APART void vd_asin(int n, double *a, double *r) {
   VD_EACH(n) {
-    const vd_wide x = VD_WIDE(a), w = vd_sqrt_wide((1.0 - x) * (1.0 + x));
-    VD_STORE(r, vd_signed(vd_atan_ratio(vd_abs_wide(x), w), x));
-    const vd_whole odd = ~(vd_abs_wide(x) <= 1.0);
+    const vd_wide x = VD_WIDE(a), w = vd_beside(x);
+    VD_STORE(r, vd_signed(vd_atan_ratio(vd_abs_wide(x), w, 0), x));
+    const vd_test odd = vd_less(vd_w(1.0), vd_abs_wide(x));
     if (vd_some(odd))
       for (int k = 0; k < VD_WIDTH; k++)
-        if (odd[k]) r[i + k] = asin(x[k]);
+        if (VD_TRUE(odd, k)) r[i + k] = asin(x[k]);
   }
 }
 
 static VD_APART void vd_acos(int n, double *a, double *r) {
   VD_EACH(n) {
-    const vd_wide x = VD_WIDE(a), w = vd_sqrt_wide((1.0 - x) * (1.0 + x));
-    const vd_wide angle = vd_atan_ratio(w, vd_abs_wide(x));
+    const vd_wide x = VD_WIDE(a), w = vd_beside(x);
+    const vd_wide angle = vd_atan_ratio(w, vd_abs_wide(x), 0);
     const vd_wide behind = 3.14159265358979311600 - (angle - 1.22464679914735320717e-16);
-    VD_STORE(r, vd_pick(x < 0.0, behind, angle));
-    const vd_whole odd = ~(vd_abs_wide(x) <= 1.0);
+    VD_STORE(r, vd_pick(vd_less(x, vd_w(0.0)), behind, angle));
+    const vd_test odd = vd_less(vd_w(1.0), vd_abs_wide(x));
     if (vd_some(odd))
       for (int k = 0; k < VD_WIDTH; k++)
-        if (odd[k]) r[i + k] = acos(x[k]);
+        if (VD_TRUE(odd, k)) r[i + k] = acos(x[k]);
   }
 }
 
@@ -181,17 +216,17 @@ static VD_APART void vd_exp(int n, double *a, double *r) {
   VD_EACH(n) {
     const vd_wide x = VD_WIDE(a);
     VD_STORE(r, vd_exp_wide(x));
-    const vd_whole far = ~(vd_abs_wide(x) < 700.0);
+    const vd_test far = ~vd_less(vd_abs_wide(x), vd_w(700.0));
     if (vd_some(far))
       for (int k = 0; k < VD_WIDTH; k++)
-        if (far[k]) r[i + k] = exp(x[k]);
+        if (VD_TRUE(far, k)) r[i + k] = exp(x[k]);
   }
 }
 
 static VD_APART void vd_tanh(int n, double *a, double *r) {
   VD_EACH(n) {
     const vd_wide x = VD_WIDE(a), size = vd_abs_wide(x);
-    const vd_wide held = vd_pick(size < 20.0, size, vd_w(20.0));
+    const vd_wide held = vd_pick(vd_less(vd_w(20.0), size), vd_w(20.0), size);
     const vd_wide large = 1.0 - 2.0 / (vd_exp_wide(2.0 * held) + 1.0), z = x * x;
     vd_wide p = vd_w(-9.64399179425052238628e-01);
     VD_NEXT(p, -9.92877231001918586564e+01);
@@ -200,11 +235,7 @@ static VD_APART void vd_tanh(int n, double *a, double *r) {
     VD_NEXT(q, 2.23548839060100448583e+03);
     VD_NEXT(q, 4.84406305325125486048e+03);
     const vd_wide small = vd_fma_wide(x * z, p / q, x);
-    VD_STORE(r, vd_signed(vd_pick(size < 0.625, small, large), x));
-    const vd_whole odd = x != x;
-    if (vd_some(odd))
-      for (int k = 0; k < VD_WIDTH; k++)
-        if (odd[k]) r[i + k] = x[k];
+    VD_STORE(r, vd_signed(vd_pick(vd_less(size, vd_w(0.625)), small, large), x));
   }
 }
 
@@ -226,10 +257,10 @@ static VD_APART void vd_log(int n, double *a, double *r) {
     VD_NEXT(p, 6.666666666666735130e-01);
     const vd_wide rest = s * (half + z * p) + k * 1.90821492927058770002e-10;
     VD_STORE(r, k * 6.93147180369123816490e-01 - ((half - rest) - f));
-    const vd_whole odd = ~((x >= DBL_MIN) & (x <= DBL_MAX));
+    const vd_test odd = vd_less(x, vd_w(DBL_MIN)) | ~vd_less(x, vd_w(INFINITY));
     if (vd_some(odd))
       for (int j = 0; j < VD_WIDTH; j++)
-        if (odd[j]) r[i + j] = log(x[j]);
+        if (VD_TRUE(odd, j)) r[i + j] = log(x[j]);
   }
 }
 

@@ -26,40 +26,65 @@
 #define VD_WIDTH 2
 #endif
 
-/* Fused sum, square root and "any sign bit" of whole registers. Where the compiler offers them
-   without, immintrin.h is left out: it takes longer to compile than a small kernel. */
+/* Operations on whole registers: fused sums a b + c and c - a b, roots, the lesser and larger of
+   two (the second where one is no number), choices a where m holds and else b. Masks of eight
+   are bits, those of four hold as signs. Where the compiler offers these operations without,
+   immintrin.h is left out: it takes longer to compile than a small kernel. */
 typedef double vd_four __attribute__((vector_size(32)));
 typedef double vd_eight __attribute__((vector_size(64)));
-typedef long long vd_eight_wholes __attribute__((vector_size(64)));
 #if !defined(__has_builtin)
 #define __has_builtin(name) 0
 #endif
 #if VD_WIDTH >= 4
-#if __has_builtin(__builtin_ia32_vfmaddpd256) && __has_builtin(__builtin_ia32_sqrtpd256) && \
-    __has_builtin(__builtin_ia32_movmskpd256)
-#define VD_FMA4(a, b, c) \
-  __builtin_ia32_vfmaddpd256((vd_four)(a), (vd_four)(b), (vd_four)(c))
-#define VD_SQRT4(a) __builtin_ia32_sqrtpd256((vd_four)(a))
-#define VD_ANY4(a) (__builtin_ia32_movmskpd256((vd_four)(a)) != 0)
+#if __has_builtin(__builtin_ia32_vfmaddpd256) && __has_builtin(__builtin_ia32_vfnmaddpd256) && \
+    __has_builtin(__builtin_ia32_sqrtpd256) && __has_builtin(__builtin_ia32_movmskpd256) &&    \
+    __has_builtin(__builtin_ia32_minpd256) && __has_builtin(__builtin_ia32_blendvpd256)
+#define VD_DO4(name, ...) __builtin_ia32_##name(__VA_ARGS__)
+#define VD_FMA4(a, b, c) VD_DO4(vfmaddpd256, (vd_four)(a), (vd_four)(b), (vd_four)(c))
+#define VD_FNMA4(a, b, c) VD_DO4(vfnmaddpd256, (vd_four)(a), (vd_four)(b), (vd_four)(c))
+#define VD_SQRT4(a) VD_DO4(sqrtpd256, (vd_four)(a))
+#define VD_MIN4(a, b) VD_DO4(minpd256, (vd_four)(a), (vd_four)(b))
+#define VD_MAX4(a, b) VD_DO4(maxpd256, (vd_four)(a), (vd_four)(b))
+#define VD_PICK4(m, a, b) VD_DO4(blendvpd256, (vd_four)(b), (vd_four)(a), (vd_four)(m))
+#define VD_ANY4(a) (VD_DO4(movmskpd256, (vd_four)(a)) != 0)
 #else
 #include <immintrin.h>
 #define VD_FMA4(a, b, c) _mm256_fmadd_pd((__m256d)(a), (__m256d)(b), (__m256d)(c))
+#define VD_FNMA4(a, b, c) _mm256_fnmadd_pd((__m256d)(a), (__m256d)(b), (__m256d)(c))
 #define VD_SQRT4(a) _mm256_sqrt_pd((__m256d)(a))
+#define VD_MIN4(a, b) _mm256_min_pd((__m256d)(a), (__m256d)(b))
+#define VD_MAX4(a, b) _mm256_max_pd((__m256d)(a), (__m256d)(b))
+#define VD_PICK4(m, a, b) _mm256_blendv_pd((__m256d)(b), (__m256d)(a), (__m256d)(m))
 #define VD_ANY4(a) (_mm256_movemask_pd((__m256d)(a)) != 0)
 #endif
 #endif
 #if VD_WIDTH == 8
-#if __has_builtin(__builtin_ia32_vfmaddpd512_mask) && \
-    __has_builtin(__builtin_ia32_sqrtpd512_mask) && __has_builtin(__builtin_ia32_cvtq2mask512)
-#define VD_FMA8(a, b, c) \
-  __builtin_ia32_vfmaddpd512_mask((vd_eight)(a), (vd_eight)(b), (vd_eight)(c), -1, 4)
-#define VD_SQRT8(a) __builtin_ia32_sqrtpd512_mask((vd_eight)(a), (vd_eight){0.0}, -1, 4)
-#define VD_ANY8(a) (__builtin_ia32_cvtq2mask512((vd_eight_wholes)(a)) != 0)
+#define VD_LT8(a, b) VD_IS8(a, b, 17)
+#define VD_LE8(a, b) VD_IS8(a, b, 18)
+#define VD_EQ8(a, b) VD_IS8(a, b, 0)
+#define VD_NE8(a, b) VD_IS8(a, b, 4)
+#if __has_builtin(__builtin_ia32_vfmaddpd512_mask) &&                                             \
+    __has_builtin(__builtin_ia32_vfnmaddpd512_mask) &&                                            \
+    __has_builtin(__builtin_ia32_sqrtpd512_mask) && __has_builtin(__builtin_ia32_minpd512_mask) && \
+    __has_builtin(__builtin_ia32_cmppd512_mask) && __has_builtin(__builtin_ia32_blendmpd_512_mask)
+#define VD_DO8(name, ...) __builtin_ia32_##name##_mask(__VA_ARGS__, -1, 4)
+#define VD_ZERO8 ((vd_eight){0.0})
+#define VD_FMA8(a, b, c) VD_DO8(vfmaddpd512, (vd_eight)(a), (vd_eight)(b), (vd_eight)(c))
+#define VD_FNMA8(a, b, c) VD_DO8(vfnmaddpd512, (vd_eight)(a), (vd_eight)(b), (vd_eight)(c))
+#define VD_SQRT8(a) VD_DO8(sqrtpd512, (vd_eight)(a), VD_ZERO8)
+#define VD_MIN8(a, b) VD_DO8(minpd512, (vd_eight)(a), (vd_eight)(b), VD_ZERO8)
+#define VD_MAX8(a, b) VD_DO8(maxpd512, (vd_eight)(a), (vd_eight)(b), VD_ZERO8)
+#define VD_IS8(a, b, kind) ((unsigned char)VD_DO8(cmppd512, (vd_eight)(a), (vd_eight)(b), kind))
+#define VD_PICK8(m, a, b) __builtin_ia32_blendmpd_512_mask((vd_eight)(b), (vd_eight)(a), m)
 #else
 #include <immintrin.h>
 #define VD_FMA8(a, b, c) _mm512_fmadd_pd((__m512d)(a), (__m512d)(b), (__m512d)(c))
+#define VD_FNMA8(a, b, c) _mm512_fnmadd_pd((__m512d)(a), (__m512d)(b), (__m512d)(c))
 #define VD_SQRT8(a) _mm512_sqrt_pd((__m512d)(a))
-#define VD_ANY8(a) (_mm512_movepi64_mask((__m512i)(a)) != 0)
+#define VD_MIN8(a, b) _mm512_min_pd((__m512d)(a), (__m512d)(b))
+#define VD_MAX8(a, b) _mm512_max_pd((__m512d)(a), (__m512d)(b))
+#define VD_IS8(a, b, kind) _mm512_cmp_pd_mask((__m512d)(a), (__m512d)(b), kind)
+#define VD_PICK8(m, a, b) _mm512_mask_blend_pd(m, (__m512d)(b), (__m512d)(a))
 #endif
 #endif
 
@@ -67,19 +92,17 @@ typedef double vd_wide __attribute__((vector_size(8 * VD_WIDTH), aligned(8), may
 typedef long long vd_whole __attribute__((vector_size(8 * VD_WIDTH), aligned(8), may_alias));
 
 #if defined(__FMA__) || defined(__ARM_FEATURE_FMA)
+#define VD_FUSED 1
 #define vd_fma1(a, b, c) __builtin_fma(a, b, c)
 #else
+#define VD_FUSED 0
 #define vd_fma1(a, b, c) ((a) * (b) + (c))
 #endif
 
 #if VD_WIDTH == 8
-VD_INLINE vd_wide vd_fma_wide(vd_wide a, vd_wide b, vd_wide c) {
-  return (vd_wide)VD_FMA8(a, b, c);
-}
+#define vd_fma_wide(a, b, c) ((vd_wide)VD_FMA8(a, b, c))
 #elif VD_WIDTH == 4 && defined(__FMA__)
-VD_INLINE vd_wide vd_fma_wide(vd_wide a, vd_wide b, vd_wide c) {
-  return (vd_wide)VD_FMA4(a, b, c);
-}
+#define vd_fma_wide(a, b, c) ((vd_wide)VD_FMA4(a, b, c))
 #else
 VD_INLINE vd_wide vd_fma_wide(vd_wide a, vd_wide b, vd_wide c) {
   for (int i = 0; i < VD_WIDTH; i++) a[i] = vd_fma1(a[i], b[i], c[i]);
@@ -97,6 +120,7 @@ typedef int vd_mask;
 typedef double vd_pack __attribute__((vector_size(32)));
 #define VD_PACK(a, b, c, d) {a, b, c, d}
 #define VD_LANE(value, lane) (value)
+#define VD_HOLDS(mask, lane) (mask)
 VD_INLINE real vd_whole_part(real a) { return floor(a); }
 VD_INLINE real vd_entry(real cell, const real *t, int width, int power) {
   const double *cells;
@@ -117,6 +141,8 @@ VD_INLINE int vd_any(vd_mask a) { return a; }
 VD_INLINE real vd_real(vd_mask a) { return a ? 1.0 : 0.0; }
 VD_INLINE real vd_only(vd_mask m, real a) { return m ? a : 0.0; }
 VD_INLINE real vd_select(vd_mask m, real a, real b) { return m ? a : b; }
+VD_INLINE real vd_lesser(real a, real b) { return a < b ? a : b; }
+VD_INLINE real vd_larger(real a, real b) { return a > b ? a : b; }
 #define vd_abs(a) fabs(a)
 #define vd_sqrt(a) sqrt(a)
 #define vd_fma(a, b, c) vd_fma1(a, b, c)
@@ -126,11 +152,30 @@ VD_INLINE real vd_select(vd_mask m, real a, real b) { return m ? a : b; }
 #else
 
 typedef double real __attribute__((vector_size(8 * VD_LANES), may_alias));
-typedef long long vd_mask __attribute__((vector_size(8 * VD_LANES), may_alias));
+typedef long long vd_bits __attribute__((vector_size(8 * VD_LANES), may_alias));
 typedef struct { real item[4]; } vd_pack;
 #define VD_PACK(a, b, c, d) {{a, b, c, d}}
 #define VD_LANE(value, lane) ((value)[lane])
 VD_INLINE real vd_all(double a) { return a - (real){0.0}; }
+VD_INLINE real vd_abs(real a) {
+  return (real)((vd_bits)a & (0x7fffffffffffffffLL - (vd_bits){0}));
+}
+
+#if VD_LANES == 8 && VD_WIDTH == 8
+typedef unsigned char vd_mask;
+#define VD_HOLDS(mask, lane) ((mask) >> (lane) & 1)
+VD_INLINE vd_mask vd_lt(real a, real b) { return VD_LT8(a, b); }
+VD_INLINE vd_mask vd_le(real a, real b) { return VD_LE8(a, b); }
+VD_INLINE vd_mask vd_eq(real a, real b) { return VD_EQ8(a, b); }
+VD_INLINE vd_mask vd_ne(real a, real b) { return VD_NE8(a, b); }
+VD_INLINE vd_mask vd_not(vd_mask a) { return ~a; }
+VD_INLINE vd_mask vd_every(int a) { return a ? 255 : 0; }
+VD_INLINE int vd_any(vd_mask a) { return a != 0; }
+VD_INLINE real vd_select(vd_mask m, real a, real b) { return (real)VD_PICK8(m, a, b); }
+VD_INLINE real vd_only(vd_mask m, real a) { return vd_select(m, a, vd_all(0.0)); }
+#else
+typedef vd_bits vd_mask;
+#define VD_HOLDS(mask, lane) ((mask)[lane])
 VD_INLINE vd_mask vd_lt(real a, real b) { return a < b; }
 VD_INLINE vd_mask vd_le(real a, real b) { return a <= b; }
 VD_INLINE vd_mask vd_eq(real a, real b) { return a == b; }
@@ -138,17 +183,58 @@ VD_INLINE vd_mask vd_ne(real a, real b) { return a != b; }
 VD_INLINE vd_mask vd_not(vd_mask a) { return ~a; }
 VD_INLINE vd_mask vd_every(int a) { return -(long long)(a != 0) - (vd_mask){0}; }
 VD_INLINE real vd_only(vd_mask m, real a) { return (real)(m & (vd_mask)a); }
+#endif
 VD_INLINE real vd_real(vd_mask a) { return vd_only(a, vd_all(1.0)); }
+
+#if VD_LANES == 8 && VD_WIDTH == 8
+#define vd_lesser(a, b) ((real)VD_MIN8(a, b))
+#define vd_larger(a, b) ((real)VD_MAX8(a, b))
+#define vd_fma(a, b, c) ((real)VD_FMA8(a, b, c))
+#define vd_fms(a, b, c) ((real)VD_FMA8(a, b, -(c)))
+#define vd_fnma(a, b, c) ((real)VD_FNMA8(a, b, c))
+#define vd_sqrt(a) ((real)VD_SQRT8(a))
+#elif VD_LANES == 4 && VD_WIDTH >= 4 && defined(__FMA__)
+VD_INLINE int vd_any(vd_mask a) { return VD_ANY4(a); }
+VD_INLINE real vd_select(vd_mask m, real a, real b) { return (real)VD_PICK4(m, a, b); }
+#define vd_lesser(a, b) ((real)VD_MIN4(a, b))
+#define vd_larger(a, b) ((real)VD_MAX4(a, b))
+#define vd_fma(a, b, c) ((real)VD_FMA4(a, b, c))
+#define vd_fms(a, b, c) ((real)VD_FMA4(a, b, -(c)))
+#define vd_fnma(a, b, c) ((real)VD_FNMA4(a, b, c))
+#define vd_sqrt(a) ((real)VD_SQRT4(a))
+#else
+VD_INLINE int vd_any(vd_mask a) {
+  long long found = 0;
+  for (int i = 0; i < VD_LANES; i++) found |= a[i];
+  return found != 0;
+}
+VD_INLINE real vd_select(vd_mask m, real a, real b) {
+  return (real)((m & (vd_mask)a) | (~m & (vd_mask)b));
+}
+VD_INLINE real vd_lesser(real a, real b) { return vd_select(a < b, a, b); }
+VD_INLINE real vd_larger(real a, real b) { return vd_select(a > b, a, b); }
+VD_INLINE real vd_fma(real a, real b, real c) {
+  for (int i = 0; i < VD_LANES; i++) a[i] = vd_fma1(a[i], b[i], c[i]);
+  return a;
+}
+VD_INLINE real vd_fms(real a, real b, real c) { return vd_fma(a, b, -c); }
+VD_INLINE real vd_fnma(real a, real b, real c) { return vd_fma(-a, b, c); }
+VD_INLINE real vd_sqrt(real a) {
+  for (int i = 0; i < VD_LANES; i++) a[i] = sqrt(a[i]);
+  return a;
+}
+#endif
+
 /* Of numbers from 0 to 2^51: a sum with 2^52 has no fraction, its last bits are the number. */
 VD_INLINE real vd_whole_part(real a) {
   const real whole = (a + 0x1p52) - 0x1p52;
   return whole - vd_only(vd_lt(a, whole), vd_all(1.0));
 }
-VD_INLINE vd_mask vd_place(real cell, const real *t, int width) {
-  return (vd_mask)t[4] + (((vd_mask)(cell * (double)width + 0x1p52) & 0xfffffffffffffLL) << 3);
+VD_INLINE vd_bits vd_place(real cell, const real *t, int width) {
+  return (vd_bits)t[4] + (((vd_bits)(cell * (double)width + 0x1p52) & 0xfffffffffffffLL) << 3);
 }
 VD_INLINE real vd_entry(real cell, const real *t, int width, int power) {
-  const vd_mask place = vd_place(cell, t, width);
+  const vd_bits place = vd_place(cell, t, width);
 #define VD_AT(lane) ((const double *)place[lane])[power]
 #if VD_LANES == 8
   return (real){VD_AT(0), VD_AT(1), VD_AT(2), VD_AT(3), VD_AT(4), VD_AT(5), VD_AT(6), VD_AT(7)};
@@ -162,7 +248,7 @@ VD_INLINE real vd_entry(real cell, const real *t, int width, int power) {
 typedef double vd_row __attribute__((vector_size(32), aligned(8), may_alias));
 #define VD_TURN(a, b, ...) __builtin_shufflevector(a, b, __VA_ARGS__)
 VD_INLINE void vd_four_entries(real cell, const real *t, real *r) {
-  const vd_mask place = vd_place(cell, t, 4);
+  const vd_bits place = vd_place(cell, t, 4);
 #define VD_AT(lane) (*(const vd_row *)place[lane])
 #if VD_LANES == 8
 #define VD_TWO(lane) VD_TURN(VD_AT(lane), VD_AT(lane + 4), 0, 1, 2, 3, 4, 5, 6, 7)
@@ -192,53 +278,16 @@ VD_INLINE void vd_four_entries(real cell, const real *t, real *r) {
   for (int k = 0; k < 4; k++) r[k] = vd_entry(cell, t, 4, k);
 }
 #endif
-VD_INLINE real vd_abs(real a) {
-  return (real)((vd_mask)a & (0x7fffffffffffffffLL - (vd_mask){0}));
-}
-#if VD_LANES == 8 && VD_WIDTH == 8
-#define vd_any(a) VD_ANY8(a)
-#elif VD_LANES == 4 && VD_WIDTH >= 4
-#define vd_any(a) VD_ANY4(a)
-#else
-VD_INLINE int vd_any(vd_mask a) {
-  long long found = 0;
-  for (int i = 0; i < VD_LANES; i++) found |= a[i];
-  return found != 0;
-}
-#endif
-VD_INLINE real vd_select(vd_mask m, real a, real b) {
-  return (real)((m & (vd_mask)a) | (~m & (vd_mask)b));
-}
-#if VD_LANES == 8 && VD_WIDTH == 8
-#define vd_fma(a, b, c) ((real)VD_FMA8(a, b, c))
-#define vd_fms(a, b, c) ((real)VD_FMA8(a, b, -(c)))
-#define vd_fnma(a, b, c) ((real)VD_FMA8(-(a), b, c))
-#define vd_sqrt(a) ((real)VD_SQRT8(a))
-#elif VD_LANES == 4 && VD_WIDTH >= 4 && defined(__FMA__)
-#define vd_fma(a, b, c) ((real)VD_FMA4(a, b, c))
-#define vd_fms(a, b, c) ((real)VD_FMA4(a, b, -(c)))
-#define vd_fnma(a, b, c) ((real)VD_FMA4(-(a), b, c))
-#define vd_sqrt(a) ((real)VD_SQRT4(a))
-#else
-VD_INLINE real vd_fma(real a, real b, real c) {
-  for (int i = 0; i < VD_LANES; i++) a[i] = vd_fma1(a[i], b[i], c[i]);
-  return a;
-}
-VD_INLINE real vd_fms(real a, real b, real c) { return vd_fma(a, b, -c); }
-VD_INLINE real vd_fnma(real a, real b, real c) { return vd_fma(-a, b, c); }
-VD_INLINE real vd_sqrt(real a) {
-  for (int i = 0; i < VD_LANES; i++) a[i] = sqrt(a[i]);
-  return a;
-}
-#endif
 
 #endif
 
 VD_INLINE vd_mask vd_and(vd_mask a, vd_mask b) { return a & b; }
 VD_INLINE vd_mask vd_or(vd_mask a, vd_mask b) { return a | b; }
 VD_INLINE vd_mask vd_true(real a) { return vd_ne(a, vd_all(0.0)); }
-VD_INLINE real vd_min(real a, real b) { return vd_select(vd_or(vd_lt(a, b), vd_ne(b, b)), a, b); }
-VD_INLINE real vd_max(real a, real b) { return vd_select(vd_or(vd_lt(b, a), vd_ne(b, b)), a, b); }
+/* Of a number and one that is none these are the number; vd_lesser and vd_larger are so where the
+   second is surely a number. */
+VD_INLINE real vd_min(real a, real b) { return vd_select(vd_eq(b, b), vd_lesser(a, b), a); }
+VD_INLINE real vd_max(real a, real b) { return vd_select(vd_eq(b, b), vd_larger(a, b), a); }
 VD_INLINE real vd_sign(real a) {
   const real zero = vd_all(0.0);
   return vd_select(vd_lt(a, zero), vd_all(-1.0), vd_select(vd_lt(zero, a), vd_all(1.0), a));
@@ -248,8 +297,7 @@ VD_INLINE real vd_sign(real a) {
    place has a cell inside the table, one that is no number has the last. */
 VD_INLINE real vd_cell(real x, const real *t) {
   const real place = (x - t[0]) * t[1];
-  const real below = vd_select(vd_lt(place, t[3]), place, t[3]);
-  return vd_whole_part(vd_select(vd_lt(vd_all(0.0), below), below, vd_all(0.0)));
+  return vd_whole_part(vd_larger(vd_lesser(place, t[3]), vd_all(0.0)));
 }
 VD_INLINE real vd_knot(real cell, const real *t) { return t[0] + t[2] * cell; }
 

@@ -35,7 +35,7 @@ static void stop_lanes(vd_mask lanes, int status, int where, real residual,
                        struct course *course) {
   lanes = vd_and(lanes, course->alive);
   for (int lane = 0; lane < VD_LANES; lane++)
-    if (VD_LANE(lanes, lane)) {
+    if (VD_HOLDS(lanes, lane)) {
       course->status[lane] = status;
       course->where[lane] = where;
       course->failed_residual[lane] = VD_LANE(residual, lane);

@@ -72,26 +72,34 @@ class MagicFormula1987(Tyre):
         across = lateral_curve(load, camber, self.lateral).on_friction(self.friction)
         moment = aligning_curve(load, camber, self.aligning).on_friction(self.friction)
 
-        peak_slip = along.peak_slip()
-        peak_tangent = _tangent(ops.minimum(across.peak_slip(), LARGEST_PEAK_ANGLE))
-        a = slip / peak_slip
-        b = _tangent(angle + across.horizontal_shift) / peak_tangent
+        along_peak = along.peak_place()
+        peak_angle = _radians(ops.minimum(across.peak_slip(), LARGEST_PEAK_ANGLE))
+        a = slip * along.stiffness_factor / along_peak
+        b = _relative_tangent(angle + across.horizontal_shift, peak_angle)
         magnitude = ops.smooth_norm(a, b, SLIP_FLOOR)
         return TyreForces(
-            a / magnitude * along.symmetric(peak_slip * magnitude),
-            -_across(across, angle, a, peak_tangent),
-            -_across(moment, angle, a, peak_tangent),
+            a / magnitude * along.at(along_peak * magnitude),
+            -_across(across, angle, a, peak_angle),
+            -_across(moment, angle, a, peak_angle),
         )
 
 
-def _across(curve: Curve, angle: Scalar, a: Scalar, peak_tangent: Scalar) -> Scalar:
-    """Return side force or moment at a slip angle [deg] and a relative longitudinal slip."""
-    b = _tangent(angle + curve.horizontal_shift) / peak_tangent
+def _across(curve: Curve, angle: Scalar, a: Scalar, peak_angle: Scalar) -> Scalar:
+    """Return side force or moment at a slip angle [deg] and a relative longitudinal slip.
+
+    ``peak_angle`` is α_m of the side force [rad].
+    """
+    b = _relative_tangent(angle + curve.horizontal_shift, peak_angle)
     magnitude = ops.smooth_norm(a, b, SLIP_FLOOR)
-    equivalent = _PER_RADIAN * ops.atan(magnitude * peak_tangent)
+    equivalent = _PER_RADIAN * ops.atan(magnitude * ops.tan(peak_angle))
     return b / magnitude * curve.symmetric(equivalent) + curve.vertical_shift
 
 
-def _tangent(angle: Scalar) -> Scalar:
-    limited = ops.minimum(ops.maximum(angle, -LARGEST_ANGLE), LARGEST_ANGLE)
-    return ops.tan(limited * _DEGREE)
+def _relative_tangent(angle: Scalar, peak_angle: Scalar) -> Scalar:
+    """Return tan α_s / tan α_m by one division, of angles in degrees and radians."""
+    own = _radians(angle)
+    return ops.sin(own) * ops.cos(peak_angle) / (ops.cos(own) * ops.sin(peak_angle))
+
+
+def _radians(angle: Scalar) -> Scalar:
+    return _DEGREE * ops.minimum(ops.maximum(angle, -LARGEST_ANGLE), LARGEST_ANGLE)
