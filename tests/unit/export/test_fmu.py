@@ -284,7 +284,11 @@ def test_start_values_may_be_given(tmp_path):
 
 
 def test_slalom_of_the_iltis(tmp_path):
-    """Step and tolerance are small enough for errors of either method not to be seen."""
+    """Step and tolerance are small enough for errors of either method not to be seen.
+
+    Short output intervals keep the importer's first steps short, before it knows how long they
+    may be.
+    """
     import_solvers()
     changes = ["duration=4 s", "solver.step=0.25 ms", "output.interval=50 ms"]
     loaded = load_scenario(ROOT / "scenarios" / "iltis_slalom.yaml", changes)
@@ -293,9 +297,9 @@ def test_slalom_of_the_iltis(tmp_path):
     output = tmp_path / "own.h5"
     run_scenario(loaded, output=output, backend="auto", plots=None, progress=silent)
     found = fmpy.simulate_fmu(
-        str(path), solver="CVode", relative_tolerance=1e-14, output_interval=0.05,
+        str(path), solver="CVode", relative_tolerance=1e-14, output_interval=0.01,
         record_events=False,
-    )  # fmt: skip
+    )[::5]  # fmt: skip
     with open_result(output) as result:
         table = result.as_frame()
     assert found["time"] == pytest.approx(np.arange(81) * 0.05)
