@@ -179,26 +179,22 @@ class Alignment:
             for name in ("length", "curvature", "cant", "widening", "inner")
         }
         columns["begin"] = np.concatenate([[-_ENDLESS], self._begins])
-        turned = [self._along(k, np.array(1.0))[1] for k in range(len(pieces))]
-        heading = np.concatenate([[0.0], np.cumsum(turned)])[:-1]
-        columns["heading"] = heading
+        turned = np.zeros(len(pieces))
+        for name in np.unique(self._shape_names):
+            here, bends = np.asarray(self._shape_names == name), columns["curvature"]
+            length, ends = columns["length"][here], (bends[here, 0], bends[here, 1])
+            turned[here] = _bend(str(name), np.ones(len(length)), length, *ends)[1]
+        columns["heading"] = np.concatenate([[0.0], np.cumsum(turned)])[:-1]
         return columns
 
     @cached_property
     def _shape_names(self) -> NDArray[np.str_]:
         return np.array([p.shape for p in self._all])
 
-    def _along(self, k: int, u: Array) -> tuple[Array, Array]:
-        """Return curvature and change of heading within a piece."""
-        piece = self._all[k]
-        k0, k1 = piece.curvature
-        return _bend(piece.shape, u, piece.length, k0, k1)
-
     def _where(self, s: Array, near: Near) -> tuple[NDArray[np.intp], Array]:
         """Return the number of the piece of each chainage, and the share of it passed."""
         begins = self._columns["begin"]
-        side: Literal["left", "right"] = "right" if near == "after" else "left"
-        k = np.clip(np.searchsorted(begins, s, side=side) - 1, 0, len(begins) - 1)
+        k = np.clip(_number_of(begins, s, near), 0, len(begins) - 1)
         return k, (s - begins[k]) / self._columns["length"][k]
 
     def _bent(self, s: Array, near: Near) -> tuple[Array, Array]:
@@ -255,19 +251,33 @@ class Alignment:
         height, slope = self._climbed(np.asarray(s, dtype=float), near)
         return height - self._climbed(np.zeros(()), "after")[0], slope
 
+    @cached_property
+    def _breaks(self) -> tuple[Array, Array, Array, Array]:
+        """Where the rate of the gradient changes, and height, slope and rate from there on."""
+        rows = [(-_ENDLESS, 0.0, 0.0)]
+        for begin, end, before, after in self._rounded:
+            if end > begin:
+                rows.append((begin, before, (after - before) / (end - begin)))
+            rows.append((end, after, 0.0))
+        places, slopes, rates = np.array(rows).T
+        widths = np.diff(places)
+        rises = widths * (slopes[:-1] + 0.5 * rates[:-1] * widths)
+        return places, np.concatenate([[0.0], np.cumsum(rises)]), slopes, rates
+
     def _climbed(self, s: Array, near: Near) -> tuple[Array, Array]:
         """Return height and slope of the gradient, the height zero before its first change."""
-        height, slope = np.zeros(s.shape), np.zeros(s.shape)
-        for begin, end, before, after in self._rounded:
-            change, inside = after - before, np.clip(s, begin, end) - begin
-            if end > begin:
-                slope += change * inside / (end - begin)
-                bent = 0.5 * change * inside**2 / (end - begin)
-            else:
-                slope += change * (s >= begin if near == "after" else s > begin)
-                bent = np.zeros(s.shape)
-            height += bent + change * np.maximum(s - end, 0.0)
-        return height, slope
+        places, heights, slopes, rates = self._breaks
+        k = np.clip(_number_of(places, s, near), 0, None)
+        beyond = s - places[k]
+        return heights[k] + beyond * (slopes[k] + 0.5 * rates[k] * beyond), slopes[k] + rates[
+            k
+        ] * beyond
+
+
+def _number_of(begins: Array, s: Array, near: Near) -> NDArray[np.intp]:
+    """Return the number of the last place before each s, one at s counting as near says."""
+    side: Literal["left", "right"] = "right" if near == "after" else "left"
+    return np.asarray(np.searchsorted(begins, s, side=side) - 1)
 
 
 def _bend(

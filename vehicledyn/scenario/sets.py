@@ -122,6 +122,11 @@ class Scenario(ParameterSet):
     def _nothing_is_no_change(cls, value: Any) -> Any:
         return {} if value is None else value
 
+    @field_validator("track", mode="before")
+    @classmethod
+    def _track_file(cls, value: Any) -> Any:
+        return {"kind": "file", "file": value} if isinstance(value, str) else value
+
     @field_validator("model")
     @classmethod
     def _know_model(cls, value: str, info: ValidationInfo) -> str:

@@ -291,3 +291,8 @@ class SystemFile(Sections):
     mirror: tuple[MirrorSet, ...] = Field(
         default=(), description="Groups that are made twice, as written and as mirror image"
     )
+
+    @field_validator("track", mode="before")
+    @classmethod
+    def _track_file(cls, value: Any) -> Any:
+        return {"kind": "file", "file": value} if isinstance(value, str) else value

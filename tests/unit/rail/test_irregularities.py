@@ -16,7 +16,11 @@ from vehicledyn.rail.irregularity import rails_of
 from vehicledyn.symbolic import ops
 
 RANDOM = {"kind": "erri_b176", "level": "low", "seed": 7, "length": 400, "fade": 30}
-EXAMPLES = {"erri_b176": RANDOM}
+RECORD = "s [m], alignment [mm], level [mm], cross_level [mm], gauge [mm]\n" + "\n".join(
+    f"{k}, {3 * np.sin(0.7 * k)}, {2 * np.cos(0.9 * k)}, {4 * np.sin(0.5 * k)}, {np.cos(k)}"
+    for k in range(401)
+)
+EXAMPLES = {"erri_b176": RANDOM, "record": {"kind": "record", "file": "rough.csv", "fade": 30}}
 NAMES = ("alignment", "level", "cross_level")
 
 
@@ -29,6 +33,7 @@ def both_rails(shift):
 
 @pytest.mark.parametrize("kind", kinds("irregularity"))
 def test_every_kind_fades_and_is_the_same_again(kind, tmp_path):
+    (tmp_path / "rough.csv").write_text(RECORD)
     first, again = (
         both_rails(read_part("irregularity", EXAMPLES[kind]).shift(tmp_path)) for _ in "ab"
     )

@@ -1,0 +1,214 @@
+"""Tables of named columns with units, as CSV: read at once, every problem told with its line.
+
+The first line that is no comment names the columns, each with its unit in brackets, such as
+``s [m], cant [mm], kind``. A # opens a comment. Columns are parted by commas, semicolons or tabs.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from vehicledyn.base.errors import InputError, unknown_name
+from vehicledyn.base.problems import START, Mark, Problem, refusal
+from vehicledyn.base.units import parse_unit
+
+LARGEST_FILE = 50_000_000
+_HEAD = re.compile(r"\s*([A-Za-z_]\w*)\s*(?:[\[(]\s*([^\])]*?)\s*[\])])?\s*")
+_MOST_TOLD = 20
+
+
+@dataclass(frozen=True)
+class Column:
+    """What a column holds: the unit of its numbers in SI, or texts where that is None."""
+
+    unit: str | None
+    required: bool = False
+
+
+@dataclass
+class Columns:
+    """Columns of a file by name: numbers in SI and texts, line by line.
+
+    An empty cell is None in ``texts`` and not a number in ``numbers``. ``lines`` are the numbers
+    of the lines in the file, and ``places`` those of the columns in it, both from one.
+    """
+
+    file: str
+    lines: list[int] = field(default_factory=list)
+    places: dict[str, int] = field(default_factory=dict)
+    numbers: dict[str, list[float]] = field(default_factory=dict)
+    texts: dict[str, list[str | None]] = field(default_factory=dict)
+    starts: list[list[int]] = field(default_factory=list)
+
+    def problem(self, row: int, name: str, words: str) -> Problem:
+        """Return the problem that the value of a row and column is."""
+        place, starts = self.places.get(name, 1), self.starts[row]
+        column = starts[min(place, len(starts)) - 1]
+        return Problem(self.file, Mark(self.lines[row], column), name, words)
+
+
+def read_columns(path: Path, known: Mapping[str, Column]) -> Columns:
+    """Return the columns of a file.
+
+    Parameters
+    ----------
+    path
+        The file, UTF-8 text.
+    known
+        Columns that it may have.
+
+    Raises
+    ------
+    InputError
+        If it cannot be read, has no columns or lines, or a value is none; one line for each
+        problem with file, line and column.
+    """
+    lines = _lines(path)
+    columns, separator, begin = _head(str(path), lines, known)
+    problems: list[Problem] = []
+    factors = {name: _factor(item) for name, item in _heads(lines[begin - 1], separator)}
+    for number in range(begin, len(lines)):
+        text = lines[number].partition("#")[0]
+        if not text.strip(" \t,;"):
+            continue
+        problems += _taken(columns, number + 1, _cells(text, separator), known, factors)
+        if len(problems) >= _MOST_TOLD:
+            break
+    if not columns.lines and not problems:
+        mark = Mark(len(lines), 1)
+        problems.append(Problem(str(path), mark, "", "the table has no lines below its head"))
+    if problems:
+        raise refusal(problems, str(path))
+    return columns
+
+
+def _taken(
+    columns: Columns,
+    line: int,
+    cells: list[tuple[int, str]],
+    known: Mapping[str, Column],
+    factors: Mapping[str, float],
+) -> list[Problem]:
+    """Enter the cells of a line and return what is wrong with them."""
+    problems = []
+    columns.lines.append(line)
+    columns.starts.append([start for start, _ in cells] or [1])
+    row = len(columns.lines) - 1
+    if len(cells) > len(columns.places):
+        words = f"{len(cells)} values, but the head names {len(columns.places)} columns"
+        problems.append(Problem(columns.file, Mark(line, cells[-1][0]), "", words))
+    for name, place in columns.places.items():
+        text = cells[place - 1][1] if place <= len(cells) else ""
+        if known[name].unit is None:
+            columns.texts[name].append(text or None)
+            continue
+        value = _number(text)
+        if value is None:
+            problems.append(columns.problem(row, name, f"'{text}' is no number"))
+        elif not text and known[name].required:
+            problems.append(columns.problem(row, name, "the value is missing"))
+        columns.numbers[name].append(math.nan if value is None else value * factors[name])
+    return problems
+
+
+def _number(text: str) -> float | None:
+    if not text:
+        return math.nan
+    try:
+        value = float(text)
+    except ValueError:
+        return None
+    return value if math.isfinite(value) else None
+
+
+def _head(file: str, lines: list[str], known: Mapping[str, Column]) -> tuple[Columns, str, int]:
+    """Return empty columns, what parts them, and the number of the line that names them."""
+    begin = next((k for k, line in enumerate(lines) if line.partition("#")[0].strip()), None)
+    if begin is None:
+        raise refusal([Problem(file, START, "", "the file is empty")], file)
+    text = lines[begin].partition("#")[0]
+    separator = next((s for s in ";\t," if s in text), ",")
+    columns, problems = Columns(file), []
+    for place, (start, cell) in enumerate(_cells(text, separator), 1):
+        mark = Mark(begin + 1, start)
+        match = _HEAD.fullmatch(cell)
+        name = match[1] if match else cell
+        wrong = _wrong_head(name, match[2] if match else None, known)
+        if name in columns.places:
+            wrong = f"the column '{name}' is there twice"
+        if wrong:
+            problems.append(Problem(file, mark, name, wrong))
+        else:
+            columns.places[name] = place
+            target: dict[str, list[float]] | dict[str, list[str | None]]
+            target = columns.texts if known[name].unit is None else columns.numbers
+            target[name] = []
+    missing = [n for n, c in known.items() if c.required and n not in columns.places]
+    problems += [
+        Problem(file, Mark(begin + 1, 1), n, f"the column is missing; name it {_example(n, known)}")
+        for n in missing
+        if not any(p.field == n for p in problems)
+    ]
+    if problems:
+        raise refusal(problems, file)
+    return columns, separator, begin + 1
+
+
+def _wrong_head(name: str, unit: str | None, known: Mapping[str, Column]) -> str:
+    if name not in known:
+        return unknown_name("column", name, known)
+    wanted = known[name].unit
+    if wanted is None:
+        return "" if unit is None else "this column has no unit"
+    if unit is None:
+        return f"say the unit of the column, such as {_example(name, known)}"
+    try:
+        given = parse_unit(unit)
+    except InputError as error:
+        return str(error)
+    if given.dimension != parse_unit(wanted).dimension:
+        return f"the unit '{unit}' does not measure a quantity in {wanted}"
+    return ""
+
+
+def _example(name: str, known: Mapping[str, Column]) -> str:
+    unit = known[name].unit
+    return f"'{name}'" if unit is None else f"'{name} [{unit}]'"
+
+
+def _heads(line: str, separator: str) -> Iterable[tuple[str, str | None]]:
+    for _, cell in _cells(line.partition("#")[0], separator):
+        match = _HEAD.fullmatch(cell)
+        if match:
+            yield match[1], match[2]
+
+
+def _factor(unit: str | None) -> float:
+    return 1.0 if unit is None else parse_unit(unit).factor
+
+
+def _cells(text: str, separator: str) -> list[tuple[int, str]]:
+    """Return the column where each cell's text begins, from one, and the text."""
+    found, start = [], 0
+    for piece in text.rstrip().split(separator):
+        found.append((start + 1 + len(piece) - len(piece.lstrip()), piece.strip()))
+        start += len(piece) + 1
+    return found
+
+
+def _lines(path: Path) -> list[str]:
+    try:
+        if path.stat().st_size > LARGEST_FILE:
+            raise InputError(f"{path}: is larger than {LARGEST_FILE // 10**6} MB: no table")
+        content = path.read_bytes()
+    except FileNotFoundError:
+        raise InputError(f"{path}: there is no such file") from None
+    except OSError as error:
+        raise InputError(f"{path}: cannot be read: {error.strerror}") from None
+    if b"\0" in content:
+        raise InputError(f"{path}: is not a text file; tables are text")
+    return content.decode("utf-8-sig", errors="replace").splitlines()

@@ -1,0 +1,70 @@
+"""Irregularities from a measured record."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, ClassVar
+
+from pydantic import Field
+
+from vehicledyn.base.columns import Column
+from vehicledyn.base.parameters import quantity
+from vehicledyn.base.registry import register
+from vehicledyn.rail.track_set import IrregularitySet
+
+if TYPE_CHECKING:
+    from vehicledyn.rail.track_tables import TabledShift
+
+LARGEST = 0.2
+"""Irregularity beyond which the unit of a column is taken for a mistake [m]."""
+
+_QUANTITIES = ("alignment", "level", "cross_level", "gauge")
+_COLUMNS = {"s": Column("m", required=True), **{name: Column("m") for name in _QUANTITIES}}
+_EVEN = 1e-6
+
+
+@register("irregularity", "record")
+class Record(IrregularitySet):
+    """Irregularities from a table of s, alignment, level, cross_level and gauge.
+
+    The columns but s may be left out; every head states its unit, such as ``s [m], level [mm]``.
+    Alignment is the shift of the track to the left, level upwards, cross level the height of the
+    right rail over the left one, gauge the excess over the nominal one. Lines that are not at
+    equal distances are joined by a spline and taken at the closest distance of two.
+    """
+
+    names_files: ClassVar[bool] = True
+
+    file: str = Field(description="Table of the irregularities, as CSV")
+    start: float = quantity("m", "Where its first line lies on the track", default=0.0)
+    fade: float = quantity("m", "Length over which it comes and goes at its ends", ge=0.0)
+    scale: float = quantity("1", "Factor on all values", default=1.0, ge=-100.0, le=100.0)
+
+    def shift(self, folder: Path) -> TabledShift:
+        """Return the displacement of the rails."""
+        import numpy as np
+
+        from vehicledyn.base.problems import refusal
+        from vehicledyn.rail.irregularity import rails_of
+        from vehicledyn.rail.track_columns import read_along
+
+        path = folder / self.file
+        largest = dict.fromkeys(_QUANTITIES, (LARGEST, "an irregularity"))
+        columns, values = read_along(path, _COLUMNS, largest)
+        s = values.pop("s")
+        if not values:
+            words = f"there is no column of irregularities; known are {', '.join(_QUANTITIES)}"
+            raise refusal([columns.problem(0, "s", words)], str(path))
+        length, steps = float(s[-1] - s[0]), np.diff(s)
+        if 2.0 * self.fade > length:
+            words = f"the record of {length:g} m is shorter than twice the fade of {self.fade:g} m"
+            raise refusal([columns.problem(len(s) - 1, "s", words)], str(path))
+        step = float(steps.mean())
+        if float(np.abs(steps - step).max()) > _EVEN * step:
+            from scipy.interpolate import CubicSpline
+
+            step = length / int(np.ceil(length / float(steps.min()) - 1e-9))
+            even = s[0] + step * np.arange(round(length / step) + 1)
+            values = {n: CubicSpline(s, v)(np.minimum(even, s[-1])) for n, v in values.items()}
+        scaled = {name: self.scale * v for name, v in values.items()}
+        return rails_of(self.start, step, scaled, self.fade)
