@@ -57,8 +57,15 @@ def export_fmu(
     Raises
     ------
     InputError
-        If the file cannot be written.
+        If the file cannot be written, or events move points of contact, which an FMU of this
+        kind cannot do.
     """
+    jumping = [event.name for event in equations.events if event.guesses]
+    if jumping:
+        raise InputError(
+            f"event '{jumping[0]}' moves a point of contact, which the FMU cannot do; take a "
+            "model of contact that needs no such events, such as the elastic one of rails"
+        )
     begin, identifier = start or start_of(equations), safe_name(equations.name)
     source = _kernel_and_tables(equations, begin)
     token = f"{{{hashlib.sha256(source.encode()).hexdigest()[:32]}}}"

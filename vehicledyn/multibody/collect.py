@@ -112,7 +112,19 @@ def collect(
         *_part_variables(part_states),
     )
     impacts = Impacts(symbols, loops, solved, roles.independent)
-    found = collect_events(system, symbols, solved, [s.name for s in states], impacts)
+    unknowns = (
+        *(_coordinate(j, loops.start[j.name]) for j in dependent),
+        *_part_variables(part_unknowns),
+        *_reaction_variables(reactions),
+    )
+    found = collect_events(
+        system,
+        symbols,
+        solved,
+        states=[s.name for s in states],
+        unknowns=[u.name for u in unknowns],
+        impacts=impacts,
+    )
     n = len(independent)
     equations = Equations(
         name=system.name,
@@ -125,11 +137,7 @@ def collect(
         output=_put_motions(ops.column([o.expression for o in outputs]), symbols, moved),
         event=_put_motions(ops.column(found.functions), symbols, moved),
         states=states,
-        unknowns=(
-            *(_coordinate(j, loops.start[j.name]) for j in dependent),
-            *_part_variables(part_unknowns),
-            *_reaction_variables(reactions),
-        ),
+        unknowns=unknowns,
         parameters=tuple(
             ParameterValue(e.name, e.unit, e.description, e.value) for e in system.table.entries
         ),

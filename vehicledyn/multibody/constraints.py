@@ -68,6 +68,9 @@ class Constraint(Protocol):
     def speeds(self, movement: Movement) -> list[Residual]:
         """Return the scalars B q̇ + b that vanish and are no derivatives of ``residuals``."""
 
+    def guesses(self, geometry: Geometry) -> dict[str, Scalar]:
+        """Return where coordinates of its own, by name, are looked for at the start."""
+
 
 @dataclass(frozen=True)
 class BaseConstraint:
@@ -82,6 +85,10 @@ class BaseConstraint:
     def speeds(self, movement: Movement) -> list[Residual]:
         """Demand nothing of the rates."""
         return []
+
+    def guesses(self, geometry: Geometry) -> dict[str, Scalar]:
+        """Leave all coordinates where they were given."""
+        return {}
 
 
 @dataclass(frozen=True)

@@ -16,6 +16,7 @@ from vehicledyn.multibody.configuration import (
     refuse_singular,
     warn_weak,
 )
+from vehicledyn.multibody.constraints import BaseConstraint, Geometry
 from vehicledyn.multibody.contradictions import RigidLoop, rigid_loops, why_open
 from vehicledyn.multibody.gaps import Gaps, Row, rows_of_system
 from vehicledyn.multibody.kinematics import Kinematics
@@ -23,7 +24,7 @@ from vehicledyn.multibody.partition import Partition
 from vehicledyn.multibody.parts import Motion
 from vehicledyn.multibody.redundancy import SelfStress, self_stresses
 from vehicledyn.multibody.system import System
-from vehicledyn.multibody.tree import Tree
+from vehicledyn.multibody.tree import Tree, unfold
 from vehicledyn.multibody.unknowns import Symbols, locked
 from vehicledyn.symbolic import ops
 
@@ -151,4 +152,19 @@ def start_values(
     positions = ops.column([motion[symbols.joints[k].name].position for k in driven])
     values = ops.numeric(known, positions)(moment.time, starts, [e.value for e in entries])
     q[driven] = values[:, 0]
+    return _guessed(system, symbols, q, moment.time)
+
+
+def _guessed(system: System, symbols: Symbols, q: Array, time: float) -> Array:
+    """Return start values with what the constraints guess of coordinates of their own."""
+    if all(type(c).guesses is BaseConstraint.guesses for c in system.constraints):
+        return q
+    geometry = Geometry(symbols.time, symbols.kinematics(unfold(system)))
+    found = {k: v for c in system.constraints for k, v in c.guesses(geometry).items()}
+    entries = system.table.entries
+    known = [symbols.time, symbols.coordinate_column, ops.column([e.symbol for e in entries])]
+    values = ops.numeric(known, ops.column([*found.values()]))(time, q, [e.value for e in entries])
+    q = q.copy()
+    names = [j.name for j in symbols.joints]
+    q[[names.index(name) for name in found]] = values[:, 0]
     return q

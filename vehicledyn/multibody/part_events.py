@@ -25,7 +25,13 @@ class CollectedEvents:
 
 
 def collect_events(
-    system: System, symbols: Symbols, solved: Solved, states: Sequence[str], impacts: Impacts
+    system: System,
+    symbols: Symbols,
+    solved: Solved,
+    *,
+    states: Sequence[str],
+    unknowns: Sequence[str],
+    impacts: Impacts,
 ) -> CollectedEvents:
     """Return the events of all parts, in the order of the parts.
 
@@ -33,15 +39,16 @@ def collect_events(
     ----------
     system, symbols, solved
         The system, with its accelerations known.
-    states
-        Names of the states, in the order of the equations.
+    states, unknowns
+        Names of the states and of the algebraic unknowns, in the order of the equations.
     impacts
         Gives the rates after impulses.
 
     Raises
     ------
     InputError
-        If two events have the same name, or one resets what is no state.
+        If two events have the same name, one resets what is no state, or guesses what is no
+        unknown.
     """
     collected = CollectedEvents()
     for part in system.parts:
@@ -50,11 +57,25 @@ def collect_events(
             if any(other.name == name for other in collected.events):
                 raise InputError(f"two events are named '{name}'")
             values = _new_values(name, event, impacts)
-            resets = _resets(name, values, states, len(collected.new_values))
-            index = len(collected.functions)
-            collected.events.append(Event(name, index, event.direction, event.terminal, resets))
+            first = len(collected.new_values)
+            found = Event(
+                name,
+                len(collected.functions),
+                event.direction,
+                event.terminal,
+                _rows(f"event '{name}' resets", "state", values, states, first),
+                _rows(
+                    f"event '{name}' guesses",
+                    "dependent coordinate",
+                    event.guesses,
+                    unknowns,
+                    first + len(values),
+                ),
+                event.advice,
+            )
+            collected.events.append(found)
             collected.functions.append(event.expression)
-            collected.new_values.extend(values.values())
+            collected.new_values.extend((*values.values(), *event.guesses.values()))
     return collected
 
 
@@ -69,12 +90,13 @@ def _new_values(name: str, event: PartEvent, impacts: Impacts) -> dict[str, Scal
     return {**event.resets, **after}
 
 
-def _resets(
-    name: str, values: dict[str, Scalar], states: Sequence[str], first: int
+def _rows(
+    words: str, what: str, values: dict[str, Scalar], known: Sequence[str], first: int
 ) -> tuple[tuple[int, int], ...]:
-    resets = []
-    for row, state in enumerate(values, first):
-        if state not in states:
-            raise InputError(f"event '{name}' resets {unknown_name('state', state, states)}")
-        resets.append((states.index(state), row))
-    return tuple(resets)
+    """Return the index of each name among the known ones, with its row of new values."""
+    rows = []
+    for row, name in enumerate(values, first):
+        if name not in known:
+            raise InputError(f"{words} {unknown_name(what, name, known)}")
+        rows.append((known.index(name), row))
+    return tuple(rows)

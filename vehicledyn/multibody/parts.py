@@ -104,6 +104,10 @@ class PartEvent:
     ``restitution`` e lets the function g of the event go back with ġ⁺ = -e ġ⁻, by an impulse
     along ∂g/∂q. With these all rates jump, see :mod:`vehicledyn.multibody.impacts`. An event
     without a name of its own has that of its part.
+
+    ``guesses`` are places from which dependent coordinates, by name, are solved anew: where loops
+    have several solutions, such as the points at which two profiles touch, they go over to
+    another one. ``advice`` tells what a terminal event means and what to do.
     """
 
     name: str
@@ -113,6 +117,8 @@ class PartEvent:
     resets: dict[str, Scalar] = field(default_factory=dict)
     impulses: dict[str, Scalar] = field(default_factory=dict)
     restitution: Scalar | None = None
+    guesses: dict[str, Scalar] = field(default_factory=dict)
+    advice: str = ""
 
 
 class Part(Protocol):

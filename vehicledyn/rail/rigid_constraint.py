@@ -4,11 +4,14 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+import numpy as np
+
 from vehicledyn.multibody.constraints import BaseConstraint, Geometry
 from vehicledyn.multibody.cuts import Residual
 from vehicledyn.multibody.kinematics import Kinematics
 from vehicledyn.rail.rigid_touch import Touch, TouchingWheel, touch_at
 from vehicledyn.rail.track import Side, Track, TrackFrame
+from vehicledyn.symbolic import ops
 from vehicledyn.symbolic.ops import Scalar, Vec
 
 FORCE = "vertical_force"
@@ -59,12 +62,17 @@ class PositionConstraint(BaseConstraint):
 
 @dataclass(frozen=True)
 class TouchConstraint(BaseConstraint):
-    """Wheel and rail touch: gap and tangency vanish, by the contact coordinate ``contact``."""
+    """Wheel and rail touch: gap and tangency vanish, by the contact coordinate ``contact``.
+
+    ``others`` are places on the wheel, close to each other, where it may touch as well; the
+    contact is looked for at that of the lowest gap. There are none where the contact is unique.
+    """
 
     carrier: OnTrack
     wheel: TouchingWheel
     side: Side
     contact: str
+    others: tuple[float, ...] = ()
 
     def residuals(self, geometry: Geometry) -> list[Residual]:
         """Return gap [m] and tangency [1]; no force acts on the contact coordinate."""
@@ -75,15 +83,34 @@ class TouchConstraint(BaseConstraint):
             Residual(touch.tangency, "1", "", "N", "No force acts on a contact coordinate"),
         ]
 
-    def touch(self, kinematics: Kinematics) -> Touch:
-        """Return the point of the wheel that touches, in the axes of the track."""
+    def guesses(self, geometry: Geometry) -> dict[str, Scalar]:
+        """Return the place of the lowest gap."""
+        if not self.others:
+            return {}
+        return {self.contact: self.lowest(geometry.kinematics)[1]}
+
+    def lowest(self, kinematics: Kinematics) -> tuple[Scalar, Scalar]:
+        """Return the lowest gap of the places where the wheel may touch, and its place [m, m]."""
+        lowest: Scalar = np.inf
+        place: Scalar = self.others[0]
+        for other in self.others:
+            gap = self.touch(kinematics, other).gap
+            place = ops.where(gap < lowest, other, place)
+            lowest = ops.minimum(gap, lowest)
+        return lowest, place
+
+    def touch(self, kinematics: Kinematics, place: Scalar | None = None) -> Touch:
+        """Return a point of the wheel that may touch, in the axes of the track.
+
+        It is that at the contact coordinate, or at another place on the wheel [m].
+        """
         carrier = self.carrier
         frame = carrier.frame(kinematics)
         return touch_at(
             self.wheel,
             frame.place(kinematics.position(carrier.body)),
             frame.rotation.T @ carrier.axle(kinematics),
-            kinematics.coordinate(self.contact),
+            kinematics.coordinate(self.contact) if place is None else place,
             curvature=frame.curvature,
             shift=carrier.track.rail_shift(self.side, carrier.arc(kinematics)),
         )

@@ -7,9 +7,11 @@ is an unknown solved together with the accelerations
 (:meth:`~vehicledyn.multibody.parts.Part.reactions`): no creep law is too stiff or too much
 saturated for it.
 
-A rigid contact can neither lift nor jump to another point. Both end the run with an event:
-``<side>.lifts`` where N vanishes, ``<side>.leaves_window`` where the contact leaves the part of
-the wheel on which it is the only one; the elastic model goes on from there.
+Where the wheel touches the rail at a second point, the contact jumps there: ``<side>.jumps`` is
+an event after which the constraint holds the other point. The rates of the independent
+coordinates stay, those of the others leap to fit; the impact is left out. A wheel that lifts,
+``<side>.lifts``, or whose contact comes to the end of a profile, ``<side>.leaves``, ends the run:
+the elastic model goes on from there.
 """
 
 from __future__ import annotations
@@ -32,18 +34,24 @@ from vehicledyn.symbolic import ops
 from vehicledyn.symbolic.equations import Channel, Variable
 from vehicledyn.symbolic.ops import Scalar
 
+PENETRATION = 1e-7
+"""How deep a second place of a wheel goes into the rail before the contact jumps there [m]."""
+
+_ADVICE = "take 'rail_contact: {kind: elastic}' for this motion"
+
 
 @dataclass(frozen=True)
 class RigidWheel:
     """A wheel in rigid contact.
 
-    ``start`` is where the contact is looked for first, on the outline of the wheel; ``window``
-    the range of places in which it may be, None for any [m].
+    ``start`` is where the contact is looked for first, on the outline of the wheel [m]. Of
+    profiles that may touch at several places ``places`` are those to look at, in rising order, a
+    fraction of a millimetre apart: contact may jump between them, and ends at both ends.
     """
 
     touching: TouchingWheel
     start: float = 0.0
-    window: tuple[float, float] | None = None
+    places: tuple[float, ...] = ()
 
     @property
     def side(self) -> Side:
@@ -125,16 +133,26 @@ class RigidRailWheels(BasePart):
         return tuple(outputs)
 
     def events(self, situation: Situation) -> tuple[PartEvent, ...]:
-        """Return the ends of rigid contact: wheels that lift, contacts that leave their window."""
+        """Return jumps of contacts, and what ends rigid contact."""
         events = []
         for w in self.wheels:
             force = situation.reactions[f"{w.side}.normal_force"]
-            events.append(PartEvent(f"{w.side}.lifts", force, "falling", terminal=True))
-            if w.window is not None:
+            lifts = f"the {w.side} wheel lifts, which rigid contact cannot follow; {_ADVICE}"
+            events.append(_ending(f"{w.side}.lifts", force, lifts))
+            if w.places:
                 place = situation.kinematics.coordinate(self._place(w))
-                inside = ops.minimum(place - w.window[0], w.window[1] - place)
-                name = f"{w.side}.leaves_window"
-                events.append(PartEvent(name, inside, "falling", terminal=True))
+                inside = ops.minimum(place - w.places[0], w.places[-1] - place)
+                leaves = f"the contact comes to the end of the {w.side} wheel's profile; {_ADVICE}"
+                events.append(_ending(f"{w.side}.leaves", inside, leaves))
+                gap, other = self._constraint(w).lowest(situation.kinematics)
+                events.append(
+                    PartEvent(
+                        f"{w.side}.jumps",
+                        gap + PENETRATION,
+                        "falling",
+                        guesses={self._place(w): other},
+                    )
+                )
         return tuple(events)
 
     def _contact(self, situation: Situation, wheel: RigidWheel) -> RollingContact:
@@ -189,7 +207,9 @@ class RigidRailWheels(BasePart):
 
     def _constraint(self, wheel: RigidWheel) -> TouchConstraint:
         name = f"{self.name}.{wheel.side}"
-        return TouchConstraint(name, self._carrier, wheel.touching, wheel.side, self._place(wheel))
+        return TouchConstraint(
+            name, self._carrier, wheel.touching, wheel.side, self._place(wheel), wheel.places
+        )
 
     def _place(self, wheel: RigidWheel) -> str:
         return f"{self.name}.{wheel.side}.place"
@@ -197,3 +217,7 @@ class RigidRailWheels(BasePart):
     def _joint(self, wheel: RigidWheel) -> Joint:
         text = f"Contact of the {wheel.side} wheel from its tape circle, outwards"
         return Joint("T2", self._place(wheel), wheel.start, "dependent", description=text)
+
+
+def _ending(name: str, expression: Scalar, advice: str) -> PartEvent:
+    return PartEvent(name, expression, "falling", terminal=True, advice=advice)

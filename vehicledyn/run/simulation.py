@@ -256,7 +256,10 @@ class _Run:
         """Return which event ended the run before its time, if one did."""
         if statistics is None or statistics.ended_by is None:
             return ""
-        return f"event '{statistics.ended_by}' ended the run at t = {self._end():.9g} s"
+        events = self.prepared.equations.events
+        advice = next(event.advice for event in events if event.name == statistics.ended_by)
+        ended = f"event '{statistics.ended_by}' ended the run at t = {self._end():.9g} s"
+        return f"{ended}: {advice}" if advice else ended
 
     def _solver(self, statistics: Statistics | None) -> dict[str, Any]:
         kernel = self.prepared.kernel

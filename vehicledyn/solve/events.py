@@ -180,7 +180,7 @@ class EventWatch:
         return point
 
     def _reset(self, point: Point, event: Event) -> Point:
-        if not event.resets:
+        if not event.resets and not event.guesses:
             return point
         values = self._kernel.reset_values(*point)
         state = point.state.copy()
@@ -192,7 +192,10 @@ class EventWatch:
                     f"event '{event.name}' gives the state '{name}' no finite value at t = "
                     f"{point.time:.9g} s; what it demands of the rates may be impossible there"
                 )
-        unknowns = self._kernel.count_solve(point.time, state, point.unknowns, self._ledger)
+        guess = point.unknowns.copy()
+        for index, row in event.guesses:
+            guess[index] = values[row]
+        unknowns = self._kernel.count_solve(point.time, state, guess, self._ledger)
         return Point(point.time, state, unknowns)
 
     def _look_ahead(self, point: Point, which: NDArray[np.bool_]) -> None:

@@ -79,7 +79,8 @@ class Event:
     ``index`` is its row of the equations' ``event``; only changes of the ``direction`` count.
     A terminal event ends the run. ``resets`` are pairs (state, row of the equations' ``reset``):
     at the event these states take the new values r(t, x, z, p), all at once, after which the
-    unknowns are solved anew.
+    unknowns are solved anew; ``guesses`` are pairs (unknown, row of ``reset``) of where to look
+    for them then. ``advice`` tells what a terminal event means and what to do.
     """
 
     name: str
@@ -87,6 +88,8 @@ class Event:
     direction: Direction = "either"
     terminal: bool = False
     resets: tuple[tuple[int, int], ...] = ()
+    guesses: tuple[tuple[int, int], ...] = ()
+    advice: str = ""
 
 
 @dataclass(frozen=True)

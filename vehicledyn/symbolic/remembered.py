@@ -88,7 +88,8 @@ def equations_from(facts: dict[str, Any], source: Callable[[], Equations]) -> Eq
 
 def _item(kind: type[Any], entry: dict[str, Any]) -> Any:
     if kind is Event:
-        return Event(**(entry | {"resets": tuple((a, b) for a, b in entry["resets"])}))
+        pairs = {key: tuple((a, b) for a, b in entry[key]) for key in ("resets", "guesses")}
+        return Event(**(entry | pairs))
     return kind(**entry)
 
 

@@ -19,6 +19,7 @@ from vehicledyn.multibody import (
     ParameterTable,
     PartEvent,
     System,
+    UserConstraint,
     derive,
 )
 from vehicledyn.solve.kernel import compile_kernel
@@ -56,7 +57,7 @@ def pendulum(*parts, joints=(("R2", "swing", 0.5),)):
     return derive(System("pendulum", ParameterTable(), tuple(bodies), parts=parts))
 
 
-def run(equations, stop):
+def run(equations, stop, *, unknowns=False):
     kernel = compile_kernel(equations, backend="interpreted")
     events, samples = [], []
     simulate(
@@ -67,7 +68,7 @@ def run(equations, stop):
         interval=0.1,
         state=[s.start for s in equations.states],
         unknowns=[u.start for u in equations.unknowns],
-        sink=lambda t, x, z, y: samples.extend(zip(t, x, strict=True)),
+        sink=lambda t, x, z, y: samples.extend(zip(t, z if unknowns else x, strict=True)),
         happened=lambda name, time: events.append((name, time)),
     )
     return events, samples
@@ -157,3 +158,32 @@ def test_event_of_an_acceleration():
 def test_bad_events(declare, message):
     with pytest.raises(InputError, match=message):
         pendulum(Watcher("gate", declare))
+
+
+def crossing_system(guess):
+    """A body that moves along x and a massless point that may be on either side of it."""
+    side = UserConstraint(
+        "side", lambda g: g.coordinate("place") ** 2 - 1.0 - g.coordinate("x") ** 2
+    )
+    watcher = Watcher(
+        "crossing",
+        lambda s: [PartEvent("", s.kinematics.coordinate("x") - 0.5, "rising", guesses=guess)],
+    )
+    bodies = (
+        Body("body", GROUND, joints=(Joint("T1", "x", start_rate=1.0),), mass=1.0),
+        Body("point", GROUND, joints=(Joint("T2", "place", 1.0, "dependent"),)),
+    )
+    return derive(System("sides", ParameterTable(), bodies, parts=(watcher,), constraints=(side,)))
+
+
+def test_guesses_lead_to_another_solution():
+    happened, samples = run(crossing_system({"place": ops.scalar(-1.5)}), 1.0, unknowns=True)
+    assert [round(t, 9) for _, t in happened] == [0.5]
+    times, place = np.array([(t, z[0]) for t, z in samples]).T
+    expected = np.where(times < 0.55, 1.0, -1.0) * np.sqrt(1.0 + times**2)
+    assert place == pytest.approx(expected, abs=1e-9)
+
+
+def test_guesses_are_for_dependent_coordinates():
+    with pytest.raises(InputError, match="event 'crossing' guesses no dependent coordinate"):
+        crossing_system({"x": ops.scalar(1.0)})

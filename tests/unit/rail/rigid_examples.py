@@ -71,17 +71,20 @@ def wheelset_body(*, lateral=0.0, yaw=0.0, height=0.0, speed=0.0, radius=0.46):
     return Body("wheelset", GROUND, joints=joints, mass=1500.0, inertia=inertia, spins_about=2)
 
 
-def on_rails(part, body, *parts):
-    """Return equations, kernel, states and unknowns of a wheelset that stands on its rails."""
-    bodies = (body, *part.bodies())
-    system = System(
+def wheelset_on(part, body, *parts):
+    """Return the system of a body on rails."""
+    return System(
         "wheelset",
         ParameterTable(),
-        bodies,
+        (body, *part.bodies()),
         parts=(part, *parts),
         constraints=part.constraints(),
     )
-    equations = derive(system)
+
+
+def on_rails(part, body, *parts):
+    """Return equations, kernel, states and unknowns of a wheelset that stands on its rails."""
+    equations = derive(wheelset_on(part, body, *parts))
     kernel = compile_kernel(equations, backend="interpreted")
     state = np.array([variable.start for variable in equations.states])
     unknowns = assemble(kernel, 0.0, state, [variable.start for variable in equations.unknowns])
