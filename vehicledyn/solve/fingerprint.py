@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import hashlib
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
 from vehicledyn.solve.functions import event_expressions
 from vehicledyn.solve.instructions import read_function
 from vehicledyn.symbolic.equations import Equations
+from vehicledyn.symbolic.tables import CurveTable
 
 _GENERATORS = (
     "code.py",
@@ -18,7 +20,7 @@ _GENERATORS = (
     "source.py",
     "table_rows.py",
 )
-_SHARED = ("real.h", "elementary.c", "steps.c", "loop.c", "batch.c")
+_SHARED = ("real.h", "elementary.c", "steps.c", "loop.c", "batch.c", "slopes.c")
 
 
 def fingerprint(equations: Equations) -> str:
@@ -32,17 +34,17 @@ def fingerprint(equations: Equations) -> str:
     facts = [casadi.CasadiMeta.version(), repr(e.positions), repr(e.velocities)]
     facts += [f"{block.start}:{block.stop}:{block.tolerance!r}" for block in e.blocks]
     facts += [event.direction for event in e.events]
-    return hashlib.sha256("\n".join([*facts, _text(function, e)]).encode()).hexdigest()
+    return hashlib.sha256(
+        "\n".join([*facts, function_text(function, e.tables)]).encode()
+    ).hexdigest()
 
 
-def _text(function: Any, equations: Equations) -> str:
+def function_text(function: Any, tables: Sequence[CurveTable]) -> str:
     """Return what a function computes as a text, without the numbers of tables."""
-    tables = equations.tables
     if not tables:
         return str(function.serialize())
     program = read_function(function, tables)
-    facts = ([table.order for table in tables], program.results, program.instructions)
-    return repr(facts)
+    return repr(([table.order for table in tables], program))
 
 
 def generator_fingerprint() -> str:

@@ -55,13 +55,8 @@ def derive_functions(equations: Equations) -> KernelFunctions:
             residual,
             ops.jacobian(residual, unknown[inside]) if known is None else known,
         ]
-    expressions = casadi.cse([casadi.densify(casadi.SX(item)) for item in expressions])
-    inputs = [time, state, unknown, equations.parameter]
-    with _as_written():
-        expressions = _use_reciprocals(casadi.Function("all", inputs, expressions), inputs)
-        expressions, constants, values = _move_apart(
-            casadi.Function("all", inputs, expressions), inputs
-        )
+    given = [time, state, unknown, equations.parameter]
+    expressions, constants, values = _apart(given, expressions)
     inputs = [time, state, unknown, constants]
     starts = wave_starts(equations)
     waves = []
@@ -82,6 +77,41 @@ def derive_functions(equations: Equations) -> KernelFunctions:
         waves=tuple(waves),
         wave_starts=starts,
     )
+
+
+def apart_from_parameters(inputs: list[Any], expressions: list[Any]) -> tuple[Any, Any]:
+    """Return two functions that together give expressions.
+
+    Parameters
+    ----------
+    inputs
+        Columns of symbols, the parameters last.
+    expressions
+        SX matrices.
+
+    Returns
+    -------
+    tuple
+        ``prepare``: p -> c, and the function of the other inputs and c that gives the
+        expressions, dense.
+    """
+    import casadi
+
+    results, constants, values = _apart(inputs, expressions)
+    return (
+        casadi.Function("prepare", [inputs[-1]], [values]),
+        casadi.Function("evaluate", [*inputs[:-1], constants], results),
+    )
+
+
+def _apart(inputs: list[Any], expressions: list[Any]) -> tuple[list[Any], Any, Any]:
+    """Return dense expressions in terms of constants, these, and their values."""
+    import casadi
+
+    whole = casadi.cse([casadi.densify(casadi.SX(item)) for item in expressions])
+    with _as_written():
+        whole = _use_reciprocals(casadi.Function("all", inputs, whole), inputs)
+        return _move_apart(casadi.Function("all", inputs, whole), inputs)
 
 
 def wave_starts(equations: Equations) -> tuple[int, ...]:
@@ -120,20 +150,21 @@ def count_operations(equations: Equations) -> dict[str, int]:
 def operations_of(functions: KernelFunctions) -> dict[str, int]:
     """Return the number of operations of each part; loads and constants do not count."""
     return {
-        "prepare": _operations(functions.prepare),
-        "rates": _operations(functions.rates),
-        "outputs": _operations(functions.outputs),
-        "blocks": sum(_operations(block) for block in functions.blocks),
+        "prepare": operations_in(functions.prepare),
+        "rates": operations_in(functions.rates),
+        "outputs": operations_in(functions.outputs),
+        "blocks": sum(operations_in(block) for block in functions.blocks),
     }
 
 
-def _operations(function: Any) -> int:
+def operations_in(function: Any) -> int:
+    """Return the number of operations of a function, those that it calls included."""
     import casadi
 
     free = {getattr(casadi, name) for name in _NO_WORK}
     own = sum(function.instruction_id(k) not in free for k in range(function.n_instructions()))
     called = [item for item in calls_in(function).values() if table_of(item) is None]
-    return own + sum(_operations(item) - 1 for item in called)
+    return own + sum(operations_in(item) - 1 for item in called)
 
 
 @contextmanager

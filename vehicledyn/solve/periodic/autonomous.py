@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
@@ -9,10 +10,18 @@ from typing import Any
 import numpy as np
 
 from vehicledyn.base.errors import InputError, NumericalError, unknown_name
+from vehicledyn.solve.compiler import CompilationError
 from vehicledyn.solve.engine import Vector
+from vehicledyn.solve.functions import operations_in
 from vehicledyn.solve.interpreted import BufferedFunction
+from vehicledyn.solve.point_slopes import PointSlopes
 from vehicledyn.symbolic import ops
 from vehicledyn.symbolic.equations import Equations
+
+LEAST = 2000
+"""Operations from which on a field is compiled; smaller ones are done before gcc would be."""
+
+_log = logging.getLogger(__name__)
 
 
 @dataclass(frozen=True)
@@ -109,14 +118,7 @@ class AutonomousField:
             If a value is not finite or the loops are singular.
         """
         n, m, count = self.size, self.n_unknowns, len(states)
-        if count not in self._evaluations:
-            mapped = self._slopes.map("field", "serial", count, [2], [])
-            self._evaluations[count] = BufferedFunction(mapped)
-        found, slopes = self._evaluations[count](
-            states.ravel(), unknowns.ravel(), self.parameters(value)
-        )
-        values = found.T if found.ndim == 2 else found.reshape(count, n + m)
-        by = slopes.reshape((n + m, n + m + 1, count), order="F").transpose(2, 0, 1)
+        values, by = self._values_and_slopes(states, unknowns, value)
         if not (np.isfinite(values).all() and np.isfinite(by).all()):
             raise NumericalError("the rates or their derivatives are no finite numbers")
         if not m:
@@ -138,9 +140,41 @@ class AutonomousField:
             solved[:, :, n + 1],
         )
 
+    def _values_and_slopes(
+        self, states: Vector, unknowns: Vector, value: float
+    ) -> tuple[Vector, Vector]:
+        """Return f and g (n_points, n + m), and their derivatives (n_points, n + m, n + m + 1)."""
+        n, m, count = self.size, self.n_unknowns, len(states)
+        if self._compiled is not None:
+            points = np.concatenate([states, unknowns], axis=1)
+            return self._compiled(points, self.parameters(value))
+        if count not in self._evaluations:
+            mapped = self._slopes.map("field", "serial", count, [2], [])
+            self._evaluations[count] = BufferedFunction(mapped)
+        found, slopes = self._evaluations[count](
+            states.ravel(), unknowns.ravel(), self.parameters(value)
+        )
+        values = found.T if found.ndim == 2 else found.reshape(count, n + m)
+        return values, slopes.reshape((n + m, n + m + 1, count), order="F").transpose(2, 0, 1)
+
     @cached_property
-    def _slopes(self) -> Any:
-        """The function (x, z, p) -> values of f and g, and their derivatives by x, z and p."""
+    def _compiled(self) -> PointSlopes | None:
+        """Machine code of the same as ``_slopes``, None where it would not pay."""
+        import casadi
+
+        e = self.equations
+        point = casadi.vertcat(e.state[self.kept], e.algebraic)
+        if operations_in(casadi.Function("f", [point, e.parameter], [self._whole])) < LEAST:
+            return None
+        try:
+            return PointSlopes(self._whole, point, e.parameter, self.index, e.tables)
+        except CompilationError as error:
+            _log.info("%s; derivatives are interpreted", error)
+            return None
+
+    @cached_property
+    def _whole(self) -> Any:
+        """The column of f and g as functions of the states kept, z and p."""
         import casadi
 
         e = self.equations
@@ -150,10 +184,17 @@ class AutonomousField:
         whole = casadi.vertcat(e.rate[self.kept], e.residual)
         given = [e.time, e.state]
         fixed = [casadi.SX(0.0), casadi.vertcat(*state)]
-        (whole,) = casadi.substitute([whole], given, fixed)
+        return casadi.densify(casadi.substitute([whole], given, fixed)[0])
+
+    @cached_property
+    def _slopes(self) -> Any:
+        """The function (x, z, p) -> values of f and g, and their derivatives by x, z and p."""
+        import casadi
+
+        e, whole = self.equations, self._whole
         chosen = e.state[self.kept]
         by = ops.jacobian(whole, casadi.vertcat(chosen, e.algebraic, e.parameter[self.index]))
-        results = casadi.cse([casadi.densify(whole), casadi.densify(by)])
+        results = casadi.cse([whole, casadi.densify(by)])
         return casadi.Function("slopes", [chosen, e.algebraic, e.parameter], results)
 
 

@@ -1,0 +1,51 @@
+"""Compiled fields of limit cycles give what CasADi gives, whatever the number of points."""
+
+import numpy as np
+import pytest
+from cycle_examples import field, from_hopf, looped_normal_form, normal_form
+from table_examples import height, quintic, rider
+
+from vehicledyn.solve.periodic import autonomous
+
+
+@pytest.mark.parametrize(
+    ("make", "parameter"),
+    [
+        (looped_normal_form, "mu"),
+        (lambda: rider(height(), quintic()), "k"),
+        (lambda: rider(height(3), quintic(0.2)), "m"),
+    ],
+)
+def test_values_and_slopes_are_those_of_casadi(needs_compiler, monkeypatch, make, parameter):
+    rng = np.random.default_rng(8)
+    interpreted = field(make(), parameter)
+    assert interpreted._compiled is None
+    monkeypatch.setattr(autonomous, "LEAST", 0)
+    compiled = field(make(), parameter)
+    assert compiled._compiled is not None
+    for count in (1, 3, 17):
+        states = rng.uniform(-1.0, 1.5, (count, compiled.size))
+        unknowns = rng.uniform(0.0, 0.3, (count, compiled.n_unknowns))
+        value = rng.uniform(0.5, 1.5)
+        wanted = interpreted.evaluate(states, unknowns, value)
+        found = compiled.evaluate(states, unknowns, value)
+        for name, right in vars(wanted).items():
+            here = getattr(found, name)
+            assert here.shape == right.shape
+            assert here == pytest.approx(right, rel=1e-11, abs=1e-12), name
+
+
+def test_branch_of_cycles_is_the_same(needs_compiler, monkeypatch):
+    monkeypatch.setattr(autonomous, "LEAST", 0)
+    _, branch = from_hopf(field(normal_form(1.0, -1.0), "mu"), -1.0, 1.0)
+    (fold,) = branch.special
+    assert fold.orbit.parameter == pytest.approx(-0.25, abs=1e-9)
+
+
+def test_small_fields_and_those_without_a_compiler_are_interpreted(monkeypatch):
+    assert field(normal_form(1.0), "mu")._compiled is None
+    monkeypatch.setattr(autonomous, "LEAST", 0)
+    monkeypatch.setenv("VEHICLEDYN_CC", "none")
+    alone = field(normal_form(1.0), "mu")
+    assert alone._compiled is None
+    assert np.isfinite(alone.evaluate(np.ones((2, alone.size)), np.zeros((2, 0)), 0.3).rates).all()
