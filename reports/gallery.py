@@ -58,6 +58,7 @@ PICTURES = {
     "radiation_counter": _path("head.y", "head.z", "Head, seen from the front: z"),
     "roller_pendulum": Picture(("pendulum.angle",), "deg", "Angle of the pendulum"),
     "rolling_disk": _path("contact_x", "contact_y", "Contact: y"),
+    "rail_wheelset": Picture(("wheelset.lateral",), "mm", "Lateral shift"),
     "simple_wheelset": Picture(("wheelset.lateral",), "mm", "Lateral shift"),
     "slider_crank": Picture(("slider.position",), "mm", "Place of the slider"),
     "slider_crank_two_angles": Picture(("guide.multiplier",), "N", "Normal force of the guide"),

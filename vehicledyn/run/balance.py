@@ -113,7 +113,7 @@ def find_equilibrium(
     progress("finding the equilibrium", None)
     start = nominal_point(prepared, shown_speed)
     point = equilibrium_point(prepared, shown_speed, "steady" if shown_speed else "static")
-    if not shown_speed:
+    if not shown_speed and prepared.subject.settling is None:
         start, point = _still(prepared, start), _still(prepared, point)
     nominal, balanced = _channels(prepared, start), _channels(prepared, point)
     coordinates, forces = _tables(prepared, nominal, balanced)

@@ -26,7 +26,7 @@ from vehicledyn.solve.kernel import Backend
 from vehicledyn.solve.periodic.autonomous import AutonomousField
 from vehicledyn.solve.periodic.branch import Branch, CyclePoint, Limits, cycle_at, follow_cycles
 from vehicledyn.solve.periodic.collocation import Direction
-from vehicledyn.solve.periodic.critical import Balance, Hopf, find_balance, find_hopf
+from vehicledyn.solve.periodic.critical import Balance, Hopf, ahead, find_balance, find_hopf
 from vehicledyn.solve.periodic.orbit import Orbit
 from vehicledyn.solve.periodic.settled import (
     Runner,
@@ -221,6 +221,8 @@ class _Study:
         state, unknowns = self.start
         for k, value in enumerate(np.linspace(*self.span, max(s.points, 20))):
             self.progress("following the equilibrium", k / max(s.points, 20))
+            if self.balances:
+                state, unknowns = ahead(self.model, self.balances[-1], float(value))
             try:
                 found = find_balance(self.model, float(value), state, unknowns)
             except NumericalError as error:
@@ -229,7 +231,6 @@ class _Study:
                 self._ended("partial", 3, f"{error}; the equilibrium is followed up to there")
                 break
             self.balances.append(found)
-            state, unknowns = found.state, found.unknowns
         self.hopfs = find_hopf(self.model, self.balances)
 
     def _cycles(self) -> None:

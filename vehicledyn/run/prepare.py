@@ -198,10 +198,11 @@ def equilibrium_point(prepared: Prepared, speed: float, kind: Literal["static", 
         balanced=rates,
         tolerance=BALANCE_TOLERANCE,
         derivatives=prepared.derivatives,
+        settling=subject.settling,
     )
     final = found.state.copy()
     if kind == "static":
-        velocities = list(e.velocities)
+        velocities = [k for k in e.velocities if k not in free]
         final[velocities] = moving[velocities]
         set_speed(prepared, speed)
     return _moving(prepared, Point(final, found.unknowns, found.residual))

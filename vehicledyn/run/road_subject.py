@@ -29,6 +29,7 @@ class RoadSubject:
     manoeuvre: RoadManoeuvre
     usual_start: str = "steady"
     balance_time: float = BEFORE_START
+    settling: float | None = None
 
     @property
     def system(self) -> System:

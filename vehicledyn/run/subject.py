@@ -34,6 +34,13 @@ class Subject(Protocol):
         """Time at which a start is balanced [s]."""
 
     @property
+    def settling(self) -> float | None:
+        """How far a state may move in a step towards an equilibrium before contacts carry.
+
+        None where no contact is open at the start [m or rad].
+        """
+
+    @property
     def given_rates(self) -> dict[str, float]:
         """Rates that the start must have, by coordinate, where it matters, in SI."""
 

@@ -9,11 +9,15 @@ from typing import TYPE_CHECKING, Any
 from vehicledyn.manoeuvres.recording import Recording
 from vehicledyn.multibody.system import GROUND, Joint, System
 from vehicledyn.run.subject import Vector, start_values
+from vehicledyn.solve.periodic.autonomous import mattering_states
 from vehicledyn.symbolic.equations import Channel, Equations
 
 if TYPE_CHECKING:
     from vehicledyn.base.shapes import Shape
     from vehicledyn.results.layout import SceneItem, SummaryEntry
+
+SETTLING = 2e-5
+"""Step in which wheels are let down on their rails, a part of their approach [m or rad]."""
 
 MOST_COORDINATES = 12
 """Coordinates whose ranges the summary tells."""
@@ -34,6 +38,11 @@ class SystemSubject:
     balance_time: float = 0.0
 
     @property
+    def settling(self) -> float | None:
+        """Step in which wheels on rails are let down until their contacts carry [m or rad]."""
+        return SETTLING if self._rolls else None
+
+    @property
     def given_rates(self) -> dict[str, float]:
         """Rates other than zero that joints start with."""
         return {j.name: j.start_rate for j in self.system.joints() if j.start_rate != 0.0}
@@ -48,15 +57,18 @@ class SystemSubject:
         return start_values(equations)
 
     def still_state(self, equations: Equations) -> Vector:
-        """Return the start values with all velocities zero."""
+        """Return the start values with all velocities zero; what rolls on rails goes on rolling."""
         state = start_values(equations)
-        state[list(equations.velocities)] = 0.0
+        if not self._rolls:
+            state[list(equations.velocities)] = 0.0
         return state
 
     def balance_pairs(self, equations: Equations, speed: float) -> tuple[list[int], list[int]]:
         """Return all coordinates with their accelerations, and all further states.
 
-        Coordinates whose rates follow from others, as those of a rolling wheel, are held.
+        Coordinates whose rates follow from others, as those of a rolling wheel, are held. Of a
+        turn that makes no difference to what rolls on rails the rate takes its place, of a way
+        nothing does.
         """
         e = equations
         taken = {*e.positions, *e.velocities}
@@ -64,7 +76,20 @@ class SystemSubject:
         further = [
             k for k, state in enumerate(e.states) if k not in taken and state.name not in held
         ]
-        return [*e.positions, *further], [*e.velocities, *further]
+        pairs = list(zip(e.positions, e.velocities, strict=True))
+        if self._rolls:
+            matter = set(mattering_states(e))
+            pairs = [
+                (position if position in matter else velocity, velocity)
+                for position, velocity in pairs
+                if position in matter or e.states[position].unit == "rad"
+            ]
+            further = [k for k in further if k in matter]
+        return [*(free for free, _ in pairs), *further], [*(rate for _, rate in pairs), *further]
+
+    @property
+    def _rolls(self) -> bool:
+        return any(getattr(part, "rolls_on_rails", False) for part in self.system.parts)
 
     def scene(self) -> dict[str, SceneItem]:
         """Return nothing."""

@@ -120,4 +120,6 @@ def _choice(target: Target) -> RoadChoice:
         contact=s.contact or "disc",
         relaxation=s.relaxation,
         track=s.track.track(target.path.parent) if isinstance(s.track, TrackChoice) else None,
+        creep=s.creep,
+        rail_contact=s.rail_contact,
     )

@@ -82,6 +82,8 @@ class Scenario(ParameterSet):
     )
     road: ParameterSet | None = part("road", "Surface of the road", default=None)
     track: ParameterSet | None = part("track", "Railway track of a system", default=None)
+    creep: ParameterSet | None = part("creep", "Creep law of wheels on rails", default=None)
+    rail_contact: ParameterSet | None = part("rail_contact", "How wheels touch rails", default=None)
     manoeuvre: ParameterSet | None = part("manoeuvre", "What the vehicle does", default=None)
     contact: Literal["disc", "vertical"] | None = Field(
         default=None,

@@ -12,7 +12,7 @@ from vehicledyn.base.errors import NumericalError
 from vehicledyn.solve.derivatives import Derivatives
 from vehicledyn.solve.engine import Vector
 from vehicledyn.solve.kernel import Kernel
-from vehicledyn.solve.newton import solve_damped
+from vehicledyn.solve.newton import settle, solve_damped
 from vehicledyn.symbolic.equations import Equations
 
 _NAMED = 4
@@ -82,6 +82,7 @@ def find_equilibrium(
     balanced: Sequence[int],
     tolerance: float,
     derivatives: Derivatives | None = None,
+    settling: float | None = None,
 ) -> EquilibriumPoint:
     """Return the point where chosen rates vanish, found by moving as many chosen states.
 
@@ -103,6 +104,9 @@ def find_equilibrium(
         Largest rate that counts as zero, in units of the states per s.
     derivatives
         Those of the equations, where they are at hand already.
+    settling
+        How far a free state may move in a step while forces have yet to begin, as where contacts
+        are still open; then the point settles as in strongly damped motion first [m or rad].
 
     Raises
     ------
@@ -116,11 +120,11 @@ def find_equilibrium(
     )
     problem.start(state, unknowns)
     limits = [_LARGEST_TURN if equations.states[k].unit == "rad" else np.inf for k in problem.free]
+    begin = problem.state[problem.free]
+    if settling is not None:
+        begin = settle(problem.evaluate, begin, longest=settling, largest_step=np.array(limits))
     found = solve_damped(
-        problem.evaluate,
-        problem.state[problem.free],
-        tolerance=tolerance,
-        largest_step=np.array(limits),
+        problem.evaluate, begin, tolerance=tolerance, largest_step=np.array(limits)
     )
     if not found.solved:
         raise NumericalError(_unbalanced(equations, balanced, found.residual, tolerance))

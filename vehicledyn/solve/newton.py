@@ -20,6 +20,8 @@ Evaluate: TypeAlias = Callable[[Vector], tuple[Vector, Vector]]
 """Returns residual (n,) and Jacobian (n, n) at a point; raises NumericalError where none is."""
 
 _SMALLEST_PART = 1e-5
+_SETTLING_STEPS = 400
+_SETTLED = 1e-6
 
 
 @dataclass(frozen=True)
@@ -65,6 +67,51 @@ def solve_damped(
     again = _newton(evaluate, nearest, tolerance, max_iterations, largest_step)
     iterations = result.iterations + again.iterations
     return NewtonResult(again.point, again.residual, iterations, again.solved)
+
+
+def settle(
+    evaluate: Evaluate, start: Vector, *, longest: float, largest_step: Any = np.inf
+) -> Vector:
+    """Return a point where forces nearly balance, found as a strongly damped motion finds it.
+
+    Pseudo-transient continuation: x moves with ẋ = f(x), the residual, in implicit steps
+    (1/τ - ∂f/∂x) δ = f that grow as the residual falls. Newton's method would leap where forces
+    begin only after some way, as those of contacts do.
+
+    Parameters
+    ----------
+    evaluate
+        Residual f, a force or acceleration that drives x to where it vanishes, and Jacobian.
+    start
+        Point to start from.
+    longest
+        How far a step may move any unknown while the residual does not fall.
+    largest_step
+        How far a step may move each unknown at all.
+
+    References
+    ----------
+    Kelley, Keyes (1998), Convergence analysis of pseudo-transient continuation, SIAM J. Numer.
+    Anal. 35(2), 508-523.
+    """
+    point = start
+    residual, jacobian = evaluate(point)
+    size = first = _largest(residual)
+    part = longest / max(size, 1e-300)
+    for _ in range(_SETTLING_STEPS):
+        if size <= _SETTLED * first:
+            break
+        step = np.linalg.solve(np.eye(point.size) / part - jacobian, residual)
+        step = step / max(1.0, float(np.max(np.abs(step) / largest_step, initial=0.0)))
+        try:
+            trial, slopes = evaluate(point + step)
+        except NumericalError:
+            part *= 0.1
+            continue
+        point, residual, jacobian = point + step, trial, slopes
+        before, size = size, _largest(residual)
+        part *= min(max(before / max(size, 1e-300), 0.1), 10.0)
+    return point
 
 
 def _newton(

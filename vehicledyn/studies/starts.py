@@ -76,7 +76,7 @@ def start_of(
     if reference is not None:
         found = _near(prepared, speed if steady else 0.0, reference)
         if found is not None:
-            return _moving(prepared, found, speed, steady=steady)
+            return _moving(prepared, found, speed, None if steady else reference.free)
     return equilibrium_point(prepared, speed, "steady" if steady else "static")
 
 
@@ -94,9 +94,10 @@ def find_reference(prepared: Prepared, speed: float, kind: Start | None) -> Refe
     set_speed(prepared, balanced_speed)
     begin = _begin(subject, e, balanced_speed)
     state = point.state.copy()
-    if chosen != "steady":
-        state[list(e.velocities)] = begin[list(e.velocities)]
     free, balanced = subject.balance_pairs(e, balanced_speed)
+    if chosen != "steady":
+        velocities = [k for k in e.velocities if k not in free]
+        state[velocities] = begin[velocities]
     total = prepared.derivatives.total(
         subject.balance_time, state, point.unknowns, prepared.kernel.parameters
     )
@@ -157,11 +158,12 @@ def _rates(
     return kernel.rates(time, state, unknowns)[r.balanced], unknowns
 
 
-def _moving(prepared: Prepared, point: Point, speed: float, *, steady: bool) -> Point:
+def _moving(prepared: Prepared, point: Point, speed: float, found: list[int] | None) -> Point:
+    """Return a point with the rates of its start, but for those found; None for all of them."""
     subject, e = prepared.subject, prepared.equations
     state = point.state.copy()
-    if not steady:
-        velocities = list(e.velocities)
+    if found is not None:
+        velocities = [k for k in e.velocities if k not in found]
         state[velocities] = subject.start_state(e, speed)[velocities]
         set_speed(prepared, speed)
     state = start_rates(

@@ -18,6 +18,7 @@ from vehicledyn.multibody.links import Attachment, GuidedLink, Link
 from vehicledyn.multibody.parts import Part, Situation
 from vehicledyn.multibody.sensors import Accelerometer, BodySensor
 from vehicledyn.multibody.system import Body, Joint, System, Turn
+from vehicledyn.rail.rail_contact import RailWheels
 from vehicledyn.rail.track import Track
 from vehicledyn.rail.track_follower import TrackFollower
 from vehicledyn.rail.track_set import TrackChoice
@@ -34,6 +35,7 @@ from vehicledyn.systems.expressions import Expression
 from vehicledyn.systems.joints import JointSet
 from vehicledyn.systems.parameters import Entry
 from vehicledyn.systems.places import Place
+from vehicledyn.systems.rail_wheels import missing_choices
 from vehicledyn.systems.read import SystemModel
 from vehicledyn.systems.sensors import SensorSet, motion_of
 from vehicledyn.systems.sets import (
@@ -65,6 +67,8 @@ class RoadChoice:
     contact: str = "disc"
     relaxation: ParameterSet | None = None
     track: Track | None = None
+    creep: ParameterSet | None = None
+    rail_contact: ParameterSet | None = None
 
 
 def build_system(model: SystemModel, choice: RoadChoice | None = None) -> System:
@@ -164,6 +168,7 @@ class _Builder:
             *(self._force(n, f) for n, f in file.forces.items()),
             *(self._wrench(n, w) for n, w in file.wrenches.items()),
             *self._wheels(),
+            *self._rail_wheels(),
             *(switch(n, float(self.number(start))) for n, start in file.switches.items()),
             *(
                 e.part(n, self.value, list(self.model.coordinates), list(file.switches))
@@ -410,6 +415,37 @@ class _Builder:
             if not self.choice.free_wheels:
                 rate = speed / self.value(wheel.radius)
                 parts.append(ConstantRate(f"{name}.prescribed_spin", part.spin, rate))
+        return parts
+
+    def _rail_wheels(self) -> list[Part]:
+        file, path = self.model.file, self.model.path
+        if not file.rail_wheels:
+            return []
+        creep = self.choice.creep or file.creep
+        contact = self.choice.rail_contact or file.rail_contact
+        problems = missing_choices(creep, contact)
+        if problems:
+            raise InputError("\n".join(f"{path}: {problem}" for problem in problems))
+        track = self.track()
+        law = self.table.add_set("creep", creep)  # type: ignore[type-var]
+        entered = contact.entered(self.table)  # type: ignore[union-attr]
+        parts: list[Part] = []
+        for name, item in file.rail_wheels.items():
+            try:
+                wheels = RailWheels(
+                    name,
+                    item.body,
+                    item.wheels,
+                    item.open(path.parent),
+                    radius=self.value(item.radius),
+                    tape_circle=self.value(item.tape_circle),
+                    radius_number=float(self.number(item.radius)),
+                    track=track,
+                    creep=law,  # type: ignore[arg-type]
+                )
+                parts.append(entered.part(wheels))
+            except InputError as error:
+                raise InputError(f"{path}: rail_wheels.{name}: {error}") from None
         return parts
 
     def _need_road(

@@ -23,6 +23,7 @@ from vehicledyn.systems.events import EventSet
 from vehicledyn.systems.expressions import Expression, named
 from vehicledyn.systems.fields import SystemSet, fact
 from vehicledyn.systems.joints import Coordinate, JointSet
+from vehicledyn.systems.rail_wheels import RailWheelSet
 from vehicledyn.systems.sets import (
     BodySet,
     DriveSet,
@@ -148,11 +149,18 @@ def _mirrored(item: Any, axis: int, renamed: _Names, pieces: Mapping[str, str]) 
     if isinstance(image, BodySet):
         joints = tuple(_mirrored_joint(joint, axis, pieces) for joint in image.joints)
         return image.model_copy(update={"joints": joints})
-    if isinstance(image, WheelSet | WheelAnglesSet) and axis == AXES["y"] and image.side:
-        return image.model_copy(update={"side": _OTHER[image.side]})
+    if isinstance(image, WheelSet | WheelAnglesSet | RailWheelSet) and axis == AXES["y"]:
+        return _on_other_side(image)
     if isinstance(item, EventSet):
         return _mirrored_event(item, image, axis, renamed)
     return _turned(item, image, renamed)
+
+
+def _on_other_side(image: WheelSet | WheelAnglesSet | RailWheelSet) -> SystemSet:
+    """Return what has a side of the vehicle on the other one."""
+    if isinstance(image, RailWheelSet):
+        return image.model_copy(update={"wheels": tuple(_OTHER[side] for side in image.wheels)})
+    return image.model_copy(update={"side": _OTHER[image.side]}) if image.side else image
 
 
 def _mirrored_event(item: EventSet, image: SystemSet, axis: int, renamed: _Names) -> SystemSet:

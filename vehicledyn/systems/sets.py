@@ -24,6 +24,7 @@ from vehicledyn.systems.fields import (
 from vehicledyn.systems.joints import Coordinate, JointSet
 from vehicledyn.systems.laws import ForceLaw, TimeLaw
 from vehicledyn.systems.places import Place
+from vehicledyn.systems.rail_wheels import RailWheelSet
 
 _STANDARD_GRAVITY = read_expression([0.0, 0.0, "-9.81 m/s^2"])
 
@@ -234,6 +235,9 @@ class Sections(SystemSet):
     )
     sensors: dict[str, ParameterSet] = section("sensor", "Sensors by name")
     wheels: dict[str, WheelSet] = Field(default_factory=dict, description="Wheels by name")
+    rail_wheels: dict[str, RailWheelSet] = Field(
+        default_factory=dict, description="Wheels on rails by name, those of one body together"
+    )
     switches: dict[str, Scalar] = Field(
         default_factory=dict,
         description="Numbers that only events change, by name, and where they start",
@@ -284,6 +288,12 @@ class SystemFile(Sections):
     )
     track: ParameterSet | None = part(
         "track", "Railway track, if the scenario does not choose it", default=None
+    )
+    creep: ParameterSet | None = part(
+        "creep", "Creep law of wheels on rails, if the scenario does not choose it", default=None
+    )
+    rail_contact: ParameterSet | None = part(
+        "rail_contact", "How wheels touch rails, if the scenario does not choose it", default=None
     )
     vehicle: VehicleSet | None = Field(
         default=None, description="What manoeuvres need, for road vehicles"

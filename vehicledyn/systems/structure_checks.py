@@ -21,6 +21,7 @@ _WITH_CHANNELS = (
     "forces",
     "wrenches",
     "wheels",
+    "rail_wheels",
 )
 
 

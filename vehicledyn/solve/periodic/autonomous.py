@@ -71,7 +71,7 @@ class AutonomousField:
             raise InputError(unknown_name("parameter", self.parameter, names))
         self.index = names.index(self.parameter)
         self.values = np.array(self.values, dtype=float)
-        self.kept = _mattering(e)
+        self.kept = mattering_states(e)
         if not self.kept:
             raise InputError(f"model '{e.name}' has no states that influence its motion")
         self._base = np.array([s.start for s in e.states])
@@ -198,7 +198,7 @@ class AutonomousField:
         return casadi.Function("slopes", [chosen, e.algebraic, e.parameter], results)
 
 
-def _mattering(e: Equations) -> list[int]:
+def mattering_states(e: Equations) -> list[int]:
     """Return the states that rates of other kept states, or residuals, depend on."""
     import casadi
 

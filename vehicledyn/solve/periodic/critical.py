@@ -112,9 +112,22 @@ def follow_balance(
     """Return the equilibria at values of the parameter, each found from the one before."""
     found: list[Balance] = []
     for value in values:
+        if found:
+            state, unknowns = ahead(field, found[-1], value)
         found.append(find_balance(field, value, state, unknowns))
-        state, unknowns = found[-1].state, found[-1].unknowns
     return found
+
+
+def ahead(field: AutonomousField, balance: Balance, value: float) -> tuple[Vector, Vector]:
+    """Return states and unknowns of an equilibrium at another value, along the tangent.
+
+    A wheel that rolls must turn faster with the speed: from its old rate it would slide.
+    """
+    found = field.evaluate(balance.state[None], balance.unknowns[None], balance.value)
+    change = value - balance.value
+    step = -np.linalg.lstsq(found.by_state[0], found.by_parameter[0], rcond=_FOUND)[0] * change
+    unknowns = found.follow[0] @ step + found.follow_parameter[0] * change
+    return balance.state + step, balance.unknowns - unknowns
 
 
 def find_hopf(field: AutonomousField, balances: Sequence[Balance]) -> list[Hopf]:

@@ -16,6 +16,7 @@ _ON_KINK = 1e-6
 """Distance of a mesh point from a kink whose jump of derivatives is no error."""
 
 _SMALL = 1e-3
+_OF_MEAN = 0.1
 """Least scale of a state, part of the largest range of all."""
 
 
@@ -60,11 +61,15 @@ class Orbit:
         return np.asarray(np.einsum("ki,jis->jks", self.basis.slope, self.pieces(states)))
 
     def scales(self) -> Vector:
-        """Return a size for each state: its range, at least a small part of the largest."""
+        """Return a size for each state: its range, at least a small part of the largest.
+
+        A state that hardly oscillates, as the rate of a wheel that rolls, may still change along
+        a branch: its size is at least a part of its mean.
+        """
         ranges = np.ptp(self.states, axis=0)
-        return np.asarray(
-            np.maximum(ranges, max(_SMALL * float(ranges.max()), np.finfo(float).tiny))
-        )
+        least = max(_SMALL * float(ranges.max()), np.finfo(float).tiny)
+        means = _OF_MEAN * np.abs(self.states.mean(axis=0))
+        return np.asarray(np.maximum(np.maximum(ranges, means), least))
 
     def sample(self, places: Vector) -> tuple[Vector, Vector]:
         """Return states and (interpolated) unknowns at places, parts of the period."""

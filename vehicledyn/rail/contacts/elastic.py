@@ -1,0 +1,48 @@
+"""Elastic contact: Hertz's theory in every place where wheel and rail overlap."""
+
+from __future__ import annotations
+
+from vehicledyn.base.parameters import quantity
+from vehicledyn.base.registry import register
+from vehicledyn.multibody.parts import Part
+from vehicledyn.rail.elastic_contact import ElasticContact
+from vehicledyn.rail.rail_contact import RailContact, RailWheels
+from vehicledyn.rail.wheel_on_rail import ElasticWheels
+from vehicledyn.symbolic.parameters import ParameterTable
+
+
+@register("rail_contact", "elastic")
+class Elastic(RailContact):
+    """Hertz's theory in every place where wheel and rail overlap.
+
+    The normal force of a contact with approach δ is N (1 + d δ̇), never below zero, where N is
+    Hertz's. Wheel and rail are of one material.
+    """
+
+    youngs_modulus: float = quantity("N/m^2", "E of wheel and rail", gt=0)
+    poissons_ratio: float = quantity("1", "ν of wheel and rail", ge=0, le=0.5)
+    damping: float = quantity("s/m", "d, part of the force added a unit of closing speed", ge=0)
+
+    def entered(self, table: ParameterTable) -> Elastic:
+        """Return the model with symbols; Poisson's ratio stays a number, which is cheaper."""
+        name = f"{self.family}."
+        modulus = table.add(
+            f"{name}youngs_modulus", self.youngs_modulus, "N/m^2", "Young's modulus"
+        )
+        damping = table.add(f"{name}damping", self.damping, "s/m", "Damping of the contact")
+        return Elastic.model_construct(
+            youngs_modulus=modulus, poissons_ratio=self.poissons_ratio, damping=damping
+        )
+
+    def part(self, wheels: RailWheels) -> Part:
+        """Return the part."""
+        modulus, nu = self.youngs_modulus, self.poissons_ratio
+        return ElasticWheels(
+            wheels.name,
+            wheels,
+            ElasticContact.of(*wheels.geometry()),
+            effective_modulus=modulus / (2.0 * (1.0 - nu * nu)),
+            shear_modulus=modulus / (2.0 * (1.0 + nu)),
+            poissons_ratio=nu,
+            damping=self.damping,
+        )

@@ -1,0 +1,83 @@
+"""What a model of wheel and rail in contact is: it makes the part that carries a body on rails."""
+
+from __future__ import annotations
+
+from abc import abstractmethod
+from dataclasses import dataclass
+
+from vehicledyn.base.parameters import ParameterSet
+from vehicledyn.multibody.parts import Part
+from vehicledyn.rail.contact_geometry import Rail, Wheel, place_rail
+from vehicledyn.rail.creep_law import CreepLaw
+from vehicledyn.rail.profile import Profile
+from vehicledyn.rail.profile_open import open_profile
+from vehicledyn.rail.track import Side, Track
+from vehicledyn.symbolic.ops import Scalar
+from vehicledyn.symbolic.parameters import ParameterTable
+
+
+@dataclass(frozen=True)
+class RailWheels:
+    """The wheels that one body has on a track, equal to each other.
+
+    Attributes
+    ----------
+    name
+        Name of the part.
+    body
+        The body: origin on its axle, y axis along it, to the left.
+    sides
+        Sides on which it has a wheel.
+    profile
+        Profile of the wheels.
+    radius, tape_circle
+        Rolling radius of the tape circle and its distance from the body's origin along the axle,
+        numbers or symbols [m].
+    radius_number
+        The radius as a number [m].
+    track
+        The track under the wheels.
+    creep
+        Creep law; its parameters may be symbols.
+    """
+
+    name: str
+    body: str
+    sides: tuple[Side, ...]
+    profile: Profile
+    radius: Scalar
+    tape_circle: Scalar
+    radius_number: float
+    track: Track
+    creep: CreepLaw
+
+    def geometry(self) -> tuple[Wheel, Rail]:
+        """Return wheel and rail as numbers, the tape circle over the rail's axis.
+
+        Raises
+        ------
+        InputError
+            If there is no such profile of a rail.
+        """
+        track = self.track
+        profile = open_profile(track.rail, "rail")
+        rail = place_rail(profile, track.inclination, track.gauge, track.gauge_depth)
+        return Wheel(self.profile, self.radius_number, rail.origin[0]), rail
+
+
+class RailContact(ParameterSet):
+    """A model of contact; every one of the catalogue derives from it."""
+
+    @abstractmethod
+    def entered(self, table: ParameterTable) -> RailContact:
+        """Return the model with the symbols that its quantities are in the equations."""
+
+    @abstractmethod
+    def part(self, wheels: RailWheels) -> Part:
+        """Return the part that carries a body on its rails.
+
+        Raises
+        ------
+        InputError
+            If wheel and rail do not fit.
+        """

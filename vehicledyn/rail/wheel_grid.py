@@ -1,0 +1,194 @@
+"""Places on a wheel at which compiled equations look for contact, and their windows.
+
+Places lie densely where contacts are sharp. Half way between two of them the overlap is taken from
+its neighbours, which costs less than a place of its own.
+
+A window holds the places of one possible contact. Two contacts of rigid profiles at (almost) the
+same shift, between which the profiles are more than ``LEAST_BARRIER`` apart, can carry at once when
+they are elastic: a window ends at the highest point between. What profiles bridge more closely is
+one contact to an elastic wheel.
+"""
+
+from __future__ import annotations
+
+import itertools
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+
+from vehicledyn.base.errors import InputError
+from vehicledyn.rail.contact_geometry import Rail, Wheel
+from vehicledyn.rail.profile_pieces import Floats
+
+LEAST_BARRIER = 1e-5
+"""Normal distance between two contacts above which they are windows of their own [m]."""
+
+FINEST, COARSEST = 5.5e-4, 2e-3
+"""Bounds of the distance of places along the profile [m]."""
+
+_APPROACH = 4e-5
+_PLACES_A_CONTACT = 3.0
+_REACH, _SHIFT_STEP = 0.03, 1e-4
+_SAMPLE = 1e-4
+_MARGIN = 8e-3
+_NEAR = 6e-5
+_APART = 5e-3
+_RAMP = 2.5e-3
+_BLUR = 1.5e-3
+_LEAST_BEND = 1e-3
+
+
+@dataclass(frozen=True)
+class WheelGrid:
+    """Places on the profile of a wheel, from the flange to the field side.
+
+    Attributes
+    ----------
+    place, height, slope
+        Lateral coordinate y, height z and dz/dy of the profile, shape (n,) [m, m, 1].
+    along
+        Length along the profile, zero at the first place, of the places and of the points half
+        way between, shape (2 n - 1,) [m].
+    width
+        Length that each of these stands for, shape (2 n - 1,) [m].
+    shares
+        Part of each of these that belongs to each window, from the flange to the field side,
+        shape (n_windows, 2 n - 1); the sum over the windows is 1.
+    """
+
+    place: Floats
+    height: Floats
+    slope: Floats
+    along: Floats
+    width: Floats
+    shares: Floats
+
+    @property
+    def middles(self) -> Floats:
+        """Length along the profile in the middle of each window, shape (n_windows,) [m]."""
+        weights = self.shares * self.width
+        return np.asarray(weights @ self.along / weights.sum(axis=1))
+
+
+class _Rolled(NamedTuple):
+    """Contacts of rigid profiles at rising shifts: places, half sums of curvatures, barriers."""
+
+    place: Floats
+    bend: Floats
+    barriers: tuple[float, ...]
+
+
+def wheel_grid(wheel: Wheel, rail: Rail) -> WheelGrid:
+    """Return the places of a wheel that can meet a rail, near enough to each other for contacts.
+
+    Parameters
+    ----------
+    wheel, rail
+        The wheel and its rail.
+
+    Raises
+    ------
+    InputError
+        If the wheel is above its rail at no lateral shift.
+    """
+    rolled = _rolled(wheel, rail)
+    table = wheel.table
+    first = max(table.begin, float(rolled.place.min()) - _MARGIN)
+    last = min(table.end, float(rolled.place.max()) + _MARGIN)
+    fine = np.linspace(first, last, int(np.ceil((last - first) / (0.1 * _SAMPLE))) + 1)
+    height, _, _ = table.values(fine)
+    along = np.concatenate([[0.0], np.cumsum(np.hypot(np.diff(fine), np.diff(height)))])
+    number = _numbers(along, _distances(rolled, fine, along))
+    count = int(np.ceil(number[-1]))
+    number *= count / number[-1]
+    place = np.interp(np.arange(count + 1.0), number, fine)
+    z, slope, _ = table.values(place)
+    lengths = np.interp(0.5 * np.arange(2 * count + 1), number, along)
+    borders = np.interp(rolled.barriers, fine, along)
+    return WheelGrid(place, z, slope, lengths, np.gradient(lengths), _shares(lengths, borders))
+
+
+def _rolled(wheel: Wheel, rail: Rail) -> _Rolled:
+    """Return where a wheel without yaw and roll touches its rail, from far in to far out."""
+    y, z, slope = wheel.scan
+    stretch = np.hypot(1.0, slope)
+    places: list[int] = []
+    bends: list[float] = []
+    barriers: list[float] = []
+    for shift in np.arange(-_REACH, _REACH, _SHIFT_STEP):
+        gap = -z - rail.surface.height(wheel.half_distance + shift + y)
+        if np.isnan(gap).all():
+            continue
+        k = int(np.nanargmin(gap))
+        normal = (gap - gap[k]) / stretch
+        places.append(k)
+        bends.append(_bend(y, normal, stretch, k))
+        barriers += [float(y[top]) for top in _barriers(np.where(np.isnan(normal), 1.0, normal))]
+    if not places:
+        raise InputError("the wheel is not above its rail at any lateral shift")
+    return _Rolled(y[places], np.array(bends), _gathered(barriers))
+
+
+def _barriers(normal: Floats) -> list[int]:
+    """Return the highest places between neighbouring minima that are low and far apart enough."""
+    inner = normal[1:-1]
+    lower = (inner < normal[:-2]) & (inner <= normal[2:]) & (inner < _NEAR)
+    minima = 1 + np.flatnonzero(lower)
+    found = []
+    for low, high in itertools.pairwise(minima):
+        top = int(low + np.argmax(normal[low : high + 1]))
+        if normal[top] - max(normal[low], normal[high]) > LEAST_BARRIER:
+            found.append(top)
+    return found
+
+
+def _gathered(barriers: list[float]) -> tuple[float, ...]:
+    """Return the middle of each group of barriers; groups are some millimetres apart."""
+    if not barriers:
+        return ()
+    ordered = np.sort(barriers)
+    groups = np.split(ordered, 1 + np.flatnonzero(np.diff(ordered) > _APART))
+    return tuple(float(np.median(group)) for group in groups)
+
+
+def _bend(y: Floats, normal: Floats, stretch: Floats, k: int) -> float:
+    """Return the half sum of curvatures at a contact, over half a millimetre on both sides."""
+    step = max(1, round(5e-4 / ((y[1] - y[0]) * stretch[k])))
+    if k < step or k + step >= len(y):
+        return _LEAST_BEND
+    length = step * (y[1] - y[0]) * stretch[k]
+    bend = 0.5 * (normal[k + step] - 2.0 * normal[k] + normal[k - step]) / length**2
+    return float(bend) if bend > _LEAST_BEND else _LEAST_BEND
+
+
+def _distances(rolled: _Rolled, fine: Floats, along: Floats) -> Floats:
+    """Return the distance that places may have, from the width of contacts there [m]."""
+    wanted = np.sqrt(_APPROACH / rolled.bend) * 2.0 / _PLACES_A_CONTACT
+    order = np.argsort(rolled.place, kind="stable")
+    logarithm = np.log(np.clip(wanted, FINEST, COARSEST))
+    coarse = np.interp(fine, rolled.place[order], logarithm[order])
+    # Blurred along the profile, so that neighbours differ little.
+    even = np.arange(0.0, along[-1], _SAMPLE)
+    half = round(_BLUR / _SAMPLE)
+    padded = np.pad(np.interp(even, along, coarse), 2 * half, mode="edge")
+    kernel = np.exp(-0.5 * (np.arange(-2 * half, 2 * half + 1) / half) ** 2)
+    blurred = np.convolve(padded, kernel / kernel.sum(), mode="valid")
+    return np.asarray(np.exp(np.interp(along, even, blurred)))
+
+
+def _numbers(along: Floats, distances: Floats) -> Floats:
+    """Return the number of a place as a function of the length, ∫ dl / distance [1]."""
+    density = 1.0 / distances
+    steps = 0.5 * (density[1:] + density[:-1]) * np.diff(along)
+    return np.concatenate([[0.0], np.cumsum(steps)])
+
+
+def _shares(along: Floats, borders: Floats) -> Floats:
+    """Return the part of each point in each window; neighbours share a few millimetres."""
+    ramps = [np.ones_like(along)]
+    for border in borders:
+        u = np.clip(0.5 + 0.5 * (along - border) / _RAMP, 0.0, 1.0)
+        ramps.append(u * u * (3.0 - 2.0 * u))
+    ramps.append(np.zeros_like(along))
+    return np.array([a - b for a, b in itertools.pairwise(ramps)])

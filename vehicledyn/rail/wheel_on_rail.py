@@ -1,0 +1,251 @@
+"""Wheels on rails, elastic: contacts, creepages and forces as a part of a multibody system."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import ClassVar
+
+from vehicledyn.multibody.parts import BasePart, Loads, Output, PartEvent, Situation, Wrench
+from vehicledyn.rail.creep_law import CreepContact, CreepForces
+from vehicledyn.rail.creepage import Creepages, creepages
+from vehicledyn.rail.elastic_contact import Axle, ElasticContact, ElasticPatch
+from vehicledyn.rail.rail_contact import RailWheels
+from vehicledyn.rail.running import TRACK_POSITION, Running, Seen, running
+from vehicledyn.rail.track import Side
+from vehicledyn.symbolic import ops
+from vehicledyn.symbolic.equations import Channel, Variable
+from vehicledyn.symbolic.ops import Scalar, Vec
+
+CLIMBED = 5e-3
+"""How far the tip of a flange is outside the gauge face when it has climbed the rail [m]."""
+
+
+@dataclass(frozen=True)
+class PatchForces:
+    """One contact with what acts there, seen from the wheel's own side.
+
+    ``normal_force`` N is never negative [N]; ``force`` is the whole force on the wheel, ``moment``
+    that about the normal, as vectors.
+    """
+
+    patch: ElasticPatch
+    creepages: Creepages
+    normal_force: Scalar
+    creep_forces: CreepForces
+    force: Vec
+    moment: Vec
+
+    @property
+    def wear_number(self) -> Scalar:
+        """Creep force times creepage, |T_x ξ| + |T_y η| + |M φ| [N]."""
+        force, creep = self.creep_forces, self.creepages
+        return (
+            ops.absolute(force.longitudinal * creep.longitudinal)
+            + ops.absolute(force.lateral * creep.lateral)
+            + ops.absolute(force.spin_moment * creep.spin)
+        )
+
+
+@dataclass(frozen=True)
+class WheelForces:
+    """All contacts of one wheel, from the field side to the flange."""
+
+    seen: Seen
+    patches: tuple[PatchForces, ...]
+
+    @property
+    def force(self) -> Vec:
+        """Force on the wheel in the axes of the track [N]."""
+        return self.seen.polar(_total([p.force for p in self.patches]))
+
+    def torque(self) -> Vec:
+        """Return the torque on the body about its origin, in the axes of the track [N m]."""
+        arms = [
+            ops.vector(p.patch.x, p.patch.y - self.seen.lateral, p.patch.z - self.seen.height)
+            for p in self.patches
+        ]
+        torques = [
+            ops.cross(arm, p.force) + p.moment for arm, p in zip(arms, self.patches, strict=True)
+        ]
+        return self.seen.axial(_total(torques))
+
+
+@dataclass(frozen=True)
+class ElasticWheels(BasePart):
+    """The wheels of one body on rails: an independent wheel or a wheelset.
+
+    Every contact has Hertz's normal force N (1 + d δ̇) ≥ 0, creepages of the wheel's material
+    against the rail's at the contact, and the forces of the creep law. A lifted wheel has none.
+    The reference speed of the creepages is that at which the contact travels.
+
+    On curved track the arc coordinate is a state, with its exact rate, which every evaluation
+    corrects by one Newton step to the place beside the body.
+
+    A wheel whose flange has climbed its rail, or that has fallen from the rail to the inside, is
+    derailed; that is an event that ends the run.
+
+    Parameters
+    ----------
+    wheels
+        The wheels.
+    contact
+        Their profiles over the rails.
+    effective_modulus, shear_modulus
+        E* and G of wheel and rail [N/m²].
+    poissons_ratio
+        ν of both [1].
+    damping
+        d, part of the normal force added a unit of closing speed [s/m].
+    """
+
+    rolls_on_rails: ClassVar[bool] = True
+
+    wheels: RailWheels
+    contact: ElasticContact
+    effective_modulus: Scalar
+    shear_modulus: Scalar
+    poissons_ratio: Scalar
+    damping: Scalar
+
+    def states(self) -> tuple[Variable, ...]:
+        """Return the place along the track where that is curved."""
+        if self.wheels.track.is_straight:
+            return ()
+        return (Variable(TRACK_POSITION, "m", "Place along the track"),)
+
+    def loads(self, situation: Situation) -> Loads:
+        """Return the wrench of all contacts and the rate of the place along the track."""
+        motion = self._running(situation)
+        rates = {} if self.wheels.track.is_straight else {TRACK_POSITION: motion.rate}
+        return Loads(wrenches=(self._wrench(situation, motion),), rates=rates)
+
+    def outputs(self, situation: Situation) -> tuple[Output, ...]:
+        """Return the channels of the body, of each wheel and of each contact."""
+        motion = self._running(situation)
+        rows: list[_Row] = [
+            ("lateral_shift", "m", "Place of the axle to the left of the track's middle",
+             motion.place[1], "track"),
+            ("angle_of_attack", "rad", "Yaw angle of the axle to the track",
+             ops.atan2(-motion.axle[0], motion.axle[1]), "track"),
+            ("track_position", "m", "Place along the track", motion.position, ""),
+            ("track_speed", "m/s", "Rate of the place along the track", motion.rate, ""),
+        ]  # fmt: skip
+        if not self.wheels.track.is_straight:
+            rows = [row for row in rows if row[0] != TRACK_POSITION]  # a state has its channel
+        for side in self.wheels.sides:
+            rows.extend(_wheel_rows(side, self.forces(motion, side)))
+        return tuple(
+            Output(Channel(f"{self.name}.{name}", unit, text, frame), value)
+            for name, unit, text, value, frame in rows
+        )
+
+    def events(self, situation: Situation) -> tuple[PartEvent, ...]:
+        """Return the derailment of each wheel, over its rail or between the rails."""
+        motion = self._running(situation)
+        found = []
+        for side in self.wheels.sides:
+            seen = motion.seen_from(side)
+            outwards = seen.axle[1]
+            tape = seen.lateral + outwards * self.wheels.tape_circle
+            face = self.contact.gauge_face
+            over = tape + outwards * self.contact.tip - (face + CLIMBED)
+            inside = face - (tape + outwards * self.contact.last)
+            found.append(
+                PartEvent(f"{side}.derailed", ops.maximum(over, inside), "rising", terminal=True)
+            )
+        return tuple(found)
+
+    def forces(self, motion: Running, side: Side) -> WheelForces:
+        """Return the contacts of the wheel on one side and what acts there."""
+        seen = motion.seen_from(side)
+        axle = Axle(seen.lateral, seen.height, seen.axle, self.wheels.tape_circle, seen.curvature)
+        patches = self.contact.patches(axle, self.wheels.radius, self.effective_modulus)
+        return WheelForces(seen, tuple(self._at(seen, patch) for patch in reversed(patches)))
+
+    def _at(self, seen: Seen, patch: ElasticPatch) -> PatchForces:
+        """Return what acts at one contact."""
+        along, across, normal = _axes(patch)
+        arm = ops.vector(patch.x, patch.y - seen.lateral, patch.z - seen.height)
+        sliding = seen.velocity + ops.cross(seen.angular_velocity, arm)
+        speed = seen.speed_at(patch.y)
+        creep = creepages(
+            (ops.dot(sliding, along), ops.dot(sliding, across)),
+            ops.dot(seen.angular_velocity, normal),
+            speed,
+        )
+        outwards, upwards = seen.rail_rate()
+        closing = outwards * normal[1] + upwards * normal[2] - ops.dot(sliding, normal)
+        load = patch.force * ops.maximum(1.0 + self.damping * closing, 0.0)
+        contact = CreepContact(
+            creep.longitudinal,
+            creep.lateral,
+            creep.spin,
+            load,
+            patch.ellipse,
+            self.shear_modulus,
+            self.poissons_ratio,
+            speed,
+        )
+        tangential = self.wheels.creep.forces(contact)
+        force = normal * load + along * tangential.longitudinal + across * tangential.lateral
+        return PatchForces(patch, creep, load, tangential, force, normal * tangential.spin_moment)
+
+    def _running(self, situation: Situation) -> Running:
+        wheels = self.wheels
+        return running(situation, wheels.body, wheels.track, wheels.sides)
+
+    def _wrench(self, situation: Situation, motion: Running) -> Wrench:
+        wheels = [self.forces(motion, side) for side in self.wheels.sides]
+        rotation = situation.kinematics.rotation(self.wheels.body)
+        to_body = rotation.T @ motion.frame.rotation
+        force, torque = _total([w.force for w in wheels]), _total([w.torque() for w in wheels])
+        return Wrench(self.wheels.body, to_body @ force, to_body @ torque)
+
+
+_Row = tuple[str, str, str, Scalar, str]
+
+
+def _wheel_rows(side: Side, wheel: WheelForces) -> Iterator[_Row]:
+    """Yield name, unit, description, value and frame of the channels of a wheel."""
+    force = wheel.force
+    worn = sum((p.wear_number for p in wheel.patches), ops.scalar(0.0))
+    yield f"{side}.Y", "N", "Force of the wheel on the rail to the left", -force[1], "track"
+    yield f"{side}.Q", "N", "Wheel load, downwards on the rail", force[2], "track"
+    yield f"{side}.X", "N", "Force of the wheel on the rail forwards", -force[0], "track"
+    yield f"{side}.wear_number", "N", "Creep forces times creepages", worn, ""
+    for number, contact in enumerate(wheel.patches, 1):
+        for name, unit, text, value in _contact_rows(wheel.seen.sign, contact):
+            yield f"{side}.contact_{number}.{name}", unit, text, value, "contact"
+
+
+def _contact_rows(sign: float, at: PatchForces) -> Iterator[tuple[str, str, str, Scalar]]:
+    """Yield the channels of a contact; lateral is to the left on both sides."""
+    creep, force, patch = at.creepages, at.creep_forces, at.patch
+    yield "normal_force", "N", "Normal force", at.normal_force
+    yield "longitudinal_force", "N", "Creep force on the wheel forwards", force.longitudinal
+    yield "lateral_force", "N", "Creep force on the wheel to the left", sign * force.lateral
+    yield "spin_moment", "N*m", "Creep moment on the wheel", sign * force.spin_moment
+    yield "longitudinal_creepage", "1", "Longitudinal creepage", creep.longitudinal
+    yield "lateral_creepage", "1", "Lateral creepage to the left", sign * creep.lateral
+    yield "spin_creepage", "1/m", "Spin creepage", sign * creep.spin
+    yield "place", "m", "Place on the wheel's profile, outwards", patch.place
+    yield "angle", "rad", "Contact angle, positive where the rail rises outwards", patch.angle
+    yield "approach", "m", "Approach of wheel and rail", patch.approach
+    yield "rolling_radius", "m", "Radius at the contact", patch.radius
+
+
+def _axes(patch: ElasticPatch) -> tuple[Vec, Vec, Vec]:
+    """Return the axes of a contact: along the rail, across it outwards, and out of the rail."""
+    (cosine, sine), heading = patch.tangent, patch.heading
+    along = ops.vector(1.0, heading, 0.0)
+    across = ops.vector(-heading * cosine, cosine, sine)
+    normal = ops.vector(heading * sine, -sine, cosine)
+    return along, across, normal
+
+
+def _total(vectors: list[Vec]) -> Vec:
+    total = vectors[0]
+    for vector in vectors[1:]:
+        total = total + vector
+    return total

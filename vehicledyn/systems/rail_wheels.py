@@ -1,0 +1,70 @@
+"""The section of wheels on rails in system files."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Literal
+
+from pydantic import Field, field_validator
+
+from vehicledyn.base.parameters import ParameterSet
+from vehicledyn.rail.profile import Profile
+from vehicledyn.systems.fields import Scalar, SystemSet, measured, reference
+
+
+class RailWheelSet(SystemSet):
+    """The equal wheels of one body on the track: one independent wheel or a wheelset."""
+
+    body: str = reference("body", "Its body: origin on the axle, y along the axle to the left")
+    wheels: tuple[Literal["left", "right"], ...] = Field(
+        description="Sides of the track on which it has a wheel"
+    )
+    radius: Scalar = measured("m", "Rolling radius of the tape circle", above=0.0)
+    tape_circle: Scalar = measured(
+        "m", "Distance of the tape circle from the body's origin along the axle, outwards"
+    )
+    profile: str = Field(description="Profile of the wheels: a name such as S1002, or a file")
+
+    @field_validator("wheels")
+    @classmethod
+    def _one_or_both(cls, value: tuple[str, ...]) -> tuple[str, ...]:
+        if not value or len(set(value)) < len(value):
+            raise ValueError("name one side or both, such as [left, right]")
+        return value
+
+    @field_validator("profile")
+    @classmethod
+    def _known_profile(cls, value: str) -> str:
+        from vehicledyn.base.errors import InputError
+        from vehicledyn.rail.profile_names import is_name, named_profile
+
+        if is_name(value) or not Path(value).suffix:
+            try:
+                named_profile(value, "wheel")
+            except InputError as error:
+                raise ValueError(str(error)) from None
+        return value
+
+    def open(self, folder: Path) -> Profile:
+        """Return the profile; files are looked for in a folder.
+
+        Raises
+        ------
+        InputError
+            If the file cannot be read or holds no profile.
+        """
+        from vehicledyn.rail.profile_names import is_name
+        from vehicledyn.rail.profile_open import open_profile
+
+        is_file = not is_name(self.profile) and bool(Path(self.profile).suffix)
+        return open_profile(str(folder / self.profile) if is_file else self.profile, "wheel")
+
+
+def missing_choices(creep: ParameterSet | None, contact: ParameterSet | None) -> list[str]:
+    """Return what wheels on rails lack of a creep law and a model of contact."""
+    wanted = {
+        "creep": (creep, "give it a creep law, such as 'kind: polach'"),
+        "rail_contact": (contact, "give it a model of contact, such as 'kind: elastic'"),
+    }
+    words = "missing: the system runs on rails,"
+    return [f"{key}: {words} {hint}" for key, (value, hint) in wanted.items() if value is None]
