@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from vehicledyn.base.errors import InputError, nearest_name
+from vehicledyn.cli.completion import model_names
 from vehicledyn.cli.files import read_scenario
 from vehicledyn.cli.options import (
     Backend,
@@ -50,7 +51,12 @@ def list_models(as_json: Json = False) -> None:
 @models.command("show")
 def show_model(
     name: Annotated[
-        str, typer.Argument(metavar="NAME|FILE", help="Name of the model, system or scenario file.")
+        str,
+        typer.Argument(
+            metavar="NAME|FILE",
+            help="Name of the model, system or scenario file.",
+            autocompletion=model_names,
+        ),
     ],
     *,
     overrides: Overrides = None,

@@ -9,6 +9,7 @@ import typer
 
 from vehicledyn.base.errors import InputError
 from vehicledyn.base.units import to_si
+from vehicledyn.cli.completion import channel_names, figure_names
 from vehicledyn.cli.options import Format, Json, ResultFile, tolerance_of_channels
 from vehicledyn.cli.terminal import emit, emit_report, write_text
 
@@ -82,7 +83,12 @@ def compare(
     ] = None,
     channels: Annotated[
         list[str] | None,
-        typer.Option("--channel", metavar="PATTERN", help="Compare these channels only."),
+        typer.Option(
+            "--channel",
+            metavar="PATTERN",
+            help="Compare these channels only.",
+            autocompletion=channel_names,
+        ),
     ] = None,
     allow_missing: Annotated[
         bool, typer.Option("--allow-missing", help="Channels may be missing from the result.")
@@ -131,7 +137,10 @@ def plot(
         Path | None, typer.Option("--output", "-o", help="Folder; the result's name with _plots.")
     ] = None,
     only: Annotated[
-        list[str] | None, typer.Option(metavar="NAME", help="Draw this figure; may be repeated.")
+        list[str] | None,
+        typer.Option(
+            metavar="NAME", help="Draw this figure; may be repeated.", autocompletion=figure_names
+        ),
     ] = None,
     formats: Annotated[
         str, typer.Option("--format", metavar="FORMATS", help="png, svg or both.")

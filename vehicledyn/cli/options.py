@@ -10,6 +10,7 @@ import typer
 
 from vehicledyn.base.errors import InputError
 from vehicledyn.base.units import to_si
+from vehicledyn.cli.completion import model_names
 
 MOST_SPEEDS = 1000
 
@@ -41,7 +42,11 @@ ScenarioFile = Annotated[Path, typer.Argument(metavar="SCENARIO", help="Scenario
 ResultFile = Annotated[Path, typer.Argument(metavar="RESULT", help="Result file.")]
 Target = Annotated[
     str,
-    typer.Argument(metavar="SCENARIO|MODEL", help="Scenario or system file, or name of a model."),
+    typer.Argument(
+        metavar="SCENARIO|MODEL",
+        help="Scenario or system file, or name of a model.",
+        autocompletion=model_names,
+    ),
 ]
 Overrides = Annotated[
     list[str] | None,

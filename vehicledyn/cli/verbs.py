@@ -10,6 +10,7 @@ from typer.core import TyperGroup
 
 import vehicledyn
 from vehicledyn.base.errors import InputError, StoppedError
+from vehicledyn.base.schema_line import schema_line
 from vehicledyn.cli import (
     analyses,
     animate,
@@ -20,6 +21,7 @@ from vehicledyn.cli import (
     paths,
     rail,
     report,
+    start,
     sweep,
 )
 from vehicledyn.cli.options import (
@@ -56,7 +58,6 @@ app = typer.Typer(
     name="vehicledyn",
     cls=_Verbs,
     help="Vehicle dynamics from symbolic multibody equations: scenario in, result file out.",
-    add_completion=False,
     no_args_is_help=True,
     rich_markup_mode=None,
     pretty_exceptions_enable=False,
@@ -154,6 +155,8 @@ def schema(
         emit(text)
     else:
         write_text(output, text)
+        line = schema_line(output.name).rstrip()
+        tell(f"Files beside it follow it when their first line is: {line}")
 
 
 @app.command()
@@ -174,3 +177,4 @@ sweep.add_verbs(app)
 hunt.add_verbs(app)
 report.add_verbs(app)
 animate.add_verbs(app)
+start.add_verbs(app)

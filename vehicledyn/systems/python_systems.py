@@ -10,7 +10,7 @@ from vehicledyn.multibody.drives import ConstantRate
 from vehicledyn.multibody.sensors import Accelerometer, BodySensor, SequenceSensor
 from vehicledyn.multibody.system import Body, Joint, System, Turn
 from vehicledyn.symbolic import ops, rotations
-from vehicledyn.systems.write import dump
+from vehicledyn.systems.write import SCHEMA_LINE, dump
 
 _SMALL = 1e-15
 _KINDS = {BallCut: "ball", RodCut: "rod", BodyCut: "body"}
@@ -47,7 +47,7 @@ class _Writer:
             self._leave(constraint)
         data |= {name: entries for name, entries in sections.items() if entries}
         notes = [f"# not expressed: {words}" for words in self.left_out]
-        return "\n".join([dump(data).rstrip(), *notes, ""])
+        return SCHEMA_LINE + "\n".join([dump(data).rstrip(), *notes, ""])
 
     def _body(self, body: Body) -> dict[str, Any]:
         written: dict[str, Any] = {"parent": body.parent}

@@ -26,6 +26,7 @@ _FACTS = ("measure", "nature", "variables", "least", "above", "names", "expressi
 _INDEX = {
     "anyOf": [{"type": "array", "items": {"type": ["integer", "string"]}}, {"type": "object"}]
 }
+_PLACEHOLDER = {"type": "string", "pattern": r"\{.+\}"}
 
 
 class _Generator(GenerateJsonSchema):
@@ -48,6 +49,7 @@ def system_schema() -> Schema:
     definitions |= catalogue_definitions(definitions, references, families)
     _allow_short_forms(definitions)
     _allow_repetition(definitions)
+    definitions = {name: _with_placeholders(d) for name, d in definitions.items()}
     root = definitions.pop(SystemFile.__name__)
     return {
         "$schema": DIALECT,
@@ -74,6 +76,19 @@ def _sections(schema: Any) -> Any:
     if isinstance(unit, str) and unit:
         kept["description"] = f"{schema.get('description', '')} [{unit}]"
     return kept
+
+
+def _with_placeholders(schema: Any) -> Any:
+    """Return a schema whose choices may be left to the index of a repetition, as "{axle}"."""
+    if isinstance(schema, list):
+        return [_with_placeholders(item) for item in schema]
+    if not isinstance(schema, dict):
+        return schema
+    changed = {name: _with_placeholders(item) for name, item in schema.items()}
+    if isinstance(schema.get("enum"), list) and "description" in schema:
+        choice = {name: changed.pop(name) for name in ("enum", "type") if name in changed}
+        changed["anyOf"] = [choice, _PLACEHOLDER]
+    return changed
 
 
 def _allow_short_forms(definitions: dict[str, Schema]) -> None:

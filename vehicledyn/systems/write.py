@@ -8,11 +8,13 @@ from typing import Any
 from ruamel.yaml import YAML
 
 from vehicledyn.base.parameters import ParameterSet, as_plain
+from vehicledyn.base.schema_line import schema_line, schema_name
 from vehicledyn.systems.expressions import Expression
 from vehicledyn.systems.fields import SystemSet
 from vehicledyn.systems.parameters import Parameters
 from vehicledyn.systems.read import SystemModel
 
+SCHEMA_LINE = schema_line(schema_name("system"))
 _WIDTH = 100
 
 
@@ -22,7 +24,8 @@ def model_as_yaml(model: SystemModel) -> str:
     parameters = _parameters(model.parameters)
     head: dict[str, Any] = {key: plain.pop(key) for key in ("title", "description") if key in plain}
     plain.pop("parameters", None)
-    return dump({**head, **({"parameters": parameters} if parameters else {}), **plain})
+    data = {**head, **({"parameters": parameters} if parameters else {}), **plain}
+    return SCHEMA_LINE + dump(data)
 
 
 def dump(data: dict[str, Any]) -> str:
