@@ -23,6 +23,7 @@ from vehicledyn.cli import (
     report,
     start,
     sweep,
+    track,
 )
 from vehicledyn.cli.options import (
     Backend,
@@ -178,3 +179,4 @@ hunt.add_verbs(app)
 report.add_verbs(app)
 animate.add_verbs(app)
 start.add_verbs(app)
+track.add_verbs(app)

@@ -60,6 +60,7 @@ def rails_of(start: float, step: float, records: Mapping[str, Array], fade: floa
         left_vertical=left_vertical,
         right_lateral=right_lateral if "gauge" in records else left_lateral,
         right_vertical=right_vertical if "cross_level" in records else left_vertical,
+        ends=(start, start + step * (count - 1)),
     )
 
 

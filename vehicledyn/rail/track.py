@@ -71,6 +71,10 @@ class CentreLine(Protocol):
     def is_straight(self) -> bool:
         """Whether it is straight and level, and the frame that of the world but for x."""
 
+    @property
+    def length(self) -> float:
+        """Chainage beyond which it does not change; it begins at zero [m]."""
+
     def frame(self, s: Scalar) -> TrackFrame:
         """Return the frame at an arc coordinate [m]."""
 
@@ -81,6 +85,10 @@ class CentreLine(Protocol):
 class RailShift(Protocol):
     """Displacement of rails from their design places, as expressions of s."""
 
+    @property
+    def ends(self) -> tuple[float, float]:
+        """Chainages before which and beyond which it does not change [m]."""
+
     def at(self, side: Side, s: Scalar) -> tuple[Scalar, Scalar]:
         """Return how far a rail is shifted to the left and upwards [m]."""
 
@@ -90,6 +98,7 @@ class StraightLine:
     """A centre line that is straight and level for ever."""
 
     is_straight: bool = True
+    length: float = 0.0
 
     def frame(self, s: Scalar) -> TrackFrame:
         """Return the frame of the world, moved along x."""
@@ -119,6 +128,8 @@ class Track:
         The centre line.
     shifts
         Widening and irregularities, which add up.
+    base
+        Distance of the rail heads, across which cant is a difference of heights [m].
     """
 
     gauge: float
@@ -127,6 +138,7 @@ class Track:
     rail: str
     line: CentreLine = StraightLine()
     shifts: tuple[RailShift, ...] = ()
+    base: float = 1.5
 
     @property
     def is_straight(self) -> bool:
@@ -137,6 +149,12 @@ class Track:
     def is_perfect(self) -> bool:
         """Whether the rails lie where the design has them."""
         return not self.shifts
+
+    @property
+    def ends(self) -> tuple[float, float]:
+        """Chainages between which there is something to see [m]."""
+        ends = [(0.0, self.line.length), *(shift.ends for shift in self.shifts)]
+        return min(begin for begin, _ in ends), max(end for _, end in ends)
 
     def frame(self, s: Scalar) -> TrackFrame:
         """Return the frame at an arc coordinate [m]; on straight track it costs nothing."""

@@ -72,6 +72,13 @@ class TrackSet(TrackChoice):
         le=STEEPEST_INCLINATION,
     )
     rail: str = Field(description="Profile of the rails: a name such as 60E1, or a file")
+    cant_base: float | None = quantity(
+        "m",
+        "Distance over which cant is measured; gauge and 65 mm if left out",
+        default=None,
+        gt=0.3,
+        lt=3.5,
+    )
     irregularities: ParameterSet | None = part(
         "irregularity", "How the rails deviate from their design", default=None
     )
@@ -81,6 +88,11 @@ class TrackSet(TrackChoice):
     def _read_slope(cls, value: Any) -> Any:
         slope = slope_of(value) if isinstance(value, str) else None
         return value if slope is None else slope
+
+    @property
+    def base(self) -> float:
+        """Distance of the rail heads across which cant is measured [m]."""
+        return self.gauge + HEAD_WIDTH if self.cant_base is None else self.cant_base
 
     @field_validator("rail", mode="before")
     @classmethod
@@ -110,7 +122,7 @@ class TrackSet(TrackChoice):
         if isinstance(rough, IrregularitySet):
             shifts = (*shifts, rough.shift(folder))
         lean = math.atan(self.inclination)
-        return Track(self.gauge, self.gauge_depth, lean, rail, line, shifts)
+        return Track(self.gauge, self.gauge_depth, lean, rail, line, shifts, self.base)
 
 
 class IrregularitySet(ParameterSet):
@@ -132,21 +144,9 @@ class IrregularitySet(ParameterSet):
 class DesignedTrack(TrackSet):
     """Base of the tracks with a designed alignment."""
 
-    cant_base: float | None = quantity(
-        "m",
-        "Distance over which cant is measured; gauge and 65 mm if left out",
-        default=None,
-        gt=0.3,
-        lt=3.5,
-    )
     cant_about: Literal["centre_line", "low_rail"] = Field(
         default="centre_line", description="Line about which cant turns the track"
     )
-
-    @property
-    def base(self) -> float:
-        """Distance of the rail heads across which cant is measured [m]."""
-        return self.gauge + HEAD_WIDTH if self.cant_base is None else self.cant_base
 
     @abstractmethod
     def alignment(self, folder: Path) -> Alignment:

@@ -127,6 +127,7 @@ class TabledShift:
     left_vertical: CurveTable | None = None
     right_lateral: CurveTable | None = None
     right_vertical: CurveTable | None = None
+    ends: tuple[float, float] = (0.0, 0.0)
 
     def at(self, side: Side, s: Scalar) -> tuple[Scalar, Scalar]:
         """Return how far a rail is shifted to the left and upwards [m]."""
@@ -318,7 +319,8 @@ class Grid:
         )
         if left is None and right is None:
             return None
-        return TabledShift(self.abscissa, left_lateral=left, right_lateral=right)
+        ends = (0.0, design.length)
+        return TabledShift(self.abscissa, left_lateral=left, right_lateral=right, ends=ends)
 
 
 def _apart(kinks: Array, least: float) -> Array:
