@@ -24,7 +24,8 @@ def track(
     ],
     *,
     every: Annotated[
-        str | None, typer.Option(help='Distance of the lines such as "5 m"; about 25 lines if left out.')
+        str | None,
+        typer.Option(help='Distance of the lines such as "5 m"; about 25 lines if left out.'),
     ] = None,
     speed: Annotated[
         str | None, typer.Option(help='Speed such as "80 km/h", to tell what cant curves lack.')

@@ -84,4 +84,4 @@ def track_frame_problems(file: SystemFile) -> Iterator[tuple[Place, str]]:
 def runs_on_rails(file: SystemFile) -> bool:
     """Return whether a system needs a track."""
     joints = (joint for body in file.bodies.values() for joint in body.joints)
-    return any(isinstance(joint, TrackFrameSet) for joint in joints)
+    return bool(file.rail_wheels) or any(isinstance(joint, TrackFrameSet) for joint in joints)

@@ -1,6 +1,7 @@
 """Bodies that ride along a track: against closed forms, and what is refused."""
 
 import math
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -171,3 +172,9 @@ def test_a_track_is_asked_for_where_there_are_rails_and_only_there(write):
         build_system(model)
     rigid = bare.replace("{kind: track_frame, position: speed * time + 5 m}, ", "")
     assert "ride.yaml:3:1: track: rider.yaml has nothing that runs" in refusal(write(rigid))
+
+
+def test_wheels_on_rails_take_the_track_of_the_scenario(write):
+    system = Path(__file__).parents[3] / "systems" / "rail_wheelset.yaml"
+    path = write(system.read_text())
+    assert load_scenario(path).written.needs_track
