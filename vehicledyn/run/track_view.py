@@ -99,9 +99,7 @@ def view_track(
     """
     track, kind = _track_of(path)
     first, last = track.ends
-    if last <= first:
-        last = first + 1.0
-    step = _even((last - first) / _ROWS) if every is None else every
+    step = _even(max(last - first, 1.0) / _ROWS) if every is None else every
     if not step > 0.0 or (last - first) / step > 1e6:
         raise InputError(f"--every: {step:g} m does not go with a track of {last - first:g} m")
     places = np.unique(np.append(np.arange(first, last, step), last))
