@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from abc import abstractmethod
+from pathlib import Path
 from typing import ClassVar
 
 from vehicledyn.base.parameters import ParameterSet
@@ -18,6 +19,10 @@ class RoadSurface(ParameterSet):
     """
 
     is_flat: ClassVar[bool] = False
+
+    def placed(self, folder: Path) -> RoadSurface:
+        """Return the same surface, with files that it names looked for in a folder."""
+        return self
 
     @abstractmethod
     def height(self, x: Scalar, y: Scalar) -> Scalar:

@@ -5,10 +5,12 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from vehicledyn.base.errors import InputError
+from vehicledyn.base.parameters import ParameterSet
 from vehicledyn.base.registry import find
 from vehicledyn.manoeuvres.manoeuvre import RoadManoeuvre
 from vehicledyn.manoeuvres.straight import Straight
 from vehicledyn.rail.track_set import TrackChoice
+from vehicledyn.road.surface import RoadSurface
 from vehicledyn.road.vehicle import RoadOptions, RoadVehicle
 from vehicledyn.run.road_subject import RoadSubject
 from vehicledyn.run.subject import Subject
@@ -93,7 +95,7 @@ def _options(loaded: LoadedScenario) -> RoadOptions:
     return RoadOptions(
         front_tyre=s.tyres.front,  # type: ignore[union-attr, arg-type]
         rear_tyre=s.tyres.rear,  # type: ignore[union-attr, arg-type]
-        surface=s.road,  # type: ignore[arg-type]
+        surface=_road(loaded),  # type: ignore[arg-type]
         free_wheels=is_free,
         speed=s.speed or 0.0,
         contact=s.contact or "disc",
@@ -114,7 +116,7 @@ def _choice(target: Target) -> RoadChoice:
     return RoadChoice(
         front_tyre=s.tyres.front if s.tyres else None,
         rear_tyre=s.tyres.rear if s.tyres else None,
-        surface=s.road,
+        surface=_road(target),
         free_wheels=s.wheel_spin != "prescribed",
         speed=s.speed or 0.0,
         contact=s.contact or "disc",
@@ -123,3 +125,8 @@ def _choice(target: Target) -> RoadChoice:
         creep=s.creep,
         rail_contact=s.rail_contact,
     )
+
+
+def _road(loaded: LoadedScenario) -> ParameterSet | None:
+    road = loaded.scenario.road
+    return road.placed(loaded.path.parent) if isinstance(road, RoadSurface) else road

@@ -22,6 +22,7 @@ from vehicledyn.rail.rail_contact import RailWheels
 from vehicledyn.rail.track import Track
 from vehicledyn.rail.track_follower import TrackFollower
 from vehicledyn.rail.track_set import TrackChoice
+from vehicledyn.road.surface import RoadSurface
 from vehicledyn.road.vehicle import Corner, RoadVehicle
 from vehicledyn.road.wheel import RoadWheel
 from vehicledyn.symbolic.parameters import ParameterTable
@@ -220,7 +221,10 @@ class _Builder:
 
     def surface_numbers(self) -> ParameterSet | None:
         """Return the road with numbers."""
-        return self.choice.surface or self.model.file.road
+        if self.choice.surface is not None:
+            return self.choice.surface
+        road = self.model.file.road
+        return road.placed(self.model.path.parent) if isinstance(road, RoadSurface) else road
 
     def track(self) -> Track:
         """Return the railway track, the scenario's before that of the file.

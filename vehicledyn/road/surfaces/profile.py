@@ -1,0 +1,130 @@
+"""Ground whose height along x comes from a file."""
+
+from __future__ import annotations
+
+from functools import lru_cache
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from pydantic import Field
+
+from vehicledyn.base.columns import Column, Columns, read_columns
+from vehicledyn.base.errors import InputError
+from vehicledyn.base.parameters import quantity
+from vehicledyn.base.problems import Problem, refusal
+from vehicledyn.base.registry import register
+from vehicledyn.road.surface import RoadSurface
+from vehicledyn.symbolic.ops import Scalar
+
+if TYPE_CHECKING:
+    from vehicledyn.symbolic.tables import CurveTable
+
+LARGEST_DEVIATION = 1e-6
+"""Most that the curve may miss a point of the file by [m]."""
+
+MOST_CELLS = 2_000_000
+_FEWEST = 4
+_HIGHEST = 10.0
+_COLUMNS = {"x": Column("m", required=True), "z": Column("m", required=True)}
+
+
+@register("road", "profile")
+class ProfileRoad(RoadSurface):
+    """Ground z = h(x - start) through the points of a file, equal across the road.
+
+    The file is a table with the columns x and z and their units, such as ``x [m], z [mm]``. A
+    cubic spline with continuous curvature goes through the points, level at both ends, from
+    where the ground stays as it is. Places at unequal distances are put on an even grid, which
+    misses no point by more than 1 µm. A disc touches the ground in one point only while its
+    radius stays below the smallest radius of curvature.
+    """
+
+    file: str = Field(description="Table of x and z, beside the file that names it")
+    start: float = quantity("m", "World x where the x of the file is zero", default=0.0)
+
+    def placed(self, folder: Path) -> ProfileRoad:
+        """Return the same road, its file looked for in a folder."""
+        return self.model_copy(update={"file": str(folder / self.file)})
+
+    def problems_beside(self, folder: Path) -> list[str]:
+        """Return what is wrong with the file, one line each."""
+        try:
+            _curve(folder / self.file)
+        except InputError as error:
+            lines = str(error).splitlines()
+            return lines[:-1] if len(lines) > 1 else lines
+        return []
+
+    def height(self, x: Scalar, y: Scalar) -> Scalar:
+        """Return the height of the ground [m]."""
+        return _curve(Path(self.file)).value(x - self.start)
+
+    def gradient(self, x: Scalar, y: Scalar) -> tuple[Scalar, Scalar]:
+        """Return the slope along x [1]; the slope along y is zero."""
+        return _curve(Path(self.file)).slope(x - self.start), 0.0
+
+
+def _curve(path: Path) -> CurveTable:
+    """Return the curve in a file.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be read or holds no road; with line and column.
+    """
+    try:
+        facts = path.stat()
+    except OSError:
+        raise InputError(f"{path}: there is no such file") from None
+    return _read(path, facts.st_mtime_ns, facts.st_size)
+
+
+@lru_cache(maxsize=8)
+def _read(path: Path, changed: int, size: int) -> CurveTable:
+    """Return the curve in a file that was changed at a time and has a size."""
+    import numpy as np
+
+    columns = read_columns(path, _COLUMNS)
+    x, z = (np.array(columns.numbers[name]) for name in _COLUMNS)
+    problems = _problems(columns, x.tolist(), z.tolist())
+    if problems:
+        raise refusal(problems, str(path))
+    return _through(path, x, z)
+
+
+def _problems(columns: Columns, x: list[float], z: list[float]) -> list[Problem]:
+    if len(x) < _FEWEST:
+        return [columns.problem(0, "x", f"a road needs {_FEWEST} points at least")]
+    for row in range(1, len(x)):
+        if not x[row] > x[row - 1]:
+            same = x[row] == x[row - 1]
+            words = "the place is there twice" if same else "the places do not grow; sort them by x"
+            return [columns.problem(row, "x", words)]
+    steep = [row for row, height in enumerate(z) if abs(height - z[0]) > _HIGHEST]
+    words = f"{_HIGHEST:g} m away from the first height; is the unit in the head right?"
+    return [columns.problem(row, "z", f"more than {words}") for row in steep[:1]]
+
+
+def _through(path: Path, x: object, z: object) -> CurveTable:
+    """Return the spline through points, on an even grid that is as fine as it must be."""
+    import numpy as np
+    from scipy.interpolate import CubicSpline
+
+    from vehicledyn.symbolic.tables import CurveTable
+
+    places, heights = np.asarray(x, dtype=float), np.asarray(z, dtype=float)
+    spline = CubicSpline(places, heights, bc_type="clamped")
+    length, finest = places[-1] - places[0], np.diff(places).min()
+    cells = max(_FEWEST, round(length / finest))
+    while cells <= MOST_CELLS:
+        step = length / cells
+        knots = places[0] + step * np.arange(cells + 1)
+        even = CubicSpline(np.arange(cells + 1.0), spline(knots), bc_type="clamped")
+        curve = CurveTable("road profile", places[0], step, even.c[::-1].T)
+        if np.abs(curve.value(places) - heights).max() <= LARGEST_DEVIATION:
+            return curve
+        cells *= 2
+    raise InputError(
+        f"{path}: points {finest:g} m apart on {length:g} m are too uneven for an even grid; "
+        "give heights at equal distances"
+    )
