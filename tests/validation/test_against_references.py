@@ -22,6 +22,7 @@ ROWS = {
     "tyre_tables": 3,
     "rail_geometry": 10,
     "rail_contact": 27,
+    "rail_wheels": 10,
     "rail_assessment": 9,
     "book": 21,
 }

@@ -24,14 +24,14 @@ from vehicledyn.rail.profile_pieces import Floats
 LEAST_BARRIER = 1e-5
 """Normal distance between two contacts above which they are windows of their own [m]."""
 
-FINEST, COARSEST = 5.5e-4, 2e-3
+FINEST, COARSEST = 5.5e-4, 2.5e-3
 """Bounds of the distance of places along the profile [m]."""
 
 _APPROACH = 4e-5
 _PLACES_A_CONTACT = 3.0
-_REACH, _SHIFT_STEP = 0.03, 1e-4
+_REACH, _SHIFT_STEP = 0.025, 1e-4
 _SAMPLE = 1e-4
-_MARGIN = 8e-3
+_MARGIN, _BEYOND_TIP = 5e-3, 1e-3
 _NEAR = 6e-5
 _APART = 5e-3
 _RAMP = 2.5e-3
@@ -94,7 +94,8 @@ def wheel_grid(wheel: Wheel, rail: Rail) -> WheelGrid:
     """
     rolled = _rolled(wheel, rail)
     table = wheel.table
-    first = max(table.begin, float(rolled.place.min()) - _MARGIN)
+    tip = float(wheel.scan[0][np.argmax(wheel.scan[1])])
+    first = max(table.begin, min(float(rolled.place.min()) - _MARGIN, tip - _BEYOND_TIP))
     last = min(table.end, float(rolled.place.max()) + _MARGIN)
     fine = np.linspace(first, last, int(np.ceil((last - first) / (0.1 * _SAMPLE))) + 1)
     height, _, _ = table.values(fine)

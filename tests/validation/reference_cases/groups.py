@@ -16,6 +16,7 @@ from reference_cases import (
     rail_assessment,
     rail_contact,
     rail_geometry,
+    rail_wheels,
     repeatability,
     slalom,
     standstill,
@@ -39,6 +40,7 @@ GROUPS = {
     "tyre_tables": tyre_tables.compare,
     "rail_geometry": rail_geometry.compare,
     "rail_contact": rail_contact.compare,
+    "rail_wheels": rail_wheels.compare,
     "rail_assessment": rail_assessment.compare,
 }
 
