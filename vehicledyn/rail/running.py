@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 from vehicledyn.multibody.parts import Situation
@@ -46,7 +47,20 @@ class Running:
 
     def seen_from(self, side: Side) -> Seen:
         """Return the motion in axes seen from one side: y points outwards to its field side."""
-        return Seen(self, side, -1.0 if side == "right" else 1.0)
+        sign = -1.0 if side == "right" else 1.0
+        rail, bend = self.shifts[side], self.frame.curvature
+        return Seen(
+            sign,
+            sign * (self.place[1] - rail.lateral),
+            self.place[2] - rail.vertical,
+            (sign * self.axle[0], self.axle[1], sign * self.axle[2]),
+            polar(sign, self.velocity),
+            axial(sign, self.angular_velocity),
+            0.0 if ops.is_structurally_zero(ops.scalar(bend)) else sign * bend,
+            self.rate,
+            self.frame.stretch,
+            (sign * self.rate * rail.lateral_slope, self.rate * rail.vertical_slope),
+        )
 
 
 @dataclass(frozen=True)
@@ -61,61 +75,76 @@ class RailPlace:
 
 @dataclass(frozen=True)
 class Seen:
-    """A motion seen from one side of the track; for the right side it is the mirror image."""
+    """A motion seen from one side of the track; for the right side it is the mirror image.
 
-    running: Running
-    side: Side
+    Attributes
+    ----------
+    sign
+        -1 for the right side, 1 for the left.
+    lateral, height
+        Place of the body's origin outwards from the rail's design place, and over the rail's [m].
+    axle
+        Unit vector along the axle, outwards.
+    velocity, angular_velocity
+        Of the body's origin and of the body [m/s, rad/s].
+    curvature
+        Curvature of the track, positive when it bends to this side [1/m].
+    rate, stretch
+        Rate of the arc coordinate [m/s] and length in space a unit of it [1].
+    rail_rate
+        How fast the rail under the wheel moves outwards and up as the wheel runs on [m/s].
+    """
+
     sign: float
+    lateral: Scalar
+    height: Scalar
+    axle: tuple[Scalar, Scalar, Scalar]
+    velocity: Vec
+    angular_velocity: Vec
+    curvature: Scalar
+    rate: Scalar
+    stretch: Scalar
+    rail_rate: tuple[Scalar, Scalar]
 
     @property
-    def lateral(self) -> Scalar:
-        """Place of the body's origin outwards from the rail's design place [m]."""
-        return self.sign * (self.running.place[1] - self.running.shifts[self.side].lateral)
+    def numbers(self) -> list[Scalar]:
+        """All that the motion is but the sign, one by one."""
+        velocity, spin = ([v[k] for k in range(3)] for v in (self.velocity, self.angular_velocity))
+        way = (self.curvature, self.rate, self.stretch)
+        return [self.lateral, self.height, *self.axle, *velocity, *spin, *way, *self.rail_rate]
 
-    @property
-    def height(self) -> Scalar:
-        """Height of the body's origin over the rail's [m]."""
-        return self.running.place[2] - self.running.shifts[self.side].vertical
-
-    @property
-    def axle(self) -> tuple[Scalar, Scalar, Scalar]:
-        """Unit vector along the axle, outwards."""
-        axle = self.running.axle
-        return self.sign * axle[0], axle[1], self.sign * axle[2]
-
-    @property
-    def curvature(self) -> Scalar:
-        """Curvature of the track, positive when it bends to this side [1/m]."""
-        bend = self.running.frame.curvature
-        return 0.0 if ops.is_structurally_zero(ops.scalar(bend)) else self.sign * bend
-
-    @property
-    def velocity(self) -> Vec:
-        """Velocity of the body's origin [m/s]."""
-        return self.polar(self.running.velocity)
-
-    @property
-    def angular_velocity(self) -> Vec:
-        """Angular velocity of the body [rad/s]."""
-        return self.axial(self.running.angular_velocity)
+    @staticmethod
+    def of(numbers: Sequence[Scalar], sign: float) -> Seen:
+        """Return the motion of these numbers."""
+        lateral, height, ex, ey, ez, *others = numbers
+        velocity, spin = ops.vector(*others[:3]), ops.vector(*others[3:6])
+        curvature, rate, stretch, outwards, upwards = others[6:]
+        axle, rail = (ex, ey, ez), (outwards, upwards)
+        return Seen(
+            sign, lateral, height, axle, velocity, spin, curvature, rate, stretch, rail
+        )  # fmt: skip
 
     def speed_at(self, y: Scalar) -> Scalar:
         """Return the speed at which a contact travels at a lateral place [m/s]."""
-        frame = self.running.frame
-        return self.running.rate * (frame.stretch - self.curvature * y)
-
-    def rail_rate(self) -> tuple[Scalar, Scalar]:
-        """Return how fast the rail under the wheel moves outwards and up as it runs on [m/s]."""
-        rail, rate = self.running.shifts[self.side], self.running.rate
-        return self.sign * rate * rail.lateral_slope, rate * rail.vertical_slope
+        return self.rate * (self.stretch - self.curvature * y)
 
     def polar(self, vector: Vec) -> Vec:
         """Return a place, velocity or force turned into the other axes; it is its own inverse."""
-        return ops.vector(vector[0], self.sign * vector[1], vector[2])
+        return polar(self.sign, vector)
 
     def axial(self, vector: Vec) -> Vec:
         """Return an angular velocity or torque turned into the other axes, its own inverse."""
-        return ops.vector(self.sign * vector[0], vector[1], self.sign * vector[2])
+        return axial(self.sign, vector)
+
+
+def polar(sign: Scalar, vector: Vec) -> Vec:
+    """Return a place, velocity or force in the mirror where the sign is -1."""
+    return ops.vector(vector[0], sign * vector[1], vector[2])
+
+
+def axial(sign: Scalar, vector: Vec) -> Vec:
+    """Return an angular velocity or torque in the mirror where the sign is -1."""
+    return ops.vector(sign * vector[0], vector[1], sign * vector[2])
 
 
 def running(situation: Situation, body: str, track: Track, sides: tuple[Side, ...]) -> Running:

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import ClassVar
 
+from vehicledyn.base.parameters import field_unit
 from vehicledyn.multibody.parts import BasePart, Loads, Output, PartEvent, Situation, Wrench
-from vehicledyn.rail.creep_law import CreepContact, CreepForces
+from vehicledyn.rail.creep_law import CreepContact, CreepForces, CreepLaw
 from vehicledyn.rail.creepage import Creepages, creepages
 from vehicledyn.rail.elastic_contact import Axle, ElasticContact, ElasticPatch
 from vehicledyn.rail.rail_contact import RailWheels
@@ -16,6 +17,7 @@ from vehicledyn.rail.track import Side
 from vehicledyn.symbolic import ops
 from vehicledyn.symbolic.equations import Channel, Variable
 from vehicledyn.symbolic.ops import Scalar, Vec
+from vehicledyn.symbolic.shared import shared
 
 CLIMBED = 5e-3
 """How far the tip of a flange is outside the gauge face when it has climbed the rail [m]."""
@@ -134,7 +136,7 @@ class ElasticWheels(BasePart):
         if not self.wheels.track.is_straight:
             rows = [row for row in rows if row[0] != TRACK_POSITION]  # a state has its channel
         for side in self.wheels.sides:
-            rows.extend(_wheel_rows(side, self.forces(motion, side)))
+            rows.extend(self._wheel_rows(motion, side))
         return tuple(
             Output(Channel(f"{self.name}.{name}", unit, text, frame), value)
             for name, unit, text, value, frame in rows
@@ -156,9 +158,8 @@ class ElasticWheels(BasePart):
             )
         return tuple(found)
 
-    def forces(self, motion: Running, side: Side) -> WheelForces:
+    def forces(self, seen: Seen) -> WheelForces:
         """Return the contacts of the wheel on one side and what acts there."""
-        seen = motion.seen_from(side)
         axle = Axle(seen.lateral, seen.height, seen.axle, self.wheels.tape_circle, seen.curvature)
         patches = self.contact.patches(axle, self.wheels.radius, self.effective_modulus)
         return WheelForces(seen, tuple(self._at(seen, patch) for patch in reversed(patches)))
@@ -174,7 +175,7 @@ class ElasticWheels(BasePart):
             ops.dot(seen.angular_velocity, normal),
             speed,
         )
-        outwards, upwards = seen.rail_rate()
+        outwards, upwards = seen.rail_rate
         closing = outwards * normal[1] + upwards * normal[2] - ops.dot(sliding, normal)
         load = patch.force * ops.maximum(1.0 + self.damping * closing, 0.0)
         contact = CreepContact(
@@ -196,43 +197,111 @@ class ElasticWheels(BasePart):
         return running(situation, wheels.body, wheels.track, wheels.sides)
 
     def _wrench(self, situation: Situation, motion: Running) -> Wrench:
-        wheels = [self.forces(motion, side) for side in self.wheels.sides]
+        found = [self._force_and_torque(motion, side) for side in self.wheels.sides]
         rotation = situation.kinematics.rotation(self.wheels.body)
         to_body = rotation.T @ motion.frame.rotation
-        force, torque = _total([w.force for w in wheels]), _total([w.torque() for w in wheels])
+        force, torque = (_total(list(vectors)) for vectors in zip(*found, strict=True))
         return Wrench(self.wheels.body, to_body @ force, to_body @ torque)
+
+    def _force_and_torque(self, motion: Running, side: Side) -> tuple[Vec, Vec]:
+        """Return what acts on one wheel, the torque about the body's origin, track axes."""
+        seen = motion.seen_from(side)
+        found, _ = self._shared(seen)
+        return seen.polar(ops.vector(*found[:3])), seen.axial(ops.vector(*found[3:6]))
+
+    def _wheel_rows(self, motion: Running, side: Side) -> Iterator[_Row]:
+        """Yield name, unit, description, value and frame of the channels of a wheel."""
+        seen = motion.seen_from(side)
+        found, rows = self._shared(seen)
+        for (name, unit, text, _, frame, turns), value in zip(rows, found[6:], strict=True):
+            yield f"{side}.{name}", unit, text, seen.sign * value if turns else value, frame
+
+    def _shared(self, seen: Seen) -> tuple[list[Scalar], list[_WheelRow]]:
+        """Return force, torque and channels of a wheel seen from its side, and the channels.
+
+        The equations are those of all equal wheels, left and right, so they are shared.
+        """
+        rows: list[_WheelRow] = []
+
+        def build(values: list[Scalar]) -> list[Scalar]:
+            forces = self._with(values[_SEEN:]).forces(Seen.of(values[:_SEEN], 1.0))
+            rows.extend(_wheel_rows(forces))
+            force, torque = forces.force, forces.torque()
+            acting = [*(force[k] for k in range(3)), *(torque[k] for k in range(3))]
+            return [*acting, *(row[3] for row in rows)]
+
+        return shared("wheel_on_rail", [*seen.numbers, *self._quantities()], build), rows
+
+    def _quantities(self) -> list[Scalar]:
+        """Return all quantities of the wheels and their contact that may be symbols."""
+        w, creep = self.wheels, self.wheels.creep
+        contact = (self.effective_modulus, self.shear_modulus, self.poissons_ratio, self.damping)
+        return [w.tape_circle, w.radius, *contact, *(getattr(creep, n) for n in _numbers_of(creep))]
+
+    def _with(self, quantities: list[Scalar]) -> ElasticWheels:
+        """Return the same wheels with these quantities in the place of their own."""
+        circle, radius, *contact = quantities[:6]
+        creep = self.wheels.creep
+        laws = dict(zip(_numbers_of(creep), quantities[6:], strict=True))
+        wheels = replace(
+            self.wheels,
+            tape_circle=circle,
+            radius=radius,
+            creep=creep.model_copy(update=laws),
+        )
+        modulus, shear, ratio, damping = contact
+        return replace(
+            self,
+            wheels=wheels,
+            effective_modulus=modulus,
+            shear_modulus=shear,
+            poissons_ratio=ratio,
+            damping=damping,
+        )
+
+
+_SEEN = 16
+"""Numbers that a motion seen from one side consists of."""
+
+
+def _numbers_of(creep: CreepLaw) -> list[str]:
+    """Return the fields of a creep law that hold quantities."""
+    return [name for name in type(creep).model_fields if field_unit(type(creep), name) is not None]
 
 
 _Row = tuple[str, str, str, Scalar, str]
+_WheelRow = tuple[str, str, str, Scalar, str, bool]
+"""Name, unit, description, value, frame, and whether the right side shows the opposite."""
 
 
-def _wheel_rows(side: Side, wheel: WheelForces) -> Iterator[_Row]:
-    """Yield name, unit, description, value and frame of the channels of a wheel."""
+def _wheel_rows(wheel: WheelForces) -> Iterator[_WheelRow]:
+    """Yield the channels of a wheel, seen from its own side."""
     force = wheel.force
     worn = sum((p.wear_number for p in wheel.patches), ops.scalar(0.0))
-    yield f"{side}.Y", "N", "Force of the wheel on the rail to the left", -force[1], "track"
-    yield f"{side}.Q", "N", "Wheel load, downwards on the rail", force[2], "track"
-    yield f"{side}.X", "N", "Force of the wheel on the rail forwards", -force[0], "track"
-    yield f"{side}.wear_number", "N", "Creep forces times creepages", worn, ""
+    yield "Y", "N", "Force of the wheel on the rail to the left", -force[1], "track", True
+    yield "Q", "N", "Wheel load, downwards on the rail", force[2], "track", False
+    yield "X", "N", "Force of the wheel on the rail forwards", -force[0], "track", False
+    yield "wear_number", "N", "Creep forces times creepages", worn, "", False
     for number, contact in enumerate(wheel.patches, 1):
-        for name, unit, text, value in _contact_rows(wheel.seen.sign, contact):
-            yield f"{side}.contact_{number}.{name}", unit, text, value, "contact"
+        for name, unit, text, value, turns in _contact_rows(contact):
+            yield f"contact_{number}.{name}", unit, text, value, "contact", turns
 
 
-def _contact_rows(sign: float, at: PatchForces) -> Iterator[tuple[str, str, str, Scalar]]:
-    """Yield the channels of a contact; lateral is to the left on both sides."""
+def _contact_rows(at: PatchForces) -> Iterator[tuple[str, str, str, Scalar, bool]]:
+    """Yield the channels of a contact; those that turn round are to the left on both sides."""
     creep, force, patch = at.creepages, at.creep_forces, at.patch
-    yield "normal_force", "N", "Normal force", at.normal_force
-    yield "longitudinal_force", "N", "Creep force on the wheel forwards", force.longitudinal
-    yield "lateral_force", "N", "Creep force on the wheel to the left", sign * force.lateral
-    yield "spin_moment", "N*m", "Creep moment on the wheel", sign * force.spin_moment
-    yield "longitudinal_creepage", "1", "Longitudinal creepage", creep.longitudinal
-    yield "lateral_creepage", "1", "Lateral creepage to the left", sign * creep.lateral
-    yield "spin_creepage", "1/m", "Spin creepage", sign * creep.spin
-    yield "place", "m", "Place on the wheel's profile, outwards", patch.place
-    yield "angle", "rad", "Contact angle, positive where the rail rises outwards", patch.angle
-    yield "approach", "m", "Approach of wheel and rail", patch.approach
-    yield "rolling_radius", "m", "Radius at the contact", patch.radius
+    yield "normal_force", "N", "Normal force", at.normal_force, False
+    yield "longitudinal_force", "N", "Creep force on the wheel forwards", force.longitudinal, False
+    yield "lateral_force", "N", "Creep force on the wheel to the left", force.lateral, True
+    yield "spin_moment", "N*m", "Creep moment on the wheel", force.spin_moment, True
+    yield "longitudinal_creepage", "1", "Longitudinal creepage", creep.longitudinal, False
+    yield "lateral_creepage", "1", "Lateral creepage to the left", creep.lateral, True
+    yield "spin_creepage", "1/m", "Spin creepage", creep.spin, True
+    yield "place", "m", "Place on the wheel's profile, outwards", patch.place, False
+    angle = "Contact angle, positive where the rail rises outwards"
+    yield "angle", "rad", angle, patch.angle, False
+    yield "approach", "m", "Approach of wheel and rail", patch.approach, False
+    yield "rolling_radius", "m", "Radius at the contact", patch.radius, False
 
 
 def _axes(patch: ElasticPatch) -> tuple[Vec, Vec, Vec]:
