@@ -130,24 +130,14 @@ class Plane(Shape):
 
 
 @dataclass(frozen=True)
-class Track(Shape):
-    """A railway track: the running edges of its two rails, shape (n, 3) each, world axes."""
-
-    kind: ClassVar[str] = "track"
-
-    left: Sequence[Point]
-    right: Sequence[Point]
-
-
-@dataclass(frozen=True)
 class Force(Shape):
     """An arrow: a force whose components are channels, at a point.
 
     ``at`` is a point of a body, or three channels with world coordinates. ``components`` are the
-    channels along x, y and z of the ``axes``, None for zero: "world", "body" (those of the body
-    of ``at`` or ``body``, which do not spin), or "contact", that is along the wheel, to its left
-    and along the normal of the ground, which follows from the channel ``camber`` of the wheel
-    ``body``, whose second axis is its spin axis.
+    channels along x, y and z of the ``axes``, None for zero, times the ``factors``. Axes are
+    "world", "body" (those of the body of ``at`` or of ``body``, which do not spin) or "contact",
+    that is along the wheel, to its left and along the normal of the ground, which follows from the
+    channel ``camber`` of the wheel ``body``, whose second axis is its spin axis.
     """
 
     kind: ClassVar[str] = "force"
@@ -157,6 +147,7 @@ class Force(Shape):
     axes: str = "world"
     body: str | None = None
     camber: str | None = None
+    factors: Sequence[float] = (1.0, 1.0, 1.0)
 
 
 def as_plain(item: Any) -> Any:

@@ -150,7 +150,7 @@ def _bodies(
     found = []
     for body in own:
         name = body["name"]
-        if name in drawn:
+        if name in drawn or _is_reference(body):
             continue
         arms = [p for p in _unique(points[name]) if np.linalg.norm(p) > 0.5 * thickness]
         box = _box(body, thickness)
@@ -165,6 +165,12 @@ def _bodies(
             ball = {"at": {"body": name, "point": body["com"]}, "radius": 2.5 * thickness}
             found.append({"kind": "ball", "name": name, **ball, "style": "body"})
     return found
+
+
+def _is_reference(body: Plain) -> bool:
+    """Return whether a body is but a frame that moves along, such as that of a track."""
+    slides = any(kind[0] == "T" for kind in body["joints"])
+    return bool(slides and not body["mass"] and body["parent"] == GROUND)
 
 
 def _unique(points: list[Array]) -> list[Array]:
@@ -222,7 +228,7 @@ def _joints(own: list[Plain], thickness: float) -> list[Plain]:
     for body in own:
         name, kinds = body["name"], body["joints"]
         turning = [kind for kind in kinds if kind[0] == "R"]
-        if body["parent"] == GROUND and len(kinds) >= _FREE:
+        if body["parent"] == GROUND and (len(kinds) >= _FREE or _is_reference(body)):
             continue
         if len(kinds) > len(turning):
             ends = body["at"], [0.0, 0.0, 0.0]
@@ -260,7 +266,7 @@ def _distinct_planes(shapes: list[Plain]) -> list[Plain]:
     return kept
 
 
-_RADII = {"arm": 1.0, "rod": 0.8, "pin": 1.5, "guide": 0.5, "joint": 1.6}
+_RADII = {"arm": 1.0, "rod": 0.8, "pin": 1.5, "guide": 0.5, "joint": 1.6, "rubber": 2.0}
 
 
 def _sized(shape: Plain, own: list[Plain], thickness: float) -> Plain:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+from vehicledyn.base.shapes import Anchor, Ball, Coil, Shape
 from vehicledyn.multibody.links import Attachment
 from vehicledyn.multibody.parts import BasePart, Loads, Output, Situation, Wrench
 from vehicledyn.symbolic import ops
@@ -48,6 +49,11 @@ class Bushing(BasePart):
     turning_damping: Sequence[Scalar] = _NONE
     preload: Sequence[Scalar] = _NONE
     offset: Sequence[Scalar] = _NONE
+
+    def shapes(self) -> tuple[Shape, ...]:
+        """Return a block on A, and a coil to B where that is away from it."""
+        a, b = (Anchor(end.body, tuple(end.point)) for end in (self.a, self.b))
+        return Ball(self.name, a, style="rubber"), Coil(self.name, a, b)
 
     def loads(self, situation: Situation) -> Loads:
         """Return the pair of opposite forces and torques."""

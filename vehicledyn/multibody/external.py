@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
+from vehicledyn.base.shapes import Anchor, Force, Shape
 from vehicledyn.multibody.parts import BasePart, Loads, Output, Situation, Wrench
 from vehicledyn.symbolic import ops
 from vehicledyn.symbolic.equations import Channel
@@ -62,6 +63,12 @@ class ExternalWrench(BasePart):
             for word, unit, vector in pairs
             for k, axis in enumerate(_AXES)
         )
+
+    def shapes(self) -> tuple[Shape, ...]:
+        """Return the force."""
+        forces = tuple(f"{self.name}.force_{axis}" for axis in _AXES)
+        frame = "body" if self.follows else "world"
+        return (Force(self.name, Anchor(self.body, tuple(self.point)), forces, axes=frame),)
 
     def _components(self, situation: Situation) -> tuple[Vec, Vec]:
         return (

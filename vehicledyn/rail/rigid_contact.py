@@ -18,9 +18,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from vehicledyn.base.shapes import Shape
 from vehicledyn.multibody.parts import BasePart, Loads, Output, PartEvent, Situation
 from vehicledyn.multibody.system import GROUND, Body, Joint
 from vehicledyn.rail.creep_law import CreepLaw
+from vehicledyn.rail.rail_shapes import rail_wheel_shapes
 from vehicledyn.rail.rigid_constraint import FORCE, OnTrack, PositionConstraint, TouchConstraint
 from vehicledyn.rail.rigid_touch import Touch, TouchingWheel
 from vehicledyn.rail.rolling_contact import (
@@ -154,6 +156,17 @@ class RigidRailWheels(BasePart):
                     )
                 )
         return tuple(events)
+
+    def shapes(self) -> tuple[Shape, ...]:
+        """Return wheels, axle and forces."""
+        first = self.wheels[0].touching
+        return rail_wheel_shapes(
+            self.name,
+            self.body,
+            [wheel.side for wheel in self.wheels],
+            radius=first.radius,
+            tape_circle=first.half_distance,
+        )
 
     def _contact(self, situation: Situation, wheel: RigidWheel) -> RollingContact:
         kinematics, carrier = situation.kinematics, self._carrier

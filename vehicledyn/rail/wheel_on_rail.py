@@ -7,11 +7,13 @@ from dataclasses import dataclass, replace
 from typing import ClassVar
 
 from vehicledyn.base.parameters import field_unit
+from vehicledyn.base.shapes import Shape
 from vehicledyn.multibody.parts import BasePart, Loads, Output, PartEvent, Situation, Wrench
 from vehicledyn.rail.creep_law import CreepContact, CreepForces, CreepLaw
 from vehicledyn.rail.creepage import Creepages, creepages
 from vehicledyn.rail.elastic_contact import Axle, ElasticContact, ElasticPatch
 from vehicledyn.rail.rail_contact import RailWheels
+from vehicledyn.rail.rail_shapes import rail_wheel_shapes
 from vehicledyn.rail.running import TRACK_POSITION, Running, Seen, running
 from vehicledyn.rail.track import Side
 from vehicledyn.symbolic import ops
@@ -157,6 +159,13 @@ class ElasticWheels(BasePart):
                 PartEvent(f"{side}.derailed", ops.maximum(over, inside), "rising", terminal=True)
             )
         return tuple(found)
+
+    def shapes(self) -> tuple[Shape, ...]:
+        """Return wheels, axle and forces."""
+        w = self.wheels
+        return rail_wheel_shapes(
+            self.name, w.body, w.sides, radius=w.radius, tape_circle=w.tape_circle
+        )
 
     def forces(self, seen: Seen) -> WheelForces:
         """Return the contacts of the wheel on one side and what acts there."""

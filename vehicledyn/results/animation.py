@@ -9,13 +9,14 @@
     /animation/position      (n, bodies, 3) origins of the bodies less that place, world axes [m]
     /animation/quaternion    (n, bodies, 4) w, x, y, z of the axes of the bodies
     /animation/turn          (n, bodies) further turn about the body's axis [rad]
-    /animation/ground_...    places and heights of uneven ground [m]
+    /animation/ground        (rows, columns, 3) points of uneven ground [m]
+    /animation/track         (stations, 2, 3) running edges of the left and right rail [m]
 """
 
 from __future__ import annotations
 
 import json
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 import h5py
 import numpy as np
@@ -29,6 +30,7 @@ Array = NDArray[np.float64]
 GROUP = "animation"
 MOST_IN_CHUNK = 512
 ROWS_AT_ONCE = 1 << 16
+MOST_POINTS = 200_000
 _COMPONENTS = {
     "origin": ("m", "Place that positions are counted from", "f8"),
     "position": ("m", "Origin of the body from that place, world axes", "f4"),
@@ -52,11 +54,16 @@ class Pictures:
 
 @dataclass(frozen=True)
 class Animation:
-    """What a result holds for an animation; ``ground``: points of uneven ground (r, c, 3) [m]."""
+    """What a result holds for an animation.
+
+    ``ground`` are points of uneven ground (rows, columns, 3), ``track`` the running edges of the
+    left and right rail at stations along it (stations, 2, 3), world axes [m].
+    """
 
     stage: Stage
     pictures: Pictures
-    ground: Array | None = field(default=None)
+    ground: Array | None = None
+    track: Array | None = None
 
 
 class PictureDatasets:
@@ -114,13 +121,27 @@ class PictureDatasets:
         self._time[start:stop] = pictures.time
 
 
-def write_ground(group: h5py.Group, surface: Array) -> None:
-    """Write the surface of uneven ground, points of shape (rows, columns, 3) [m]."""
-    dataset = group.create_dataset("ground", data=surface.astype("f4"))
-    dataset.attrs.update({"units": "m", "long_name": "Surface of the ground, world axes"})
-    for axis, name in enumerate(("ground_row", "ground_column")):
-        dataset.dims[axis].attach_scale(_scale(group, name, surface.shape[axis]))
-    dataset.dims[2].attach_scale(group["component"])
+@dataclass(frozen=True)
+class Surroundings:
+    """What lies beneath the way of a run, known at its end; see :class:`Animation`."""
+
+    ground: Array | None = None
+    track: Array | None = None
+
+
+def write_surroundings(group: h5py.Group, found: Surroundings) -> None:
+    """Write what lies beneath the way."""
+    for name, points, text in (
+        ("ground", found.ground, "Surface of the ground, world axes"),
+        ("track", found.track, "Running edges of the left and right rail, world axes"),
+    ):
+        if points is None:
+            continue
+        dataset = group.create_dataset(name, data=points)
+        dataset.attrs.update({"units": "m", "long_name": text})
+        for axis, what in enumerate((f"{name}_row", f"{name}_column")):
+            dataset.dims[axis].attach_scale(_scale(group, what, points.shape[axis]))
+        dataset.dims[2].attach_scale(group["component"])
 
 
 def read_animation(group: h5py.Group, most: int) -> Animation:
@@ -138,8 +159,21 @@ def read_animation(group: h5py.Group, most: int) -> Animation:
             read_rows(group["quaternion"], rows),
             read_rows(group["turn"], rows),
         ),
-        np.asarray(group["ground"][()], dtype=float) if "ground" in group else None,
+        _points(group, "ground", MOST_POINTS, (None, None, 3)),
+        _points(group, "track", MOST_POINTS, (None, 2, 3)),
     )
+
+
+def _points(
+    group: h5py.Group, name: str, most: int, expected: tuple[int | None, ...]
+) -> Array | None:
+    if name not in group:
+        return None
+    shape = group[name].shape
+    fits = len(shape) == 3 and all(e in (None, s) for e, s in zip(expected, shape, strict=True))
+    if not fits or min(shape) < 2 or shape[0] * shape[1] > most:
+        raise ValueError(f"animation/{name} of shape {shape}")
+    return np.asarray(group[name][()], dtype=float)
 
 
 def _check_sizes(group: h5py.Group, count: int, bodies: int) -> None:

@@ -15,7 +15,7 @@ from vehicledyn.results.animation_solids import Face
 Array = NDArray[np.float64]
 
 VIEWS = {
-    "angle": (-1.15, -1.25, 0.72),
+    "angle": (-1.25, -1.36, 0.78),
     "side": (0.0, -1.9, 0.25),
     "front": (1.9, 0.0, 0.35),
     "top": (-0.001, 0.0, 2.1),

@@ -83,6 +83,7 @@ def _scene(scene: AnimatedScene, columns: Columns) -> dict[str, Any]:
         **_channels(scene, columns),
         "cones": {"feet": scene.cones.tolist(), "radius": scene.cone_radius},
         "ground": _ground(scene, columns),
+        "track": _track(scene, columns),
     }
 
 
@@ -123,6 +124,14 @@ def _ground(scene: AnimatedScene, columns: Columns) -> dict[str, Any] | None:
         "columns": count,
         "points": [columns.add(flat[:, i], finest=FINEST) for i in range(3)],
     }
+
+
+def _track(scene: AnimatedScene, columns: Columns) -> list[list[int]] | None:
+    if scene.track is None:
+        return None
+    return [
+        [columns.add(scene.track[:, side, i], finest=FINEST) for i in range(3)] for side in (0, 1)
+    ]
 
 
 def _rounded(item: Any) -> Any:

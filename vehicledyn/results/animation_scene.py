@@ -73,6 +73,7 @@ class AnimatedScene:
     cones: Array
     cone_radius: float
     ground: Array | None
+    track: Array | None
 
     @property
     def time(self) -> Array:
@@ -136,6 +137,7 @@ def scene_of(result: Result, *, most: int, patterns: Sequence[str] = ()) -> Anim
         cones=np.empty((0, 2)) if cones is None else np.asarray(cones.values, dtype=float),
         cone_radius=0.0 if cones is None else float(cones.attributes.get("radius", 0.15)),
         ground=found.ground,
+        track=found.track,
     )
 
 
@@ -183,8 +185,8 @@ def _arrows(
             continue
         foot = _foot(result, shape, pictures, index, rows)
         parts = [
-            np.zeros(len(rows)) if name is None else result.channel(name, rows).values
-            for name in shape["components"]
+            np.zeros(len(rows)) if name is None else factor * result.channel(name, rows).values
+            for name, factor in zip(shape["components"], shape["factors"], strict=True)
         ]
         axes = _axes(result, shape, pictures, index, foot=foot, rows=rows)
         force = sum(part[:, None] * axis for part, axis in zip(parts, axes, strict=True))

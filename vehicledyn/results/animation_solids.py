@@ -18,11 +18,12 @@ Array = NDArray[np.float64]
 Plain = Mapping[str, Any]
 
 ARM, ROD, PIN, GUIDE, JOINT = "#4d5b68", "#7a8794", "#98a4af", "#a3aeb8", "#343f49"
+STEEL = "#aab4bd"
 COIL, TYRE, RIM, HULL, FORCE, CONE, RAIL, SLEEPER = (
     "#e2a11a", "#262b30", "#c9d1d8", "#2f74ad", "#d8322a", "#f06a12", "#8c7a6b", "#77706a",
 )  # fmt: skip
 BODIES = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9")
-STYLES = {"rod": ROD, "pin": PIN, "guide": GUIDE, "joint": JOINT}
+STYLES = {"rod": ROD, "pin": PIN, "guide": GUIDE, "joint": JOINT, "steel": STEEL, "rubber": TYRE}
 ARROW_REACH, ARROW_LIMIT = 0.28, 0.7
 """Length of the arrow of a usual force and of the longest arrow, in sizes of the vehicle."""
 
@@ -31,14 +32,15 @@ ARROW_REACH, ARROW_LIMIT = 0.28, 0.7
 class Face:
     """A flat polygon with its corners (n, 3) [m], or a line of two points with a ``width`` [m].
 
-    One ``on_top`` is seen through all others.
+    Those of a higher ``layer`` are drawn over all of the lower ones: the ground has -1, what is
+    seen through all else 1.
     """
 
     corners: Array
     colour: str
     opacity: float = 1.0
     width: float = 0.0
-    on_top: bool = False
+    layer: int = 0
 
 
 def faces_of(scene: AnimatedScene, time: float, extent: float) -> list[Face]:
@@ -52,6 +54,7 @@ def faces_of(scene: AnimatedScene, time: float, extent: float) -> list[Face]:
             faces += make(moment, shape, has_hull)
     faces += _arrows(scene, moment, extent)
     faces += _cones(scene)
+    faces += _track(scene, np.nan_to_num(moment.position[0]), 12.0 * extent)
     return [face for face in faces if np.isfinite(face.corners).all()]
 
 
@@ -87,7 +90,9 @@ def _coil(moment: Moment, shape: Plain, _: bool) -> list[Face]:
 def _ball(moment: Moment, shape: Plain, has_hull: bool) -> list[Face]:
     at = shape["at"]
     centre = moment.places(at["body"], at["point"])[0]
-    own = _colour(moment, at["body"], has_hull) if shape.get("style") == "body" else JOINT
+    own = STYLES.get(shape["style"], JOINT)
+    if shape["style"] == "body":
+        own = _colour(moment, at["body"], has_hull)
     rings = [(math.sin(t), math.cos(t)) for t in np.linspace(0.0, math.pi, 7)]
     profile = np.array([[max(s, 1e-6), c] for s, c in rings]) * shape["radius"]
     return _revolved(lambda p: centre + p, profile, np.eye(3), own, sides=12)
@@ -172,17 +177,32 @@ def _hull(moment: Moment, shape: Plain, _: bool) -> list[Face]:
     return [Face(moment.places(shape["body"], p), HULL, 0.16) for p in polygons]
 
 
-def _track(_: Moment, shape: Plain, __: bool) -> list[Face]:
-    left, right = (np.array(shape[side], dtype=float) for side in ("left", "right"))
-    faces = [
-        Face(np.array([line[k], line[k + 1]]), RAIL, width=0.07)
-        for line in (left, right)
-        for k in range(len(line) - 1)
-    ]
-    sink = np.array([0.0, 0.0, -0.2])
-    for k in range(0, len(left), max(1, len(left) // 2000)):
-        over = 0.3 * (left[k] - right[k])
-        faces.append(Face(np.array([left[k] + over, right[k] - over]) + sink, SLEEPER, width=0.2))
+def _track(scene: AnimatedScene, place: Array, reach: float) -> list[Face]:
+    """Return rails and sleepers near a place."""
+    if scene.track is None:
+        return []
+    way = np.linalg.norm(np.diff(scene.track[:, 0], axis=0), axis=1)
+    along = np.concatenate([[0.0], np.cumsum(way)])
+    stations = np.arange(0.0, along[-1], 0.6)
+    edges = np.stack(
+        [
+            np.column_stack([np.interp(stations, along, scene.track[:, k, i]) for i in range(3)])
+            for k in (0, 1)
+        ],
+        axis=1,
+    )
+    edges = edges[np.linalg.norm(edges[:, 0] - place, axis=1) < reach]
+    faces = []
+    for (left, right), (left_next, right_next) in pairwise(edges):
+        over, along = 0.35 * (left - right), 0.2 * (left_next - left)
+        corners = [left + over - along, right - over - along, right - over + along]
+        sleeper = np.array([*corners, left + over + along]) - [0.0, 0.0, 0.17]
+        faces.append(Face(sleeper, SLEEPER, layer=-1))
+        for a, b, out in ((left, left_next, 1.0), (right, right_next, -1.0)):
+            across = out * 0.05 * (left - right)
+            rail = np.array([a, b, b + across, a + across])
+            faces.append(Face(rail, RAIL, layer=-1))
+            faces.append(Face(np.array([a, b, b - [0, 0, 0.17], a - [0, 0, 0.17]]), RAIL, layer=-1))
     return faces
 
 
@@ -200,7 +220,7 @@ def _arrows(scene: AnimatedScene, moment: Moment, extent: float) -> list[Face]:
         neck = foot + along * (1.0 - min(6.0 * thick / length, 0.5))
         shaft = prism(foot, neck, thick, FORCE, sides=8)
         head = prism(neck, foot + along, 2.4 * thick, FORCE, sides=10, end=0.02)
-        faces += [replace(face, on_top=True) for face in (*shaft, *head)]
+        faces += [replace(face, layer=1) for face in (*shaft, *head)]
     return faces
 
 
@@ -269,5 +289,4 @@ _MAKERS: dict[str, Callable[[Moment, Plain, bool], Sequence[Face]]] = {
     "box": _box,
     "wheel": _wheel,
     "hull": _hull,
-    "track": _track,
 }

@@ -16,15 +16,22 @@ _SIZES: dict[str, tuple[str, ...]] = {
     "wheel": ("at", "axis", "radius", "width"),
     "hull": ("body", "outline", "bottom", "top"),
     "plane": ("point", "normal"),
-    "track": ("left", "right"),
     "force": ("at", "components"),
 }
 """What a shape must say, by its kind; others are not drawn."""
 
-_OPTIONS = {"rotation": None, "direction": None, "style": "", "axes": "world", "body": None}
-_OPTIONS |= {"camber": None, "name": ""}
-_POINTS = ("size", "axis", "point", "normal", "direction")
-_LISTS = ("outline", "left", "right", "rotation")
+_OPTIONS: dict[str, Any] = {
+    "rotation": None,
+    "direction": None,
+    "style": "",
+    "axes": "world",
+    "body": None,
+    "camber": None,
+    "name": "",
+    "factors": [1.0, 1.0, 1.0],
+}
+_POINTS = ("size", "axis", "point", "normal", "direction", "factors")
+_LISTS = ("outline", "rotation")
 _NUMBERS = ("radius", "width", "bottom", "top")
 
 

@@ -96,7 +96,7 @@ def paint(figure: Figure, scene: AnimatedScene, time: float, view: str) -> None:
         flat, depth = camera.face(face)
         if len(flat):
             seen.append((depth, flat, to_rgba(camera.shade(face), face.opacity), face))
-    seen.sort(key=lambda item: (item[3].on_top, -item[0]))
+    seen.sort(key=lambda item: (item[3].layer, -item[0]))
     axes.add_collection(
         PolyCollection(
             [flat for _, flat, _, _ in seen],
@@ -125,6 +125,8 @@ def _ground(scene: AnimatedScene, target: Array, extent: float) -> Iterator[Arra
         return
     plane = next((shape for shape in scene.shapes if shape["kind"] == "plane"), None)
     point, normal = np.array([0.0, 0.0, target[2] - 0.6 * extent]), np.array([0.0, 0.0, 1.0])
+    if scene.track is not None:
+        point[2] = float(scene.track[:, :, 2].min()) - 0.45
     if plane is not None:
         point, normal = np.array(plane["point"], float), np.array(plane["normal"], float)
     power = 10.0 ** math.floor(math.log10(extent / 2.0))

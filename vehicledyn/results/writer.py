@@ -17,7 +17,13 @@ from numpy.typing import NDArray
 from vehicledyn.base.errors import InputError
 from vehicledyn.base.signals import undisturbed
 from vehicledyn.results import sections
-from vehicledyn.results.animation import GROUP, PictureDatasets, Pictures, write_ground
+from vehicledyn.results.animation import (
+    GROUP,
+    PictureDatasets,
+    Pictures,
+    Surroundings,
+    write_surroundings,
+)
 from vehicledyn.results.animation_stage import Stage
 from vehicledyn.results.disk import Container
 from vehicledyn.results.layout import (
@@ -146,7 +152,7 @@ class ResultWriter:
         summary: Sequence[SummaryEntry] = (),
         solver: Mapping[str, Any] | None = None,
         events: Sequence[EventRecord] = (),
-        ground: Floats | None = None,
+        surroundings: Surroundings | None = None,
         notes: Sequence[str] = (),
     ) -> None:
         """Write what is left and give the file its final status; closing twice does nothing.
@@ -163,8 +169,8 @@ class ResultWriter:
             Statistics of the solver, by name.
         events
             Events in the order in which they happened.
-        ground
-            Surface of uneven ground for the animation, shape (rows, columns, 3) [m].
+        surroundings
+            What lies beneath the way, for the animation.
         notes
             What the user was told, such as warnings.
 
@@ -188,8 +194,8 @@ class ResultWriter:
             sections.write_attributes(finished.file["solver"], solver or {})
             sections.write_summary(finished.file["summary"], summary)
             sections.write_events(finished.file["events"], events)
-            if ground is not None and GROUP in finished.file:
-                write_ground(finished.file[GROUP], ground)
+            if surroundings is not None and GROUP in finished.file:
+                write_surroundings(finished.file[GROUP], surroundings)
             sections.write_notes(finished.file["scenario"], notes)
             finished.close()
             self._scratch.replace(self.path)

@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 
 from vehicledyn.multibody.appearance import appearance
 from vehicledyn.multibody.skeleton import Skeleton, skeleton_from
-from vehicledyn.results.animation import Pictures
+from vehicledyn.rail.track import Track
+from vehicledyn.results.animation import Pictures, Surroundings
 from vehicledyn.results.animation_stage import Stage
 from vehicledyn.road.wheel import RoadWheel
 from vehicledyn.symbolic import ops
@@ -24,6 +25,8 @@ Matrix = NDArray[np.float64]
 PICTURE_INTERVAL = 0.02
 """Least time between two pictures [s]."""
 
+_ARC = "track_position"
+_STATION, _STATIONS, _BEYOND = 0.5, 6000, 30.0
 _MARGIN, _ROWS, _COLUMNS, _FINEST = 4.0, 1500, 21, 0.1
 
 
@@ -45,8 +48,10 @@ class Recorder:
     interval: float
     _skeleton: Skeleton
     _columns: Mapping[str, int]
-    _seen: int = 0
+    _arcs: Sequence[int]
     _path: list[Matrix] = field(default_factory=list)
+    _seen: int = 0
+    _reach: tuple[float, float] = (np.inf, -np.inf)
 
     @classmethod
     def of(
@@ -63,6 +68,7 @@ class Recorder:
             interval,
             skeleton,
             {name: place[name] for name in skeleton.coordinates},
+            [index for name, index in place.items() if name.rpartition(".")[2] == _ARC],
         )
 
     def expected(self, duration: float) -> int:
@@ -76,6 +82,11 @@ class Recorder:
         values = {name: outputs[rows, column] for name, column in self._columns.items()}
         poses = self._skeleton.poses(values)
         count = len(rows) if values else 0
+        arcs = outputs[rows][:, list(self._arcs)]
+        arcs = arcs[np.isfinite(arcs)]
+        if len(arcs):
+            low, high = self._reach
+            self._reach = min(low, float(arcs.min())), max(high, float(arcs.max()))
         self._path.append(poses.position[:count, 0])
         return Pictures(
             times[rows][:count],
@@ -88,6 +99,57 @@ class Recorder:
     def path(self) -> Matrix:
         """Positions of the first body at the pictures so far, shape (n, 3) [m]."""
         return np.concatenate(self._path) if self._path else np.empty((0, 3))
+
+    @property
+    def reach(self) -> tuple[float, float] | None:
+        """Smallest and largest place along the track [m]; along x where no channel tells it."""
+        if np.isfinite(self._reach).all():
+            return self._reach
+        x = self.path[:, 0]
+        known = x[np.isfinite(x)]
+        return (float(known.min()), float(known.max())) if len(known) else None
+
+
+def surroundings_of(prepared: Prepared, recorder: Recorder | None) -> Surroundings | None:
+    """Return what lies beneath the way of a run that has ended, None without pictures."""
+    if recorder is None:
+        return None
+    return Surroundings(ground_of(prepared, recorder.path), track_of(prepared, recorder.reach))
+
+
+def track_of(prepared: Prepared, reach: tuple[float, float] | None) -> Matrix | None:
+    """Return the running edges of the rails along a way, shape (stations, 2, 3) [m].
+
+    None where no part runs on rails.
+    """
+    found = [track for part in prepared.subject.system.parts if (track := _track(part))]
+    if not found or reach is None:
+        return None
+    track, s = found[0], ops.symbol("s")
+    begin, end = reach[0] - _BEYOND, reach[1] + _BEYOND
+    is_plain = track.is_straight and track.is_perfect
+    count = 2 if is_plain else int(np.clip((end - begin) / _STATION, 2, _STATIONS))
+    frame = track.frame(s)
+    edges = []
+    for side, sign in (("left", 0.5), ("right", -0.5)):
+        across, up = track.rail_shift(side, s)  # type: ignore[arg-type]
+        place = ops.vector(0.0, sign * track.gauge + across, up)
+        edges.append(frame.position + frame.rotation @ place)
+    table = prepared.subject.system.table
+    parameters = ops.column([entry.symbol for entry in table.entries])
+    evaluate = ops.numeric([s, parameters], ops.stacked(*edges))
+    stations = np.linspace(begin, end, count)
+    values = evaluate(stations[None, :], prepared.kernel.parameters)
+    return values.T.reshape(count, 2, 3)
+
+
+def _track(part: Any) -> Track | None:
+    """Return the track that a part runs on, if it does."""
+    for owner in (part, getattr(part, "wheels", None)):
+        track = getattr(owner, "track", None)
+        if isinstance(track, Track):
+            return track
+    return None
 
 
 def ground_of(prepared: Prepared, path: Matrix) -> Matrix | None:

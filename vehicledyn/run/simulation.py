@@ -21,7 +21,7 @@ from vehicledyn.results.output import check_folder, check_output
 from vehicledyn.results.plots import draw_plots
 from vehicledyn.results.writer import ResultWriter
 from vehicledyn.run.moved_starts import moved_starts
-from vehicledyn.run.pictures import Recorder, ground_of
+from vehicledyn.run.pictures import Recorder, surroundings_of
 from vehicledyn.run.places import wrong_output
 from vehicledyn.run.prepare import Point, Prepared, Progress
 from vehicledyn.run.rerun import prepare_run
@@ -188,16 +188,13 @@ class _Run:
                 summary=self.summary,
                 solver=self._solver(statistics),
                 events=self.events,
-                ground=None if self.recorder is None else self._ground(self.recorder),
+                surroundings=surroundings_of(self.prepared, self.recorder),
                 notes=self.notes,
             )
         if ending:
             self.messages.append(ending)
         if message:
             self.messages.append(f"{message}; the partial result is kept in {output}")
-
-    def _ground(self, recorder: Recorder) -> Matrix | None:
-        return ground_of(self.prepared, recorder.path)
 
     def _writer(self, output: Path) -> ResultWriter:
         e, s = self.prepared.equations, self.loaded.scenario

@@ -12,7 +12,8 @@ from browser import Browser, find_browser
 from matplotlib.image import imread
 
 import vehicledyn.catalogue  # noqa: F401
-from vehicledyn.results.animate import animate_result
+from vehicledyn.results.animate import animate_result, read_scenes
+from vehicledyn.results.reader import open_result
 from vehicledyn.run.simulation import run_scenario
 from vehicledyn.scenario import load_scenario
 
@@ -188,10 +189,13 @@ def test_looks_as_it_did(browser, page):
     check_picture(browser, "small_car.png")
 
 
-def test_the_slalom(browser, tmp_path, needs_compiler):
-    scenario = load_scenario(ROOT / "scenarios" / "iltis_slalom.yaml")
+def run(name, path, *changes):
     wish = {"backend": "auto", "plots": None, "progress": lambda *_: None}
-    run_scenario(scenario, output=tmp_path / "slalom.h5", **wish)
+    run_scenario(load_scenario(ROOT / "scenarios" / name, changes), output=path, **wish)
+
+
+def test_the_slalom(browser, tmp_path, needs_compiler):
+    run("iltis_slalom.yaml", tmp_path / "slalom.h5")
     begun = time.process_time()
     written = animate_result(tmp_path / "slalom.h5", tmp_path / "slalom.html")
     assert time.process_time() - begun < 2.0
@@ -201,6 +205,21 @@ def test_the_slalom(browser, tmp_path, needs_compiler):
     assert browser.problems() == []
     assert browser.requests() == []
     check_picture(browser, "iltis_slalom.png")
+
+
+def test_a_wheelset_on_rails(browser, tmp_path, needs_compiler):
+    run("systems/rail_wheelset.yaml", tmp_path / "rail.h5", "duration=0.1 s")
+    with open_result(tmp_path / "rail.h5") as result:
+        found = result.animation(100)
+    assert found.track[:, 0, 1] == pytest.approx(0.7175, abs=1e-9)
+    assert found.track[:, 1, 1] == pytest.approx(-0.7175, abs=1e-9)
+    assert found.track[0, 0, 0] < 0.0 < 2.0 < found.track[-1, 0, 0]
+    (load, _) = read_scenes([tmp_path / "rail.h5"])[0].arrows
+    assert load.force[:, 2] == pytest.approx(50e3, rel=0.1)
+    assert load.foot[:, 1:] == pytest.approx(np.tile([0.75, 0.0], (len(load.foot), 1)), abs=0.01)
+    animate_result(tmp_path / "rail.h5", tmp_path / "rail.html")
+    browser.open((tmp_path / "rail.html").as_uri() + "#t=0.05")
+    check_picture(browser, "rail_wheelset.png")
 
 
 def check_picture(browser, name):

@@ -4,7 +4,7 @@ import h5py
 import numpy as np
 import pytest
 
-from vehicledyn.results.animation import Pictures, thinned
+from vehicledyn.results.animation import Pictures, Surroundings, thinned
 from vehicledyn.results.animation_stage import Stage
 from vehicledyn.results.layout import ResultHeader, SummaryEntry
 from vehicledyn.results.reader import open_result
@@ -41,8 +41,10 @@ def fill(writer, blocks=3, size=700):
 def test_round_trip(writer):
     with writer:
         fill(writer)
-        surface = np.random.default_rng(0).normal(size=(4, 3, 3))
-        writer.close(summary=[SummaryEntry("a", 1.0, "m", "A")], ground=surface)
+        surface, rails = (np.random.default_rng(0).normal(size=(4, k, 3)) for k in (3, 2))
+        writer.close(
+            summary=[SummaryEntry("a", 1.0, "m", "A")], surroundings=Surroundings(surface, rails)
+        )
     with open_result(writer.path) as result:
         found = result.animation(10_000)
         assert found.stage.shapes[0].items() >= STAGE.shapes[0].items()
@@ -55,7 +57,8 @@ def test_round_trip(writer):
             expected = pictures(result.time[block]).position
             assert np.abs(found.pictures.position[block] - expected).max() < 1e-7
         assert np.array_equal(found.pictures.turn, whole.turn)
-        assert found.ground == pytest.approx(surface, abs=1e-6)
+        assert np.array_equal(found.ground, surface)
+        assert np.array_equal(found.track, rails)
         few = result.animation(50)
         assert len(few.pictures.time) == 50
         assert (few.pictures.time[0], few.pictures.time[-1]) == (result.time[0], result.time[-1])
@@ -76,7 +79,7 @@ def test_broken_run_keeps_its_pictures(writer, tmp_path):
 def test_every_dataset_has_its_scales(writer):
     with writer:
         fill(writer)
-        writer.close(ground=np.zeros((4, 3, 3)))
+        writer.close(surroundings=Surroundings(np.zeros((4, 3, 3)), np.zeros((5, 2, 3))))
     with h5py.File(writer.path) as file:
         group = file["animation"]
         for item in group.values():

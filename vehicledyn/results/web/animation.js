@@ -122,9 +122,9 @@
     group.position.set(...shape.at.point);
     const add = (geometry, colour, look) => group.add(new THREE.Mesh(geometry, paint(colour, look)));
     if (shape.style === "rail") {
-      const rim = [[0.62 * r, -0.6 * w], [r + 0.03, -0.62 * w], [r + 0.03, -0.45 * w], [r + 0.004, -0.22 * w], [r, 0], [r - 0.003, 0.38 * w], [r - 0.012, 0.42 * w], [0.8 * r, 0.42 * w], [0.74 * r, 0.1 * w], [0.3 * r, 0.02 * w], [0.28 * r, 0.5 * w], [0.001, 0.5 * w]];
+      const rim = [[0.001, -0.5 * w], [0.3 * r, -0.5 * w], [0.34 * r, -0.1 * w], [0.76 * r, -0.12 * w], [0.8 * r, -0.5 * w], [r + 0.02, -0.52 * w], [r + 0.03, -0.44 * w], [r + 0.026, -0.34 * w], [r + 0.006, -0.24 * w], [r, 0], [r - 0.003, 0.44 * w], [r - 0.008, 0.48 * w], [0.82 * r, 0.48 * w], [0.76 * r, 0.04 * w], [0.34 * r, 0.06 * w], [0.3 * r, 0.5 * w], [0.001, 0.5 * w]];
       add(lathe(rim, 48), COLOURS.steel, { side: THREE.DoubleSide });
-      marks(group, 0.52 * r, 0.12 * w, 0.05 * r, paint);
+      marks(group, 0.55 * r, 0.09 * w, 0.045 * r, paint);
       return group;
     }
     if (shape.style === "disc") {
@@ -338,7 +338,7 @@
       const add = (mesh, body, spins = false) => (spins ? node(body).spinner : node(body).frame).add(mesh);
       if (shape.kind === "box") add(boxMesh(shape, this.paint, shape.style === "steel" ? COLOURS.steel : colours(shape.at.body)), shape.at.body);
       else if (shape.kind === "ball") {
-        const mesh = new THREE.Mesh(new THREE.SphereGeometry(shape.radius, 20, 14), this.paint(shape.style === "body" ? colours(shape.at.body) : COLOURS.joint));
+        const mesh = new THREE.Mesh(new THREE.SphereGeometry(shape.radius, 20, 14), this.paint(shape.style === "body" ? colours(shape.at.body) : shape.style === "rubber" ? COLOURS.tyre : COLOURS.joint));
         mesh.position.set(...shape.at.point);
         add(mesh, shape.at.body);
       } else if (shape.kind === "wheel") add(wheelMesh(shape, this.paint), shape.at.body, true);
@@ -450,7 +450,7 @@
       const power = 10 ** Math.floor(Math.log10(this.extent / 2));
       this.cell = power * [1, 2, 5, 10].find((n) => n * power >= this.extent / 2.5);
       const plane = actor.data.shapes.find((s) => s.kind === "plane");
-      const track = actor.data.shapes.find((s) => s.kind === "track");
+      const track = actor.data.track?.map((edge) => edge.map((c) => columns[c]));
       this.floor = new THREE.Group();
       this.slope = new THREE.Group();
       this.slope.add(this.floor);
@@ -460,7 +460,7 @@
         this.slope.position.set(...plane.point);
         this.slope.quaternion.setFromUnitVectors(UP, new THREE.Vector3(...plane.normal).normalize());
       } else {
-        const lowest = actor.data.ground ? Math.min(...columns[actor.data.ground.points[2]]) - 0.02 : track ? Math.min(...track.left.map((p) => p[2])) - 0.45 : this.lowest() - 0.12 * this.extent;
+        const lowest = actor.data.ground ? Math.min(...columns[actor.data.ground.points[2]]) - 0.02 : track ? Math.min(...track[0][2], ...track[1][2]) - 0.452 : this.lowest() - 0.12 * this.extent;
         this.slope.position.z = lowest;
       }
       const size = 60 * this.cell;
@@ -478,7 +478,7 @@
       this.floor.add(this.sheet);
       this.addCones(actor.data.cones);
       if (actor.data.ground) this.addGround(actor.data.ground);
-      for (const shape of actor.data.shapes) if (shape.kind === "track") this.addTrack(shape);
+      if (track) this.addTrack(...track.map(([x, y, z]) => Array.from(x, (_, k) => [x[k], y[k], z[k]])));
       this.addTrail(actor);
     }
 
@@ -541,7 +541,7 @@
       this.group.add(this.road);
     }
 
-    addTrack({ left, right }) {
+    addTrack(left, right) {
       const base = left[0], local = (line) => line.map((p) => [p[0] - base[0], p[1] - base[1], p[2] - base[2]]);
       const holder = new THREE.Group();
       holder.position.set(...base);
@@ -858,7 +858,7 @@
   controls.addEventListener("end", () => { quality.moved = performance.now(); });
   let mode = "follow", target = actors[0].now.clone().add(actors[0].middle), heading = actors[0].heading();
 
-  const VIEWS = { angle: [-1.15, -1.25, 0.72], side: [0, -1.9, 0.25], front: [1.9, 0, 0.35], top: [-0.001, 0, 2.1] };
+  const VIEWS = { angle: [-1.25, -1.36, 0.78], side: [0, -1.9, 0.25], front: [1.9, 0, 0.35], top: [-0.001, 0, 2.1] };
   function look(name) {
     const turned = new THREE.Vector3(...VIEWS[name]).multiplyScalar(extent).applyAxisAngle(UP, actors[0].heading());
     controls.target.copy(target);
