@@ -85,7 +85,7 @@ class ParameterSet(BaseModel):
     other key than the declared ones is refused.
     """
 
-    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
+    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False, defer_build=True)
 
     family: ClassVar[str] = ""
     kind: ClassVar[str] = ""

@@ -16,23 +16,33 @@ Array = NDArray[np.float64]
 
 def multiplied(a: Array, b: Array) -> Array:
     """Return the products a b of quaternions, shape (..., 4)."""
-    aw, ax, ay, az = np.moveaxis(a, -1, 0)
-    bw, bx, by, bz = np.moveaxis(b, -1, 0)
-    parts = (
-        aw * bw - ax * bx - ay * by - az * bz,
-        aw * bx + ax * bw + ay * bz - az * by,
-        aw * by - ax * bz + ay * bw + az * bx,
-        aw * bz + ax * by - ay * bx + az * bw,
-    )
-    return np.stack(np.broadcast_arrays(*parts), axis=-1)
+    aw, ax, ay, az = (a[..., k] for k in range(4))
+    bw, bx, by, bz = (b[..., k] for k in range(4))
+    product = np.empty((*np.broadcast_shapes(aw.shape, bw.shape), 4))
+    product[..., 0] = aw * bw - ax * bx - ay * by - az * bz
+    product[..., 1] = aw * bx + ax * bw + ay * bz - az * by
+    product[..., 2] = aw * by - ax * bz + ay * bw + az * bx
+    product[..., 3] = aw * bz + ax * by - ay * bx + az * bw
+    return product
 
 
 def rotated(quaternion: Array, vector: Array) -> Array:
     """Return vectors turned by quaternions, v + 2 w (u × v) + 2 u × (u × v)."""
     w, u = quaternion[..., :1], quaternion[..., 1:]
-    across = np.cross(u, vector)
-    turned: Array = vector + 2.0 * (w * across + np.cross(u, across))
+    across = _cross(u, vector)
+    turned: Array = vector + 2.0 * (w * across + _cross(u, across))
     return turned
+
+
+def _cross(a: Array, b: Array) -> Array:
+    """Return a × b as ``numpy.cross`` does, which takes five times as long for a few."""
+    ax, ay, az = (a[..., k] for k in range(3))
+    bx, by, bz = (b[..., k] for k in range(3))
+    product = np.empty((*np.broadcast_shapes(ax.shape, bx.shape), 3))
+    product[..., 0] = ay * bz - az * by
+    product[..., 1] = az * bx - ax * bz
+    product[..., 2] = ax * by - ay * bx
+    return product
 
 
 def about(axis: Array, angle: Array) -> Array:

@@ -67,8 +67,9 @@ class Skeleton:
         before: list[tuple[Array, Array]] = []
         for link in self.links:
             position, turned = after[link["parent"]] if link["parent"] >= 0 else origin
-            position = position + rotated(turned, np.array(link["offset"], dtype=float))
-            turned = multiplied(turned, from_rows(link["before"]))
+            if any(link["offset"]):
+                position = position + rotated(turned, np.array(link["offset"], dtype=float))
+            turned = _turned(turned, link["before"])
             value = _value(link, values, count)
             axis = _axis(link["kind"])
             if link["kind"] and link["kind"][0] == "T":
@@ -76,7 +77,7 @@ class Skeleton:
             before.append((position, turned))
             if link["kind"] and link["kind"][0] == "R" and not link["ignored"]:
                 turned = multiplied(turned, about(axis, value))
-            after.append((position, multiplied(turned, from_rows(link["after"]))))
+            after.append((position, _turned(turned, link["after"])))
         chosen, turns = [], []
         for body in self.bodies:
             link = body["link"]
@@ -89,6 +90,11 @@ class Skeleton:
             np.stack([quaternion for _, quaternion in chosen], axis=1),
             np.stack(turns, axis=1),
         )
+
+
+def _turned(quaternions: Array, rows: Any) -> Array:
+    """Return quaternions turned on by a rotation matrix, None for no rotation."""
+    return quaternions if rows is None else multiplied(quaternions, from_rows(rows))
 
 
 def raw_skeleton(system: System) -> dict[str, Any]:

@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from vehicledyn.multibody.watch import Comparison
 from vehicledyn.run.passage import Sample
+
+if TYPE_CHECKING:
+    from vehicledyn.multibody.watch import Comparison
 
 Vector = NDArray[np.float64]
 Matrix = NDArray[np.float64]

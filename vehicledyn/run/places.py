@@ -8,10 +8,9 @@ from contextlib import contextmanager
 from vehicledyn.base.errors import InputError, NumericalError
 from vehicledyn.base.problems import Problem, refusal
 from vehicledyn.base.yaml import parse_yaml
-from vehicledyn.run.vehicle import Target
+from vehicledyn.run.vehicle import Target, system_of
 from vehicledyn.scenario import LoadedScenario
 from vehicledyn.scenario.sources import Sources
-from vehicledyn.systems.read import SystemModel
 
 
 @contextmanager
@@ -26,7 +25,8 @@ def told_with_places(target: Target) -> Iterator[None]:
     try:
         yield
     except (InputError, NumericalError) as error:
-        places = target.written.places if isinstance(target.written, SystemModel) else {}
+        written = system_of(target)
+        places = {} if written is None else written.places
         known = [name for name in dict.fromkeys(error.about) if name in places]
         if not known:
             raise

@@ -5,16 +5,13 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
 from vehicledyn.base.errors import InputError
 from vehicledyn.base.signals import undisturbed
-from vehicledyn.multibody.derivation import Derivation, equations_of, solve_motion
-from vehicledyn.multibody.resistance import Resistance
-from vehicledyn.multibody.watch import PartitionWatch
 from vehicledyn.road.vehicle import RoadVehicle
 from vehicledyn.run.places import told_with_places
 from vehicledyn.run.resisted import refuse_idle_start
@@ -22,11 +19,14 @@ from vehicledyn.run.road_subject import RoadSubject
 from vehicledyn.run.start_rates import start_rates
 from vehicledyn.run.subject import Subject, index_of
 from vehicledyn.run.vehicle import Target, build_subject
-from vehicledyn.solve.derivatives import Derivatives
-from vehicledyn.solve.equilibrium import assemble
-from vehicledyn.solve.equilibrium import find_equilibrium as balance
 from vehicledyn.solve.kernel import Backend, Kernel, compile_kernel
 from vehicledyn.symbolic.equations import Equations
+
+if TYPE_CHECKING:
+    from vehicledyn.multibody.derivation import Derivation
+    from vehicledyn.multibody.resistance import Resistance
+    from vehicledyn.multibody.watch import PartitionWatch
+    from vehicledyn.solve.derivatives import Derivatives
 
 Vector = NDArray[np.float64]
 Progress = Callable[[str, float | None], None]
@@ -46,12 +46,16 @@ class Derived:
     @cached_property
     def derivation(self) -> Derivation:
         """The system solved for its accelerations."""
+        from vehicledyn.multibody.derivation import solve_motion
+
         with undisturbed(), told_with_places(self.target):
             return solve_motion(self.subject.system)
 
     @cached_property
     def equations(self) -> Equations:
         """Its equations."""
+        from vehicledyn.multibody.derivation import equations_of
+
         with undisturbed(), told_with_places(self.target):
             return equations_of(self.derivation)
 
@@ -73,6 +77,8 @@ class Prepared:
     @cached_property
     def watch(self) -> PartitionWatch:
         """Compares partitions of the coordinates."""
+        from vehicledyn.multibody.watch import PartitionWatch
+
         derivation = self.derived.derivation
         return PartitionWatch(derivation.symbols.joints, derivation.loops.gaps)
 
@@ -84,6 +90,8 @@ class Prepared:
     @property
     def derivatives(self) -> Derivatives:
         """Exact Jacobians of the equations."""
+        from vehicledyn.solve.derivatives import Derivatives
+
         if not self._derivatives:
             self._derivatives.append(Derivatives(self.equations))
         return self._derivatives[0]
@@ -181,6 +189,8 @@ def equilibrium_point(prepared: Prepared, speed: float, kind: Literal["static", 
     balances all but the slow loss of speed at the speed itself, including the spin of free
     wheels.
     """
+    from vehicledyn.solve.equilibrium import find_equilibrium
+
     e, subject = prepared.equations, prepared.subject
     balanced_speed = 0.0 if kind == "static" else speed
     moving = subject.start_state(e, speed)
@@ -188,7 +198,7 @@ def equilibrium_point(prepared: Prepared, speed: float, kind: Literal["static", 
     start = _closed(prepared, state, balanced_speed)
     refuse_idle_start(prepared, subject.balance_time, start.state, start.unknowns)
     free, rates = subject.balance_pairs(e, balanced_speed)
-    found = balance(
+    found = find_equilibrium(
         e,
         prepared.kernel,
         time=subject.balance_time,
@@ -231,6 +241,8 @@ def _moving(prepared: Prepared, point: Point) -> Point:
 
 def _closed(prepared: Prepared, state: Vector, speed: float) -> Point:
     """Return a state with its loops closed, near where they were assembled."""
+    from vehicledyn.solve.equilibrium import assemble
+
     guess = np.array([u.start for u in prepared.equations.unknowns])
     set_speed(prepared, speed)
     return Point(state, assemble(prepared.kernel, prepared.subject.balance_time, state, guess))

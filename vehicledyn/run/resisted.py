@@ -8,10 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vehicledyn.base.errors import InputError
-from vehicledyn.multibody.contradictions import RigidLoop
-from vehicledyn.multibody.resistance import Idle, owners_of
 
 if TYPE_CHECKING:
+    from vehicledyn.multibody.resistance import Idle
     from vehicledyn.run.prepare import Prepared
 
 Vector = NDArray[np.float64]
@@ -46,6 +45,8 @@ def refuse_idle_start(prepared: Prepared, time: float, state: Vector, unknowns: 
 
 def refuse_rigid_loops(prepared: Prepared) -> None:
     """Raise InputError for loops without freedom, of which nothing can move in a run."""
+    from vehicledyn.multibody.contradictions import RigidLoop
+
     known: Any = prepared.equations.structure["rigid_loops"]
     loops = [RigidLoop(tuple(r["constraints"]), tuple(r["coordinates"])) for r in known]
     if loops:
@@ -74,6 +75,8 @@ def hardly_resisted(prepared: Prepared, time: float, state: Vector, unknowns: Ve
 
 
 def _told(prepared: Prepared, found: list[Idle]) -> str:
+    from vehicledyn.multibody.resistance import owners_of
+
     owners = owners_of(prepared.subject.system)
     return "; ".join(idle.words(owners) for idle in found)
 

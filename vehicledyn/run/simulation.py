@@ -18,7 +18,6 @@ from vehicledyn.base.units import shown
 from vehicledyn.manoeuvres.recording import Recording
 from vehicledyn.results.layout import EventRecord, ResultHeader, SummaryEntry
 from vehicledyn.results.output import check_folder, check_output
-from vehicledyn.results.plots import draw_plots
 from vehicledyn.results.writer import ResultWriter
 from vehicledyn.run.moved_starts import moved_starts
 from vehicledyn.run.pictures import Recorder, surroundings_of
@@ -124,6 +123,8 @@ def run_scenario(
 
 def _draw(output: Path, folder: Path) -> str:
     """Draw the figures and say so; an interrupt or an error leaves the result whole."""
+    from vehicledyn.results.plots import draw_plots
+
     try:
         return f"{len(draw_plots(output, folder))} figures in {folder}"
     except KeyboardInterrupt:

@@ -10,8 +10,8 @@ from typing import Any
 
 from vehicledyn.base.parameters import ParameterSet
 from vehicledyn.base.registry import find, kinds
+from vehicledyn.run.vehicle import system_of
 from vehicledyn.scenario import LoadedScenario
-from vehicledyn.systems.read import SystemModel
 
 _REFERENCES = re.compile(r"^References\n-+\n(.*?)(?=\n\n\S|\Z)", re.MULTILINE | re.DOTALL)
 _SOURCE = re.compile(r"^#\s*source:\s*(.*(?:\n#\s{3,}.*)*)", re.MULTILINE | re.IGNORECASE)
@@ -28,11 +28,11 @@ def sources_of(loaded: LoadedScenario) -> list[dict[str, str]]:
     The source is the section "References" of the part's description or of its module, or what
     the file of its parameters names; it is empty where there is none.
     """
-    written, name = loaded.written, loaded.scenario.model
+    written, name = system_of(loaded), loaded.scenario.model
     used: dict[tuple[str, str], type[Any]] = {}
     found: list[dict[str, str]] = []
     roots: list[ParameterSet] = [loaded.scenario]
-    if isinstance(written, SystemModel):
+    if written is not None:
         roots.append(written.file)
         found.append(_record("model", name, written.file.title, _source_of_file(written.text)))
     elif name in kinds("model"):

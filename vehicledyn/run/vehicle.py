@@ -16,12 +16,21 @@ from vehicledyn.run.road_subject import RoadSubject
 from vehicledyn.run.subject import Subject
 from vehicledyn.run.system_subject import SystemSubject
 from vehicledyn.scenario import LoadedModel, LoadedScenario
-from vehicledyn.systems.read import SystemModel
 
 if TYPE_CHECKING:
     from vehicledyn.systems.construct import RoadChoice
+    from vehicledyn.systems.read import SystemModel
 
 Target = LoadedScenario | LoadedModel
+
+
+def system_of(target: Target) -> SystemModel | None:
+    """Return the system that a target's own file writes, None where it names a model."""
+    if target.written is None:
+        return None
+    from vehicledyn.systems.read import SystemModel
+
+    return target.written if isinstance(target.written, SystemModel) else None
 
 
 def build_subject(target: Target) -> Subject:
@@ -32,8 +41,8 @@ def build_subject(target: Target) -> Subject:
     InputError
         If the scenario lacks a part that it needs.
     """
-    written = target.written
-    if isinstance(written, SystemModel) and not written.is_vehicle:
+    written = system_of(target)
+    if written is not None and not written.is_vehicle:
         from vehicledyn.systems import construct
 
         return SystemSubject(construct.build_system(written, _choice(target)))
@@ -60,10 +69,11 @@ def build_vehicle(target: Target) -> RoadVehicle:
     InputError
         If the scenario lacks a part that the vehicle needs, all missing parts at once.
     """
-    if isinstance(target.written, SystemModel):
+    written = system_of(target)
+    if written is not None:
         from vehicledyn.systems import construct
 
-        return manoeuvre_of(target).fit(construct.build_vehicle(target.written, _choice(target)))
+        return manoeuvre_of(target).fit(construct.build_vehicle(written, _choice(target)))
     if isinstance(target, LoadedModel):
         model = find("model", target.name)
         options: RoadOptions = model.standard_options()

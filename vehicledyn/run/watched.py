@@ -15,21 +15,21 @@ import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from vehicledyn.base.errors import NumericalError
-from vehicledyn.multibody.derivation import derive
-from vehicledyn.multibody.loops import Moment
 from vehicledyn.multibody.system import System
-from vehicledyn.multibody.watch import Comparison, PartitionWatch, freed
 from vehicledyn.run.passage import FINE_TOLERANCE, TOLERANCE, Passage, Sample
 from vehicledyn.run.pivots import LEVERAGE, WIDE_ZONE, ZONE, Crossing, Degrading, PivotLog
 from vehicledyn.solve.kernel import Backend, Kernel, Progress, compile_kernel
 from vehicledyn.solve.simulate import Solver, simulate
 from vehicledyn.solve.task import Happened, Sink, Statistics
+
+if TYPE_CHECKING:
+    from vehicledyn.multibody.watch import Comparison, PartitionWatch
 
 Vector = NDArray[np.float64]
 
@@ -84,9 +84,15 @@ def simulate_watched(
             progress=progress,
             happened=happened,
         )
-    make_watch = watch or (lambda: PartitionWatch.of(system))
+    make_watch = watch or (lambda: _watch_of(system))
     run = _Run(system, kernel, solver, start, stop, interval, sink, progress, happened, make_watch)
     return run.go(np.asarray(state, dtype=float), np.asarray(unknowns, dtype=float))
+
+
+def _watch_of(system: System) -> PartitionWatch:
+    from vehicledyn.multibody.watch import PartitionWatch
+
+    return PartitionWatch.of(system)
 
 
 @dataclass
@@ -293,6 +299,10 @@ class _Run:
 
     def _change(self, sample: Sample, found: Comparison) -> tuple[int, Vector, Vector]:
         """Derive the equations anew at a sample; return where the run goes on."""
+        from vehicledyn.multibody.derivation import derive
+        from vehicledyn.multibody.loops import Moment
+        from vehicledyn.multibody.watch import freed
+
         if sample.time <= self._changed_at:
             raise NumericalError(
                 f"no partition of the coordinates lasts at t = {sample.time:.9g} s; "

@@ -9,8 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from vehicledyn.solve.engine import Ledger, March, Rows, Span, Status, Vector
-from vehicledyn.solve.source import COUNTED
+from vehicledyn.solve.engine import COUNTED, Ledger, March, Rows, Span, Status, Vector
 from vehicledyn.solve.table_rows import TableRows
 from vehicledyn.symbolic.equations import Equations
 

@@ -10,6 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 Vector: TypeAlias = NDArray[np.float64]
+
+COUNTED = ("prepare", "rates", "outputs", "blocks")
+"""Parts of a kernel whose operations are counted."""
+
 Sides: TypeAlias = NDArray[np.intc]
 
 

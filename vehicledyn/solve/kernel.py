@@ -31,9 +31,6 @@ from vehicledyn.solve.engine import (
 )
 from vehicledyn.solve.failures import describe_failure
 from vehicledyn.solve.fingerprint import fingerprint, generator_fingerprint
-from vehicledyn.solve.functions import derive_functions, operations_of
-from vehicledyn.solve.interpreted import InterpretedEngine
-from vehicledyn.solve.source import kernel_source
 from vehicledyn.symbolic.equations import Block, Equations
 
 Backend: TypeAlias = Literal["auto", "compiled", "interpreted"]
@@ -289,6 +286,9 @@ def _compiled(equations: Equations, compiler: Compiler, tell: Progress) -> Kerne
     seconds = {"generation": 0.0, "compilation": 0.0}
 
     def build(folder: Path) -> Path:
+        from vehicledyn.solve.functions import derive_functions, operations_of
+        from vehicledyn.solve.source import kernel_source
+
         started = time.perf_counter()
         tell("deriving the equations of the kernel", None)
         functions = derive_functions(equations)
@@ -359,6 +359,9 @@ def _load(
 
 
 def _interpreted(equations: Equations, remark: str, tell: Progress) -> Kernel:
+    from vehicledyn.solve.functions import derive_functions, operations_of
+    from vehicledyn.solve.interpreted import InterpretedEngine
+
     if remark:
         _log.warning(remark)
     tell("deriving the equations of the kernel", None)

@@ -6,10 +6,10 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from vehicledyn.solve.code import print_function
+from vehicledyn.solve.engine import COUNTED
 from vehicledyn.solve.functions import KernelFunctions, operations_of
 from vehicledyn.symbolic.equations import Equations
 
-COUNTED = ("prepare", "rates", "outputs", "blocks")
 _ARGUMENTS = ("t", "x", "z", "c")
 
 

@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 
 import vehicledyn.catalogue  # noqa: F401
-from vehicledyn.run import prepare, rerun
+from vehicledyn.multibody import derivation
+from vehicledyn.run import rerun
 from vehicledyn.run.memory import key_of_run, recall
 from vehicledyn.run.simulation import run_scenario
 from vehicledyn.scenario import load_scenario
@@ -52,8 +53,8 @@ def derivations(monkeypatch):
         calls.append(arguments)
         return solve(*arguments)
 
-    solve = prepare.solve_motion
-    monkeypatch.setattr(prepare, "solve_motion", counted)
+    solve = derivation.solve_motion
+    monkeypatch.setattr(derivation, "solve_motion", counted)
     return calls
 
 
