@@ -15,6 +15,8 @@ if TYPE_CHECKING:
     from vehicledyn.symbolic.tables import CurveTable
 
 _PREFIX = "cell_of_"
+_ORDERS = 4
+"""Derivatives of derivatives that CasADi may take by itself."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -168,16 +170,41 @@ def is_slope(name: str) -> bool:
 def _function(name: str, table: CurveTable) -> Any:
     """Return the CasADi function of a table.
 
-    An element of a vector is chosen by the whole part of its index. The index is left with its
-    fraction, so that CasADi finds derivatives of full shape, all zero: in forward mode, CasADi
-    3.8 leaves the derivative of a call undefined where it has none.
+    Coefficients come from a linear interpolation between cells, taken at whole numbers only,
+    since it reads no more of the table than it needs.
     """
     import casadi
 
     x = casadi.MX.sym("x")
-    rows = len(table.cells)
-    index = casadi.fmax(casadi.fmin((x - table.origin) * (1.0 / table.step), rows - 1.0), 0.0)
-    knots = [table.origin + table.step * k for k in range(rows)]
-    columns = [casadi.MX(casadi.DM(column)) for column in (knots, *table.cells.T)]
-    found = casadi.vertcat(*[column.nz[index] for column in columns])
-    return casadi.Function(name, [x], [found], {"never_inline": True})
+    rows, width = table.cells.shape
+    place = casadi.fmax(casadi.fmin((x - table.origin) * (1.0 / table.step), rows - 1.0), 0.0)
+    cell = casadi.floor(place)
+    row_of = casadi.interpolant(
+        "rows", "linear", [range(rows)], table.cells.ravel(), {"lookup_mode": ["exact"]}
+    )
+    found = casadi.vertcat(table.origin + table.step * cell, row_of(cell))
+    slope = _nothing(f"fwd1_{name}", [(1, 1), (1 + width, 1), (1, 1)], 1 + width, _ORDERS)
+    options: Any = {"never_inline": True, "cache": {slope.name(): slope}}
+    return casadi.Function(name, [x], [found], options)
+
+
+def _nothing(name: str, inputs: list[tuple[int, int]], size: int, orders: int) -> Any:
+    """Return a function that is zero, and so are its derivatives up to some order.
+
+    In forward mode CasADi 3.8 leaves the derivative of a call undefined where it has no nonzeros,
+    so each derivative is given one of full shape. The inputs are arguments, results and seeds;
+    results are not looked at.
+    """
+    import casadi
+
+    symbols = [
+        casadi.MX.sym(
+            "given", casadi.Sparsity(*shape) if shape[0] == size else casadi.Sparsity.dense(*shape)
+        )
+        for shape in inputs
+    ]
+    options: dict[str, Any] = {"never_inline": True}
+    if orders > 1:
+        further = _nothing(f"fwd1_{name}", [*inputs, (size, 1), *inputs], size, orders - 1)
+        options["cache"] = {further.name(): further}
+    return casadi.Function(name, symbols, [casadi.MX.zeros(size, 1)], options)
