@@ -69,9 +69,9 @@ def test_ride_starts_in_the_curve_where_it_is_told(told):
     folder, printed = told
     with open_result(folder / "ride.h5") as result:
         start = result.as_frame().reset_index().iloc[0]
-    assert start["front.track_position"] == pytest.approx(154.0)
-    assert start["rear.track_position"] == pytest.approx(146.0)
-    assert start["load.track_curvature"] == pytest.approx(1 / 300.0, rel=3e-3)
+    assert start["front.track_frame.position"] == pytest.approx(154.0)
+    assert start["rear.track_frame.position"] == pytest.approx(146.0)
+    assert start["load.track_frame.curvature"] == pytest.approx(1 / 300.0, rel=3e-3)
     shown = json.loads(next(text for line, text in printed.items() if "--json" in line))
     assert shown["columns"]["s"]["values"][-1] == 570.0
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from abc import abstractmethod
+from collections.abc import Callable
 from dataclasses import dataclass
 
 from vehicledyn.base.parameters import ParameterSet
@@ -39,6 +40,9 @@ class RailWheels:
         The track under the wheels.
     creep
         Creep law; its parameters may be symbols.
+    guide
+        Arc coordinate near the body as a function of time [m], where the motion of its carrier
+        tells it.
     """
 
     name: str
@@ -50,6 +54,12 @@ class RailWheels:
     radius_number: float
     track: Track
     creep: CreepLaw
+    guide: Callable[[Scalar], Scalar] | None = None
+
+    @property
+    def finds_its_place(self) -> bool:
+        """Whether its place along the track is known but for one step of Newton's method."""
+        return self.track.is_straight or self.guide is not None
 
     def geometry(self) -> tuple[Wheel, Rail]:
         """Return wheel and rail as numbers, the tape circle over the rail's axis.

@@ -147,11 +147,16 @@ def axial(sign: Scalar, vector: Vec) -> Vec:
     return ops.vector(sign * vector[0], vector[1], sign * vector[2])
 
 
-def running(situation: Situation, body: str, track: Track, sides: tuple[Side, ...]) -> Running:
-    """Return how a body runs; on curved track a part's state is the guess of its place."""
+def running(
+    situation: Situation, body: str, track: Track, sides: tuple[Side, ...], guess: Scalar
+) -> Running:
+    """Return how a body runs.
+
+    ``guess`` is an arc coordinate nearby [m]; on straight track it does not matter.
+    """
     kinematics = situation.kinematics
     position, rotation = kinematics.position(body), kinematics.rotation(body)
-    s = track.locate(position, situation.states.get(TRACK_POSITION, 0.0))
+    s = track.locate(position, guess)
     frame = track.frame(s)
     to_track = frame.rotation.T
     place = frame.place(position)

@@ -60,13 +60,13 @@ class TrackFollower(BasePart):
         rate = ops.derivative(s, situation.time, 1.0)
         of = f"of the track frame of {self.body}"
         channels = [
-            (Channel(f"{self.body}.track_position", "m", f"Arc coordinate {of}"), s),
-            (Channel(f"{self.body}.track_speed", "m/s", f"Rate of the arc coordinate {of}"), rate),
+            (Channel(f"{self.name}.position", "m", f"Arc coordinate {of}"), s),
+            (Channel(f"{self.name}.speed", "m/s", f"Rate of the arc coordinate {of}"), rate),
         ]
         if not self.track.is_straight:
             bend = self.track.frame(s).curvature
             words = f"Curvature {of}, positive to the left"
-            channels.append((Channel(f"{self.body}.track_curvature", "1/m", words), bend))
+            channels.append((Channel(f"{self.name}.curvature", "1/m", words), bend))
         return tuple(Output(channel, value) for channel, value in channels)
 
     def _place(self, time: Scalar) -> list[Scalar]:

@@ -83,8 +83,8 @@ class ElasticWheels(BasePart):
     against the rail's at the contact, and the forces of the creep law. A lifted wheel has none.
     The reference speed of the creepages is that at which the contact travels.
 
-    On curved track the arc coordinate is a state, with its exact rate, which every evaluation
-    corrects by one Newton step to the place beside the body.
+    On curved track one Newton step leads to the place beside the body, from where the motion of
+    its carrier has it or else from a state with the exact rate.
 
     A wheel whose flange has climbed its rail, or that has fallen from the rail to the inside, is
     derailed; that is an event that ends the run.
@@ -114,14 +114,14 @@ class ElasticWheels(BasePart):
 
     def states(self) -> tuple[Variable, ...]:
         """Return the place along the track where that is curved."""
-        if self.wheels.track.is_straight:
+        if self.wheels.finds_its_place:
             return ()
         return (Variable(TRACK_POSITION, "m", "Place along the track"),)
 
     def loads(self, situation: Situation) -> Loads:
         """Return the wrench of all contacts and the rate of the place along the track."""
         motion = self._running(situation)
-        rates = {} if self.wheels.track.is_straight else {TRACK_POSITION: motion.rate}
+        rates = {} if self.wheels.finds_its_place else {TRACK_POSITION: motion.rate}
         return Loads(wrenches=(self._wrench(situation, motion),), rates=rates)
 
     def outputs(self, situation: Situation) -> tuple[Output, ...]:
@@ -135,7 +135,7 @@ class ElasticWheels(BasePart):
             ("track_position", "m", "Place along the track", motion.position, ""),
             ("track_speed", "m/s", "Rate of the place along the track", motion.rate, ""),
         ]  # fmt: skip
-        if not self.wheels.track.is_straight:
+        if not self.wheels.finds_its_place:
             rows = [row for row in rows if row[0] != TRACK_POSITION]  # a state has its channel
         for side in self.wheels.sides:
             rows.extend(self._wheel_rows(motion, side))
@@ -203,7 +203,10 @@ class ElasticWheels(BasePart):
 
     def _running(self, situation: Situation) -> Running:
         wheels = self.wheels
-        return running(situation, wheels.body, wheels.track, wheels.sides)
+        guess = situation.states.get(TRACK_POSITION, 0.0)
+        if wheels.guide is not None:
+            guess = wheels.guide(situation.time)
+        return running(situation, wheels.body, wheels.track, wheels.sides, guess)
 
     def _wrench(self, situation: Situation, motion: Running) -> Wrench:
         found = [self._force_and_torque(motion, side) for side in self.wheels.sides]

@@ -313,6 +313,20 @@ class _Builder:
             if isinstance(joint, TrackFrameSet)
         ]
 
+    def _guide(self, name: str) -> Callable[[Any], Any] | None:
+        """Return the arc coordinate of a body that a track frame carries, but for small motions."""
+        ahead: Any = 0.0
+        while name in self.model.file.bodies:
+            body = self.model.file.bodies[name]
+            first = body.joints[0] if body.joints else None
+            if isinstance(first, TrackFrameSet):
+                return partial(self._ahead_of, first.position, ahead)
+            name, ahead = body.parent, ahead + self.value(body.at)[0]
+        return None
+
+    def _ahead_of(self, position: Expression, ahead: Any, time: Any) -> Any:
+        return self._at_time(position, time) + ahead
+
     def _at_time(self, expression: Expression, time: Any) -> Any:
         return self.value(expression, time=time)
 
@@ -446,6 +460,7 @@ class _Builder:
                     radius_number=float(self.number(item.radius)),
                     track=track,
                     creep=law,  # type: ignore[arg-type]
+                    guide=self._guide(item.body),
                 )
                 parts.append(entered.part(wheels))
             except InputError as error:

@@ -96,9 +96,9 @@ def test_mass_leans_out_of_a_canted_curve_as_much_as_it_must(write):
     last = frame.iloc[-1]
     assert last["rider.y"] == pytest.approx(outwards, rel=1e-5)
     assert last["rider.z"] == pytest.approx(height, rel=1e-6)
-    assert last["rider.track_curvature"] == pytest.approx(-math.cos(lean) / 300.0, rel=1e-9)
-    assert last["rider.track_position"] == pytest.approx(225.0, abs=1e-9)
-    assert last["rider.track_speed"] == pytest.approx(20.0, abs=1e-9)
+    assert last["rider.track_frame.curvature"] == pytest.approx(-math.cos(lean) / 300.0, rel=1e-9)
+    assert last["rider.track_frame.position"] == pytest.approx(225.0, abs=1e-9)
+    assert last["rider.track_frame.speed"] == pytest.approx(20.0, abs=1e-9)
 
 
 def test_frame_on_straight_track_costs_what_a_driven_slide_costs(write):
@@ -142,7 +142,7 @@ def test_rates_of_the_frame_are_derivatives(write):
             channel = f"rider.track_{name}"
             difference = (after[channel] - before[channel]) / (2.0 * step)
             assert now[f"{channel}_rate"] == pytest.approx(difference, abs=1e-6)
-    assert now["rider.track_speed"] == pytest.approx(20.0 - 2.0 * 4.0)
+    assert now["rider.track_frame.speed"] == pytest.approx(20.0 - 2.0 * 4.0)
 
 
 @pytest.mark.parametrize(
