@@ -23,6 +23,7 @@ ROWS = {
     "rail_geometry": 10,
     "rail_contact": 27,
     "rail_wheels": 10,
+    "track": 11,
     "rail_assessment": 9,
     "book": 21,
 }

@@ -21,6 +21,7 @@ from reference_cases import (
     slalom,
     standstill,
     suspensions,
+    track,
     tyre_tables,
 )
 
@@ -41,6 +42,7 @@ GROUPS = {
     "rail_geometry": rail_geometry.compare,
     "rail_contact": rail_contact.compare,
     "rail_wheels": rail_wheels.compare,
+    "track": track.compare,
     "rail_assessment": rail_assessment.compare,
 }
 
