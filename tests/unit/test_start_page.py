@@ -35,7 +35,13 @@ def folder(tmp_path_factory):
 
 
 def test_page(folder):
-    assert {path.name for path in folder.glob("*.html")} == {"drive_report.html", "compared.html"}
+    assert {path.name for path in folder.glob("*.html")} == {
+        "drive_report.html",
+        "compared.html",
+        "push_report.html",
+    }
+    told = (folder / "push_report.html").read_text(encoding="utf-8")
+    assert "Running safety, comfort and wear" in told and "wheels.left" in told
     for name in re.findall(r"`first/(\S+\.(?:yaml|json))`", PAGE):
         assert (folder / name).is_file()
     with open_result(folder / "drive.h5") as result:
@@ -43,6 +49,9 @@ def test_page(folder):
     with open_result(folder / "turn.h5") as result:
         # 60 rad/s for 0.5 s, more where the gas spring pushes.
         assert result.is_whole and result.channel("crank.angle").values[-1] > 20.0
+    with open_result(folder / "push.h5") as result:
+        lateral = result.channel("wheelset.lateral").values
+        assert result.is_whole and abs(lateral[-100:]).max() < 0.3 * abs(lateral).max()
 
 
 @pytest.mark.parametrize("kind", STARTS)

@@ -17,6 +17,7 @@ class Start(StrEnum):
 
     ROAD = "road"
     MECHANISM = "mechanism"
+    WHEELSET = "wheelset"
 
 
 def add_verbs(app: typer.Typer) -> None:

@@ -127,6 +127,7 @@ def _distributions(file: StudyFile, values: dict[str, Any]) -> Figure:
         factor, unit = _scale(file.figures[name].unit)
         known = column[np.isfinite(column)] * factor
         axes.hist(known, bins=min(30, max(5, int(np.sqrt(known.size)))), color=BLUE)
+        axes.locator_params(axis="x", nbins=4)
         axes.set_xlabel(axis_label(_words(name), unit))
         axes.set_ylabel("Cases [–]")
     return figure

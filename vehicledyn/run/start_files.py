@@ -16,6 +16,7 @@ from vehicledyn.systems.schema import system_schema
 STARTS: dict[str, tuple[str, str]] = {
     "road": ("car.yaml", "drive.yaml"),
     "mechanism": ("mechanism.yaml", "turn.yaml"),
+    "wheelset": ("wheelset.yaml", "push.yaml"),
 }
 """Names of model and scenario by what one begins with."""
 

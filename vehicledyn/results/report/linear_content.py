@@ -11,13 +11,13 @@ from vehicledyn.results import contact_table, hunt_table, mode_table, response_t
 from vehicledyn.results.linear_file import format_of
 from vehicledyn.results.linear_results import describe_linear, linear_figures
 from vehicledyn.results.report.content import Content, KeyFigure, words
-from vehicledyn.results.report.page import Block, Notes, Section, Table
-from vehicledyn.results.report.texts import number
+from vehicledyn.results.report.page import Block, Facts, Notes, Section, Table
+from vehicledyn.results.report.texts import number, reading
 from vehicledyn.results.response_table import ratio_unit
 
 MOST_CASES = 12
 LEADING = 3
-_FACTS = ("holds", "title", "status", "modes", "notes")
+_FACTS = ("holds", "title", "status", "modes", "notes", "settings")
 _ROUNDING = 1e-9
 """Damping ratios up to this are rounding errors of zero."""
 
@@ -152,12 +152,20 @@ def _contacts(table: contact_table.ContactTable) -> Parts:
         for shift, side, before, after in table.jumps
     ]
     jump_head = ("Shift [mm]", "Side", "From [mm]", "To [mm]")
-    sections = [Section("Equivalent conicity", blocks)]
+    settings = [(words(name), _setting(name, value)) for name, value in table.settings.items()]
+    sections = [Section("Settings", [Facts(settings)]), Section("Equivalent conicity", blocks)]
     if jumps:
         sections.append(Section("Jumps of the contact", [Table(jump_head, jumps, (2, 3))]))
     if table.notes:
         sections.append(Section("Notes", [Notes(table.notes)]))
     return figures, sections
+
+
+def _setting(name: str, value: float) -> str:
+    """Return a setting of the contact with its unit."""
+    if name == "curvature":
+        return reading(value, "1/m")
+    return reading(value, "rad") if name in ("inclination", "yaw") else f"{1e3 * value:.6g}\u00a0mm"
 
 
 def _cycles(table: hunt_table.HuntTable) -> Parts:

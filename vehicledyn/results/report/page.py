@@ -71,7 +71,7 @@ class Notes:
 
 @dataclass(frozen=True)
 class Listing:
-    """A text to be shown as it is, folded under its title."""
+    """A text to be shown as it is, folded under its title, open if it has none."""
 
     kind: ClassVar[str] = "listing"
     title: str

@@ -9,6 +9,8 @@ from pathlib import Path
 from typing import Any
 
 from vehicledyn.base.errors import InputError
+from vehicledyn.results.assessment.report import assess_result
+from vehicledyn.results.assessment.subjects import find_subjects
 from vehicledyn.results.figures import draw_figure
 from vehicledyn.results.info import ChannelRange, channel_ranges
 from vehicledyn.results.plots import plots_of
@@ -22,6 +24,10 @@ MOST_SAMPLES = 8000
 MOST_FIGURES = 24
 MOST_EVENTS = 50
 MOST_NAMED = 12
+
+MOST_ASSESSED = 1_000_000
+"""Samples of a run up to which it is assessed."""
+ASSESSMENT = "Running safety, comfort and wear"
 
 ACCURACY = ("largest_loop_gap", "largest_loop_speed", "energy_drift")
 """Key figures that tell how exact a run is."""
@@ -118,6 +124,7 @@ def _details(
 ) -> list[Section]:
     with open_result(path, MOST_SAMPLES) as result:
         sections = [
+            *_assessment(result),
             Section("Events", list(_events(result))),
             Section("Accuracy", _accuracy(result, accuracy)),
             Section("Solver", [Table(("Statistic", "Value"), _solver(result.solver), (1,))]),
@@ -130,6 +137,22 @@ def _details(
 
 def _holds(block: Block) -> bool:
     return not isinstance(block, Table) or bool(block.rows)
+
+
+def _assessment(result: Result) -> Iterator[Section]:
+    """Yield the assessment of a run on rails by the standards."""
+    on_rails = bool(find_subjects(result.units).axles) and result.is_timed and result.samples
+    if not on_rails or result.samples > MOST_ASSESSED:
+        return
+    try:
+        lines = assess_result(result.path).as_text().splitlines()
+    except InputError as error:
+        yield Section(ASSESSMENT, [Notes([str(error)])])
+        return
+    first = next((k for k, line in enumerate(lines) if not line), 0)
+    if not result.is_whole:
+        first = next((k for k, line in enumerate(lines[first + 1 :], first + 1) if not line), first)
+    yield Section(ASSESSMENT, [Listing("", "\n".join(lines[first:]).strip("\n"))])
 
 
 def _events(result: Result) -> Iterator[Block]:

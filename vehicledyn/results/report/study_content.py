@@ -36,7 +36,7 @@ def study_content(path: Path) -> Content:
             ("Computed", f"{moment(known.created)} by vehicledyn {known.program_version}"),
         ],
         key_figures=[
-            KeyFigure(f"mean {s.name}", s.mean, s.unit, f"{s.description or words(s.name)}, mean")
+            KeyFigure(f"{s.name}.mean", s.mean, s.unit, f"{s.description or words(s.name)}, mean")
             for s in known.figures
             if s.mean is not None
         ],
@@ -64,7 +64,7 @@ def _details(path: Path, known: StudyDescription) -> list[Section]:
         settings = json.dumps(file.configuration, indent=2, ensure_ascii=False)
         texts.append(Listing("Configuration", settings))
     head = ("Quantity", "Cases", "Smallest", "Mean", "Largest")
-    varied = [_row(spread) for spread in known.axes]
+    varied = [(spread.name, *_row(spread)[1:]) for spread in known.axes]
     choices = [(name, ", ".join(values)) for name, values in known.choices.items()]
     counted = [
         (name, ", ".join(f"{text} {number} times" for text, number in counts.items()))
