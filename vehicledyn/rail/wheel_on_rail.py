@@ -156,7 +156,13 @@ class ElasticWheels(BasePart):
             over = tape + outwards * self.contact.tip - (face + CLIMBED)
             inside = face - (tape + outwards * self.contact.last)
             found.append(
-                PartEvent(f"{side}.derailed", ops.maximum(over, inside), "rising", terminal=True)
+                PartEvent(
+                    f"{side}.derailed",
+                    ops.maximum(over, inside),
+                    "rising",
+                    terminal=True,
+                    advice="the wheel has left its rail",
+                )
             )
         return tuple(found)
 

@@ -29,6 +29,7 @@ from vehicledyn.run.resisted import (
     redundant_constraints,
 )
 from vehicledyn.run.sources import sources_of
+from vehicledyn.run.track_places import track_place
 from vehicledyn.run.watched import simulate_watched
 from vehicledyn.scenario import LoadedScenario
 from vehicledyn.solve.kernel import Backend
@@ -257,6 +258,8 @@ class _Run:
         events = self.prepared.equations.events
         advice = next(event.advice for event in events if event.name == statistics.ended_by)
         ended = f"event '{statistics.ended_by}' ended the run at t = {self._end():.9g} s"
+        if self._last is not None:
+            ended += track_place(self.prepared, statistics.ended_by, *self._last)
         return f"{ended}: {advice}" if advice else ended
 
     def _solver(self, statistics: Statistics | None) -> dict[str, Any]:

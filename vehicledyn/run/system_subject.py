@@ -16,6 +16,9 @@ if TYPE_CHECKING:
     from vehicledyn.base.shapes import Shape
     from vehicledyn.results.layout import SceneItem, SummaryEntry
 
+ROLLING = ("T1", "R2")
+"""Joints along which wheels on rails move when they run steadily."""
+
 SETTLING = 2e-5
 """Step in which wheels are let down on their rails, a part of their approach [m or rad]."""
 
@@ -57,10 +60,12 @@ class SystemSubject:
         return start_values(equations)
 
     def still_state(self, equations: Equations) -> Vector:
-        """Return the start values with all velocities zero; what rolls on rails goes on rolling."""
+        """Return the start values with all velocities zero; on rails rolling along goes on."""
         state = start_values(equations)
-        if not self._rolls:
-            state[list(equations.velocities)] = 0.0
+        kinds = {j.name: j.kind for j in self.system.joints()}
+        for position, velocity in zip(equations.positions, equations.velocities, strict=True):
+            if not (self._rolls and kinds[equations.states[position].name] in ROLLING):
+                state[velocity] = 0.0
         return state
 
     def balance_pairs(self, equations: Equations, speed: float) -> tuple[list[int], list[int]]:

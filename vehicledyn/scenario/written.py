@@ -12,6 +12,7 @@ from vehicledyn.scenario.sources import Sources
 
 _FAMILY = "model_file"
 _ON_WHEELS = ("tyres", "road", "contact", "relaxation", "wheel_spin", "speed")
+_ON_RAILS = ("creep", "rail_contact")
 _IN_MANOEUVRES = ("manoeuvre", "speed")
 
 
@@ -33,6 +34,10 @@ class WrittenModel(Protocol):
     @property
     def has_wheels(self) -> bool:
         """Whether it needs a road and tyres."""
+
+    @property
+    def has_rail_wheels(self) -> bool:
+        """Whether it needs a track, a creep law and a model of contact."""
 
     @property
     def is_vehicle(self) -> bool:
@@ -108,6 +113,9 @@ def unsuitable(data: dict[str, Any], model: WrittenModel | None, sources: Source
         wheels = () if model.has_wheels else _ON_WHEELS
         text = f"{model.path.name} has no wheels; leave this out"
         wrong = {key: text for key in wheels if data.get(key) is not None}
+        rails = () if model.has_rail_wheels else _ON_RAILS
+        text = f"{model.path.name} has no 'rail_wheels'; leave this out"
+        wrong |= {key: text for key in rails if data.get(key) is not None}
         if data.get("manoeuvre") is not None:
             wrong["manoeuvre"] = f"{model.path.name} has no section 'vehicle'; leave this out"
         if data.get("start") == "steady":

@@ -56,6 +56,11 @@ class SystemModel:
         return bool(self.file.wheels)
 
     @property
+    def has_rail_wheels(self) -> bool:
+        """Whether it needs a track, a creep law and a model of contact."""
+        return bool(self.file.rail_wheels)
+
+    @property
     def is_vehicle(self) -> bool:
         """Whether it can drive a manoeuvre."""
         return self.file.vehicle is not None

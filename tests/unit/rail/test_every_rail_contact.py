@@ -22,12 +22,10 @@ def test_wheelset_runs_in_the_middle_and_its_wheels_carry_the_load(kind, tmp_pat
     text = WHEELSET.read_text(encoding="utf-8")
     assert WRITTEN["elastic"] in text
     text = text.replace(WRITTEN["elastic"], WRITTEN[kind])
-    text = text.replace("wheelset.vertical: -0.15 mm", "wheelset.vertical: 0.3 mm")
     path = tmp_path / "wheelset.yaml"
     path.write_text(text, encoding="utf-8")
-    prepared = prepare(
-        load_model(str(path)), backend="interpreted", progress=lambda text, part: None
-    )
+    model = load_model(str(path), ["initial.wheelset.vertical=0.3 mm"])
+    prepared = prepare(model, backend="interpreted", progress=lambda text, part: None)
     point = reference_point(prepared, 0.0, None, is_system=True)
     names = [channel.name for channel in prepared.equations.channels]
     found = dict(

@@ -38,7 +38,7 @@ class Wheelset:
         self.event_names = [x.name for x in e.events]
 
     def state(self, **values):
-        state = self.start.copy()
+        state = np.where(np.char.endswith(self.names, "_rate"), self.start, 0.0)
         for name, value in values.items():
             state[self.names.index(name)] = value
         return state

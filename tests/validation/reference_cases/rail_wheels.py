@@ -58,7 +58,7 @@ def _wheelset(law):
         ops.vector(SPEED, 0.0, 0.0), rotation @ ops.vector(0.0, spin, 0.0),
         {side: RailPlace(0.0, 0.0) for side in ("left", "right")},
     )  # fmt: skip
-    sides = [part.forces(motion, side) for side in ("left", "right")]
+    sides = [part.forces(motion.seen_from(side)) for side in ("left", "right")]
     return casadi.Function("wheelset", [symbols], [_table(side) for side in sides])
 
 

@@ -1,0 +1,42 @@
+"""A wheel that leaves its rail ends the run with time and place."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import vehicledyn.catalogue  # noqa: F401
+from vehicledyn.results.reader import open_result
+from vehicledyn.run import run_scenario
+from vehicledyn.scenario import load_scenario
+
+ROOT = Path(__file__).parents[3]
+JUMP = """title: A wheelset jumps over its left rail
+model: {model}
+initial: {{wheelset.lateral: 5 mm, wheelset.vertical: 30 mm, wheelset.lateral_rate: 2 m/s}}
+duration: 1 s
+solver: {{kind: rk4, step: 0.2 ms}}
+output: {{interval: 1 ms}}
+"""
+
+
+def test_run_ends_where_the_flange_is_over_the_rail(tmp_path):
+    path = tmp_path / "jump.yaml"
+    path.write_text(JUMP.format(model=ROOT / "systems" / "rail_wheelset.yaml"), encoding="utf-8")
+    outcome = run_scenario(
+        load_scenario(path),
+        output=tmp_path / "jump.h5",
+        backend="interpreted",
+        plots=None,
+        progress=lambda *_: None,
+    )
+    (ending,) = [text for text in outcome.messages if "derailed" in text]
+    assert "event 'wheels.left.derailed' ended the run at t = 0.0114" in ending
+    assert ending.endswith("0.2291 m along the track: the wheel has left its rail")
+    with open_result(tmp_path / "jump.h5") as result:
+        assert result.is_whole
+        assert ending == result.status_message
+        lateral = result.channel("wheelset.lateral").values
+    # The tip of the flange, 55 mm inside the tape circle, is 5 mm outside the gauge face.
+    assert 0.75 - 0.0550 + lateral[-1] == pytest.approx(0.7177 + 0.005, abs=2e-4)
+    assert np.isfinite(lateral).all()
