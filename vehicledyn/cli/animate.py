@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+from dataclasses import replace
 from pathlib import Path
 from typing import Annotated
 
@@ -33,6 +35,12 @@ def animate(
         list[str] | None,
         typer.Option("--channel", metavar="PATTERN", help="Offer these channels for plots only."),
     ] = None,
+    begin: Annotated[
+        str | None, typer.Option("--from", metavar="TIME", help="Where page and film begin.")
+    ] = None,
+    end: Annotated[
+        str | None, typer.Option("--to", metavar="TIME", help="Where page and film end.")
+    ] = None,
     picture: Annotated[
         Path | None, typer.Option(help="Draw one picture into this png, svg or pdf file.")
     ] = None,
@@ -53,8 +61,18 @@ def animate(
     quiet: Quiet = False,
 ) -> None:
     """Show a result in motion: a page for the browser, a picture or a film."""
-    moment = None if at is None else _time(at)
-    from vehicledyn.results.animate import animate_result, film_of_result, picture_of_result
+    moment = None if at is None else _time("--at", at)
+    first = -math.inf if begin is None else _time("--from", begin)
+    last = math.inf if end is None else _time("--to", end)
+    if first > last:
+        raise InputError(f"--from {begin}: lies behind --to {end}")
+    from vehicledyn.results.animate import (
+        FILM,
+        PAGE,
+        animate_result,
+        film_of_result,
+        picture_of_result,
+    )
 
     written = []
     if picture is not None:
@@ -64,11 +82,27 @@ def animate(
     if film is not None:
         with show_progress(quiet=quiet) as progress:
             written.append(
-                film_of_result(result, film, view=view, rate=rate, speed=speed, progress=progress)
+                film_of_result(
+                    result,
+                    film,
+                    view=view,
+                    rate=rate,
+                    speed=speed,
+                    progress=progress,
+                    span=replace(FILM, begin=first, end=last),
+                )
             )
     if output is not None or not written:
         page = output or result.parent / f"{result.stem}_animation.html"
-        written.append(animate_result(result, page, others=others or (), channels=channels or ()))
+        written.append(
+            animate_result(
+                result,
+                page,
+                others=others or (),
+                channels=channels or (),
+                span=replace(PAGE, begin=first, end=last),
+            )
+        )
     for message in dict.fromkeys(text for file in written for text in file.messages):
         tell(message)
     if as_json:
@@ -79,8 +113,8 @@ def animate(
             emit(str(file.path))
 
 
-def _time(text: str) -> float:
+def _time(option: str, text: str) -> float:
     try:
         return to_si(text, "s")
     except InputError as error:
-        raise InputError(f"--at {text}: {error}") from None
+        raise InputError(f"{option} {text}: {error}") from None

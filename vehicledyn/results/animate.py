@@ -6,10 +6,14 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+from vehicledyn.results.animation import Span
 from vehicledyn.results.animation_page import page_of
-from vehicledyn.results.animation_scene import MOST_PICTURES, AnimatedScene, scene_of
+from vehicledyn.results.animation_scene import AnimatedScene, scene_of
 from vehicledyn.results.output import write_failed
 from vehicledyn.results.reader import open_result
+
+PAGE, FILM = Span(3000), Span(20_000)
+"""Pictures that a page holds and a film is made from, at most."""
 
 
 @dataclass(frozen=True)
@@ -28,7 +32,7 @@ def animate_result(
     *,
     others: Sequence[Path] = (),
     channels: Sequence[str] = (),
-    most: int = MOST_PICTURES,
+    span: Span = PAGE,
 ) -> AnimationFile:
     """Write a page that plays a result, with other results laid over it.
 
@@ -42,8 +46,8 @@ def animate_result(
         Further results, shown in the same scene at the same times.
     channels
         Channels to plot beside, as shell patterns; those of the figures and others if empty.
-    most
-        Largest number of pictures; more are thinned evenly.
+    span
+        Which pictures.
 
     Raises
     ------
@@ -51,7 +55,7 @@ def animate_result(
         If a file cannot be read or holds no shapes and poses, no channel matches a pattern, or the
         page cannot be written.
     """
-    scenes = read_scenes([path, *others], channels=channels, most=most)
+    scenes = read_scenes([path, *others], span=span, channels=channels)
     text = page_of(scenes)
     try:
         target.write_text(text, encoding="utf-8")
@@ -65,7 +69,7 @@ def picture_of_result(path: Path, target: Path, *, time: float | None, view: str
     """Draw a result at a time [s] (the middle if None) into a picture, see ``draw_picture``."""
     from vehicledyn.results.animation_still import draw_picture
 
-    scenes = read_scenes([path])
+    scenes = read_scenes([path], span=Span(PAGE.most, instant=time), plots=False)
     draw_picture(scenes[0], target, time=time, view=view)
     return AnimationFile(target, target.stat().st_size, 1, messages_of(scenes))
 
@@ -78,24 +82,25 @@ def film_of_result(
     rate: int,
     speed: float,
     progress: Callable[[str, float | None], None],
+    span: Span = FILM,
 ) -> AnimationFile:
     """Draw a result into a film, see ``draw_film``."""
     from vehicledyn.results.animation_film import draw_film
 
-    scenes = read_scenes([path])
+    scenes = read_scenes([path], span=span, plots=False)
     pictures = draw_film(scenes[0], target, view=view, rate=rate, speed=speed, progress=progress)
     return AnimationFile(target, target.stat().st_size, pictures, messages_of(scenes))
 
 
 def read_scenes(
-    paths: Sequence[Path], *, channels: Sequence[str] = (), most: int = MOST_PICTURES
+    paths: Sequence[Path], *, span: Span = PAGE, channels: Sequence[str] = (), plots: bool = True
 ) -> list[AnimatedScene]:
     """Return what is drawn of some results; the channels asked for must be in the first."""
     scenes = []
     for index, path in enumerate(paths):
         with open_result(path) as result:
             wanted = channels if index == 0 else ()
-            scenes.append(scene_of(result, most=most, patterns=wanted))
+            scenes.append(scene_of(result, span, patterns=wanted, plots=plots))
     return scenes
 
 

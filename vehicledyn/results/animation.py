@@ -144,12 +144,35 @@ def write_surroundings(group: h5py.Group, found: Surroundings) -> None:
         dataset.dims[2].attach_scale(group["component"])
 
 
-def read_animation(group: h5py.Group, most: int) -> Animation:
-    """Return the section with at most so many pictures, evenly thinned, the last included."""
+@dataclass(frozen=True)
+class Span:
+    """Which pictures to read: at most so many between two times [s], evenly thinned.
+
+    The first and the last between the times are included, and those beside the ``instant``.
+    """
+
+    most: int
+    begin: float = -np.inf
+    end: float = np.inf
+    instant: float | None = None
+
+    def rows(self, time: Array) -> NDArray[np.intp]:
+        """Return the indices of the pictures, of those at some times that do not fall."""
+        first = int(np.searchsorted(time, self.begin, side="left"))
+        last = int(np.searchsorted(time, self.end, side="right"))
+        rows = first + thinned(max(0, last - first), self.most)
+        if self.instant is None or not len(rows):
+            return rows
+        near = int(np.searchsorted(time, self.instant)) + np.arange(-1, 2)
+        return np.union1d(rows, near[(near >= first) & (near < last)])
+
+
+def read_animation(group: h5py.Group, span: Span) -> Animation:
+    """Return the section with some of its pictures."""
     stage = read_stage(json.loads(group["description"].asstr()[()]))
     time = np.asarray(group["time"][()], dtype=float)
     _check_sizes(group, len(time), len(stage.bodies))
-    rows = thinned(len(time), most)
+    rows = span.rows(time)
     origin = read_rows(group["origin"], rows)
     return Animation(
         stage,

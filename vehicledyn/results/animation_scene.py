@@ -16,14 +16,13 @@ from numpy.typing import NDArray
 
 from vehicledyn.base.errors import InputError, nearest_name
 from vehicledyn.base.quaternions import continuous, rotated
-from vehicledyn.results.animation import Animation, Pictures
+from vehicledyn.results.animation import Animation, Pictures, Span
 from vehicledyn.results.plot_description import TimePlot, read_plots
 from vehicledyn.results.reader import Result, Series
 
 Array = NDArray[np.float64]
 Plain = Mapping[str, Any]
 
-MOST_PICTURES = 3000
 MOST_VALUES = 900_000
 """Values of channels that a page holds at most."""
 
@@ -95,28 +94,34 @@ class AnimatedScene:
         return None if whole.all() else float(self.time[int(np.argmin(whole))])
 
 
-def scene_of(result: Result, *, most: int, patterns: Sequence[str] = ()) -> AnimatedScene:
-    """Return what is drawn of a result, with at most so many pictures.
+def scene_of(
+    result: Result, span: Span, *, patterns: Sequence[str] = (), plots: bool = True
+) -> AnimatedScene:
+    """Return what is drawn of a result.
 
     Parameters
     ----------
     result
         An open result.
-    most
-        Largest number of pictures; more are thinned evenly.
+    span
+        Which pictures.
     patterns
         Channels to plot beside, as shell patterns; the figures' and then all others if empty.
+    plots
+        Whether there are any channels beside.
 
     Raises
     ------
     InputError
         If the result holds no shapes, poses or channel that matches.
     """
-    found = result.animation(most)
+    found = result.animation(span)
     if found is None:
         raise InputError(f"{result.path}: {_NO_SHAPES}")
     if not len(found.pictures.time):
-        raise InputError(f"{result.path}: holds no pictures to animate ({result.state_of_run})")
+        between = "" if span.begin == -np.inf and span.end == np.inf else " between these times"
+        words = f"holds no pictures to animate{between} ({result.state_of_run})"
+        raise InputError(f"{result.path}: {words}")
     pictures = replace(found.pictures, quaternion=continuous(found.pictures.quaternion))
     rows = np.clip(np.searchsorted(result.time, pictures.time), 0, len(result.time) - 1)
     panels = _panels(result)
@@ -132,7 +137,7 @@ def scene_of(result: Result, *, most: int, patterns: Sequence[str] = ()) -> Anim
         shapes=[shape for shape in found.stage.shapes if shape["kind"] != "force"],
         pictures=pictures,
         arrows=_arrows(result, found, pictures, rows),
-        channels=_channels(result, panels, patterns, rows),
+        channels=_channels(result, panels, patterns, rows) if plots else [],
         panels=panels,
         cones=np.empty((0, 2)) if cones is None else np.asarray(cones.values, dtype=float),
         cone_radius=0.0 if cones is None else float(cones.attributes.get("radius", 0.15)),

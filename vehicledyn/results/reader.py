@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vehicledyn.base.errors import InputError, unknown_name
-from vehicledyn.results.animation import GROUP, Animation, read_animation, read_rows
+from vehicledyn.results.animation import GROUP, Animation, Span, read_animation, read_rows
 from vehicledyn.results.layout import (
     FORMAT,
     FORMAT_VERSION,
@@ -273,10 +273,10 @@ class Result:
                 if item.attrs.get("CLASS") != b"DIMENSION_SCALE"
             }
 
-    def animation(self, most: int) -> Animation | None:
-        """Return shapes and at most so many poses of the bodies, None where there are none."""
+    def animation(self, span: Span) -> Animation | None:
+        """Return shapes and some poses of the bodies, None where there are none."""
         with reading(self.path):
-            return read_animation(self._file[GROUP], most) if GROUP in self._file else None
+            return read_animation(self._file[GROUP], span) if GROUP in self._file else None
 
     def as_frame(self) -> pandas.DataFrame:
         """Return all channels as a table with one column a channel and the time as index."""

@@ -20,6 +20,7 @@ from vehicledyn.results.animate import (
     picture_of_result,
     read_scenes,
 )
+from vehicledyn.results.animation import Span
 from vehicledyn.results.animation_moment import Moment
 from vehicledyn.results.animation_stage import Stage
 from vehicledyn.results.columns import Columns, unpack
@@ -246,12 +247,21 @@ def test_long_results_are_thinned_in_bounded_memory(tmp_path):
         group["time"][:] = np.linspace(0.0, DURATION, 500_000)
     begun = time.perf_counter()
     tracemalloc.start()
-    written = animate_result(path, tmp_path / "page.html", most=1000)
+    written = animate_result(path, tmp_path / "page.html", span=Span(1000))
     _, peak = tracemalloc.get_traced_memory()
     tracemalloc.stop()
     assert written.pictures == 1000
     assert peak < 150e6
     assert time.perf_counter() - begun < 60.0
+
+
+def test_a_part_of_a_result(car, tmp_path):
+    part = read_scenes([car], span=Span(11, begin=1.0, end=2.0))[0]
+    assert part.time == pytest.approx(np.linspace(1.0, 2.0, 11), abs=1e-9)
+    near = read_scenes([car], span=Span(3, instant=1.234))[0]
+    assert near.time == pytest.approx([0.0, 1.23, 1.24, 1.25, 2.0, 4.0], abs=1e-9)
+    with pytest.raises(InputError, match="no pictures to animate between these times"):
+        animate_result(car, tmp_path / "page.html", span=Span(11, begin=7.0))
 
 
 def test_poses_between_pictures(car):

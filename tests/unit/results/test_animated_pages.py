@@ -13,6 +13,7 @@ from matplotlib.image import imread
 
 import vehicledyn.catalogue  # noqa: F401
 from vehicledyn.results.animate import animate_result, read_scenes
+from vehicledyn.results.animation import Span
 from vehicledyn.results.reader import open_result
 from vehicledyn.run.simulation import run_scenario
 from vehicledyn.scenario import load_scenario
@@ -210,7 +211,7 @@ def test_the_slalom(browser, tmp_path, needs_compiler):
 def test_a_wheelset_on_rails(browser, tmp_path, needs_compiler):
     run("systems/rail_wheelset.yaml", tmp_path / "rail.h5", "duration=0.1 s")
     with open_result(tmp_path / "rail.h5") as result:
-        found = result.animation(100)
+        found = result.animation(Span(100))
     assert found.track[:, 0, 1] == pytest.approx(0.7175, abs=1e-9)
     assert found.track[:, 1, 1] == pytest.approx(-0.7175, abs=1e-9)
     assert found.track[0, 0, 0] < 0.0 < 2.0 < found.track[-1, 0, 0]

@@ -4,7 +4,7 @@ import h5py
 import numpy as np
 import pytest
 
-from vehicledyn.results.animation import Pictures, Surroundings, thinned
+from vehicledyn.results.animation import Pictures, Span, Surroundings, thinned
 from vehicledyn.results.animation_stage import Stage
 from vehicledyn.results.layout import ResultHeader, SummaryEntry
 from vehicledyn.results.reader import open_result
@@ -46,7 +46,7 @@ def test_round_trip(writer):
             summary=[SummaryEntry("a", 1.0, "m", "A")], surroundings=Surroundings(surface, rails)
         )
     with open_result(writer.path) as result:
-        found = result.animation(10_000)
+        found = result.animation(Span(10_000))
         assert found.stage.shapes[0].items() >= STAGE.shapes[0].items()
         assert [body["name"] for body in found.stage.bodies] == ["car", "wheel"]
         whole = pictures(result.time)
@@ -59,7 +59,7 @@ def test_round_trip(writer):
         assert np.array_equal(found.pictures.turn, whole.turn)
         assert np.array_equal(found.ground, surface)
         assert np.array_equal(found.track, rails)
-        few = result.animation(50)
+        few = result.animation(Span(50))
         assert len(few.pictures.time) == 50
         assert (few.pictures.time[0], few.pictures.time[-1]) == (result.time[0], result.time[-1])
         assert set(few.pictures.time) <= set(result.time)
@@ -70,7 +70,7 @@ def test_broken_run_keeps_its_pictures(writer, tmp_path):
     copy = tmp_path / "copy.h5"
     copy.write_bytes(writer.path.read_bytes())
     with open_result(copy) as result:
-        found = result.animation(10_000)
+        found = result.animation(Span(10_000))
         assert len(result.time) >= 4000
         assert len(found.pictures.time) >= len(result.time)
     writer.close()

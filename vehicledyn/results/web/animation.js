@@ -60,6 +60,8 @@
     arm: 0x4d5b68, rod: 0x7a8794, pin: 0x98a4af, guide: 0xa3aeb8, joint: 0x343f49, coil: 0xe2a11a,
     tyre: 0x262b30, rim: 0xc9d1d8, rail: 0x8c7a6b, steel: 0xaab4bd, force: 0xd8322a,
   };
+  // Lines that colour-blind readers tell apart, on light and on dark ground (Okabe, Ito 2008).
+  const LINES = { light: OKABE_ITO, dark: ["#56B4E9", "#F0A35C", "#3CC9A0", "#E39CC4", "#F0E442", "#B8C4FF"] };
   let theme = matchMedia("(prefers-color-scheme: dark)").matches ? "dark" : "light";
 
   function material(colour, look = {}) {
@@ -227,14 +229,14 @@
     return group;
   }
 
-  function sweep(points, section) {
-    // A section (across, up) along a line of points; level, as rails are but for cant.
+  // A section (across, up) along a line of points, leaning by the slopes across.
+  function sweep(points, section, slopes) {
     const vertices = [], faces = [], count = section.length;
     for (let k = 0; k < points.length; k++) {
       const a = points[Math.max(k - 1, 0)], b = points[Math.min(k + 1, points.length - 1)];
       const length = Math.hypot(b[0] - a[0], b[1] - a[1]) || 1;
       const left = [-(b[1] - a[1]) / length, (b[0] - a[0]) / length];
-      for (const [across, up] of section) vertices.push(points[k][0] + left[0] * across, points[k][1] + left[1] * across, points[k][2] + up);
+      for (const [across, up] of section) vertices.push(points[k][0] + left[0] * across, points[k][1] + left[1] * across, points[k][2] + up + slopes[k] * across);
       if (k) for (let j = 0; j < count; j++) {
         const n = (j + 1) % count, p = (k - 1) * count, q = k * count;
         faces.push(p + j, q + j, q + n, p + j, q + n, p + n);
@@ -547,11 +549,12 @@
       holder.position.set(...base);
       this.group.add(holder);
       const sides = [[local(left), 1], [local(right), -1]];
+      const slopes = left.map((l, k) => (l[2] - right[k][2]) / (Math.hypot(l[0] - right[k][0], l[1] - right[k][1]) || 1));
       for (const [line, side] of sides) {
         // Head, web and foot of a rail; points are the running edge, the rail lies outside of it.
         const section = [[0.005, 0], [0.067, 0], [0.072, -0.03], [0.045, -0.05], [0.045, -0.14], [0.11, -0.16], [0.11, -0.172], [-0.04, -0.172], [-0.04, -0.16], [0.027, -0.14], [0.027, -0.05], [0, -0.03]];
         const turned = section.map(([a, u]) => [side * a, u]);
-        holder.add(new THREE.Mesh(sweep(line, side > 0 ? turned : turned.reverse()), material(COLOURS.rail, { side: THREE.DoubleSide })));
+        holder.add(new THREE.Mesh(sweep(line, side > 0 ? turned : turned.reverse(), slopes), material(COLOURS.rail, { side: THREE.DoubleSide })));
       }
       const a = sides[0][0], b = sides[1][0], spots = [];
       let rest = 0;
@@ -573,7 +576,7 @@
       }
       holder.add(sleepers);
       const middle = a.map((p, k) => p.map((v, i) => 0.5 * (v + b[k][i])));
-      holder.add(new THREE.Mesh(sweep(middle, [[1.7, -0.2], [-1.7, -0.2], [-2.4, -0.45], [2.4, -0.45]]), material(0xa39c94, { side: THREE.DoubleSide })));
+      holder.add(new THREE.Mesh(sweep(middle, [[1.7, -0.2], [-1.7, -0.2], [-2.4, -0.45], [2.4, -0.45]], slopes), material(0xa39c94, { side: THREE.DoubleSide })));
     }
 
     // The way of the first body over the ground.
@@ -646,7 +649,7 @@
       this.select.setAttribute("aria-label", "What this plot shows");
       const figures = element(this.select, "optgroup");
       figures.label = "Figures";
-      scenes[0].panels.forEach((panel, k) => { const o = element(figures, "option"); o.value = `p${k}`; o.textContent = panel.title; });
+      scenes[0].panels.forEach((panel, k) => { const o = element(figures, "option"); o.value = `p${k}`; o.textContent = `${panel.title} [${byName[0].get(panel.channels[0]).unit}]`; });
       const all = element(this.select, "optgroup");
       all.label = "Channels";
       scenes[0].channels.forEach((channel, k) => { const o = element(all, "option"); o.value = `c${k}`; o.textContent = channel.name; });
@@ -677,13 +680,13 @@
       this.lines = [];
       names.forEach((name, k) => scenes.forEach((scene, i) => {
         const channel = byName[i].get(name);
-        if (channel) this.lines.push({ channel, scene: i, colour: OKABE_ITO[k % OKABE_ITO.length], dashed: i > 0, values: columns[channel.column], times: columns[scene.time] });
+        if (channel) this.lines.push({ channel, scene: i, colour: k % OKABE_ITO.length, dashed: i > 0, values: columns[channel.column], times: columns[scene.time] });
       }));
       this.unit = this.lines[0]?.channel.unit ?? "";
       this.list.replaceChildren();
       for (const line of this.lines) {
         const item = element(this.list, "li"), mark = element(item, "i");
-        mark.style.borderTopColor = line.colour;
+        line.mark = mark;
         if (line.dashed) mark.style.borderTopStyle = "dashed";
         const text = element(item, "span");
         text.textContent = line.channel.name;
@@ -728,7 +731,7 @@
       pen.textAlign = "right"; pen.fillText("t [s]", w - 8, 0);
       pen.save(); pen.beginPath(); pen.rect(this.left, top - 4, w - this.left - 8, bottom - top + 8); pen.clip();
       for (const { values, times, channel, colour, dashed } of this.lines) {
-        pen.strokeStyle = colour; pen.lineWidth = dashed ? 1.3 : 1.7; pen.setLineDash(dashed ? [5, 3] : []);
+        pen.strokeStyle = LINES[theme][colour]; pen.lineWidth = dashed ? 1.3 : 1.7; pen.setLineDash(dashed ? [5, 3] : []);
         pen.beginPath();
         let down = false;
         for (let k = 0; k < values.length; k++) {
@@ -740,6 +743,7 @@
         pen.stroke();
       }
       pen.restore();
+      for (const line of this.lines) line.mark.style.borderTopColor = LINES[theme][line.colour];
       this.width = w - this.left - 8;
     }
 
