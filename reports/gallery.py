@@ -58,6 +58,7 @@ PICTURES = {
     "radiation_counter": _path("head.y", "head.z", "Head, seen from the front: z"),
     "roller_pendulum": Picture(("pendulum.angle",), "deg", "Angle of the pendulum"),
     "rolling_disk": _path("contact_x", "contact_y", "Contact: y"),
+    "radial_wheelset": Picture(("wheelset.lateral",), "mm", "Lateral shift"),
     "rail_wheelset": Picture(("wheelset.lateral",), "mm", "Lateral shift"),
     "simple_wheelset": Picture(("wheelset.lateral",), "mm", "Lateral shift"),
     "slider_crank": Picture(("slider.position",), "mm", "Place of the slider"),
@@ -65,6 +66,7 @@ PICTURES = {
     "small_car": Picture(("chassis.y",), "m", "Place y", "chassis.x"),
     "small_cart": Picture(("cart.x", "mass.x"), "m", "Cart and pendulum: x"),
     "small_cart_2": Picture(("load.slide",), "mm", "Load against the cart"),
+    "testset_wheelset": Picture(("wheelset.lateral",), "mm", "Lateral shift"),
     "tricycle": _path("frame.x", "frame.y", "Rear axle: y"),
     "upright_disk": _path("fork.x", "fork.y", "Disk: y"),
 }

@@ -16,7 +16,9 @@ the elastic model goes on from there.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import ClassVar
 
 from vehicledyn.base.shapes import Shape
 from vehicledyn.multibody.parts import BasePart, Loads, Output, PartEvent, Situation
@@ -24,7 +26,7 @@ from vehicledyn.multibody.system import GROUND, Body, Joint
 from vehicledyn.rail.creep_law import CreepLaw
 from vehicledyn.rail.rail_shapes import rail_wheel_shapes
 from vehicledyn.rail.rigid_constraint import FORCE, OnTrack, PositionConstraint, TouchConstraint
-from vehicledyn.rail.rigid_touch import Touch, TouchingWheel
+from vehicledyn.rail.rigid_touch import TouchingWheel
 from vehicledyn.rail.rolling_contact import (
     Material,
     RollingContact,
@@ -39,6 +41,8 @@ from vehicledyn.symbolic.ops import Scalar
 PENETRATION = 1e-7
 """How deep a second place of a wheel goes into the rail before the contact jumps there [m]."""
 
+_Row = tuple[str, str, str, Scalar]
+
 _ADVICE = "take 'rail_contact: {kind: elastic}' for this motion"
 
 
@@ -46,13 +50,14 @@ _ADVICE = "take 'rail_contact: {kind: elastic}' for this motion"
 class RigidWheel:
     """A wheel in rigid contact.
 
-    ``start`` is where the contact is looked for first, on the outline of the wheel [m]. Of
-    profiles that may touch at several places ``places`` are those to look at, in rising order, a
-    fraction of a millimetre apart: contact may jump between them, and ends at both ends.
+    ``start`` is where the contact is looked for first, on the outline of the wheel, ``ends`` is
+    where the outline ends, if it does [m]. Of profiles that may touch at several places ``places``
+    are those to look at, a fraction of a millimetre apart: contact may jump between them.
     """
 
     touching: TouchingWheel
     start: float = 0.0
+    ends: tuple[float, float] | None = None
     places: tuple[float, ...] = ()
 
     @property
@@ -78,6 +83,8 @@ class RigidRailWheels(BasePart):
     law, material
         Creep law, and what wheels and rails are made of.
     """
+
+    rolls_on_rails: ClassVar[bool] = True
 
     body: str
     wheels: tuple[RigidWheel, ...]
@@ -125,14 +132,30 @@ class RigidRailWheels(BasePart):
         return Loads(wrenches=tuple(c.creep_wrench(kinematics, self.body) for c in contacts))
 
     def outputs(self, situation: Situation) -> tuple[Output, ...]:
-        """Return the channels of the contacts, and the lateral shift."""
-        shift = self._carrier.place(situation.kinematics)[1]
-        channel = Channel(f"{self.name}.lateral_shift", "m", "Shift to the left", "track")
-        outputs = [Output(channel, shift)]
+        """Return the channels of the body and of each wheel, named as those of elastic contact."""
+        kinematics, carrier = situation.kinematics, self._carrier
+        frame, place = carrier.frame(kinematics), carrier.place(kinematics)
+        axle = frame.rotation.T @ carrier.axle(kinematics)
+        velocity = frame.rotation.T @ kinematics.velocity(self.body)
+        attack = ops.atan2(-axle[0], axle[1])
+        speed = self.track.progress(frame, place, velocity)
+        rows: list[_Row] = [
+            ("lateral_shift", "m", "Place of the axle left of the track's middle", place[1]),
+            ("angle_of_attack", "rad", "Yaw angle of the axle to the track", attack),
+            ("track_speed", "m/s", "Rate of the place along the track", speed),
+        ]
+        if self.track.is_straight:  # elsewhere it is a coordinate, which has its channel
+            along = carrier.arc(kinematics)
+            rows.append(("track_position", "m", "Place along the track", along))
         for wheel in self.wheels:
-            touch = self._constraint(wheel).touch(situation.kinematics)
-            outputs += self._channels(situation, wheel, touch)
-        return tuple(outputs)
+            rows += [
+                (f"{wheel.side}.{name}", unit, text, value)
+                for name, unit, text, value in self._wheel_rows(situation, wheel)
+            ]
+        return tuple(
+            Output(Channel(f"{self.name}.{name}", unit, text, "track"), value)
+            for name, unit, text, value in rows
+        )
 
     def events(self, situation: Situation) -> tuple[PartEvent, ...]:
         """Return jumps of contacts, and what ends rigid contact."""
@@ -141,11 +164,12 @@ class RigidRailWheels(BasePart):
             force = situation.reactions[f"{w.side}.normal_force"]
             lifts = f"the {w.side} wheel lifts, which rigid contact cannot follow; {_ADVICE}"
             events.append(_ending(f"{w.side}.lifts", force, lifts))
-            if w.places:
+            if w.ends is not None:
                 place = situation.kinematics.coordinate(self._place(w))
-                inside = ops.minimum(place - w.places[0], w.places[-1] - place)
+                inside = ops.minimum(place - w.ends[0], w.ends[1] - place)
                 leaves = f"the contact comes to the end of the {w.side} wheel's profile; {_ADVICE}"
                 events.append(_ending(f"{w.side}.leaves", inside, leaves))
+            if w.places:
                 gap, other = self._constraint(w).lowest(situation.kinematics)
                 events.append(
                     PartEvent(
@@ -189,30 +213,30 @@ class RigidRailWheels(BasePart):
             material=self.material,
         )
 
-    def _channels(self, situation: Situation, wheel: RigidWheel, touch: Touch) -> list[Output]:
+    def _wheel_rows(self, situation: Situation, wheel: RigidWheel) -> Iterator[_Row]:
+        """Yield name, unit, description and value of the channels of a wheel."""
+        touch = self._constraint(wheel).touch(situation.kinematics)
         contact = self._contact(situation, wheel)
         force = self._carrier.frame(situation.kinematics).rotation.T @ contact.force
         felt, creep = contact.motion.creepages, contact.creep
-        angle = ops.atan(touch.rail.slope)
-        channels = (
-            ("normal_force", "N", "Normal force", contact.normal_force, "contact"),
-            ("longitudinal_force", "N", "Creep force along", creep.longitudinal, "contact"),
-            ("lateral_force", "N", "Creep force to the left", creep.lateral, "contact"),
-            ("spin_moment", "N*m", "Moment about the normal", creep.spin_moment, "contact"),
-            ("longitudinal_creepage", "1", "Longitudinal creepage", felt.longitudinal, "contact"),
-            ("lateral_creepage", "1", "Lateral creepage", felt.lateral, "contact"),
-            ("spin_creepage", "1/m", "Spin creepage", felt.spin, "contact"),
-            ("contact_y", "m", "Contact point", touch.point[1], "track"),
-            ("contact_angle", "rad", "Contact angle, rising outwards", angle, "track"),
-            ("rolling_radius", "m", "Rolling radius", touch.rolling_radius, ""),
-            ("Y", "N", "Force of the wheel on the rail, to the left", -force[1], "track"),
-            ("Q", "N", "Force of the wheel on the rail, downwards", force[2], "track"),
-            ("wear_number", "N", "Work of friction a length of way", contact.wear_number, ""),
+        yield "Y", "N", "Force of the wheel on the rail to the left", -force[1]
+        yield "Q", "N", "Wheel load, downwards on the rail", force[2]
+        yield "X", "N", "Force of the wheel on the rail forwards", -force[0]
+        yield "wear_number", "N", "Creep forces times creepages", contact.wear_number
+        rows: tuple[_Row, ...] = (
+            ("normal_force", "N", "Normal force", contact.normal_force),
+            ("longitudinal_force", "N", "Creep force on the wheel forwards", creep.longitudinal),
+            ("lateral_force", "N", "Creep force on the wheel to the left", creep.lateral),
+            ("spin_moment", "N*m", "Creep moment on the wheel", creep.spin_moment),
+            ("longitudinal_creepage", "1", "Longitudinal creepage", felt.longitudinal),
+            ("lateral_creepage", "1", "Lateral creepage to the left", felt.lateral),
+            ("spin_creepage", "1/m", "Spin creepage", felt.spin),
+            ("angle", "rad", "Contact angle, rising outwards", ops.atan(touch.rail.slope)),
+            ("lateral_place", "m", "Contact point left of the track's middle", touch.point[1]),
+            ("rolling_radius", "m", "Radius at the contact", touch.rolling_radius),
         )
-        return [
-            Output(Channel(f"{self.name}.{wheel.side}.{name}", unit, text, frame), value)
-            for name, unit, text, value, frame in channels
-        ]
+        for name, unit, text, value in rows:
+            yield f"contact_1.{name}", unit, text, value
 
     @property
     def _carrier(self) -> OnTrack:

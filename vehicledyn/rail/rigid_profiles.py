@@ -22,6 +22,7 @@ PLACE_STEP = 5e-4
 
 _REACH, _SHIFT_STEP = 0.025, 5e-4
 _MARGIN = 2e-3
+_LEAP = 4.0 * _SHIFT_STEP
 
 
 def rigid_wheels(
@@ -49,10 +50,19 @@ def rigid_wheels(
         If the wheel is above its rail at no lateral shift.
     """
     tread, head = outline("wheel", wheel.table), outline("rail", rail.surface)
-    places = contact_places(wheel, rail)
+    visited = visited_places(wheel, rail)
+    ends = (
+        max(min(visited) - _MARGIN, wheel.table.begin + OUTLINE_STEP),
+        min(max(visited) + _MARGIN, wheel.table.end - OUTLINE_STEP),
+    )
+    leaps = np.abs(np.diff(visited)).max(initial=0.0) > _LEAP
+    count = int(np.ceil((ends[1] - ends[0]) / PLACE_STEP))
+    places = tuple(map(float, np.linspace(*ends, count + 1))) if leaps else ()
     return tuple(
         RigidWheel(
             TouchingWheel(1.0 if side == "left" else -1.0, tread, head, radius, half_distance),
+            start=visited[int(np.argmin(np.abs(visited)))],
+            ends=ends,
             places=places,
         )
         for side in sides
@@ -63,16 +73,19 @@ def outline(name: str, table: Table) -> TableOutline:
     """Return a profile with cells of equal width, twice differentiable."""
     count = int(np.floor((table.end - table.begin) / OUTLINE_STEP * (1.0 + 1e-12)))
     places = table.begin + OUTLINE_STEP * np.arange(count + 1, dtype=np.float64)
-    return TableOutline(CurveTable.through(name, table.begin, OUTLINE_STEP, table.height(places)))
+    heights = table.height(np.clip(places, table.begin, table.end))
+    return TableOutline(CurveTable.through(name, table.begin, OUTLINE_STEP, heights))
 
 
-def contact_places(wheel: Wheel, rail: Rail) -> tuple[float, ...]:
-    """Return places on a wheel that cover its contacts at lateral shifts of some centimetres.
+def visited_places(wheel: Wheel, rail: Rail) -> list[float]:
+    """Return where a wheel touches its rail, from inner to outer shifts of some centimetres [m].
+
+    Contacts at ends of profiles are left out.
 
     Raises
     ------
     InputError
-        If the wheel is above its rail at no lateral shift.
+        If the wheel touches its rail at no lateral shift.
     """
     found = []
     for shift in np.arange(-_REACH, _REACH, _SHIFT_STEP):
@@ -84,7 +97,4 @@ def contact_places(wheel: Wheel, rail: Rail) -> tuple[float, ...]:
             found.append(float(touch.place[0]))
     if not found:
         raise InputError("the wheel touches the rail at no lateral shift")
-    low = max(min(found) - _MARGIN, wheel.table.begin + OUTLINE_STEP)
-    high = min(max(found) + _MARGIN, wheel.table.end - OUTLINE_STEP)
-    count = int(np.ceil((high - low) / PLACE_STEP))
-    return tuple(float(place) for place in np.linspace(low, high, count + 1))
+    return found

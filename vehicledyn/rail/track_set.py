@@ -61,7 +61,7 @@ class TrackChoice(ParameterSet):
 class TrackSet(TrackChoice):
     """Base of the kinds of track that say what rails they have."""
 
-    gauge: float = quantity("m", "Distance of the running edges of the rails", gt=0.3, lt=3.0)
+    gauge: float = quantity("m", "Distance of the running edges of the rails", gt=0.2, lt=3.0)
     gauge_depth: float = quantity(
         "m", "Depth below the tops of the rails where it is measured", default=0.014, gt=0.0, lt=0.1
     )

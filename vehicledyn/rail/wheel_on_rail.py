@@ -104,6 +104,7 @@ class ElasticWheels(BasePart):
     """
 
     rolls_on_rails: ClassVar[bool] = True
+    settles_on_rails: ClassVar[bool] = True
 
     wheels: RailWheels
     contact: ElasticContact

@@ -43,7 +43,7 @@ class SystemSubject:
     @property
     def settling(self) -> float | None:
         """Step in which wheels on rails are let down until their contacts carry [m or rad]."""
-        return SETTLING if self._rolls else None
+        return SETTLING if self._any("settles_on_rails") else None
 
     @property
     def given_rates(self) -> dict[str, float]:
@@ -94,7 +94,10 @@ class SystemSubject:
 
     @property
     def _rolls(self) -> bool:
-        return any(getattr(part, "rolls_on_rails", False) for part in self.system.parts)
+        return self._any("rolls_on_rails")
+
+    def _any(self, quality: str) -> bool:
+        return any(getattr(part, quality, False) for part in self.system.parts)
 
     def scene(self) -> dict[str, SceneItem]:
         """Return nothing."""

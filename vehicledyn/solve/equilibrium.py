@@ -71,6 +71,21 @@ def assemble(kernel: Kernel, time: float, state: Any, guess: Any) -> Vector:
     return kernel.solve_unknowns(time, state, unknowns)
 
 
+def guessed(kernel: Kernel, time: float, state: Vector, unknowns: Vector) -> Vector:
+    """Return unknowns with those that events would move where the events would put them.
+
+    A search that leaps from state to state passes no events; points of contact must lie where
+    they touch first all the same.
+    """
+    moved = [pair for event in kernel.equations.events for pair in event.guesses]
+    if not moved:
+        return unknowns
+    values, guess = kernel.reset_values(time, state, unknowns), unknowns.copy()
+    for index, row in moved:
+        guess[index] = values[row]
+    return guess
+
+
 def find_equilibrium(
     equations: Equations,
     kernel: Kernel,
@@ -155,6 +170,7 @@ class _Balance:
         state = self.state.copy()
         state[self.free] = part
         guess = self._unknowns + self._follow @ (part - self._base)
+        guess = guessed(self.kernel, self.time, state, guess)
         return state, self.kernel.solve_unknowns(self.time, state, guess)
 
     def evaluate(self, part: Vector) -> tuple[Vector, Vector]:

@@ -19,6 +19,7 @@ from vehicledyn.multibody.parts import Part, Situation
 from vehicledyn.multibody.sensors import Accelerometer, BodySensor
 from vehicledyn.multibody.system import Body, Joint, System, Turn
 from vehicledyn.rail.rail_contact import RailWheels
+from vehicledyn.rail.rigid_contact import RigidRailWheels
 from vehicledyn.rail.track import Track
 from vehicledyn.rail.track_follower import TrackFollower
 from vehicledyn.rail.track_set import TrackChoice
@@ -181,17 +182,24 @@ class _Builder:
                 if isinstance(s, SensorSet)
             ),
         ]
+        guided = [part for part in parts if isinstance(part, RigidRailWheels)]
         return System(
             name=self.model.name,
             table=self.table,
-            bodies=tuple(self._body(n, b) for n, b in file.bodies.items()),
+            bodies=(
+                *(self._body(n, b) for n, b in file.bodies.items()),
+                *(body for part in guided for body in part.bodies()),
+            ),
             cuts=tuple(
                 cut.cut(n, self.value) for n, cut in file.cuts.items() if isinstance(cut, CutSet)
             ),
-            constraints=tuple(
-                self._constraint(n, c)
-                for n, c in file.constraints.items()
-                if isinstance(c, ConstraintSet)
+            constraints=(
+                *(
+                    self._constraint(n, c)
+                    for n, c in file.constraints.items()
+                    if isinstance(c, ConstraintSet)
+                ),
+                *(constraint for part in guided for constraint in part.constraints()),
             ),
             parts=tuple(parts),
             gravity=self.value(file.gravity),

@@ -13,6 +13,7 @@ from vehicledyn.scenario import load_model
 WHEELSET = Path(__file__).parents[3] / "systems" / "rail_wheelset.yaml"
 WRITTEN = {
     "elastic": "{kind: elastic, youngs_modulus: 210 GPa, poissons_ratio: 0.28, damping: 2 s/m}",
+    "rigid": "{kind: rigid, youngs_modulus: 210 GPa, poissons_ratio: 0.28}",
 }
 
 

@@ -40,8 +40,10 @@ def test_contact_is_where_a_search_of_the_profiles_finds_it(shape, lateral, yaw)
     for side, sign in (("left", 1.0), ("right", -1.0)):
         touch = getattr(standing, side)
         assert found[f"wheels.{side}.place"] == pytest.approx(touch.place[0], abs=2e-6)
-        assert found[f"wheels.{side}.contact_y"] == pytest.approx(sign * touch.y[0], abs=2e-6)
-        assert np.tan(found[f"wheels.{side}.contact_angle"]) == pytest.approx(
+        assert found[f"wheels.{side}.contact_1.lateral_place"] == pytest.approx(
+            sign * touch.y[0], abs=2e-6
+        )
+        assert np.tan(found[f"wheels.{side}.contact_1.angle"]) == pytest.approx(
             touch.slope[0], abs=1e-5
         )
 
@@ -79,12 +81,14 @@ def test_normal_forces_carry_the_weight_and_the_creep_forces():
     )
     across = found["wheels.left.Y"] + found["wheels.right.Y"]
     assert across == pytest.approx(-1500.0 * rates["y_rate"], rel=1e-9)
-    along = [found[f"wheels.{side}.longitudinal_force"] for side in ("left", "right")]
+    along = [found[f"wheels.{side}.contact_1.longitudinal_force"] for side in ("left", "right")]
     assert abs(along[0]) > 1000.0
     for side in ("left", "right"):
-        normal = found[f"wheels.{side}.normal_force"]
-        creep = np.hypot(*(found[f"wheels.{side}.{k}_force"] for k in ("longitudinal", "lateral")))
+        normal = found[f"wheels.{side}.contact_1.normal_force"]
+        creep = np.hypot(
+            *(found[f"wheels.{side}.contact_1.{k}_force"] for k in ("longitudinal", "lateral"))
+        )
         assert creep <= 0.3 * normal * (1.0 + 1e-9)
         assert found[f"wheels.{side}.vertical_force"] == pytest.approx(
-            normal * np.cos(found[f"wheels.{side}.contact_angle"]), rel=1e-9
+            normal * np.cos(found[f"wheels.{side}.contact_1.angle"]), rel=1e-9
         )

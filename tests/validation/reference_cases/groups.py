@@ -18,6 +18,7 @@ from reference_cases import (
     rail_geometry,
     rail_wheels,
     repeatability,
+    rigid_wheelset,
     slalom,
     standstill,
     suspensions,
@@ -44,6 +45,7 @@ GROUPS = {
     "rail_wheels": rail_wheels.compare,
     "track": track.compare,
     "rail_assessment": rail_assessment.compare,
+    "rigid_wheelset": rigid_wheelset.compare,
 }
 
 
