@@ -119,6 +119,8 @@ def raw_skeleton(system: System) -> dict[str, Any]:
         )
     bodies = []
     for body in system.bodies:
+        if body.is_abstract:
+            continue
         index = tree.body_link[body.name]
         last = tree.links[index]
         turns = last.joint is not None and last.joint.is_rotation and last.after is None

@@ -83,6 +83,8 @@ class Body:
     apparent_inertia
         Whether the inertia was identified on a machine or holds motors and gears, so that it may
         break the triangle inequality.
+    is_abstract
+        Whether it only carries coordinates of constraints, so that there is nothing to be seen.
     """
 
     name: str
@@ -94,6 +96,7 @@ class Body:
     inertia: Sequence[Scalar] = (0.0,) * 6
     spins_about: int | None = None
     apparent_inertia: bool = False
+    is_abstract: bool = False
 
 
 @dataclass(frozen=True)

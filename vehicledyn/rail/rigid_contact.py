@@ -98,7 +98,9 @@ class RigidRailWheels(BasePart):
         if not self.track.is_straight:
             text = "Arc coordinate of the body along the track"
             joints.append(Joint("T1", self._carrier.position, 0.0, "dependent", description=text))
-        return tuple(Body(f"{j.name}_coordinate", GROUND, joints=(j,)) for j in joints)
+        return tuple(
+            Body(f"{j.name}_coordinate", GROUND, joints=(j,), is_abstract=True) for j in joints
+        )
 
     def constraints(self) -> tuple[PositionConstraint | TouchConstraint, ...]:
         """Return the constraints that determine them and make the wheels touch."""

@@ -57,10 +57,10 @@ def rigid_wheels(wheelset, outline, starts, *, name="wheels", track=STRAIGHT):
     return RigidRailWheels(name, "wheelset", tuple(pair), track, LAW, STEEL)
 
 
-def wheelset_body(*, lateral=0.0, yaw=0.0, height=0.0, speed=0.0, radius=0.46):
+def wheelset_body(*, lateral=0.0, yaw=0.0, height=0.0, speed=0.0, radius=0.46, ahead=0.0):
     """Return a free wheelset; shift and yaw keep their starts."""
     joints = (
-        Joint("T1", "x", role="independent", start_rate=speed),
+        Joint("T1", "x", ahead, "independent", start_rate=speed),
         Joint("T2", "y", lateral, "independent"),
         Joint("T3", "z", height),
         Joint("R3", "yaw", yaw, "independent"),

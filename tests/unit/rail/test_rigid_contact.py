@@ -1,15 +1,26 @@
 """Rigid contact by constraint: geometry against a search of profiles, forces against statics."""
 
-from dataclasses import replace
+import math
+from dataclasses import dataclass, replace
 
 import numpy as np
 import pytest
-from rigid_examples import STRAIGHT, Circle, channels, on_rails, rigid_wheels, wheelset_body
+from rigid_examples import (
+    STRAIGHT,
+    Circle,
+    channels,
+    on_rails,
+    rigid_wheels,
+    wheelset_body,
+    wheelset_on,
+)
 
+from vehicledyn.multibody.skeleton import raw_skeleton
 from vehicledyn.rail.contact_geometry import Wheel, place_rail
 from vehicledyn.rail.contact_geometry_wheelset import WheelsetOnTrack, stand
 from vehicledyn.rail.outline import ArcOutline, ConeOutline
 from vehicledyn.rail.profile_names import named_profile
+from vehicledyn.symbolic import ops
 
 SHAPES = {
     "cone": ("cone:1/20", ConeOutline(0.05)),
@@ -92,3 +103,43 @@ def test_normal_forces_carry_the_weight_and_the_creep_forces():
         assert found[f"wheels.{side}.vertical_force"] == pytest.approx(
             normal * np.cos(found[f"wheels.{side}.contact_1.angle"]), rel=1e-9
         )
+
+
+@dataclass(frozen=True)
+class Waves:
+    """Both rails go up and down alike along the track."""
+
+    height: float
+    length: float
+
+    def at(self, side, s):
+        return 0.0, self.height * ops.sin(2.0 * math.pi * s / self.length)
+
+
+def test_wheelset_follows_waves_of_the_rails():
+    """Both wheels bear the weight and the inertia of the same motion, m (g + z'' v² + z' v̇)."""
+    wheelset, outline = round_wheelset("cone:1/20"), SHAPES["cone"][1]
+    standing = stand(wheelset, 0.0)
+    starts = (standing.left.place[0], standing.right.place[0])
+    waves = Waves(2e-3, 3.0)
+    track = replace(STRAIGHT, shifts=(waves,))
+    body = wheelset_body(height=standing.height, speed=20.0, ahead=0.7)
+    ready = on_rails(rigid_wheels(wheelset, outline, starts, track=track), body)
+    found = channels(*ready)
+    number = 2.0 * math.pi / waves.length
+    phase = number * 0.7
+    assert found["z"] - standing.height == pytest.approx(waves.height * math.sin(phase), abs=2e-9)
+    equations, kernel, state, unknowns = ready
+    names = [variable.name for variable in equations.states]
+    gain = kernel.rates(0.0, state, unknowns)[names.index("x_rate")]
+    rise = waves.height * number * math.cos(phase)
+    lift = rise * gain - waves.height * math.sin(phase) * (number * 20.0) ** 2
+    load = found["wheels.left.Q"] + found["wheels.right.Q"]
+    assert load == pytest.approx(1500.0 * (9.81 + lift), rel=1e-6)
+
+
+def test_coordinates_of_contacts_are_not_drawn():
+    wheelset = round_wheelset("cone:1/20")
+    part = rigid_wheels(wheelset, SHAPES["cone"][1], (0.0, 0.0))
+    skeleton = raw_skeleton(wheelset_on(part, wheelset_body(height=0.46)))
+    assert [item["name"] for item in skeleton["bodies"]] == ["wheelset"]
