@@ -7,6 +7,9 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).parent))
 
+from pygments.lexers.special import TextLexer
+from sphinx.application import Sphinx
+
 import vehicledyn
 
 project = "vehicledyn"
@@ -20,7 +23,7 @@ extensions = [
     "sphinx_parts.reference",
     "sphinx_parts.docstrings",
     "sphinx_parts.links",
-    "sphinx_parts.mathml",
+    "sphinx_parts.formulas",
 ]
 exclude_patterns = ["_build"]
 source_suffix = {".md": "markdown"}
@@ -37,7 +40,7 @@ napoleon_google_docstring = False
 napoleon_use_rtype = False
 add_module_names = False
 python_use_unqualified_type_names = True
-toc_object_entries_show_parents = "hide"
+toc_object_entries = False
 
 suppress_warnings = ["ref.python"]  # annotations name classes that two modules may have
 
@@ -47,7 +50,7 @@ html_static_path = ["_static"]
 html_css_files = ["pages.css"]
 html_show_sourcelink = False
 html_copy_source = False
-html_math_renderer = "mathml"
+html_math_renderer = "drawn"
 html_theme_options = {
     "navbar_align": "left",
     "show_prev_next": True,
@@ -55,3 +58,8 @@ html_theme_options = {
     "footer_start": ["copyright"],
     "footer_end": [],
 }
+
+
+def setup(app: Sphinx) -> None:
+    """Show listings of CSV as they are."""
+    app.add_lexer("csv", TextLexer)

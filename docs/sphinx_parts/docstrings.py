@@ -70,7 +70,8 @@ def _indent(line: str) -> int:
     return len(line) - len(line.lstrip())
 
 
-def _process(app: Sphinx, what: str, name: str, thing: Any, options: Any, lines: list[str]) -> None:
+def _process(*event: Any) -> None:
+    lines: list[str] = event[-1]
     lines[:] = to_restructured(lines)
 
 

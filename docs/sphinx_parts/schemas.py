@@ -95,12 +95,10 @@ def _typed(field: Schema) -> str:
         inner = field.get("additionalProperties")
         return f"names with {_type(inner)}" if isinstance(inner, dict) else "mapping"
     if kind == "string" and "pattern" in field:
-        return "text with unit" if "[+-]?" in field["pattern"] else f"text like `{field['pattern']}`"
-    bounds = [
-        f"{sign} {field[key]:g}"
-        for key, sign in _BOUNDS.items()
-        if key in field
-    ]
+        return (
+            "text with unit" if "[+-]?" in field["pattern"] else f"text like `{field['pattern']}`"
+        )
+    bounds = [f"{sign} {field[key]:g}" for key, sign in _BOUNDS.items() if key in field]
     words = [_WORDS[each] for each in ([kind] if isinstance(kind, str) else kind)]
     return " ".join([" or ".join(words), " and ".join(bounds)]).strip()
 
