@@ -26,7 +26,8 @@ _SLENDER = 0.04
 _USUAL = 1.0
 """Extent of bodies that are points [m]."""
 _FRAME = 4
-"""Points from which on a body on the ground is drawn as a frame around them."""
+"""Points from which on a body is drawn as the box around them, if its inertia is of their size."""
+_ENCLOSING = 0.7
 _FREE = 4
 """Joints to the ground from which on a body counts as free."""
 
@@ -155,7 +156,10 @@ def _bodies(
         arms = [p for p in _unique(points[name]) if np.linalg.norm(p) > 0.5 * thickness]
         box = _box(body, thickness)
         is_first = body["parent"] == GROUND
-        if is_first and len(arms) >= _FRAME:
+        reach = max((float(np.linalg.norm(arm)) for arm in arms), default=0.0)
+        if box and len(arms) >= _FRAME and max(box["size"]) >= _ENCLOSING * reach:
+            found.append({**box, "style": "glass"})
+        elif is_first and len(arms) >= _FRAME:
             found.append(_frame(name, points[name], thickness))
         elif box and (not arms or (is_first and len(body["joints"]) >= _FREE)):
             found.append(box if not arms else {**box, "style": "glass"})

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vehicledyn.base.errors import InputError
-from vehicledyn.results.animation_moment import Moment
+from vehicledyn.results.animation_moment import Bounds, Moment
 from vehicledyn.results.animation_scene import AnimatedScene
 from vehicledyn.results.animation_solids import Face
 
@@ -20,7 +20,7 @@ VIEWS = {
     "front": (1.9, 0.0, 0.35),
     "top": (-0.001, 0.0, 2.1),
 }
-"""Places of the camera in sizes of the vehicle, along and left of its heading, and up."""
+"""Where the camera looks from: along and left of the heading of the first body, and up."""
 
 FIELD = math.radians(38.0)
 """Angle of the picture's height [rad]."""
@@ -41,19 +41,23 @@ class Camera:
 
     @classmethod
     def behind(
-        cls, scene: AnimatedScene, time: float, view: str, middle: Array, extent: float
+        cls, scene: AnimatedScene, time: float, view: str, bounds: Bounds, aspect: float
     ) -> Camera:
-        """Return the camera of a view onto the first body, turned with its heading at the start."""
+        """Return the camera of a view onto the vehicle, as near as the box around it allows."""
         if view not in VIEWS:
             raise InputError(f"view '{view}' is unknown; take one of {', '.join(VIEWS)}")
-        start = Moment(scene, float(scene.time[0]))
-        first = scene.bodies[0]["name"]
-        ahead = start.places(first, [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0]])
-        heading = math.atan2(*(ahead[1] - ahead[0])[1::-1]) if np.isfinite(ahead).all() else 0.0
+        target = np.nan_to_num(Moment(scene, time).position[0]) + bounds.middle
+        x, y, z = np.array(VIEWS[view]) / np.linalg.norm(VIEWS[view])
+        heading = _heading(scene)
         c, s = math.cos(heading), math.sin(heading)
-        x, y, z = (extent * part for part in VIEWS[view])
-        target = np.nan_to_num(Moment(scene, time).position[0]) + middle
-        return cls(target + np.array([c * x - s * y, s * x + c * y, z]), target, _NEAR * extent)
+        back = np.array([c * x - s * y, s * x + c * y, z])
+        probe = cls(back, np.zeros(3), 1.0)
+        signs = np.array([[i, j, k] for i in (-1, 1) for j in (-1, 1) for k in (-1, 1)])
+        right, up, near = ((signs * bounds.half) @ axis for axis in probe._axes)
+        tall = math.tan(0.5 * FIELD)
+        wanted = near + np.maximum(1.15 * np.abs(right) / (tall * aspect), 1.35 * np.abs(up) / tall)
+        distance = max(0.6 * bounds.size, float(wanted.max()))
+        return cls(target + distance * back, target, _NEAR * bounds.size)
 
     def flat(self, points: Array) -> tuple[Array, Array]:
         """Return places in the picture, shape (n, 2), and depths (n,) [m]."""
@@ -104,3 +108,11 @@ class Camera:
                 bright = 0.68 + 0.4 * max(0.0, float(normal @ _LIGHT))
         red, green, blue = (min(1.0, bright * part) for part in to_rgb(face.colour))
         return red, green, blue
+
+
+def _heading(scene: AnimatedScene) -> float:
+    """Return the angle of the first body's x axis about the vertical at the start [rad]."""
+    start = Moment(scene, float(scene.time[0]))
+    feet = start.places(scene.bodies[0]["name"], [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0]])
+    x, y = (feet[1] - feet[0])[:2]
+    return math.atan2(y, x) if math.isfinite(x + y) else 0.0

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -54,23 +55,36 @@ class Moment:
         return self._bodies[body][0] if body in self._bodies else 0
 
 
-def extent_of(scene: AnimatedScene) -> tuple[Array, float]:
-    """Return the middle of the vehicle from its first body [m], and its size [m].
+@dataclass(frozen=True)
+class Bounds:
+    """The box around all that moves: its ``middle`` from the first body and half its edges [m]."""
+
+    middle: Array
+    half: Array
+
+    @property
+    def size(self) -> float:
+        """Its diagonal [m]."""
+        return 2.0 * float(np.linalg.norm(self.half))
+
+
+def bounds_of(scene: AnimatedScene) -> Bounds:
+    """Return the box around the vehicle.
 
     At the start, or over many pictures where the first body stays in its place.
     """
     origin = scene.pictures.position[:, 0]
     known = origin[np.isfinite(origin).all(axis=1)]
     first = known[0] if len(known) else np.zeros(3)
-    middle, size = _span(scene, scene.time[:1])
-    if len(known) and np.linalg.norm(np.ptp(known, axis=0)) < size:
+    middle, half = _span(scene, scene.time[:1])
+    if len(known) and np.linalg.norm(np.ptp(known, axis=0)) < 2.0 * np.linalg.norm(half):
         rows = np.linspace(0, len(scene.time) - 1, 24).round().astype(int)
-        middle, size = _span(scene, scene.time[rows])
-    return middle - first, size
+        middle, half = _span(scene, scene.time[rows])
+    return Bounds(middle - first, half)
 
 
-def _span(scene: AnimatedScene, times: Array) -> tuple[Array, float]:
-    """Return the middle of all that moves at some times, and its size [m]."""
+def _span(scene: AnimatedScene, times: Array) -> tuple[Array, Array]:
+    """Return the middle of all that moves at some times, and half the edges of its box [m]."""
     points = []
     for time in times:
         moment = Moment(scene, float(time))
@@ -78,17 +92,18 @@ def _span(scene: AnimatedScene, times: Array) -> tuple[Array, float]:
         points += [_reach(moment, shape) for shape in scene.shapes]
     found = np.concatenate(points)
     found = found[np.isfinite(found).all(axis=1)]
-    if not len(found):
-        return np.zeros(3), 1.0
+    if not len(found) or not np.ptp(found, axis=0).max() > 1e-6:
+        return (found[0] if len(found) else np.zeros(3)), np.full(3, 0.3)
     low, high = found.min(axis=0), found.max(axis=0)
-    size = float(np.linalg.norm(high - low))
-    return 0.5 * (low + high), size if size > 1e-6 else 1.0
+    return 0.5 * (low + high), 0.5 * (high - low)
 
 
 def _reach(moment: Moment, shape: Plain) -> Array:
     """Return the outermost points of a shape on bodies that move, shape (n, 3) [m]."""
     if shape["kind"] == "hull":
-        return moment.places(shape["body"], [[*corner[:2], 0.0] for corner in shape["outline"]])
+        heights = shape["bottom"], roof(shape)
+        corners = [[*corner[:2], z] for corner in shape["outline"] for z in heights]
+        return moment.places(shape["body"], corners)
     points = [np.empty((0, 3))]
     for key in ("a", "b", "at"):
         anchor = shape.get(key)
@@ -107,3 +122,9 @@ def whole_turn(body: Plain, quaternion: Array, turn: Array) -> Array:
     if not body["axis"]:
         return quaternion
     return multiplied(quaternion, about(np.eye(3)[body["axis"] - 1], turn))
+
+
+def roof(hull: Plain) -> float:
+    """Return the height of a hull's cabin, as tall as cars of that length have it [m]."""
+    xs = [corner[0] for corner in hull["outline"]]
+    return float(hull["top"] + 0.24 * min(max(xs) - min(xs), 4.5))

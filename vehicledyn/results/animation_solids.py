@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from vehicledyn.results.animation_moment import Moment
+from vehicledyn.results.animation_moment import Moment, roof
 from vehicledyn.results.animation_scene import AnimatedScene
 
 Array = NDArray[np.float64]
@@ -161,14 +161,14 @@ def _hull(moment: Moment, shape: Plain, _: bool) -> list[Face]:
     front, rear = outline[:, 0].max(), outline[:, 0].min()
     left, right = outline[:, 1].max(), outline[:, 1].min()
     low, top, length = shape["bottom"], shape["top"], front - rear
-    roof = top + 0.24 * min(length, 4.5)
+    cabin = roof(shape)
     side = [
         (rear, low),
         (front, low),
         (front, top - 0.16 * (top - low)),
         (front - 0.3 * length, top),
     ]
-    side += [(front - 0.4 * length, roof), (rear + 0.05 * length, roof), (rear, top)]
+    side += [(front - 0.4 * length, cabin), (rear + 0.05 * length, cabin), (rear, top)]
     walls = [[(x, y, z) for x, z in side] for y in (left, right)]
     polygons = [np.array(wall) for wall in walls]
     for k in range(len(side)):

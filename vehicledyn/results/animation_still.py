@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from vehicledyn.base.errors import InputError
 from vehicledyn.results.animation_camera import FIELD, Camera
-from vehicledyn.results.animation_moment import extent_of
+from vehicledyn.results.animation_moment import bounds_of
 from vehicledyn.results.animation_scene import AnimatedScene
 from vehicledyn.results.animation_solids import faces_of
 from vehicledyn.results.output import write_failed
@@ -87,8 +87,9 @@ def paint(figure: Figure, scene: AnimatedScene, time: float, view: str) -> None:
     half = math.tan(0.5 * FIELD)
     axes.set_xlim(-half * WIDTH / HEIGHT, half * WIDTH / HEIGHT)
     axes.set_ylim(-half, half)
-    middle, extent = extent_of(scene)
-    camera = Camera.behind(scene, time, view, middle, extent)
+    bounds = bounds_of(scene)
+    extent = bounds.size
+    camera = Camera.behind(scene, time, view, bounds, WIDTH / HEIGHT)
     lines = [line for line in map(camera.line, _ground(scene, camera.target, extent)) if len(line)]
     axes.add_collection(LineCollection(lines, colors=_LINE, linewidths=0.5, zorder=1.0))
     seen = []

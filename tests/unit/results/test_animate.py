@@ -96,6 +96,7 @@ def test_pages_load_nothing(car, tmp_path):
     animate_result(car, page)
     text = page.read_text(encoding="utf-8")
     assert "default-src 'none'" in text
+    assert "Permission is hereby granted, free of charge" in text  # the library's licence
     assert not re.search(r"""(src|href)\s*=\s*["'](?!data:)""", text)
     assert page.stat().st_size < 900_000
 

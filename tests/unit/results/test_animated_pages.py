@@ -216,7 +216,7 @@ def test_a_wheelset_on_rails(browser, tmp_path, needs_compiler):
     assert found.track[:, 1, 1] == pytest.approx(-0.7175, abs=1e-9)
     assert found.track[0, 0, 0] < 0.0 < 2.0 < found.track[-1, 0, 0]
     (load, _) = read_scenes([tmp_path / "rail.h5"])[0].arrows
-    assert load.force[:, 2] == pytest.approx(50e3, rel=0.1)
+    assert load.force[-1, 2] == pytest.approx(50e3, rel=0.1)  # half of the load
     assert load.foot[:, 1:] == pytest.approx(np.tile([0.75, 0.0], (len(load.foot), 1)), abs=0.01)
     animate_result(tmp_path / "rail.h5", tmp_path / "rail.html")
     browser.open((tmp_path / "rail.html").as_uri() + "#t=0.05")

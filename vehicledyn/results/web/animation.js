@@ -160,11 +160,17 @@
     }
   }
 
+  // Height of a hull's cabin, which is as tall as cars of that length have it.
+  function roof({ outline, top }) {
+    const xs = outline.map((p) => p[0]);
+    return top + 0.24 * Math.min(Math.max(...xs) - Math.min(...xs), 4.5);
+  }
+
   // The silhouette of a vehicle, drawn across its width; wheels cut arches into it.
   function hullMesh(shape, wheels, paint) {
     const xs = shape.outline.map((p) => p[0]), ys = shape.outline.map((p) => p[1]);
     const front = Math.max(...xs), rear = Math.min(...xs), left = Math.max(...ys), right = Math.min(...ys);
-    const length = front - rear, height = shape.top - shape.bottom, cabin = shape.top + 0.24 * Math.min(length, 4.5);
+    const length = front - rear, height = shape.top - shape.bottom, cabin = roof(shape);
     const at = (part) => front - part * length;
     const profile = new THREE.Shape();
     profile.moveTo(rear, shape.bottom + 0.1 * height);
@@ -297,6 +303,7 @@
       this.pose(this.times[0]);
       this.low = whole.low;
       this.middle = whole.middle.sub(this.first());
+      this.half = whole.half;
       return whole.size;
     }
 
@@ -311,14 +318,14 @@
         this.pose(time);
         for (const shape of this.data.shapes) {
           [shape.a, shape.b, shape.at].forEach(take);
-          if (shape.kind === "hull") for (const [x, y] of shape.outline) take({ body: shape.body, point: [x, y, 0] });
+          if (shape.kind === "hull") for (const [x, y] of shape.outline) for (const z of [shape.bottom, roof(shape)]) take({ body: shape.body, point: [x, y, z] });
           if (shape.kind === "box") for (const s of [-0.5, 0.5]) take({ body: shape.at.body, point: shape.at.point.map((p, k) => p + s * shape.size[k]) });
           if (shape.kind === "wheel") for (const s of [-1, 1]) take({ body: shape.at.body, point: [shape.at.point[0] + s * shape.radius, shape.at.point[1], shape.at.point[2]] });
         }
       }
       const size = high.clone().sub(low).length();
-      if (!Number.isFinite(size) || size < 1e-6) return { size: 1, low: 0, middle: this.first() };
-      return { size, low: low.z, middle: low.clone().add(high).multiplyScalar(0.5) };
+      if (!Number.isFinite(size) || size < 1e-6) return { size: 1, low: 0, middle: this.first(), half: new THREE.Vector3(0.3, 0.3, 0.3) };
+      return { size, low: low.z, middle: low.clone().add(high).multiplyScalar(0.5), half: high.clone().sub(low).multiplyScalar(0.5) };
     }
 
     first() { return new THREE.Vector3(...this.origin.map((c) => c[0] || 0)); }
@@ -861,12 +868,23 @@
   controls.addEventListener("start", () => { quality.moved = Infinity; });
   controls.addEventListener("end", () => { quality.moved = performance.now(); });
   let mode = "follow", target = actors[0].now.clone().add(actors[0].middle), heading = actors[0].heading();
+  const startHeading = heading;
 
   const VIEWS = { angle: [-1.25, -1.36, 0.78], side: [0, -1.9, 0.25], front: [1.9, 0, 0.35], top: [-0.001, 0, 2.1] };
   function look(name) {
-    const turned = new THREE.Vector3(...VIEWS[name]).multiplyScalar(extent).applyAxisAngle(UP, actors[0].heading());
+    const ahead = new THREE.Vector3(...VIEWS[name]).normalize(), back = ahead.clone().applyAxisAngle(UP, startHeading);
+    const right = new THREE.Vector3().crossVectors(UP, back).normalize();
+    const up = new THREE.Vector3().crossVectors(back, right), half = actors[0].half;
+    // As near as the box around the vehicle allows, with some room.
+    const tall = Math.tan((0.5 * camera.fov * Math.PI) / 180), wide = tall * camera.aspect;
+    let distance = 0.6 * extent;
+    for (let k = 0; k < 8; k++) {
+      const corner = new THREE.Vector3(k & 1 ? half.x : -half.x, k & 2 ? half.y : -half.y, k & 4 ? half.z : -half.z);
+      const near = corner.dot(back);
+      distance = Math.max(distance, near + (1.15 * Math.abs(corner.dot(right))) / wide, near + (1.35 * Math.abs(corner.dot(up))) / tall);
+    }
     controls.target.copy(target);
-    camera.position.copy(target).add(turned);
+    camera.position.copy(target).addScaledVector(ahead.applyAxisAngle(UP, actors[0].heading()), distance);
     controls.update();
     dirty = true;
   }
@@ -1009,9 +1027,9 @@
   for (let k = 0; k < shownFirst; k++) plots.push(new Plot(`p${k}`));
   if (!shownFirst && first.channels.length) plots.push(new Plot("c0"));
   $("add").hidden = !first.channels.length;
-  look(VIEWS[asked.get("view")] ? asked.get("view") : "angle");
   applyTheme();
   resize();
+  look(VIEWS[asked.get("view")] ? asked.get("view") : "angle");
   requestAnimationFrame(frame);
   // For tests and the curious: what the page shows at present.
   window.animation = {
