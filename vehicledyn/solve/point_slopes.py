@@ -1,4 +1,4 @@
-"""Values and derivatives of many equations at many points, compiled, in SIMD lanes.
+"""Values and derivatives of many functions at many points, compiled, in SIMD lanes.
 
 A lane carries a point and a direction, so the code is that of one directional derivative: three
 times the size of the values alone, however many variables there are.
@@ -7,6 +7,8 @@ times the size of the values alone, however many variables there are.
 from __future__ import annotations
 
 import ctypes
+from collections.abc import Callable
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -27,7 +29,7 @@ from vehicledyn.symbolic.tables import CurveTable
 _P = ctypes.c_void_p
 
 
-class PointSlopes:
+class PointCode:
     """Machine code of values, a column of functions of a point and the parameters.
 
     Parameters
@@ -36,10 +38,13 @@ class PointSlopes:
         The functions, shape (n_values,).
     point
         Symbols that differ from point to point, shape (n,).
-    parameter, index
-        Symbols of the parameters, and which of them the values are differentiated by too.
+    parameter
+        Symbols of the parameters, shape (n_parameters,).
     tables
         All that the values look up.
+    index
+        Parameter by which the values are differentiated, as they are by the point; None where no
+        derivatives are wanted.
 
     Raises
     ------
@@ -52,63 +57,94 @@ class PointSlopes:
         values: Any,
         point: Any,
         parameter: Any,
-        index: int,
         tables: tuple[CurveTable, ...],
+        *,
+        index: int | None = None,
     ) -> None:
         """Derive, print and compile, or take the code from the cache."""
-        self._sizes = (point.shape[0], values.shape[0])
         self._rows = TableRows(tables)
-        moving = ops.stacked(point, parameter[index])
-        direction = ops.symbols("direction", moving.shape[0])
-        slopes = ops.derivative(values, moving, direction)
-        inputs = [point, direction, parameter]
-        prepare, evaluate = apart_from_parameters(inputs, [values, slopes])
-        lanes = suitable_lanes()
-        texts = [function_text(item, tables) for item in (prepare, evaluate)]
-        compiler = find_compiler()
-        key = cache.key_of(*texts, f"{lanes} lanes", generator_fingerprint(), compiler.identity)
+        inputs, results = [point, parameter], [values]
+        if index is not None:
+            moving = ops.stacked(point, parameter[index])
+            direction = ops.symbols("direction", moving.shape[0])
+            results.append(ops.derivative(values, moving, direction))
+            inputs.insert(1, direction)
+        prepare, evaluate = apart_from_parameters(inputs, results)
+        self._sizes = {
+            "NP": parameter.shape[0],
+            "NC": prepare.numel_out(0),
+            "NT": ROW * len(tables),
+            "NPOINT": point.shape[0],
+            "NROW": values.shape[0],
+            "NDIRECTION": 0 if index is None else point.shape[0] + 1,
+        }
+        self._function = _compiled(_Source(prepare, evaluate, self._sizes, tables))
 
-        def build(folder: Path) -> Path:
-            sizes = {
-                "NP": parameter.shape[0],
-                "NC": prepare.numel_out(0),
-                "NT": ROW * len(tables),
-                "NPOINT": point.shape[0],
-                "NROW": values.shape[0],
-            }
-            parts = [
-                f"#define VD_LANES {lanes}",
-                shared_source("real.h"),
-                shared_source("elementary.c"),
-                *(f"#define {name} {size}" for name, size in sizes.items()),
-                print_function(prepare, "prepare", ["p"], tables=tables),
-                print_function(evaluate, "evaluate", ["x", "d", "c"], tables=tables),
-                shared_source("slopes.c"),
-            ]
-            return build_library(compiler, "\n".join(parts), folder)
+    def values(self, points: Vector, parameters: Vector) -> Vector:
+        """Return the values at points (count, n), shape (count, n_values)."""
+        return self._at(points, parameters)[0]
 
-        entry = cache.obtain(key, build)
-        try:
-            self._function = ctypes.CDLL(str(entry.path)).vd_slopes
-        except (OSError, AttributeError) as error:
-            cache.discard(entry)
-            raise CompilationError(f"the compiled library cannot be loaded ({error})") from None
-        finally:
-            if entry.temporary is not None:
-                entry.temporary.cleanup()
-        self._function.restype = None
-        self._function.argtypes = [ctypes.c_longlong, _P, _P, _P, _P]
+    def slopes(self, points: Vector, parameters: Vector) -> tuple[Vector, Vector]:
+        """Return values (count, n_values) and derivatives (count, n_values, n + 1).
 
-    def __call__(self, points: Vector, parameters: Vector) -> tuple[Vector, Vector]:
-        """Return values (count, n_values) and slopes (count, n_values, n + 1).
-
-        Points have the shape (count, n); the last column of slopes is that by the parameter.
+        Points have the shape (count, n); the last derivative is that by the parameter.
         """
-        n, rows = self._sizes
-        count = len(points)
+        values, slopes = self._at(points, parameters)
+        return values, slopes.transpose(0, 2, 1)
+
+    def _at(self, points: Vector, parameters: Vector) -> tuple[Vector, Vector]:
+        count, n_values = len(points), self._sizes["NROW"]
         given = np.ascontiguousarray(points, dtype=float)
         numbers = self._rows.after(np.ascontiguousarray(parameters, dtype=float))
-        values, slopes = np.empty((count, rows)), np.empty((count, n + 1, rows))
-        arrays = [item.ctypes.data for item in (given, numbers, values, slopes)]
-        self._function(count, *arrays)
-        return values, slopes.transpose(0, 2, 1)
+        values = np.empty((count, n_values))
+        slopes = np.empty((count, self._sizes["NDIRECTION"], n_values))
+        self._function(count, *[a.ctypes.data for a in (given, numbers, values, slopes)])
+        return values, slopes
+
+
+@dataclass(frozen=True)
+class _Source:
+    """What is compiled: the two functions, the sizes that slopes.c asks for and the tables."""
+
+    prepare: Any
+    evaluate: Any
+    sizes: dict[str, int]
+    tables: tuple[CurveTable, ...]
+
+    def key(self, *further: str) -> str:
+        texts = [function_text(item, self.tables) for item in (self.prepare, self.evaluate)]
+        return cache.key_of(*texts, repr(self.sizes), *further)
+
+    def text(self, lanes: int) -> str:
+        names = [f"i{k}" for k in range(self.evaluate.n_in())]
+        parts = [
+            f"#define VD_LANES {lanes}",
+            shared_source("real.h"),
+            shared_source("elementary.c"),
+            *(f"#define {name} {size}" for name, size in self.sizes.items()),
+            print_function(self.prepare, "prepare", ["p"], tables=self.tables),
+            print_function(self.evaluate, "evaluate", names, tables=self.tables),
+            shared_source("slopes.c"),
+        ]
+        return "\n".join(parts)
+
+
+def _compiled(source: _Source) -> Callable[..., None]:
+    compiler, lanes = find_compiler(), suitable_lanes()
+
+    def build(folder: Path) -> Path:
+        return build_library(compiler, source.text(lanes), folder)
+
+    key = source.key(f"{lanes} lanes", generator_fingerprint(), compiler.identity)
+    entry = cache.obtain(key, build)
+    try:
+        function = ctypes.CDLL(str(entry.path)).vd_points
+    except (OSError, AttributeError) as error:
+        cache.discard(entry)
+        raise CompilationError(f"the compiled library cannot be loaded ({error})") from None
+    finally:
+        if entry.temporary is not None:
+            entry.temporary.cleanup()
+    function.restype = None
+    function.argtypes = [ctypes.c_longlong, _P, _P, _P, _P]
+    return function

@@ -2,10 +2,11 @@
 
 import numpy as np
 import pytest
-from cycle_examples import field, from_hopf, looped_normal_form, normal_form
+from cycle_examples import field, from_hopf, gap_oscillator, looped_normal_form, normal_form
 from table_examples import height, quintic, rider
 
 from vehicledyn.solve.periodic import autonomous
+from vehicledyn.solve.periodic.kinks import Kinks
 
 
 @pytest.mark.parametrize(
@@ -49,3 +50,16 @@ def test_small_fields_and_those_without_a_compiler_are_interpreted(monkeypatch):
     alone = field(normal_form(1.0), "mu")
     assert alone._compiled is None
     assert np.isfinite(alone.evaluate(np.ones((2, alone.size)), np.zeros((2, 0)), 0.3).rates).all()
+
+
+def test_kinks_are_those_of_casadi(needs_compiler, monkeypatch):
+    model = field(gap_oscillator(), "mu")
+    _, branch = from_hopf(model, -0.1, 0.5)
+    orbit = branch.points[-1].orbit
+    interpreted = Kinks(model)
+    wanted = interpreted.along(orbit)
+    assert wanted.size and interpreted._compiled is None
+    monkeypatch.setattr(autonomous, "LEAST", 0)
+    compiled = Kinks(model)
+    assert compiled._compiled is not None
+    assert compiled.along(orbit) == pytest.approx(wanted, abs=1e-9)

@@ -14,7 +14,7 @@ from vehicledyn.solve.compiler import CompilationError
 from vehicledyn.solve.engine import Vector
 from vehicledyn.solve.functions import operations_in
 from vehicledyn.solve.interpreted import BufferedFunction
-from vehicledyn.solve.point_slopes import PointSlopes
+from vehicledyn.solve.point_slopes import PointCode
 from vehicledyn.symbolic import ops
 from vehicledyn.symbolic.equations import Equations
 
@@ -147,7 +147,7 @@ class AutonomousField:
         n, m, count = self.size, self.n_unknowns, len(states)
         if self._compiled is not None:
             points = np.concatenate([states, unknowns], axis=1)
-            return self._compiled(points, self.parameters(value))
+            return self._compiled.slopes(points, self.parameters(value))
         if count not in self._evaluations:
             mapped = self._slopes.map("field", "serial", count, [2], [])
             self._evaluations[count] = BufferedFunction(mapped)
@@ -158,18 +158,25 @@ class AutonomousField:
         return values, slopes.reshape((n + m, n + m + 1, count), order="F").transpose(2, 0, 1)
 
     @cached_property
-    def _compiled(self) -> PointSlopes | None:
-        """Machine code of the same as ``_slopes``, None where it would not pay."""
+    def _compiled(self) -> PointCode | None:
+        return self.compiled(self._whole, index=self.index)
+
+    def compiled(self, values: Any, *, index: int | None = None) -> PointCode | None:
+        """Return machine code of a column of functions of the states kept, z and p.
+
+        None where it would not pay, or there is no compiler. With ``index`` it differentiates,
+        also by that parameter.
+        """
         import casadi
 
         e = self.equations
         point = casadi.vertcat(e.state[self.kept], e.algebraic)
-        if operations_in(casadi.Function("f", [point, e.parameter], [self._whole])) < LEAST:
+        if operations_in(casadi.Function("f", [point, e.parameter], [values])) < LEAST:
             return None
         try:
-            return PointSlopes(self._whole, point, e.parameter, self.index, e.tables)
+            return PointCode(values, point, e.parameter, e.tables, index=index)
         except CompilationError as error:
-            _log.info("%s; derivatives are interpreted", error)
+            _log.info("%s; limit cycles are computed interpreted", error)
             return None
 
     @cached_property

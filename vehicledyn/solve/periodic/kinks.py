@@ -54,7 +54,9 @@ class Kinks:
         fixed = [casadi.SX(0.0), casadi.vertcat(*state)]
         (column,) = casadi.substitute([column], [e.time, e.state], fixed)
         inputs = [e.state[m.kept], e.algebraic, e.parameter]
-        self._function = casadi.Function("deciders", inputs, [casadi.densify(column)])
+        column = casadi.densify(column)
+        self._compiled = m.compiled(column)
+        self._function = casadi.Function("deciders", inputs, [column])
 
     def along(self, orbit: Orbit) -> Vector:
         """Return the places of strong kinks, parts of the period in rising order."""
@@ -103,11 +105,13 @@ class Kinks:
 
     def _at(self, orbit: Orbit, places: Vector) -> Vector:
         count = len(places)
+        states, unknowns = orbit.sample(places)
+        values = self.model.parameters(orbit.parameter)
+        if self._compiled is not None:
+            return self._compiled.values(np.concatenate([states, unknowns], axis=1), values)
         if count not in self._values:
             mapped = self._function.map("deciders", "serial", count, [2], [])
             self._values[count] = BufferedFunction(mapped)
-        states, unknowns = orbit.sample(places)
-        values = self.model.parameters(orbit.parameter)
         (found,) = self._values[count](states.ravel(), unknowns.ravel(), values)
         return found.T if found.ndim == 2 else found.reshape(count, self.count)
 
