@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from functools import cache
 from typing import Any, ClassVar
 
 from pydantic import (
@@ -200,6 +201,7 @@ def field_family(parameters: type[ParameterSet], name: str) -> str | None:
     return _declared(parameters, name, "family")
 
 
+@cache
 def _declared(parameters: type[ParameterSet], name: str, what: str) -> str | None:
     extra = parameters.model_fields[name].json_schema_extra
     return str(extra[what]) if isinstance(extra, dict) and what in extra else None
@@ -227,7 +229,11 @@ def _units(value: Any, prefix: str) -> Iterator[tuple[str, str]]:
     if not isinstance(value, ParameterSet):
         return
     for name in type(value).model_fields:
-        unit = field_unit(type(value), name)
+        unit, item = field_unit(type(value), name), getattr(value, name)
         if unit is not None:
             yield prefix + name, unit
-        yield from _units(getattr(value, name), f"{prefix}{name}.")
+        if isinstance(item, _NESTED):
+            yield from _units(item, f"{prefix}{name}.")
+
+
+_NESTED = (ParameterSet, list, tuple)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import copy
 import re
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -76,7 +75,14 @@ def read_yaml(path: Path) -> Document:
         return parse_yaml(_decode(_read_bytes(path), name), name)
     if name not in known:
         known[name] = parse_yaml(_decode(_read_bytes(path), name), name)
-    return replace(known[name], data=copy.deepcopy(known[name].data))
+    return replace(known[name], data=copied(known[name].data))
+
+
+def copied(data: Any) -> Any:
+    """Return a copy of what YAML holds: mappings, lists and values that do not change."""
+    if isinstance(data, dict):
+        return {key: copied(item) for key, item in data.items()}
+    return [copied(item) for item in data] if isinstance(data, list) else data
 
 
 def parse_yaml(text: str, name: str) -> Document:

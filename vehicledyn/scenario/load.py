@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import copy
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -15,7 +14,7 @@ from vehicledyn.base.problems import START, Problem, refusal
 from vehicledyn.base.registry import find, kinds
 from vehicledyn.base.units import describe
 from vehicledyn.base.wording import UNKNOWN_KEY
-from vehicledyn.base.yaml import Document, read_yaml
+from vehicledyn.base.yaml import Document, copied, read_yaml
 from vehicledyn.scenario.beside import beside
 from vehicledyn.scenario.checks import check_times
 from vehicledyn.scenario.merge import merge_parameters
@@ -97,7 +96,7 @@ def examine_scenario(
     problems = [*document.problems, *_check_top(document)]
     if not isinstance(document.data, dict) or is_system(document.data):
         return None, problems
-    data, sources = copy.deepcopy(document.data), Sources(document)
+    data, sources = copied(document.data), Sources(document)
     groups = _parameter_groups(data.get("model"), path)
     found = [apply_override(data, override, sources, groups) for override in overrides]
     found += [apply_change(data, change, sources, groups) for change in changes]

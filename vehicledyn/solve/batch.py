@@ -11,6 +11,7 @@ import logging
 import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -92,7 +93,7 @@ class Plan:
     n_samples: int
     channels: list[int]
 
-    @property
+    @cached_property
     def times(self) -> Vector:
         """Times of the samples [s], without rounding that adds up."""
         return np.array([self.start + self.interval * k for k in range(self.n_samples)])

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from vehicledyn.solve.compiler import build_library, find_compiler
+from vehicledyn.solve.lanes import CHOICES, suitable_lanes
 from vehicledyn.solve.source import shared_source
 
 NAMES = ("sincos", "atan", "atan2", "asin", "acos", "exp", "log", "tanh", "pow", "floor")
@@ -13,17 +14,16 @@ TWO_IN, TWO_OUT = ("atan2", "pow"), ("sincos",)
 UNITS = 2.2  # in the last place
 
 
-@pytest.fixture(scope="module")
-def call(tmp_path_factory, needs_compiler):
-    """Call a function of elementary.c by name."""
+def build(lanes, folder):
+    """Return a caller of the functions of elementary.c by name, as a kernel of so many lanes."""
     doors = [
         f"VD_EXPORT void door_{name}(int n, double *a, double *b, double *c) "
         + f"{{ vd_{name}(n, a, b{', c' if name in TWO_IN + TWO_OUT else ''}); }}"
         for name in NAMES
     ]
-    source = "\n".join([shared_source("real.h"), shared_source("elementary.c"), *doors])
-    path = build_library(find_compiler(), source, tmp_path_factory.mktemp("elementary"))
-    library = ctypes.CDLL(str(path))
+    parts = [shared_source("real.h"), shared_source("elementary.c"), *doors]
+    source = "\n".join([f"#define VD_LANES {lanes}", *parts])
+    library = ctypes.CDLL(str(build_library(find_compiler(), source, folder)))
 
     def function(name, *given):
         n = len(given[0])
@@ -35,6 +35,12 @@ def call(tmp_path_factory, needs_compiler):
         return [array[:n] for array in arrays[len(given) :]]
 
     return function
+
+
+@pytest.fixture(scope="module")
+def call(tmp_path_factory, needs_compiler):
+    """Call a function as a kernel for one case does."""
+    return build(1, tmp_path_factory.mktemp("elementary"))
 
 
 def spread(low, high, *, signs=(-1, 1)):
@@ -124,3 +130,14 @@ def test_the_place_in_an_array_does_not_matter(call, name):
     for first, count in [(1, 1), (3, 2), (5, 7), (96, 9)]:
         part = call(name, values[first : first + count])[0]
         assert np.array_equal(part, whole[first : first + count], equal_nan=True)
+
+
+@pytest.mark.parametrize("lanes", [lanes for lanes in CHOICES if 1 < lanes <= suitable_lanes()])
+def test_the_number_of_lanes_does_not_matter(call, lanes, tmp_path):
+    wide = build(lanes, tmp_path)
+    for name in NAMES:
+        points = [np.concatenate([SPECIAL, spread(1e-6, 1e6)[:2000], between(-1, 1)[:2000]])]
+        if name in TWO_IN:
+            points.append(points[0][::-1])
+        for alone, abreast in zip(call(name, *points), wide(name, *points), strict=True):
+            assert np.array_equal(alone, abreast, equal_nan=True), name
