@@ -46,6 +46,7 @@ PICTURES = {
     "ball_in_tube": _path("ball.x", "ball.y", "Ball, seen from above: y"),
     "ball_in_tube_dependent": Picture(("tube.multiplier",), "N", "Force of the tube's wall"),
     "bicycle": Picture(("frame.roll", "fork.steer"), "deg", "Angle"),
+    "curving_wheelset": Picture(("wheelset.lateral",), "mm", "Lateral shift"),
     "double_pendulum": _path("tip.x", "tip.z", "Tip: z"),
     "double_spring_mass": Picture(("upper.height", "lower.height"), "mm", "Height"),
     "four_bar": Picture(("crank.angle", "rocker.angle"), "deg", "Angle"),
