@@ -10,11 +10,11 @@ mkdir -p $references/systems
 
 for scenario in "$@"; do
   name=$(basename "$scenario" .yaml)
-  if [ "$(basename "$(dirname "$scenario")")" = systems ]; then
-    target=$references/systems/$name.h5
+  folder=$(dirname "${scenario#scenarios/}")
+  target=$references/$folder/$name.h5
+  if grep -q '^model: .*\.yaml$' "$scenario"; then
     mapfile -t changes < <("${PYTHON:-python3}" tests/regression/reference_samples.py "$scenario")
   else
-    target=$references/$name.h5
     changes=("output.interval=250 ms"
       "output.channels=[chassis.?, chassis.yaw, chassis.pitch, chassis.roll, steering.rack,
       wheel_*.tyre.normal_force, wheel_fl.tyre.lateral_force]")
