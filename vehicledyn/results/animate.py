@@ -6,11 +6,14 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+from vehicledyn.base.errors import InputError
 from vehicledyn.results.animation import Span
 from vehicledyn.results.animation_page import page_of
 from vehicledyn.results.animation_scene import AnimatedScene, scene_of
+from vehicledyn.results.linear_results import is_linear
 from vehicledyn.results.output import write_failed
 from vehicledyn.results.reader import open_result
+from vehicledyn.results.study_reader import is_study_file
 
 PAGE, FILM = Span(3000), Span(20_000)
 """Pictures that a page holds and a film is made from, at most."""
@@ -98,10 +101,25 @@ def read_scenes(
     """Return what is drawn of some results; the channels asked for must be in the first."""
     scenes = []
     for index, path in enumerate(paths):
+        _refuse_others(path)
         with open_result(path) as result:
             wanted = channels if index == 0 else ()
             scenes.append(scene_of(result, span, patterns=wanted, plots=plots))
     return scenes
+
+
+def _refuse_others(path: Path) -> None:
+    """Raise an InputError for files of this program that hold no motion."""
+    if is_study_file(path):
+        raise InputError(
+            f"{path}: holds the cases of a study, none of them in motion; run one of its cases "
+            "with 'vehicledyn run' and animate that"
+        )
+    if is_linear(path):
+        raise InputError(
+            f"{path}: holds no motion but a table; draw it with 'vehicledyn plot', or animate the "
+            "result of 'vehicledyn run'"
+        )
 
 
 def messages_of(scenes: Sequence[AnimatedScene]) -> tuple[str, ...]:

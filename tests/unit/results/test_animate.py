@@ -14,6 +14,7 @@ from matplotlib import animation as film_writers
 from matplotlib.image import imread
 
 from vehicledyn.base.errors import InputError, MissingPartError
+from vehicledyn.results import mode_table, study_reader
 from vehicledyn.results.animate import (
     animate_result,
     film_of_result,
@@ -183,7 +184,21 @@ def text(path):
     path.write_text("time, x\n0, 1\n")
 
 
+def study(path):
+    other_hdf5(path)
+    with h5py.File(path, "a") as file:
+        file.attrs["format"] = study_reader.FORMAT
+
+
+def modes(path):
+    other_hdf5(path)
+    with h5py.File(path, "a") as file:
+        file.attrs["format"] = mode_table.FORMAT
+
+
 BAD = {
+    study: "holds the cases of a study",
+    modes: "holds no motion but a table",
     no_shapes: "holds no shapes and poses",
     no_pictures: "holds no pictures",
     newer: "format version 99",
