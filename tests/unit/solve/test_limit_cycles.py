@@ -1,6 +1,7 @@
 """Limit cycles by collocation against closed forms and published periods."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -23,6 +24,7 @@ from solve_examples import forced, oscillator
 from vehicledyn.base.errors import InputError, NumericalError
 from vehicledyn.solve.periodic.branch import Branch, Limits, cycle_at, follow_cycles
 from vehicledyn.solve.periodic.critical import find_balance, find_hopf, follow_balance
+from vehicledyn.symbolic.equations import Event
 
 
 def radius(point):
@@ -229,6 +231,9 @@ def test_what_has_no_cycles_is_told():
         field(forced(), "x")
     with pytest.raises(InputError, match="no parameter named 'sped'"):
         field(van_der_pol(), "sped")
+    leap = Event("leap", 0, guesses=((0, 0),))
+    with pytest.raises(InputError, match="contact may jump at the event 'leap'"):
+        field(replace(van_der_pol(), events=(leap,)), "damping")
     model = field(oscillator(damping=0.3), "stiffness")
     balances = follow_balance(model, [1.0, 2.0, 3.0], np.zeros(2), np.zeros(0))
     assert find_hopf(model, balances) == []

@@ -56,7 +56,7 @@ class AutonomousField:
     index: int = field(init=False)
 
     def __post_init__(self) -> None:
-        """Find the parameter and the states that matter; refuse equations with time."""
+        """Find the parameter and the states that matter; refuse time and contacts that jump."""
         import casadi
 
         e = self.equations
@@ -65,6 +65,13 @@ class AutonomousField:
             raise InputError(
                 f"model '{e.name}' depends on time: limit cycles are those of free motions; "
                 "hold drives and excitations still"
+            )
+        jumping = [event.name for event in e.events if event.guesses]
+        if jumping:
+            raise InputError(
+                f"model '{e.name}': contact may jump at the event '{jumping[0]}', where limit "
+                "cycles cannot be followed; take a model of contact that goes over gradually, "
+                "such as the elastic one of rails"
             )
         names = [item.name for item in e.parameters]
         if self.parameter not in names:
