@@ -25,6 +25,9 @@ from vehicledyn.solve.periodic.autonomous import AutonomousField
 from vehicledyn.solve.periodic.orbit import Orbit
 
 MOST_ITERATIONS = 12
+BORDER = 1e-6
+"""Factor on the two rows of the orbit's conditions while they are factorised."""
+
 CONVERGED = 1e-9
 """Correction, part of the scales, below which an orbit is found."""
 
@@ -49,6 +52,20 @@ class Scales:
     states: Vector
     period: float
     parameter: float
+
+
+@dataclass(frozen=True)
+class Factors:
+    """Factors of a Newton matrix whose last two rows are made small by ``small``."""
+
+    factors: Any
+    small: float
+
+    def solve(self, right: Vector) -> Vector:
+        """Return the solution for a right side, shape (n,)."""
+        scaled = np.array(right, dtype=float)
+        scaled[-2:] *= self.small
+        return np.asarray(self.factors.solve(scaled))
 
 
 @dataclass(frozen=True)
@@ -81,8 +98,12 @@ class Condensed:
         columns = np.broadcast_to(block + np.arange(n), (count, n, n))
         return rows, columns
 
-    def factorised(self, last: tuple[Vector, float, float]) -> Any:
-        """Return the factors of the matrix with a last row (states, period, parameter)."""
+    def factorised(self, last: tuple[Vector, float, float]) -> Factors:
+        """Return the factors of the matrix with a last row (states, period, parameter).
+
+        The two full rows are made small, so that pivots are taken from them last: taken early,
+        they would fill the factors, whose cost would grow with the square of the intervals.
+        """
         from scipy.sparse import csc_matrix
         from scipy.sparse.linalg import splu
 
@@ -104,9 +125,10 @@ class Condensed:
             (np.full(total + 2, total + 1), np.arange(total + 2), border[1]),
         ]
         i, j, value = (np.concatenate([part[k] for part in parts]) for k in range(3))
+        value = np.where(i < total, value, BORDER * value)
         matrix = csc_matrix((value, (i, j)), shape=(total + 2, total + 2))
         try:
-            return splu(matrix)
+            return Factors(splu(matrix, permc_spec="NATURAL"), BORDER)
         except RuntimeError:
             raise NumericalError("the equations of the orbit are singular") from None
 
