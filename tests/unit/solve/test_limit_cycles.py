@@ -23,6 +23,7 @@ from solve_examples import forced, oscillator
 
 from vehicledyn.base.errors import InputError, NumericalError
 from vehicledyn.solve.periodic.branch import Branch, Limits, cycle_at, follow_cycles
+from vehicledyn.solve.periodic.collocation import Scales, condense
 from vehicledyn.solve.periodic.critical import find_balance, find_hopf, follow_balance
 from vehicledyn.symbolic.equations import Event
 
@@ -263,3 +264,20 @@ def test_equilibrium_is_found_again_and_an_interrupt_keeps_the_branch():
             model, first, hopf.growing(first), Limits(-1.0, 1.0, 0.1), branch=kept, told=stop
         )
     assert len(kept.points) == 5
+
+
+def test_factors_of_an_orbit_grow_with_its_intervals_alone():
+    """Four times the intervals, four times the entries: full rows do not fill the factors."""
+    model = field(rossler(), "c")
+    entries = []
+    for intervals in (40, 160):
+        orbit = sampled_orbit(
+            5.8, 3.0,
+            lambda s: np.column_stack([np.cos(6.28 * s), np.sin(6.28 * s), 1 + s * (1 - s)]),
+            intervals=intervals,
+        )  # fmt: skip
+        system = condense(model, orbit, orbit, Scales(np.ones(3), 1.0, 1.0))
+        row = np.ones((intervals, orbit.basis.degree + 1, 3))
+        factors = system.factorised((row, 0.3, 1.0))
+        entries.append(factors.factors.L.nnz + factors.factors.U.nnz)
+    assert entries[1] < 4.5 * entries[0]
