@@ -14,6 +14,7 @@ TITLES = {
     "relaxation": ("Relaxation of tyres", "How slip follows its steady value."),
     "road": ("Roads", "Surfaces: `road` of a scenario."),
     "creep": ("Creep laws", "Tangential forces between wheel and rail."),
+    "rail_contact": ("Contact of wheels and rails", "How wheels touch rails: `rail_contact`."),
     "track": ("Tracks", "Railway tracks: `track` of a scenario."),
     "segment": ("Segments of tracks", "What a track is laid out of."),
     "irregularity": ("Irregularities of tracks", "Deviations of the rails from their places."),
@@ -24,6 +25,7 @@ TITLES = {
     "constraint": ("Constraints", "Further conditions in a system file."),
     "force_law": ("Force laws", "Laws of links and of coordinates in a system file."),
     "time_law": ("Time laws", "Laws of drives in a system file."),
+    "cases": ("Cases of studies", "Which cases a study runs: `cases` of a study."),
     "sensor": ("Sensors", "What a system file shows beyond its coordinates."),
 }
 _LEFT_OUT = ("model", "model_file")

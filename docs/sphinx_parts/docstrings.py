@@ -17,6 +17,7 @@ BEFORE_NAPOLEON = 400
 _KEPT = re.compile(r"(``.+?``|:\w+:`[^`]+`)")
 _SPECIAL = re.compile(r"([*|\\`]|(?<=\w)_(?!\w))")
 _RULE = re.compile(r"^-{3,}$")
+_TUPLE_FIELD = "Alias for field number"
 _LITERAL = re.compile(r"^\s*(>>>|\.\.\.)")
 
 
@@ -75,7 +76,14 @@ def _process(*event: Any) -> None:
     lines[:] = to_restructured(lines)
 
 
+def _skip(*event: Any) -> bool | None:
+    """Leave out what Python itself says of the fields of a named tuple."""
+    thing = event[3]
+    return True if str(getattr(thing, "__doc__", "")).startswith(_TUPLE_FIELD) else None
+
+
 def setup(app: Sphinx) -> dict[str, Any]:
     """Take docstrings before napoleon does."""
     app.connect("autodoc-process-docstring", _process, priority=BEFORE_NAPOLEON)
+    app.connect("autodoc-skip-member", _skip)
     return {"parallel_read_safe": True}

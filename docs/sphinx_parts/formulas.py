@@ -43,11 +43,10 @@ def draw(formula: str, *, as_block: bool) -> str:
     braces = _ESCAPED.sub("", formula)
     if braces.count("{") != braces.count("}"):
         raise FormulaError(f"a brace that is not closed in the formula {formula}")
-    picture = drawn.svg().replace("<svg ", '<svg aria-hidden="true" ', 1)
-    kind = "formula" if as_block else "symbol"
     shift = "" if as_block else f' style="vertical-align:{drawn.getyofst():.2f}px"'
-    text = html.escape(formula)
-    return f'<span class="{kind}" role="img" aria-label="{text}"{shift}>{picture}</span>'
+    picture = drawn.svg().replace("<svg ", f'<svg aria-hidden="true"{shift} ', 1)
+    kind, text = "formula" if as_block else "symbol", html.escape(formula)
+    return f'<span class="{kind}" role="img" aria-label="{text}">{picture}</span>'
 
 
 def _inline(writer: Any, node: nodes.math) -> None:
