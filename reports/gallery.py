@@ -1,7 +1,7 @@
 """Write docs/gallery.md and its pictures: ``python reports/gallery.py [NAME ...]``.
 
-Each scenario of scenarios/systems is run; what its picture shows stands in PICTURES, else its
-first coordinates. With names only these are drawn anew.
+Each scenario of scenarios and of scenarios/systems is run; what its picture shows stands in
+PICTURES, else its first coordinates. With names only these are drawn anew.
 """
 
 from __future__ import annotations
@@ -17,14 +17,25 @@ if TYPE_CHECKING:
     from vehicledyn.results.reader import Result
 
 ROOT = Path(__file__).resolve().parents[1]
-SCENARIOS = ROOT / "scenarios" / "systems"
+SCENARIOS = ROOT / "scenarios"
 PAGE = ROOT / "docs" / "gallery.md"
 FIGURES = ROOT / "docs" / "figures"
+_STRETCHED = ("small_car", "iltis_slalom")
+"""Whose paths are long: not true to scale."""
 SIZE, DOTS = (4.2, 2.5), 100
-HEAD = """# Gallery of systems
+HEAD = """# Gallery
 
-Every system of [systems](../systems), run by its scenario in
-[scenarios/systems](../scenarios/systems). `python reports/gallery.py` makes page and pictures.
+Every scenario that comes with the program, with a picture of its run.
+`python reports/gallery.py` makes page and pictures.
+"""
+VEHICLES = """## Vehicles
+
+Vehicles of the catalogue, run by the files of [scenarios](../scenarios).
+"""
+SYSTEMS = """## Systems
+
+Systems written in YAML, [systems](../systems), run by the files of
+[scenarios/systems](../scenarios/systems).
 """
 
 
@@ -51,6 +62,14 @@ PICTURES = {
     "double_spring_mass": Picture(("upper.height", "lower.height"), "mm", "Height"),
     "four_bar": Picture(("crank.angle", "rocker.angle"), "deg", "Angle"),
     "four_bar_chain": Picture(("upright_0.angle",), "deg", "Angle of the uprights"),
+    "iltis_bump_anti_phase": Picture(("chassis.roll",), "deg", "Roll angle"),
+    "iltis_bump_in_phase": Picture(("chassis.z",), "m", "Height of the chassis"),
+    "iltis_ramp_steer": _path("chassis.x", "chassis.y", "Chassis, seen from above: y"),
+    "iltis_sine_steer": Picture(("chassis.roll", "chassis.yaw"), "deg", "Angle of the chassis"),
+    "iltis_slalom": Picture(("chassis.y",), "m", "Place y", "chassis.x"),
+    "iltis_standstill": Picture(
+        tuple(f"wheel_{place}.tyre.normal_force" for place in ("fl", "rl")), "kN", "Wheel load"
+    ),
     "jeep": Picture(("chassis.roll", "front_axle.roll", "rear_axle.roll"), "deg", "Roll angle"),
     "jeep_suspension": Picture(("body.roll", "axle.roll"), "deg", "Roll angle"),
     "merry_go_round": Picture(("seat_1.outward", "seat_1.forward"), "deg", "Angle of a seat"),
@@ -77,26 +96,34 @@ PICTURES = {
 def main(names: list[str]) -> int:
     """Draw the pictures of these scenarios, or of all, and write the page."""
     FIGURES.mkdir(exist_ok=True)
-    paths = sorted(SCENARIOS.glob("*.yaml"))
-    for path in paths:
+    for path in scenarios():
         if not names or path.stem in names:
             sys.stderr.write(f"{path.stem}\n")
             _draw(path)
-    PAGE.write_text(page(paths), encoding="utf-8")
+    PAGE.write_text(page(), encoding="utf-8")
     return 0
 
 
-def page(paths: list[Path]) -> str:
+def scenarios() -> list[Path]:
+    """Return the scenarios in the order of the page."""
+    return [*sorted(SCENARIOS.glob("*.yaml")), *sorted(SCENARIOS.glob("systems/*.yaml"))]
+
+
+def page() -> str:
     """Return the page: a line and a picture each."""
-    entries = [_entry(path) for path in paths]
-    return "\n".join([HEAD, *entries])
+    paths = scenarios()
+    vehicles = [_entry(path) for path in paths if path.parent == SCENARIOS]
+    systems = [_entry(path) for path in paths if path.parent != SCENARIOS]
+    return "\n".join([HEAD, VEHICLES, *vehicles, SYSTEMS, *systems])
 
 
 def _entry(path: Path) -> str:
     from ruamel.yaml import YAML
 
     title = YAML(typ="safe").load(path.read_text(encoding="utf-8"))["title"]
-    links = f"[system](../systems/{path.name}), [scenario](../scenarios/systems/{path.name})"
+    links = f"[scenario](../{path.relative_to(ROOT).as_posix()})"
+    if path.parent != SCENARIOS:
+        links = f"[system](../systems/{path.name}), {links}"
     return f"**{title}** ({links})\n\n![{title}](figures/{path.stem}.png)\n"
 
 
@@ -127,7 +154,7 @@ def _draw(path: Path) -> None:
             axes.set_ylabel(axis_label(picture.label, picture.unit))
             unit = "m" if picture.across else "s"
             axes.set_xlabel(axis_label(picture.across or "Time", unit))
-            if len(picture.channels) == 1 and picture.across and path.stem != "small_car":
+            if len(picture.channels) == 1 and picture.across and path.stem not in _STRETCHED:
                 axes.set_aspect("equal", adjustable="datalim")
             if len(picture.channels) > 1:
                 axes.legend()
