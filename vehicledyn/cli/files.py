@@ -36,11 +36,15 @@ def read_file(path: Path, overrides: list[str] | None) -> None:
     """Read a scenario, system or study file, to find what is wrong with it."""
     import vehicledyn.catalogue  # noqa: F401
     from vehicledyn.base.yaml import read_yaml
+    from vehicledyn.rail.tracks.file import is_track, read_track
     from vehicledyn.scenario import is_system_file, load_model
     from vehicledyn.studies import is_study, load_study
 
-    if is_study(read_yaml(path).data):
+    data = read_yaml(path).data
+    if is_study(data):
         load_study(path, overrides or ())
+    elif is_track(data):
+        read_track(path).track(path.parent)
     elif is_system_file(path):
         load_model(str(path), overrides or ())
     else:

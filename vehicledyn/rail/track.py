@@ -163,8 +163,8 @@ class Track:
     def locate(self, position: Vec, guess: Scalar) -> Scalar:
         """Return the arc coordinate whose frame has a point beside it, x = 0 in its axes [m].
 
-        One step of Newton's method from the guess: the error is about half the curvature times
-        the square of the guess's. On straight track it is the point's x, whatever the guess.
+        One step of Newton's method from the guess: on a circle the error is κ²/3 times the cube
+        of the guess's. On straight track it is the point's x, whatever the guess.
 
         Parameters
         ----------

@@ -127,7 +127,7 @@ def _even(step: float) -> float:
 def _track_of(path: Path) -> tuple[Track, str]:
     """Return the track of a file, and its kind."""
     data = read_yaml(path).data
-    if isinstance(data, dict) and isinstance(data.get("kind"), str):
+    if isinstance(data, dict) and "kind" in data and "title" not in data:
         chosen: Any = read_track(path)
     elif is_system_file(path):
         chosen = _of_system(path)

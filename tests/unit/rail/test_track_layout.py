@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from scipy.special import fresnel
 
+from vehicledyn.rail.track import Track
 from vehicledyn.rail.track_alignment import Alignment, Grade, Piece
 from vehicledyn.rail.track_shapes import SHAPES
 from vehicledyn.rail.track_tables import WANTED_ERROR, centre_line
@@ -151,3 +152,13 @@ def test_tables_reach_the_error_they_state(lengths):
     assert places[:, 2] == pytest.approx(alignment.height(probes), abs=WANTED_ERROR)
     heading = alignment.heading(probes)
     assert np.arctan2(turns[:, 1, 0], turns[:, 0, 0]) == pytest.approx(heading, abs=2e-8)
+
+
+def test_error_of_one_step_of_newton_is_that_of_its_docstring():
+    radius, s = 100.0, ops.symbol("s")
+    line, _ = centre_line(Alignment([bend(300.0, radius)], BASE))
+    track = Track(1.435, 0.014, 0.025, "60E1", line)
+    frame = track.frame(s)
+    point = frame.position + frame.rotation @ ops.vector(0.0, 1.5, 0.0)
+    found = ca.Function("s", [s], [track.locate(point, s + 2.0) - s])
+    assert float(found(150.0)) == pytest.approx(-(2.0**3) / (3.0 * radius**2), rel=1e-2)
