@@ -107,7 +107,7 @@
       points.push(new THREE.Vector3(radius * Math.cos(angle), radius * Math.sin(angle), 0.08 + 0.84 * part));
     }
     const curve = new THREE.CatmullRomCurve3(points);
-    const wire = new THREE.TubeGeometry(curve, turns * 12, 0.16 * radius, 5);
+    const wire = new THREE.TubeGeometry(curve, turns * 10, 0.16 * radius, 4);
     // The wire would be flattened along z when the unit length is scaled; its sides hide that.
     return wire;
   }
@@ -142,21 +142,22 @@
       return group;
     }
     const h = 0.5 * w;
-    add(lathe([[0.62 * r, -0.86 * h], [0.8 * r, -h], [0.93 * r, -0.96 * h], [0.985 * r, -0.8 * h], [r, -0.5 * h], [r, 0.5 * h], [0.985 * r, 0.8 * h], [0.93 * r, 0.96 * h], [0.8 * r, h], [0.62 * r, 0.86 * h]], 40), COLOURS.tyre, { side: THREE.DoubleSide });
-    add(lathe([[0.001, -0.3 * h], [0.2 * r, -0.3 * h], [0.55 * r, -0.62 * h], [0.63 * r, -0.84 * h], [0.63 * r, 0.84 * h], [0.55 * r, 0.62 * h], [0.2 * r, 0.3 * h], [0.001, 0.3 * h]], 32), COLOURS.rim);
+    add(lathe([[0.62 * r, -0.86 * h], [0.8 * r, -h], [0.93 * r, -0.96 * h], [0.985 * r, -0.8 * h], [r, -0.5 * h], [r, 0.5 * h], [0.985 * r, 0.8 * h], [0.93 * r, 0.96 * h], [0.8 * r, h], [0.62 * r, 0.86 * h]], 36), COLOURS.tyre, { side: THREE.DoubleSide });
+    add(lathe([[0.001, -0.3 * h], [0.2 * r, -0.3 * h], [0.55 * r, -0.62 * h], [0.63 * r, -0.84 * h], [0.63 * r, 0.84 * h], [0.55 * r, 0.62 * h], [0.2 * r, 0.3 * h], [0.001, 0.3 * h]], 20), COLOURS.rim);
     marks(group, 0.42 * r, 0.56 * h, 0.075 * r, paint);
     return group;
   }
 
   // Holes in a wheel's disc: without them one does not see it turn.
   function marks(group, radius, height, size, paint) {
-    for (let k = 0; k < 5; k++) {
-      for (const side of [-1, 1]) {
-        const hole = new THREE.Mesh(new THREE.CylinderGeometry(size, size, 0.02 * radius + 0.004, 10), paint(k ? 0x59636c : 0x0b6aa8));
-        const angle = (k * 2 * Math.PI) / 5;
-        hole.position.set(radius * Math.cos(angle), side * height, radius * Math.sin(angle));
-        group.add(hole);
+    const shape = new THREE.CylinderGeometry(size, size, 0.02 * radius + 0.004, 8);
+    for (const [colour, first, last] of [[0x0b6aa8, 0, 1], [0x59636c, 1, 5]]) {
+      const holes = new THREE.InstancedMesh(shape, paint(colour), 2 * (last - first));
+      for (let k = first; k < last; k++) {
+        const angle = (k * 2 * Math.PI) / 5, x = radius * Math.cos(angle), z = radius * Math.sin(angle);
+        for (const side of [0, 1]) holes.setMatrixAt(2 * (k - first) + side, new THREE.Matrix4().makeTranslation(x, (2 * side - 1) * height, z));
       }
+      group.add(holes);
     }
   }
 
@@ -482,6 +483,7 @@
       this.grid.wrapS = this.grid.wrapT = THREE.RepeatWrapping;
       this.grid.repeat.set((4 * size) / this.cell, (4 * size) / this.cell);
       this.grid.anisotropy = isSlow ? 1 : 8;
+      if (isSlow) this.grid.minFilter = THREE.LinearMipmapNearestFilter;
       this.grid.colorSpace = THREE.SRGBColorSpace;
       this.sheet.material.map = this.grid;
       this.floor.add(this.sheet);
@@ -786,12 +788,12 @@
 
   // Resolution of moving pictures, lowered until there are enough of them; still ones are fine.
   const quality = {
-    parts: [1, 0.8, 0.65, 0.5], level: 0, count: 0, since: 0, moved: -Infinity, isFine: false,
+    parts: [1, 0.8, 0.65, 0.5, 0.4], level: 0, count: 0, since: 0, moved: -Infinity, isFine: false,
     tell(stamp) {
       this.count += 1;
       if (stamp - this.since < 400) return;
       const rate = (1000 * this.count) / (stamp - this.since);
-      if (this.since && this.count > 2 && rate < 36 && this.level + 1 < this.parts.length) this.level += 1;
+      if (this.since && rate < 36 && this.level + 1 < this.parts.length) this.level += 1;
       this.count = 0;
       this.since = stamp;
     },
