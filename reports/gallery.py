@@ -30,7 +30,7 @@ Every scenario that comes with the program, with a picture of its run.
 """
 VEHICLES = """## Vehicles
 
-Vehicles of the catalogue, run by the files of [scenarios](../scenarios).
+Vehicles on roads and rails, run by the files of [scenarios](../scenarios).
 """
 SYSTEMS = """## Systems
 
@@ -89,6 +89,7 @@ PICTURES = {
     "testset_wheelset": Picture(("wheelset.lateral",), "mm", "Lateral shift"),
     "tricycle": _path("frame.x", "frame.y", "Rear axle: y"),
     "upright_disk": _path("fork.x", "fork.y", "Disk: y"),
+    "wheelset_limit_cycle": Picture(("wheelset.lateral",), "mm", "Lateral shift"),
 }
 """What the pictures show, by the name of the scenario."""
 
