@@ -90,7 +90,7 @@ def format_of(path: Path) -> str:
     try:
         with open_file(path) as file:
             return str(file.attrs.get("format", ""))
-    except (InputError, OSError, RuntimeError, ValueError):
+    except (InputError, OSError, RuntimeError, KeyError, ValueError):
         return ""
 
 

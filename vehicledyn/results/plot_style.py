@@ -45,7 +45,8 @@ def plain(text: str, most: int = LONGEST_TEXT) -> str:
     >>> plain("costs $5")
     'costs \\$5'
     """
-    shown = text if len(text) <= most else f"{text[: most - 1]}…"
+    known = text.encode("utf-8", "replace").decode("utf-8")
+    shown = known if len(known) <= most else f"{known[: most - 1]}…"
     return shown.replace("$", r"\$")
 
 

@@ -244,7 +244,7 @@ class Result:
         """Parts that were used, what they do and where they come from; empty in older files."""
         with reading(self.path):
             known = "scenario/sources" in self._file
-        return list(self._json("scenario/sources")) if known else []
+        return self._records("scenario/sources") if known else []
 
     @property
     def notes(self) -> tuple[str, ...]:
@@ -256,12 +256,16 @@ class Result:
     @property
     def configuration(self) -> dict[str, Any]:
         """The resolved scenario."""
-        return dict(self._json("scenario/configuration"))
+        with reading(self.path):
+            found = self._json("scenario/configuration")
+            if not isinstance(found, dict):
+                raise ValueError("its configuration is none")
+            return found
 
     @property
     def plots(self) -> list[dict[str, Any]]:
         """Descriptions of the plots this file asks for."""
-        return list(self._json("plots/descriptions"))
+        return self._records("plots/descriptions")
 
     @property
     def scene(self) -> dict[str, SceneItem]:
@@ -320,9 +324,12 @@ class Result:
                 )
 
     def _refuse_promises(self) -> None:
-        """Refuse files that say to hold far more than they do, before anything is read."""
+        """Refuse what are no columns, or say to hold far more than they do, before reading."""
         for name in ("time", *self.channels):
-            if promises_too_much(self._file[dataset_path(name)]):
+            column = self._file[dataset_path(name)]
+            if len(column.shape) != 1 or column.dtype.kind not in "fiu":
+                raise InputError(f"{self.path}: is damaged: {name} is no column of numbers")
+            if promises_too_much(column):
                 raise InputError(
                     f"{self.path}: is damaged: says to hold {self.samples} samples, but they "
                     "are not in the file; run it again"
@@ -336,10 +343,21 @@ class Result:
         with reading(self.path):
             return str(self._file[place].asstr()[()])
 
+    def _records(self, place: str) -> list[dict[str, Any]]:
+        with reading(self.path):
+            found = self._json(place)
+            if not isinstance(found, list) or not all(isinstance(item, dict) for item in found):
+                raise ValueError(f"{place} is no list of records")
+            return found
+
     def _json(self, place: str) -> Any:
         text = self._text(place)
         with reading(self.path):
             return json.loads(text)
+
+
+_BROKEN = (OSError, LookupError, RuntimeError, ValueError, TypeError, AttributeError)
+"""What h5py and numpy raise on files that do not hold what they should."""
 
 
 @contextlib.contextmanager
@@ -349,7 +367,7 @@ def reading(path: Path) -> Iterator[None]:
         yield
     except BlockingIOError as error:
         raise InputError(f"{path}: another program is writing this file; try later") from error
-    except (OSError, KeyError, RuntimeError, ValueError, TypeError, AttributeError) as error:
+    except _BROKEN as error:
         detail = str(error).strip("\"'")
         raise InputError(f"{path}: is damaged ({detail}); run it again") from error
 

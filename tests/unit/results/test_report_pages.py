@@ -159,6 +159,28 @@ def _cut(path):
     path.write_bytes(path.read_bytes()[:3000])
 
 
+def _replaced(path, place, **data):
+    with h5py.File(path, "a") as file:
+        kept = dict(file[place].attrs)
+        del file[place]
+        file.create_dataset(place, **data)
+        for name in ("units", "long_name"):
+            if name in kept:
+                file[place].attrs[name] = kept[name]
+
+
+def _configuration_of_lists(path):
+    _replaced(path, "scenario/configuration", data="[1, 2]")
+
+
+def _plots_of_numbers(path):
+    _replaced(path, "plots/descriptions", data="[1, 2]")
+
+
+def _complex_channel(path):
+    _replaced(path, "chassis/x", data=np.ones(221, complex))
+
+
 def _without_titles(path):
     with h5py.File(path, "a") as file:
         del file.attrs["title"], file["chassis/x"].attrs["units"]
@@ -175,6 +197,9 @@ def _without_titles(path):
         (_elsewhere, "they are not in the file"),
         (_cut, "is damaged"),
         (_without_titles, "is damaged"),
+        (_configuration_of_lists, "its configuration is none"),
+        (_plots_of_numbers, "is no list of records"),
+        (_complex_channel, "is no column of numbers"),
     ],
 )
 def test_unusable_files_are_told_of_and_leave_no_page(make_result, damage, message):

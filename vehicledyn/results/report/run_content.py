@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import logging
 from collections.abc import Iterator, Mapping, Sequence
 from functools import cache
 from pathlib import Path
@@ -18,6 +19,8 @@ from vehicledyn.results.reader import Result, open_result
 from vehicledyn.results.report.content import Content, Figures, KeyFigure, key_table, words
 from vehicledyn.results.report.page import Block, Facts, Listing, Notes, Section, Table
 from vehicledyn.results.report.texts import moment, number, reading, unit_text
+
+_LOG = logging.getLogger(__name__)
 
 MOST_SAMPLES = 8000
 """Samples of a channel that figures show; of more their envelope."""
@@ -74,7 +77,7 @@ def _facts(result: Result) -> list[tuple[str, str]]:
         first, last = number(float(result.time[0])), number(float(result.time[-1]))
         span = f"{first} to {last} s, " if result.is_timed else ""
         rows.append(("Time" if span else "Positions", f"{span}{result.samples} samples"))
-    if known.get("overrides"):
+    if isinstance(known.get("overrides"), list) and known["overrides"]:
         rows.append(("Changed by --set", ", ".join(map(str, known["overrides"]))))
     digest = f", equations and parameters {result.model_hash[:12]}" if result.model_hash else ""
     origin = f"{moment(result.created)} by vehicledyn {result.program_version}{digest}"
@@ -115,8 +118,8 @@ def _figures(path: Path) -> Figures:
         for plot in plots_of(result)[:MOST_FIGURES]:
             try:
                 yield plot.name, draw_figure(result, plot)
-            except InputError:
-                continue
+            except (InputError, ArithmeticError, ValueError) as error:
+                _LOG.warning("%s: figure '%s' cannot be drawn: %s", path, plot.name, error)
 
 
 def _details(
@@ -167,7 +170,7 @@ def _events(result: Result) -> Iterator[Block]:
 def _accuracy(result: Result, accuracy: Sequence[KeyFigure]) -> list[Block]:
     blocks: list[Block] = list(key_table(accuracy))
     residual = result.solver.get("largest_residual")
-    if residual is not None:
+    if isinstance(residual, float):
         blocks.append(
             Facts([("Largest residual of the constraints after solving", f"{residual:.3g}")])
         )
@@ -199,7 +202,9 @@ def _operations(text: str) -> str:
 def _parts(result: Result) -> Iterator[Block]:
     rows = [(s.get("part", ""), s.get("does", ""), s.get("source", "")) for s in result.sources]
     yield Table(("Part", "What it does", "Source"), rows)
-    flat = list(flattened(result.configuration, dict(result.configuration.get("units", {}))))
+    known = result.configuration
+    units = known.get("units")
+    flat = list(flattened(known, units if isinstance(units, dict) else {}))
     parameters = [row for row in flat if row[0].startswith("parameters.")]
     shorter = [(name.removeprefix("parameters."), value) for name, value in parameters]
     settings = [row for row in flat if row not in parameters]
@@ -217,7 +222,7 @@ def flattened(value: Any, units: Mapping[str, str], place: str = "") -> Iterator
     elif value is not None and value not in ([], ""):
         items = value if isinstance(value, list) else [value]
         told = ", ".join(_told(item) for item in items)
-        unit = units.get(place, "1")
+        unit = str(units.get(place, "1"))
         yield place, f"{told} {unit_text(unit)}".rstrip()
 
 
