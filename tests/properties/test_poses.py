@@ -5,6 +5,7 @@ import pytest
 from random_systems import CLOSED, tree
 from scipy.spatial.transform import Rotation
 
+from vehicledyn.base.quaternions import continuous
 from vehicledyn.multibody.appearance import appearance
 from vehicledyn.multibody.kinematics import Kinematics
 from vehicledyn.multibody.skeleton import skeleton_from
@@ -59,3 +60,12 @@ def test_wheels_keep_their_turns():
     assert not skeleton.bodies[place]["axes_spin"]
     assert np.array_equal(poses.turn[:, place], turns)
     assert np.ptp(poses.quaternion[:, place], axis=0).max() == 0.0
+
+
+def test_signs_do_not_jump():
+    turns = Rotation.from_euler("y", np.linspace(0.0, 9.0, 50)).as_quat(scalar_first=True)
+    jumping = turns * np.random.default_rng(0).choice([-1.0, 1.0], size=(50, 1))
+    smooth = continuous(jumping[:, None, :])[:, 0]
+    assert np.abs(np.diff(smooth, axis=0)).max() < 0.1
+    assert np.array_equal(np.abs(smooth), np.abs(turns))
+    assert continuous(turns[:1]).shape == (1, 4)

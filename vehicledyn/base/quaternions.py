@@ -71,9 +71,9 @@ def from_rows(rows: Any) -> Array:
 
 
 def continuous(quaternions: Array) -> Array:
-    """Return the same rotations along the first axis with signs that do not jump."""
+    """Return the same rotations along the first axis with signs that do not jump, one at least."""
     inner = np.einsum("k...i,k...i->k...", quaternions[1:], quaternions[:-1])
     flips = np.where(np.nan_to_num(inner) < 0.0, -1.0, 1.0)
-    signs = np.concatenate([np.ones_like(flips[:1]), np.cumprod(flips, axis=0)])
+    signs = np.concatenate([np.ones((1, *flips.shape[1:])), np.cumprod(flips, axis=0)])
     kept: Array = quaternions * signs[..., None]
     return kept

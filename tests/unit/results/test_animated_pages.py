@@ -7,13 +7,14 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from animated_files import DURATION, SPEED, WHEEL, write_car
+from animated_files import BODIES, DURATION, SPEED, WHEEL, write_car
 from browser import Browser, find_browser
 from matplotlib.image import imread
 
 import vehicledyn.catalogue  # noqa: F401
 from vehicledyn.results.animate import animate_result, read_scenes
-from vehicledyn.results.animation import Span
+from vehicledyn.results.animation import Pictures, Span
+from vehicledyn.results.animation_stage import Stage
 from vehicledyn.results.reader import open_result
 from vehicledyn.run.simulation import run_scenario
 from vehicledyn.scenario import load_scenario
@@ -182,6 +183,35 @@ def test_what_is_unknown_is_left_out(browser, tmp_path):
     told = text_of(browser, "warning")
     assert told.startswith("partial: failed at t = 4 s: the step failed; values from t = 2 s on")
     assert browser.problems() == []
+
+
+def nothing(pictures):
+    return replace(pictures, position=np.full_like(pictures.position, np.nan))
+
+
+POOR = [{"count": 1}, {"spoil": nothing}, {"stage": Stage(BODIES[:1], [])}]
+
+
+@pytest.mark.parametrize("changes", POOR)
+def test_poor_results(browser, tmp_path, changes):
+    """One picture, none that is a number, nothing to draw: a page all the same."""
+    if "stage" in changes:
+        changes = {**changes, "spoil": lambda p: Pictures(p.time, *(a[:, :1] for a in parts(p)))}
+    write_car(tmp_path / "car.h5", **changes)
+    animate_result(tmp_path / "car.h5", tmp_path / "car.html")
+    browser.open((tmp_path / "car.html").as_uri())
+    browser.press(" ")
+    state = settled(browser)
+    assert np.isfinite(
+        [float(x) for key in ("camera", "target", "place") for x in state[key]]
+    ).all()
+    assert browser.problems() == []
+    if "count" in changes:
+        assert state["triangles"] > 1000
+
+
+def parts(pictures):
+    return pictures.position, pictures.quaternion, pictures.turn
 
 
 def test_looks_as_it_did(browser, page):

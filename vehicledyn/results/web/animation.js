@@ -388,7 +388,7 @@
     pose(t) {
       const spot = locate(this.times, t), [k, part] = spot;
       const origin = this.origin.map((c) => between(c, spot));
-      this.now = new THREE.Vector3(...origin);
+      if (Number.isFinite(origin[0] + origin[1] + origin[2]) || !this.now) this.now = new THREE.Vector3(...origin.map((value) => value || 0));
       const a = new THREE.Quaternion(), b = new THREE.Quaternion();
       for (const node of this.nodes.values()) {
         if (node.fixed) continue;
