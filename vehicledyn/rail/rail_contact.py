@@ -43,6 +43,9 @@ class RailWheels:
     guide
         Arc coordinate near the body as a function of time [m], where the motion of its carrier
         tells it.
+    first_place
+        Arc coordinate at the start where nothing tells it, on a track that is straight up to
+        there [m].
     """
 
     name: str
@@ -55,6 +58,7 @@ class RailWheels:
     track: Track
     creep: CreepLaw
     guide: Callable[[Scalar], Scalar] | None = None
+    first_place: float = 0.0
 
     @property
     def finds_its_place(self) -> bool:

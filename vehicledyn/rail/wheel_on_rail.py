@@ -117,7 +117,8 @@ class ElasticWheels(BasePart):
         """Return the place along the track where that is curved."""
         if self.wheels.finds_its_place:
             return ()
-        return (Variable(TRACK_POSITION, "m", "Place along the track"),)
+        start = self.wheels.first_place
+        return (Variable(TRACK_POSITION, "m", "Place along the track", start),)
 
     def loads(self, situation: Situation) -> Loads:
         """Return the wrench of all contacts and the rate of the place along the track."""

@@ -332,6 +332,24 @@ class _Builder:
             name, ahead = body.parent, ahead + self.value(body.at)[0]
         return None
 
+    def _first_place(self, name: str) -> float:
+        """Return how far along x a body starts before anything turns it [m]."""
+        file, place = self.model.file, 0.0
+        laws = {drive.coordinate: drive.law for drive in file.drives.values()}
+        while name in file.bodies:
+            body = file.bodies[name]
+            place += float(self.number(body.at)[0])
+            slides = [c for c in body.coordinates(name) if c.joint == "T1"]
+            for slide in slides:
+                law = laws.get(slide.name)
+                given = file.initial.get(slide.name, slide.start)
+                place += float(self.number(given) if law is None else law.at(0.0, self._at_zero))
+            name = body.parent
+        return place
+
+    def _at_zero(self, expression: Expression, **names: Any) -> Any:
+        return expression.value({**self.numbers, **names}, NUMBERS)
+
     def _ahead_of(self, position: Expression, ahead: Any, time: Any) -> Any:
         return self._at_time(position, time) + ahead
 
@@ -469,6 +487,7 @@ class _Builder:
                     track=track,
                     creep=law,  # type: ignore[arg-type]
                     guide=self._guide(item.body),
+                    first_place=self._first_place(item.body),
                 )
                 parts.append(entered.part(wheels))
             except InputError as error:

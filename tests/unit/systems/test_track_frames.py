@@ -11,6 +11,7 @@ from vehicledyn.base.errors import InputError
 from vehicledyn.multibody import derive
 from vehicledyn.results.reader import open_result
 from vehicledyn.run.simulation import run_scenario
+from vehicledyn.run.vehicle import build_subject
 from vehicledyn.scenario import load_scenario
 from vehicledyn.symbolic import ops
 from vehicledyn.symbolic.counting import count_operations
@@ -178,3 +179,12 @@ def test_wheels_on_rails_take_the_track_of_the_scenario(write):
     system = Path(__file__).parents[3] / "systems" / "rail_wheelset.yaml"
     path = write(system.read_text())
     assert load_scenario(path).written.needs_track
+
+
+def test_wheels_that_no_frame_guides_know_where_they_start(write):
+    system = Path(__file__).parents[3] / "systems" / "rail_wheelset.yaml"
+    text = system.read_text().replace("rate: speed}", "rate: speed, start: 12 m}")
+    text = text.replace("at: [0 m, 0 m, radius]", "at: [3 m, 0 m, radius]")
+    target = build_subject(load_scenario(write(text)))
+    states = {state.name: state.start for state in derive(target.system).states}
+    assert states["wheels.track_position"] == pytest.approx(15.0, abs=1e-3)
