@@ -63,7 +63,7 @@ def test_wheels_keep_their_turns():
 
 
 def test_signs_do_not_jump():
-    turns = Rotation.from_euler("y", np.linspace(0.0, 9.0, 50)).as_quat(scalar_first=True)
+    turns = Rotation.from_euler("y", np.linspace(0.0, 9.0, 50)[:, None]).as_quat(scalar_first=True)
     jumping = turns * np.random.default_rng(0).choice([-1.0, 1.0], size=(50, 1))
     smooth = continuous(jumping[:, None, :])[:, 0]
     assert np.abs(np.diff(smooth, axis=0)).max() < 0.1
