@@ -26,6 +26,7 @@ _REFINEMENTS = 60
 _NOISE = 1e-9
 _STRONG = 1e-6
 _BESIDE = 1e-7
+_FURTHER, _LASTING = 10.0, 0.5
 _PAIRS = ("OP_FMIN", "OP_FMAX", "OP_LT", "OP_LE")
 _SINGLES = ("OP_FABS", "OP_SIGN")
 
@@ -92,16 +93,22 @@ class Kinks:
         return np.asarray(b % 1.0)
 
     def _strong(self, orbit: Orbit, places: Vector) -> Vector:
-        """Return those at which derivatives jump."""
+        """Return those at which derivatives jump.
+
+        A change that shrinks with the distance is none: that of max(p, 0)³ is smooth.
+        """
         if not places.size:
             return np.zeros(0)
         scales = orbit.scales()
-        states, unknowns = orbit.sample(np.concatenate([places - _BESIDE, places + _BESIDE]) % 1.0)
+        offsets = np.array([-_FURTHER, -1.0, 1.0, _FURTHER])[:, None] * _BESIDE
+        states, unknowns = orbit.sample(((places + offsets) % 1.0).ravel())
         slopes = self.model.evaluate(states, unknowns, orbit.parameter).by_state
         slopes = slopes * (scales / scales[:, None])
-        before, after = slopes[: places.size], slopes[places.size :]
-        jumps = np.abs(after - before).max(axis=(1, 2))
-        return np.asarray(places[jumps * orbit.period > _STRONG * np.abs(slopes).max()])
+        low, before, after, high = slopes.reshape(4, places.size, *slopes.shape[1:])
+        jumps = np.abs(after - before)
+        strong = jumps * orbit.period > _STRONG * np.abs(slopes).max()
+        lasting = jumps > _LASTING * np.abs(high - low)
+        return np.asarray(places[(strong & lasting).any(axis=(1, 2))])
 
     def _at(self, orbit: Orbit, places: Vector) -> Vector:
         count = len(places)
