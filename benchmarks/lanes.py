@@ -37,8 +37,8 @@ from vehicledyn.run.case_starts import CaseStarter
 from vehicledyn.run.prepare import prepare
 from vehicledyn.scenario import load_scenario
 from vehicledyn.solve.batch import Cases, make_batch, run_batch
+from vehicledyn.solve.compiler import suitable_lanes
 from vehicledyn.solve.kernel import compile_kernel
-from vehicledyn.solve.lanes import suitable_lanes
 from vehicledyn.symbolic.tables import CurveTable
 
 SCENARIOS = Path(__file__).resolve().parents[1] / "scenarios"

@@ -18,11 +18,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vehicledyn.base.errors import InputError, NumericalError
-from vehicledyn.solve.compiler import CompilationError
+from vehicledyn.solve.compiler import CompilationError, suitable_lanes
 from vehicledyn.solve.engine import Vector
 from vehicledyn.solve.fixed_step import steps_per_interval
 from vehicledyn.solve.kernel import Kernel, Progress
-from vehicledyn.solve.lanes import CHOICES, LaneEngine, compile_lanes, suitable_lanes
+from vehicledyn.solve.lanes import CHOICES, LaneEngine, compile_lanes
 from vehicledyn.solve.platoon import Platoon, Stopped, march
 from vehicledyn.solve.simulate import Solver, simulate
 

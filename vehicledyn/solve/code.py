@@ -8,7 +8,7 @@ from __future__ import annotations
 import math
 from collections import defaultdict
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 from vehicledyn.solve.compiler import CompilationError
@@ -95,6 +95,7 @@ def print_function(
     *,
     tables: Sequence[CurveTable] = (),
     piece: int = PIECE,
+    wide: WideFunctions | None = None,
 ) -> str:
     """Return the C text of an SX function with dense inputs.
 
@@ -114,6 +115,9 @@ def print_function(
         follow the numbers of the last input.
     piece
         Instructions a C function holds at most; a longer one calls its pieces in turn.
+    wide
+        Takes the shared functions that are called at several places at once, for a function
+        of one lane.
 
     Raises
     ------
@@ -126,21 +130,58 @@ def print_function(
     arrays += [f"real *restrict r{k}" for k in range(function.n_out())]
     first_row = function.numel_in(function.n_in() - 1)
     widths = [table.order + 1 for table in tables]
-    shared = _print_shared(lowered, name, widths, piece)
-    printer = _Printer(lowered, list(inputs), first_row, widths, name)
-    return shared + printer.function(name, arrays, piece)
-
-
-def _print_shared(lowered: Lowered, name: str, widths: list[int], piece: int) -> str:
-    """Return the functions that a function calls, named after it; ``rows`` are its tables."""
+    places = {} if wide is None else wide.lanes_for(lowered)
     texts = []
-    for number, shared in enumerate(lowered.shared):
-        own = _name_of_shared(name, number)
-        texts.append(_print_shared(shared, own, widths, piece))
-        arrays = ["const real *restrict a", "const real *restrict rows", "real *restrict r0"]
-        printer = _Printer(shared, ["a", "rows"], 0, widths, own)
-        texts.append(printer.function(own, arrays, piece))
-    return "".join(texts)
+    for number in range(len(lowered.shared)):
+        text = _print_shared(lowered, number, name, widths, piece)
+        if wide is not None and number in places:
+            own = _name_of_shared(name, number)
+            wide.take(places[number], own, text)
+            text = f"void {own}_wide({_SHARED_ARRAYS});\n"
+        texts.append(text)
+    printer = _Printer(lowered, list(inputs), first_row, widths, name, places)
+    return "".join([*texts, printer.function(name, arrays, piece)])
+
+
+_SHARED_ARRAYS = "const real *restrict a, const real *restrict rows, real *restrict r0"
+
+
+@dataclass
+class WideFunctions:
+    """Shared functions of a kernel of one lane that carry several places side by side.
+
+    The places of one call, such as the wheels of a train, fill the lanes that the cases of a
+    sweep fill otherwise. These functions are units of their own, as they see other reals;
+    ``units`` holds their text by number of lanes, ``lanes`` is what the processor carries.
+    """
+
+    lanes: int
+    units: dict[int, list[str]] = field(default_factory=dict)
+
+    def lanes_for(self, lowered: Lowered) -> dict[int, int]:
+        """Return the lanes of each shared function that is called at several places at once."""
+        most: dict[int, int] = {}
+        for step in lowered.steps:
+            if isinstance(step, Pack) and step.shared is not None:
+                most[step.shared] = max(most.get(step.shared, 0), len(step.operands))
+        return {
+            number: min(self.lanes, 4 if count <= 4 else 8)
+            for number, count in most.items()
+            if count > 1 and self.lanes > 1
+        }
+
+    def take(self, lanes: int, name: str, text: str) -> None:
+        """Keep the text of a shared function, and what other units call it by."""
+        entry = f"void {name}_wide({_SHARED_ARRAYS}) {{\n  {name}(a, rows, r0);\n}}\n"
+        self.units.setdefault(lanes, []).append(text + entry)
+
+
+def _print_shared(lowered: Lowered, number: int, name: str, widths: list[int], piece: int) -> str:
+    """Return a function that a function calls, named after it; ``rows`` are its tables."""
+    shared, own = lowered.shared[number], _name_of_shared(name, number)
+    inner = [_print_shared(shared, k, own, widths, piece) for k in range(len(shared.shared))]
+    printer = _Printer(shared, ["a", "rows"], 0, widths, own, {})
+    return "".join([*inner, printer.function(own, _SHARED_ARRAYS.split(", "), piece)])
 
 
 def _name_of_shared(name: str, number: int) -> str:
@@ -181,6 +222,7 @@ class _Printer:
     first_row: int
     widths: list[int]
     name: str
+    wide: dict[int, int]
 
     def __post_init__(self) -> None:
         self._values = self.lowered.values
@@ -292,22 +334,48 @@ class _Printer:
                     lines.append(f"const real w{value} = ((real *){name})[{k}];")
         return lines
 
-    def _call_shared(self, call: Pack, number: int, piece: int) -> list[str]:
+    def _call_shared(self, pack: Pack, number: int, piece: int) -> list[str]:
         """Return the lines that lay out arguments, call a shared function and take its values."""
-        arguments = ", ".join(self._number(operand, piece) for operand in call.operands[0])
-        values = call.values[0]
-        name = _name_of_shared(self.name, call.shared or 0)
-        rows = f"{self.inputs[-1]} + {self.first_row}"
+        own, rows = _name_of_shared(self.name, pack.shared or 0), self.first_row
+        if pack.shared in self.wide:
+            return self._call_wide(pack, number, piece, self.wide[pack.shared])
+        lines = []
+        for k, (operands, values) in enumerate(zip(pack.operands, pack.values, strict=True)):
+            given = ", ".join(self._number(operand, piece) for operand in operands)
+            lines += [
+                f"const real a{number}_{k}[] = {{{given}}};",
+                f"real b{number}_{k}[{max(1, len(values))}];",
+                f"{own}(a{number}_{k}, {self.inputs[-1]} + {rows}, b{number}_{k});",
+                *_taken(values, f"b{number}_{k}", "{}"),
+            ]
+        return lines
+
+    def _call_wide(self, pack: Pack, number: int, piece: int, lanes: int) -> list[str]:
+        """Return the lines of calls that carry several places at once, the last ones repeated."""
+        n_given, n_found = len(pack.operands[0]), max(1, len(pack.values[0]))
+        n_rows = ROW * len(self.widths)
+        rows, room = f"t{number}", "__attribute__((aligned(64)))"
         lines = [
-            f"const real a{number}[] = {{{arguments}}};",
-            f"real b{number}[{max(1, len(values))}];",
-            f"{name}(a{number}, {rows}, b{number});",
+            f"real {rows}[{max(1, n_rows * lanes)}] {room};",
+            f"for (int k = 0; k < {n_rows * lanes}; k++)",
+            f"  {rows}[k] = {self.inputs[-1]}[{self.first_row} + k / {lanes}];",
         ]
-        return lines + [
-            f"const real w{value} = b{number}[{k}];"
-            for k, value in enumerate(values)
-            if value is not None
-        ]
+        own = _name_of_shared(self.name, pack.shared or 0)
+        for first in range(0, len(pack.operands), lanes):
+            calls = pack.operands[first : first + lanes]
+            calls = calls + [calls[-1]] * (lanes - len(calls))
+            given, found = f"a{number}_{first}", f"b{number}_{first}"
+            numbers = [
+                self._number(calls[lane][k], piece) for k in range(n_given) for lane in range(lanes)
+            ]
+            lines += [
+                f"const real {given}[] {room} = {{{', '.join(numbers)}}};",
+                f"real {found}[{n_found * lanes}] {room};",
+                f"{own}_wide({given}, {rows}, {found});",
+            ]
+            for lane, values in enumerate(pack.values[first : first + lanes]):
+                lines += _taken(values, found, f"{lanes} * {{}} + {lane}")
+        return lines
 
     def _expression(self, index: int, piece: int) -> str:
         item = self._values[index]
@@ -354,6 +422,15 @@ class _Printer:
         if item.operation == CONST:
             return f"vd_all({_literal(item.number)})"
         return f"w{index}" if self._piece_of[index] == piece else f"s[{self._place[index]}]"
+
+
+def _taken(values: Sequence[int | None], array: str, place: str) -> list[str]:
+    """Return the lines that take the values of a call from an array."""
+    return [
+        f"const real w{value} = {array}[{place.format(k)}];"
+        for k, value in enumerate(values)
+        if value is not None
+    ]
 
 
 def _cut(steps: list[Step], piece: int) -> list[list[Step]]:

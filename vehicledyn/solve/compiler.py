@@ -12,6 +12,9 @@ import sys
 from dataclasses import dataclass
 from pathlib import Path
 
+UNIT_BREAK = "\n/* ---- another unit ---- */\n"
+"""Where one unit of a source ends and another begins."""
+
 OPTIONS = (
     *("-std=gnu11", "-O1", "-ffp-contract=off", "-fPIC", "-shared", "-fvisibility=hidden"),
     *("-fno-tree-dse", "-fno-dse", "-fno-tree-fre", "-fno-math-errno", "-fno-trapping-math"),
@@ -92,6 +95,19 @@ def find_compiler() -> Compiler:
     raise CompilationError(f"no C compiler: {', '.join(reasons)}")
 
 
+def suitable_lanes() -> int:
+    """Return how many doubles this processor computes at once, as far as lanes know it."""
+    try:
+        text = Path("/proc/cpuinfo").read_text(encoding="utf-8", errors="replace")
+    except OSError:
+        return 1
+    line = next((item for item in text.splitlines() if item.startswith("flags")), "")
+    flags = set(line.split())
+    if {"avx512f", "avx512dq"} <= flags:
+        return 8
+    return 4 if {"avx2", "fma"} <= flags else 1
+
+
 def library_suffix() -> str:
     """Return the file ending of a shared library on this system."""
     return ".dll" if sys.platform == "win32" else ".so"
@@ -100,6 +116,8 @@ def library_suffix() -> str:
 def build_library(compiler: Compiler, source: str, folder: Path) -> Path:
     """Compile a source text in a folder and return the library's path.
 
+    ``UNIT_BREAK`` parts the text into units that do not see each other's definitions.
+
     Raises
     ------
     CompilationError
@@ -107,9 +125,12 @@ def build_library(compiler: Compiler, source: str, folder: Path) -> Path:
     OSError
         If the source cannot be written.
     """
-    text, library = folder / "kernel.c", folder / f"kernel{library_suffix()}"
-    text.write_text(source, encoding="utf-8")
-    command = [*compiler.command, *compiler.options, str(text), "-o", str(library)]
+    library = folder / f"kernel{library_suffix()}"
+    units = source.split(UNIT_BREAK)
+    paths = [folder / f"kernel{f'_{k}' if k else ''}.c" for k in range(len(units))]
+    for path, unit in zip(paths, units, strict=True):
+        path.write_text(unit, encoding="utf-8")
+    command = [*compiler.command, *compiler.options, *map(str, paths), "-o", str(library)]
     _run([*command, "-lm"] if sys.platform != "win32" else command, _TIME_LIMIT)
     if not library.is_file():
         raise CompilationError(f"{compiler.command[0]} wrote no library")

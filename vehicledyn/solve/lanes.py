@@ -12,7 +12,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vehicledyn.solve import cache
-from vehicledyn.solve.compiler import CompilationError, build_library, find_compiler
+from vehicledyn.solve.compiler import (
+    CompilationError,
+    build_library,
+    find_compiler,
+)
 from vehicledyn.solve.engine import Vector
 from vehicledyn.solve.functions import derive_functions
 from vehicledyn.solve.source import lane_source
@@ -123,19 +127,6 @@ class LaneEngine:
     def advance(self, *arguments: Any) -> bool:
         """Call vd_advance_lanes of batch.c; return whether any lane goes on."""
         return bool(self._library.vd_advance_lanes(*arguments))
-
-
-def suitable_lanes() -> int:
-    """Return how many doubles this processor computes at once, as far as lanes know it."""
-    try:
-        text = Path("/proc/cpuinfo").read_text(encoding="utf-8", errors="replace")
-    except OSError:
-        return 1
-    line = next((item for item in text.splitlines() if item.startswith("flags")), "")
-    flags = set(line.split())
-    if {"avx512f", "avx512dq"} <= flags:
-        return 8
-    return 4 if {"avx2", "fma"} <= flags else 1
 
 
 def compile_lanes(equations: Equations, key: str, lanes: int) -> tuple[LaneEngine, str]:

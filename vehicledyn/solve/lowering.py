@@ -57,8 +57,8 @@ _ASKED = frozenset({*CALLED, *LOOKED_UP, SHARED, RESULT})
 class Pack:
     """Calls of one function at once: operands and values of each call.
 
-    A call of "sincos" has two values, one of which may be absent (None). A call of a shared
-    function, whose number ``shared`` is, has one for each result kept.
+    A call of "sincos" has two values, one of which may be absent (None). A call of the shared
+    function of number ``shared`` has one for each result kept.
     """
 
     function: str
@@ -244,8 +244,18 @@ def _schedule(
     steps: list[Step] = []
     for key in sorted(waiting):
         if key[1] == SHARED:
-            called = [index for (index,) in waiting[key]]
-            packs = [_shared_call(values[index], shared[index], wanted) for index in called]
+            groups: dict[int, list[int]] = defaultdict(list)
+            for (index,) in waiting[key]:
+                groups[values[index].source[0]].append(index)
+            packs = [
+                Pack(
+                    SHARED,
+                    [values[index].operands for index in group],
+                    [tuple(shared[index].get(k) for k in wanted[number]) for index in group],
+                    number,
+                )
+                for number, group in groups.items()
+            ]
         else:
             packs = [_pack(key[1], waiting[key])]
         for pack in packs:
@@ -264,13 +274,6 @@ def _pack(function: str, calls: dict[tuple[int, ...], dict[str, int]]) -> Pack:
         for call in calls.values()
     ]
     return Pack(function, list(calls), found)
-
-
-def _shared_call(call: Instruction, found: dict[int, int], wanted: list[list[int]]) -> Pack:
-    """Return a call of a shared function with the values of the results kept of it."""
-    number = call.source[0]
-    values = tuple(found.get(k) for k in wanted[number])
-    return Pack(SHARED, [call.operands], [values], number)
 
 
 def _compute(values: list[Instruction], wanted: set[int], done: list[bool]) -> list[Step]:

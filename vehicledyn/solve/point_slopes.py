@@ -16,11 +16,10 @@ import numpy as np
 
 from vehicledyn.solve import cache
 from vehicledyn.solve.code import print_function
-from vehicledyn.solve.compiler import CompilationError, build_library, find_compiler
+from vehicledyn.solve.compiler import CompilationError, build_library, find_compiler, suitable_lanes
 from vehicledyn.solve.engine import Vector
 from vehicledyn.solve.fingerprint import function_text, generator_fingerprint
 from vehicledyn.solve.functions import apart_from_parameters
-from vehicledyn.solve.lanes import suitable_lanes
 from vehicledyn.solve.source import shared_source
 from vehicledyn.solve.table_rows import ROW, TableRows
 from vehicledyn.symbolic import ops

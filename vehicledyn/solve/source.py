@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
-from vehicledyn.solve.code import print_function
+from vehicledyn.solve.code import WideFunctions, print_function
+from vehicledyn.solve.compiler import UNIT_BREAK, suitable_lanes
 from vehicledyn.solve.engine import COUNTED
 from vehicledyn.solve.functions import KernelFunctions, operations_of
 from vehicledyn.symbolic.equations import Equations
@@ -19,8 +20,16 @@ def kernel_source(equations: Equations, functions: KernelFunctions) -> str:
         print_function(functions.events, "events", _ARGUMENTS, tables=equations.tables),
         print_function(functions.resets, "resets", _ARGUMENTS, tables=equations.tables),
     ]
-    parts = [*_common(equations, functions), *events, shared_source("loop.c")]
-    return "\n".join(parts)
+    wide = WideFunctions(suitable_lanes())
+    parts = [*_common(equations, functions, wide), *events, shared_source("loop.c")]
+    units = [_wide_unit(lanes, texts) for lanes, texts in wide.units.items()]
+    return UNIT_BREAK.join(["\n".join(parts), *units])
+
+
+def _wide_unit(lanes: int, texts: list[str]) -> str:
+    """Return a unit of functions that carry several places of a model at once."""
+    head = [f"#define VD_LANES {lanes}", shared_source("real.h"), shared_source("elementary.c")]
+    return "\n".join([*head, *texts])
 
 
 def lane_source(equations: Equations, functions: KernelFunctions, lanes: int) -> str:
@@ -29,18 +38,24 @@ def lane_source(equations: Equations, functions: KernelFunctions, lanes: int) ->
     return "\n".join([head, *_common(equations, functions), shared_source("batch.c")])
 
 
-def _common(equations: Equations, functions: KernelFunctions) -> list[str]:
+def _common(
+    equations: Equations, functions: KernelFunctions, wide: WideFunctions | None = None
+) -> list[str]:
     head = [shared_source("real.h"), shared_source("elementary.c")]
-    return [*head, *shared_texts(equations, functions)]
+    return [*head, *shared_texts(equations, functions, wide)]
 
 
-def shared_texts(equations: Equations, functions: KernelFunctions) -> list[str]:
+def shared_texts(
+    equations: Equations, functions: KernelFunctions, wide: WideFunctions | None = None
+) -> list[str]:
     """Return what is the same on any machine: functions of the model, tables and steps."""
     waves = enumerate(functions.waves)
     return [
         print_function(functions.prepare, "prepare", ["p"], tables=equations.tables),
-        print_function(functions.rates, "rates", _ARGUMENTS, tables=equations.tables),
-        print_function(functions.outputs, "outputs", _ARGUMENTS, tables=equations.tables),
+        print_function(functions.rates, "rates", _ARGUMENTS, tables=equations.tables, wide=wide),
+        print_function(
+            functions.outputs, "outputs", _ARGUMENTS, tables=equations.tables, wide=wide
+        ),
         *[
             print_function(wave, f"wave_{k}", _ARGUMENTS, tables=equations.tables)
             for k, wave in waves

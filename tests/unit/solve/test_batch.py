@@ -7,8 +7,8 @@ from solve_examples import Samples, double_pendulum, oscillator, slider_crank, s
 
 from vehicledyn.base.errors import InputError
 from vehicledyn.solve.batch import Cases, make_batch, run_batch
+from vehicledyn.solve.compiler import suitable_lanes
 from vehicledyn.solve.kernel import compile_kernel
-from vehicledyn.solve.lanes import suitable_lanes
 from vehicledyn.solve.methods.rk4 import RungeKutta4
 from vehicledyn.solve.methods.rkc import RungeKuttaChebyshev
 from vehicledyn.solve.methods.symplectic_euler import SymplecticEuler

@@ -9,8 +9,8 @@ from scipy.integrate import solve_ivp
 from table_examples import height, quintic, rider
 
 from vehicledyn.solve.batch import Cases, make_batch, run_batch
+from vehicledyn.solve.compiler import suitable_lanes
 from vehicledyn.solve.kernel import compile_kernel, known_kernel
-from vehicledyn.solve.lanes import suitable_lanes
 from vehicledyn.solve.methods.rk4 import RungeKutta4
 from vehicledyn.symbolic.remembered import equations_from, facts_of
 from vehicledyn.symbolic.tables import CurveTable

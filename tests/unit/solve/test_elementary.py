@@ -5,8 +5,8 @@ import ctypes
 import numpy as np
 import pytest
 
-from vehicledyn.solve.compiler import build_library, find_compiler
-from vehicledyn.solve.lanes import CHOICES, suitable_lanes
+from vehicledyn.solve.compiler import build_library, find_compiler, suitable_lanes
+from vehicledyn.solve.lanes import CHOICES
 from vehicledyn.solve.source import shared_source
 
 NAMES = ("sincos", "atan", "atan2", "asin", "acos", "exp", "log", "tanh", "pow", "floor")

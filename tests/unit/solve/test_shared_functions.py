@@ -5,6 +5,7 @@ import pytest
 from solve_examples import build, symbols
 
 from vehicledyn.solve.batch import Cases, make_batch, run_batch
+from vehicledyn.solve.compiler import suitable_lanes
 from vehicledyn.solve.functions import count_operations, derive_functions
 from vehicledyn.solve.kernel import compile_kernel
 from vehicledyn.solve.methods.rk4 import RungeKutta4
@@ -25,11 +26,21 @@ def pull(values):
     return [-stiffness * (place + 0.1 * inner) - 0.3 * ops.tanh(rate), lost, inner]
 
 
-def masses(share):
+def long_pull(values):
+    """The same, of so many operations that it is printed in pieces."""
+    place, rate, _ = values
+    total = 0.0
+    for k in range(400):
+        total = 0.97 * total + ops.sin(place + 0.01 * k) * rate
+    force, lost, inner = pull(values)
+    return [force + 1e-3 * total, lost, inner]
+
+
+def masses(share, law=pull):
     """Six masses in a row, each pulled by the same law."""
     t, k = symbols("t", "stiffness")
     places, rates = (symbols(*[f"{n}{i}" for i in range(6)]) for n in "xv")
-    call = (lambda values: shared("pull", values, pull)) if share else pull
+    call = (lambda values: shared("pull", values, law)) if share else law
     found = [call([x, v, k + 0.01 * i]) for i, (x, v) in enumerate(zip(places, rates, strict=True))]
     rows = [(x, 0.1 * i - 0.3) for i, x in enumerate(places)] + [(v, 0.4) for v in rates]
     accelerations = [item[0] + 0.05 * (places[i - 1] - places[i]) for i, item in enumerate(found)]
@@ -47,12 +58,13 @@ def masses(share):
     )
 
 
+@pytest.mark.parametrize("law", [pull, long_pull])
 @pytest.mark.parametrize("backend", ["compiled", "interpreted"])
-def test_kernel_equals_the_written_form(backend, request):
+def test_kernel_equals_the_written_form(backend, law, request):
     if backend == "compiled":
         request.getfixturevalue("needs_compiler")
     rng = np.random.default_rng(5)
-    one, two = (compile_kernel(masses(share), backend=backend) for share in (True, False))
+    one, two = (compile_kernel(masses(share, law), backend=backend) for share in (True, False))
     none = np.zeros(0)
     for _ in range(20):
         x = rng.normal(size=12)
@@ -63,9 +75,10 @@ def test_kernel_equals_the_written_form(backend, request):
 def test_the_function_is_printed_once_and_only_what_is_needed():
     equations = masses(True)
     text = kernel_source(equations, derive_functions(equations))
-    assert text.count("void rates_shared_0(") == 1
-    assert text.count("  rates_shared_0(a") == 6
-    assert "exp" not in text[text.index("void rates_shared_0(") : text.index("void rates(")]
+    assert text.count("static void rates_shared_0(") == 1
+    calls = -(-6 // suitable_lanes())
+    assert text.count("  rates_shared_0_wide(a" if calls < 6 else "  rates_shared_0(a") == calls
+    assert "exp" not in text[text.index("static void rates_shared_0(") :].split("\n}\n")[0]
     counts, written = count_operations(equations), count_operations(masses(False))
     assert counts["rates"] == pytest.approx(written["rates"], rel=0.25)
 
