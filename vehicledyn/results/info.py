@@ -51,6 +51,7 @@ class ResultDescription:
     solver: dict[str, Any]
     plots: tuple[str, ...]
     events: tuple[EventRecord, ...] = ()
+    pictures: int = 0
 
     def as_dict(self) -> dict[str, Any]:
         """Return plain data that JSON can hold."""
@@ -76,10 +77,13 @@ class ResultDescription:
             f"  status    {self.status}",
             f"  model     {model}",
             f"  time      {span}, {self.samples} samples",
-            f"  holds     {len(self.channels)} channels, {self.states} states",
+            f"  holds     {len(self.channels)} channels, {self.states} states{self._pictures()}",
             f"  plots     {', '.join(self.plots) or 'none described'}",
             f"  created   {self.created} by vehicledyn {self.program_version} ({versions})",
         ]
+
+    def _pictures(self) -> str:
+        return f", {self.pictures} pictures to animate" if self.pictures else ""
 
     def _summary(self) -> list[str]:
         rows = [
@@ -139,6 +143,7 @@ def describe_result(path: str | Path) -> ResultDescription:
             solver=result.solver,
             plots=tuple(str(plot.get("name", "?")) for plot in result.plots),
             events=tuple(result.events),
+            pictures=result.pictures,
         )
 
 

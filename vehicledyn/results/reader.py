@@ -277,6 +277,12 @@ class Result:
                 if item.attrs.get("CLASS") != b"DIMENSION_SCALE"
             }
 
+    @property
+    def pictures(self) -> int:
+        """Number of pictures for an animation."""
+        with reading(self.path):
+            return int(self._file[GROUP]["time"].shape[0]) if GROUP in self._file else 0
+
     def animation(self, span: Span) -> Animation | None:
         """Return shapes and some poses of the bodies, None where there are none."""
         with reading(self.path):

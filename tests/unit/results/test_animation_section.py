@@ -46,6 +46,7 @@ def test_round_trip(writer):
             summary=[SummaryEntry("a", 1.0, "m", "A")], surroundings=Surroundings(surface, rails)
         )
     with open_result(writer.path) as result:
+        assert result.pictures == len(result.time)
         found = result.animation(Span(10_000))
         assert found.stage.shapes[0].items() >= STAGE.shapes[0].items()
         assert [body["name"] for body in found.stage.bodies] == ["car", "wheel"]
