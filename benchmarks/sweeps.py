@@ -2,9 +2,9 @@
 
 Runs the study of slaloms with 20 parameters drawn at random in processes of its own, as a user
 would, and tells wall time, processor time and memory; the time of the first cases, in which the
-kernel is compiled, is not counted. The cost of a case is the processor time beyond that of a
-sweep of a few cases, so that start-up does not hide whether it grows with their number. Writes
-nothing but the JSON file where one is asked for; caches and results go to temporary folders.
+kernel is compiled, is not counted. The cost of a case is the processor time that further cases
+take, so that start-up does not hide whether it grows with their number. Writes nothing but the
+JSON file where one is asked for; caches and results go to temporary folders.
 """
 
 from __future__ import annotations
@@ -114,22 +114,24 @@ def sweep(folder, number, *changes):
 
 
 def sweeps(folder, counts):
-    """Return time and memory of 1,000 slaloms, and the cost of a case by the number of cases."""
+    """Return time and memory of 1,000 slaloms, and the cost of further cases by their number."""
     sweep(folder, FEW)
-    whole, few = sweep(folder, 1000), sweep(folder, FEW)
+    whole, some = sweep(folder, 1000), sweep(folder, 100)
     figures = [
         Figure("sweep of 1,000 slaloms of 10 s by 2 processes", "s", [whole.wall], "<= 20"),
         Figure("its processor time", "s", [whole.processor]),
-        Figure("of which a case", "ms", [1e3 * (whole.processor - few.processor) / (1000 - FEW)]),
+        Figure("of which a case", "ms", [1e3 * (whole.processor - some.processor) / 900]),
         Figure("its memory", "MiB", [whole.memory], "<= 2048"),
     ]
-    short = f"duration={SHORT}"
-    base = sweep(folder, FEW, short)
+    known = 0, Cost(0.0, 0.0, 0.0)
     for count in counts:
-        cost = sweep(folder, count, short)
-        each = 1e3 * (cost.processor - base.processor) / (count - FEW)
-        figures.append(Figure(f"a slalom of {SHORT} among {count}, processor time", "ms", [each]))
+        cost = sweep(folder, count, f"duration={SHORT}")
+        further, seconds = count - known[0], cost.processor - known[1].processor
+        name = f"a slalom of {SHORT}, from the {known[0] + 1}st to the {count}th"
+        if known[0]:
+            figures.append(Figure(f"{name}, processor time", "ms", [1e3 * seconds / further]))
         figures.append(Figure(f"memory of the sweep of {count}", "MiB", [cost.memory]))
+        known = count, cost
     return figures
 
 
