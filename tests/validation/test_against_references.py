@@ -25,6 +25,7 @@ ROWS = {
     "rail_wheels": 10,
     "track": 11,
     "rail_assessment": 9,
+    "rigid_wheelset": 6,
     "book": 21,
 }
 NEEDS_COMPILER = {
