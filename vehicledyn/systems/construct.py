@@ -476,6 +476,7 @@ class _Builder:
         parts: list[Part] = []
         for name, item in file.rail_wheels.items():
             try:
+                item.check_gauge(float(self.number(item.tape_circle)), track.gauge)
                 wheels = RailWheels(
                     name,
                     item.body,

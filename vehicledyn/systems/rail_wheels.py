@@ -7,9 +7,13 @@ from typing import Literal
 
 from pydantic import Field, field_validator
 
+from vehicledyn.base.errors import InputError
 from vehicledyn.base.parameters import ParameterSet
 from vehicledyn.rail.profile import Profile
 from vehicledyn.systems.fields import Scalar, SystemSet, measured, reference
+
+_BOTH = ("left", "right")
+_WIDEST_HEAD = 0.08
 
 
 class RailWheelSet(SystemSet):
@@ -35,7 +39,6 @@ class RailWheelSet(SystemSet):
     @field_validator("profile")
     @classmethod
     def _known_profile(cls, value: str) -> str:
-        from vehicledyn.base.errors import InputError
         from vehicledyn.rail.profile_names import is_name, named_profile
 
         if is_name(value) or not Path(value).suffix:
@@ -44,6 +47,29 @@ class RailWheelSet(SystemSet):
             except InputError as error:
                 raise ValueError(str(error)) from None
         return value
+
+    def check_gauge(self, tape_circle: float, gauge: float) -> None:
+        """Refuse a wheelset whose wheels would not stand on the rails.
+
+        Parameters
+        ----------
+        tape_circle
+            Distance of the tape circles from the middle of the axle [m].
+        gauge
+            Gauge of the track [m].
+
+        Raises
+        ------
+        InputError
+            If the tape circles are not over the heads of the rails.
+        """
+        beside = tape_circle - 0.5 * gauge
+        if len(self.wheels) == len(_BOTH) and not 0.0 < beside < _WIDEST_HEAD:
+            raise InputError(
+                f"the gauge does not fit: tape circles {2e3 * tape_circle:g} mm apart are "
+                f"{1e3 * beside:g} mm outside the running edges of rails {1e3 * gauge:g} mm apart; "
+                f"0 to {1e3 * _WIDEST_HEAD:g} mm carry a wheel"
+            )
 
     def open(self, folder: Path) -> Profile:
         """Return the profile; files are looked for in a folder.

@@ -182,6 +182,7 @@ def test_derailment_is_an_event(wheelset, lateral, vertical, derailed):
         ("profile: S1002", "profile: S1003", "did you mean 'S1002'"),
         ("wheels: [left, right]", "wheels: [left, left]", "name one side or both"),
         ("tape_circle: tape_circle", "tape_circle: mass", "tape_circle: this is in kg"),
+        ("gauge: 1435 mm", "gauge: 1668 mm", "the gauge does not fit: tape circles 1500 mm apart"),
         ("track: {kind", "road: {kind: flat}\nx: {kind", "x: unknown"),
     ],
 )
