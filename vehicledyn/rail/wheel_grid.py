@@ -37,6 +37,7 @@ _APART = 5e-3
 _RAMP = 2.5e-3
 _BLUR = 1.5e-3
 _LEAST_BEND = 1e-3
+_OF_RADIUS = 0.05
 
 
 @dataclass(frozen=True)
@@ -100,7 +101,7 @@ def wheel_grid(wheel: Wheel, rail: Rail) -> WheelGrid:
     fine = np.linspace(first, last, int(np.ceil((last - first) / (0.1 * _SAMPLE))) + 1)
     height, _, _ = table.values(fine)
     along = np.concatenate([[0.0], np.cumsum(np.hypot(np.diff(fine), np.diff(height)))])
-    number = _numbers(along, _distances(rolled, fine, along))
+    number = _numbers(along, _distances(wheel, rolled, fine, along))
     count = int(np.ceil(number[-1]))
     number *= count / number[-1]
     place = np.interp(np.arange(count + 1.0), number, fine)
@@ -163,12 +164,18 @@ def _bend(y: Floats, normal: Floats, stretch: Floats, k: int) -> float:
     return float(bend) if bend > _LEAST_BEND else _LEAST_BEND
 
 
-def _distances(rolled: _Rolled, fine: Floats, along: Floats) -> Floats:
-    """Return the distance that places may have, from the width of contacts there [m]."""
+def _distances(wheel: Wheel, rolled: _Rolled, fine: Floats, along: Floats) -> Floats:
+    """Return the distance that places may have [m].
+
+    It is a part of the width of contacts there, and of the radius of the wheel's profile: beside a
+    contact that jumps, an elastic one reaches where no rigid one is.
+    """
     wanted = np.sqrt(_APPROACH / rolled.bend) * 2.0 / _PLACES_A_CONTACT
     order = np.argsort(rolled.place, kind="stable")
-    logarithm = np.log(np.clip(wanted, FINEST, COARSEST))
-    coarse = np.interp(fine, rolled.place[order], logarithm[order])
+    _, slope, bend = wheel.table.values(fine)
+    radius = (1.0 + slope**2) ** 1.5 / np.maximum(np.abs(bend), _LEAST_BEND)
+    narrow = np.minimum(np.interp(fine, rolled.place[order], wanted[order]), _OF_RADIUS * radius)
+    coarse = np.log(np.clip(narrow, FINEST, COARSEST))
     # Blurred along the profile, so that neighbours differ little.
     even = np.arange(0.0, along[-1], _SAMPLE)
     half = round(_BLUR / _SAMPLE)
