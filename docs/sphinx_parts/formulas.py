@@ -13,7 +13,7 @@ from latex2mathml.converter import convert
 from sphinx.application import Sphinx
 from sphinx.errors import SphinxError
 
-INLINE_SIZE, BLOCK_SIZE = 17, 18
+INLINE_SIZE, BLOCK_SIZE = 17, 17
 """Sizes beside the text of the theme and by itself [px]."""
 
 _ESCAPED = re.compile(r"\\[{}]")

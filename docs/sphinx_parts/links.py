@@ -47,6 +47,8 @@ def turn_inwards(text: str, *, page: Path, docs: Path) -> str:
     def replaced(match: re.Match[str]) -> str:
         label, target = match[1], match[2].partition("#")[0]
         path = Path(os.path.normpath(page.parent / target))
+        if path == docs:
+            return f"[{label}]({os.path.relpath(docs / 'index.md', page.parent)})"
         if path.is_relative_to(docs):
             return match[0]
         inside = _INSIDE.get(path.relative_to(docs.parent).as_posix())

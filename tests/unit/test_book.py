@@ -67,8 +67,10 @@ def test_links_out_of_the_book_are_turned_inwards():
     text = "[a](../systems/bicycle.yaml) [b](../systems) [c](../reports/validation.md) [d](e.md)"
     turned = turn_inwards(text, page=DOCS / "page.md", docs=DOCS)
     assert turned == ("[a](../systems/bicycle.yaml) `b` [c](reference/validation.md) [d](e.md)")
-    deeper = turn_inwards("[a](../loops.md) [b](../../README.md)", page=DOCS / "t/p.md", docs=DOCS)
-    assert deeper == "[a](../loops.md) [b](../index.md)"
+    deeper = turn_inwards(
+        "[a](../loops.md) [b](../../README.md) [c](../../docs)", page=DOCS / "t/p.md", docs=DOCS
+    )
+    assert deeper == "[a](../loops.md) [b](../index.md) [c](../index.md)"
 
 
 def test_docstrings_keep_their_equations():
