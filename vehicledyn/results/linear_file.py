@@ -88,7 +88,7 @@ def old_file(path: Path, kind: str) -> Iterator[h5py.File]:
 def format_of(path: Path) -> str:
     """Return the format that an HDF5 file names, empty if it names none or is none."""
     try:
-        with open_file(path) as file:
+        with open_file(Path(path)) as file:
             return str(file.attrs.get("format", ""))
     except (InputError, OSError, RuntimeError, KeyError, ValueError):
         return ""
