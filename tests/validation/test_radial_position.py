@@ -19,8 +19,8 @@ from vehicledyn.multibody import (
 from vehicledyn.rail.contact_geometry import Wheel, place_rail
 from vehicledyn.rail.contact_geometry_wheelset import WheelsetOnTrack, stand
 from vehicledyn.rail.creep.johnson_vermeulen import JohnsonVermeulen
+from vehicledyn.rail.named_profiles import named_profile
 from vehicledyn.rail.outline import ArcOutline, ConeOutline
-from vehicledyn.rail.profile_names import named_profile
 from vehicledyn.rail.rigid_contact import RigidRailWheels, RigidWheel
 from vehicledyn.rail.rigid_touch import TouchingWheel
 from vehicledyn.rail.rolling_contact import Material

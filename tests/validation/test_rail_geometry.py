@@ -12,7 +12,7 @@ from vehicledyn.rail.contact_geometry import Pose, Wheel, place_rail
 from vehicledyn.rail.contact_geometry_elastic import settled
 from vehicledyn.rail.contact_geometry_wheelset import WheelsetOnTrack, stand, stand_level
 from vehicledyn.rail.hertz import effective_modulus
-from vehicledyn.rail.profile_names import named_profile
+from vehicledyn.rail.named_profiles import named_profile
 from vehicledyn.rail.profile_open import read_profile
 
 REFERENCE = Path(__file__).parents[3] / "shared" / "reference" / "rail"

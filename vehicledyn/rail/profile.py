@@ -10,13 +10,11 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import Literal
 
 import numpy as np
 
+from vehicledyn.rail.profile_names import Kind
 from vehicledyn.rail.profile_pieces import Floats, Piece, Table
-
-Kind = Literal["wheel", "rail"]
 
 STEEPEST = 12.0
 """Slope up to which a profile is followed as a function of y, 85 degrees [1]."""

@@ -7,9 +7,10 @@ from pathlib import Path
 
 import numpy as np
 
-from vehicledyn.rail.profile import Kind, Profile
+from vehicledyn.rail.named_profiles import named_profile
+from vehicledyn.rail.profile import Profile
 from vehicledyn.rail.profile_files import read_points
-from vehicledyn.rail.profile_names import is_name, named_profile
+from vehicledyn.rail.profile_names import Kind, is_name
 from vehicledyn.rail.profile_pieces import Table
 from vehicledyn.rail.profile_shape import in_our_axes
 from vehicledyn.rail.profile_smoothing import smoothed

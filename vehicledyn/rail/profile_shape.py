@@ -8,8 +8,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from vehicledyn.rail.profile import Kind
 from vehicledyn.rail.profile_files import RawPoints
+from vehicledyn.rail.profile_names import Kind
 from vehicledyn.rail.profile_pieces import Floats
 
 FEWEST, MOST = 10, 20_000

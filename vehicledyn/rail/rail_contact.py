@@ -5,16 +5,18 @@ from __future__ import annotations
 from abc import abstractmethod
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 from vehicledyn.base.parameters import ParameterSet
 from vehicledyn.multibody.parts import Part
-from vehicledyn.rail.contact_geometry import Rail, Wheel, place_rail
 from vehicledyn.rail.creep_law import CreepLaw
-from vehicledyn.rail.profile import Profile
-from vehicledyn.rail.profile_open import open_profile
 from vehicledyn.rail.track import Side, Track
 from vehicledyn.symbolic.ops import Scalar
 from vehicledyn.symbolic.parameters import ParameterTable
+
+if TYPE_CHECKING:
+    from vehicledyn.rail.contact_geometry import Rail, Wheel
+    from vehicledyn.rail.profile import Profile
 
 
 @dataclass(frozen=True)
@@ -73,6 +75,9 @@ class RailWheels:
         InputError
             If there is no such profile of a rail.
         """
+        from vehicledyn.rail.contact_geometry import Wheel, place_rail
+        from vehicledyn.rail.profile_open import open_profile
+
         track = self.track
         profile = open_profile(track.rail, "rail")
         rail = place_rail(profile, track.inclination, track.gauge, track.gauge_depth)

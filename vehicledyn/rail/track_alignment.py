@@ -14,6 +14,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from vehicledyn.rail.track_pieces import Grade, Piece
 from vehicledyn.rail.track_shapes import SHAPES, cubic_parabola
 
 Array = NDArray[np.float64]
@@ -24,35 +25,6 @@ _ENDLESS = 1e6
 """Length of the straight track beyond either end [m]."""
 
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(10)
-
-
-@dataclass(frozen=True)
-class Piece:
-    """A piece of track: pairs hold values at its beginning and at its end.
-
-    ``shape`` is a name of :data:`~vehicledyn.rail.track_shapes.SHAPES` or "cubic_parabola", of
-    which one end must be straight. ``inner`` is 1.0 if the left rail carries the widening, -1.0
-    the right one, 0.0 if both do.
-    """
-
-    length: float
-    curvature: tuple[float, float] = (0.0, 0.0)
-    cant: tuple[float, float] = (0.0, 0.0)
-    widening: tuple[float, float] = (0.0, 0.0)
-    shape: str = "linear"
-    inner: float = 0.0
-
-
-@dataclass(frozen=True)
-class Grade:
-    """Where the gradient changes: at a chainage [m], to a slope [1], over an arc of a radius [m].
-
-    The arc is a parabola that begins and ends half its length from the change.
-    """
-
-    at: float
-    slope: float
-    radius: float = 0.0
 
 
 @dataclass(frozen=True)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import NamedTuple
 
-from vehicledyn.rail.track_alignment import Grade, Piece
+from vehicledyn.rail.track_pieces import Grade, Piece
 from vehicledyn.rail.track_segments import SegmentSet
 
 State = tuple[float, float, float]

@@ -13,6 +13,7 @@ from pydantic import Field, field_validator
 from vehicledyn.base.errors import InputError
 from vehicledyn.base.parameters import ParameterSet, part, quantity
 from vehicledyn.base.slopes import slope_of
+from vehicledyn.rail.profile_names import STANDARD, is_name
 from vehicledyn.rail.track import CentreLine, RailShift, Track
 
 if TYPE_CHECKING:
@@ -98,8 +99,6 @@ class TrackSet(TrackChoice):
     @classmethod
     def _read_name(cls, value: Any) -> Any:
         """Return the name that YAML takes for a number, such as 60E1."""
-        from vehicledyn.rail.profile_names import STANDARD
-
         if not isinstance(value, float):
             return value
         return next((name for name in STANDARD if _number(name) == value), value)
@@ -114,8 +113,6 @@ class TrackSet(TrackChoice):
         line, shifts
             Centre line, and displacements that belong to the design.
         """
-        from vehicledyn.rail.profile_names import is_name
-
         beside = folder / self.rail
         rail = str(beside) if not is_name(self.rail) and beside.is_file() else self.rail
         rough = self.irregularities

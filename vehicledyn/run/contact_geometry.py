@@ -27,7 +27,8 @@ from vehicledyn.rail.contact_geometry_wheelset import (
     stand,
     stand_level,
 )
-from vehicledyn.rail.profile import Kind, Profile
+from vehicledyn.rail.profile import Profile
+from vehicledyn.rail.profile_names import Kind
 from vehicledyn.rail.profile_open import open_profile
 from vehicledyn.results.contact_table import SIDES, ContactColumns, ContactTable, write_contacts
 from vehicledyn.run.contact_report import ContactReport

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import partial
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from vehicledyn.base.errors import InputError
 from vehicledyn.base.parameters import ParameterSet
@@ -19,7 +19,6 @@ from vehicledyn.multibody.parts import Part, Situation
 from vehicledyn.multibody.sensors import Accelerometer, BodySensor
 from vehicledyn.multibody.system import Body, Joint, System, Turn
 from vehicledyn.rail.rail_contact import RailWheels
-from vehicledyn.rail.rigid_contact import RigidRailWheels
 from vehicledyn.rail.track import Track
 from vehicledyn.rail.track_follower import TrackFollower
 from vehicledyn.rail.track_set import TrackChoice
@@ -51,6 +50,9 @@ from vehicledyn.systems.sets import (
     WrenchSet,
 )
 from vehicledyn.systems.track_frame import TrackFrameSet
+
+if TYPE_CHECKING:
+    from vehicledyn.rail.rigid_contact import RigidRailWheels
 
 
 @dataclass(frozen=True)
@@ -182,7 +184,7 @@ class _Builder:
                 if isinstance(s, SensorSet)
             ),
         ]
-        guided = [part for part in parts if isinstance(part, RigidRailWheels)]
+        guided = self._guided(parts)
         return System(
             name=self.model.name,
             table=self.table,
@@ -204,6 +206,14 @@ class _Builder:
             parts=tuple(parts),
             gravity=self.value(file.gravity),
         )
+
+    def _guided(self, parts: list[Part]) -> list[RigidRailWheels]:
+        """Return the parts that bring bodies and constraints of their own."""
+        if not self.model.file.rail_wheels:
+            return []
+        from vehicledyn.rail.rigid_contact import RigidRailWheels
+
+        return [part for part in parts if isinstance(part, RigidRailWheels)]
 
     def _constraint(self, name: str, item: ConstraintSet) -> Constraint:
         """Return a constraint; that of an expression has the unit of what is zero."""

@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Literal
+from typing import TYPE_CHECKING, Literal
 
 from pydantic import Field, field_validator
 
 from vehicledyn.base.errors import InputError
 from vehicledyn.base.parameters import ParameterSet
-from vehicledyn.rail.profile import Profile
+from vehicledyn.rail.profile_names import check_name, is_name
 from vehicledyn.systems.fields import Scalar, SystemSet, measured, reference
+
+if TYPE_CHECKING:
+    from vehicledyn.rail.profile import Profile
 
 _BOTH = ("left", "right")
 _WIDEST_HEAD = 0.08
@@ -39,11 +42,9 @@ class RailWheelSet(SystemSet):
     @field_validator("profile")
     @classmethod
     def _known_profile(cls, value: str) -> str:
-        from vehicledyn.rail.profile_names import is_name, named_profile
-
         if is_name(value) or not Path(value).suffix:
             try:
-                named_profile(value, "wheel")
+                check_name(value, "wheel")
             except InputError as error:
                 raise ValueError(str(error)) from None
         return value
@@ -79,7 +80,6 @@ class RailWheelSet(SystemSet):
         InputError
             If the file cannot be read or holds no profile.
         """
-        from vehicledyn.rail.profile_names import is_name
         from vehicledyn.rail.profile_open import open_profile
 
         is_file = not is_name(self.profile) and bool(Path(self.profile).suffix)

@@ -6,10 +6,12 @@ import signal
 import subprocess
 import sys
 import time
+from pathlib import Path
 
 import pytest
 
 HEAVY = ("casadi", "h5py", "matplotlib", "numpy", "pandas", "rich", "scipy")
+SCENARIOS = Path(__file__).parents[3] / "scenarios" / "systems"
 STANDING = """\
 title: The Iltis rolls
 model: iltis
@@ -48,7 +50,20 @@ def test_wrong_usage_exits_with_2(arguments):
 def test_quick_verbs_load_nothing_heavy(tmp_path, verb):
     scenario = tmp_path / "iltis.yaml"
     scenario.write_text(STANDING)
-    arguments = [verb, *([str(scenario)] if verb == "validate" else [])]
+    said = heavy_loaded_by(verb, *([str(scenario)] if verb == "validate" else []))
+    assert said.endswith("loaded []\n")
+    assert f"exit code {2 if verb == 'validate' else 0}" in said
+
+
+def test_validating_rails_loads_nothing_heavy():
+    names = ("curving_wheelset", "radial_wheelset", "testset_wheelset")
+    said = heavy_loaded_by("validate", *(str(SCENARIOS / f"{name}.yaml") for name in names))
+    assert said.endswith("loaded []\n")
+    assert "exit code 0" in said
+
+
+def heavy_loaded_by(*arguments):
+    """Return what the command says, its exit code and the heavy libraries that it loads."""
     code = (
         "import sys\nfrom vehicledyn.cli import main\n"
         f"sys.argv = ['vehicledyn', *{arguments!r}]\n"
@@ -58,8 +73,7 @@ def test_quick_verbs_load_nothing_heavy(tmp_path, verb):
     done = subprocess.run(
         [sys.executable, "-c", code], check=False, capture_output=True, text=True, timeout=60
     )
-    assert done.stdout.endswith("loaded []\n")
-    assert f"exit code {2 if verb == 'validate' else 0}" in done.stdout
+    return done.stdout
 
 
 def test_validate_tells_every_problem_on_standard_error(tmp_path):

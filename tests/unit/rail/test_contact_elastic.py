@@ -8,7 +8,7 @@ from vehicledyn.rail.contact_geometry import Pose, Wheel, place_rail, touching_p
 from vehicledyn.rail.contact_geometry_elastic import patches, settled
 from vehicledyn.rail.contact_geometry_wheelset import WheelsetOnTrack, find_jumps, stand
 from vehicledyn.rail.hertz import effective_modulus, hertz
-from vehicledyn.rail.profile_names import circle, cone, named_profile
+from vehicledyn.rail.named_profiles import circle, cone, named_profile
 
 STEEL = effective_modulus(210e9, 0.28, 210e9, 0.28)
 S1002 = Wheel(named_profile("S1002", "wheel"), 0.46, 0.75)

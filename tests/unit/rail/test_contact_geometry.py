@@ -20,7 +20,7 @@ from vehicledyn.rail.contact_geometry_wheelset import (
     stand,
     stand_level,
 )
-from vehicledyn.rail.profile_names import circle, cone, named_profile
+from vehicledyn.rail.named_profiles import circle, cone, named_profile
 
 S1002 = Wheel(named_profile("S1002", "wheel"), 0.46, 0.75)
 RAIL = place_rail(named_profile("60E1", "rail"), np.arctan(1 / 40), 1.435, 0.014)

@@ -8,7 +8,7 @@ from vehicledyn.rail.contact_geometry import Pose, Wheel, lowest_gap, place_rail
 from vehicledyn.rail.contact_geometry_elastic import patches
 from vehicledyn.rail.elastic_contact import Axle, ElasticContact, _Outline
 from vehicledyn.rail.hertz import hertz
-from vehicledyn.rail.profile_names import named_profile
+from vehicledyn.rail.named_profiles import named_profile
 from vehicledyn.symbolic import ops
 
 STEEL = 1.14e11

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from vehicledyn.base.errors import InputError
-from vehicledyn.rail.profile_names import named_profile
+from vehicledyn.rail.named_profiles import named_profile
 from vehicledyn.rail.profile_open import open_profile, read_profile
 from vehicledyn.rail.profile_smoothing import smoothed
 

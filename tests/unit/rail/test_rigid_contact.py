@@ -18,8 +18,8 @@ from rigid_examples import (
 from vehicledyn.multibody.skeleton import raw_skeleton
 from vehicledyn.rail.contact_geometry import Wheel, place_rail
 from vehicledyn.rail.contact_geometry_wheelset import WheelsetOnTrack, stand
+from vehicledyn.rail.named_profiles import named_profile
 from vehicledyn.rail.outline import ArcOutline, ConeOutline
-from vehicledyn.rail.profile_names import named_profile
 from vehicledyn.symbolic import ops
 
 SHAPES = {

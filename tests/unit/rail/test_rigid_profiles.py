@@ -7,7 +7,7 @@ from rigid_examples import LAW, STEEL, STRAIGHT, on_rails, wheelset_body, wheels
 from vehicledyn.multibody.positions import Positions
 from vehicledyn.rail.contact_geometry import Wheel, place_rail
 from vehicledyn.rail.contact_geometry_wheelset import WheelsetOnTrack, find_jumps, stand
-from vehicledyn.rail.profile_names import named_profile
+from vehicledyn.rail.named_profiles import named_profile
 from vehicledyn.rail.rigid_contact import RigidRailWheels
 from vehicledyn.rail.rigid_profiles import rigid_wheels
 from vehicledyn.solve.methods.rk4 import RungeKutta4

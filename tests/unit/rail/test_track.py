@@ -10,8 +10,8 @@ from pydantic import ValidationError
 import vehicledyn.catalogue  # noqa: F401
 from vehicledyn.base.errors import InputError
 from vehicledyn.base.parameters import read_part
-from vehicledyn.rail.track_alignment import Grade
 from vehicledyn.rail.track_layout import grade_faults
+from vehicledyn.rail.track_pieces import Grade
 from vehicledyn.rail.tracks.straight import StraightTrack
 from vehicledyn.scenario import load_scenario
 from vehicledyn.symbolic import ops

@@ -8,7 +8,8 @@ import pytest
 from scipy.special import fresnel
 
 from vehicledyn.rail.track import Track
-from vehicledyn.rail.track_alignment import Alignment, Grade, Piece
+from vehicledyn.rail.track_alignment import Alignment
+from vehicledyn.rail.track_pieces import Grade, Piece
 from vehicledyn.rail.track_shapes import SHAPES
 from vehicledyn.rail.track_tables import WANTED_ERROR, centre_line
 from vehicledyn.symbolic import ops

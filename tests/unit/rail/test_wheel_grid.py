@@ -5,7 +5,7 @@ import pytest
 
 from vehicledyn.base.errors import InputError
 from vehicledyn.rail.contact_geometry import Wheel, place_rail
-from vehicledyn.rail.profile_names import named_profile
+from vehicledyn.rail.named_profiles import named_profile
 from vehicledyn.rail.wheel_grid import COARSEST, FINEST, wheel_grid
 
 

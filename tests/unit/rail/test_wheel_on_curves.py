@@ -8,7 +8,7 @@ import pytest
 import vehicledyn.rail.creep  # noqa: F401
 from vehicledyn.base.registry import find
 from vehicledyn.rail.elastic_contact import ElasticContact
-from vehicledyn.rail.profile_names import named_profile
+from vehicledyn.rail.named_profiles import named_profile
 from vehicledyn.rail.rail_contact import RailWheels
 from vehicledyn.rail.running import RailPlace, Running
 from vehicledyn.rail.track import Track, TrackFrame

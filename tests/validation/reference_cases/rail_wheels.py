@@ -15,7 +15,7 @@ from vehicledyn.rail.contact_geometry import Pose, Wheel, place_rail
 from vehicledyn.rail.contact_geometry_elastic import settled
 from vehicledyn.rail.elastic_contact import Axle, ElasticContact
 from vehicledyn.rail.hertz import effective_modulus, hertz
-from vehicledyn.rail.profile_names import named_profile
+from vehicledyn.rail.named_profiles import named_profile
 from vehicledyn.rail.rail_contact import RailWheels
 from vehicledyn.rail.running import RailPlace, Running
 from vehicledyn.rail.track import StraightLine, Track

@@ -15,7 +15,8 @@ from reference_cases.comparison import Group, deviation, figure
 from vehicledyn.multibody import derive
 from vehicledyn.rail.irregularities.erri_b176 import ErriB176, spectra
 from vehicledyn.rail.track import Track
-from vehicledyn.rail.track_alignment import Alignment, Grade, Piece
+from vehicledyn.rail.track_alignment import Alignment
+from vehicledyn.rail.track_pieces import Grade, Piece
 from vehicledyn.rail.track_tables import centre_line
 from vehicledyn.symbolic import ops
 from vehicledyn.systems.construct import RoadChoice, build_system

@@ -5,9 +5,7 @@ from __future__ import annotations
 from vehicledyn.base.parameters import quantity
 from vehicledyn.base.registry import register
 from vehicledyn.multibody.parts import Part
-from vehicledyn.rail.elastic_contact import ElasticContact
 from vehicledyn.rail.rail_contact import RailContact, RailWheels
-from vehicledyn.rail.wheel_on_rail import ElasticWheels
 from vehicledyn.symbolic.parameters import ParameterTable
 
 
@@ -36,6 +34,9 @@ class Elastic(RailContact):
 
     def part(self, wheels: RailWheels) -> Part:
         """Return the part."""
+        from vehicledyn.rail.elastic_contact import ElasticContact
+        from vehicledyn.rail.wheel_on_rail import ElasticWheels
+
         modulus, nu = self.youngs_modulus, self.poissons_ratio
         return ElasticWheels(
             wheels.name,

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 from vehicledyn.base.parameters import quantity
 from vehicledyn.base.registry import register
 from vehicledyn.rail.rail_contact import RailContact, RailWheels
-from vehicledyn.rail.rigid_contact import RigidRailWheels
-from vehicledyn.rail.rigid_profiles import rigid_wheels
-from vehicledyn.rail.rolling_contact import Material
 from vehicledyn.symbolic.parameters import ParameterTable
+
+if TYPE_CHECKING:
+    from vehicledyn.rail.rigid_contact import RigidRailWheels
 
 
 @register("rail_contact", "rigid")
@@ -32,6 +34,10 @@ class Rigid(RailContact):
 
     def part(self, wheels: RailWheels) -> RigidRailWheels:
         """Return the part."""
+        from vehicledyn.rail.rigid_contact import RigidRailWheels
+        from vehicledyn.rail.rigid_profiles import rigid_wheels
+        from vehicledyn.rail.rolling_contact import Material
+
         return RigidRailWheels(
             wheels.name,
             wheels.body,

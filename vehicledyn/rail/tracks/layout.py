@@ -9,13 +9,15 @@ from pydantic import Field, model_validator
 from vehicledyn.base.parameters import ParameterSet, part, quantity
 from vehicledyn.base.registry import register
 from vehicledyn.base.wording import Complaint, complain
+from vehicledyn.rail.track_layout import grade_faults, pieces_of
+from vehicledyn.rail.track_pieces import Grade
 from vehicledyn.rail.track_segments import SegmentSet
 from vehicledyn.rail.track_set import DesignedTrack
 
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from vehicledyn.rail.track_alignment import Alignment, Grade
+    from vehicledyn.rail.track_alignment import Alignment
 
 
 class GradeSet(ParameterSet):
@@ -37,8 +39,6 @@ class LayoutTrack(DesignedTrack):
 
     @model_validator(mode="after")
     def _fits_together(self) -> LayoutTrack:
-        from vehicledyn.rail.track_layout import grade_faults, pieces_of
-
         if not self.segments:
             raise complain("track", [Complaint(("segments",), "give at least one segment", [])])
         found = {
@@ -56,14 +56,11 @@ class LayoutTrack(DesignedTrack):
 
     @property
     def _grades(self) -> list[Grade]:
-        from vehicledyn.rail.track_alignment import Grade
-
         return [Grade(g.at, g.slope, g.radius) for g in self.gradients]
 
     def alignment(self, folder: Path) -> Alignment:
         """Return the design."""
         from vehicledyn.rail.track_alignment import Alignment
-        from vehicledyn.rail.track_layout import pieces_of
 
         pieces, _ = pieces_of(self.segments, self.gauge)
         return Alignment(pieces, self.base, self._grades, self.cant_about)

@@ -9,12 +9,13 @@ from pydantic import Field
 
 from vehicledyn.base.columns import Column
 from vehicledyn.base.registry import register
+from vehicledyn.rail.track_pieces import Grade, Piece
 from vehicledyn.rail.track_set import DesignedTrack
 
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from vehicledyn.rail.track_alignment import Alignment, Array, Grade
+    from vehicledyn.rail.track_alignment import Alignment, Array
 
 _COLUMNS = {
     "s": Column("m", required=True),
@@ -48,7 +49,7 @@ class MeasuredTrack(DesignedTrack):
             If the table cannot be read or is none of a track.
         """
         from vehicledyn.base.problems import refusal
-        from vehicledyn.rail.track_alignment import Alignment, Piece
+        from vehicledyn.rail.track_alignment import Alignment
         from vehicledyn.rail.track_columns import read_along
         from vehicledyn.rail.track_layout import HIGHEST_CANT, STEEPEST, TIGHTEST, WIDEST
 
@@ -77,8 +78,6 @@ class MeasuredTrack(DesignedTrack):
 
 def _grades(s: Array, slopes: Array) -> list[Grade]:
     """Return the changes of a gradient that changes evenly from line to line."""
-    from vehicledyn.rail.track_alignment import Grade
-
     if not slopes.any():
         return []
     grades = [Grade(0.0, float(slopes[0]))]
