@@ -11,7 +11,7 @@ from vehicledyn.results.animation import Span
 from vehicledyn.results.animation_page import page_of
 from vehicledyn.results.animation_scene import AnimatedScene, scene_of
 from vehicledyn.results.linear_results import is_linear
-from vehicledyn.results.output import write_failed
+from vehicledyn.results.page_file import check_page, write_page
 from vehicledyn.results.reader import open_result
 from vehicledyn.results.study_reader import is_study_file
 
@@ -56,15 +56,12 @@ def animate_result(
     ------
     InputError
         If a file cannot be read or holds no shapes and poses, no channel matches a pattern, or the
-        page cannot be written.
+        page cannot be written, such as over a file that is no animation.
     """
+    check_page(target, "animation")
     scenes = read_scenes([path, *others], span=span, channels=channels)
-    text = page_of(scenes)
-    try:
-        target.write_text(text, encoding="utf-8")
-    except OSError as error:
-        raise write_failed(target, error) from error
-    size = len(text.encode("utf-8"))
+    write_page(target, page_of(scenes))
+    size = target.stat().st_size
     return AnimationFile(target, size, len(scenes[0].time), messages_of(scenes))
 
 

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from vehicledyn.base.errors import InputError, nearest_name
 from vehicledyn.base.quaternions import continuous, rotated
 from vehicledyn.results.animation import Animation, Pictures, Span
+from vehicledyn.results.arrangement import arranged
 from vehicledyn.results.plot_description import TimePlot, read_plots
 from vehicledyn.results.reader import Result, Series
 
@@ -124,7 +125,7 @@ def scene_of(
         raise InputError(f"{result.path}: {words}")
     pictures = replace(found.pictures, quaternion=continuous(found.pictures.quaternion))
     rows = np.clip(np.searchsorted(result.time, pictures.time), 0, len(result.time) - 1)
-    panels = _panels(result)
+    panels = _panels(result, rows)
     cones = result.scene.get("cones")
     return AnimatedScene(
         label=result.path.name,
@@ -146,14 +147,29 @@ def scene_of(
     )
 
 
-def _panels(result: Result) -> list[PlotPanel]:
-    """Return the panels of the result's figures along time."""
-    return [
-        PlotPanel(panel.label, panel.unit, tuple(panel.channels))
-        for plot in read_plots(result.plots)
-        if isinstance(plot, TimePlot)
-        for panel in plot.panels
-    ]
+def _panels(result: Result, rows: NDArray[np.intp]) -> list[PlotPanel]:
+    """Return the panels of the result's figures along time, arranged as the figures are.
+
+    Those with nothing but ways travelled and angles turned, which only rise or fall, come last.
+    """
+    panels = []
+    for plot in read_plots(result.plots):
+        if isinstance(plot, TimePlot):
+            whole = set(result.channels).issuperset(c for p in plot.panels for c in p.channels)
+            tidy = plot.arranged and whole
+            for panel in (arranged(result, plot, rows) if tidy else plot).panels:
+                title = f"{panel.label}: {', '.join(panel.channels)}" if tidy else panel.label
+                panels.append(PlotPanel(title, panel.unit, tuple(panel.channels)))
+    return sorted(panels, key=lambda panel: _only_rises_or_falls(result, panel, rows))
+
+
+def _only_rises_or_falls(result: Result, panel: PlotPanel, rows: NDArray[np.intp]) -> bool:
+    """Return whether each line of a panel moves one way all the time and none oscillates."""
+    for name in set(panel.channels) & set(result.channels):
+        steps = np.diff(result.channel(name, rows).values)
+        if (steps > 0.0).any() and (steps < 0.0).any():
+            return False
+    return True
 
 
 def _channels(

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field, replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from vehicledyn.results.plot_description import Panel, TimePlot
 from vehicledyn.results.reader import Result
@@ -43,13 +44,14 @@ class _Range:
             self.least = min(self.least, high - low)
 
 
-def arranged(result: Result, plot: TimePlot) -> TimePlot:
+def arranged(result: Result, plot: TimePlot, rows: NDArray[np.intp] | None = None) -> TimePlot:
     """Return a plot with the lines of each panel put into panels of like range.
 
     A panel keeps at most six lines, none flatter than a sixteenth of its height unless it is
-    constant. Of more than eight panels the first are kept, and the title says so.
+    constant. Of more than eight panels the first are kept, and the title says so. The ranges are
+    those of the samples shown, or of some rising ``rows`` of the file.
     """
-    panels = [part for panel in plot.panels for part in _split(result, panel)]
+    panels = [part for panel in plot.panels for part in _split(result, panel, rows)]
     shown = tuple(panels[:MOST_PANELS])
     title = plot.title
     if len(panels) > MOST_PANELS:
@@ -58,10 +60,10 @@ def arranged(result: Result, plot: TimePlot) -> TimePlot:
     return replace(plot, title=title, panels=shown)
 
 
-def _split(result: Result, panel: Panel) -> list[Panel]:
+def _split(result: Result, panel: Panel, rows: NDArray[np.intp] | None) -> list[Panel]:
     ranges: list[_Range] = []
     for channel, label in zip(panel.channels, panel.labels, strict=True):
-        values = result.channel(channel).values
+        values = result.channel(channel, rows).values
         finite = values[np.isfinite(values)]
         low, high = (float(finite.min()), float(finite.max())) if finite.size else (0.0, 0.0)
         home = next((r for r in ranges if r.takes(low, high)), None)

@@ -119,8 +119,9 @@ def motion(time):
 
 
 def write_car(
-    path, *, title="A car drives a circle", close=True, spoil=None, count=401, stage=None
-):
+    path, *, title="A car drives a circle", close=True, spoil=None, count=401, stage=None,
+    plots=PLOTS,
+):  # fmt: skip
     """Write the result; ``spoil`` changes the pictures, ``close`` False leaves it broken off."""
     time = np.linspace(0.0, DURATION, count)
     pictures, channels = motion(time)
@@ -130,7 +131,7 @@ def write_car(
     writer = ResultWriter(
         path,
         channels=[Quantity(name, unit) for name, (unit, _) in channels.items()],
-        header=ResultHeader(title=title, model="car", plots=PLOTS, scene={"cones": cones}),
+        header=ResultHeader(title=title, model="car", plots=plots, scene={"cones": cones}),
         stage=stage or Stage(BODIES, SHAPES),
         expected_samples=count,
     )

@@ -229,8 +229,20 @@ def test_unknown_wishes(car, tmp_path):
         picture_of_result(car, tmp_path / "a.png", time=1.0, view="up")
     with pytest.raises(InputError, match="no picture format"):
         picture_of_result(car, tmp_path / "a.bmp", time=1.0, view="angle")
-    with pytest.raises(InputError, match="cannot be written"):
+    with pytest.raises(InputError, match="does not exist"):
         animate_result(car, tmp_path / "absent" / "page.html")
+
+
+def test_only_animations_are_written_over(car, tmp_path):
+    kept, page = car.read_bytes(), tmp_path / "page.html"
+    for _ in range(2):
+        animate_result(car, page)
+    with pytest.raises(InputError, match="is no animation, so it is kept"):
+        animate_result(car, car)
+    assert car.read_bytes() == kept
+    page.write_text("my own notes", encoding="utf-8")
+    with pytest.raises(InputError, match="is no animation, so it is kept"):
+        animate_result(car, page)
 
 
 def test_two_results_and_chosen_channels(car, tmp_path):
@@ -240,6 +252,17 @@ def test_two_results_and_chosen_channels(car, tmp_path):
     scenes = content(page)[0]["scenes"]
     assert [scene["title"] for scene in scenes] == ["A car drives a circle", "Another"]
     assert {channel["name"].split(".")[0] for channel in scenes[0]["channels"]} == {"wheel"}
+
+
+@pytest.mark.parametrize("tidy", [True, False])
+def test_what_only_rises_hides_no_oscillation(tmp_path, tidy):
+    panel = {"label": "Value", "unit": "", "channels": ["car.yaw", "wheel.load"]}
+    plot = {"name": "all", "kind": "time", "title": "All", "panels": [panel], "arranged": tidy}
+    write_car(tmp_path / "car.h5", plots=[plot])
+    found = {p.title: p.channels for p in read_scenes([tmp_path / "car.h5"])[0].panels}
+    apart = {"Value: wheel.load": ("wheel.load",), "Value: car.yaw": ("car.yaw",)}
+    expected = apart if tidy else {"Value": ("car.yaw", "wheel.load")}
+    assert list(found.items()) == list(expected.items())
 
 
 def test_long_results_are_thinned_in_bounded_memory(tmp_path):

@@ -253,6 +253,19 @@ def test_a_wheelset_on_rails(browser, tmp_path, needs_compiler):
     check_picture(browser, "rail_wheelset.png")
 
 
+def test_a_wheelset_hunts(browser, tmp_path, needs_compiler):
+    """Above its critical speed; the plots show the oscillation and not the way travelled."""
+    run("wheelset_limit_cycle.yaml", tmp_path / "hunting.h5", "duration=0.4 s")
+    animate_result(tmp_path / "hunting.h5", tmp_path / "hunting.html")
+    browser.open((tmp_path / "hunting.html").as_uri() + "#t=0.3&view=front")
+    state = settled(browser)
+    assert browser.evaluate("document.querySelectorAll('.plot li').length") == 3
+    assert "wheelset.lateral" in text_of(browser, "plots")
+    assert all(len(ticks) > 1 for ticks in state["ticks"])
+    assert browser.problems() == []
+    check_picture(browser, "wheelset_hunting.png")
+
+
 def check_picture(browser, name):
     """Compare the moving picture with a stored one: few pixels may differ, and little."""
     hide = "element => { element.style.display = 'none'; }"

@@ -8,10 +8,9 @@ from pathlib import Path
 from urllib.parse import quote
 
 from vehicledyn.base.errors import InputError
-from vehicledyn.results.output import write_failed
+from vehicledyn.results.page_file import check_page, write_page
 from vehicledyn.results.report.page import render
 
-MARK = b'<meta name="generator" content="vehicledyn report'
 Told = Callable[[str, float | None], None]
 
 
@@ -50,7 +49,7 @@ def write_report(
     from vehicledyn.results.report.single import page_of, page_of_two
 
     target = output or usual_place(source)
-    _check(target)
+    check_page(target, "report")
     with matplotlib.rc_context(STYLE):
         if source.is_dir():
             if against is not None:
@@ -61,7 +60,7 @@ def write_report(
         else:
             page = page_of(source, target, told)
     told("writing the page", None)
-    _write(target, render(page))
+    write_page(target, render(page))
     return target
 
 
@@ -79,36 +78,3 @@ def address(target: Path, page: Path) -> str:
     """Return the address of a file as seen from a page, relative and quoted."""
     relative = os.path.relpath(target.resolve(), page.resolve().parent)
     return "./" + quote(relative.replace(os.sep, "/").encode("utf-8", "surrogateescape"))
-
-
-def _check(target: Path) -> None:
-    if target.is_dir():
-        raise InputError(f"{target}: is a folder; give the name of a page in it with -o")
-    if not target.parent.is_dir():
-        raise InputError(f"{target}: the folder {target.parent} does not exist; create it first")
-    if not os.access(target.parent, os.W_OK | os.X_OK):
-        raise InputError(f"{target}: no permission to write there; choose another with -o")
-    if target.exists() and not _is_report(target):
-        raise InputError(
-            f"{target}: exists and is no report, so it is kept; choose another with -o"
-        )
-
-
-def _is_report(target: Path) -> bool:
-    try:
-        with target.open("rb") as file:
-            start = file.read(2048)
-    except OSError:
-        return False
-    return not start or MARK in start
-
-
-def _write(target: Path, text: str) -> None:
-    scratch = target.with_name(f".{target.name}.new")
-    try:
-        scratch.write_text(text, encoding="utf-8", errors="replace")
-        scratch.replace(target)
-    except OSError as error:
-        raise write_failed(target, error) from error
-    finally:
-        scratch.unlink(missing_ok=True)

@@ -640,7 +640,7 @@
     const span = high - low || Math.abs(high) || 1, raw = span / count, power = 10 ** Math.floor(Math.log10(raw));
     const step = power * [1, 2, 5, 10].find((n) => n * power >= raw), ticks = [];
     for (let v = Math.ceil(low / step - 1e-9) * step; v <= high + 1e-9 * span; v += step) ticks.push(Math.abs(v) < 1e-9 * span ? 0 : v);
-    return ticks;
+    return ticks.length > 1 || !(span > 0) || count > 64 ? ticks : niceTicks(low, high, 2 * count);
   }
 
   function shown(value) {
@@ -725,6 +725,7 @@
       const room = high - low || Math.abs(high) || 1;
       low -= 0.05 * room; high += 0.05 * room;
       const ticks = niceTicks(low, high, 4), top = 16, bottom = h - 20;
+      this.ticks = ticks;
       this.left = Math.ceil(Math.max(...ticks.map((t) => pen.measureText(shown(t)).width))) + 10;
       const X = (t) => this.left + ((t - begin) / (end - begin || 1)) * (w - this.left - 8);
       const Y = (v) => bottom - ((v - low) / (high - low)) * (bottom - top);
@@ -1040,6 +1041,7 @@
       camera: camera.position.toArray(), target: controls.target.toArray(), place: actors[0].now.toArray(),
       ratio: renderer?.getPixelRatio() ?? 0, triangles: renderer?.info.render.triangles ?? 0, calls: renderer?.info.render.calls ?? 0,
       marks: plots.map((plot) => plot.mark.getBoundingClientRect().left),
+      ticks: plots.map((plot) => plot.ticks ?? []),
       values: plots.map((plot) => plot.lines.map((line) => line.value.textContent)),
     }),
     seek, play,
