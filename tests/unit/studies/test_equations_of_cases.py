@@ -3,20 +3,23 @@
 from dataclasses import replace
 
 import pytest
-from small_study import STUDY, swept, written
+from small_study import PENDULUM, swept, written
 
 from vehicledyn.base.errors import InputError
 from vehicledyn.studies import load_study, model
 from vehicledyn.symbolic.tables import CurveTable
 
+WHEELSET = PENDULUM.with_name("rail_wheelset.yaml")
+
 
 def test_numbers_of_a_track_are_choices(tmp_path):
     """They are in the equations: each value needs its own."""
-    head = STUDY.partition("cases:")[0].replace(
-        "set:\n", "set:\n  track: {kind: straight, gauge: 1435 mm, inclination: 1/40, rail: 60E1}\n"
+    text = (
+        f"title: Gauges\nscenario: {WHEELSET}\n"
+        "set:\n  track: {kind: straight, gauge: 1435 mm, inclination: 1/40, rail: 60E1}\n"
+        "cases:\n  kind: grid\n  vary:\n    track.gauge: [1435 mm, 1432 mm]\n"
     )
-    cases = "cases:\n  kind: grid\n  vary:\n    track.gauge: [1435 mm, 1432 mm]\n"
-    design = load_study(written(tmp_path, head + cases)).design
+    design = load_study(written(tmp_path, text)).design
     assert design.axes[0].is_choice
 
 
