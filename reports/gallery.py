@@ -54,9 +54,28 @@ def _path(x: str, y: str, label: str = "Place") -> Picture:
 
 
 PICTURES = {
+    "bas2000_curve": Picture(
+        ("rail_large_left.left.Y", "rail_large_right.right.Y", "rail_small_left.left.Y"),
+        "kN",
+        "Force on the rail",
+    ),
+    "bogie_hunting": Picture(("axle_1.lateral_shift", "axle_2.lateral_shift"), "mm", "Shift"),
+    "manchester_irregular_track": Picture(
+        ("axle_1.lateral_shift", "axle_4.lateral_shift"), "mm", "Shift"
+    ),
+    "s1002_uic60_geometry": Picture(
+        ("wheels.left.contact_1.place", "wheels.left.contact_2.place"),
+        "mm",
+        "Place on the left wheel",
+        "wheels.lateral_shift",
+    ),
+    "tram2000_curve": Picture(
+        ("front.yaw", "rear.yaw", "front_bolster.yaw"), "deg", "Articulations and bolster"
+    ),
     "ball_in_tube": _path("ball.x", "ball.y", "Ball, seen from above: y"),
     "ball_in_tube_dependent": Picture(("tube.multiplier",), "N", "Force of the tube's wall"),
     "bicycle": Picture(("frame.roll", "fork.steer"), "deg", "Angle"),
+    "cooperrider_classic": Picture(("front.lateral", "rear.lateral"), "mm", "Lateral shift"),
     "curving_wheelset": Picture(("wheelset.lateral",), "mm", "Lateral shift"),
     "double_pendulum": _path("tip.x", "tip.z", "Tip: z"),
     "double_spring_mass": Picture(("upper.height", "lower.height"), "mm", "Height"),

@@ -21,12 +21,15 @@ Of these the reference holds the beginning, sample by sample.
 def overrides(path: Path) -> list[str]:
     """Return "key=value" of interval and channels for a scenario of a system."""
     import vehicledyn.catalogue  # noqa: F401
+    from vehicledyn.base.units import to_si
     from vehicledyn.run.vehicle import build_subject
     from vehicledyn.scenario import load_scenario
 
     loaded = load_scenario(path)
     s = loaded.scenario
-    count = round(s.duration / s.output.interval)
+    brief = _brief().get(path.stem)
+    duration = s.duration if brief is None else to_si(brief, "s")
+    count = round(duration / s.output.interval)
     samples = max(n for n in range(1, MOST_SAMPLES + 1) if count % n == 0)
     system = build_subject(loaded).system
     names = [joint.name for joint in system.joints() if joint.role != "driven"]
@@ -35,7 +38,19 @@ def overrides(path: Path) -> list[str]:
     chosen = f"output.channels=[{', '.join(channels)}]"
     if path.stem in OWN_INTERVAL:
         return [f"duration={2 * MOST_SAMPLES * s.output.interval:.12g} s", chosen]
-    return [f"output.interval={s.output.interval * (count // samples):.12g} s", chosen]
+    changes = [f"output.interval={s.output.interval * (count // samples):.12g} s", chosen]
+    return changes if brief is None else [*changes, f"duration={brief}"]
+
+
+def _brief() -> dict[str, str]:
+    """Return how long the references of scenarios are that are too long to run whole."""
+    lines = Path(__file__).with_name("brief.txt").read_text(encoding="utf-8").splitlines()
+    found = {}
+    for line in lines:
+        if not line.startswith("#"):
+            name, duration = line.split(maxsplit=1)
+            found[name] = duration
+    return found
 
 
 if __name__ == "__main__":

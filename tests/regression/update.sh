@@ -19,7 +19,8 @@ for scenario in "$@"; do
       "output.channels=[chassis.?, chassis.yaw, chassis.pitch, chassis.roll, steering.rack,
       wheel_*.tyre.normal_force, wheel_fl.tyre.lateral_force]")
   fi
-  "${VEHICLEDYN:-vehicledyn}" run "$scenario" --no-plots --quiet -o "$target" \
-    --set "${changes[0]}" --set "${changes[1]}" --set output.animation=false
+  sets=()
+  for change in "${changes[@]}" output.animation=false; do sets+=(--set "$change"); done
+  "${VEHICLEDYN:-vehicledyn}" run "$scenario" --no-plots --quiet -o "$target" "${sets[@]}"
   echo "$target"
 done

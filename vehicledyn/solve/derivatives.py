@@ -13,10 +13,16 @@ from typing import Any
 import numpy as np
 
 from vehicledyn.base.errors import NumericalError
+from vehicledyn.solve.compiler import CompilationError
 from vehicledyn.solve.engine import Vector
+from vehicledyn.solve.functions import operations_in
 from vehicledyn.solve.interpreted import BufferedFunction
+from vehicledyn.solve.point_slopes import PointCode
 from vehicledyn.symbolic import ops
 from vehicledyn.symbolic.equations import Equations
+
+_WORTH_COMPILING = 1_500_000
+"""Operations of all columns of a Jacobian from which on it is compiled."""
 
 
 @dataclass(frozen=True)
@@ -51,6 +57,9 @@ class Derivatives:
             if e.states or e.unknowns or e.channels
             else casadi.SX(0, 1)
         )
+        self._machine = _compiled(e, results, self._chosen)
+        if self._machine is not None:
+            return
         chosen = [e.parameter[index] for index in self._chosen]
         variables = casadi.vertcat(e.state, e.algebraic, *chosen)
         direction = casadi.SX.sym("direction", variables.numel())
@@ -94,8 +103,34 @@ class Derivatives:
 
     def _partial(self, *point: Any) -> Vector:
         """Return ∂(rate, residual, output)/∂(x, z, p), of p the chosen parameters."""
+        if self._machine is not None:
+            time, state, unknowns, parameters = point
+            given = np.concatenate([state, unknowns, parameters[self._chosen]])
+            numbers = np.append(parameters, time)
+            return self._machine.slopes(given[None], numbers)[1][0, :, :-1]
         size = len(self._equations.states) + len(self._equations.unknowns)
         directions = np.eye(size + len(self._chosen))
         columns = [self._slope(*point, direction)[0] for direction in directions]
         n_rows = size + len(self._equations.channels)
         return np.stack(columns, axis=1) if columns else np.zeros((n_rows, 0))
+
+
+def _compiled(equations: Equations, results: Any, chosen: list[int]) -> PointCode | None:
+    """Return compiled derivatives of a large model, where a compiler works."""
+    import casadi
+
+    e = equations
+    columns = len(e.states) + len(e.unknowns) + len(chosen)
+    inputs = [e.time, e.state, e.algebraic, e.parameter]
+    if columns * operations_in(casadi.Function("results", inputs, [results])) < _WORTH_COMPILING:
+        return None
+    numbers = [e.parameter[k] for k in range(len(e.parameters))]
+    point = casadi.vertcat(e.state, e.algebraic, *[numbers[k] for k in chosen])
+    for k in chosen:
+        numbers[k] = casadi.SX.sym("moved", 1)
+    try:
+        return PointCode(
+            results, point, casadi.vertcat(*numbers, e.time), e.tables, index=len(numbers)
+        )
+    except CompilationError:
+        return None
