@@ -35,6 +35,9 @@ Start = Literal["nominal", "static", "steady"]
 BALANCE_TOLERANCE = 1e-9
 """Largest acceleration that counts as balanced [m/s², rad/s²]."""
 
+_LET_DOWN = 1e-3
+"""Step in which a road vehicle is let down until its wheels carry it [m or rad]."""
+
 
 @dataclass
 class Derived:
@@ -208,7 +211,7 @@ def equilibrium_point(prepared: Prepared, speed: float, kind: Literal["static", 
         balanced=rates,
         tolerance=BALANCE_TOLERANCE,
         derivatives=prepared.derivatives,
-        settling=subject.settling,
+        settling=_let_down(prepared, start) or subject.settling,
     )
     final = found.state.copy()
     if kind == "static":
@@ -216,6 +219,22 @@ def equilibrium_point(prepared: Prepared, speed: float, kind: Literal["static", 
         final[velocities] = moving[velocities]
         set_speed(prepared, speed)
     return _moving(prepared, Point(final, found.unknowns, found.residual))
+
+
+def _let_down(prepared: Prepared, start: Point) -> float | None:
+    """Return the step in which a road vehicle settles that starts with a wheel off the ground.
+
+    Wheels that only just touch count, since rounding alone would tell which of them carry [m or
+    rad].
+    """
+    subject, e = prepared.subject, prepared.equations
+    if not isinstance(subject, RoadSubject):
+        return None
+    outputs = prepared.kernel.outputs(subject.balance_time, start.state, start.unknowns)
+    loads = {f"{corner.name}.tyre.normal_force" for corner in subject.vehicle.corners}
+    values = zip(e.channels, outputs, strict=True)
+    hangs = any(value <= 0.0 for channel, value in values if channel.name in loads)
+    return _LET_DOWN if hangs else None
 
 
 def set_speed(prepared: Prepared, speed: float) -> None:

@@ -4,6 +4,7 @@ from types import SimpleNamespace
 
 import pytest
 
+from vehicledyn.multibody import derivation
 from vehicledyn.run import prepare as module
 
 
@@ -13,6 +14,6 @@ def test_ctrl_c_while_deriving_is_not_swallowed(monkeypatch):
             signal.raise_signal(signal.SIGINT)
 
     monkeypatch.setattr(module, "build_subject", lambda _target: SimpleNamespace(system=None))
-    monkeypatch.setattr(module, "solve_motion", solve_motion)
+    monkeypatch.setattr(derivation, "solve_motion", solve_motion)
     with pytest.raises(KeyboardInterrupt):
         module.prepare(None, backend="interpreted", progress=lambda *_: None)
