@@ -266,6 +266,37 @@ def test_a_wheelset_hunts(browser, tmp_path, needs_compiler):
     check_picture(browser, "wheelset_hunting.png")
 
 
+def test_the_tram_in_the_curve(browser, tmp_path, needs_compiler):
+    """The front bogie is in the arc; the rails below it are bent, the wheels stand on them."""
+    run("tram2000_curve.yaml", tmp_path / "tram.h5", "duration=4 s")
+    written = animate_result(tmp_path / "tram.h5", tmp_path / "tram.html")
+    still = animate_result(tmp_path / "tram.h5", tmp_path / "still.html", span=Span(2))
+    assert still.size + 60.0 / 4.0 * (written.size - still.size) < 5e6  # a minute of it
+    browser.open((tmp_path / "tram.html").as_uri() + "#t=4")
+    settled(browser)
+    assert browser.problems() == []
+    assert browser.requests() == []
+    check_picture(browser, "tram_curve.png")
+
+
+def test_controls_leave_room_on_a_phone(browser, page):
+    """In a window 390 wide the vehicle is not hidden behind the buttons, which can be reached."""
+    phone = {"width": 390, "height": 844, "deviceScaleFactor": 1, "mobile": False}
+    browser.call("Emulation.setDeviceMetricsOverride", **phone)
+    try:
+        browser.open(page)
+        heights = "['views', 'stage'].map(n => document.getElementById(n).clientHeight)"
+        views, stage = browser.evaluate(heights)
+        assert views < 0.15 * stage
+        assert browser.evaluate("document.documentElement.scrollWidth") == 390
+        last = "document.getElementById('forces-choice')"
+        browser.evaluate(f"{last}.scrollIntoView()")
+        assert browser.evaluate(f"{last}.getBoundingClientRect().right") <= 390
+    finally:
+        wide = {"width": 1280, "height": 720, "deviceScaleFactor": 1, "mobile": False}
+        browser.call("Emulation.setDeviceMetricsOverride", **wide)
+
+
 def check_picture(browser, name):
     """Compare the moving picture with a stored one: few pixels may differ, and little."""
     hide = "element => { element.style.display = 'none'; }"
