@@ -172,6 +172,7 @@ def read_animation(group: h5py.Group, span: Span) -> Animation:
     stage = read_stage(json.loads(group["description"].asstr()[()]))
     time = np.asarray(group["time"][()], dtype=float)
     _check_sizes(group, len(time), len(stage.bodies))
+    _check_times(time)
     rows = span.rows(time)
     origin = read_rows(group["origin"], rows)
     return Animation(
@@ -205,6 +206,13 @@ def _check_sizes(group: h5py.Group, count: int, bodies: int) -> None:
         shape = group[name].shape
         if shape[0] < count or shape[1:] != size:
             raise ValueError(f"animation/{name} of shape {shape}, expected {(count, *size)}")
+
+
+def _check_times(time: Array) -> None:
+    """Raise if times are no numbers or fall, but for an end that was not written any more."""
+    known = time[: int(np.isfinite(time).sum())]
+    if not np.isfinite(known).all() or (np.diff(known) < 0.0).any():
+        raise ValueError("animation/time holds values that are no numbers or fall")
 
 
 def thinned(count: int, most: int) -> NDArray[np.intp]:

@@ -174,6 +174,16 @@ def bad_length(path):
         file["animation/turn"].resize(7, axis=0)
 
 
+def times_with_a_gap(path):
+    with h5py.File(path, "a") as file:
+        file["animation/time"][50:60] = np.nan
+
+
+def times_that_fall(path):
+    with h5py.File(path, "a") as file:
+        file["animation/time"][50] = 3.9
+
+
 def other_hdf5(path):
     path.unlink()
     with h5py.File(path, "w") as file:
@@ -205,6 +215,8 @@ BAD = {
     torn: "is damaged",
     bad_description: "is damaged",
     bad_length: "is damaged",
+    times_with_a_gap: "is damaged",
+    times_that_fall: "is damaged",
     other_hdf5: "not a result of this program",
     text: "is not an HDF5 file",
 }

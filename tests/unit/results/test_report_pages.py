@@ -61,6 +61,7 @@ def test_a_page_needs_nothing_but_itself(make_result):
         kind, _, data = image["src"].partition(";base64,")
         assert kind == "data:image/svg+xml" and base64.b64decode(data).startswith(b"<?xml")
         assert len(image["alt"]) > 40
+        assert image["decoding"] == "sync"  # a page that is printed at once shows its figures
     for link in read.all("a"):
         assert link["href"].startswith("#") and link["href"][1:] in read.ids
 
