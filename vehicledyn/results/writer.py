@@ -102,7 +102,6 @@ class ResultWriter:
         self._expected_pictures = expected_pictures
         self._waiting: list[Pictures] = []
         self._last_time = -np.inf
-        self._flushed_at = time.monotonic()
         self._scratch = self.path.with_name(f".{self.path.name}.new")
         self._lock = OutputLock(self.path)
         self._container: Container | None = None
@@ -114,9 +113,10 @@ class ResultWriter:
                 self._scratch.replace(self.path)
         except (OSError, RuntimeError) as error:
             raise self._failed(error) from error
+        self._flushed_at = time.monotonic()
 
     def append(self, times: Floats, channels: Floats, states: Floats | None = None) -> None:
-        """Add samples; they reach the file with the next append after half a second.
+        """Add samples; they reach the file with the next append after half a second, or at the end.
 
         Parameters
         ----------
@@ -136,7 +136,7 @@ class ResultWriter:
             raise ValueError(f"{self.path} is closed")
         self._buffer.append(self._checked(times, channels, states))
         overdue = time.monotonic() - self._flushed_at >= FLUSH_INTERVAL
-        if overdue or sum(len(block.times) for block in self._buffer) >= self._chunk:
+        if overdue or sum(len(block.times) for block in self._buffer) > self._chunk:
             self._flush(self._container)
 
     def append_pictures(self, pictures: Pictures) -> None:

@@ -21,10 +21,10 @@ VD_INLINE vd_wide vd_mix(vd_whole m, vd_wide a, vd_wide b) {
 VD_INLINE vd_wide vd_abs_wide(vd_wide a) {
   return (vd_wide)((vd_whole)a & vd_i(0x7fffffffffffffffLL));
 }
-/* The magnitude of a with the sign of b. */
+#define VD_SIGN vd_i((long long)0x8000000000000000ULL)
+/* a, which is not negative, with the sign of b. */
 VD_INLINE vd_wide vd_signed(vd_wide a, vd_wide b) {
-  const vd_whole sign = vd_i((long long)0x8000000000000000ULL);
-  return (vd_wide)(((vd_whole)a & ~sign) | ((vd_whole)b & sign));
+  return (vd_wide)((vd_whole)a | ((vd_whole)b & VD_SIGN));
 }
 /* Conditions, choices and roots of wide numbers. */
 #if VD_WIDTH == 8
@@ -95,8 +95,8 @@ static VD_APART void vd_sincos(int n, double *a, double *s, double *c) {
     VD_NEXT(q, 4.16666666666666019037e-02);
     VD_NEXT(q, -0.5);
     VD_NEXT(q, 1.0);
-    const vd_whole odd = -(quarter & 1);
-    const vd_whole sign_of_sine = (quarter & 2) << 62, sign_of_cosine = ((quarter + 1) & 2) << 62;
+    const vd_whole odd = -(quarter & 1), sign_of_sine = (quarter << 62) & VD_SIGN;
+    const vd_whole sign_of_cosine = sign_of_sine ^ (odd & VD_SIGN);
     const vd_wide one = vd_mix(odd, q, sine), other = vd_mix(odd, sine, q);
     const vd_test far = ~vd_less(vd_abs_wide(x), vd_w(1e6));
     VD_STORE(s, (vd_wide)((vd_whole)one ^ sign_of_sine));

@@ -313,7 +313,7 @@ def test_ctrl_c_waits_until_the_file_is_consistent(tmp_path, monkeypatch):
     path = tmp_path / "a.h5"
     with (
         pytest.raises(KeyboardInterrupt),
-        ResultWriter(path, channels=CHANNEL, header=header(), expected_samples=2) as writer,
+        ResultWriter(path, channels=CHANNEL, header=header(), expected_samples=1) as writer,
     ):
         monkeypatch.setattr(writer_module.sections, "extend", interrupted)
         writer.append(np.array([0.0, 1.0]), np.ones((2, 1)))
