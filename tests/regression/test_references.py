@@ -1,5 +1,6 @@
 """Every scenario has a small reference of its own text; check.sh compares the values."""
 
+import re
 from pathlib import Path
 
 import pytest
@@ -8,8 +9,10 @@ from vehicledyn.results.reader import open_result
 
 FOLDER = Path(__file__).parent / "references"
 SCENARIOS = Path(__file__).parents[2] / "scenarios"
-VEHICLES = sorted(SCENARIOS.glob("*.yaml"))
+AMPLIFY_ROUNDING = {"bas2000_curve", "tram2000_curve"}  # see brief.txt
+VEHICLES = sorted(p for p in SCENARIOS.glob("*.yaml") if p.stem not in AMPLIFY_ROUNDING)
 SYSTEMS = sorted((SCENARIOS / "systems").glob("*.yaml"))
+OF_SYSTEM = re.compile(r"^model: .*\.yaml$", re.MULTILINE)  # as update.sh tells them
 
 
 @pytest.mark.parametrize(
@@ -23,8 +26,8 @@ def test_no_reference_without_scenario(scenarios, folder):
 
 @pytest.mark.parametrize("scenario", [*VEHICLES, *SYSTEMS], ids=lambda path: path.stem)
 def test_reference_belongs_to_the_scenario(scenario):
-    of_system = scenario in SYSTEMS
-    largest_size, fewest_channels = (60_000, 3) if of_system else (100_000, 10)
+    largest_size = 60_000 if scenario in SYSTEMS else 100_000
+    fewest_channels = 3 if OF_SYSTEM.search(scenario.read_text()) else 10
     file = FOLDER / scenario.relative_to(SCENARIOS).with_suffix(".h5")
     assert file.stat().st_size < largest_size
     with open_result(file) as reference:
