@@ -254,7 +254,20 @@ def test_every_kind_was_there():
         kinds_of = {j.kind for n in names for j in structure(n).system.joints()}
         assert kinds_of == set(JOINT_KINDS)
     text = WRITTEN.read_text(encoding="utf-8")
-    elsewhere = {"rolling_wheel", "body", "ball", "T1", "R2", "R1", "R3", "T2", "T3", "free"}
+    # Track frames are in tests/unit/systems/test_track_frames.py.
+    elsewhere = {
+        "track_frame",
+        "rolling_wheel",
+        "body",
+        "ball",
+        "T1",
+        "R2",
+        "R1",
+        "R3",
+        "T2",
+        "T3",
+        "free",
+    }
     for family in ("joint", "cut", "constraint"):
         missing = {k for k in kinds(family) if f"kind: {k}" not in text} - elsewhere
         assert not missing, family

@@ -72,7 +72,10 @@ class TrackSet(TrackChoice):
         ge=0.0,
         le=STEEPEST_INCLINATION,
     )
-    rail: str = Field(description="Profile of the rails: a name such as 60E1, or a file")
+    rail: str = Field(
+        description="Profile of the rails: a name such as 60E1, or a file",
+        json_schema_extra={"type": ["string", "number"]},  # YAML takes 60E1 for a number
+    )
     cant_base: float | None = quantity(
         "m",
         "Distance over which cant is measured; gauge and 65 mm if left out",

@@ -85,6 +85,9 @@ def _with_placeholders(schema: Any) -> Any:
     if not isinstance(schema, dict):
         return schema
     changed = {name: _with_placeholders(item) for name, item in schema.items()}
+    items = schema.get("items")
+    if isinstance(items, dict) and isinstance(items.get("enum"), list):
+        changed["items"] = {"anyOf": [items, _PLACEHOLDER]}
     if isinstance(schema.get("enum"), list) and "description" in schema:
         choice = {name: changed.pop(name) for name in ("enum", "type") if name in changed}
         changed["anyOf"] = [choice, _PLACEHOLDER]
