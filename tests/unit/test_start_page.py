@@ -140,7 +140,8 @@ def test_completion(folder):
 
 
 def test_completion_can_be_installed():
-    script = run(["vehicledyn", "--show-completion", "bash"], ROOT)
+    named = {"_TYPER_COMPLETE_TEST_DISABLE_SHELL_DETECTION": "1"}  # none may run the tests
+    script = run(["vehicledyn", "--show-completion", "bash"], ROOT, **named)
     assert "_VEHICLEDYN_COMPLETE=complete_bash" in script
 
 
