@@ -1,9 +1,15 @@
 """What all tests share: they test the package that is installed, and say which one that is."""
 
 import os
+import signal
 from pathlib import Path
 
 import vehicledyn
+
+if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
+    # Whoever starts the tests in the background has them ignore Ctrl-C, which some are about.
+    signal.signal(signal.SIGINT, signal.default_int_handler)
+
 
 os.environ["PYTHONSAFEPATH"] = "1"  # programs started by tests import the installed package too
 os.environ["MPLBACKEND"] = "agg"
