@@ -321,7 +321,7 @@ class _Printer:
         lines = []
         for name, operands in zip(given, zip(*pack.operands, strict=True), strict=True):
             numbers = [self._number(operand, piece) for operand in operands]
-            numbers += ["vd_all(1.0)"] * (-n % _PACK)
+            numbers += numbers[-1:] * (-n % _PACK)
             packs = [", ".join(numbers[k : k + _PACK]) for k in range(0, n, _PACK)]
             lines.append(f"vd_pack {name}[] = {{{', '.join(f'VD_PACK({p})' for p in packs)}}};")
         room = math.ceil(n / _PACK)

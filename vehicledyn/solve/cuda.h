@@ -72,6 +72,7 @@ VD_INLINE void vd_sincos(int n, const double *a, double *s, double *c) {
     c[i] = cos(a[i]);
   }
 }
+VD_OF_ONE(sin)
 VD_OF_ONE(atan)
 VD_OF_ONE(asin)
 VD_OF_ONE(acos)

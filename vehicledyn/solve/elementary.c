@@ -72,52 +72,87 @@ VD_INLINE vd_wide vd_less_turns(vd_wide x, vd_wide turns) {
 #endif
 }
 
-/* The sine of -0 is +0. */
+/* Sine and cosine of an angle within a quarter turn, and its square z. */
+VD_INLINE vd_wide vd_sine_near(vd_wide y, vd_wide z) {
+  vd_wide p = vd_w(1.58969099521155010221e-10);
+  VD_NEXT(p, -2.50507602534068634195e-08);
+  VD_NEXT(p, 2.75573137070700676789e-06);
+  VD_NEXT(p, -1.98412698298579493134e-04);
+  VD_NEXT(p, 8.33333333332248946124e-03);
+  VD_NEXT(p, -1.66666666666666324348e-01);
+  return vd_fma_wide(z * y, p, y);
+}
+VD_INLINE vd_wide vd_cosine_near(vd_wide z) {
+  vd_wide q = vd_w(-1.13596475577881948265e-11);
+  VD_NEXT(q, 2.08757232129817482790e-09);
+  VD_NEXT(q, -2.75573143513906633035e-07);
+  VD_NEXT(q, 2.48015872894767294178e-05);
+  VD_NEXT(q, -1.38888888888741095749e-03);
+  VD_NEXT(q, 4.16666666666666019037e-02);
+  VD_NEXT(q, -0.5);
+  VD_NEXT(q, 1.0);
+  return q;
+}
+
+/* The sine of -0 is +0. Angles that round to no quarter turn are their own rest: most angles of
+   a vehicle, so registers full of them take the short way, to the same bits. */
+#define VD_NO_TURN 0.785
+#define VD_LARGE_ANGLE 1e6
+
+/* Sine, and cosine where c is wanted, of angles of any size but very large ones. */
+VD_INLINE void vd_turned(vd_wide x, vd_wide *sine, vd_wide *cosine) {
+  const vd_wide shifted = vd_fma_wide(x, vd_w(0.63661977236758134308), vd_w(VD_ROUNDER));
+  const vd_wide turns = shifted - VD_ROUNDER;
+  const vd_whole quarter = (vd_whole)shifted;
+  const vd_wide y = vd_less_turns(x, turns), z = y * y;
+  const vd_wide near_sine = vd_sine_near(y, z), near_cosine = vd_cosine_near(z);
+  const vd_whole odd = -(quarter & 1), sign_of_sine = (quarter << 62) & VD_SIGN;
+  *sine = (vd_wide)((vd_whole)vd_mix(odd, near_cosine, near_sine) ^ sign_of_sine);
+  if (!cosine) return;
+  const vd_whole sign_of_cosine = sign_of_sine ^ (odd & VD_SIGN);
+  *cosine = (vd_wide)((vd_whole)vd_mix(odd, near_sine, near_cosine) ^ sign_of_cosine);
+}
+
 static VD_APART void vd_sincos(int n, double *a, double *s, double *c) {
   VD_EACH(n) {
-    const vd_wide x = VD_WIDE(a);
-    const vd_wide shifted = vd_fma_wide(x, vd_w(0.63661977236758134308), vd_w(VD_ROUNDER));
-    const vd_wide turns = shifted - VD_ROUNDER;
-    const vd_whole quarter = (vd_whole)shifted;
-    const vd_wide y = vd_less_turns(x, turns), z = y * y;
-    vd_wide p = vd_w(1.58969099521155010221e-10);
-    VD_NEXT(p, -2.50507602534068634195e-08);
-    VD_NEXT(p, 2.75573137070700676789e-06);
-    VD_NEXT(p, -1.98412698298579493134e-04);
-    VD_NEXT(p, 8.33333333332248946124e-03);
-    VD_NEXT(p, -1.66666666666666324348e-01);
-    const vd_wide sine = vd_fma_wide(z * y, p, y);
-    vd_wide q = vd_w(-1.13596475577881948265e-11);
-    VD_NEXT(q, 2.08757232129817482790e-09);
-    VD_NEXT(q, -2.75573143513906633035e-07);
-    VD_NEXT(q, 2.48015872894767294178e-05);
-    VD_NEXT(q, -1.38888888888741095749e-03);
-    VD_NEXT(q, 4.16666666666666019037e-02);
-    VD_NEXT(q, -0.5);
-    VD_NEXT(q, 1.0);
-    const vd_whole odd = -(quarter & 1), sign_of_sine = (quarter << 62) & VD_SIGN;
-    const vd_whole sign_of_cosine = sign_of_sine ^ (odd & VD_SIGN);
-    const vd_wide one = vd_mix(odd, q, sine), other = vd_mix(odd, sine, q);
-    const vd_test far = ~vd_less(vd_abs_wide(x), vd_w(1e6));
-    VD_STORE(s, (vd_wide)((vd_whole)one ^ sign_of_sine));
-    VD_STORE(c, (vd_wide)((vd_whole)other ^ sign_of_cosine));
+    const vd_wide x = VD_WIDE(a), size = vd_abs_wide(x);
+    if (!vd_some(~vd_less(size, vd_w(VD_NO_TURN)))) {
+      const vd_wide z = x * x;
+      VD_STORE(s, vd_sine_near(x + 0.0, z));
+      VD_STORE(c, vd_cosine_near(z));
+      continue;
+    }
+    vd_wide sine, cosine;
+    vd_turned(x, &sine, &cosine);
+    VD_STORE(s, sine);
+    VD_STORE(c, cosine);
+    const vd_test far = ~vd_less(size, vd_w(VD_LARGE_ANGLE));
     if (vd_some(far))
       for (int k = 0; k < VD_WIDTH; k++)
         if (VD_TRUE(far, k)) s[i + k] = sin(x[k]), c[i + k] = cos(x[k]);
   }
 }
 
-/* Arc tangent of a / b >= 0, for a, b >= 0, not both zero: the angle from the nearest of the
-   directions 0, 45 and 90 degrees, and that of the direction. What the rounded direction lacks is
-   added where the ratio itself is not exact: 3.9e-17 of it, for both. */
-VD_INLINE vd_wide vd_atan_ratio(vd_wide a, vd_wide b, int is_exact) {
-  const vd_test steep = vd_less(0.41421356237309503 * b, a);
-  const vd_test steeper = vd_less(2.41421356237309510 * b, a);
-  const vd_wide across = vd_pick(steeper, -b, vd_pick(steep, a - b, a));
-  const vd_wide along = vd_pick(steeper, a, vd_pick(steep, a + b, b));
-  const vd_wide base = vd_pick(steeper, vd_w(1.57079632679489655800),
-                               vd_pick(steep, vd_w(0.78539816339744827900), vd_w(0.0)));
-  const vd_wide x = across / along, z = x * x;
+/* The sine of vd_sincos. */
+static VD_APART void vd_sin(int n, double *a, double *s) {
+  VD_EACH(n) {
+    const vd_wide x = VD_WIDE(a), size = vd_abs_wide(x);
+    if (!vd_some(~vd_less(size, vd_w(VD_NO_TURN)))) {
+      VD_STORE(s, vd_sine_near(x + 0.0, x * x));
+      continue;
+    }
+    vd_wide sine;
+    vd_turned(x, &sine, 0);
+    VD_STORE(s, sine);
+    const vd_test far = ~vd_less(size, vd_w(VD_LARGE_ANGLE));
+    if (vd_some(far))
+      for (int k = 0; k < VD_WIDTH; k++)
+        if (VD_TRUE(far, k)) s[i + k] = sin(x[k]);
+  }
+}
+
+/* (atan x - x) / x^3 of z = x^2, for |x| below the tangent of 22.5 degrees. */
+VD_INLINE vd_wide vd_atan_series(vd_wide z) {
   vd_wide p = vd_w(0.021258265202632331938);
   VD_NEXT(p, -0.043589673095549364756);
   VD_NEXT(p, 0.056924951125022744292);
@@ -128,14 +163,36 @@ VD_INLINE vd_wide vd_atan_ratio(vd_wide a, vd_wide b, int is_exact) {
   VD_NEXT(p, -0.14285714195196932155);
   VD_NEXT(p, 0.19999999999088227086);
   VD_NEXT(p, -0.33333333333330148055);
+  return p;
+}
+
+#define VD_TAN_NEAR 0.41421356237309503
+
+/* Arc tangent of a / b >= 0, for a, b >= 0, not both zero: the angle from the nearest of the
+   directions 0, 45 and 90 degrees, and that of the direction. What the rounded direction lacks is
+   added where the ratio itself is not exact: 3.9e-17 of it, for both. */
+VD_INLINE vd_wide vd_atan_ratio(vd_wide a, vd_wide b, int is_exact) {
+  const vd_test steep = vd_less(VD_TAN_NEAR * b, a);
+  const vd_test steeper = vd_less(2.41421356237309510 * b, a);
+  const vd_wide across = vd_pick(steeper, -b, vd_pick(steep, a - b, a));
+  const vd_wide along = vd_pick(steeper, a, vd_pick(steep, a + b, b));
+  const vd_wide base = vd_pick(steeper, vd_w(1.57079632679489655800),
+                               vd_pick(steep, vd_w(0.78539816339744827900), vd_w(0.0)));
+  const vd_wide x = across / along, z = x * x, p = vd_atan_series(z);
   if (is_exact) return base + vd_fma_wide(z * x, p, x);
   return base + (x + vd_fma_wide(z * x, p, base * 3.9e-17));
 }
 
+/* Registers full of numbers whose arc tangent is nearest to 0 take a short way, to the same bits. */
 static VD_APART void vd_atan(int n, double *a, double *r) {
   VD_EACH(n) {
-    const vd_wide x = VD_WIDE(a);
-    VD_STORE(r, vd_signed(vd_atan_ratio(vd_abs_wide(x), vd_w(1.0), 1), x));
+    const vd_wide x = VD_WIDE(a), size = vd_abs_wide(x);
+    if (!vd_some(~vd_less(size, vd_w(VD_TAN_NEAR)))) {
+      const vd_wide z = size * size;
+      VD_STORE(r, vd_signed(vd_fma_wide(z * size, vd_atan_series(z), size), x));
+      continue;
+    }
+    VD_STORE(r, vd_signed(vd_atan_ratio(size, vd_w(1.0), 1), x));
   }
 }
 

@@ -257,7 +257,7 @@ def _schedule(
                 for number, group in groups.items()
             ]
         else:
-            packs = [_pack(key[1], waiting[key])]
+            packs = _packs(key[1], waiting[key])
         for pack in packs:
             operands = {operand for call in pack.operands for operand in call}
             steps += _compute(values, operands, done)
@@ -267,13 +267,19 @@ def _schedule(
     return steps + _compute(values, {value for _, _, value in results}, done)
 
 
-def _pack(function: str, calls: dict[tuple[int, ...], dict[str, int]]) -> Pack:
-    names = ("SIN", "COS") if function == "sincos" else None
-    found: list[tuple[int | None, ...]] = [
-        tuple(call.get(name) for name in names) if names else tuple(call.values())
-        for call in calls.values()
-    ]
-    return Pack(function, list(calls), found)
+def _packs(function: str, calls: dict[tuple[int, ...], dict[str, int]]) -> list[Pack]:
+    """Return the pack of some calls; of sines those without a cosine have one for themselves."""
+    if function != "sincos":
+        return [Pack(function, list(calls), [tuple(call.values()) for call in calls.values()])]
+    both = {given: call for given, call in calls.items() if "COS" in call}
+    alone = {given: call for given, call in calls.items() if "COS" not in call}
+    found = []
+    if both:
+        pairs = [(call.get("SIN"), call["COS"]) for call in both.values()]
+        found.append(Pack("sincos", list(both), list(pairs)))
+    if alone:
+        found.append(Pack("sin", list(alone), [(call["SIN"],) for call in alone.values()]))
+    return found
 
 
 def _compute(values: list[Instruction], wanted: set[int], done: list[bool]) -> list[Step]:

@@ -9,7 +9,7 @@ from vehicledyn.solve.compiler import build_library, find_compiler, suitable_lan
 from vehicledyn.solve.lanes import CHOICES
 from vehicledyn.solve.source import shared_source
 
-NAMES = ("sincos", "atan", "atan2", "asin", "acos", "exp", "log", "tanh", "pow", "floor")
+NAMES = ("sincos", "sin", "atan", "atan2", "asin", "acos", "exp", "log", "tanh", "pow", "floor")
 TWO_IN, TWO_OUT = ("atan2", "pow"), ("sincos",)
 UNITS = 2.2  # in the last place
 
@@ -122,7 +122,12 @@ def test_angles_of_special_points(call):
     assert good.all(), list(zip(y[~good], x[~good], found[~good], wanted[~good], strict=True))
 
 
-@pytest.mark.parametrize("name", ["sincos", "atan", "exp", "log", "tanh", "acos"])
+def test_a_sine_is_the_same_with_and_without_its_cosine(call):
+    for values in (SPECIAL, between(-4, 4), spread(1e-20, 1e9), np.full(8, 0.3)):
+        assert np.array_equal(call("sin", values)[0], call("sincos", values)[0], equal_nan=True)
+
+
+@pytest.mark.parametrize("name", ["sincos", "sin", "atan", "exp", "log", "tanh", "acos"])
 def test_the_place_in_an_array_does_not_matter(call, name):
     values = np.abs(between(-1, 1))
     values[::97] = 1e9  # given to the C library
