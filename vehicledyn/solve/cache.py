@@ -13,8 +13,13 @@ import tempfile
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TypeVar
 
 from vehicledyn.solve.compiler import CompilationError
+
+T = TypeVar("T")
+
+_NOT_OPENED = (OSError, AttributeError, ValueError, RuntimeError)
 
 
 @dataclass(frozen=True)
@@ -74,6 +79,43 @@ def obtain(key: str, build: Callable[[Path], Path]) -> Entry:
             return Entry(_enter(folder, key, build(Path(place))), found=False)
     except (OSError, CompilationError) as error:
         return _build_apart(build, f"the cache folder {folder} cannot be used ({error})")
+
+
+def load(
+    key: str, build: Callable[[Path], Path], open_library: Callable[[Path], T]
+) -> tuple[T, Entry]:
+    """Return what is in the library of a key, and its entry.
+
+    One that is whole but cannot be opened is built once more.
+
+    Parameters
+    ----------
+    key, build
+        See :func:`obtain`.
+    open_library
+        Opens a library; what it raises of OSError, AttributeError, ValueError and RuntimeError
+        tells that the file is none.
+
+    Raises
+    ------
+    CompilationError
+        If the library cannot be built or opened.
+    """
+    entry = obtain(key, build)
+    if entry.found:
+        try:
+            return open_library(entry.path), entry
+        except _NOT_OPENED:
+            discard(entry)
+            entry = obtain(key, build)
+    try:
+        return open_library(entry.path), entry
+    except _NOT_OPENED as error:
+        discard(entry)
+        raise CompilationError(f"the compiled library cannot be loaded ({error})") from None
+    finally:
+        if entry.temporary is not None:
+            entry.temporary.cleanup()
 
 
 def known(key: str) -> Path | None:

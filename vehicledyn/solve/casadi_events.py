@@ -21,6 +21,7 @@ from vehicledyn.solve.casadi_integrator import (
 )
 from vehicledyn.solve.engine import Vector
 from vehicledyn.solve.events import Point
+from vehicledyn.solve.implicit import implicit_equations
 from vehicledyn.solve.task import SampleBuffer, Statistics, Task
 
 _POINTS, _MOST_POINTS, _REFINEMENT = 8, 512, 4
@@ -73,7 +74,9 @@ class _Stretches:
 
     def __init__(self, task: Task, plugin: str, options: Mapping[str, float | bool]) -> None:
         self._task, self._plugin, self._options = task, plugin, dict(options)
-        self._made: dict[int, Any] = {}
+        self._equations = implicit_equations(task.kernel, task.progress)
+        self._constants = self._equations.constants(task.kernel.parameters)
+        self._made = task.kernel.made.setdefault((plugin, *self._options.items()), {})
         self.steps = 0
 
     def grid(self, start: Point, end: float, n_intervals: int) -> list[Point]:
@@ -102,7 +105,7 @@ class _Stretches:
             self._made[size] = self._make(size)
         integrator, length = self._made[size], end - start.time
         try:
-            p = [*self._task.kernel.parameters, start.time, length]
+            p = [*self._constants, start.time, length]
             result = integrator(x0=start.state, z0=start.unknowns, p=p)
             states, guesses = (np.array(result[key]).T.copy() for key in ("xf", "zf"))
             if not np.isfinite(states).all():
@@ -122,11 +125,9 @@ class _Stretches:
     def _make(self, size: int) -> Any:
         import casadi
 
-        dae = elapsed_equations(self._task.kernel.equations)
-        part, length = casadi.SX.sym("part"), casadi.SX.sym("length")
-        keys = [key for key in ("ode", "alg") if key in dae]
-        stretched = casadi.substitute([dae[key] for key in keys], [dae["t"]], [length * part])
-        dae.update(zip(keys, stretched, strict=True))
-        dae.update(t=part, ode=length * dae["ode"], p=casadi.vertcat(dae["p"], length))
+        sym, n = self._equations.symbols.sym, self._equations.n_constants
+        part, p = sym("part"), sym("p", n + 2)
+        dae = elapsed_equations(self._equations, p, p[n + 1] * part)
+        dae.update(t=part, ode=p[n + 1] * dae["ode"])
         grid = [k / size for k in range(1, size + 1)]
         return casadi.integrator(f"grid_{size}", self._plugin, dae, 0.0, grid, self._options)

@@ -14,8 +14,8 @@ import numpy as np
 from vehicledyn.base.errors import NumericalError
 from vehicledyn.solve.engine import Count, Vector
 from vehicledyn.solve.explicit_pair import steepest_state
+from vehicledyn.solve.implicit import ImplicitEquations, implicit_equations
 from vehicledyn.solve.task import SampleBuffer, Statistics, Task
-from vehicledyn.symbolic.equations import Equations
 
 
 def run_casadi(
@@ -67,7 +67,10 @@ class _Integrators:
 
     def __init__(self, task: Task, plugin: str, options: Mapping[str, float | bool]) -> None:
         self._task, self._plugin, self._options = task, plugin, dict(options)
-        self._made: dict[int, Any] = {}
+        self._equations = implicit_equations(task.kernel, task.progress)
+        self._constants = self._equations.constants(task.kernel.parameters)
+        key = (plugin, task.interval, *self._options.items())
+        self._made = task.kernel.made.setdefault(key, {})
         self.steps = 0
 
     def run(
@@ -78,9 +81,8 @@ class _Integrators:
             self._task.progress("deriving the integrator", None)
             self._made[size] = self._make(size)
         integrator = self._made[size]
-        parameters = np.append(self._task.kernel.parameters, start)
         try:
-            result = integrator(x0=state, z0=unknowns, p=parameters)
+            result = integrator(x0=state, z0=unknowns, p=[*self._constants, start])
         except RuntimeError:
             raise Stopped from None
         self.steps += count_work(integrator.stats(), self._task)
@@ -92,32 +94,32 @@ class _Integrators:
     def _make(self, size: int) -> Any:
         import casadi
 
-        dae = elapsed_equations(self._task.kernel.equations)
+        sym, n = self._equations.symbols.sym, self._equations.n_constants
+        elapsed = sym("elapsed")
+        dae = elapsed_equations(self._equations, sym("p", n + 1), elapsed) | {"t": elapsed}
         grid = [self._task.interval * k for k in range(1, size + 1)]
         return casadi.integrator(f"chunk_{size}", self._plugin, dae, 0.0, grid, self._options)
 
 
-def elapsed_equations(equations: Equations) -> dict[str, Any]:
-    """Return the equations as CasADi's integrators take them.
+def elapsed_equations(implicit: ImplicitEquations, p: Any, elapsed: Any) -> dict[str, Any]:
+    """Return the equations as CasADi's integrators take them, but for their time.
 
-    Their time is what elapsed since ``begin``, which is the last of their parameters.
+    Parameters
+    ----------
+    implicit
+        The equations.
+    p
+        Symbols of the constants, of the time at which the integration begins, and perhaps more.
+    elapsed
+        What elapsed since then [s].
     """
-    import casadi
-
-    e = equations
-    begin, elapsed = casadi.SX.sym("begin"), casadi.SX.sym("elapsed")
-    inputs = [e.time, e.state, e.algebraic, e.parameter]
-    rates = casadi.Function("dae", inputs, [e.rate, e.residual])
-    rate, residual = rates(begin + elapsed, e.state, e.algebraic, e.parameter)
-    dae = {
-        "t": elapsed,
-        "x": e.state,
-        "z": e.algebraic,
-        "p": casadi.vertcat(e.parameter, begin),
-        "ode": casadi.densify(rate),
-        "alg": casadi.densify(residual),
-    }
-    if not e.unknowns:
+    n = implicit.n_constants
+    x, z = (
+        implicit.symbols.sym(name, size) for name, size in zip("xz", implicit.sizes, strict=True)
+    )
+    rate, residual = implicit.function(p[n] + elapsed, x, z, p[:n])
+    dae = {"x": x, "z": z, "p": p, "ode": rate, "alg": residual}
+    if not z.numel():
         del dae["z"], dae["alg"]
     return dae
 

@@ -10,6 +10,7 @@
 #define VD_LANE(value, lane) (value)
 #define VD_HOLDS(mask, lane) (mask)
 #define restrict __restrict__
+#define VD_ADDRESS 0xfffffffffffffLL
 #ifndef DBL_MAX
 #define DBL_MAX 1.7976931348623157e308
 #endif
@@ -49,8 +50,8 @@ VD_INLINE real vd_cell(real x, const real *t) {
 }
 VD_INLINE real vd_knot(real cell, const real *t) { return t[0] + t[2] * cell; }
 VD_INLINE real vd_entry(real cell, const real *t, int width, int power) {
-  const double *cells = (const double *)__double_as_longlong(t[4]);
-  return __ldg(cells + (long long)cell * width + power);
+  const long long bits = __double_as_longlong(t[4]) & VD_ADDRESS;
+  return __ldg((const double *)bits + (long long)cell * width + power);
 }
 VD_INLINE void vd_four_entries(real cell, const real *t, real *r) {
   for (int k = 0; k < 4; k++) r[k] = vd_entry(cell, t, 4, k);

@@ -15,12 +15,22 @@ from vehicledyn.symbolic.tables import CurveTable
 _GENERATORS = (
     "code.py",
     "functions.py",
+    "implicit_source.py",
     "instructions.py",
     "lowering.py",
     "source.py",
     "table_rows.py",
 )
-_SHARED = ("real.h", "elementary.c", "steps.c", "loop.c", "batch.c", "slopes.c")
+_SHARED = (
+    "real.h",
+    "elementary.c",
+    "steps.c",
+    "loop.c",
+    "batch.c",
+    "slopes.c",
+    "implicit.c",
+    "columns.c",
+)
 
 
 def fingerprint(equations: Equations) -> str:

@@ -97,11 +97,26 @@ def apart_from_parameters(inputs: list[Any], expressions: list[Any]) -> tuple[An
     """
     import casadi
 
+    prepare, constants, results = parts_apart_from_parameters(inputs, expressions)
+    return prepare, casadi.Function("evaluate", [*inputs[:-1], constants], results)
+
+
+def parts_apart_from_parameters(
+    inputs: list[Any], expressions: list[Any]
+) -> tuple[Any, Any, list[Any]]:
+    """Return ``prepare``: p -> c, symbols of c, and the expressions in terms of them, dense.
+
+    Parameters
+    ----------
+    inputs
+        Columns of symbols, the parameters last.
+    expressions
+        SX matrices.
+    """
+    import casadi
+
     results, constants, values = _apart(inputs, expressions)
-    return (
-        casadi.Function("prepare", [inputs[-1]], [values]),
-        casadi.Function("evaluate", [*inputs[:-1], constants], results),
-    )
+    return casadi.Function("prepare", [inputs[-1]], [values]), constants, results
 
 
 def _apart(inputs: list[Any], expressions: list[Any]) -> tuple[list[Any], Any, Any]:

@@ -8,7 +8,7 @@ from __future__ import annotations
 import logging
 import time
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, Literal, TypeAlias
 
@@ -60,7 +60,8 @@ class KernelReport:
 class Kernel:
     """Rates, outputs, blocks and fixed-step runs of one model with one set of parameters.
 
-    ``key`` is the name of its machine code in the cache, empty where it is interpreted.
+    ``key`` is the name of its machine code in the cache, empty where it is interpreted. ``made``
+    keeps what methods make of the equations, for all kernels with other parameter values.
     """
 
     equations: Equations
@@ -69,6 +70,7 @@ class Kernel:
     report: KernelReport
     engine: Engine
     key: str = ""
+    made: dict[Any, Any] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         """Start with the equations' own parameter values."""
@@ -301,7 +303,7 @@ def _compiled(equations: Equations, compiler: Compiler, tell: Progress) -> Kerne
         return library
 
     key = cache.key_of(fingerprint(equations), generator_fingerprint(), compiler.identity)
-    engine, entry = _load(equations, key, build)
+    engine, entry = cache.load(key, build, lambda path: CompiledEngine(equations, path))
     if entry.remark:
         _log.warning(entry.remark)
     tell("compiled" if not entry.found else "found in the cache", 1.0)
@@ -335,27 +337,6 @@ def known_kernel(equations: Equations, key: str) -> Kernel | None:
         return None
     report = KernelReport(engine.operations, cached=True)
     return Kernel(equations, "compiled", description, report, engine, key)
-
-
-def _load(
-    equations: Equations, key: str, build: Callable[[Path], Path]
-) -> tuple[CompiledEngine, cache.Entry]:
-    """Load the entry of a key; one that is whole but cannot be loaded is built once more."""
-    entry = cache.obtain(key, build)
-    if entry.found:
-        try:
-            return CompiledEngine(equations, entry.path), entry
-        except (OSError, AttributeError, ValueError):
-            cache.discard(entry)
-            entry = cache.obtain(key, build)
-    try:
-        return CompiledEngine(equations, entry.path), entry
-    except (OSError, AttributeError, ValueError) as error:
-        cache.discard(entry)
-        raise CompilationError(f"the compiled library cannot be loaded ({error})") from None
-    finally:
-        if entry.temporary is not None:
-            entry.temporary.cleanup()
 
 
 def _interpreted(equations: Equations, remark: str, tell: Progress) -> Kernel:

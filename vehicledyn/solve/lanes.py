@@ -12,11 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vehicledyn.solve import cache
-from vehicledyn.solve.compiler import (
-    CompilationError,
-    build_library,
-    find_compiler,
-)
+from vehicledyn.solve.compiler import build_library, find_compiler
 from vehicledyn.solve.engine import Vector
 from vehicledyn.solve.functions import derive_functions
 from vehicledyn.solve.source import lane_source
@@ -145,12 +141,6 @@ def compile_lanes(equations: Equations, key: str, lanes: int) -> tuple[LaneEngin
         source = lane_source(equations, derive_functions(equations), lanes)
         return build_library(compiler, source, folder)
 
-    entry = cache.obtain(cache.key_of(key, f"{lanes} lanes"), build)
-    try:
-        return LaneEngine(equations, entry.path), entry.remark
-    except (OSError, AttributeError, ValueError) as error:
-        cache.discard(entry)
-        raise CompilationError(f"the compiled library cannot be loaded ({error})") from None
-    finally:
-        if entry.temporary is not None:
-            entry.temporary.cleanup()
+    own = cache.key_of(key, f"{lanes} lanes")
+    engine, entry = cache.load(own, build, lambda path: LaneEngine(equations, path))
+    return engine, entry.remark

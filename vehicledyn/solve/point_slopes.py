@@ -16,7 +16,7 @@ import numpy as np
 
 from vehicledyn.solve import cache
 from vehicledyn.solve.code import print_function
-from vehicledyn.solve.compiler import CompilationError, build_library, find_compiler, suitable_lanes
+from vehicledyn.solve.compiler import build_library, find_compiler, suitable_lanes
 from vehicledyn.solve.engine import Vector
 from vehicledyn.solve.fingerprint import function_text, generator_fingerprint
 from vehicledyn.solve.functions import apart_from_parameters
@@ -135,15 +135,7 @@ def _compiled(source: _Source) -> Callable[..., None]:
         return build_library(compiler, source.text(lanes), folder)
 
     key = source.key(f"{lanes} lanes", generator_fingerprint(), compiler.identity)
-    entry = cache.obtain(key, build)
-    try:
-        function = ctypes.CDLL(str(entry.path)).vd_points
-    except (OSError, AttributeError) as error:
-        cache.discard(entry)
-        raise CompilationError(f"the compiled library cannot be loaded ({error})") from None
-    finally:
-        if entry.temporary is not None:
-            entry.temporary.cleanup()
+    function, _ = cache.load(key, build, lambda path: ctypes.CDLL(str(path)).vd_points)
     function.restype = None
     function.argtypes = [ctypes.c_longlong, _P, _P, _P, _P]
     return function

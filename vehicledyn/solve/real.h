@@ -14,6 +14,8 @@
 #define VD_EXPORT __attribute__((visibility("default")))
 #endif
 #define VD_APART __attribute__((noinline))
+/* The bits of a double that hold an address, see table_rows.py: all of its fraction. */
+#define VD_ADDRESS 0xfffffffffffffLL
 #define VD_INLINE static inline __attribute__((always_inline))
 
 /* Doubles in the widest registers that elementary functions fill; those of one case alone come in
@@ -123,9 +125,9 @@ typedef double vd_pack __attribute__((vector_size(32)));
 #define VD_HOLDS(mask, lane) (mask)
 VD_INLINE real vd_whole_part(real a) { return floor(a); }
 VD_INLINE real vd_entry(real cell, const real *t, int width, int power) {
-  const double *cells;
-  memcpy(&cells, t + 4, sizeof cells);
-  return cells[(long long)cell * width + power];
+  unsigned long long bits;
+  memcpy(&bits, t + 4, sizeof bits);
+  return ((const double *)(bits & VD_ADDRESS))[(long long)cell * width + power];
 }
 VD_INLINE void vd_four_entries(real cell, const real *t, real *r) {
   for (int k = 0; k < 4; k++) r[k] = vd_entry(cell, t, 4, k);
@@ -231,7 +233,8 @@ VD_INLINE real vd_whole_part(real a) {
   return whole - vd_only(vd_lt(a, whole), vd_all(1.0));
 }
 VD_INLINE vd_bits vd_place(real cell, const real *t, int width) {
-  return (vd_bits)t[4] + (((vd_bits)(cell * (double)width + 0x1p52) & 0xfffffffffffffLL) << 3);
+  const vd_bits number = (vd_bits)(cell * (double)width + 0x1p52) & VD_ADDRESS;
+  return ((vd_bits)t[4] & VD_ADDRESS) + (number << 3);
 }
 VD_INLINE real vd_entry(real cell, const real *t, int width, int power) {
   const vd_bits place = vd_place(cell, t, width);
@@ -302,3 +305,8 @@ VD_INLINE real vd_cell(real x, const real *t) {
 VD_INLINE real vd_knot(real cell, const real *t) { return t[0] + t[2] * cell; }
 
 VD_INLINE vd_mask vd_finite(real a) { return vd_le(vd_abs(a), vd_all(DBL_MAX)); }
+
+/* Give n numbers to all lanes. */
+VD_INLINE void vd_spread(int n, const double *a, real *r) {
+  for (int k = 0; k < n; k++) r[k] = vd_all(a[k]);
+}

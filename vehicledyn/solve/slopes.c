@@ -4,12 +4,6 @@
 
 #define NJOB (NDIRECTION ? NDIRECTION : 1)
 
-/* Put numbers into all lanes as they are, addresses too. */
-static void spread(int n, const double *a, real *r) {
-  for (int k = 0; k < n; k++)
-    for (int lane = 0; lane < VD_LANES; lane++) ((double *)(r + k))[lane] = a[k];
-}
-
 /* points (count, NPOINT), values (count, NROW), slopes (count, NDIRECTION, NROW); p holds the
    parameters and the rows of the tables. */
 VD_EXPORT void vd_points(long long count, const double *points, const double *p, double *values,
@@ -18,9 +12,9 @@ VD_EXPORT void vd_points(long long count, const double *points, const double *p,
 #if NDIRECTION
   real direction[NDIRECTION], s[NROW];
 #endif
-  spread(NP + NT, p, given);
+  vd_spread(NP + NT, p, given);
   prepare(given, c);
-  spread(NT, p + NP, c + NC);
+  vd_spread(NT, p + NP, c + NC);
   const long long jobs = count * NJOB;
   for (long long first = 0; first < jobs; first += VD_LANES) {
     for (int lane = 0; lane < VD_LANES; lane++) {

@@ -22,14 +22,17 @@ def kernel_source(equations: Equations, functions: KernelFunctions) -> str:
     ]
     wide = WideFunctions(suitable_lanes())
     parts = [*_common(equations, functions, wide), *events, shared_source("loop.c")]
-    units = [_wide_unit(lanes, texts) for lanes, texts in wide.units.items()]
-    return UNIT_BREAK.join(["\n".join(parts), *units])
+    return UNIT_BREAK.join(["\n".join(parts), *wide_units(wide)])
 
 
-def _wide_unit(lanes: int, texts: list[str]) -> str:
-    """Return a unit of functions that carry several places of a model at once."""
-    head = [f"#define VD_LANES {lanes}", shared_source("real.h"), shared_source("elementary.c")]
-    return "\n".join([*head, *texts])
+def wide_units(wide: WideFunctions) -> list[str]:
+    """Return the units of functions that carry several places of a model at once."""
+    return ["\n".join([*lane_head(lanes), *texts]) for lanes, texts in wide.units.items()]
+
+
+def lane_head(lanes: int) -> list[str]:
+    """Return what a unit begins with whose reals hold so many lanes."""
+    return [f"#define VD_LANES {lanes}", shared_source("real.h"), shared_source("elementary.c")]
 
 
 def lane_source(equations: Equations, functions: KernelFunctions, lanes: int) -> str:
@@ -94,20 +97,20 @@ def _tables(equations: Equations, functions: KernelFunctions) -> str:
     return "\n".join(
         [
             *[f"#define {name} {size}" for name, size in sizes.items()],
-            _table("static const int", "block_start", starts),
-            _table("static const double", "block_tolerance", [b.tolerance for b in blocks]),
-            _table("static const int", "positions", equations.positions),
-            _table("static const int", "velocities", equations.velocities),
-            _table("static const int", "fires_rising", _fires(equations, "rising")),
-            _table("static const int", "fires_falling", _fires(equations, "falling")),
+            listed("static const int", "block_start", starts),
+            listed("static const double", "block_tolerance", [b.tolerance for b in blocks]),
+            listed("static const int", "positions", equations.positions),
+            listed("static const int", "velocities", equations.velocities),
+            listed("static const int", "fires_rising", _fires(equations, "rising")),
+            listed("static const int", "fires_falling", _fires(equations, "falling")),
             f"typedef void (*wave_function)({signature});",
-            _table("static const wave_function", "wave_functions", names),
-            _table("static const int", "wave_start", [*functions.wave_starts, len(blocks)]),
-            _table("static const int", "wave_of", _waves_of(functions, len(blocks))),
-            _table("static const int", "value_start", _value_starts(equations, functions)),
+            listed("static const wave_function", "wave_functions", names),
+            listed("static const int", "wave_start", [*functions.wave_starts, len(blocks)]),
+            listed("static const int", "wave_of", _waves_of(functions, len(blocks))),
+            listed("static const int", "value_start", _value_starts(equations, functions)),
             f"VD_EXPORT const int vd_constants = {functions.prepare.numel_out(0)};",
             f"VD_EXPORT const int vd_new_values = {functions.resets.numel_out(0)};",
-            _table("VD_EXPORT const int", "vd_operations", [counts[key] for key in COUNTED]),
+            listed("VD_EXPORT const int", "vd_operations", [counts[key] for key in COUNTED]),
         ]
     )
 
@@ -133,6 +136,7 @@ def _fires(equations: Equations, direction: str) -> list[int]:
     return [int(event.direction in (direction, "either")) for event in equations.events]
 
 
-def _table(kind: str, name: str, values: Sequence[float | int | str]) -> str:
+def listed(kind: str, name: str, values: Sequence[float | int | str]) -> str:
+    """Return the C definition of an array that holds some values, or a zero if there are none."""
     items = ", ".join(str(value) for value in values) or "0"
     return f"{kind} {name}[] = {{{items}}};"

@@ -1,7 +1,9 @@
 """What compiled code knows of tables: a row of numbers for each, behind the other constants.
 
 A row holds the origin, 1 / step, the step, the number of the last cell and the address of the
-cells, all as doubles, so each case in lanes or on a GPU can have curves of its own.
+cells, all as doubles, so each case in lanes or on a GPU can have curves of its own. An address
+fills the fraction of a double between 1 and 2: a double that held nothing else would be so small
+that a processor told to do without such numbers takes it for zero.
 """
 
 from __future__ import annotations
@@ -18,6 +20,9 @@ ROW = 5
 
 _ALIGNMENT = 64
 
+_EXPONENT = np.uint64(0x3FF0000000000000)
+"""Bits of the double 1.0, all above the fraction."""
+
 
 class TableRows:
     """The rows of some tables; keeps the cells whose addresses they hold."""
@@ -29,7 +34,7 @@ class TableRows:
         for k, (table, cells) in enumerate(zip(tables, self._cells, strict=True)):
             row = self.numbers[ROW * k : ROW * (k + 1)]
             row[:4] = table.origin, 1.0 / table.step, table.step, len(cells) - 1
-            row[4:].view(np.uint64)[0] = cells.ctypes.data
+            row[4:].view(np.uint64)[0] = np.uint64(cells.ctypes.data) | _EXPONENT
 
     def after(self, values: Vector) -> Vector:
         """Return a column of numbers with the rows behind it."""

@@ -1,6 +1,8 @@
 """Tables in compiled code: as the virtual machine has them, in lanes, with other numbers."""
 
+import ctypes
 import json
+import platform
 from dataclasses import replace
 
 import numpy as np
@@ -9,9 +11,11 @@ from scipy.integrate import solve_ivp
 from table_examples import height, quintic, rider
 
 from vehicledyn.solve.batch import Cases, make_batch, run_batch
-from vehicledyn.solve.compiler import suitable_lanes
+from vehicledyn.solve.compiler import build_library, find_compiler, suitable_lanes
+from vehicledyn.solve.implicit import implicit_equations
 from vehicledyn.solve.kernel import compile_kernel, known_kernel
 from vehicledyn.solve.methods.rk4 import RungeKutta4
+from vehicledyn.solve.table_rows import TableRows
 from vehicledyn.symbolic.remembered import equations_from, facts_of
 from vehicledyn.symbolic.tables import CurveTable
 
@@ -130,3 +134,40 @@ def test_remembered_equations_bring_their_tables(needs_compiler):
         [height().value(0.3), height().curvature(0.3), 0.0], rel=1e-12
     )
     assert [t.identity for t in known.tables] == [t.identity for t in equations.tables]
+
+
+FLUSHING = """
+#include <xmmintrin.h>
+__attribute__((visibility("default")))
+unsigned set_control(unsigned word) { unsigned old = _mm_getcsr(); _mm_setcsr(word); return old; }
+"""
+FLUSH_TO_ZERO, DENORMALS_ARE_ZERO = 0x8000, 0x0040
+
+
+@pytest.mark.skipif(platform.machine() not in ("x86_64", "AMD64"), reason="x86-64 only")
+def test_tables_are_found_where_small_numbers_are_flushed_to_zero(needs_compiler, tmp_path):
+    """Addresses of tables travel as doubles, which sums may pass on and CasADi's calls do."""
+    control = ctypes.CDLL(str(build_library(find_compiler(), FLUSHING, tmp_path)))
+    kernel = compile_kernel(rider(height(), quintic()), backend="compiled")
+    made = implicit_equations(kernel, lambda *_: None)
+    state, unknown = np.array([0.4, 1.0]), np.array([0.2])
+
+    def all_ways():
+        lanes = make_batch(kernel, lanes=suitable_lanes())
+        cases = Cases(kernel.parameters[None], state[None], unknown[None])
+        settings = {"start": 0.0, "stop": 0.1, "interval": 0.05, "channels": [0]}
+        samples = run_batch(lanes, RungeKutta4(step=0.01), cases, **settings).samples
+        point = (0.0, state, unknown, made.constants(kernel.parameters))
+        slope = made.function.jacobian()(*point, *made.function(*point))[1].full()
+        return [*kernel.rates(0.0, state, unknown), *samples.ravel(), *slope.ravel()]
+
+    wanted, rows = all_ways(), TableRows(kernel.equations.tables).numbers
+    old = control.set_control(0x1F80 | FLUSH_TO_ZERO | DENORMALS_ARE_ZERO)
+    try:
+        passed = [np.array([5e-324]) + 0.0, rows + 0.0]
+        found = all_ways()
+    finally:
+        control.set_control(old)
+    assert found == wanted
+    assert passed[0] == 0.0
+    assert passed[1].view(np.uint64).tolist() == rows.view(np.uint64).tolist()
