@@ -31,6 +31,9 @@ from vehicledyn.rail.profile_pieces import Floats
 BASE = 1.5
 """Distance e of the contacts on standard gauge, as EN 15302 takes it [m]."""
 
+LEVEL = 2e-8
+"""Rolling radius difference that counts as none: twice the last digit of the standard's [m]."""
+
 _NODES = 2000
 _HALVINGS = 60
 _EDGE = 1e-9
@@ -87,21 +90,44 @@ class RadiusDifference:
         return np.asarray(self._integral[part] + along * mean)
 
     def _middle(self) -> float:
-        """Return the zero, nearest to no shift, at which the difference rises [m]."""
-        low, high = self.difference[:-1], self.difference[1:]
-        crossing = np.flatnonzero((low <= 0.0) & (high >= 0.0) & (high > low))
-        if len(crossing) == 0:
+        """Return the zero, nearest to no shift, at which the difference rises [m].
+
+        Where the difference is none over a stretch, as between cylindrical treads, its middle.
+        """
+        sign = np.where(np.abs(self.difference) <= LEVEL, 0.0, np.sign(self.difference))
+        known = np.flatnonzero(sign)
+        rising = np.flatnonzero((sign[known[:-1]] < 0.0) & (sign[known[1:]] > 0.0))
+        if len(rising) == 0:
             raise InputError(
                 "equivalent conicity: the rolling radius difference has no zero from which it "
                 "rises with the shift; the wheelset does not centre itself"
             )
-        share = -low[crossing] / (high - low)[crossing]
-        zeros = self.shift[crossing] + share * np.diff(self.shift)[crossing]
-        return float(zeros[np.argmin(np.abs(zeros))])
+        zeros = [self._zero(int(known[k]), int(known[k + 1])) for k in rising]
+        return min(zeros, key=abs)
+
+    def _zero(self, last: int, first: int) -> float:
+        """Return the zero between the last point below and the first above none."""
+        if first - last > 2:
+            return float(0.5 * (self.shift[last + 1] + self.shift[first - 1]))
+        low, high = self.difference[last], self.difference[first]
+        if first - last == 2:
+            between = self.difference[last + 1]
+            last, high = (last, between) if between >= 0.0 else (last + 1, high)
+            low = self.difference[last]
+        share = 0.0 if high == low else -low / (high - low)
+        return float(self.shift[last] + share * (self.shift[last + 1] - self.shift[last]))
+
+    def is_level(self, begin: float, end: float) -> bool:
+        """Return whether there is no difference between two shifts."""
+        inside = self.shift[(self.shift > begin) & (self.shift < end)]
+        places = np.concatenate([[begin], inside, [end]])
+        return bool((np.abs(self.at(places)) <= LEVEL).all())
 
 
 def free_path(table: RadiusDifference, amplitude: float, base: float, radius: float) -> Path | None:
     """Return the motion of an amplitude, None if the table is too short or there is none.
+
+    Its wavelength is infinite where there is no difference over the whole amplitude.
 
     Parameters
     ----------
@@ -114,6 +140,8 @@ def free_path(table: RadiusDifference, amplitude: float, base: float, radius: fl
     radius
         Rolling radius r in the middle [m].
     """
+    if table.is_level(table.middle - amplitude, table.middle + amplitude):
+        return Path(table.middle + amplitude, table.middle - amplitude, np.inf)
     left = _turning_point(table, amplitude)
     if left is None:
         return None

@@ -103,10 +103,11 @@ def tabulated(pieces: Sequence[Piece], step: float, turn: float = 0.0) -> Table:
         )
         if isinstance(piece, Table):
             y = np.unique(np.concatenate([y, piece.places]))
+            below = _turned(y, *piece.values(y, from_below=True), turn)
         knots = _turned(y, *piece.values(y), turn)
         places.append(knots[0])
         left.append(knots[1:, :-1])
-        right.append(knots[1:, 1:])
+        right.append((below if isinstance(piece, Table) else knots)[1:, 1:])
     edges = np.concatenate([*(part[:-1] for part in places), places[-1][-1:]])
     begin, end = np.concatenate(left, axis=1), np.concatenate(right, axis=1)
     usable = (np.abs(begin[1]) < STEEPEST) & (np.abs(end[1]) < STEEPEST) & (np.diff(edges) > 0.0)

@@ -94,9 +94,12 @@ class Table:
         """Largest y [m]."""
         return float(self.places[-1])
 
-    def values(self, y: Floats) -> tuple[Floats, Floats, Floats]:
-        """Return height, slope and second derivative, nan outside the table."""
-        u, step, outside, (c0, c1, c2, c3, c4, c5) = self._parts(y)
+    def values(self, y: Floats, *, from_below: bool = False) -> tuple[Floats, Floats, Floats]:
+        """Return height, slope and second derivative, nan outside the table.
+
+        At a place of the table the second derivative is that above it, or ``from_below``.
+        """
+        u, step, outside, (c0, c1, c2, c3, c4, c5) = self._parts(y, from_below)
         height = c0 + u * (c1 + u * (c2 + u * (c3 + u * (c4 + u * c5))))
         slope = c1 + u * (2.0 * c2 + u * (3.0 * c3 + u * (4.0 * c4 + u * 5.0 * c5)))
         bend = 2.0 * c2 + u * (6.0 * c3 + u * (12.0 * c4 + u * 20.0 * c5))
@@ -111,10 +114,12 @@ class Table:
         u, _, outside, (c0, c1, c2, c3, c4, c5) = self._parts(y)
         return np.where(outside, np.nan, c0 + u * (c1 + u * (c2 + u * (c3 + u * (c4 + u * c5)))))
 
-    def _parts(self, y: Floats) -> tuple[Floats, Floats, NDArray[np.bool_], Floats]:
+    def _parts(
+        self, y: Floats, from_below: bool = False
+    ) -> tuple[Floats, Floats, NDArray[np.bool_], Floats]:
         """Return place in its interval, length of that, what is outside, and coefficients."""
         place = np.asarray(y, dtype=float)
-        part = np.searchsorted(self.places, place, side="right") - 1
+        part = np.searchsorted(self.places, place, side="left" if from_below else "right") - 1
         part = np.minimum(np.maximum(part, 0), len(self.places) - 2)
         step = self._steps[part]
         outside = ~((place >= self.places[0]) & (place <= self.places[-1]))

@@ -60,6 +60,24 @@ def test_jump_in_the_middle():
     assert found == pytest.approx(expected, rel=1e-3)
 
 
+def test_level_middle():
+    """Δr = 0 up to c, ± D beyond: a quarter takes c/v + √(2 (A - c) e r/D), v² = 2 D (A - c)/(e r).
+
+    Cylindrical treads with flanges; rounding of the last digit of a table does not matter.
+    """
+    c, step = 2e-3, 1.5e-3
+    noise = 1e-8 * np.random.default_rng(2).integers(-1, 2, len(SHIFT))
+    difference = np.where(np.abs(SHIFT) < c + 1e-9, noise, step * np.sign(SHIFT))
+    table = RadiusDifference(SHIFT, difference)
+    assert table.middle == pytest.approx(0.0, abs=1e-5)
+    beyond = 2.0 * step * (AMPLITUDES[1:] - c) / (1.5 * 0.46)
+    wavelength = 4.0 * (c / np.sqrt(beyond) + np.sqrt(beyond) * 1.5 * 0.46 / step)
+    expected = (np.pi / wavelength) ** 2 * 2.0 * 1.5 * 0.46
+    found = equivalent_conicity(table, AMPLITUDES, radius=0.46)
+    assert found[0] == 0.0
+    assert found[1:] == pytest.approx(expected, rel=0.01)
+
+
 def test_shifted_tables_have_their_own_middle():
     table = RadiusDifference(SHIFT, 2.0 * 0.1 * (SHIFT - 0.002))
     assert table.middle == pytest.approx(0.002, abs=1e-12)

@@ -234,3 +234,15 @@ def test_wheel_of_its_own_stands_as_in_a_wheelset():
 def test_wheel_beside_its_rail():
     with pytest.raises(InputError, match=r"at a lateral shift of 120\.000 mm the left wheel"):
         stand(STANDARD, 0.12)
+
+
+def test_inclined_rail_keeps_jumps_of_its_curvature():
+    """A turned rail has the slopes of its arcs turned, also beside the places where they meet."""
+    profile = named_profile("60E1", "rail")
+    angle = np.arctan(1 / 20)
+    rail = place_rail(profile, angle, 1.435, 0.014)
+    y = np.concatenate([side * np.linspace(0.0100, 0.0105, 101) for side in (-1, 1)])
+    height, slope, _ = profile.values(y)
+    c, s = np.cos(angle), np.sin(angle)
+    found = rail.surface.values(c * y - s * height + rail.origin[0])[1]
+    assert found == pytest.approx((s + c * slope) / (c - s * slope), abs=1e-9)

@@ -256,6 +256,23 @@ def test_polach_on_wet_rail_has_its_maximum_at_large_creep():
     assert 0.9 * sliding < pull[2] < sliding
 
 
+@pytest.mark.parametrize("spin", [0.0, 0.05])
+def test_polach_has_a_slope_at_zero_creep(spin):
+    """That of the linear theory along and across; small creep in any direction follows it."""
+    symbols = [ops.symbol(name) for name in ("xi", "eta")]
+    forces = law("polach").forces(contact(*symbols, spin, a=3e-3, b=6e-3))
+    column = ops.column([forces.longitudinal, forces.lateral])
+    slope = ops.numeric(symbols, ops.jacobian(column, ops.column(symbols)))(0.0, 0.0)
+    kalker, stiffness = creep_coefficients(0.5, POISSON), SHEAR * 18e-6
+    wanted = -stiffness * np.diag([float(kalker.longitudinal), float(kalker.lateral)])
+    assert np.array(slope) == pytest.approx(wanted, abs=2e-3 * np.abs(wanted).max())
+    still = vector("polach", 0.0, 0.0, spin, a=3e-3, b=6e-3)[:2]
+    for angle in np.linspace(0.0, 3.0, 7):
+        creep = 2e-9 * np.array([math.cos(angle), math.sin(angle)])
+        moved = vector("polach", *creep, spin, a=3e-3, b=6e-3)[:2] - still
+        assert moved == pytest.approx(np.array(slope) @ creep, abs=2e-3 * np.linalg.norm(moved))
+
+
 def test_polach_opposes_spin_by_its_side_force():
     small = vector("polach", 0.0, 0.0, 1e-4)[1]
     kalker = kalker_forces(contact(0.0, 0.0, 1e-4))

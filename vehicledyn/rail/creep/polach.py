@@ -17,8 +17,8 @@ from vehicledyn.rail.kalker import CreepCoefficients, creep_coefficients
 from vehicledyn.symbolic import ops
 from vehicledyn.symbolic.ops import Scalar
 
-CREEP_FLOOR = 1e-9
-"""Rounds the magnitude of the creepage where it vanishes [1]."""
+CREEP_FLOOR = 1e-7
+"""Creepage below which each direction has the stiffness of the linear theory [1]."""
 
 
 @register("creep", "polach")
@@ -40,8 +40,12 @@ class Polach(CreepLaw):
     with which F_S opposes the spin (K is negative). Friction falls with the sliding speed
     w = V s: μ = μ₀ ((1 - A) exp(-B w) + A). Without A, B, k_A, k_S the law is that of 1999. The
     sum is cut off at μ N. No spin moment. Without spin within some 10 % of μ N of the exact
-    solution; with it, see the validation table. The slope at zero creep depends on the direction
-    of creep, but is bounded.
+    solution; with it, see the validation table.
+
+    C depends on the direction of creep, however small, so that F has no slope at zero creep. Here
+    F_x has C_x² = ((C11 ξ)² + (C22 η)² + s_0² C11²)/(s² + s_0²), F_y the same with C22 at the end:
+    below the floor s_0 the slopes are those of the linear theory, far above it nothing changes.
+    Where s_yC passes from one of its values to the other, at η = -φ a/2, slopes change abruptly.
 
     References
     ----------
@@ -72,11 +76,11 @@ class Polach(CreepLaw):
         across = ops.sqrt(larger + CREEP_FLOOR * CREEP_FLOOR)
         whole = ops.sqrt(xi * xi + across * across)
         kalker = creep_coefficients(contact.axis_ratio, contact.poissons_ratio)
-        stiffness = self.stiffness_factor * contact.shear_modulus * contact.area_scale
-        force = self._creep_part(stiffness * _joined(kalker, xi, eta) * whole / floor)
-        side = _spin_part(contact, stiffness * kalker.lateral_spin * across / floor)
-        x = -limit * force * xi / whole
-        y = -limit * (force * eta + side * contact.spin) / whole
+        stiffness = self.stiffness_factor * contact.shear_modulus * contact.area_scale / floor
+        along, aside = (stiffness * c * whole for c in _joined(kalker, xi, eta))
+        side = _spin_part(contact, stiffness * kalker.lateral_spin * across)
+        x = -limit * self._creep_part(along) * xi / whole
+        y = -limit * (self._creep_part(aside) * eta + side * contact.spin) / whole
         size = ops.smooth_norm(x, y, RELATIVE_FLOOR * floor)
         kept = ops.minimum(1.0, limit / size)
         return CreepForces(kept * x, kept * y, 0.0)
@@ -94,11 +98,16 @@ class Polach(CreepLaw):
         )
 
 
-def _joined(kalker: CreepCoefficients, xi: Scalar, eta: Scalar) -> Scalar:
-    """Return C, between C11 and C22 as the creepage points."""
+def _joined(kalker: CreepCoefficients, xi: Scalar, eta: Scalar) -> tuple[Scalar, Scalar]:
+    """Return C of the forces along and across, between C11 and C22 as the creepage points."""
     x, y = kalker.longitudinal * xi, kalker.lateral * eta
-    mean = 0.5 * (kalker.longitudinal + kalker.lateral) * CREEP_FLOOR
-    return ops.smooth_norm(x, y, mean) / ops.smooth_norm(xi, eta, CREEP_FLOOR)
+    square = CREEP_FLOOR * CREEP_FLOOR
+    rest = 1.0 / (xi * xi + eta * eta + square)
+    mixed = x * x + y * y
+    along, across = (
+        ops.sqrt((mixed + square * c * c) * rest) for c in (kalker.longitudinal, kalker.lateral)
+    )
+    return along, across
 
 
 def _spin_part(contact: CreepContact, relative: Scalar) -> Scalar:

@@ -52,10 +52,13 @@ def spectra(
 
     References
     ----------
-    ERRI B 176 RP 1 (1989), as the constants are quoted by Claus and Schiehlen (1998), Vehicle
-    System Dynamics 29 (suppl.), 538-552, and many others since; not compared with the report
-    itself. With wavelengths of 3 to 25 m the level deviates by 1.0 mm (low) and 1.6 mm (high) in
-    the root mean square, which for one-sided spectra is the size that UIC 518 knows.
+    ERRI B 176 RP 1 (1989), Benchmark problem: results and assessment; Claus and Schiehlen (1998),
+    Vehicle System Dynamics 29 (suppl.), 538-552. The report was not at hand: formulas and all
+    constants, b = 0.75 m included, were compared with four public programs that state them
+    independently of each other, as spectra of ERRI B 176 or as the German ones of low and high
+    disturbance. These superpose waves of amplitude √(2 S ΔΩ) over Ω > 0, so the spectra are
+    one-sided. With wavelengths of 3 to 25 m the level deviates by 1.0 mm (low) and 1.6 mm (high)
+    in the root mean square, the size that UIC 518 knows.
     """
     square = frequency * frequency
     common = CORNER_C**2 / ((CORNER_R**2 + square) * (CORNER_C**2 + square))
