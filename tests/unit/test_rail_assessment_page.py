@@ -92,8 +92,16 @@ def test_numbers_of_the_table_are_those_of_the_program():
         assert numbers == wanted
 
 
+def test_numbers_of_curve_transitions_are_those_of_the_program():
+    from vehicledyn.results.assessment.curve_transitions import SEATED, STANDING
+
+    rows = dict(re.findall(r"^\| (standing|seated) \|(.*)\|$", PAGE, re.MULTILINE))
+    for name, own in (("standing", STANDING), ("seated", SEATED)):
+        assert [float(cell) for cell in rows[name].split("|")] == list(vars(own).values())
+
+
 def test_keys_of_the_summary_exist():
     text = (ROOT / "vehicledyn" / "results" / "assessment" / "summary.py").read_text("utf-8")
-    keys = re.findall(r"`(largest_\w+|track_shift_limit|wear_\w+)`", PAGE)
+    keys = re.findall(r"`(largest_\w+|instability_\w+|track_shift_limit|wear_\w+)`", PAGE)
     for key in set(keys) - {"wear_number"}:
         assert f'"{key}"' in text, key

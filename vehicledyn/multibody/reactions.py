@@ -183,8 +183,12 @@ class TransmittedForces:
             acting += [
                 Wrench(w.body, multiplier * w.force, multiplier * w.torque) for w in action.wrenches
             ]
-        gravity = ops.vector(*self._system.gravity)
-        return inverse_dynamics(self._kinematics, acting, gravity)[1]
+        return inverse_dynamics(self._kinematics, acting, self.gravity)[1]
+
+    @property
+    def gravity(self) -> Vec:
+        """Acceleration of free fall, world axes [m/s²]."""
+        return ops.vector(*self._system.gravity)
 
     def _link(self, body: str) -> int:
         known = self._kinematics.tree.body_link

@@ -74,6 +74,37 @@ class Accelerometer(BasePart):
 
 
 @dataclass(frozen=True)
+class FloorSensor(BasePart):
+    """What an accelerometer on the floor of a body shows, and how fast the body rolls.
+
+    The axes are those of the body. With a the acceleration of the point and g that of free fall
+    the sensor shows a - g less |g| upwards, so that all is zero where it stands still and level;
+    on a canted floor it feels a part of the weight.
+    """
+
+    body: str
+    point: Sequence[Scalar] = (0.0, 0.0, 0.0)
+
+    def outputs(self, situation: Situation) -> tuple[Output, ...]:
+        """Return the three accelerations and the roll rate."""
+        if situation.forces is None:
+            raise TypeError(f"{self.name}: gravity is known to outputs only")
+        kinematics, gravity = situation.kinematics, situation.forces.gravity
+        to_body = kinematics.rotation(self.body).T
+        felt = to_body @ (kinematics.acceleration(self.body, self.point) - gravity)
+        weight = ops.sqrt(ops.dot(gravity, gravity))
+        values = (felt[0], felt[1], felt[2] - weight)
+        text = f"acceleration felt on the floor of {self.body}"
+        found = []
+        for word, value in zip(_WORDS, values, strict=True):
+            name = f"{self.name}.{word}"
+            channel = Channel(name, "m/s^2", f"{word.capitalize()} {text}", "body")
+            found.append(Output(channel, value))
+        roll = Channel(f"{self.name}.roll_rate", "rad/s", f"Roll rate of {self.body}", "body")
+        return (*found, Output(roll, kinematics.angular_velocity(self.body)[0]))
+
+
+@dataclass(frozen=True)
 class SequenceSensor(BasePart):
     """Orientation of a body as three Tait-Bryan angles in a given sequence of axes.
 

@@ -7,7 +7,7 @@ from typing import Any
 
 from vehicledyn.multibody.cuts import BallCut, BodyCut, RodCut
 from vehicledyn.multibody.drives import ConstantRate
-from vehicledyn.multibody.sensors import Accelerometer, BodySensor, SequenceSensor
+from vehicledyn.multibody.sensors import Accelerometer, BodySensor, FloorSensor, SequenceSensor
 from vehicledyn.multibody.system import Body, Joint, System, Turn
 from vehicledyn.symbolic import ops, rotations
 from vehicledyn.systems.write import SCHEMA_LINE, dump
@@ -104,6 +104,9 @@ class _Writer:
             elif isinstance(part, Accelerometer):
                 point = self._numbers(part.point)
                 sensors[part.name] = {"kind": "accelerometer", "body": part.body, "point": point}
+            elif isinstance(part, FloorSensor):
+                point = self._numbers(part.point)
+                sensors[part.name] = {"kind": "floor", "body": part.body, "point": point}
             elif isinstance(part, SequenceSensor):
                 sequence = list(part.sequence)
                 sensors[part.name] = {"kind": "angles", "body": part.body, "sequence": sequence}

@@ -13,7 +13,7 @@ from vehicledyn.base.registry import register
 from vehicledyn.base.units import to_si
 from vehicledyn.multibody.parts import Part, Situation
 from vehicledyn.multibody.point_sensors import ExpressionSensor, PointSensor, RateSensor
-from vehicledyn.multibody.sensors import Accelerometer, BodySensor, SequenceSensor
+from vehicledyn.multibody.sensors import Accelerometer, BodySensor, FloorSensor, SequenceSensor
 from vehicledyn.multibody.triggers import switches
 from vehicledyn.systems.expressions import origin
 from vehicledyn.systems.fields import Scalar, SystemSet, Vector, measured, reference
@@ -106,6 +106,19 @@ class AccelerometerSet(_OfBody):
     def sensor(self, name: str, value: Values, coordinates: AllCoordinates) -> Part:
         """Return the sensor."""
         return Accelerometer(name, self.body, value(self.point))
+
+
+@register("sensor", "floor")
+class FloorSensorSet(_OfBody):
+    """What an accelerometer on the floor shows, gravity included, and the roll rate."""
+
+    point: Vector = measured(
+        "m", "The point in the axes of the body", default=origin(), nature="polar"
+    )
+
+    def sensor(self, name: str, value: Values, coordinates: AllCoordinates) -> Part:
+        """Return the sensor."""
+        return FloorSensor(name, self.body, value(self.point))
 
 
 @register("sensor", "expression")

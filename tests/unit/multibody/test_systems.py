@@ -31,6 +31,7 @@ from vehicledyn.multibody import (
     Turn,
     derive,
 )
+from vehicledyn.multibody.sensors import FloorSensor
 from vehicledyn.symbolic import ops, rotations
 from vehicledyn.symbolic.equations import Channel
 
@@ -409,6 +410,17 @@ def test_sensors_look_along_the_heading():
     assert found["point.longitudinal"] == pytest.approx(0.0, abs=1e-14)
     angles = [found[f"angles.{n}"] for n in ("yaw", "pitch", "roll")]
     assert angles == pytest.approx([yaw, pitch, roll], abs=1e-14)
+
+
+def test_a_floor_at_rest_feels_its_slope():
+    """A body that cannot fall: the weight along its floor, and what is missing of it upwards."""
+    roll, gravity = 0.1, 9.81
+    body = mass("it", joints=[Joint("R1", "roll", role="driven")])
+    parts = (FloorSensor("floor", "it"), ConstantRate("drive", "roll", 0.05))
+    found = values(derive(system([body], parts=parts)), time=roll / 0.05)
+    assert found["floor.lateral"] == pytest.approx(gravity * np.sin(roll), rel=1e-12)
+    assert found["floor.vertical"] == pytest.approx(gravity * (np.cos(roll) - 1.0), rel=1e-9)
+    assert found["floor.roll_rate"] == pytest.approx(0.05, rel=1e-12)
 
 
 def test_an_accelerometer_feels_the_way_to_the_centre():

@@ -4,10 +4,12 @@ import numpy as np
 import pytest
 from system_texts import Motion, equations
 
+import vehicledyn.catalogue
 from vehicledyn.base.registry import kinds
 from vehicledyn.symbolic import ops, rotations
 from vehicledyn.systems import load_kinds
 
+assert vehicledyn.catalogue
 load_kinds()
 
 MASS = "mass: 2 kg, inertia: [0.3, 0.4, 0.5]"
@@ -238,6 +240,7 @@ SENSORS = {
     "angles": "body: b, sequence: [1, 2, 3]",
     "body": "body: b",
     "accelerometer": "body: b, point: [0.1, 0, 0]",
+    "floor": "body: b, point: [0.1, 0, 0]",
     "expression": "value: 'b.x * b.y_rate + time * 1 m^2/s^2', unit: m^2/s",
     "wheel_angles": "body: b, centre: [0, 0.1, 0], axis: [0, -1, 0], radius: 0.3, side: right, "
     "steering_axis: {lower: {body: b, point: [0, 0, -0.1]}, upper: {body: b, point: [0, 0, 0.1]}}",
@@ -277,6 +280,13 @@ def test_sensor(kind, tmp_path):
         pitch = np.array([0.0, np.cos(0.6), -np.sin(0.6)]) * seen["b.pitch_rate"]
         found = [seen[f"s.angular_velocity_{a}"] for a in "xyz"]
         assert found == pytest.approx(about_z + roll + pitch, rel=1e-12)
+    if kind == "floor":
+        # What falls freely without turning feels nothing: less the weight that is taken off.
+        still = motion.at(2.0, **{k: v for k, v in states.items() if not k.endswith("_rate")})
+        found = [still[f"s.{word}"] for word in ("longitudinal", "lateral", "vertical")]
+        assert found == pytest.approx([0.0, 0.0, -9.81], abs=1e-12)
+        rolling = seen["b.roll_rate"] - np.sin(-0.5) * seen["b.yaw_rate"]
+        assert seen["s.roll_rate"] == pytest.approx(rolling, rel=1e-12)
     if kind == "wheel_angles":
         steer = np.arctan2(-turned[0, 1], turned[1, 1])
         assert [seen["s.steer_angle"], seen["s.toe_angle"]] == pytest.approx([steer] * 2, rel=1e-12)

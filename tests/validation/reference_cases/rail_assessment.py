@@ -10,8 +10,10 @@ from scipy import signal
 from reference_cases.comparison import Group, deviation, figure
 from reference_cases.tables import read_columns
 from vehicledyn.results.assessment.comfort import assess_comfort
+from vehicledyn.results.assessment.curve_transitions import assess_transitions, find_transitions
 from vehicledyn.results.assessment.running_safety import assess_axle, assess_wheel
 from vehicledyn.results.assessment.signals import butterworth, even_samples, filtered
+from vehicledyn.results.assessment.stability import assess_stability, band
 from vehicledyn.results.assessment.weighting import (
     VERTICAL,
     W_B,
@@ -36,7 +38,7 @@ def compare():
         "that settle. W_b of EN 12299 and of ISO 2631-4 differ by up to "
         f"{100.0 * _apart():.0f} %; the program takes the first."
     )
-    rows = (*_weightings(), *_comfort(), _low_pass(), _track_shift())
+    rows = (*_weightings(), *_comfort(), _low_pass(), _track_shift(), _instability(), _transition())
     return Group("Assessment of vehicles on rails", note, rows)
 
 
@@ -137,6 +139,42 @@ def _track_shift():
         largest=apart / mean,
         band=1e-3,
         unit="(relative)",
+    )
+
+
+def _instability():
+    """An oscillation that grows with the way has a known root mean square over its last 100 m."""
+    way, frequency = 20.0 * TIME, 5.5
+    guiding = 5.0 * way * np.sin(2.0 * np.pi * frequency * TIME)
+    values = {f"w.{side}.Y": guiding for side in ("left", "right")}
+    found = assess_stability("w", even_samples(TIME, values), way, 5e4, ("w.left", "w.right"))
+    last, first = 10.0 * way[-1], 10.0 * (way[-1] - 100.0)
+    rms = math.sqrt((last**2 + last * first + first**2) / 6.0)
+    gain = abs(band(frequency)(np.array([frequency])))[0]
+    return figure(
+        "closed form",
+        "root mean square of a growing sum of Y over 100 m",
+        reference=1e-3 * gain * rms,
+        computed=1e-3 * found.rms,
+        band=1e-5 * rms,
+        unit="kN",
+    )
+
+
+def _transition():
+    """Acceleration that grows evenly over 4 s, without roll: the jerk is constant."""
+    largest = 1.2
+    part = np.clip((TIME - 100.0) / 4.0, 0.0, 1.0)
+    values = {"floor.lateral": largest * part, "floor.roll_rate": 0.0 * part}
+    transitions = find_transitions(TIME, 1e-3 * part, 30.0 * TIME)
+    (found,) = assess_transitions("floor", even_samples(TIME, values), transitions)
+    return figure(
+        "closed form",
+        "P_CT of standing passengers, acceleration to 1.2 m/s² in 4 s",
+        reference=28.54 * largest + 20.69 * largest / 4.0 - 11.1,
+        computed=found.standing,
+        band=0.1,
+        unit="%",
     )
 
 

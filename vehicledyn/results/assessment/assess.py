@@ -14,6 +14,12 @@ from vehicledyn.results.assessment.comfort import (
     Comfort,
     assess_comfort,
 )
+from vehicledyn.results.assessment.curve_transitions import (
+    SHORTEST,
+    TransitionComfort,
+    assess_transitions,
+    find_transitions,
+)
 from vehicledyn.results.assessment.running_behaviour import (
     DIRECTIONS as ASIDE_AND_UP,
 )
@@ -31,6 +37,8 @@ from vehicledyn.results.assessment.running_safety import (
 )
 from vehicledyn.results.assessment.running_safety import WINDOW as WAY
 from vehicledyn.results.assessment.signals import Floats, Samples, even_samples
+from vehicledyn.results.assessment.stability import WINDOW as STRETCH
+from vehicledyn.results.assessment.stability import AxleStability, assess_stability
 from vehicledyn.results.assessment.subjects import Subjects, find_subjects
 from vehicledyn.results.assessment.wear import WheelWear, assess_wear
 
@@ -57,8 +65,10 @@ class Assessment:
     way: float | None = None
     wheels: list[WheelSafety] = field(default_factory=list)
     axles: list[AxleSafety] = field(default_factory=list)
+    stability: list[AxleStability] = field(default_factory=list)
     behaviour: list[BodyAcceleration] = field(default_factory=list)
     comfort: list[Comfort] = field(default_factory=list)
+    transitions: list[TransitionComfort] = field(default_factory=list)
     wear: list[WheelWear] = field(default_factory=list)
     remarks: list[str] = field(default_factory=list)
 
@@ -108,6 +118,7 @@ def assess(
         return found
     _assess_safety(found, subjects, samples, distance)
     _assess_ride(found, subjects, samples)
+    _assess_transitions(found, subjects, samples, distance)
     return found
 
 
@@ -160,6 +171,12 @@ def _assess_safety(
         if distance is not None and len(wheels) == 2:
             total = assess_axle(axle, samples, distance, static, wheels)
             found.axles.extend([] if total is None else [total])
+            sways = assess_stability(axle, samples, distance, static, wheels)
+            found.stability.extend([] if sways is None else [sways])
+    if found.axles and not found.stability:
+        found.remarks.append(
+            f"instability is left out: {found.way:.3g} m are shorter than a window of {STRETCH:g} m"
+        )
 
 
 def _assess_ride(found: Assessment, subjects: Subjects, samples: Samples) -> None:
@@ -182,6 +199,36 @@ def _assess_ride(found: Assessment, subjects: Subjects, samples: Samples) -> Non
         return
     found.comfort.extend(assess_comfort(sensor, samples) for sensor in sensors)
     found.remarks.extend(_comfort_remarks(found.comfort, samples))
+
+
+def _assess_transitions(
+    found: Assessment, subjects: Subjects, samples: Samples, distance: Floats | None
+) -> None:
+    known = [name for name in subjects.bends if name in samples.channels]
+    if not known or distance is None or not subjects.sensors:
+        return
+    section = samples.time[samples.kept]
+    transitions = find_transitions(section, samples.section(known[0]), distance)
+    if not transitions:
+        return
+    floors = [floor for floor in subjects.floors if _has(samples, floor, "lateral", "roll_rate")]
+    for floor in floors:
+        found.transitions.extend(assess_transitions(floor, samples, transitions))
+    if not floors:
+        found.remarks.append(
+            "comfort on curve transitions is left out: there is no sensor of kind 'floor', which "
+            "tells what is felt along the floor and how fast it rolls"
+        )
+    elif len(found.transitions) < len(floors) * len(transitions):
+        found.remarks.append(
+            "comfort on curve transitions: those at the begin or the end of the run are left out"
+        )
+    short = min((t.end - t.begin for t in found.transitions), default=SHORTEST)
+    if short < SHORTEST * (1.0 - _ROUNDING):
+        found.remarks.append(
+            f"comfort on curve transitions: one takes {short:.2g} s; EN 12299 is for "
+            f"{SHORTEST:g} s or more"
+        )
 
 
 def _comfort_remarks(comfort: list[Comfort], samples: Samples) -> Iterator[str]:

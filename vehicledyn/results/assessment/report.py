@@ -36,9 +36,11 @@ class AssessmentReport:
         tables = (
             _wheels(self.assessment),
             _axles(self.assessment),
+            _stability(self.assessment),
             _wear(self.assessment),
             _behaviour(self.assessment),
             _comfort(self.assessment.comfort),
+            _transitions(self.assessment),
             _remarks(self.assessment),
         )
         return "\n".join([*self._heading(), *(line for table in tables for line in table)])
@@ -122,6 +124,21 @@ def _axles(found: Assessment) -> list[str]:
     return _table("Sum of Y over 2 m", ("kN", "limit kN", "% of it"), rows)
 
 
+def _stability(found: Assessment) -> list[str]:
+    rows = [
+        (
+            axle.name,
+            _kilo(axle.rms),
+            _kilo(axle.limit),
+            f"{100.0 * axle.rms / axle.limit:.1f}",
+            f"{axle.frequency:.2f}",
+        )
+        for axle in found.stability
+    ]
+    head = ("kN", "limit kN", "% of it", "at Hz")
+    return _table("Instability: rms of the sum of Y over 100 m", head, rows)
+
+
 def _wear(found: Assessment) -> list[str]:
     rows = [
         (wear.name, f"{wear.mean:.4g}", f"{wear.largest:.4g}", f"{wear.work:.4g}")
@@ -159,6 +176,22 @@ def _comfort(comfort: Sequence[Comfort]) -> list[str]:
         for one in comfort
     ]
     return _table("Comfort (C_C: largest of 5 s, m/s^2)", head, rows)
+
+
+def _transitions(found: Assessment) -> list[str]:
+    rows = [
+        (
+            f"{one.name}, {one.begin:.1f} to {one.end:.1f} s",
+            f"{one.acceleration:.3f}",
+            f"{one.jerk:.3f}",
+            f"{one.roll_rate:.4f}",
+            f"{one.standing:.1f}",
+            f"{one.seated:.1f}",
+        )
+        for one in found.transitions
+    ]
+    head = ("m/s^2", "m/s^3", "rad/s", "standing %", "seated %")
+    return _table("Comfort on curve transitions, P_CT", head, rows)
 
 
 def _remarks(found: Assessment) -> list[str]:

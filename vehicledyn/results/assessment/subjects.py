@@ -11,22 +11,26 @@ from vehicledyn.results.assessment.comfort import DIRECTIONS
 _WHEEL = re.compile(r"(.+)\.(left|right)\.Q")
 _WAYS = ("track_position", "x")
 _SPEED = "forward_speed"
+_BEND = "curvature"
 
 
 @dataclass(frozen=True)
 class Subjects:
     """Names found among the channels of a run.
 
-    ``axles`` holds the wheels of each body that has any; ``sensors`` the accelerometers; ``worn``
-    the wheels whose wear number is known; ``ways`` channels that may tell the distance run, in m,
-    and ``speeds`` in m/s.
+    ``axles`` holds the wheels of each body that has any; ``sensors`` the accelerometers, of which
+    ``floors`` tell the roll rate too; ``worn`` the wheels whose wear number is known; ``ways``
+    channels that may tell the distance run, in m, and ``speeds`` in m/s; ``bends`` those of the
+    curvature of the track, in 1/m.
     """
 
     axles: Mapping[str, tuple[str, ...]]
     sensors: tuple[str, ...]
+    floors: tuple[str, ...]
     worn: tuple[str, ...]
     ways: tuple[str, ...]
     speeds: tuple[str, ...]
+    bends: tuple[str, ...]
 
     @property
     def wheels(self) -> tuple[str, ...]:
@@ -42,9 +46,11 @@ class Subjects:
         return [
             *forces,
             *wear,
+            *(f"{floor}.roll_rate" for floor in self.floors),
             *(name for name in sensed if name in names),
             *self.ways,
             *self.speeds,
+            *self.bends,
         ]
 
 
@@ -64,9 +70,13 @@ def find_subjects(units: Mapping[str, str]) -> Subjects:
     return Subjects(
         axles=axles,
         sensors=tuple(sensors),
+        floors=tuple(
+            s for s in sensors if f"{s}.lateral" in units and units.get(f"{s}.roll_rate") == "rad/s"
+        ),
         worn=tuple(wheel for wheel in wheels if f"{wheel}.wear_number" in units),
         ways=_ending(units, _WAYS, "m"),
         speeds=_ending(units, (_SPEED,), "m/s"),
+        bends=_ending(units, (_BEND,), "1/m"),
     )
 
 

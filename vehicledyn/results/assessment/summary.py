@@ -19,6 +19,7 @@ def summarise_assessment(found: Assessment) -> list[SummaryEntry]:
         entries.append(SummaryEntry(name, abs(one.largest), "m/s^2", text))
     for comfort in found.comfort:
         entries.extend(_comfort(comfort))
+    entries.extend(_transitions(found))
     if found.remarks:
         remarks = "; ".join(found.remarks)
         entries.append(SummaryEntry("assessment_remarks", remarks, "", ""))
@@ -32,6 +33,14 @@ def _safety(found: Assessment) -> Iterator[SummaryEntry]:
         yield SummaryEntry("largest_track_shift", abs(axle.track_shift), "N", text)
         yield SummaryEntry("track_shift_limit", axle.limit, "N", "Limit 10 kN + 2 Q0/3 of that sum")
         yield SummaryEntry("largest_track_shift_at", axle.name, "", "Wheelset with that sum")
+    if found.stability:
+        sways = max(found.stability, key=lambda a: a.rms / a.limit)
+        text = "Largest rms of the sum of Y over 100 m, band of 4 Hz, where nearest to its limit"
+        yield SummaryEntry("largest_instability", sways.rms, "N", text)
+        yield SummaryEntry("instability_limit", sways.limit, "N", "Half the limit of the sum of Y")
+        yield SummaryEntry("largest_instability_at", sways.name, "", "Wheelset with that rms")
+        text = "Frequency at which the sum of Y of that wheelset oscillates most"
+        yield SummaryEntry("instability_frequency", sways.frequency, "Hz", text)
     ratios = [wheel for wheel in found.wheels if wheel.derailment is not None]
     if ratios:
         wheel = max(ratios, key=lambda w: abs(w.derailment or 0.0))
@@ -49,6 +58,15 @@ def _safety(found: Assessment) -> Iterator[SummaryEntry]:
     yield SummaryEntry("largest_quasi_static_q", vertical, "N", "Largest median of Q of a wheel")
     peak = max(w.vertical_largest for w in found.wheels)
     yield SummaryEntry("largest_wheel_force", peak, "N", "Largest Q of a wheel, 99.85 %")
+
+
+def _transitions(found: Assessment) -> Iterator[SummaryEntry]:
+    for name in dict.fromkeys(one.name for one in found.transitions):
+        own = [one for one in found.transitions if one.name == name]
+        for word in ("standing", "seated"):
+            text = f"Largest P_CT of EN 12299 on entering curves, {word}"
+            value = max(getattr(one, word) for one in own)
+            yield SummaryEntry(f"{name}.p_ct_{word}", value, "%", text)
 
 
 def _wear(found: Assessment) -> Iterator[SummaryEntry]:
