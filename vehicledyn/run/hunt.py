@@ -21,12 +21,19 @@ from vehicledyn.run.hunt_report import HuntReport
 from vehicledyn.run.prepare import Prepared, Progress, prepare, reference_point
 from vehicledyn.run.system_subject import SystemSubject
 from vehicledyn.run.vehicle import Target
-from vehicledyn.scenario import LoadedScenario
+from vehicledyn.scenario import LoadedScenario, Scenario
 from vehicledyn.solve.kernel import Backend
 from vehicledyn.solve.periodic.autonomous import AutonomousField
 from vehicledyn.solve.periodic.branch import Branch, CyclePoint, Limits, cycle_at, follow_cycles
 from vehicledyn.solve.periodic.collocation import Direction
-from vehicledyn.solve.periodic.critical import Balance, Hopf, ahead, find_balance, find_hopf
+from vehicledyn.solve.periodic.critical import (
+    Balance,
+    Hopf,
+    ahead,
+    find_balance,
+    find_hopf,
+    follow_balance,
+)
 from vehicledyn.solve.periodic.orbit import Orbit
 from vehicledyn.solve.periodic.settled import (
     Runner,
@@ -43,6 +50,9 @@ Vector = NDArray[np.float64]
 DEGREE = 4
 _PHASES = 101
 _MOST_CHANNELS = 8
+_APPROACH = 20
+"""Values at which an equilibrium is followed from a file's own value to the first one."""
+
 _BEHIND = 8
 """Points an interval at which the range of a channel is looked for."""
 
@@ -146,20 +156,9 @@ class _Study:
         """Return a study at its beginning: the equilibrium near the first value."""
         index = _parameter_index(prepared, settings.parameter)
         span = _span(prepared, index, settings)
-        values = prepared.kernel.parameters
-        values[index] = span[0]
-        prepared.kernel.set_parameters(values)
-        is_system = isinstance(prepared.subject, SystemSubject)
         scenario = target.scenario if isinstance(target, LoadedScenario) else None
-        own_speed = settings.parameter == "speed"
-        speed = span[0] if own_speed else (scenario.speed or 0.0 if scenario else 0.0)
         progress("finding the equilibrium", None)
-        start = scenario.start if scenario else None
-        try:
-            point = reference_point(prepared, speed, start, is_system=is_system)
-        except NumericalError as error:
-            raise NumericalError(f"{settings.parameter} = {span[0]:.6g}: {error}") from None
-        model = AutonomousField(prepared.equations, settings.parameter, prepared.kernel.parameters)
+        model, start = _first_balance(prepared, index, span[0], scenario)
         title = scenario.title if scenario else prepared.equations.name
         return _Study(
             prepared,
@@ -169,7 +168,7 @@ class _Study:
             _watched(prepared, settings.channels),
             progress,
             span,
-            (model.reduced(point.state), point.unknowns),
+            start,
         )
 
     def examine(self) -> None:
@@ -383,6 +382,51 @@ class _Study:
     def _ended(self, status: str, exit_code: int, message: str) -> None:
         self.status, self.exit_code = status, exit_code
         self.messages.append(message)
+
+
+def _first_balance(
+    prepared: Prepared, index: int, first: float, scenario: Scenario | None
+) -> tuple[AutonomousField, tuple[Vector, Vector]]:
+    """Return the field and the equilibrium, states kept and unknowns, at the first value.
+
+    Start values of a file, as the rate of a wheel that rolls, belong to the file's own value of
+    the parameter. Where the search from there fails the equilibrium is followed from that value.
+    """
+    name = prepared.equations.parameters[index].name
+    own = float(prepared.kernel.parameters[index])
+    try:
+        model, start = _balance_at(prepared, index, first, scenario)
+    except NumericalError as error:
+        reason = NumericalError(f"{name} = {first:.6g}: {error}")
+        if own == first:
+            raise reason from None
+        try:
+            model, (state, unknowns) = _balance_at(prepared, index, own, scenario)
+            values = list(steps(own, first, _APPROACH))
+            found = follow_balance(model, values, state, unknowns)[-1]
+        except NumericalError:
+            raise reason from None
+        start = found.state, found.unknowns
+    return model, start
+
+
+def _balance_at(
+    prepared: Prepared, index: int, value: float, scenario: Scenario | None
+) -> tuple[AutonomousField, tuple[Vector, Vector]]:
+    """Return the field and the equilibrium at a value, as searched from the start values."""
+    name = prepared.equations.parameters[index].name
+    values = prepared.kernel.parameters.copy()
+    values[index] = value
+    prepared.kernel.set_parameters(values)
+    speed = value if name == "speed" else (scenario.speed or 0.0 if scenario else 0.0)
+    point = reference_point(
+        prepared,
+        speed,
+        scenario.start if scenario else None,
+        is_system=isinstance(prepared.subject, SystemSubject),
+    )
+    model = AutonomousField(prepared.equations, name, prepared.kernel.parameters)
+    return model, (model.reduced(point.state), point.unknowns)
 
 
 def _top(places: Vector, values: Vector) -> float:

@@ -18,6 +18,7 @@ _GENERATORS = (
     "implicit_source.py",
     "instructions.py",
     "lowering.py",
+    "point_slopes.py",
     "source.py",
     "table_rows.py",
 )

@@ -1,7 +1,9 @@
 """Values and derivatives of many functions at many points, compiled, in SIMD lanes.
 
-A lane carries a point and a direction, so the code is that of one directional derivative: three
-times the size of the values alone, however many variables there are.
+Either a lane carries a point and a direction, and the code is that of one directional derivative:
+three times the size of the values alone, quickly compiled. Or it carries a point, and the code is
+that of the whole Jacobian: larger, but several times faster where there are many variables, since
+most elements are zero and the others have much in common.
 """
 
 from __future__ import annotations
@@ -23,6 +25,7 @@ from vehicledyn.solve.functions import apart_from_parameters
 from vehicledyn.solve.source import shared_source
 from vehicledyn.solve.table_rows import ROW, TableRows
 from vehicledyn.symbolic import ops
+from vehicledyn.symbolic.chain_rule import entries_of, values_and_jacobian
 from vehicledyn.symbolic.tables import CurveTable
 
 _P = ctypes.c_void_p
@@ -44,6 +47,9 @@ class PointCode:
     index
         Parameter by which the values are differentiated, as they are by the point; None where no
         derivatives are wanted.
+    often
+        Whether the derivatives are wanted at so many points that the code of the whole Jacobian
+        pays.
 
     Raises
     ------
@@ -59,25 +65,13 @@ class PointCode:
         tables: tuple[CurveTable, ...],
         *,
         index: int | None = None,
+        often: bool = False,
     ) -> None:
         """Derive, print and compile, or take the code from the cache."""
         self._rows = TableRows(tables)
-        inputs, results = [point, parameter], [values]
-        if index is not None:
-            moving = ops.stacked(point, parameter[index])
-            direction = ops.symbols("direction", moving.shape[0])
-            results.append(ops.derivative(values, moving, direction))
-            inputs.insert(1, direction)
-        prepare, evaluate = apart_from_parameters(inputs, results)
-        self._sizes = {
-            "NP": parameter.shape[0],
-            "NC": prepare.numel_out(0),
-            "NT": ROW * len(tables),
-            "NPOINT": point.shape[0],
-            "NROW": values.shape[0],
-            "NDIRECTION": 0 if index is None else point.shape[0] + 1,
-        }
-        self._function = _compiled(_Source(prepare, evaluate, self._sizes, tables))
+        self._n_values = values.shape[0]
+        self._n_directions = 0 if index is None else point.shape[0] + 1
+        self._function = _compiled(_Wanted(values, point, parameter, tables, index, often))
 
     def values(self, points: Vector, parameters: Vector) -> Vector:
         """Return the values at points (count, n), shape (count, n_values)."""
@@ -92,49 +86,85 @@ class PointCode:
         return values, slopes.transpose(0, 2, 1)
 
     def _at(self, points: Vector, parameters: Vector) -> tuple[Vector, Vector]:
-        count, n_values = len(points), self._sizes["NROW"]
+        count = len(points)
         given = np.ascontiguousarray(points, dtype=float)
         numbers = self._rows.after(np.ascontiguousarray(parameters, dtype=float))
-        values = np.empty((count, n_values))
-        slopes = np.empty((count, self._sizes["NDIRECTION"], n_values))
+        values = np.empty((count, self._n_values))
+        slopes = np.empty((count, self._n_directions, self._n_values))
         self._function(count, *[a.ctypes.data for a in (given, numbers, values, slopes)])
         return values, slopes
 
 
 @dataclass(frozen=True)
-class _Source:
-    """What is compiled: the two functions, the sizes that slopes.c asks for and the tables."""
+class _Wanted:
+    """What is compiled, see :class:`PointCode`."""
 
-    prepare: Any
-    evaluate: Any
-    sizes: dict[str, int]
+    values: Any
+    point: Any
+    parameter: Any
     tables: tuple[CurveTable, ...]
+    index: int | None
+    often: bool
 
     def key(self, *further: str) -> str:
-        texts = [function_text(item, self.tables) for item in (self.prepare, self.evaluate)]
-        return cache.key_of(*texts, repr(self.sizes), *further)
+        """Return a text that tells all that the code depends on."""
+        import casadi
+
+        function = casadi.Function("values", [self.point, self.parameter], [self.values])
+        texts = [function_text(function, self.tables), repr((self.index, self.often))]
+        return cache.key_of(*texts, *further)
 
     def text(self, lanes: int) -> str:
-        names = [f"i{k}" for k in range(self.evaluate.n_in())]
+        """Return the C source."""
+        inputs, results, pattern = [self.point, self.parameter], [self.values], None
+        if self.index is not None:
+            moving = ops.stacked(self.point, self.parameter[self.index])
+            if self.often:
+                values, slopes = values_and_jacobian(self.values, moving)
+                pattern = slopes.sparsity()
+                results = [values, entries_of(slopes)]
+            else:
+                direction = ops.symbols("direction", moving.shape[0])
+                results.append(ops.derivative(self.values, moving, direction))
+                inputs.insert(1, direction)
+        prepare, evaluate = apart_from_parameters(inputs, results)
+        sizes = {
+            "NP": self.parameter.shape[0],
+            "NC": prepare.numel_out(0),
+            "NT": ROW * len(self.tables),
+            "NPOINT": self.point.shape[0],
+            "NROW": self.values.shape[0],
+            "NDIRECTION": 0 if self.index is None else self.point.shape[0] + 1,
+            "NENTRY": 0 if pattern is None else pattern.nnz(),
+        }
+        names = [f"i{k}" for k in range(evaluate.n_in())]
         parts = [
             f"#define VD_LANES {lanes}",
             shared_source("real.h"),
             shared_source("elementary.c"),
-            *(f"#define {name} {size}" for name, size in self.sizes.items()),
-            print_function(self.prepare, "prepare", ["p"], tables=self.tables),
-            print_function(self.evaluate, "evaluate", names, tables=self.tables),
+            *(f"#define {name} {size}" for name, size in sizes.items()),
+            "" if pattern is None else _places(pattern),
+            print_function(prepare, "prepare", ["p"], tables=self.tables),
+            print_function(evaluate, "evaluate", names, tables=self.tables),
             shared_source("slopes.c"),
         ]
         return "\n".join(parts)
 
 
-def _compiled(source: _Source) -> Callable[..., None]:
+def _places(pattern: Any) -> str:
+    """Return the C text of where the nonzeros of a Jacobian lie in one stored by columns."""
+    rows, columns = pattern.size1(), pattern.get_col()
+    places = [column * rows + row for row, column in zip(pattern.row(), columns, strict=True)]
+    return f"static const int place[] = {{{', '.join(map(str, places)) or '0'}}};"
+
+
+def _compiled(wanted: _Wanted) -> Callable[..., None]:
     compiler, lanes = find_compiler(), suitable_lanes()
 
     def build(folder: Path) -> Path:
-        return build_library(compiler, source.text(lanes), folder)
+        return build_library(compiler, wanted.text(lanes), folder)
 
-    key = source.key(f"{lanes} lanes", generator_fingerprint(), compiler.identity)
+    key = wanted.key(f"{lanes} lanes", generator_fingerprint(), compiler.identity)
     function, _ = cache.load(key, build, lambda path: ctypes.CDLL(str(path)).vd_points)
     function.restype = None
     function.argtypes = [ctypes.c_longlong, _P, _P, _P, _P]

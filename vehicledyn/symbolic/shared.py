@@ -72,6 +72,21 @@ def inlined(expression: Any) -> Any:
     return walk_calls(expression, lambda name: name in _KEPT, written)
 
 
+def is_shared(name: str) -> bool:
+    """Return whether a name is that of a shared function."""
+    return name in _KEPT
+
+
+def body_of(function: Any) -> Any:
+    """Return a shared function as CasADi writes it out where it is called."""
+    return _KEPT[function.name()].body
+
+
+def known_function(name: str, symbols: Any, results: Any) -> Any:
+    """Return the shared function of a column of symbols that gives a column of results."""
+    return _known(name, symbols, results).function
+
+
 def _known(name: str, symbols: Any, results: Any) -> _Shared:
     import casadi
 

@@ -181,7 +181,7 @@ class AutonomousField:
         if operations_in(casadi.Function("f", [point, e.parameter], [values])) < LEAST:
             return None
         try:
-            return PointCode(values, point, e.parameter, e.tables, index=index)
+            return PointCode(values, point, e.parameter, e.tables, index=index, often=True)
         except CompilationError as error:
             _log.info("%s; limit cycles are computed interpreted", error)
             return None
