@@ -21,6 +21,7 @@ _GENERATORS = (
     "point_slopes.py",
     "source.py",
     "table_rows.py",
+    "../symbolic/chain_rule.py",
 )
 _SHARED = (
     "real.h",
