@@ -28,6 +28,7 @@ from vehicledyn.solve.periodic.collocation import (
 from vehicledyn.solve.periodic.floquet import Multipliers, multipliers_of
 from vehicledyn.solve.periodic.kinks import Kinks, aligned, misalignment
 from vehicledyn.solve.periodic.orbit import Orbit, adapted_mesh
+from vehicledyn.solve.periodic.shooting import Closed, closed
 
 Told = Callable[["CyclePoint"], None]
 
@@ -50,15 +51,13 @@ class Limits:
     """Where a branch ends and how finely it is followed.
 
     ``low`` and ``high`` bound the parameter, ``parameter_step`` is the largest step of it,
-    ``points`` the largest number of points. ``trivial`` is how far the trivial multiplier may
-    be from 1 before the mesh gets finer, up to ``intervals``.
+    ``points`` the largest number of points, ``intervals`` that of mesh intervals.
     """
 
     low: float
     high: float
     parameter_step: float
     points: int = 400
-    trivial: float = 1e-4
     intervals: int = 320
 
 
@@ -162,15 +161,16 @@ class _Tracer:
         self.intervals = start.intervals
         scales = self._scales(start)
         if direction is None:
-            found, _ = self._corrected(start, scales, None)
+            found, exact, _ = self._corrected(start, scales, None)
             along = Direction(np.zeros_like(found.orbit.states), 0.0, 1.0 if upwards else -1.0)
             self.first_size = 0.0
         else:
             length = np.sqrt(dot(start, direction, direction, scales))
             along = direction.times(1.0 / length)
             found = correct(self.model, start, scales, along=along)
+            exact = closed(self.model, found.orbit, parameter_scale=scales.parameter)
             self.first_size = float(np.ptp(start.states, axis=0).max())
-        self._add(self._point(found, scales, along))
+        self._add(self._point(found, exact, scales, along))
         self.side = self._side(self.branch.points[0])
 
     def run(self) -> None:
@@ -237,13 +237,16 @@ class _Tracer:
             period=orbit.period + size * tangent.period,
             parameter=orbit.parameter + size * tangent.parameter,
         )
-        found, along = self._corrected(guess, scales, tangent)
-        return self._point(found, self._scales(found.orbit), along or tangent)
+        found, exact, along = self._corrected(guess, scales, tangent)
+        return self._point(found, exact, self._scales(found.orbit), along or tangent)
 
     def _corrected(
         self, guess: Orbit, scales: Scales, along: Direction | None
-    ) -> tuple[Corrected, Direction | None]:
-        """Return the orbit near a guess and the direction, on a mesh that fits and is fine."""
+    ) -> tuple[Corrected, Closed, Direction | None]:
+        """Return the orbit near a guess, closed by the motion itself, and the direction.
+
+        The mesh of the collocation gets finer until the motion closes the orbit that it finds.
+        """
         found = correct(self.model, guess, scales, along=along)
         iterations = found.iterations
         for _ in range(_REMESHED):
@@ -252,26 +255,32 @@ class _Tracer:
             if misalignment(orbit.mesh, kinks) > _ALIGNED:
                 mesh = aligned(orbit.mesh, kinks)
             else:
-                error = abs(multipliers_of(self.model, found.system).trivial - 1.0)
-                if error <= self.limits.trivial or self.intervals >= self.limits.intervals:
-                    break
+                try:
+                    exact = closed(self.model, orbit, parameter_scale=_free(scales, along))
+                    return replace(found, iterations=iterations), exact, along
+                except NumericalError:
+                    if self.intervals >= self.limits.intervals:
+                        raise
                 finer = self.intervals + max(4, self.intervals // 3)
                 self.intervals = min(self.limits.intervals, finer)
                 mesh = self._mesh(orbit, scales, kinks)
             along = None if along is None else _moved(orbit, along, mesh)
             found = correct(self.model, orbit.moved(mesh), scales, along=along)
-        return replace(found, iterations=iterations), along
+        exact = closed(self.model, found.orbit, parameter_scale=_free(scales, along))
+        return replace(found, iterations=iterations), exact, along
 
     def _mesh(self, orbit: Orbit, scales: Scales, kinks: Vector) -> Vector:
         """Return a mesh that spreads the error of an orbit, with points on its kinks."""
         return aligned(adapted_mesh(orbit, scales.states, self.intervals, kinks), kinks)
 
-    def _point(self, found: Corrected, scales: Scales, before: Direction) -> CyclePoint:
+    def _point(
+        self, found: Corrected, exact: Closed, scales: Scales, before: Direction
+    ) -> CyclePoint:
         tangent = tangent_of(found, found.system.scales, before)
         length = np.sqrt(dot(found.orbit, tangent, tangent, scales))
         return CyclePoint(
-            found.orbit,
-            multipliers_of(self.model, found.system),
+            exact.orbit,
+            multipliers_of(exact.passages),
             tangent.times(1.0 / length),
             found.iterations,
         )
@@ -372,9 +381,9 @@ class _Tracer:
             try:
                 scales = self._scales(point.orbit)
                 guess = replace(point.orbit, parameter=edge)
-                found, _ = self._corrected(guess, scales, None)
+                found, exact, _ = self._corrected(guess, scales, None)
                 along = _moved(point.orbit, point.tangent, found.orbit.mesh)
-                self._add(self._point(found, scales, along))
+                self._add(self._point(found, exact, scales, along))
             except NumericalError:
                 pass
         self._end("range", f"{self.model.parameter} reaches {edge:.6g}")
@@ -398,6 +407,11 @@ def _moved(orbit: Orbit, direction: Direction, mesh: Vector) -> Direction:
     """Return a direction on another mesh."""
     states = replace(orbit, states=direction.states).moved(mesh).states
     return Direction(states, direction.period, direction.parameter)
+
+
+def _free(scales: Scales, along: Direction | None) -> float | None:
+    """Return the size of changes of the parameter, None where it is held."""
+    return None if along is None else scales.parameter
 
 
 def _slope(point: CyclePoint) -> float:
@@ -429,6 +443,7 @@ def cycle_at(model: AutonomousField, branch: Branch, value: float) -> list[Cycle
         orbit = replace(near.orbit, parameter=value)
         scales = Scales(orbit.scales(), orbit.period, abs(value) or 1.0)
         corrected = correct(model, orbit, scales, along=None)
-        values = multipliers_of(model, corrected.system)
-        found.append(CyclePoint(corrected.orbit, values, near.tangent, corrected.iterations))
+        exact = closed(model, corrected.orbit)
+        values = multipliers_of(exact.passages)
+        found.append(CyclePoint(exact.orbit, values, near.tangent, corrected.iterations))
     return found
