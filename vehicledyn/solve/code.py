@@ -11,6 +11,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
+from vehicledyn.solve.alike import PLACES, Row
 from vehicledyn.solve.compiler import CompilationError
 from vehicledyn.solve.instructions import (
     CELL,
@@ -23,16 +24,9 @@ from vehicledyn.solve.instructions import (
     Instruction,
     read_function,
 )
-from vehicledyn.solve.lowering import (
-    CALLED,
-    CONDITIONS,
-    LOOKED_UP,
-    Lowered,
-    Pack,
-    Step,
-    is_at_hand,
-    lower,
-)
+from vehicledyn.solve.lowering import CONDITIONS, LOOKED_UP, Lowered, is_at_hand, lower
+from vehicledyn.solve.row_code import Copies, row_expression
+from vehicledyn.solve.schedule import CALLED, Pack, Step
 from vehicledyn.solve.table_rows import ROW
 from vehicledyn.symbolic.tables import CurveTable
 
@@ -96,6 +90,7 @@ def print_function(
     tables: Sequence[CurveTable] = (),
     piece: int = PIECE,
     wide: WideFunctions | None = None,
+    copies: Copies | None = None,
 ) -> str:
     """Return the C text of an SX function with dense inputs.
 
@@ -118,13 +113,16 @@ def print_function(
     wide
         Takes the shared functions that are called at several places at once, for a function
         of one lane.
+    copies
+        Numbers of the last input that are wanted side by side, for a function of one lane whose
+        values are to be computed in rows; see :mod:`vehicledyn.solve.alike`.
 
     Raises
     ------
     CompilationError
         If the function holds an operation that has no translation.
     """
-    lowered = lower(read_function(function, tables))
+    lowered = lower(read_function(function, tables), in_rows=copies is not None)
     _check(lowered, function.name())
     arrays = [f"const real *restrict {item}" for item in inputs]
     arrays += [f"real *restrict r{k}" for k in range(function.n_out())]
@@ -139,7 +137,7 @@ def print_function(
             wide.take(places[number], own, text)
             text = f"void {own}_wide({_SHARED_ARRAYS});\n"
         texts.append(text)
-    printer = _Printer(lowered, list(inputs), first_row, widths, name, places)
+    printer = _Printer(lowered, list(inputs), first_row, widths, name, places, copies)
     return "".join([*texts, printer.function(name, arrays, piece)])
 
 
@@ -223,9 +221,17 @@ class _Printer:
     widths: list[int]
     name: str
     wide: dict[int, int]
+    copies: Copies | None = None
 
     def __post_init__(self) -> None:
         self._values = self.lowered.values
+        self._rows = {values: number for number, values in enumerate(self.lowered.rows)}
+        self._row_of = {
+            value: (number, place)
+            for values, number in self._rows.items()
+            for place, value in enumerate(values)
+        }
+        self._collected: dict[tuple[int, ...], str] = {}
         self._place: dict[int, int] = {}
         self._loaded: set[int] = set()
         self._room = 0
@@ -247,7 +253,8 @@ class _Printer:
         arguments = ", ".join([*self.inputs, "s", *_outputs(arrays, self.inputs)])
         n = len(self.inputs)
         arrays_in = [*arrays[:n], "real *restrict s", *arrays[n:]]
-        texts, calls = [], [f"real s[{max(1, self._room)}];", *stores]
+        aligned = " __attribute__((aligned(32)))" if self._rows else ""
+        texts, calls = [], [f"real s[{max(1, self._room)}]{aligned};", *stores]
         for number, steps in enumerate(pieces):
             lines = self._lines(steps, number)
             texts.append("VD_APART " + _definition(f"{name}_{number}", arrays_in, lines))
@@ -259,30 +266,39 @@ class _Printer:
 
         A place is used again once its value is needed no more, so that all stay in the cache.
         """
-        last: dict[int, int] = {}
+        last: dict[tuple[int, ...], int] = {}
         for number, steps in enumerate(pieces):
             for step in steps:
                 for value in _computed(step):
                     self._piece_of[value] = number
                 for value in _operands(self._values, step):
                     if self._piece_of.get(value, number) != number:
-                        last[value] = number
-        ending: dict[int, list[int]] = defaultdict(list)
-        free: list[int] = []
+                        last[self._together(value)] = number
+        ending: dict[int, list[tuple[int, int]]] = defaultdict(list)
+        free = _Free()
         for number, steps in enumerate(pieces):
             for step in steps:
-                for value in _computed(step):
-                    if value in last:
-                        place = free.pop() if free else self._room
-                        self._room = max(self._room, place + 1)
-                        self._place[value] = place
-                        ending[last[value]].append(place)
-            free += ending[number]
+                for values in dict.fromkeys(map(self._together, _computed(step))):
+                    if values in last:
+                        place = free.take(len(values))
+                        self._place.update(zip(values, range(place, place + PLACES), strict=False))
+                        ending[last[values]].append((place, len(values)))
+            free.give(ending[number])
+        self._room = free.room
+
+    def _together(self, value: int) -> tuple[int, ...]:
+        """Return the values of the row of a value, or itself alone."""
+        found = self._row_of.get(value)
+        return (value,) if found is None else self.lowered.rows[found[0]]
 
     def _lines(self, steps: list[Step], piece: int) -> list[str]:
-        lines = []
+        lines: list[str] = []
         self._loaded = set[int]()
+        self._collected = {}
         for number, step in enumerate(steps):
+            if isinstance(step, Row):
+                lines += self._row_lines(step, piece)
+                continue
             if isinstance(step, Pack) and step.shared is not None:
                 lines += self._call_shared(step, number, piece)
             elif isinstance(step, Pack):
@@ -291,9 +307,57 @@ class _Printer:
                 lines += self._load(step, piece)
                 kind = "vd_mask" if self._values[step].operation in CONDITIONS else "real"
                 lines.append(f"const {kind} w{step} = {self._expression(step, piece)};")
-            for value in _computed(step):
-                lines += self._stores(value, piece)
+            for values in dict.fromkeys(map(self._together, _computed(step))):
+                lines += self._stores_of(values, piece)
         return lines
+
+    def _row_lines(self, row: Row, piece: int) -> list[str]:
+        """Return the lines that compute a row and store what others need of it."""
+        number = self._rows[row.values]
+        lines: list[str] = []
+        given = [
+            self._four(
+                operands, piece, lines, is_condition=k in _CONDITIONAL.get(row.operation, ())
+            )
+            for k, operands in enumerate(row.operands)
+        ]
+        kind = "vd_mask4" if row.operation in CONDITIONS else "vd_four"
+        is_number = [all(map(self._is_number, operands)) for operands in row.operands]
+        lines.append(f"const {kind} v{number} = {row_expression(row, given, is_number)};")
+        return lines + self._stores_of(row.values, piece)
+
+    def _four(
+        self, values: tuple[int, ...], piece: int, lines: list[str], *, is_condition: bool = False
+    ) -> str:
+        """Return an expression for values side by side; add the lines that collect them."""
+        item, found = self._values[values[0]], self._rows.get(values)
+        if found is not None:
+            here = self._piece_of[values[0]] == piece
+            text = f"v{found}" if here else f"VD_FOUR_AT(s + {self._place[values[0]]})"
+            if (here and item.operation in CONDITIONS) == is_condition:
+                return text
+            return f"vd4_true({text})" if is_condition else f"vd4_real({text})"
+        if values not in self._collected:
+            self._collected[values] = f"g{values[0]}_{len(self._collected)}"
+            lines.append(
+                f"const vd_four {self._collected[values]} = {self._collect(values, piece)};"
+            )
+        text = self._collected[values]
+        return f"vd4_true({text})" if is_condition else text
+
+    def _collect(self, values: tuple[int, ...], piece: int) -> str:
+        numbers = [self._number(value, piece) for value in values]
+        if len(set(values)) == 1:
+            return f"vd4_all({numbers[0]})"
+        items = [self._values[value] for value in values]
+        if all(item.operation == INPUT for item in items) and self.copies is not None:
+            arrays = {item.source[0] for item in items}
+            elements = tuple(item.source[1] for item in items)
+            if len(arrays) == 1 and elements == tuple(range(elements[0], elements[0] + PLACES)):
+                return f"VD_FOUR_AT({self.inputs[items[0].source[0]]} + {elements[0]})"
+            if arrays == {len(self.inputs) - 1}:
+                return f"VD_FOUR_AT({self.inputs[-1]} + {self.copies.place(elements)})"
+        return f"(vd_four){{{', '.join(numbers)}}}"
 
     def _load(self, step: int, piece: int) -> list[str]:
         """Return what loads all entries of a cell at once, before the first of them is used."""
@@ -308,6 +372,19 @@ class _Printer:
         place = self._number(cell, piece)
         return [f"real e{cell}[4];", f"vd_four_entries({place}, {row}, e{cell});"]
 
+    def _stores_of(self, values: tuple[int, ...], piece: int) -> list[str]:
+        """Return the lines that store values, those of a row at once."""
+        if len(values) == 1:
+            return self._stores(values[0], piece)
+        lines: list[str] = []
+        if values[0] in self._place:
+            text = self._four(values, piece, lines)
+            lines.append(f"VD_FOUR_TO(s + {self._place[values[0]]}, {text});")
+        for value in values:
+            targets = self._arising.get(value, [])
+            lines += [f"{target} = {self._number(value, piece)};" for target in targets]
+        return lines
+
     def _stores(self, value: int, piece: int) -> list[str]:
         targets = [f"s[{self._place[value]}]"] if value in self._place else []
         targets += self._arising.get(value, [])
@@ -318,21 +395,31 @@ class _Printer:
         n = len(pack.operands)
         given = [f"a{number}_{k}" for k in range(len(pack.operands[0]))]
         found = [f"b{number}_{k}" for k in range(len(pack.values[0]))]
-        lines = []
+        lines: list[str] = []
         for name, operands in zip(given, zip(*pack.operands, strict=True), strict=True):
-            numbers = [self._number(operand, piece) for operand in operands]
-            numbers += numbers[-1:] * (-n % _PACK)
-            packs = [", ".join(numbers[k : k + _PACK]) for k in range(0, n, _PACK)]
-            lines.append(f"vd_pack {name}[] = {{{', '.join(f'VD_PACK({p})' for p in packs)}}};")
+            filled = operands + operands[-1:] * (-n % _PACK)
+            fours = [filled[k : k + _PACK] for k in range(0, n, _PACK)]
+            packs = ", ".join(self._pack(four, piece, lines) for four in fours)
+            lines.append(f"vd_pack {name}[] = {{{packs}}};")
         room = math.ceil(n / _PACK)
         lines.append("vd_pack " + ", ".join(f"{name}[{room}]" for name in found) + ";")
         arrays = ", ".join(f"(double *){name}" for name in given + found)
         lines.append(f"vd_{pack.function}({n} * VD_LANES, {arrays});")
-        for k, values in enumerate(pack.values):
-            for name, value in zip(found, values, strict=True):
-                if value is not None:
-                    lines.append(f"const real w{value} = ((real *){name})[{k}];")
+        for name, values in zip(found, zip(*pack.values, strict=True), strict=True):
+            for first in range(0, n, _PACK):
+                four = values[first : first + _PACK]
+                if four in self._rows:
+                    row = self._rows[four]
+                    lines.append(f"const vd_four v{row} = {name}[{first // _PACK}];")
+                else:
+                    lines += _taken(four, f"((real *){name})", f"{first} + {{}}")
         return lines
+
+    def _pack(self, values: tuple[int, ...], piece: int, lines: list[str]) -> str:
+        """Return the operands of four calls side by side."""
+        if values in self._rows:
+            return self._four(values, piece, lines)
+        return f"VD_PACK({', '.join(self._number(value, piece) for value in values)})"
 
     def _call_shared(self, pack: Pack, number: int, piece: int) -> list[str]:
         """Return the lines that lay out arguments, call a shared function and take its values."""
@@ -407,13 +494,13 @@ class _Printer:
     def _number(self, index: int, piece: int) -> str:
         item = self._values[index]
         if item.operation in CONDITIONS and self._piece_of[index] == piece:
-            return f"vd_real(w{index})"
+            return f"vd_real({self._reference(index, item, piece)})"
         return self._reference(index, item, piece)
 
     def _condition(self, index: int, piece: int) -> str:
         item = self._values[index]
         if item.operation in CONDITIONS and self._piece_of[index] == piece:
-            return f"w{index}"
+            return self._reference(index, item, piece)
         return f"vd_true({self._reference(index, item, piece)})"
 
     def _reference(self, index: int, item: Instruction, piece: int) -> str:
@@ -421,7 +508,41 @@ class _Printer:
             return f"{self.inputs[item.source[0]]}[{item.source[1]}]"
         if item.operation == CONST:
             return f"vd_all({_literal(item.number)})"
-        return f"w{index}" if self._piece_of[index] == piece else f"s[{self._place[index]}]"
+        if self._piece_of[index] != piece:
+            return f"s[{self._place[index]}]"
+        if index in self._row_of:
+            row, place = self._row_of[index]
+            return f"v{row}[{place}]"
+        return f"w{index}"
+
+
+class _Free:
+    """Places of an array that may be used.
+
+    Those of whole rows begin at multiples of their length.
+    """
+
+    def __init__(self) -> None:
+        self.room = 0
+        self._whole: list[int] = []
+        self._single: list[int] = []
+
+    def take(self, size: int) -> int:
+        """Return the first of so many places."""
+        if size == 1 and self._single:
+            return self._single.pop()
+        if not self._whole:
+            self._whole.append(self.room)
+            self.room += PLACES
+        first = self._whole.pop()
+        if size == 1:
+            self._single += range(first + PLACES - 1, first, -1)
+        return first
+
+    def give(self, places: list[tuple[int, int]]) -> None:
+        """Take places back, with their number."""
+        for first, size in places:
+            (self._single if size == 1 else self._whole).append(first)
 
 
 def _taken(values: Sequence[int | None], array: str, place: str) -> list[str]:
@@ -447,13 +568,13 @@ def _cut(steps: list[Step], piece: int) -> list[list[Step]]:
 
 
 def _computed(step: Step) -> list[int]:
-    return step.computed if isinstance(step, Pack) else [step]
+    return [step] if isinstance(step, int) else step.computed
 
 
 def _operands(values: list[Instruction], step: Step) -> list[int]:
-    if isinstance(step, Pack):
-        return [operand for call in step.operands for operand in call]
-    return list(values[step].operands)
+    if isinstance(step, int):
+        return list(values[step].operands)
+    return [operand for group in step.operands for operand in group]
 
 
 def _outputs(arrays: list[str], inputs: list[str]) -> list[str]:

@@ -51,12 +51,14 @@ class CompiledEngine:
         self._n_events = len(equations.events)
         self._n_resets = int(_I.in_dll(library, "vd_new_values").value)
         self._n_constants = int(_I.in_dll(library, "vd_constants").value)
+        self._n_copies = int(_I.in_dll(library, "vd_copies").value)
         counts = (_I * len(COUNTED)).in_dll(library, "vd_operations")
         self.operations = dict(zip(COUNTED, counts, strict=True))
 
     def prepare(self, parameters: Vector) -> Vector:
         """Return what depends on the parameters alone."""
         constants = self._tables.after(np.zeros(self._n_constants))
+        constants = np.concatenate([constants, np.zeros(self._n_copies)])
         given = self._tables.after(parameters)
         self._library.vd_prepare(given.ctypes.data, constants.ctypes.data)
         return constants

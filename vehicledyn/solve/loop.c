@@ -40,7 +40,11 @@ static double determinant_of(int n, double *a) {
   return determinant;
 }
 
-VD_EXPORT void vd_prepare(const double *p, double *c) { prepare(p, c); }
+/* Behind the constants and the rows of tables lie vd_copies numbers for fours.h. */
+VD_EXPORT void vd_prepare(const double *p, double *c) {
+  prepare(p, c);
+  lay_out(c);
+}
 
 VD_EXPORT void vd_rates(double t, const double *x, const double *z, const double *c, double *r) {
   rates(&t, x, z, c, r);

@@ -5,7 +5,9 @@
 - the two halves of an if_else become one choice;
 - elementary functions are called in packs: those that do not wait for each other together, so
   that they fill the registers of the processor whether a kernel has one lane or many;
-- of functions that several places share only the results that a place needs are kept.
+- of functions that several places share only the results that a place needs are kept;
+- where asked for, values that are computed alike in four places become rows, see
+  :mod:`vehicledyn.solve.alike`.
 """
 
 from __future__ import annotations
@@ -14,6 +16,7 @@ from collections import defaultdict
 from collections.abc import Iterable
 from dataclasses import dataclass
 
+from vehicledyn.solve.alike import find_rows
 from vehicledyn.solve.instructions import (
     CELL,
     CONST,
@@ -25,6 +28,7 @@ from vehicledyn.solve.instructions import (
     Instruction,
     Program,
 )
+from vehicledyn.solve.schedule import CALLED, Step, call_levels, needed_values, schedule
 
 CONDITIONS = frozenset({"LT", "LE", "EQ", "NE", "NOT", "AND", "OR"})
 """Operations whose values are conditions."""
@@ -32,47 +36,10 @@ CONDITIONS = frozenset({"LT", "LE", "EQ", "NE", "NOT", "AND", "OR"})
 FUSED = {("ADD", 0): "FMA", ("ADD", 1): "FMA", ("SUB", 0): "FMS", ("SUB", 1): "FNMA"}
 """Fused operation for a sum and the place of the product in it; the addend comes last."""
 
-CALLED = {
-    **{name.upper(): name for name in ("atan", "asin", "acos", "exp", "log", "tanh", "atan2")},
-    **dict.fromkeys(("SIN", "COS"), "sincos"),
-    **{
-        name.upper(): name
-        for name in (
-            *("sinh", "cosh", "asinh", "acosh", "atanh", "floor", "ceil", "erf", "expm1"),
-            *("log1p", "pow", "fmod", "remainder", "copysign", "hypot"),
-        )
-    },
-    "CONSTPOW": "pow",
-}
-"""Functions of elementary.c by operation."""
-
 LOOKED_UP = frozenset({CELL, KNOT, ENTRY})
 """Operations that look up a table."""
 
-_AT_HAND = (INPUT, CONST)
 _ASKED = frozenset({*CALLED, *LOOKED_UP, SHARED, RESULT})
-
-
-@dataclass(frozen=True)
-class Pack:
-    """Calls of one function at once: operands and values of each call.
-
-    A call of "sincos" has two values, one of which may be absent (None). A call of the shared
-    function of number ``shared`` has one for each result kept.
-    """
-
-    function: str
-    operands: list[tuple[int, ...]]
-    values: list[tuple[int | None, ...]]
-    shared: int | None = None
-
-    @property
-    def computed(self) -> list[int]:
-        """The values that the pack computes."""
-        return [value for call in self.values for value in call if value is not None]
-
-
-Step = int | Pack
 
 
 @dataclass(frozen=True)
@@ -80,17 +47,22 @@ class Lowered:
     """Values, the steps that compute them in order, and (output, element, value) of results.
 
     Inputs and constants take no step. ``shared`` are the functions that are called, with the
-    results that are needed, in the order of the results.
+    results that are needed, in the order of the results. ``rows`` are the values of those rows
+    that steps or packs compute.
     """
 
     values: list[Instruction]
     steps: list[Step]
     results: list[tuple[int, int, int]]
     shared: list[Lowered]
+    rows: list[tuple[int, ...]]
 
 
-def lower(program: Program) -> Lowered:
-    """Return a program in the form in which it is printed."""
+def lower(program: Program, *, in_rows: bool = False) -> Lowered:
+    """Return a program in the form in which it is printed, in rows where that is asked for.
+
+    Shared functions stay without rows: their places are side by side already.
+    """
     values, results = _without_repeats(program)
     values = _fuse(_choose(values), results)
     wanted = _results_wanted(values, results, len(program.shared))
@@ -98,7 +70,13 @@ def lower(program: Program) -> Lowered:
         lower(_keeping(function, kept))
         for function, kept in zip(program.shared, wanted, strict=True)
     ]
-    return Lowered(values, _schedule(values, results, wanted), results, shared)
+    needed = needed_values(values, results)
+    level = call_levels(values, needed)
+    found = []
+    if in_rows:
+        found = find_rows(values, results, needed=needed, level=level, called=CALLED)
+    steps, rows = schedule(values, results, wanted, found)
+    return Lowered(values, steps, results, shared, rows)
 
 
 def _results_wanted(
@@ -106,7 +84,7 @@ def _results_wanted(
 ) -> list[list[int]]:
     """Return the numbers of the results that are needed of each shared function."""
     wanted: list[set[int]] = [set() for _ in range(n_shared)]
-    for needed, item in zip(_needed(values, results), values, strict=True):
+    for needed, item in zip(needed_values(values, results), values, strict=True):
         if needed and item.operation == RESULT:
             wanted[item.source[0]].add(item.source[1])
     return [sorted(numbers) for numbers in wanted]
@@ -121,7 +99,7 @@ def _keeping(function: Program, kept: list[int]) -> Program:
 
 def is_at_hand(value: Instruction) -> bool:
     """Return whether a value is an input or a constant."""
-    return value.operation in _AT_HAND
+    return value.operation in (INPUT, CONST)
 
 
 def _without_repeats(program: Program) -> tuple[list[Instruction], list[tuple[int, int, int]]]:
@@ -168,7 +146,7 @@ def _choose(values: list[Instruction]) -> list[Instruction]:
 
 def _fuse(values: list[Instruction], results: Iterable[tuple[int, int, int]]) -> list[Instruction]:
     """Join products and the sums they enter, where this makes the product itself needless."""
-    needed = _needed(values, results)
+    needed = needed_values(values, results)
     uses: dict[int, list[int]] = defaultdict(list)
     for index, item in enumerate(values):
         if needed[index]:
@@ -206,93 +184,3 @@ def _fused(total: Instruction, product: Instruction, index: int) -> Instruction:
     place = total.operands.index(index)
     factors = product.operands if product.operation == "MUL" else product.operands * 2
     return Instruction(FUSED[total.operation, place], (*factors, total.operands[1 - place]))
-
-
-def _needed(values: list[Instruction], results: Iterable[tuple[int, int, int]]) -> list[bool]:
-    needed = [False] * len(values)
-    for _, _, value in results:
-        needed[value] = True
-    for index in range(len(values) - 1, -1, -1):
-        if needed[index]:
-            for operand in values[index].operands:
-                needed[operand] = True
-    return needed
-
-
-def _schedule(
-    values: list[Instruction],
-    results: Iterable[tuple[int, int, int]],
-    wanted: list[list[int]],
-) -> list[Step]:
-    """Return the steps; each pack as early as the functions it waits for allow."""
-    needed = _needed(values, results)
-    shared: dict[int, dict[int, int]] = defaultdict(dict)
-    level = [0] * len(values)
-    waiting: dict[tuple[int, str], dict[tuple[int, ...], dict[str, int]]] = {}
-    for index, item in enumerate(values):
-        level[index] = max((level[operand] for operand in item.operands), default=0)
-        if needed[index] and item.operation in CALLED:
-            level[index] += 1
-            calls = waiting.setdefault((level[index], CALLED[item.operation]), {})
-            calls.setdefault(item.operands, {})[item.operation] = index
-        elif needed[index] and item.operation == SHARED:
-            level[index] += 1
-            waiting.setdefault((level[index], SHARED), {})[(index,)] = {}
-        elif needed[index] and item.operation == RESULT:
-            shared[item.operands[0]][item.source[1]] = index
-    done = [is_at_hand(item) or not needed[index] for index, item in enumerate(values)]
-    steps: list[Step] = []
-    for key in sorted(waiting):
-        if key[1] == SHARED:
-            groups: dict[int, list[int]] = defaultdict(list)
-            for (index,) in waiting[key]:
-                groups[values[index].source[0]].append(index)
-            packs = [
-                Pack(
-                    SHARED,
-                    [values[index].operands for index in group],
-                    [tuple(shared[index].get(k) for k in wanted[number]) for index in group],
-                    number,
-                )
-                for number, group in groups.items()
-            ]
-        else:
-            packs = _packs(key[1], waiting[key])
-        for pack in packs:
-            operands = {operand for call in pack.operands for operand in call}
-            steps += _compute(values, operands, done)
-            steps.append(pack)
-            for value in pack.computed:
-                done[value] = True
-    return steps + _compute(values, {value for _, _, value in results}, done)
-
-
-def _packs(function: str, calls: dict[tuple[int, ...], dict[str, int]]) -> list[Pack]:
-    """Return the pack of some calls; of sines those without a cosine have one for themselves."""
-    if function != "sincos":
-        return [Pack(function, list(calls), [tuple(call.values()) for call in calls.values()])]
-    both = {given: call for given, call in calls.items() if "COS" in call}
-    alone = {given: call for given, call in calls.items() if "COS" not in call}
-    found = []
-    if both:
-        pairs = [(call.get("SIN"), call["COS"]) for call in both.values()]
-        found.append(Pack("sincos", list(both), list(pairs)))
-    if alone:
-        found.append(Pack("sin", list(alone), [(call["SIN"],) for call in alone.values()]))
-    return found
-
-
-def _compute(values: list[Instruction], wanted: set[int], done: list[bool]) -> list[Step]:
-    """Return what is still to be computed for some values, in the order of the program."""
-    todo: list[int] = []
-    stack = [value for value in wanted if not done[value]]
-    for value in stack:
-        done[value] = True
-    while stack:
-        value = stack.pop()
-        todo.append(value)
-        for operand in values[value].operands:
-            if not done[operand]:
-                done[operand] = True
-                stack.append(operand)
-    return [*sorted(todo)]

@@ -4,11 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
+from vehicledyn.solve.alike import PLACES
 from vehicledyn.solve.code import WideFunctions, print_function
 from vehicledyn.solve.compiler import UNIT_BREAK, suitable_lanes
 from vehicledyn.solve.engine import COUNTED
 from vehicledyn.solve.functions import KernelFunctions, operations_of
+from vehicledyn.solve.row_code import Copies
+from vehicledyn.solve.table_rows import ROW
 from vehicledyn.symbolic.equations import Equations
 
 _ARGUMENTS = ("t", "x", "z", "c")
@@ -20,8 +24,14 @@ def kernel_source(equations: Equations, functions: KernelFunctions) -> str:
         print_function(functions.events, "events", _ARGUMENTS, tables=equations.tables),
         print_function(functions.resets, "resets", _ARGUMENTS, tables=equations.tables),
     ]
-    wide = WideFunctions(suitable_lanes())
-    parts = [*_common(equations, functions, wide), *events, shared_source("loop.c")]
+    lanes = suitable_lanes()
+    wide = WideFunctions(lanes)
+    copies = Copies(functions.prepare.numel_out(0) + ROW * len(equations.tables))
+    in_rows = lanes >= PLACES
+    head = [shared_source("real.h"), shared_source("elementary.c")]
+    head += [shared_source("fours.h")] if in_rows else []
+    texts = shared_texts(equations, functions, wide, copies if in_rows else None)
+    parts = [*head, *texts, *events, copies.text, shared_source("loop.c")]
     return UNIT_BREAK.join(["\n".join(parts), *wide_units(wide)])
 
 
@@ -37,32 +47,31 @@ def lane_head(lanes: int) -> list[str]:
 
 def lane_source(equations: Equations, functions: KernelFunctions, lanes: int) -> str:
     """Return the C source of a kernel that carries so many cases side by side."""
-    head = f"#define VD_LANES {lanes}"
-    return "\n".join([head, *_common(equations, functions), shared_source("batch.c")])
-
-
-def _common(
-    equations: Equations, functions: KernelFunctions, wide: WideFunctions | None = None
-) -> list[str]:
-    head = [shared_source("real.h"), shared_source("elementary.c")]
-    return [*head, *shared_texts(equations, functions, wide)]
+    parts = [*lane_head(lanes), *shared_texts(equations, functions), shared_source("batch.c")]
+    return "\n".join(parts)
 
 
 def shared_texts(
-    equations: Equations, functions: KernelFunctions, wide: WideFunctions | None = None
+    equations: Equations,
+    functions: KernelFunctions,
+    wide: WideFunctions | None = None,
+    copies: Copies | None = None,
 ) -> list[str]:
-    """Return what is the same on any machine: functions of the model, tables and steps."""
-    waves = enumerate(functions.waves)
+    """Return what all kernels have: functions of the model, tables and steps.
+
+    ``wide`` and ``copies`` are for kernels of one lane, see
+    :func:`vehicledyn.solve.code.print_function`.
+    """
+    tables, waves = equations.tables, enumerate(functions.waves)
+
+    def printed(function: Any, name: str, wide: WideFunctions | None = None) -> str:
+        return print_function(function, name, _ARGUMENTS, tables=tables, wide=wide, copies=copies)
+
     return [
-        print_function(functions.prepare, "prepare", ["p"], tables=equations.tables),
-        print_function(functions.rates, "rates", _ARGUMENTS, tables=equations.tables, wide=wide),
-        print_function(
-            functions.outputs, "outputs", _ARGUMENTS, tables=equations.tables, wide=wide
-        ),
-        *[
-            print_function(wave, f"wave_{k}", _ARGUMENTS, tables=equations.tables)
-            for k, wave in waves
-        ],
+        print_function(functions.prepare, "prepare", ["p"], tables=tables),
+        printed(functions.rates, "rates", wide),
+        printed(functions.outputs, "outputs", wide),
+        *[printed(wave, f"wave_{k}") for k, wave in waves],
         _tables(equations, functions),
         shared_source("steps.c"),
     ]
