@@ -20,12 +20,16 @@ _GENERATORS = (
     "lowering.py",
     "point_slopes.py",
     "source.py",
+    "alike.py",
+    "schedule.py",
+    "row_code.py",
     "table_rows.py",
     "../symbolic/chain_rule.py",
 )
 _SHARED = (
     "real.h",
     "elementary.c",
+    "fours.h",
     "steps.c",
     "loop.c",
     "batch.c",
