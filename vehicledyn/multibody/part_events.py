@@ -72,6 +72,7 @@ def collect_events(
                     first + len(values),
                 ),
                 event.advice,
+                event.outcome,
             )
             collected.events.append(found)
             collected.functions.append(event.expression)

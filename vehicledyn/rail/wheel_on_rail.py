@@ -163,7 +163,8 @@ class ElasticWheels(BasePart):
                     ops.maximum(over, inside),
                     "rising",
                     terminal=True,
-                    advice="the wheel has left its rail",
+                    advice=f"the {side} wheel of '{self.name}' has left its rail",
+                    outcome="derailed",
                 )
             )
         return tuple(found)

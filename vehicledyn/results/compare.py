@@ -111,7 +111,7 @@ def _compare(
         raise InputError(f"{result.path}: has none of the channels to compare")
     short = range_difference(result.time, reference.time)
     other_grid = grid_difference(result.time, reference.time)
-    difference = short or ("" if interpolate else other_grid)
+    difference = _other_ending(result, reference) or short or ("" if interpolate else other_grid)
     compared: list[ChannelComparison] = []
     for name in chosen:
         if name in missing:
@@ -131,8 +131,14 @@ def _compare(
     )
 
 
+def _other_ending(result: Result, reference: Result) -> str:
+    if result.status == reference.status:
+        return ""
+    return f"{result.status}, the reference is {reference.status} ({result.state_of_run})"
+
+
 def _unusable(file: Result) -> list[str]:
-    if not file.is_whole:
+    if not file.has_ended:
         return [f"{file.path}: not a complete run ({file.state_of_run}); run it again"]
     if not file.channels:
         return [f"{file.path}: holds no channels"]

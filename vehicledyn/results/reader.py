@@ -86,7 +86,7 @@ class Result:
     path
         The file.
     status
-        running, ok, failed or interrupted; a killed run stays at running.
+        running, ok, derailed, failed or interrupted; a killed run stays at running.
     status_message
         Why the run ended, if not as planned.
     channels
@@ -130,10 +130,18 @@ class Result:
         return self.status == "ok"
 
     @property
+    def has_ended(self) -> bool:
+        """Whether the run came to an end of its own: to the planned one or a derailment."""
+        return self.status in ("ok", "derailed")
+
+    @property
     def state_of_run(self) -> str:
-        """How the run ended, in words: "complete" or "partial: ..." with the last time."""
+        """How the run ended, in words: "complete", "derailed ..." or "partial: ..." with the time.
+        """
         if self.is_whole:
             return "complete"
+        if self.has_ended:
+            return self.status_message
         verb = self.status
         if self.status == "running":
             verb = "still running" if is_being_written(self.path.resolve()) else "broken off"

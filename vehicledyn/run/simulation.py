@@ -34,9 +34,10 @@ from vehicledyn.run.watched import simulate_watched
 from vehicledyn.scenario import LoadedScenario
 from vehicledyn.solve.kernel import Backend
 from vehicledyn.solve.task import Statistics
+from vehicledyn.symbolic.equations import Event
 
 Matrix = NDArray[np.float64]
-EXIT_OK, EXIT_FAILED, EXIT_INTERRUPTED = 0, 3, 130
+EXIT_OK, EXIT_NEGATIVE, EXIT_FAILED, EXIT_INTERRUPTED = 0, 1, 3, 130
 
 
 @dataclass(frozen=True)
@@ -85,7 +86,8 @@ def run_scenario(
     Returns
     -------
     RunOutcome
-        A failed or interrupted run keeps what it computed and says so in its status.
+        A failed or interrupted run keeps what it computed and says so in its status; so does one
+        that ended by a derailment.
 
     Raises
     ------
@@ -184,6 +186,7 @@ class _Run:
                 message = f"stopped by the user at t = {self._end():g} s"
             ending = self._ending(statistics)
             self._summarise()
+            self._derail(statistics)
             writer.close(
                 self.status,
                 message or ending,
@@ -255,12 +258,38 @@ class _Run:
         """Return which event ended the run before its time, if one did."""
         if statistics is None or statistics.ended_by is None:
             return ""
-        events = self.prepared.equations.events
-        advice = next(event.advice for event in events if event.name == statistics.ended_by)
-        ended = f"event '{statistics.ended_by}' ended the run at t = {self._end():.9g} s"
-        if self._last is not None:
-            ended += track_place(self.prepared, statistics.ended_by, *self._last)
-        return f"{ended}: {advice}" if advice else ended
+        event = self._event(statistics.ended_by)
+        at = f"at t = {self._end():.9g} s"
+        place = self._place(event.name)
+        if place is not None:
+            at += f", {shown(place, 'm')} along the track"
+        if event.outcome != "ok":
+            return f"{event.outcome} {at}: {event.advice}; event '{event.name}'"
+        ended = f"event '{event.name}' ended the run {at}"
+        return f"{ended}: {event.advice}" if event.advice else ended
+
+    def _derail(self, statistics: Statistics | None) -> None:
+        """Take status, exit code and summary from a derailment that ended the run."""
+        if statistics is None or statistics.ended_by is None:
+            return
+        event = self._event(statistics.ended_by)
+        if event.outcome == "ok":
+            return
+        self.status, self.exit_code = event.outcome, EXIT_NEGATIVE
+        wheel, place = event.name.rpartition(".")[0], self._place(event.name)
+        self.summary.append(SummaryEntry("derailed_wheel", wheel, "", "Wheel that left its rail"))
+        at = SummaryEntry("derailed_at_time", self._end(), "s", "When it left its rail")
+        self.summary.append(at)
+        if place is not None:
+            text = "Where on the track it left its rail"
+            self.summary.append(SummaryEntry("derailed_at_place", place, "m", text))
+
+    def _event(self, name: str) -> Event:
+        return next(event for event in self.prepared.equations.events if event.name == name)
+
+    def _place(self, event: str) -> float | None:
+        """Return where on its track the part of an event was last [m]."""
+        return None if self._last is None else track_place(self.prepared, event, *self._last)
 
     def _solver(self, statistics: Statistics | None) -> dict[str, Any]:
         kernel = self.prepared.kernel

@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from vehicledyn.base.units import shown
 from vehicledyn.rail.running import TRACK_POSITION
 
 if TYPE_CHECKING:
@@ -18,8 +17,8 @@ Vector = NDArray[np.float64]
 
 def track_place(
     prepared: Prepared, event: str, time: float, state: Vector, unknowns: Vector
-) -> str:
-    """Return words for the place of the part that an event belongs to; none off the rails.
+) -> float | None:
+    """Return the arc coordinate of the part that an event belongs to [m]; None off the rails.
 
     Parameters
     ----------
@@ -33,6 +32,5 @@ def track_place(
     for number, channel in enumerate(prepared.equations.channels):
         part, _, quantity = channel.name.rpartition(".")
         if quantity == TRACK_POSITION and event.startswith(f"{part}."):
-            place = float(prepared.kernel.outputs(time, state, unknowns)[number])
-            return f", {shown(place, channel.unit)} along the track"
-    return ""
+            return float(prepared.kernel.outputs(time, state, unknowns)[number])
+    return None

@@ -31,11 +31,15 @@ def test_run_ends_where_the_flange_is_over_the_rail(tmp_path):
         progress=lambda *_: None,
     )
     (ending,) = [text for text in outcome.messages if "derailed" in text]
-    assert "event 'wheels.left.derailed' ended the run at t = 0.0114" in ending
-    assert ending.endswith("0.2291 m along the track: the wheel has left its rail")
+    assert ending.startswith("derailed at t = 0.0114")
+    assert "s, 0.2291 m along the track: the left wheel of 'wheels' has left its rail" in ending
+    assert (outcome.status, outcome.exit_code) == ("derailed", 1)
+    assert outcome.summary["derailed_wheel"].value == "wheels.left"
+    assert outcome.summary["derailed_at_place"].value == pytest.approx(0.2291, abs=5e-5)
     with open_result(tmp_path / "jump.h5") as result:
-        assert result.is_whole
-        assert ending == result.status_message
+        assert result.status == "derailed" and result.has_ended
+        assert ending == result.status_message == result.state_of_run
+        assert result.time[-1] == outcome.summary["derailed_at_time"].value
         lateral = result.channel("wheelset.lateral").values
     # The tip of the flange, 55 mm inside the tape circle, is 5 mm outside the gauge face.
     assert 0.75 - 0.0550 + lateral[-1] == pytest.approx(0.7177 + 0.005, abs=2e-4)
