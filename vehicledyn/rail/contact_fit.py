@@ -11,6 +11,9 @@ from vehicledyn.rail.contact_geometry_wheelset import WheelsetOnTrack, stand_lev
 FLANGE_LEVEL = 0.01
 """Height over the tape circle at which the thickness of flanges is measured [m]."""
 
+CLIMBED = 5e-3
+"""How far the tip of a flange is outside the gauge face when it has climbed the rail [m]."""
+
 
 def check_fit(wheelset: WheelsetOnTrack, gauge: float) -> None:
     """Raise an InputError if a wheelset in the middle of the track does not stand on its treads.
@@ -44,6 +47,18 @@ def check_fit(wheelset: WheelsetOnTrack, gauge: float) -> None:
                 f"{text}: with the other flange on its rail the {side} wheel is no longer on "
                 "the crown of its own"
             )
+
+
+def climbed_side(wheelset: WheelsetOnTrack, lateral: float) -> str | None:
+    """Return the side whose flange stands over its rail at a lateral shift [m], if one does."""
+    for side, sign in (("left", 1.0), ("right", -1.0)):
+        wheel: Wheel = getattr(wheelset, f"{side}_wheel")
+        rail: Rail = getattr(wheelset, f"{side}_rail")
+        places, height, _ = wheel.scan
+        tip = wheel.half_distance + float(places[np.argmax(height)]) + sign * lateral
+        if height.max() > FLANGE_LEVEL and tip > rail.surface.begin + CLIMBED:
+            return side
+    return None
 
 
 def _falls_between(wheel: Wheel, rail: Rail, play: float) -> bool:

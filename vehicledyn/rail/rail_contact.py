@@ -67,6 +67,29 @@ class RailWheels:
         """Whether its place along the track is known but for one step of Newton's method."""
         return self.track.is_straight or self.guide is not None
 
+    def check_fit(self, tape_circle: float) -> None:
+        """Refuse a wheelset that does not stand on its treads in the middle of the track.
+
+        Parameters
+        ----------
+        tape_circle
+            Distance of the tape circles from the middle of the axle [m].
+
+        Raises
+        ------
+        InputError
+            If its flanges are on the rails there, or a wheel not on its rail.
+        """
+        from vehicledyn.rail.contact_fit import check_fit
+        from vehicledyn.rail.contact_geometry import Wheel
+        from vehicledyn.rail.contact_geometry_wheelset import WheelsetOnTrack
+
+        if len(self.sides) == 1:
+            return
+        wheel = Wheel(self.profile, self.radius_number, tape_circle)
+        rail = self.geometry()[1]
+        check_fit(WheelsetOnTrack(wheel, wheel, rail, rail), self.track.gauge)
+
     def geometry(self) -> tuple[Wheel, Rail]:
         """Return wheel and rail as numbers, the tape circle over the rail's axis.
 

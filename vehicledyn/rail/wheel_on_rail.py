@@ -9,6 +9,7 @@ from typing import ClassVar
 from vehicledyn.base.parameters import field_unit
 from vehicledyn.base.shapes import Shape
 from vehicledyn.multibody.parts import BasePart, Loads, Output, PartEvent, Situation, Wrench
+from vehicledyn.rail.contact_fit import CLIMBED
 from vehicledyn.rail.creep_law import CreepContact, CreepForces, CreepLaw
 from vehicledyn.rail.creepage import Creepages, creepages
 from vehicledyn.rail.elastic_contact import Axle, ElasticContact, ElasticPatch
@@ -20,9 +21,6 @@ from vehicledyn.symbolic import ops
 from vehicledyn.symbolic.equations import Channel, Variable
 from vehicledyn.symbolic.ops import Scalar, Vec
 from vehicledyn.symbolic.shared import shared
-
-CLIMBED = 5e-3
-"""How far the tip of a flange is outside the gauge face when it has climbed the rail [m]."""
 
 
 @dataclass(frozen=True)

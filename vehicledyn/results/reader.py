@@ -136,8 +136,7 @@ class Result:
 
     @property
     def state_of_run(self) -> str:
-        """How the run ended, in words: "complete", "derailed ..." or "partial: ..." with the time.
-        """
+        """How the run ended, in words: "complete", "derailed ..." or "partial: ..."."""
         if self.is_whole:
             return "complete"
         if self.has_ended:

@@ -16,7 +16,7 @@ from vehicledyn.rail.conicity import (
     harmonic_conicity,
     regression_conicity,
 )
-from vehicledyn.rail.contact_fit import check_fit
+from vehicledyn.rail.contact_fit import check_fit, climbed_side
 from vehicledyn.rail.contact_geometry import Touch, Wheel, place_rail
 from vehicledyn.rail.contact_geometry_wheelset import (
     Jump,
@@ -126,6 +126,12 @@ def _standing(wheelset: WheelsetOnTrack, wish: ContactWish) -> tuple[list[Standi
             lost.append(str(error))
             continue
         found.append(mirrored(position) if -shift in known else position)
+        side = climbed_side(wheelset, shift)
+        if side is not None:
+            lost.append(
+                f"at a lateral shift of {1e3 * shift:.3f} mm the {side} flange has climbed its "
+                "rail: the wheelset derails"
+            )
         if _is_symmetric(wheelset, wish):
             known[shift] = position
     if not found:
@@ -257,8 +263,11 @@ def _differences(
     found: dict[int, float] = {}
     for direction in (1,) if symmetric else (1, -1):
         for k in range(reach + 1):
+            shift = direction * k * _FINE
+            if climbed_side(wheelset, shift) is not None:
+                break
             try:
-                position = method(wheelset, direction * k * _FINE, yaw)
+                position = method(wheelset, shift, yaw)
             except InputError:
                 break
             found[direction * k] = _difference(wheelset, position)

@@ -486,7 +486,8 @@ class _Builder:
         parts: list[Part] = []
         for name, item in file.rail_wheels.items():
             try:
-                item.check_gauge(float(self.number(item.tape_circle)), track.gauge)
+                tape_circle = float(self.number(item.tape_circle))
+                item.check_gauge(tape_circle, track.gauge)
                 wheels = RailWheels(
                     name,
                     item.body,
@@ -500,6 +501,7 @@ class _Builder:
                     guide=self._guide(item.body),
                     first_place=self._first_place(item.body),
                 )
+                wheels.check_fit(tape_circle)
                 parts.append(entered.part(wheels))
             except InputError as error:
                 raise InputError(f"{path}: rail_wheels.{name}: {error}") from None

@@ -117,3 +117,14 @@ def test_help_is_light():
     )
     assert done.returncode == 0, done.stderr
     assert "Find contact points" in done.stdout
+
+
+def test_flanges_over_the_rail_are_told():
+    """The tip of S1002 is 55 mm inside the tape circle: 5 mm over a gauge face at 27.5 mm."""
+    shifts = (0.0, -0.027, 0.028)
+    wish = ContactWish(("S1002",) * 2, ("60E1",) * 2, shifts=shifts, amplitudes=(0.03,))
+    report = find_contact_geometry(wish, progress=quiet)
+    (told,) = [note for note in report.table.notes if "derails" in note]
+    assert told.startswith("at a lateral shift of 28.000 mm the left flange has climbed its rail")
+    assert len(report.table.shift) == 3
+    assert np.isnan(report.table.conicity).all()

@@ -183,6 +183,7 @@ def test_derailment_is_an_event(wheelset, lateral, vertical, derailed):
         ("wheels: [left, right]", "wheels: [left, left]", "name one side or both"),
         ("tape_circle: tape_circle", "tape_circle: mass", "tape_circle: this is in kg"),
         ("gauge: 1435 mm", "gauge: 1668 mm", "the gauge does not fit: tape circles 1500 mm apart"),
+        ("gauge: 1435 mm", "gauge: 1415 mm", "in the middle of the track the left flange is on"),
         ("track: {kind", "road: {kind: flat}\nx: {kind", "x: unknown"),
     ],
 )
