@@ -418,14 +418,15 @@ def _balance_at(
     values = prepared.kernel.parameters.copy()
     values[index] = value
     prepared.kernel.set_parameters(values)
-    speed = value if name == "speed" else (scenario.speed or 0.0 if scenario else 0.0)
+    model = AutonomousField(prepared.equations, name, values)
+    is_system = isinstance(prepared.subject, SystemSubject)
     point = reference_point(
         prepared,
-        speed,
+        value if name == "speed" else (scenario.speed or 0.0 if scenario else 0.0),
         scenario.start if scenario else None,
-        is_system=isinstance(prepared.subject, SystemSubject),
+        is_system=is_system,
+        slopes=model if is_system else None,
     )
-    model = AutonomousField(prepared.equations, name, prepared.kernel.parameters)
     return model, (model.reduced(point.state), point.unknowns)
 
 

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from vehicledyn.multibody.derivation import Derivation
     from vehicledyn.multibody.resistance import Resistance
     from vehicledyn.multibody.watch import PartitionWatch
-    from vehicledyn.solve.derivatives import Derivatives
+    from vehicledyn.solve.derivatives import Derivatives, Slopes
 
 Vector = NDArray[np.float64]
 Progress = Callable[[str, float | None], None]
@@ -148,7 +148,9 @@ def prepare(
     return Prepared(subject, derived.equations, kernel, derived)
 
 
-def start_point(prepared: Prepared, speed: float, kind: Start | None) -> Point:
+def start_point(
+    prepared: Prepared, speed: float, kind: Start | None, *, slopes: Slopes | None = None
+) -> Point:
     """Return the point a scenario starts from, at a speed [m/s].
 
     "nominal" is the position that the system's own start values assemble to; "static" and
@@ -157,20 +159,28 @@ def start_point(prepared: Prepared, speed: float, kind: Start | None) -> Point:
     chosen = kind or prepared.subject.usual_start
     if chosen == "nominal":
         return nominal_point(prepared, speed)
-    return equilibrium_point(prepared, speed, "static" if chosen == "static" else "steady")
+    how: Literal["static", "steady"] = "static" if chosen == "static" else "steady"
+    return equilibrium_point(prepared, speed, how, slopes=slopes)
 
 
 def reference_point(
-    prepared: Prepared, speed: float, start: Start | None, *, is_system: bool
+    prepared: Prepared,
+    speed: float,
+    start: Start | None,
+    *,
+    is_system: bool,
+    slopes: Slopes | None = None,
 ) -> Point:
     """Return the point to linearise about.
 
     A vehicle runs straight at a steady speed, or stands; of a system it is the start that its
-    scenario names, else the equilibrium.
+    scenario names, else the equilibrium. ``slopes`` are derivatives of the equations, where
+    others than the prepared ones are quicker.
     """
     if is_system:
-        return start_point(prepared, speed, start or "static")
-    return equilibrium_point(prepared, speed, "steady" if speed > 0.0 else "static")
+        return start_point(prepared, speed, start or "static", slopes=slopes)
+    how: Literal["static", "steady"] = "steady" if speed > 0.0 else "static"
+    return equilibrium_point(prepared, speed, how, slopes=slopes)
 
 
 def nominal_point(prepared: Prepared, speed: float) -> Point:
@@ -185,7 +195,13 @@ def nominal_point(prepared: Prepared, speed: float) -> Point:
     return _moving(prepared, _closed(prepared, state, speed))
 
 
-def equilibrium_point(prepared: Prepared, speed: float, kind: Literal["static", "steady"]) -> Point:
+def equilibrium_point(
+    prepared: Prepared,
+    speed: float,
+    kind: Literal["static", "steady"],
+    *,
+    slopes: Slopes | None = None,
+) -> Point:
     """Return the equilibrium of the system, moving at a speed.
 
     "static" balances it at rest and then gives it the velocities of its start; "steady"
@@ -210,7 +226,7 @@ def equilibrium_point(prepared: Prepared, speed: float, kind: Literal["static", 
         free=free,
         balanced=rates,
         tolerance=BALANCE_TOLERANCE,
-        derivatives=prepared.derivatives,
+        derivatives=slopes or prepared.derivatives,
         settling=_let_down(prepared, start) or subject.settling,
     )
     final = found.state.copy()

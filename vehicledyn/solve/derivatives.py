@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
 
@@ -40,6 +40,15 @@ class TotalDerivatives:
     rates_by_parameter: Vector
     unknowns_by_parameter: Vector
     outputs_by_parameter: Vector
+
+
+class Slopes(Protocol):
+    """What evaluates derivatives along the motions that keep the loops closed."""
+
+    def total(
+        self, time: float, state: Vector, unknowns: Vector, parameters: Vector
+    ) -> TotalDerivatives:
+        """Return the derivatives at a point."""
 
 
 class Derivatives:

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from vehicledyn.base.errors import NumericalError
-from vehicledyn.solve.derivatives import Derivatives
+from vehicledyn.solve.derivatives import Derivatives, Slopes
 from vehicledyn.solve.engine import Vector
 from vehicledyn.solve.kernel import Kernel
 from vehicledyn.solve.newton import settle, solve_damped
@@ -96,7 +96,7 @@ def find_equilibrium(
     free: Sequence[int],
     balanced: Sequence[int],
     tolerance: float,
-    derivatives: Derivatives | None = None,
+    derivatives: Slopes | None = None,
     settling: float | None = None,
 ) -> EquilibriumPoint:
     """Return the point where chosen rates vanish, found by moving as many chosen states.
@@ -153,7 +153,7 @@ class _Balance:
     """The balanced rates as a function of the free states, with closed loops."""
 
     kernel: Kernel
-    derivatives: Derivatives
+    derivatives: Slopes
     time: float
     free: list[int]
     balanced: list[int]

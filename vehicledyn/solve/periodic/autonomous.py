@@ -11,6 +11,7 @@ import numpy as np
 
 from vehicledyn.base.errors import InputError, NumericalError, unknown_name
 from vehicledyn.solve.compiler import CompilationError
+from vehicledyn.solve.derivatives import TotalDerivatives
 from vehicledyn.solve.engine import Vector
 from vehicledyn.solve.functions import operations_in
 from vehicledyn.solve.interpreted import BufferedFunction
@@ -124,8 +125,26 @@ class AutonomousField:
         NumericalError
             If a value is not finite or the loops are singular.
         """
+        return self._field(states, unknowns, self.parameters(value))
+
+    def total(
+        self, time: float, state: Vector, unknowns: Vector, parameters: Vector
+    ) -> TotalDerivatives:
+        """Return derivatives of kept rates and unknowns by kept states; no others matter.
+
+        For searches of equilibria, which ask for them often; ``time`` does not matter either.
+        """
+        n, m = len(self.equations.states), self.n_unknowns
+        found = self._field(state[None, self.kept], unknowns[None], parameters)
+        rates, follow = np.zeros((n, n)), np.zeros((m, n))
+        rates[np.ix_(self.kept, self.kept)] = found.by_state[0]
+        follow[:, self.kept] = -found.follow[0]
+        none = np.zeros((0, n))
+        return TotalDerivatives(rates, follow, none, rates[:, :0], follow[:, :0], none[:, :0])
+
+    def _field(self, states: Vector, unknowns: Vector, parameters: Vector) -> Field:
         n, m, count = self.size, self.n_unknowns, len(states)
-        values, by = self._values_and_slopes(states, unknowns, value)
+        values, by = self._values_and_slopes(states, unknowns, parameters)
         if not (np.isfinite(values).all() and np.isfinite(by).all()):
             raise NumericalError("the rates or their derivatives are no finite numbers")
         if not m:
@@ -148,19 +167,17 @@ class AutonomousField:
         )
 
     def _values_and_slopes(
-        self, states: Vector, unknowns: Vector, value: float
+        self, states: Vector, unknowns: Vector, parameters: Vector
     ) -> tuple[Vector, Vector]:
         """Return f and g (n_points, n + m), and their derivatives (n_points, n + m, n + m + 1)."""
         n, m, count = self.size, self.n_unknowns, len(states)
         if self._compiled is not None:
             points = np.concatenate([states, unknowns], axis=1)
-            return self._compiled.slopes(points, self.parameters(value))
+            return self._compiled.slopes(points, parameters)
         if count not in self._evaluations:
             mapped = self._slopes.map("field", "serial", count, [2], [])
             self._evaluations[count] = BufferedFunction(mapped)
-        found, slopes = self._evaluations[count](
-            states.ravel(), unknowns.ravel(), self.parameters(value)
-        )
+        found, slopes = self._evaluations[count](states.ravel(), unknowns.ravel(), parameters)
         values = found.T if found.ndim == 2 else found.reshape(count, n + m)
         return values, slopes.reshape((n + m, n + m + 1, count), order="F").transpose(2, 0, 1)
 
