@@ -4,10 +4,7 @@ from __future__ import annotations
 
 import vehicledyn.manoeuvres
 import vehicledyn.models
-import vehicledyn.rail.contacts
-import vehicledyn.rail.creep
-import vehicledyn.rail.irregularities
-import vehicledyn.rail.tracks
+import vehicledyn.rail
 import vehicledyn.road
 import vehicledyn.solve
 import vehicledyn.systems

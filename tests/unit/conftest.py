@@ -13,6 +13,9 @@ from vehicledyn.solve.compiler import CompilationError, find_compiler
 def catalogue(monkeypatch):
     """Show the small catalogue only; the real parts register before, as modules load once."""
     importlib.import_module("vehicledyn.catalogue")
+    for family in registry.families():
+        for kind in registry.kinds(family):
+            registry.find(family, kind)
     monkeypatch.setattr(registry, "_catalogues", {})
     for family, kind, entry in ENTRIES:
         registry.register(family, kind)(entry)

@@ -1,15 +1,24 @@
-"""Catalogues: a part registers itself under a family and a name, and is found by both."""
+"""Catalogues: a part registers itself under a family and a name, and is found by both.
+
+What a catalogue holds is read from the text of its modules, and a module is imported when one of
+its entries is first asked for: who names one part does not wait for all the others.
+"""
 
 from __future__ import annotations
 
 import importlib
 import pkgutil
+import re
 from collections.abc import Callable, Iterable
+from pathlib import Path
 from typing import Any, TypeVar
 
 from vehicledyn.base.errors import InputError, unknown_name
 
-_catalogues: dict[str, dict[str, type[Any]]] = {}
+_catalogues: dict[str, dict[str, type[Any] | str]] = {}
+"""Class of each entry by family and name, or the module that will register it."""
+
+_WRITTEN = re.compile(r'^@register\("(\w+)", "(\w+)"\)', re.MULTILINE)
 
 T = TypeVar("T")
 
@@ -23,7 +32,7 @@ def register(family: str, name: str) -> Callable[[type[T]], type[T]]:
     def enter(entry: type[T]) -> type[T]:
         catalogue = _catalogues.setdefault(family, {})
         known = catalogue.get(name)
-        if known is not None and known.__qualname__ != entry.__qualname__:
+        if isinstance(known, type) and known.__qualname__ != entry.__qualname__:
             raise ValueError(f"{family} '{name}' is registered twice")
         entry.family = family  # type: ignore[attr-defined]
         entry.kind = name  # type: ignore[attr-defined]
@@ -52,12 +61,39 @@ def find(family: str, name: str) -> type[Any]:
         If there is none; the message suggests the nearest name.
     """
     catalogue = _catalogues.get(family, {})
-    if name not in catalogue:
-        raise InputError(unknown_name(family, name, catalogue))
-    return catalogue[name]
+    found = catalogue.get(name)
+    if isinstance(found, str):
+        importlib.import_module(found)
+        found = catalogue[name]
+    if not isinstance(found, type):
+        raise InputError(unknown_name(family, name, kinds(family)))
+    return found
 
 
 def discover(package: str, path: Iterable[str]) -> None:
-    """Import every module of a catalogue's package, so that its entries register themselves."""
+    """Enter all that the modules of a catalogue's package register.
+
+    A module is read, not imported, where each of its calls is a decorator ``@register("family",
+    "name")`` on a line of its own.
+    """
     for module in pkgutil.iter_modules(list(path)):
-        importlib.import_module(f"{package}.{module.name}")
+        name = f"{package}.{module.name}"
+        text = _text_of(module)
+        calls = None if text is None else text.count("register(")
+        entries = _WRITTEN.findall(text) if text and calls else []
+        if len(entries) != calls:
+            importlib.import_module(name)
+            continue
+        for family, kind in entries:
+            _catalogues.setdefault(family, {}).setdefault(kind, name)
+
+
+def _text_of(module: pkgutil.ModuleInfo) -> str | None:
+    """Return the source of a module, None where it cannot be read."""
+    folder = getattr(module.module_finder, "path", None)
+    if folder is None or module.ispkg:
+        return None
+    try:
+        return Path(folder, f"{module.name}.py").read_text(encoding="utf-8")
+    except OSError:
+        return None

@@ -52,6 +52,8 @@ def _open_closed_streams() -> None:
 
 
 def _run() -> NoReturn:
+    # Other packages' plugins of pydantic have no part in this; looking for them takes a while.
+    os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")
     from vehicledyn.cli.verbs import app
 
     for stream in (sys.stdout, sys.stderr):

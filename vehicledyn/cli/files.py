@@ -35,20 +35,36 @@ def read_scenario(path: Path, overrides: list[str] | None) -> LoadedScenario:
 def read_file(path: Path, overrides: list[str] | None) -> None:
     """Read a scenario, system or study file, to find what is wrong with it."""
     import vehicledyn.catalogue  # noqa: F401
-    from vehicledyn.base.yaml import read_yaml
-    from vehicledyn.rail.tracks.file import is_track, read_track
-    from vehicledyn.scenario import is_system_file, load_model
-    from vehicledyn.studies import is_study, load_study
+    from vehicledyn.base.yaml import read_yaml, remembered_files
 
-    data = read_yaml(path).data
+    with remembered_files({}):
+        _read_as(read_yaml(path).data, path, overrides or [])
+
+
+def _read_as(data: Any, path: Path, overrides: list[str]) -> None:
+    """Read a file with what reads files of its kind."""
+    from vehicledyn.scenario import is_system_file, load_model
+    from vehicledyn.studies import is_study
+
     if is_study(data):
-        load_study(path, overrides or ())
-    elif is_track(data):
+        from vehicledyn.studies import load_study
+
+        load_study(path, overrides)
+    elif _is_track(data):
+        from vehicledyn.rail.tracks.file import read_track
+
         read_track(path).track(path.parent)
     elif is_system_file(path):
-        load_model(str(path), overrides or ())
+        load_model(str(path), overrides)
     else:
         read_scenario(path, overrides)
+
+
+def _is_track(data: Any) -> bool:
+    """Return whether a file's data is a track, not a scenario or system."""
+    from vehicledyn.base.registry import kinds
+
+    return isinstance(data, dict) and data.get("kind") in kinds("track") and "title" not in data
 
 
 def outcome_as_dict(outcome: RunOutcome) -> dict[str, Any]:

@@ -146,18 +146,29 @@ def schema(
 ) -> None:
     """Write the JSON schema of scenario, system or study files, for editors."""
     import vehicledyn.catalogue  # noqa: F401
-    from vehicledyn.scenario import scenario_schema
-    from vehicledyn.studies import study_schema
-    from vehicledyn.systems.schema import system_schema
 
-    makers = {FileKind.SYSTEM: system_schema, FileKind.STUDY: study_schema}
-    text = to_json(makers.get(of, scenario_schema)())
+    text = to_json(_schema_of(of))
     if output is None:
         emit(text)
     else:
         write_text(output, text)
         line = schema_line(output.name).rstrip()
         tell(f"Files beside it follow it when their first line is: {line}")
+
+
+def _schema_of(kind: FileKind) -> dict[str, Any]:
+    """Return a schema; its maker alone is loaded."""
+    if kind is FileKind.SYSTEM:
+        from vehicledyn.systems.schema import system_schema
+
+        return system_schema()
+    if kind is FileKind.STUDY:
+        from vehicledyn.studies import study_schema
+
+        return study_schema()
+    from vehicledyn.scenario import scenario_schema
+
+    return scenario_schema()
 
 
 @app.command()

@@ -1,8 +1,5 @@
 """Manoeuvres and drivers: what a vehicle is asked to do, each a module that registers itself."""
 
 from vehicledyn.base.registry import discover
-from vehicledyn.manoeuvres import drivers
 
 discover(__name__, __path__)
-
-__all__ = ["drivers"]

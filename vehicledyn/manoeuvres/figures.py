@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from vehicledyn.road.vehicle import RoadVehicle
+if TYPE_CHECKING:
+    from vehicledyn.road.vehicle import RoadVehicle
 
 
 def standard(vehicle: RoadVehicle, *, path_title: str = "Path") -> list[dict[str, Any]]:

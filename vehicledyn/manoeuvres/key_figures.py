@@ -6,10 +6,10 @@ import math
 from typing import TYPE_CHECKING
 
 from vehicledyn.manoeuvres.recording import Recording
-from vehicledyn.road.vehicle import RoadVehicle
 
 if TYPE_CHECKING:
     from vehicledyn.results.layout import SceneItem, SummaryEntry
+    from vehicledyn.road.vehicle import RoadVehicle
 
 _SPEED = "body.forward_speed"
 _LEFTWARD = "body.lateral_speed"

@@ -10,10 +10,10 @@ from vehicledyn.base.parameters import ParameterSet
 from vehicledyn.manoeuvres import figures, key_figures
 from vehicledyn.manoeuvres.recording import Recording
 from vehicledyn.manoeuvres.speed_control import SpeedControl
-from vehicledyn.road.vehicle import RoadVehicle
 
 if TYPE_CHECKING:
     from vehicledyn.results.layout import SceneItem, SummaryEntry
+    from vehicledyn.road.vehicle import RoadVehicle
 
 
 class RoadManoeuvre(ParameterSet):

@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 import math
+from typing import TYPE_CHECKING
 
 from vehicledyn.base.parameters import quantity
 from vehicledyn.base.registry import register
 from vehicledyn.manoeuvres.manoeuvre import RoadManoeuvre
-from vehicledyn.multibody.drives import TimeLaw
-from vehicledyn.road.vehicle import RoadVehicle
 from vehicledyn.symbolic import ops
 from vehicledyn.symbolic.ops import Scalar
+
+if TYPE_CHECKING:
+    from vehicledyn.road.vehicle import RoadVehicle
 
 
 @register("manoeuvre", "sine_steer")
@@ -23,6 +25,8 @@ class SineSteer(RoadManoeuvre):
 
     def fit(self, vehicle: RoadVehicle) -> RoadVehicle:
         """Return the vehicle with the rack driven."""
+        from vehicledyn.multibody.drives import TimeLaw
+
         p = vehicle.system.table.add_set("manoeuvre", self)
 
         def law(time: Scalar) -> Scalar:

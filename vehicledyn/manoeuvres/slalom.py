@@ -13,10 +13,10 @@ from vehicledyn.manoeuvres.drivers.driver import Driver
 from vehicledyn.manoeuvres.manoeuvre import RoadManoeuvre
 from vehicledyn.manoeuvres.path import SlalomPath
 from vehicledyn.manoeuvres.recording import Recording
-from vehicledyn.road.vehicle import RoadVehicle
 
 if TYPE_CHECKING:
     from vehicledyn.results.layout import SceneItem, SummaryEntry
+    from vehicledyn.road.vehicle import RoadVehicle
 
 
 @register("manoeuvre", "slalom")

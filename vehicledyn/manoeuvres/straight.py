@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 from vehicledyn.base.registry import register
 from vehicledyn.manoeuvres.manoeuvre import RoadManoeuvre
-from vehicledyn.multibody.drives import TimeLaw
-from vehicledyn.road.vehicle import RoadVehicle
+
+if TYPE_CHECKING:
+    from vehicledyn.road.vehicle import RoadVehicle
 
 
 @register("manoeuvre", "straight")
@@ -14,4 +17,6 @@ class Straight(RoadManoeuvre):
 
     def fit(self, vehicle: RoadVehicle) -> RoadVehicle:
         """Return the vehicle with the rack held."""
+        from vehicledyn.multibody.drives import TimeLaw
+
         return super().fit(vehicle).with_parts(TimeLaw("steer", vehicle.rack, lambda _: 0.0))

@@ -1,5 +1,5 @@
 """Wheels on the ground: surfaces, contact point, slip, tyre laws and the road wheel."""
 
-from vehicledyn.road import surfaces, tyres
+from vehicledyn.base.registry import discover
 
-__all__ = ["surfaces", "tyres"]
+discover(__name__, __path__)

@@ -1,5 +1,10 @@
 """Scenario files: read YAML, validate it completely, resolve it to SI, describe it as a schema."""
 
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from vehicledyn.base.door import door
 from vehicledyn.scenario.load import (
     LoadedModel,
     LoadedScenario,
@@ -7,8 +12,10 @@ from vehicledyn.scenario.load import (
     load_model,
     load_scenario,
 )
-from vehicledyn.scenario.schema import scenario_schema
 from vehicledyn.scenario.sets import Output, Scenario, Tyres
+
+if TYPE_CHECKING:
+    from vehicledyn.scenario.schema import scenario_schema
 
 __all__ = [
     "LoadedModel",
@@ -21,3 +28,6 @@ __all__ = [
     "load_scenario",
     "scenario_schema",
 ]
+
+# Reading files takes no schema, whose makers take a while to load.
+__getattr__ = door(__name__, {"vehicledyn.scenario.schema": ("scenario_schema",)})

@@ -91,11 +91,6 @@ class LoadedStudy:
         return {"study": _digest(facts), "scenario": _digest(scenario)}
 
 
-def is_study(data: Any) -> bool:
-    """Return whether a file's data is a study."""
-    return isinstance(data, dict) and "scenario" in data and "model" not in data
-
-
 def load_study(path: Path, overrides: Sequence[str] = ()) -> LoadedStudy:
     """Read and validate a study file with its scenario.
 

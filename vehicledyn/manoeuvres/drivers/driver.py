@@ -4,11 +4,14 @@ from __future__ import annotations
 
 from abc import abstractmethod
 from collections.abc import Callable
+from typing import TYPE_CHECKING
 
 from vehicledyn.base.parameters import ParameterSet
-from vehicledyn.multibody.parts import Part
-from vehicledyn.road.vehicle import RoadVehicle
-from vehicledyn.symbolic.ops import Scalar
+
+if TYPE_CHECKING:
+    from vehicledyn.multibody.parts import Part
+    from vehicledyn.road.vehicle import RoadVehicle
+    from vehicledyn.symbolic.ops import Scalar
 
 
 class Driver(ParameterSet):

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any, ClassVar
+from typing import ClassVar
 
 from pydantic import Field, ValidationError
 
 from vehicledyn.base.parameters import read_part
 from vehicledyn.base.problems import START, Problem, dotted, refusal
-from vehicledyn.base.registry import kinds, register
+from vehicledyn.base.registry import register
 from vehicledyn.base.units import describe
 from vehicledyn.base.yaml import read_yaml
 from vehicledyn.rail.track import Track
@@ -28,11 +28,6 @@ class TrackFile(TrackChoice):
         """Return the track; files that it names are looked for beside its own."""
         path = folder / self.file
         return read_track(path).track(path.parent)
-
-
-def is_track(data: Any) -> bool:
-    """Return whether a file's data is a track, not a scenario or system."""
-    return isinstance(data, dict) and data.get("kind") in kinds("track") and "title" not in data
 
 
 def read_track(path: Path) -> TrackChoice:
