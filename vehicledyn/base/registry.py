@@ -75,6 +75,11 @@ def discover(package: str, path: Iterable[str]) -> None:
 
     A module is read, not imported, where each of its calls is a decorator ``@register("family",
     "name")`` on a line of its own.
+
+    Raises
+    ------
+    ValueError
+        If two modules register the same name.
     """
     for module in pkgutil.iter_modules(list(path)):
         name = f"{package}.{module.name}"
@@ -85,7 +90,9 @@ def discover(package: str, path: Iterable[str]) -> None:
             importlib.import_module(name)
             continue
         for family, kind in entries:
-            _catalogues.setdefault(family, {}).setdefault(kind, name)
+            known = _catalogues.setdefault(family, {}).setdefault(kind, name)
+            if name not in (known, getattr(known, "__module__", None)):
+                raise ValueError(f"{family} '{kind}' is registered twice")
 
 
 def _text_of(module: pkgutil.ModuleInfo) -> str | None:
