@@ -262,7 +262,14 @@ class _Finder:
 
     def _users_alike(self, members: tuple[int, ...]) -> list[tuple[int, ...]]:
         """Begin rows of users of a row that match each other, and return them."""
-        users = [[k for k in self._users[member] if k not in self._place] for member in members]
+        users = [
+            [
+                k
+                for k in self._users[member]
+                if k not in self._place and self._values[k].operation not in _APART
+            ]
+            for member in members
+        ]
         found = []
         for first in users[0]:
             row = [first]

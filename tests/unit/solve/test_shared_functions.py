@@ -58,6 +58,37 @@ def masses(share, law=pull):
     )
 
 
+def coupled():
+    """Four masses, each with its own place in two shared functions of two and three arguments."""
+    t, k = symbols("t", "stiffness")
+    places, rates = (symbols(*[f"{n}{i}" for i in range(4)]) for n in "xv")
+    forces = []
+    for x, v in zip(places, rates, strict=True):
+        height = ops.sin(k * x) + 0.3 * x * x
+        (one,) = shared("one", [height, v], lambda a: [ops.tanh(a[0]) * a[1]])
+        (two,) = shared("two", [height, v, x], lambda a: [ops.atan(a[0] * a[2]) - a[1]])
+        forces.append(one + two * height)
+    return build(
+        "coupled",
+        time=t,
+        states=[(x, 0.1 * i) for i, x in enumerate(places)] + [(v, 0.4) for v in rates],
+        rates=[*rates, *forces],
+        parameters=[(k, 4.0)],
+        outputs=[],
+        positions=tuple(range(4)),
+        velocities=tuple(range(4, 8)),
+    )
+
+
+def test_alike_places_in_functions_of_other_arguments(needs_compiler):
+    equations, state = coupled(), np.linspace(-0.7, 0.9, 8)
+    compiled, interpreted = (
+        compile_kernel(equations, backend=name).rates(0.0, state, np.zeros(0))
+        for name in ("compiled", "interpreted")
+    )
+    assert compiled == pytest.approx(interpreted, rel=1e-13)
+
+
 @pytest.mark.parametrize("law", [pull, long_pull])
 @pytest.mark.parametrize("backend", ["compiled", "interpreted"])
 def test_kernel_equals_the_written_form(backend, law, request):
