@@ -22,14 +22,18 @@ import numpy as np
 from vehicledyn.base.errors import NumericalError
 from vehicledyn.solve.engine import Vector
 from vehicledyn.solve.periodic.autonomous import AutonomousField
-from vehicledyn.solve.periodic.monodromy import Passages, passages
+from vehicledyn.solve.periodic.collocation import Direction
+from vehicledyn.solve.periodic.monodromy import TOLERANCE, Passages, passages
 from vehicledyn.solve.periodic.orbit import Orbit
 
 CLOSED = 3e-5
 """Largest gap between the pieces of an orbit, part of the scales, that may count as none."""
 
 _ROUNDING, _STALLED = 1e-8, 0.1
-_ITERATIONS = 6
+_ITERATIONS = 8
+_ROUGH, _NEAR = 1e-3, 1e-2
+"""Tolerance of steps, and the largest gap before, while a guess is far from the orbit."""
+
 _FARTHEST = 0.5
 """Largest change of a point, part of the scales, that is taken for a correction."""
 
@@ -48,8 +52,14 @@ class Closed:
     passages: Passages
 
 
-def closed(field: AutonomousField, orbit: Orbit, *, parameter_scale: float | None = None) -> Closed:
-    """Return the closed orbit near one that collocation has found.
+def closed(
+    field: AutonomousField,
+    orbit: Orbit,
+    *,
+    parameter_scale: float | None = None,
+    along: Direction | None = None,
+) -> Closed:
+    """Return the closed orbit near one that collocation has found, or near a guess.
 
     Parameters
     ----------
@@ -59,6 +69,9 @@ def closed(field: AutonomousField, orbit: Orbit, *, parameter_scale: float | Non
         The orbit, nearly closed.
     parameter_scale
         Size with which changes of the parameter are measured; None to hold the parameter.
+    along
+        A direction: the orbit that is found lies on the plane across it. Without one it is the
+        nearest.
 
     Raises
     ------
@@ -67,13 +80,34 @@ def closed(field: AutonomousField, orbit: Orbit, *, parameter_scale: float | Non
     """
     guess, before = orbit, np.inf
     for _ in range(_ITERATIONS):
-        found = passages(field, orbit)
+        rough = along is not None and before > _NEAR
+        found = passages(field, orbit, tolerance=_ROUGH if rough else TOLERANCE)
         gap = float(np.abs(found.gaps).max())
         stalled = gap > _STALLED * before
-        if gap < max(_ROUNDING, min(CLOSED, CLOSED if stalled else found.error)):
+        if not rough and gap < max(_ROUNDING, min(CLOSED, CLOSED if stalled else found.error)):
             return Closed(_beside(guess, found.orbit), found)
-        orbit, before = _corrected(found, parameter_scale), gap
+        orbit, before = _corrected(found, guess, parameter_scale, along), gap
     raise NumericalError("the motion along a cycle does not close")
+
+
+def direction_of(found: Closed, parameter_scale: float, before: Direction) -> Direction:
+    """Return the direction of the branch at an orbit, on the same side as another direction.
+
+    It has the unit length in which that of the states counts as their mean over the period.
+    """
+    chain = _Chain.of(found.passages, parameter_scale)
+    matrix = np.vstack([chain.closing(2), chain.across(before)])
+    right = np.zeros(len(matrix))
+    right[-1] = 1.0
+    change = _solved(matrix, right)
+    states = chain.points(change[:-2], change[-2:], gaps=False)
+    size = np.sqrt(chain.weights @ (states**2).mean(axis=1) + change[-2] ** 2 + change[-1] ** 2)
+    orbit, scales = found.passages.orbit, found.passages.scales
+    return Direction(
+        states * scales / size,
+        float(change[-2] / size * orbit.period),
+        float(change[-1] / size * parameter_scale),
+    )
 
 
 def _beside(guess: Orbit, exact: Orbit) -> Orbit:
@@ -89,27 +123,26 @@ def _beside(guess: Orbit, exact: Orbit) -> Orbit:
     return replace(exact, states=guess.states + moved.reshape(guess.states.shape))
 
 
-def _corrected(found: Passages, parameter_scale: float | None) -> Orbit:
+def _corrected(
+    found: Passages, guess: Orbit, parameter_scale: float | None, along: Direction | None
+) -> Orbit:
     """Return the orbit after one step of Newton's method."""
-    orbit, n = found.orbit, found.orbit.states.shape[1]
-    size = parameter_scale or 0.0
-    pulls = np.stack([found.durations[:, None] * found.last, size * found.by_parameter], axis=2)
-    whole, pulled, missed = np.eye(n), np.zeros((n, 2)), np.zeros(n)
-    for piece, pull, gap in zip(found.by_state, pulls, found.gaps, strict=True):
-        whole, pulled, missed = piece @ whole, piece @ pulled + pull, piece @ missed + gap
-    ahead = found.first[0] / np.linalg.norm(found.first[0])
-    free = 2 if parameter_scale else 1
-    matrix = np.zeros((n + 1, n + free))
-    matrix[:n, :n], matrix[:n, n:] = np.eye(n) - whole, -pulled[:, :free]
-    matrix[n, :n] = ahead
-    right = np.append(missed, 0.0)
-    change = np.linalg.lstsq(matrix, right, rcond=_RANK)[0]
-    own, outer = change[:n], np.append(change[n:], 0.0)[:2]
-    moved: list[Vector] = []
-    for piece, pull, gap in zip(found.by_state, pulls, found.gaps, strict=True):
-        moved.append(own)
-        own = piece @ own + pull @ outer + gap
-    changes = np.array(moved)
+    orbit, size = found.orbit, parameter_scale or 0.0
+    chain = _Chain.of(found, size)
+    matrix = chain.closing(2 if size else 1)
+    right = np.append(chain.missed, 0.0)
+    if along is not None:
+        moved = Direction(
+            orbit.states - guess.states,
+            orbit.period - guess.period,
+            orbit.parameter - guess.parameter,
+        )
+        matrix = np.vstack([matrix, chain.across(along)])
+        right = np.append(right, -chain.product(along, moved) - chain.across_gaps(along))
+    change = _solved(matrix, right)
+    n = len(found.scales)
+    outer = np.append(change[n:], 0.0)[:2]
+    changes = chain.points(change[:n], outer, gaps=True)
     if not (np.abs(changes).max() < _FARTHEST and abs(outer[0]) < _FARTHEST):
         raise NumericalError("the motion along a cycle does not close")
     return replace(
@@ -118,3 +151,89 @@ def _corrected(found: Passages, parameter_scale: float | None) -> Orbit:
         period=orbit.period * (1.0 + float(outer[0])),
         parameter=orbit.parameter + size * float(outer[1]),
     )
+
+
+@dataclass(frozen=True)
+class _Chain:
+    """How all points follow the first one, the period and the parameter, in scaled changes.
+
+    ``whole`` (n_pieces + 1, n, n), ``pulled`` (n_pieces + 1, n, 2) and ``gaps`` (n_pieces + 1, n)
+    lead from the changes of the first point, of period and parameter, and from the gaps before
+    it, to the change of each point and of the end.
+    """
+
+    found: Passages
+    parameter_scale: float
+    whole: Vector
+    pulled: Vector
+    gaps: Vector
+
+    @staticmethod
+    def of(found: Passages, parameter_scale: float) -> _Chain:
+        """Return the chain of some passages."""
+        count, n = found.first.shape
+        whole, pulled = np.empty((count + 1, n, n)), np.empty((count + 1, n, 2))
+        gaps = np.empty((count + 1, n))
+        whole[0], pulled[0], gaps[0] = np.eye(n), 0.0, 0.0
+        by_period = found.durations[:, None] * found.last
+        pulls = np.stack([by_period, parameter_scale * found.by_parameter], axis=2)
+        for k, piece in enumerate(found.by_state):
+            whole[k + 1] = piece @ whole[k]
+            pulled[k + 1] = piece @ pulled[k] + pulls[k]
+            gaps[k + 1] = piece @ gaps[k] + found.gaps[k]
+        return _Chain(found, parameter_scale, whole, pulled, gaps)
+
+    @property
+    def missed(self) -> Vector:
+        """By how much the end of the last piece misses the first point, shape (n,)."""
+        return np.asarray(self.gaps[-1])
+
+    @property
+    def weights(self) -> Vector:
+        """Parts of the period that the points stand for, shape (n_pieces,)."""
+        durations = self.found.durations
+        return np.asarray(0.5 * (durations + np.roll(durations, 1)) / durations.sum())
+
+    def closing(self, free: int) -> Vector:
+        """Return the rows that close the orbit and keep its phase, for ``free`` further changes."""
+        n = len(self.found.scales)
+        first = self.found.first[0]
+        matrix = np.zeros((n + 1, n + free))
+        matrix[:n, :n] = np.eye(n) - self.whole[-1]
+        matrix[:n, n:] = -self.pulled[-1, :, :free]
+        matrix[n, :n] = first / np.linalg.norm(first)
+        return matrix
+
+    def points(self, own: Vector, outer: Vector, *, gaps: bool) -> Vector:
+        """Return the changes of all points, (n_pieces, n)."""
+        moved = self.whole[:-1] @ own + self.pulled[:-1] @ outer
+        return np.asarray(moved + self.gaps[:-1] if gaps else moved)
+
+    def across(self, along: Direction) -> Vector:
+        """Return the row of the product with a direction."""
+        row, outer = self._row(along)
+        mesh = np.einsum("ks,ksi->i", row, self.whole[:-1])
+        return np.append(mesh, np.einsum("ks,kso->o", row, self.pulled[:-1]) + outer)
+
+    def across_gaps(self, along: Direction) -> float:
+        """Return what the gaps add to the product with a direction."""
+        return float(np.einsum("ks,ks->", self._row(along)[0], self.gaps[:-1]))
+
+    def product(self, along: Direction, change: Direction) -> float:
+        """Return the product of a direction and a change."""
+        row, outer = self._row(along)
+        states = np.einsum("ks,ks->", row, change.states / self.found.scales)
+        sizes = np.array([self.found.orbit.period, self.parameter_scale])
+        return float(states + outer @ (np.array([change.period, change.parameter]) / sizes))
+
+    def _row(self, along: Direction) -> tuple[Vector, Vector]:
+        """Return the scaled direction: states with their weights, and period and parameter."""
+        n = len(self.found.scales)
+        states = self.weights[:, None] * along.states / self.found.scales / n
+        sizes = np.array([self.found.orbit.period, self.parameter_scale])
+        return states, np.array([along.period, along.parameter]) / sizes
+
+
+def _solved(matrix: Vector, right: Vector) -> Vector:
+    """Return the solution of some linear equations, the smallest one where it is not unique."""
+    return np.asarray(np.linalg.lstsq(matrix, right, rcond=_RANK)[0])
