@@ -29,10 +29,16 @@ from vehicledyn.solve.periodic.orbit import Orbit
 CLOSED = 3e-5
 """Largest gap between the pieces of an orbit, part of the scales, that may count as none."""
 
+SHIFTED = 3e-4
+"""Distance of the trivial multiplier from 1 from which on steps are integrated more finely."""
+
 _ROUNDING, _STALLED = 1e-8, 0.1
 _ITERATIONS = 8
-_ROUGH, _NEAR = 1e-3, 1e-2
-"""Tolerance of steps, and the largest gap before, while a guess is far from the orbit."""
+_ROUGH, _MIDDLE, _FINEST = 1e-2, 1e-4, 1e-6
+"""Tolerances of steps while a guess is far from the orbit, when it is nearer, and at last."""
+
+_NEAR = 3e-2
+"""Largest gap from which on steps are integrated more finely."""
 
 _FARTHEST = 0.5
 """Largest change of a point, part of the scales, that is taken for a correction."""
@@ -78,14 +84,17 @@ def closed(
     NumericalError
         If the orbit is not found.
     """
-    guess, before = orbit, np.inf
+    guess, before, tolerance = orbit, np.inf, _MIDDLE if along is None else _ROUGH
     for _ in range(_ITERATIONS):
-        rough = along is not None and before > _NEAR
-        found = passages(field, orbit, tolerance=_ROUGH if rough else TOLERANCE)
+        found = passages(field, orbit, tolerance=tolerance)
         gap = float(np.abs(found.gaps).max())
-        stalled = gap > _STALLED * before
-        if not rough and gap < max(_ROUNDING, min(CLOSED, CLOSED if stalled else found.error)):
-            return Closed(_beside(guess, found.orbit), found)
+        limit = CLOSED if gap > _STALLED * before else max(_ROUNDING, min(CLOSED, found.error))
+        if found.error <= TOLERANCE and gap < limit:
+            if abs(found.trivial - 1.0) < SHIFTED or tolerance <= _FINEST:
+                return Closed(_beside(guess, found.orbit), found)
+            tolerance *= 0.1
+        elif gap < _NEAR:
+            tolerance = min(tolerance, TOLERANCE if tolerance <= _MIDDLE else _MIDDLE)
         orbit, before = _corrected(found, guess, parameter_scale, along), gap
     raise NumericalError("the motion along a cycle does not close")
 
