@@ -34,6 +34,7 @@ _SHARED = (
     "loop.c",
     "batch.c",
     "slopes.c",
+    "flow.c",
     "implicit.c",
     "columns.c",
 )

@@ -31,6 +31,21 @@ from vehicledyn.symbolic.tables import CurveTable
 _P = ctypes.c_void_p
 
 
+@dataclass(frozen=True)
+class Carried:
+    """Motions from some points: their ends and rates at both ends, shape (count, n).
+
+    ``maps`` (count, n, n + 1) are the derivatives of the ends by the begin and the parameter,
+    ``errors`` (count,) the largest part of the rates that a step missed.
+    """
+
+    ends: Vector
+    maps: Vector
+    first: Vector
+    last: Vector
+    errors: Vector
+
+
 class PointCode:
     """Machine code of values, a column of functions of a point and the parameters.
 
@@ -71,7 +86,8 @@ class PointCode:
         self._rows = TableRows(tables)
         self._n_values = values.shape[0]
         self._n_directions = 0 if index is None else point.shape[0] + 1
-        self._function = _compiled(_Wanted(values, point, parameter, tables, index, often))
+        wanted = _Wanted(values, point, parameter, tables, index, often)
+        self._function, self._flow = _compiled(wanted)
 
     def values(self, points: Vector, parameters: Vector) -> Vector:
         """Return the values at points (count, n), shape (count, n_values)."""
@@ -84,6 +100,51 @@ class PointCode:
         """
         values, slopes = self._at(points, parameters)
         return values, slopes.transpose(0, 2, 1)
+
+    @property
+    def carries_motion(self) -> bool:
+        """Whether the values are rates along which points can be carried."""
+        return self._flow is not None
+
+    def carried(
+        self,
+        points: Vector,
+        parameters: Vector,
+        durations: Vector,
+        *,
+        scales: Vector,
+        tolerance: float,
+        trials: int,
+    ) -> Carried | None:
+        """Return where motions lead for which the values are the rates of the point.
+
+        Parameters
+        ----------
+        points
+            Where they begin, shape (count, n).
+        parameters
+            All parameters.
+        durations
+            How long they last, shape (count,) [s].
+        scales
+            Sizes of the states, shape (n,).
+        tolerance
+            Part of the rates that those carried by the tangent of a step may miss at its end.
+        trials
+            Steps that a motion may try; None is returned where one needs more.
+        """
+        count, n = points.shape
+        given = [np.ascontiguousarray(a, dtype=float) for a in (points, parameters, durations)]
+        given[1] = self._rows.after(given[1])
+        sizes = np.ascontiguousarray(scales, dtype=float)
+        ends, first, last = (np.empty((count, n)) for _ in range(3))
+        maps, errors = np.empty((count, n, n + 1)), np.empty(count)
+        assert self._flow is not None
+        before = [a.ctypes.data for a in (*given, sizes)]
+        after = [a.ctypes.data for a in (ends, maps, first, last, errors)]
+        if self._flow(count, *before, tolerance, trials, *after):
+            return None
+        return Carried(ends, maps, first, last, errors)
 
     def _at(self, points: Vector, parameters: Vector) -> tuple[Vector, Vector]:
         count = len(points)
@@ -105,6 +166,12 @@ class _Wanted:
     tables: tuple[CurveTable, ...]
     index: int | None
     often: bool
+
+    @property
+    def carries_motion(self) -> bool:
+        """Whether the values are rates of the point, whose whole Jacobian is at hand."""
+        square = self.values.shape[0] == self.point.shape[0]
+        return self.often and self.index is not None and bool(square)
 
     def key(self, *further: str) -> str:
         """Return a text that tells all that the code depends on."""
@@ -147,6 +214,7 @@ class _Wanted:
             print_function(prepare, "prepare", ["p"], tables=self.tables),
             print_function(evaluate, "evaluate", names, tables=self.tables),
             shared_source("slopes.c"),
+            shared_source("flow.c") if self.carries_motion and pattern is not None else "",
         ]
         return "\n".join(parts)
 
@@ -158,14 +226,22 @@ def _places(pattern: Any) -> str:
     return f"static const int place[] = {{{', '.join(map(str, places)) or '0'}}};"
 
 
-def _compiled(wanted: _Wanted) -> Callable[..., None]:
+def _compiled(wanted: _Wanted) -> tuple[Callable[..., None], Callable[..., int] | None]:
+    """Return the function of values and slopes, and that which carries motions if there is one."""
     compiler, lanes = find_compiler(), suitable_lanes()
 
     def build(folder: Path) -> Path:
         return build_library(compiler, wanted.text(lanes), folder)
 
+    def opened(path: Path) -> tuple[Callable[..., None], Callable[..., int] | None]:
+        library = ctypes.CDLL(str(path))
+        return library.vd_points, library.vd_flow if wanted.carries_motion else None
+
     key = wanted.key(f"{lanes} lanes", generator_fingerprint(), compiler.identity)
-    function, _ = cache.load(key, build, lambda path: ctypes.CDLL(str(path)).vd_points)
-    function.restype = None
-    function.argtypes = [ctypes.c_longlong, _P, _P, _P, _P]
-    return function
+    (points, flow), _ = cache.load(key, build, opened)
+    number = ctypes.c_longlong
+    points.restype, points.argtypes = None, [number, *[_P] * 4]  # type: ignore[attr-defined]
+    if flow is not None:
+        flow.restype = number  # type: ignore[attr-defined]
+        flow.argtypes = [number, *[_P] * 4, ctypes.c_double, number, *[_P] * 5]  # type: ignore[attr-defined]
+    return points, flow
