@@ -1,4 +1,4 @@
-/* Motions from many points with their tangents: classical Runge-Kutta steps, a lane for each point.
+/* Motions from many points with their tangents: a lane for each point, by steps of order five.
    The tangent is that of the step itself. Besides the derivatives by the NPOINT states and the
    parameter it carries the rates at the begin of the step: at its end they must be the rates there,
    whether or not the rates have a kink in between, and by how much they miss them is the error. */
@@ -35,27 +35,40 @@ typedef struct {
   real x[NROW], f[NROW], s[NENTRY], y[NROW * NTANGENT];
 } vd_place_of_flow;
 
-/* Take a step of each lane from one place to the next. */
+/* Dormand and Prince (1980): weights of the stages before, the last row those of the step. */
+#define NSTAGE 6
+static const double vd_weights[NSTAGE][NSTAGE] = {
+    {1.0 / 5.0},
+    {3.0 / 40.0, 9.0 / 40.0},
+    {44.0 / 45.0, -56.0 / 15.0, 32.0 / 9.0},
+    {19372.0 / 6561.0, -25360.0 / 2187.0, 64448.0 / 6561.0, -212.0 / 729.0},
+    {9017.0 / 3168.0, -355.0 / 33.0, 46732.0 / 5247.0, 49.0 / 176.0, -5103.0 / 18656.0},
+    {35.0 / 384.0, 0.0, 500.0 / 1113.0, 125.0 / 192.0, -2187.0 / 6784.0, 11.0 / 84.0},
+};
+
+/* Take a step of each lane from one place to the next. The tangents of the stages have room in
+   work, that of the point where rates are asked for behind them. */
 static void vd_flow_step(const real *c, real h, vd_place_of_flow *at, vd_place_of_flow *next,
-                         real *k, real *stage) {
-  const real part[3] = {h * 0.5, h * 0.5, h}, sixth = h / 6.0, third = h / 3.0;
+                         real *work) {
   const int n = NROW * NTANGENT;
-  real x[NROW], f[NROW], s[NENTRY];
+  real f[NSTAGE][NROW], s[NENTRY], x[NROW], *stage = work + NSTAGE * n;
   for (int row = 0; row < NROW; row++) at->y[row * NTANGENT + NBY] = at->f[row];
-  vd_carry(at->s, at->y, k);
-  vd_ahead(NROW, at->x, sixth, at->f, next->x);
-  vd_ahead(n, at->y, sixth, k, next->y);
-  vd_ahead(NROW, at->x, part[0], at->f, x);
-  vd_ahead(n, at->y, part[0], k, stage);
-  for (int number = 1; number < 4; number++) {
-    const real weight = number < 3 ? third : sixth;
-    evaluate(x, c, f, s);
-    vd_carry(s, stage, k);
-    vd_ahead(NROW, next->x, weight, f, next->x);
-    vd_ahead(n, next->y, weight, k, next->y);
-    if (number == 3) break;
-    vd_ahead(NROW, at->x, part[number], f, x);
-    vd_ahead(n, at->y, part[number], k, stage);
+  memcpy(f[0], at->f, sizeof at->f);
+  vd_carry(at->s, at->y, work);
+  for (int number = 0; number < NSTAGE; number++) {
+    const int last = number == NSTAGE - 1;
+    real *to = last ? next->x : x, *tangent = last ? next->y : stage;
+    memcpy(to, at->x, sizeof at->x);
+    memcpy(tangent, at->y, sizeof at->y);
+    for (int k = 0; k <= number; k++) {
+      if (vd_weights[number][k] == 0.0) continue;
+      const real part = h * vd_weights[number][k];
+      vd_ahead(NROW, to, part, f[k], to);
+      vd_ahead(n, tangent, part, work + k * n, tangent);
+    }
+    if (last) break;
+    evaluate(x, c, f[number + 1], s);
+    vd_carry(s, stage, work + (number + 1) * n);
   }
   evaluate(next->x, c, next->f, next->s);
 }
@@ -74,14 +87,14 @@ VD_EXPORT long long vd_flow(long long count, const double *points, const double 
                             double *last, double *errors) {
   real given[NP + NT + 1], c[NC + NT + 1], h;
   vd_place_of_flow *room = malloc(2 * sizeof(vd_place_of_flow) + 64);
-  real *work = malloc(2 * NROW * NTANGENT * sizeof(real) + 64);
+  real *work = malloc((NSTAGE + 1) * NROW * NTANGENT * sizeof(real) + 64);
   if (!room || !work) {
     free(room);
     free(work);
     return count;
   }
   vd_place_of_flow *at = (void *)(((size_t)room + 63) / 64 * 64), *next = at + 1;
-  real *k = (void *)(((size_t)work + 63) / 64 * 64), *stage = k + NROW * NTANGENT;
+  real *k = (void *)(((size_t)work + 63) / 64 * 64);
   long long open = 0;
   vd_spread(NP + NT, p, given);
   prepare(given, c);
@@ -110,7 +123,7 @@ VD_EXPORT long long vd_flow(long long count, const double *points, const double 
         step[lane] = fmin(step[lane], left[lane]);
         ((double *)&h)[lane] = step[lane];
       }
-      vd_flow_step(c, h, at, next, k, stage);
+      vd_flow_step(c, h, at, next, k);
       going = 0;
       for (int lane = 0; lane < VD_LANES; lane++) {
         double missed = 0.0, size = 0.0;
@@ -135,7 +148,7 @@ VD_EXPORT long long vd_flow(long long count, const double *points, const double 
           if (short_one) left[lane] = -1.0; /* No number: it ends here. */
         }
         const double factor =
-            finite ? vd_safety * pow(fmax(error / tolerance, 1e-6), -0.25) : vd_least;
+            finite ? vd_safety * pow(fmax(error / tolerance, 1e-6), -0.2) : vd_least;
         step[lane] *= fmin(fmax(factor, vd_least), vd_most);
         if (left[lane] > 0.0) going = 1;
       }

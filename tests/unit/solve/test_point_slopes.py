@@ -5,8 +5,9 @@ import pytest
 from cycle_examples import field, from_hopf, gap_oscillator, looped_normal_form, normal_form
 from table_examples import height, quintic, rider
 
-from vehicledyn.solve.periodic import autonomous
+from vehicledyn.solve.periodic import autonomous, monodromy
 from vehicledyn.solve.periodic.kinks import Kinks
+from vehicledyn.solve.periodic.monodromy import passages
 
 
 @pytest.mark.parametrize(
@@ -63,3 +64,22 @@ def test_kinks_are_those_of_casadi(needs_compiler, monkeypatch):
     compiled = Kinks(model)
     assert compiled._compiled is not None
     assert compiled.along(orbit) == pytest.approx(wanted, abs=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("make", "span"), [(lambda: normal_form(1.0, -1.0), (-1.0, 1.0)), (gap_oscillator, (-0.1, 0.5))]
+)
+def test_compiled_motions_are_those_of_the_implicit_method(needs_compiler, monkeypatch, make, span):
+    """Explicit steps in lanes and Radau's method carry pieces and tangents to the same places."""
+    monkeypatch.setattr(autonomous, "LEAST", 0)
+    model = field(make(), "mu")
+    assert model._compiled.carries_motion
+    _, branch = from_hopf(model, *span)
+    orbit = branch.points[-1].orbit
+    quick = passages(model, orbit, tolerance=1e-8)
+    monkeypatch.setattr(monodromy, "_MOST_EXPLICIT", 1)
+    slow = passages(model, orbit, tolerance=1e-9)
+    for name in ("ends", "by_state", "by_parameter", "first", "last"):
+        assert getattr(quick, name) == pytest.approx(getattr(slow, name), abs=1e-6), name
+    assert not np.array_equal(quick.ends, slow.ends)
+    assert 0.0 < quick.error <= 1e-8

@@ -15,7 +15,7 @@ from vehicledyn.solve.derivatives import TotalDerivatives
 from vehicledyn.solve.engine import Vector
 from vehicledyn.solve.functions import operations_in
 from vehicledyn.solve.interpreted import BufferedFunction
-from vehicledyn.solve.point_slopes import PointCode
+from vehicledyn.solve.point_slopes import Carried, PointCode
 from vehicledyn.symbolic import ops
 from vehicledyn.symbolic.equations import Equations
 
@@ -126,6 +126,32 @@ class AutonomousField:
             If a value is not finite or the loops are singular.
         """
         return self._field(states, unknowns, self.parameters(value))
+
+    def carried(
+        self,
+        states: Vector,
+        value: float,
+        durations: Vector,
+        *,
+        scales: Vector,
+        tolerance: float,
+        trials: int,
+    ) -> Carried | None:
+        """Return where motions from some states lead, see :meth:`PointCode.carried`.
+
+        None where the equations have unknowns, there is no compiled code, or steps become many.
+        """
+        code = self._compiled
+        if self.n_unknowns or code is None or not code.carries_motion:
+            return None
+        return code.carried(
+            states,
+            self.parameters(value),
+            durations,
+            scales=scales,
+            tolerance=tolerance,
+            trials=trials,
+        )
 
     def total(
         self, time: float, state: Vector, unknowns: Vector, parameters: Vector

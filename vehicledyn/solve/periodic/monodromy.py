@@ -1,7 +1,8 @@
 """How the motion itself carries small changes along an orbit, piece by piece, by integration.
 
 Each piece of an orbit, from one representation point to the next, is integrated with its exact
-tangent, all pieces side by side, by Radau's method. For the flow and its tangent Φ
+tangent, all pieces side by side: by compiled explicit steps, or where there are none, or too many,
+by Radau's method. For the flow and its tangent Φ
 
     Φ f(x(0)) = f(x(h)),
 
@@ -29,7 +30,7 @@ _SAFETY, _SMALLEST, _LARGEST = 0.85, 0.1, 5.0
 _SHORTEST = 1e-12
 """Part of the period below which no step shrinks."""
 
-_MOST_TRIALS = 400
+_MOST_TRIALS, _MOST_EXPLICIT = 400, 2000
 _ITERATIONS, _CONVERGED = 7, 1e-7
 
 
@@ -91,6 +92,9 @@ def passages(field: AutonomousField, orbit: Orbit, *, tolerance: float = TOLERAN
     NumericalError
         If a piece cannot be integrated.
     """
+    quick = _carried(field, orbit, tolerance)
+    if quick is not None:
+        return quick
     pieces = _Pieces.of(field, orbit)
     for _ in range(_MOST_TRIALS):
         active = np.flatnonzero(pieces.places < pieces.stops)
@@ -98,6 +102,36 @@ def passages(field: AutonomousField, orbit: Orbit, *, tolerance: float = TOLERAN
             return pieces.result()
         pieces.advance(active, tolerance)
     raise NumericalError("the motion along a cycle cannot be integrated: steps become too small")
+
+
+def _carried(field: AutonomousField, orbit: Orbit, tolerance: float) -> Passages | None:
+    """Return the passages by compiled explicit steps, None where there is no such code.
+
+    None too where the motion is so stiff that they would be too many.
+    """
+    scales = orbit.scales()
+    durations = np.diff(np.append(orbit.times_of(orbit.mesh)[0], 1.0)) * orbit.period
+    found = field.carried(
+        orbit.states,
+        orbit.parameter,
+        durations,
+        scales=scales,
+        tolerance=tolerance,
+        trials=_MOST_EXPLICIT,
+    )
+    if found is None:
+        return None
+    return Passages(
+        orbit,
+        scales,
+        found.ends / scales,
+        found.maps[:, :, :-1] * (scales / scales[:, None]),
+        found.maps[:, :, -1] / scales,
+        found.first / scales,
+        found.last / scales,
+        durations,
+        float(found.errors.max(initial=0.0)),
+    )
 
 
 @dataclass
