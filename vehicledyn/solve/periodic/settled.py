@@ -17,7 +17,7 @@ from vehicledyn.solve.kernel import Kernel
 from vehicledyn.solve.methods.rk4 import RungeKutta4
 from vehicledyn.solve.periodic.autonomous import AutonomousField
 from vehicledyn.solve.periodic.basis import basis
-from vehicledyn.solve.periodic.critical import Balance, find_balance
+from vehicledyn.solve.periodic.critical import Balance, ahead, find_balance
 from vehicledyn.solve.periodic.orbit import Orbit
 from vehicledyn.solve.simulate import simulate
 
@@ -165,34 +165,50 @@ def lower(
     """Change the parameter step by step and tell each settled cycle; return where it is gone.
 
     The cycle lives at the first of the two values returned and dies at the second. None if
-    there is no cycle to begin with, or if it lives at all values.
+    there is no cycle to begin with, or if it lives at all values. A cycle that dies after a large
+    step may live there after small ones, so that each trial starts from the last one that lives.
     """
     first = balances(values[0])
     state, unknowns, period, rate = runner.disturbed(first, size)
-    alive: Settled | None = None
-    for value in values:
-        found = runner.settle(value, state, unknowns, period, rate=rate)
-        if not found.alive or (alive is None and found.amplitude < 0.1 * size):
+    alive = runner.settle(values[0], state, unknowns, period, rate=rate)
+    if not alive.alive or alive.amplitude < 0.1 * size:
+        return None
+    told(alive)
+    for value in values[1:]:
+        found = _next(runner, alive, value, balances)
+        if not found.alive:
             break
         alive = found
         told(found)
-        state, unknowns, period = found.states[-1], found.unknowns[-1], found.period
-        rate = max(rate, _fastest(balances, value))
     else:
         return None
-    if alive is None:
-        return None
-    dead = value
-    while abs(dead - alive.value) > resolution:
-        middle = 0.5 * (alive.value + dead)
-        rate = max(rate, _fastest(balances, middle))
-        found = runner.settle(middle, alive.states[-1], alive.unknowns[-1], alive.period, rate=rate)
+    dead, step = value, 0.5 * (value - alive.value)
+    while abs(step) >= 0.5 * resolution:
+        value = alive.value + step
+        if (value - values[-1]) * step > 0.0:
+            return None
+        found = _next(runner, alive, value, balances)
         if found.alive:
             alive = found
             told(found)
         else:
-            dead = middle
+            dead, step = value, 0.5 * step
     return alive.value, dead
+
+
+def _next(
+    runner: Runner, before: Settled, value: float, balances: Callable[[float], Balance]
+) -> Settled:
+    """Return what a cycle settles to at another value, moved there with the equilibrium.
+
+    A wheel that rolls turns more slowly at a lower speed: from its old rate it would slide.
+    """
+    old, new = balances(before.value), balances(value)
+    state = before.states[-1].copy()
+    state[runner.field.kept] += new.state - old.state
+    unknowns = before.unknowns[-1] + new.unknowns - old.unknowns
+    rate = max(float(np.abs(balance.eigenvalues).max()) for balance in (old, new))
+    return runner.settle(value, state, unknowns, before.period, rate=rate)
 
 
 def growth_begins(
@@ -231,7 +247,7 @@ def balances_near(field: AutonomousField, known: Sequence[Balance]) -> Callable[
 
     def near(value: float) -> Balance:
         start = min(known, key=lambda balance: abs(balance.value - value))
-        return find_balance(field, value, start.state, start.unknowns)
+        return find_balance(field, value, *ahead(field, start, value))
 
     return near
 
@@ -249,10 +265,6 @@ def _grows(runner: Runner, balance: Balance, size: float) -> bool:
         balance.value, first.states[-1], first.unknowns[-1], first.period, rate=rate
     )
     return second.amplitude > first.amplitude
-
-
-def _fastest(balances: Callable[[float], Balance], value: float) -> float:
-    return float(np.abs(balances(value).eigenvalues).max())
 
 
 def _period_of(times: Vector, values: Vector) -> float | None:

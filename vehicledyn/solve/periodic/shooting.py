@@ -32,6 +32,9 @@ CLOSED = 3e-5
 SHIFTED = 3e-4
 """Distance of the trivial multiplier from 1 from which on steps are integrated more finely."""
 
+_ALIKE = 1e-4
+"""Largest gap of an orbit whose polynomials are kept between the points of its mesh."""
+
 _ROUNDING, _STALLED = 1e-8, 0.1
 _ITERATIONS = 8
 _ROUGH, _MIDDLE, _FINEST = 1e-2, 1e-4, 1e-6
@@ -84,14 +87,16 @@ def closed(
     NumericalError
         If the orbit is not found.
     """
-    guess, before, tolerance = orbit, np.inf, _MIDDLE if along is None else _ROUGH
+    guess, near, before = orbit, False, np.inf
+    tolerance = _MIDDLE if along is None else _ROUGH
     for _ in range(_ITERATIONS):
         found = passages(field, orbit, tolerance=tolerance)
         gap = float(np.abs(found.gaps).max())
+        near |= before == np.inf and gap < _ALIKE
         limit = CLOSED if gap > _STALLED * before else max(_ROUNDING, min(CLOSED, found.error))
         if found.error <= TOLERANCE and gap < limit:
             if abs(found.trivial - 1.0) < SHIFTED or tolerance <= _FINEST:
-                return Closed(_beside(guess, found.orbit), found)
+                return Closed(_beside(guess, found.orbit) if near else found.orbit, found)
             tolerance *= 0.1
         elif gap < _NEAR:
             tolerance = min(tolerance, TOLERANCE if tolerance <= _MIDDLE else _MIDDLE)
@@ -122,8 +127,8 @@ def direction_of(found: Closed, parameter_scale: float, before: Direction) -> Di
 def _beside(guess: Orbit, exact: Orbit) -> Orbit:
     """Return the polynomials of an orbit, moved so that they pass the exact mesh points.
 
-    Between these the polynomials of collocation are nearer to the motion than those through exact
-    points are, and stay as they are.
+    Where collocation is good its polynomials are nearer to the motion between these than those
+    through exact points are, and stay as they are.
     """
     m = guess.basis.degree
     missed = (exact.states - guess.states)[::m]
