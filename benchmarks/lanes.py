@@ -14,7 +14,7 @@ import os
 import statistics
 import tempfile
 import time
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from functools import partial
 from pathlib import Path
 
@@ -33,18 +33,19 @@ from vehicledyn.multibody import (
     System,
     derive,
 )
-from vehicledyn.run.case_starts import CaseStarter
 from vehicledyn.run.prepare import prepare
 from vehicledyn.scenario import load_scenario
 from vehicledyn.solve.batch import Cases, make_batch, run_batch
 from vehicledyn.solve.compiler import suitable_lanes
 from vehicledyn.solve.kernel import compile_kernel
+from vehicledyn.studies.starts import find_reference, start_of
 from vehicledyn.symbolic.tables import CurveTable
 
 SCENARIOS = Path(__file__).resolve().parents[1] / "scenarios"
 STAGES = 4  # right-hand sides of a Runge-Kutta step
 STEP = 1e-3  # s
 LOOK_UPS = 100
+STARTS = 200
 SPREAD = 0.05  # of the masses of cases, to either side
 
 
@@ -124,43 +125,53 @@ def chain_figures(lengths, repeats):
     return figures
 
 
-def iltis(name):
-    """Return a prepared Iltis, its starter and 1,000 sets of parameters with their speeds."""
-    loaded = load_scenario(SCENARIOS / f"{name}.yaml")
-    prepared = prepare(loaded, backend="compiled", progress=lambda what, part: None)
-    scenario = loaded.scenario
-    starter = CaseStarter(
-        prepared, make_batch(prepared.kernel), speed=scenario.speed, kind=scenario.start
-    )
-    parameters = np.tile(prepared.kernel.parameters, (1000, 1))
-    masses = [k for k, p in enumerate(prepared.equations.parameters) if p.unit in ("kg", "kg*m^2")]
-    rng = np.random.default_rng(0)
-    parameters[:, masses] *= 1.0 + SPREAD * rng.uniform(-1.0, 1.0, (1000, len(masses)))
-    return prepared, starter, parameters, np.full(1000, scenario.speed)
+class Iltis:
+    """A prepared Iltis and sets of parameters with masses of their own."""
+
+    def __init__(self, name):
+        self.loaded = load_scenario(SCENARIOS / f"{name}.yaml")
+        self.prepared = prepare(self.loaded, backend="compiled", progress=lambda what, part: None)
+        scenario = self.loaded.scenario
+        self.start = scenario.speed, scenario.start
+        self.reference = find_reference(self.prepared, *self.start)
+        entries = self.prepared.equations.parameters
+        masses = [k for k, p in enumerate(entries) if p.unit in ("kg", "kg*m^2")]
+        self.parameters = np.tile(self.prepared.kernel.parameters, (STARTS, 1))
+        rng = np.random.default_rng(0)
+        self.parameters[:, masses] *= 1.0 + SPREAD * rng.uniform(-1.0, 1.0, (STARTS, len(masses)))
+
+    def cases(self, count):
+        """Return the first cases with the points they start from."""
+        points, parameters = [], []
+        for values in self.parameters[:count]:
+            own = replace(self.prepared, kernel=self.prepared.kernel.with_parameters(values))
+            points.append(start_of(own, *self.start, self.reference))
+            parameters.append(own.kernel.parameters)
+        states, unknowns = ([getattr(p, k) for p in points] for k in ("state", "unknowns"))
+        return Cases(*map(np.array, (parameters, states, unknowns)))
 
 
 def iltis_figures(repeats):
     """Return right-hand sides of the Iltis, times real time of its slalom, and starts."""
     figures = []
     goals = {1: "<= 1.3", 8: "<= 0.3"}
-    prepared, starter, parameters, speeds = iltis("iltis_ramp_steer")
-    cases = starter.starts(parameters[:16], speeds=speeds[:16]).cases
-    track = Track(prepared.kernel, cases, {"start": 0.0, "stop": 2.0, "interval": 1.0})
+    car = Iltis("iltis_ramp_steer")
+    span = {"start": 0.0, "stop": 2.0, "interval": 1.0}
+    track = Track(car.prepared.kernel, car.cases(16), span)
     for lanes, times in track.measure(repeats).items():
         values = [1e6 * t / (STAGES * track.steps) for t in times]
         name = f"Iltis, right-hand side, benchmark tyres, {words(lanes)}"
         figures.append(Figure(name, "us", values, goals.get(lanes, "")))
-    prepared, starter, parameters, speeds = iltis("iltis_slalom")
+    car = Iltis("iltis_slalom")
     started = []
     for _ in range(repeats):
         clock = time.process_time()
-        starter.starts(parameters, speeds=speeds)
-        started.append(time.process_time() - clock)
+        car.cases(STARTS)
+        started.append((time.process_time() - clock) * 1000 / STARTS)
     figures.append(Figure("Iltis, starts of 1,000 slaloms", "s", started, "<= 2"))
-    cases = starter.starts(parameters[:16], speeds=speeds[:16]).cases
     goals = {1: ">= 150", 8: ">= 800"}
     span = {"start": 0.0, "stop": 2.0, "interval": 0.01}
-    track = Track(prepared.kernel, cases, span, channels=range(20))
+    track = Track(car.prepared.kernel, car.cases(16), span, channels=range(20))
     for lanes, times in track.measure(repeats).items():
         values = [span["stop"] / t for t in times]
         name = f"Iltis, slalom, 20 channels at 100 Hz, {words(lanes)}"
