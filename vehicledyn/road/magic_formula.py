@@ -75,17 +75,8 @@ class Curve:
         return self.peak_place() / self.stiffness_factor
 
     def peak_place(self) -> Scalar:
-        """Return u at the peak, the shifted slip times B [1].
-
-        Two Newton steps from the value for E = 0: within 1 % for loads to 20 kN, within
-        0.1 % from 2 to 8 kN. It only scales combined slip, pure slip does not depend on it.
-        """
-        E, target = self.curvature, math.tan(0.5 * math.pi / self.shape)
-        u: Scalar = target
-        for _ in range(2):
-            error = (1.0 - E) * u + E * ops.atan(u) - target
-            u = u - error * (1.0 + u * u) / ((1.0 - E) * (1.0 + u * u) + E)
-        return u
+        """Return u at the peak, the shifted slip times B [1]; see :func:`peak_places`."""
+        return peak_places(self)[0]
 
     def on_friction(self, friction: Scalar) -> Curve:
         """Return the curve on a road of another friction, of the same slope at no slip.
@@ -99,31 +90,54 @@ class Curve:
         )
 
 
+def peak_places(*curves: Curve) -> list[Scalar]:
+    """Return u at the peak of each curve, the shifted slip times B [1].
+
+    Two Newton steps from the value for E = 0: within 1 % for loads to 20 kN, within
+    0.1 % from 2 to 8 kN. It only scales combined slip, pure slip does not depend on it.
+    """
+    targets = [math.tan(0.5 * math.pi / curve.shape) for curve in curves]
+    places: list[Scalar] = list(targets)
+    for _ in range(2):
+        bends = [(1.0 - c.curvature) * (1.0 + u * u) for c, u in zip(curves, places, strict=True)]
+        slopes = [bend + c.curvature for c, bend in zip(curves, bends, strict=True)]
+        inverse = ops.reciprocals(*slopes)  # of numbers that are at least one
+        for k, (curve, target) in enumerate(zip(curves, targets, strict=True)):
+            E, u = curve.curvature, places[k]
+            error = (1.0 - E) * u + E * ops.atan(u) - target
+            places[k] = u - error * (1.0 + u * u) * inverse[k]
+    return places
+
+
+def curves(
+    load_kN: Scalar,
+    camber_deg: Scalar,
+    lateral: LateralCoefficients,
+    aligning: AligningCoefficients,
+    longitudinal: LongitudinalCoefficients,
+) -> tuple[Curve, Curve, Curve]:
+    """Return the curves of side force and moment over slip angle and of force over slip."""
+    across, moment, along = _drawn(
+        _lateral_fit(load_kN, camber_deg, lateral),
+        _aligning_fit(load_kN, camber_deg, aligning),
+        _longitudinal_fit(load_kN, longitudinal),
+    )
+    return across, moment, along
+
+
 def lateral_curve(load_kN: Scalar, camber_deg: Scalar, c: LateralCoefficients) -> Curve:
     """Return the curve of the side force over the slip angle."""
-    F = _fitted_load(load_kN)
-    D = c.a1 * F + c.a2
-    B = c.a3 * ops.sin(c.a4 * ops.atan(c.a5 * F)) / (SHAPE_LATERAL * F * D)
-    E = c.a6 * F * F + c.a7 * F + c.a8
-    return _cambered(load_kN, F, camber_deg, c, (D, SHAPE_LATERAL, B, E))
+    return _drawn(_lateral_fit(load_kN, camber_deg, c))[0]
 
 
 def aligning_curve(load_kN: Scalar, camber_deg: Scalar, c: AligningCoefficients) -> Curve:
     """Return the curve of the aligning moment over the slip angle."""
-    F = _fitted_load(load_kN)
-    D = c.a1 * F + c.a2
-    B = (c.a3 * F + c.a4) * ops.exp(-c.a5 * F) / (SHAPE_ALIGNING * D)
-    E = c.a6 * F * F + c.a7 * F + c.a8
-    return _cambered(load_kN, F, camber_deg, c, (D, SHAPE_ALIGNING, B, E))
+    return _drawn(_aligning_fit(load_kN, camber_deg, c))[0]
 
 
 def longitudinal_curve(load_kN: Scalar, c: LongitudinalCoefficients) -> Curve:
     """Return the curve of the longitudinal force over the longitudinal slip."""
-    F = _fitted_load(load_kN)
-    D = c.a1 * F + c.a2
-    B = (c.a3 * F + c.a4) * ops.exp(-c.a5 * F) / (SHAPE_LONGITUDINAL * D)
-    E = c.a6 * F * F + c.a7 * F + c.a8
-    return Curve(load_kN * D, SHAPE_LONGITUDINAL, B, ops.minimum(E, 1.0))
+    return _drawn(_longitudinal_fit(load_kN, c))[0]
 
 
 def lateral_force(
@@ -147,25 +161,82 @@ def longitudinal_force(
     return longitudinal_curve(load_kN, coefficients).value(slip_percent)
 
 
+@dataclass(frozen=True)
+class _Fit:
+    """What a curve is made from: B = ``stiffness`` / ``divisor``, E = ``bend`` / ``lean``."""
+
+    peak: Scalar
+    shape: float
+    stiffness: Scalar
+    divisor: Scalar
+    bend: Scalar
+    lean: Scalar = 1.0
+    horizontal_shift: Scalar = 0.0
+    vertical_shift: Scalar = 0.0
+
+
+def _drawn(*fits: _Fit) -> list[Curve]:
+    """Return curves by one division for all of them."""
+    inverse = ops.reciprocals(*(item for fit in fits for item in (fit.divisor, fit.lean)))
+    return [
+        Curve(
+            fit.peak,
+            fit.shape,
+            fit.stiffness * inverse[2 * k],
+            ops.minimum(fit.bend * inverse[2 * k + 1], 1.0),
+            fit.horizontal_shift,
+            fit.vertical_shift,
+        )
+        for k, fit in enumerate(fits)
+    ]
+
+
+def _lateral_fit(load_kN: Scalar, camber_deg: Scalar, c: LateralCoefficients) -> _Fit:
+    F = _fitted_load(load_kN)
+    D = c.a1 * F + c.a2
+    stiffness = c.a3 * ops.sin(c.a4 * ops.atan(c.a5 * F))
+    fit = _Fit(load_kN * D, SHAPE_LATERAL, stiffness, SHAPE_LATERAL * F * D, _bend(F, c))
+    return _cambered(fit, load_kN, F, camber_deg, c)
+
+
+def _aligning_fit(load_kN: Scalar, camber_deg: Scalar, c: AligningCoefficients) -> _Fit:
+    F = _fitted_load(load_kN)
+    D = c.a1 * F + c.a2
+    stiffness = (c.a3 * F + c.a4) * ops.exp(-c.a5 * F)
+    fit = _Fit(load_kN * D, SHAPE_ALIGNING, stiffness, SHAPE_ALIGNING * D, _bend(F, c))
+    return _cambered(fit, load_kN, F, camber_deg, c)
+
+
+def _longitudinal_fit(load_kN: Scalar, c: LongitudinalCoefficients) -> _Fit:
+    F = _fitted_load(load_kN)
+    D = c.a1 * F + c.a2
+    stiffness = (c.a3 * F + c.a4) * ops.exp(-c.a5 * F)
+    return _Fit(load_kN * D, SHAPE_LONGITUDINAL, stiffness, SHAPE_LONGITUDINAL * D, _bend(F, c))
+
+
+def _bend(
+    F: Scalar, c: LateralCoefficients | AligningCoefficients | LongitudinalCoefficients
+) -> Scalar:
+    return c.a6 * F * F + c.a7 * F + c.a8
+
+
 def _fitted_load(load_kN: Scalar) -> Scalar:
     return ops.minimum(floored(load_kN, LOAD_FLOOR_KN), LOAD_LIMIT_KN)
 
 
 def _cambered(
+    fit: _Fit,
     load_kN: Scalar,
     F: Scalar,
     camber_deg: Scalar,
     c: LateralCoefficients | AligningCoefficients,
-    uncambered: tuple[Scalar, float, Scalar, Scalar],
-) -> Curve:
-    """Return the curve from D/F, C, B and E, corrected for camber."""
-    D, C, B, E = uncambered
+) -> _Fit:
+    """Return a fit corrected for camber."""
     lean = ops.absolute(camber_deg)
-    return Curve(
-        peak=load_kN * D,
-        shape=C,
-        stiffness_factor=B * floored(1.0 - c.a12 * lean, CAMBER_FACTOR_FLOOR),
-        curvature=ops.minimum(E / floored(1.0 - c.a13 * lean, CAMBER_FACTOR_FLOOR), 1.0),
+    return replace(
+        fit,
+        stiffness=fit.stiffness * floored(1.0 - c.a12 * lean, CAMBER_FACTOR_FLOOR),
+        lean=floored(1.0 - c.a13 * lean, CAMBER_FACTOR_FLOOR),
         horizontal_shift=c.a9 * camber_deg,
         vertical_shift=load_kN * (c.a10 * F + c.a11) * camber_deg,
     )

@@ -49,21 +49,13 @@ VD_INLINE void swap_where(vd_mask lanes, real *a, real *b) {
   *b = vd_select(lanes, held, *b);
 }
 
-/* The same arithmetic as below, for the size that most blocks have. */
+/* By Cramer's rule: one division, no choice of a pivot, for the size that most blocks have. */
 VD_INLINE vd_mask solve_two(real *a, real *b) {
-  const real zero = vd_all(0.0);
-  const vd_mask swap = vd_lt(vd_abs(a[0]), vd_abs(a[1]));
-  if (vd_any(swap)) {
-    swap_where(swap, &a[0], &a[1]);
-    swap_where(swap, &a[2], &a[3]);
-    swap_where(swap, &b[0], &b[1]);
-  }
-  const vd_mask first = vd_ne(a[0], zero);
-  const real scale = 1.0 / a[0], factor = a[1] * scale;
-  const real corner = a[3] - factor * a[2];
-  b[1] = (b[1] - factor * b[0]) * (1.0 / corner);
-  b[0] = (b[0] - a[2] * b[1]) * scale;
-  return vd_and(first, vd_ne(corner, zero));
+  const real determinant = a[0] * a[3] - a[1] * a[2], scale = 1.0 / determinant;
+  const real first = (a[3] * b[0] - a[2] * b[1]) * scale;
+  b[1] = (a[0] * b[1] - a[1] * b[0]) * scale;
+  b[0] = first;
+  return vd_ne(determinant, vd_all(0.0));
 }
 
 /* Solve a x = b, a stored by columns; x replaces b. Return the lanes where a is regular. */

@@ -141,6 +141,32 @@ def smooth_norm(x: Scalar, y: Scalar, floor: Scalar) -> Scalar:
     return sqrt(x * x + y * y + floor * floor)
 
 
+def reciprocals(*values: Scalar) -> list[Scalar]:
+    """Return 1 / value of each value, by one division in compiled code, which costs many products.
+
+    The product of the values must neither overflow nor vanish: they are away from zero and of
+    moderate size. One that is zero or no number spoils all results.
+    """
+    free = [k for k, value in enumerate(values) if not isinstance(value, (int, float))]
+    found: list[Scalar] = [1.0 if k in free else 1.0 / value for k, value in enumerate(values)]
+    if len(free) == 1:
+        found[free[0]] = 1.0 / values[free[0]]
+    if len(free) < 2:
+        return found
+    # CasADi would cancel b / (a b), but leaves 2 b / (2 a b); doubling does not round.
+    given = [values[free[0]] + values[free[0]], *(values[k] for k in free[1:])]
+    before, behind = given[:1], given[-1:]
+    for value in given[1:]:
+        before.append(before[-1] * value)
+    for value in reversed(given[1:-1]):
+        behind.insert(0, value * behind[0])
+    found[free[0]] = (behind[0] + behind[0]) / before[-1]
+    for k, index in enumerate(free[1:-1]):
+        found[index] = before[k] * behind[k + 1] / before[-1]
+    found[free[-1]] = before[-2] / before[-1]
+    return found
+
+
 def scalar(x: Scalar) -> Scalar:
     """Return a number or expression as an SX scalar."""
     import casadi

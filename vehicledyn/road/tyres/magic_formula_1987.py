@@ -6,12 +6,7 @@ import math
 
 from vehicledyn.base.parameters import quantity
 from vehicledyn.base.registry import register
-from vehicledyn.road.magic_formula import (
-    Curve,
-    aligning_curve,
-    lateral_curve,
-    longitudinal_curve,
-)
+from vehicledyn.road.magic_formula import curves, peak_places
 from vehicledyn.road.magic_formula_sets import (
     AligningCoefficients,
     LateralCoefficients,
@@ -45,7 +40,8 @@ class MagicFormula1987(Tyre):
 
     F_x = a/ρ X(κ_m ρ),    F_y = b/ρ Y(atan(ρ tan α_m)) + S_v,
 
-    and M_z like F_y with its own shifts. At pure slip these are the pure curves. The vector
+    and M_z like F_y with its own shifts, computed with a, b and ρ times u_m = B κ_m, the place of
+    the peak of X. At pure slip these are the pure curves. The vector
     (κ, tan α) is the theoretical slip times 1 + κ: of the same direction, and finite for a
     locked wheel. Side force from camber alone (S_v) does not fade with longitudinal slip.
     Camber beyond some 20° and loads beyond 20 kN are outside the fits; results stay finite.
@@ -68,37 +64,30 @@ class MagicFormula1987(Tyre):
         """Return the forces at combined slip, in ISO 8855 signs."""
         load, camber = 0.001 * contact.normal_force, _PER_RADIAN * contact.camber
         slip, angle = 100.0 * contact.longitudinal_slip, _PER_RADIAN * contact.slip_angle
-        along = longitudinal_curve(load, self.longitudinal).on_friction(self.friction)
-        across = lateral_curve(load, camber, self.lateral).on_friction(self.friction)
-        moment = aligning_curve(load, camber, self.aligning).on_friction(self.friction)
-
-        along_peak = along.peak_place()
-        peak_angle = _radians(ops.minimum(across.peak_slip(), LARGEST_PEAK_ANGLE))
-        a = slip * along.stiffness_factor / along_peak
-        b = _relative_tangent(angle + across.horizontal_shift, peak_angle)
-        magnitude = ops.smooth_norm(a, b, SLIP_FLOOR)
-        return TyreForces(
-            a / magnitude * along.at(along_peak * magnitude),
-            -_across(across, angle, a, peak_angle),
-            -_across(moment, angle, a, peak_angle),
+        across, moment, along = (
+            curve.on_friction(self.friction)
+            for curve in curves(load, camber, self.lateral, self.aligning, self.longitudinal)
         )
-
-
-def _across(curve: Curve, angle: Scalar, a: Scalar, peak_angle: Scalar) -> Scalar:
-    """Return side force or moment at a slip angle [deg] and a relative longitudinal slip.
-
-    ``peak_angle`` is α_m of the side force [rad].
-    """
-    b = _relative_tangent(angle + curve.horizontal_shift, peak_angle)
-    magnitude = ops.smooth_norm(a, b, SLIP_FLOOR)
-    equivalent = _PER_RADIAN * ops.atan(magnitude * ops.tan(peak_angle))
-    return b / magnitude * curve.symmetric(equivalent) + curve.vertical_shift
-
-
-def _relative_tangent(angle: Scalar, peak_angle: Scalar) -> Scalar:
-    """Return tan α_s / tan α_m by one division, of angles in degrees and radians."""
-    own = _radians(angle)
-    return ops.sin(own) * ops.cos(peak_angle) / (ops.cos(own) * ops.sin(peak_angle))
+        peak, across_peak = peak_places(along, across)
+        peak_slip = across_peak / across.stiffness_factor
+        peak_angle = _radians(ops.minimum(peak_slip, LARGEST_PEAK_ANGLE))
+        angles = [_radians(angle + curve.horizontal_shift) for curve in (across, moment)]
+        sine, far = ops.sin(peak_angle), peak * ops.cos(peak_angle)
+        inverse = ops.reciprocals(sine, far, *map(ops.cos, angles))
+        steepness = sine * inverse[1]  # tan α_m / u_m
+        u = slip * along.stiffness_factor
+        sides = [
+            ops.sin(angle) * item * (far * inverse[0])
+            for angle, item in zip(angles, inverse[2:], strict=True)
+        ]
+        sizes = [ops.smooth_norm(u, v, SLIP_FLOOR * peak) for v in sides]
+        shares = ops.reciprocals(*sizes)
+        force, turning = (
+            -v * share * curve.symmetric(_PER_RADIAN * ops.atan(size * steepness))
+            - curve.vertical_shift
+            for curve, v, size, share in zip((across, moment), sides, sizes, shares, strict=True)
+        )
+        return TyreForces(u * shares[0] * along.at(sizes[0]), force, turning)
 
 
 def _radians(angle: Scalar) -> Scalar:
