@@ -71,7 +71,7 @@ def test_a_coarse_guess_is_closed(touching):
     found = closed(model, rough)
     assert np.abs(passages(model, rough).gaps).max() > 1e-3
     assert np.abs(found.passages.gaps).max() < 1e-5
-    assert found.orbit.period == pytest.approx(closed(model, orbit).orbit.period, rel=1e-6)
+    assert found.orbit.period == pytest.approx(closed(model, orbit).orbit.period, rel=1e-5)
     assert found.passages.trivial == pytest.approx(1.0, abs=1e-4)
     assert multipliers_of(found.passages).others == pytest.approx(
         multipliers_of(closed(model, orbit).passages).others, abs=1e-4
