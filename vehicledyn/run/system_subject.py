@@ -193,7 +193,10 @@ def _assessment(recording: Recording) -> list[SummaryEntry]:
 
 
 def _energy_error(recording: Recording) -> Iterator[SummaryEntry]:
-    """Yield the largest difference between the energy gained and the work of all forces."""
+    """Yield the largest difference between the energy gained and the work of all forces.
+
+    It is infinite where the samples of a run that diverged are too large to compute it.
+    """
     import numpy as np
 
     from vehicledyn.base.spline import spline_integral
@@ -206,11 +209,12 @@ def _energy_error(recording: Recording) -> Iterator[SummaryEntry]:
     kept, first = np.unique(time, return_index=True)
     if len(kept) < 2:
         return
-    work = np.interp(time, kept, spline_integral(kept, values[_POWER][first]))
-    error = float(np.abs(energy - energy[0] - work).max())
+    with np.errstate(over="ignore", invalid="ignore"):
+        work = np.interp(time, kept, spline_integral(kept, values[_POWER][first]))
+        error = float(np.abs(energy - energy[0] - work).max())
     yield SummaryEntry(
         "energy_drift",
-        error,
+        error if np.isfinite(error) else np.inf,
         "J",
         "Largest difference of energy gained and work done, as far as the samples tell",
     )

@@ -10,6 +10,7 @@ import shutil
 import subprocess
 import sys
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 
 UNIT_BREAK = "\n/* ---- another unit ---- */\n"
@@ -31,8 +32,9 @@ operations are fused that the source fuses, so results do not depend on the numb
 
 _DISABLED = "none"
 _CANDIDATES = ("cc", "gcc", "clang")
-_TIME_LIMIT, _ANSWER_LIMIT = 900.0, 20.0
-"""Most time for a build and for telling the version [s]."""
+_LEAST_LIMIT, _LIMIT_OF_LETTER, _ANSWER_LIMIT = 60.0, 1e-4, 20.0
+"""Most time for a build [s], at least and for each letter of the source, some fifty times what gcc
+takes; and for telling the version [s]."""
 
 
 class CompilationError(Exception):
@@ -88,10 +90,10 @@ def find_compiler() -> Compiler:
         if path is None:
             reasons.append(f"'{command[0]}' is not found")
             continue
-        try:
-            return _ask_version((path, *command[1:]))
-        except CompilationError as error:
-            reasons.append(str(error))
+        answer = _ask_once((path, *command[1:]), Path(path).stat().st_mtime_ns)
+        if isinstance(answer, Compiler):
+            return answer
+        reasons.append(answer)
     raise CompilationError(f"no C compiler: {', '.join(reasons)}")
 
 
@@ -131,7 +133,8 @@ def build_library(compiler: Compiler, source: str, folder: Path) -> Path:
     for path, unit in zip(paths, units, strict=True):
         path.write_text(unit, encoding="utf-8")
     command = [*compiler.command, *compiler.options, *map(str, paths), "-o", str(library)]
-    _run([*command, "-lm"] if sys.platform != "win32" else command, _TIME_LIMIT)
+    limit = _LEAST_LIMIT + _LIMIT_OF_LETTER * len(source)
+    _run([*command, "-lm"] if sys.platform != "win32" else command, limit)
     if not library.is_file():
         raise CompilationError(f"{compiler.command[0]} wrote no library")
     return library
@@ -145,6 +148,15 @@ def _split(named: str) -> tuple[str, ...]:
     if not command:
         raise CompilationError("VEHICLEDYN_CC or CC is blank")
     return command
+
+
+@cache
+def _ask_once(command: tuple[str, ...], _changed: int) -> Compiler | str:
+    """Return the compiler of a command, or why there is none; a program is asked only once."""
+    try:
+        return _ask_version(command)
+    except CompilationError as error:
+        return str(error)
 
 
 def _ask_version(command: tuple[str, ...]) -> Compiler:

@@ -58,7 +58,7 @@ def _make(kernel: Kernel, progress: Progress) -> ImplicitEquations:
     if not kernel.key:
         return _interpreted(kernel.equations)
     try:
-        return _compiled(kernel.equations, kernel.key, progress)
+        return _compiled(kernel, progress)
     except CompilationError as error:
         _log.warning("%s; the Jacobian of the run is interpreted, which is slower", error)
         return _interpreted(kernel.equations)
@@ -75,9 +75,10 @@ def _interpreted(equations: Equations) -> ImplicitEquations:
     return ImplicitEquations(function, casadi.SX, sizes, len(e.parameters), lambda values: values)
 
 
-def _compiled(equations: Equations, key: str, progress: Progress) -> ImplicitEquations:
+def _compiled(kernel: Kernel, progress: Progress) -> ImplicitEquations:
     import casadi
 
+    equations = kernel.equations
     compiler, lanes = find_compiler(), suitable_lanes()
 
     def build(folder: Path) -> Path:
@@ -88,9 +89,9 @@ def _compiled(equations: Equations, key: str, progress: Progress) -> ImplicitEqu
         progress(f"compiling the Jacobian with {compiler.description}", None)
         return build_library(compiler, source, folder)
 
-    own = cache.key_of(key, "implicit", f"{lanes} lanes")
+    own = cache.key_of(kernel.key, "implicit", f"{lanes} lanes")
     (prepare, n_constants, function), entry = cache.load(own, build, _open)
-    if entry.remark:
+    if entry.remark and not kernel.report.remark:
         _log.warning(entry.remark)
     tables = TableRows(equations.tables)
 

@@ -1,8 +1,11 @@
 """What a run refuses before it computes anything, and what it leaves alone."""
 
+from pathlib import Path
+
+import numpy as np
 import pytest
 
-import vehicledyn.catalogue  # noqa: F401
+import vehicledyn.catalogue
 from vehicledyn.base.errors import InputError
 from vehicledyn.run import run_scenario
 from vehicledyn.scenario import load_scenario
@@ -57,3 +60,24 @@ def test_place_for_figures_is_checked_before_the_run(scenario, tmp_path):
 def test_validation_misses_what_the_vehicle_needs(scenario, key):
     with pytest.raises(InputError, match=f"--set {key}: missing"):
         load_scenario(scenario, [f"{key}=null"])
+
+
+DIVERGING = """
+title: A step far too long for the tyre
+model: {system}
+duration: 5 s
+solver: {{kind: rk4, step: 10 ms}}
+parameters: {{wheel: {{stiffness: 1e9 N/m}}}}
+output: {{interval: 10 ms}}
+"""
+
+
+def test_a_run_that_diverges_keeps_what_it_computed(tmp_path):
+    """Its last samples are finite but too large for sums of energies."""
+    system = Path(vehicledyn.__file__).parents[1] / "systems" / "quarter_car.yaml"
+    path = tmp_path / "diverging.yaml"
+    path.write_text(DIVERGING.format(system=system))
+    outcome = run(path, tmp_path / "diverging.h5")
+    assert (outcome.status, outcome.exit_code) == ("failed", 3)
+    assert "is no longer a finite number" in outcome.messages[-1]
+    assert outcome.summary["energy_drift"].value == np.inf

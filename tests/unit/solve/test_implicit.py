@@ -11,8 +11,8 @@ from table_examples import height, quintic, rider
 from test_shared_functions import masses
 
 from vehicledyn.base.registry import find
-from vehicledyn.solve import implicit
-from vehicledyn.solve.compiler import CompilationError
+from vehicledyn.solve import implicit, source
+from vehicledyn.solve.compiler import CompilationError, find_compiler
 from vehicledyn.solve.implicit import implicit_equations
 from vehicledyn.solve.implicit_source import colours_of
 from vehicledyn.solve.kernel import compile_kernel
@@ -137,6 +137,28 @@ def test_one_integrator_serves_all_parameter_sets(needs_compiler):
     assert np.abs(stiff - alone).max() > 1e-3
     assert softer.made is kernel.made and set(made) == set(kernel.made)
     assert all(made[key] is kernel.made[key] for key in made)
+
+
+NARROW = """\
+#!/bin/sh
+for word; do shift; [ "$word" = -march=native ] || set -- "$@" "$word"; done
+exec {cc} "$@"
+"""
+
+
+@pytest.mark.parametrize("lanes", [1, 4])
+def test_processors_without_wide_registers(needs_compiler, monkeypatch, tmp_path, lanes):
+    """As on a processor without AVX: instructions and lanes of the oldest x86-64, or others."""
+    compiler = tmp_path / "cc"
+    compiler.write_text(NARROW.replace("{cc}", " ".join(find_compiler().command)))
+    compiler.chmod(0o755)
+    wanted = run(compile_kernel(slider_crank(), backend="compiled"), "rosenbrock")[0]
+    monkeypatch.setenv("VEHICLEDYN_CC", str(compiler))
+    monkeypatch.setattr(source, "suitable_lanes", lambda: 1)
+    monkeypatch.setattr(implicit, "suitable_lanes", lambda: lanes)
+    kernel = compile_kernel(slider_crank(), backend="compiled")
+    assert run(kernel, "rosenbrock")[0] == pytest.approx(wanted, rel=1e-12, abs=1e-14)
+    assert kernel.made["implicit"].symbols is ca.MX
 
 
 def test_a_compiler_that_fails_leaves_an_interpreted_run(needs_compiler, monkeypatch, caplog):

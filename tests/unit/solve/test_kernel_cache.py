@@ -172,14 +172,25 @@ def test_broken_compiler(folder, tmp_path, monkeypatch, caplog, fault):
     assert not list(folder.glob("*")) if folder.exists() else True
 
 
-@pytest.mark.parametrize("limit", ["_ANSWER_LIMIT", "_TIME_LIMIT"])
+@pytest.mark.parametrize("limit", ["_ANSWER_LIMIT", "_LEAST_LIMIT"])
 def test_compiler_that_hangs(folder, tmp_path, monkeypatch, limit):
     hangs = "exec sleep 60" if limit == "_ANSWER_LIMIT" else VERSION + "exec sleep 60"
     monkeypatch.setenv("VEHICLEDYN_CC", script(tmp_path / "slowcc", hangs))
     monkeypatch.setattr(f"vehicledyn.solve.compiler.{limit}", 0.5)
+    monkeypatch.setattr("vehicledyn.solve.compiler._LIMIT_OF_LETTER", 0.0)
     kernel = compile_kernel(oscillator())
     assert kernel.backend == "interpreted"
     assert "does not end within 0.5 s" in kernel.report.remark
+
+
+def test_a_compiler_is_asked_once_for_its_version(tmp_path, monkeypatch):
+    """One that hangs would else hold up a command several times over."""
+    asked = tmp_path / "asked"
+    monkeypatch.setenv("VEHICLEDYN_CC", script(tmp_path / "mutecc", f'echo x >> "{asked}"; exit 1'))
+    for _ in range(3):
+        with pytest.raises(CompilationError, match="mutecc failed"):
+            find_compiler()
+    assert asked.read_text() == "x\n"
 
 
 def test_progress_is_told(folder):
