@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vehicledyn.run.passage import Sample
+from vehicledyn.solve.engine import WEAK_PIVOT
 
 if TYPE_CHECKING:
     from vehicledyn.multibody.watch import Comparison
@@ -24,8 +25,6 @@ from the dense output of a step that may reach over it, whose stages are lost in
 """
 _NEAR = 0.01
 """The same part below which a sample is too near to a singular configuration to be trusted."""
-_WEAK = 0.3
-"""Determinant, as a part of the largest met, below which other partitions are tried."""
 LEVERAGE = 10.0
 """Largest dependent rate of a unit independent rate that a partition is kept with."""
 _AHEAD = 256
@@ -144,7 +143,7 @@ class PivotLog:
         sizes = np.abs(values)
         largest = np.maximum(np.maximum.accumulate(sizes, axis=0), self._scale)
         before = np.vstack([self._before, values[:-1]])
-        harmless = ((sizes >= _WEAK * largest) & (values * before > 0.0)).all(axis=1)
+        harmless = ((sizes >= WEAK_PIVOT * largest) & (values * before > 0.0)).all(axis=1)
         return len(values) if harmless.all() else int(np.argmin(harmless))
 
     def _accept(self, rows: list[Sample], values: Matrix) -> None:
@@ -176,10 +175,10 @@ class PivotLog:
             self._release_first(_MOST_HELD)
 
     def _try_others(self, sample: Sample, share: float) -> None:
-        if share >= _WEAK:
+        if share >= WEAK_PIVOT:
             self._tried = np.inf
         # A loop that gets weaker and weaker is looked at again at half the pivot.
-        if share < min(_WEAK, 0.5 * self._tried):
+        if share < min(WEAK_PIVOT, 0.5 * self._tried):
             self._tried = share
             comparison = self._better(sample, LEVERAGE)
             if comparison is not None:
@@ -210,7 +209,7 @@ class PivotLog:
         if self._before is None or not self._before.size or self._anchor is None:
             return None
         share = np.abs(self._before) / self._scale
-        near = np.flatnonzero(share < _WEAK)
+        near = np.flatnonzero(share < WEAK_PIVOT)
         return self._crossing(near, self.latest.time + ahead) if near.size else None
 
     def release(self) -> None:

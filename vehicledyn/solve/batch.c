@@ -33,7 +33,86 @@ static void take_sample(const real *y, const struct course *course, int n_channe
         samples[lane * stride + k] = VD_LANE(y[channels[k]], lane);
 }
 
+/* What is watched in each lane: the signs of the events, the last determinant of each block and
+   the largest so far. A lane in which an event fires, or a block becomes weak or changes the sign
+   of its determinant, stops with EVENT or WEAK: it is run anew by itself. Blocks are not watched
+   where ``weak`` is zero. */
+enum { SIDES = 0, DETERMINANTS = NE, LARGEST = NE + NB };
+
 VD_EXPORT const int vd_lanes = VD_LANES;
+VD_EXPORT const int vd_watched = NE + 2 * NB;
+
+/* Determinant of a, stored by columns and overwritten; no number where a column is zero. */
+static real lane_determinant(int n, real *a) {
+  if (n == 2) return a[0] * a[3] - a[2] * a[1];
+  real determinant = vd_all(1.0);
+  for (int j = 0; j < n; j++) {
+    for (int i = j + 1; i < n; i++) {
+      const vd_mask larger = vd_lt(vd_abs(a[j + j * n]), vd_abs(a[i + j * n]));
+      if (!vd_any(larger)) continue;
+      for (int k = j; k < n; k++) swap_where(larger, &a[j + k * n], &a[i + k * n]);
+      determinant = vd_select(larger, -determinant, determinant);
+    }
+    determinant = determinant * a[j + j * n];
+    for (int k = j + 1; k < n; k++) {
+      const real factor = a[j + k * n] / a[j + j * n];
+      for (int i = j + 1; i < n; i++) a[i + k * n] -= a[i + j * n] * factor;
+    }
+  }
+  return determinant;
+}
+
+static void find_determinants(real t, const real *x, const real *z, const real *c,
+                              real *determinants) {
+  real residual[NW], jacobian[NW * NW];
+  for (int k = 0; k < NB; k++) {
+    evaluate_block(k, &t, x, z, c, residual, jacobian);
+    determinants[k] = lane_determinant(block_start[k + 1] - block_start[k], jacobian);
+  }
+}
+
+/* An event whose function is zero at the start is for the run of one case to look at. */
+static void begin_watch(real t, const real *x, const real *z, const real *c, real *watched,
+                        struct course *course) {
+  real values[NE1], *determinants = watched + DETERMINANTS, *largest = watched + LARGEST;
+  events(&t, x, z, c, values);
+  for (int k = 0; k < NE; k++) {
+    watched[SIDES + k] = vd_sign(values[k]);
+    stop_lanes(vd_eq(values[k], vd_all(0.0)), EVENT, k, vd_all(0.0), course);
+  }
+  find_determinants(t, x, z, c, determinants);
+  for (int k = 0; k < NB; k++) largest[k] = vd_abs(determinants[k]);
+}
+
+static void watch_events(real t, const real *x, const real *z, const real *c, real *watched,
+                         struct course *course) {
+  const real zero = vd_all(0.0);
+  real values[NE1];
+  events(&t, x, z, c, values);
+  for (int k = 0; k < NE; k++) {
+    real *side = watched + SIDES + k;
+    vd_mask fires = vd_every(0);
+    if (fires_rising[k]) fires = vd_and(vd_lt(*side, zero), vd_le(zero, values[k]));
+    if (fires_falling[k])
+      fires = vd_or(fires, vd_and(vd_lt(zero, *side), vd_le(values[k], zero)));
+    if (vd_any(fires)) stop_lanes(fires, EVENT, k, zero, course);
+    *side = vd_select(vd_ne(values[k], zero), vd_sign(values[k]), *side);
+  }
+}
+
+static void watch_blocks(real t, const real *x, const real *z, const real *c, double weak,
+                         real *watched, struct course *course) {
+  real determinants[NB + 1], *before = watched + DETERMINANTS, *largest = watched + LARGEST;
+  find_determinants(t, x, z, c, determinants);
+  for (int k = 0; k < NB; k++) {
+    const real size = vd_abs(determinants[k]);
+    largest[k] = vd_select(vd_lt(largest[k], size), size, largest[k]);
+    const vd_mask sound = vd_and(vd_le(weak * largest[k], size),
+                                 vd_lt(vd_all(0.0), determinants[k] * before[k]));
+    if (vd_any(vd_not(sound))) stop_lanes(vd_not(sound), WEAK, k, vd_all(0.0), course);
+    before[k] = determinants[k];
+  }
+}
 
 VD_EXPORT void vd_prepare_lanes(const real *p, real *c) { prepare(p, c); }
 
@@ -52,7 +131,7 @@ VD_EXPORT int vd_rates_lanes(double t, const real *x, real *z, const real *c, re
 /* Solve the blocks at the start, from a guess in z, and write the first sample. */
 VD_EXPORT int vd_begin_lanes(double t, const real *x, real *z, const real *c, int n_channels,
                              const int *channels, double *samples, long long stride,
-                             int *status, int *where, double *residual) {
+                             real *watched, int *status, int *where, double *residual) {
   real y[NY + 1], again[NZ1];
   struct course course;
   begin_course(&course);
@@ -63,6 +142,7 @@ VD_EXPORT int vd_begin_lanes(double t, const real *x, real *z, const real *c, in
   solve_blocks(now, x, again, c, &course); /* as a run of one case does for its first sample */
   outputs(&now, x, again, c, y);
   take_sample(y, &course, n_channels, channels, samples, stride);
+  begin_watch(now, x, z, c, watched, &course);
   return hand_out(&course, status, where, residual);
 }
 
@@ -72,7 +152,8 @@ VD_EXPORT int vd_advance_lanes(int method, long long first_step, long long n_ste
                                long long per_interval, double start, double interval,
                                const real *c, real *x, real *z, real *memory, int n_channels,
                                const int *channels, double *samples, long long stride,
-                               long long *good, int *status, int *where, double *residual) {
+                               double weak, real *watched, long long *good, int *status,
+                               int *where, double *residual) {
   const struct march march = begin_march(method, per_interval, start, interval);
   real y[NY + 1];
   struct course course;
@@ -80,10 +161,12 @@ VD_EXPORT int vd_advance_lanes(int method, long long first_step, long long n_ste
   for (long long step = first_step; step < first_step + n_steps; step++) {
     if (!vd_any(course.alive)) break;
     take_step(&march, step, 0.0, 1.0, c, x, z, memory, &course);
+    const real end = vd_all(time_of(step + 1, 0.0, start, interval, per_interval));
+    if (NE) watch_events(end, x, z, c, watched, &course);
     for (int lane = 0; lane < VD_LANES; lane++) good[lane] += course.status[lane] == SOLVED;
     if ((step + 1) % per_interval || !vd_any(course.alive)) continue;
-    const real end = vd_all(time_of(step + 1, 0.0, start, interval, per_interval));
     check_residuals(end, x, z, c, &course);
+    if (NB && weak > 0.0) watch_blocks(end, x, z, c, weak, watched, &course);
     outputs(&end, x, z, c, y);
     take_sample(y, &course, n_channels, channels, samples, stride);
     samples += n_channels;

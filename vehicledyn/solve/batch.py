@@ -1,8 +1,10 @@
 """Run many cases of one model, each with parameters and a start of its own.
 
 Fixed-step methods carry several cases side by side in SIMD lanes, see
-:mod:`vehicledyn.solve.lanes`; everything else runs case by case on the kernel itself. The
-results of a case are the same, bit for bit, whatever the number of lanes and its neighbours.
+:mod:`vehicledyn.solve.lanes`; everything else runs case by case on the kernel itself. A case in
+which an event fires, or a loop comes near to a singular configuration, leaves its lane and is run
+by itself, the others go on. The results of a case are the same, bit for bit, whatever the number
+of lanes and its neighbours.
 """
 
 from __future__ import annotations
@@ -11,15 +13,15 @@ import logging
 import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
-from functools import cached_property
 from typing import Any, TypeAlias
 
 import numpy as np
-from numpy.typing import NDArray
 
-from vehicledyn.base.errors import InputError, NumericalError
+from vehicledyn.base.errors import InputError
+from vehicledyn.solve.alone import Alone, Runner
+from vehicledyn.solve.cases import CaseEnd, Cases, Plan, Samples
 from vehicledyn.solve.compiler import CompilationError, suitable_lanes
-from vehicledyn.solve.engine import Vector
+from vehicledyn.solve.engine import WEAK_PIVOT, Status, Vector
 from vehicledyn.solve.fixed_step import steps_per_interval
 from vehicledyn.solve.kernel import Kernel, Progress
 from vehicledyn.solve.lanes import CHOICES, LaneEngine, compile_lanes
@@ -28,48 +30,16 @@ from vehicledyn.solve.simulate import Solver, simulate
 
 _log = logging.getLogger(__name__)
 
-Samples: TypeAlias = NDArray[Any]
-"""Values of the chosen channels, float64 or float32, shape (n_cases, n_samples, n_channels)."""
-
-
-@dataclass(frozen=True)
-class Cases:
-    """Parameters in SI and starting points, one row a case.
-
-    ``parameters`` (n, n_parameters), ``states`` (n, n_states) and ``unknowns``
-    (n, n_unknowns), a guess that is close, in the order of the model's equations.
-    """
-
-    parameters: Vector
-    states: Vector
-    unknowns: Vector
-
-    def __len__(self) -> int:
-        """Return the number of cases."""
-        return len(self.parameters)
-
-    def part(self, chosen: slice) -> Cases:
-        """Return some of the cases."""
-        return Cases(self.parameters[chosen], self.states[chosen], self.unknowns[chosen])
-
-
-@dataclass(frozen=True)
-class CaseEnd:
-    """How a case ended: ``message`` is empty if it went to its end, else names time and place.
-
-    ``samples`` is the number of good samples, ``time`` that of the last of them [s].
-    ``ended_by`` is the name of the terminal event that ended it early; that is no failure.
-    """
-
-    time: float
-    samples: int
-    message: str = ""
-    ended_by: str = ""
-
-    @property
-    def failed(self) -> bool:
-        """Whether the case could not go on."""
-        return bool(self.message)
+__all__ = [
+    "Batch",
+    "BatchResult",
+    "CaseEnd",
+    "Cases",
+    "Finished",
+    "Samples",
+    "make_batch",
+    "run_batch",
+]
 
 
 @dataclass(frozen=True)
@@ -82,21 +52,6 @@ class BatchResult:
     times: Vector
     samples: Samples
     ends: tuple[CaseEnd, ...]
-
-
-@dataclass(frozen=True)
-class Plan:
-    """When to take samples, and of which channels."""
-
-    start: float
-    interval: float
-    n_samples: int
-    channels: list[int]
-
-    @cached_property
-    def times(self) -> Vector:
-        """Times of the samples [s], without rounding that adds up."""
-        return np.array([self.start + self.interval * k for k in range(self.n_samples)])
 
 
 Finished: TypeAlias = Callable[[range, Samples, tuple[CaseEnd, ...]], None]
@@ -135,8 +90,8 @@ def make_batch(
     Returns
     -------
     Batch
-        With one lane, and a remark, where lanes are impossible: for a model with events, an
-        interpreted kernel, or a compiler that fails.
+        With one lane, and a remark, where lanes are impossible: for an interpreted kernel, or a
+        compiler that fails.
 
     Raises
     ------
@@ -149,8 +104,6 @@ def make_batch(
     wanted = most if lanes is None else min(lanes, most)
     if wanted == 1:
         return Batch(kernel)
-    if kernel.equations.events:
-        return _one_by_one(kernel, f"model '{kernel.equations.name}' has events")
     if kernel.backend != "compiled":
         return _one_by_one(kernel, "the kernel is interpreted")
     if progress is not None:
@@ -180,6 +133,7 @@ def run_batch(
     interval: float,
     channels: Sequence[int],
     single: bool = False,
+    runner: Runner = simulate,
     finished: Finished | None = None,
     progress: Progress | None = None,
 ) -> BatchResult:
@@ -201,6 +155,9 @@ def run_batch(
         Indices of the channels to keep, in the order wanted.
     single
         Whether samples are kept as float32, which halves the memory.
+    runner
+        Integrates cases whose loops fail or come near to singular configurations, such as
+        :func:`vehicledyn.run.watched.simulate_watched`, which changes the dependent coordinates.
     finished
         Told of cases as soon as they are done, a few at a time, in order. An interrupt
         (Ctrl-C, heeded within a fifth of a second) loses only those that are under way.
@@ -222,8 +179,9 @@ def run_batch(
     kind = np.float32 if single else np.float64
     samples = np.full((len(cases), plan.n_samples, len(channels)), np.nan, dtype=kind)
     parts = _in_turn if batch.engine is None or not hasattr(solver, "fixed_method") else _abreast
+    alone = Alone(batch.kernel, solver, plan, runner)
     ends: list[CaseEnd] = []
-    for part in parts(batch, solver, cases, plan, samples):
+    for part in parts(batch, cases, samples, alone):
         if isinstance(part, float):
             if progress is not None:
                 progress("simulating", (len(ends) + part) / len(cases))
@@ -239,20 +197,17 @@ Part: TypeAlias = float | tuple[CaseEnd, ...]
 """How many cases are done behind those that ended last, or how the next ones ended."""
 
 
-def _in_turn(
-    batch: Batch, solver: Solver, cases: Cases, plan: Plan, samples: Samples
-) -> Iterator[Part]:
+def _in_turn(batch: Batch, cases: Cases, samples: Samples, alone: Alone) -> Iterator[Part]:
     for index in range(len(cases)):
-        case = cases.part(slice(index, index + 1))
-        yield (_run_case(batch.kernel, solver, case, plan, samples[index]),)
+        yield (alone.run(cases.part(slice(index, index + 1)), samples[index]),)
         yield 0.0
 
 
-def _abreast(
-    batch: Batch, solver: Any, cases: Cases, plan: Plan, samples: Samples
-) -> Iterator[Part]:
+def _abreast(batch: Batch, cases: Cases, samples: Samples, alone: Alone) -> Iterator[Part]:
     """Run groups of cases in lanes."""
     engine: Any = batch.engine
+    solver: Any = alone.solver
+    plan = alone.plan
     per_interval = steps_per_interval(solver.step, plan.interval)
     for first in range(0, len(cases), engine.lanes):
         group = cases.part(slice(first, first + engine.lanes))
@@ -266,11 +221,19 @@ def _abreast(
             engine.prepare(engine.spread(group.parameters)),
             engine.spread(group.states),
             engine.spread(group.unknowns),
+            WEAK_PIVOT if alone.has_loops else 0.0,
         )
         for part in march(platoon, samples[first : first + engine.lanes]):
             yield part * len(group)
-        stops = [platoon.stopped(lane) for lane in range(len(group))]
-        yield tuple(_end_of(batch.kernel, stopped, plan) for stopped in stops)
+        ends = []
+        for lane in range(len(group)):
+            stopped = platoon.stopped(lane)
+            if stopped is not None and (alone.has_loops or stopped.status is Status.EVENT):
+                samples[first + lane] = np.nan
+                ends.append(alone.run(group.part(slice(lane, lane + 1)), samples[first + lane]))
+            else:
+                ends.append(_end_of(batch.kernel, stopped, plan))
+        yield tuple(ends)
         yield 0.0
 
 
@@ -280,30 +243,6 @@ def _end_of(kernel: Kernel, stopped: Stopped | None, plan: Plan) -> CaseEnd:
     last = float(plan.times[max(0, stopped.samples - 1)])
     message = kernel.failure(stopped.status, stopped.time, stopped.ledger)
     return CaseEnd(last, stopped.samples, message)
-
-
-def _run_case(kernel: Kernel, solver: Solver, case: Cases, plan: Plan, room: Samples) -> CaseEnd:
-    last, count = plan.start, 0
-
-    def keep(times: Vector, states: Vector, unknowns: Vector, outputs: Vector) -> None:
-        nonlocal last, count
-        room[count : count + len(times)] = outputs[: len(room) - count, plan.channels]
-        last, count = float(times[-1]), count + len(times)
-
-    try:
-        done = simulate(
-            kernel.with_parameters(case.parameters[0]),
-            solver,
-            start=plan.start,
-            stop=float(plan.times[-1]),
-            state=case.states[0],
-            unknowns=case.unknowns[0],
-            interval=plan.interval,
-            sink=keep,
-        )
-    except NumericalError as error:
-        return CaseEnd(last, count, str(error))
-    return CaseEnd(last, count, ended_by=done.ended_by or "")
 
 
 def _check_cases(kernel: Kernel, cases: Cases) -> None:

@@ -30,6 +30,7 @@ class Status(IntEnum):
     NOT_FINITE = 3
     INACCURATE = 4
     EVENT = 5
+    WEAK = 6
 
 
 class Method(IntEnum):
@@ -42,6 +43,10 @@ class Method(IntEnum):
 
 MOST_STAGES = 50
 """Stages that a step of ``Method.CHEBYSHEV`` may have."""
+
+
+WEAK_PIVOT = 0.3
+"""Determinant of a block, as a part of the largest met in a run, below which it is weak."""
 
 
 class Count(IntEnum):

@@ -23,10 +23,10 @@ _D, _I, _L, _P = ctypes.c_double, ctypes.c_int, ctypes.c_longlong, ctypes.c_void
 _SIGNATURES: dict[str, tuple[Any, Sequence[Any]]] = {
     "vd_prepare_lanes": (None, [_P, _P]),
     "vd_rates_lanes": (_I, [_D, *[_P] * 7]),
-    "vd_begin_lanes": (_I, [_D, _P, _P, _P, _I, _P, _P, _L, _P, _P, _P]),
+    "vd_begin_lanes": (_I, [_D, _P, _P, _P, _I, _P, _P, _L, _P, _P, _P, _P]),
     "vd_advance_lanes": (
         _I,
-        [_I, _L, _L, _L, _D, _D, *[_P] * 4, _I, _P, _P, _L, *[_P] * 4],
+        [_I, _L, _L, _L, _D, _D, *[_P] * 4, _I, _P, _P, _L, _D, *[_P] * 5],
     ),
 }
 _ALIGNMENT = 64
@@ -78,6 +78,7 @@ class LaneEngine:
         self._tables = TableRows(equations.tables)
         self._n_constants = int(_I.in_dll(library, "vd_constants").value)
         self.lanes = int(_I.in_dll(library, "vd_lanes").value)
+        self.n_watched = int(_I.in_dll(library, "vd_watched").value)
 
     def room(self, count: int) -> Vector:
         """Return zeros in lanes, aligned as the registers of the processor ask."""

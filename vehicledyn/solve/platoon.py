@@ -30,7 +30,9 @@ class Stopped:
 class Platoon:
     """Cases that run side by side with fixed steps, changed in place as they advance.
 
-    ``state`` and ``unknowns`` are in lanes; ``good`` counts the good steps of each lane.
+    ``state`` and ``unknowns`` are in lanes; ``good`` counts the good steps of each lane. A lane
+    stops where the determinant of a block falls below the part ``weak`` of the largest so far, or
+    changes its sign; zero means that none is watched.
     """
 
     engine: LaneEngine
@@ -42,11 +44,13 @@ class Platoon:
     constants: Vector
     state: Vector
     unknowns: Vector
+    weak: float = 0.0
     step: int = 0
 
     def __post_init__(self) -> None:
         """Begin with nothing known."""
         self.memory = self.engine.room(1 + 2 * max(1, self.unknowns.shape[0]))
+        self.watched = self.engine.room(self.engine.n_watched)
         self.fate = Fate.unknown(self.engine.lanes)
         self.good = np.zeros(self.engine.lanes, dtype=np.int64)
         self._begun = np.zeros(self.engine.lanes, dtype=bool)
@@ -59,7 +63,8 @@ class Platoon:
         """
         arrays = [item.ctypes.data for item in (self.state, self.unknowns, self.constants)]
         room = self._room(samples)
-        going = self.engine.begin(self.start, *arrays, *room, *self.fate.pointers())
+        watched = self.watched.ctypes.data
+        going = self.engine.begin(self.start, *arrays, *room, watched, *self.fate.pointers())
         self._begun = self.fate.status == Status.SOLVED
         return going
 
@@ -78,6 +83,8 @@ class Platoon:
             self.interval,
             *[item.ctypes.data for item in arrays],
             *self._room(samples),
+            self.weak,
+            self.watched.ctypes.data,
             self.good.ctypes.data,
             *self.fate.pointers(),
         )

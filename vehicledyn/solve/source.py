@@ -21,7 +21,7 @@ _ARGUMENTS = ("t", "x", "z", "c")
 def kernel_source(equations: Equations, functions: KernelFunctions) -> str:
     """Return the complete C source of a kernel for one case."""
     events = [
-        print_function(functions.events, "events", _ARGUMENTS, tables=equations.tables),
+        _events(equations, functions),
         print_function(functions.resets, "resets", _ARGUMENTS, tables=equations.tables),
     ]
     lanes = suitable_lanes()
@@ -47,8 +47,12 @@ def lane_head(lanes: int) -> list[str]:
 
 def lane_source(equations: Equations, functions: KernelFunctions, lanes: int) -> str:
     """Return the C source of a kernel that carries so many cases side by side."""
-    parts = [*lane_head(lanes), *shared_texts(equations, functions), shared_source("batch.c")]
-    return "\n".join(parts)
+    texts = [*shared_texts(equations, functions), _events(equations, functions)]
+    return "\n".join([*lane_head(lanes), *texts, shared_source("batch.c")])
+
+
+def _events(equations: Equations, functions: KernelFunctions) -> str:
+    return print_function(functions.events, "events", _ARGUMENTS, tables=equations.tables)
 
 
 def shared_texts(

@@ -5,7 +5,7 @@
    A lane that has converged or failed keeps its values, so that no lane depends on others.
    interpreted.py holds the same algorithm; change both together. */
 
-enum { SOLVED = 0, NOT_CONVERGED = 1, SINGULAR = 2, NOT_FINITE = 3, INACCURATE = 4, EVENT = 5 };
+enum { SOLVED = 0, NOT_CONVERGED = 1, SINGULAR = 2, NOT_FINITE = 3, INACCURATE = 4, EVENT = 5, WEAK = 6 };
 enum { RK4 = 0, SYMPLECTIC_EULER = 1, CHEBYSHEV = 100 };
 enum { MOST_STAGES = 50 };
 enum { MAX_ITERATIONS = 12 };

@@ -158,6 +158,7 @@ class Worker:
                 stop=work.duration,
                 interval=work.interval,
                 channels=model.columns,
+                runner=model.run_watched,
             )
         except InputError as error:
             for number in numbers:

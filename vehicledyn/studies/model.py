@@ -15,10 +15,13 @@ from vehicledyn.run.prepare import Derived, Point, Prepared, Progress, Vector, p
 from vehicledyn.run.road_subject import RoadSubject
 from vehicledyn.run.subject import Subject
 from vehicledyn.run.vehicle import build_subject, manoeuvre_of
+from vehicledyn.run.watched import simulate_watched
 from vehicledyn.scenario.load import LoadedScenario
 from vehicledyn.solve.batch import Batch, make_batch
 from vehicledyn.solve.fingerprint import fingerprint
-from vehicledyn.solve.kernel import Backend
+from vehicledyn.solve.kernel import Backend, Kernel
+from vehicledyn.solve.simulate import Solver
+from vehicledyn.solve.task import Statistics
 from vehicledyn.studies import scatter
 from vehicledyn.studies.axes import Axis
 from vehicledyn.studies.load import Recipe, leaves
@@ -104,6 +107,18 @@ class Model:
         scenario = loaded.scenario
         start = start_of(own, scenario.speed or 0.0, scenario.start, self.reference)
         return Case(own.kernel.parameters, start, subject)
+
+    def run_watched(self, kernel: Kernel, solver: Solver, **span: Any) -> Statistics:
+        """Integrate one case as a run of its own does, see ``simulate_watched``."""
+        return simulate_watched(
+            self.prepared.subject.system,
+            kernel,
+            solver,
+            progress=_silent,
+            happened=_silent,
+            watch=lambda: self.prepared.watch,
+            **span,
+        )
 
     def figures(self, case: Case, times: Vector, samples: Vector) -> list[Any]:
         """Return the key figures of a case from its samples (n_times, n_columns)."""
@@ -312,3 +327,7 @@ def _shape(subject: Subject) -> tuple[Any, ...]:
     vehicle = subject.vehicle
     wheels = tuple((corner.name, corner.spin) for corner in vehicle.corners)
     return (tuple(map(tuple, vehicle.outline)), vehicle.chassis, str(vehicle.rack), wheels)
+
+
+def _silent(what: str, part: float | None) -> None:
+    """Tell nobody."""

@@ -6,6 +6,7 @@ from event_examples import bouncing_ball
 from solve_examples import Samples, double_pendulum, oscillator, slider_crank, starts
 
 from vehicledyn.base.errors import InputError
+from vehicledyn.solve.alone import Alone
 from vehicledyn.solve.batch import Cases, make_batch, run_batch
 from vehicledyn.solve.compiler import suitable_lanes
 from vehicledyn.solve.kernel import compile_kernel
@@ -202,12 +203,29 @@ def test_interrupt_keeps_what_is_finished(lanes):
     assert done == list(range(lanes))
 
 
-def test_models_with_events_run_one_by_one(needs_compiler, monkeypatch):
-    monkeypatch.setattr("vehicledyn.solve.batch.suitable_lanes", lambda: 8)
+def test_only_cases_with_events_leave_their_lanes(lanes, monkeypatch):
+    """Balls from above 1.23 m do not reach the ground in half a second; one starts on it."""
     equations = bouncing_ball()
-    batch = make_batch(compile_kernel(equations), lanes=8)
-    assert batch.lanes == 1
-    assert "has events; cases run one after the other" in batch.remark
+    kernel = compile_kernel(equations, backend="compiled")
+    cases = cases_of(equations, restitution=np.linspace(0.5, 0.9, 11))
+    heights = np.linspace(0.5, 2.5, 11)
+    heights[4] = 0.0
+    cases.states[:, 0], cases.states[4, 1] = heights, 3.0
+    left, run = [], Alone.run
+
+    def told(alone, case, room):
+        left.append(float(case.states[0, 0]))
+        return run(alone, case, room)
+
+    one = run_batch(make_batch(kernel, lanes=1), METHODS[0], cases, channels=[0], **SPAN)
+    monkeypatch.setattr(Alone, "run", told)
+    many = run_batch(make_batch(kernel, lanes=lanes), METHODS[0], cases, channels=[0], **SPAN)
+    assert left == [height for height in heights if height < 1.23]
+    assert same(many.samples, one.samples)
+    assert many.ends == one.ends
+    for index, height in enumerate(heights):
+        energy = many.samples[index, :, 0]
+        assert (energy[-1] < energy[0] - 1e-3) == (0.0 < height < 1.23)
 
 
 def test_without_lanes_in_one_line(needs_compiler, monkeypatch, caplog):

@@ -1,0 +1,87 @@
+"""Cases side by side whose loops come near to singular configurations leave their lanes alone."""
+
+from functools import partial
+
+import numpy as np
+import pytest
+from test_closed_forms import start_values
+from test_partitions import L, R, rk4, slider_crank
+
+from vehicledyn.multibody import derive
+from vehicledyn.run.watched import simulate_watched
+from vehicledyn.solve.alone import Alone
+from vehicledyn.solve.batch import Cases, make_batch, run_batch
+from vehicledyn.solve.compiler import CompilationError, find_compiler, suitable_lanes
+from vehicledyn.solve.kernel import compile_kernel
+
+pytestmark = pytest.mark.validation
+
+ANGLE, SPAN = 1.1, {"start": 0.0, "stop": 1.0, "interval": 0.01}
+TURNING = np.linspace(0.2, 4.0, 11)  # rad/s; the fast ones pass dead centres
+
+
+def slider_rate(turning):
+    s, c = np.sin(ANGLE), np.cos(ANGLE)
+    return (-R * s - R**2 * s * c / np.sqrt(L**2 - R**2 * s**2)) * turning
+
+
+def swept(role, lanes, *, watched):
+    """Return times, samples of crank angle and slider place, and ends of all cases."""
+    system = slider_crank(ANGLE, role)
+    equations = derive(system)
+    state, unknowns = start_values(equations)
+    names = [s.name for s in equations.states]
+    states = np.tile(state, (len(TURNING), 1))
+    if role == "dependent":
+        states[:, names.index("slider.x_rate")] = slider_rate(TURNING)
+    else:
+        states[:, names.index("crank.angle_rate")] = TURNING
+    cases = Cases(
+        np.tile([p.value for p in equations.parameters], (len(TURNING), 1)),
+        states,
+        np.tile(unknowns, (len(TURNING), 1)),
+    )
+    channels = [c.name for c in equations.channels]
+    runner = partial(
+        simulate_watched,
+        system,
+        progress=lambda what, part: None,
+        happened=lambda name, time: None,
+    )
+    return run_batch(
+        make_batch(compile_kernel(equations), lanes=lanes),
+        rk4(5e-4),
+        cases,
+        channels=[channels.index("crank.angle"), channels.index("slider.x")],
+        **({"runner": runner} if watched else {}),
+        **SPAN,
+    )
+
+
+def has_lanes():
+    try:
+        find_compiler()
+    except CompilationError:
+        return False
+    return suitable_lanes() >= 4
+
+
+@pytest.mark.skipif(not has_lanes(), reason="lanes need a compiler and wide registers")
+def test_cases_that_pass_a_dead_centre_leave_their_lanes(monkeypatch):
+    left, run = [], Alone.run
+
+    def told(alone, case, room):
+        left.append(case.states[0].tolist())
+        return run(alone, case, room)
+
+    monkeypatch.setattr(Alone, "run", told)
+    found = swept("dependent", 4, watched=True)
+    assert 2 <= len(left) <= 9
+    assert not any(end.failed for end in found.ends)
+    good = swept("independent", 1, watched=True)
+    assert np.ptp(good.samples[-1, :, 0]) > np.pi / 2
+    assert found.samples == pytest.approx(good.samples, abs=1e-7)
+    one = swept("dependent", 1, watched=True)
+    assert np.array_equal(found.samples, one.samples)
+    unwatched = swept("dependent", 4, watched=False)
+    assert any(end.failed for end in unwatched.ends)
