@@ -18,8 +18,8 @@ from vehicledyn.run.system_subject import SystemSubject
 from vehicledyn.scenario import LoadedModel, LoadedScenario
 
 if TYPE_CHECKING:
-    from vehicledyn.systems.construct import RoadChoice
     from vehicledyn.systems.read import SystemModel
+    from vehicledyn.systems.values import RoadChoice
 
 Target = LoadedScenario | LoadedModel
 
@@ -115,7 +115,7 @@ def _options(loaded: LoadedScenario) -> RoadOptions:
 
 def _choice(target: Target) -> RoadChoice:
     """Return what a scenario chooses for the wheels of a system file."""
-    from vehicledyn.systems.construct import RoadChoice
+    from vehicledyn.systems.values import RoadChoice
 
     if isinstance(target, LoadedModel):
         return RoadChoice()

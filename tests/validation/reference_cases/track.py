@@ -19,8 +19,9 @@ from vehicledyn.rail.track_alignment import Alignment
 from vehicledyn.rail.track_pieces import Grade, Piece
 from vehicledyn.rail.track_tables import centre_line
 from vehicledyn.symbolic import ops
-from vehicledyn.systems.construct import RoadChoice, build_system
+from vehicledyn.systems.construct import build_system
 from vehicledyn.systems.read import read_system
+from vehicledyn.systems.values import RoadChoice
 
 DATA = Path(__file__).parents[1] / "data"
 FRESNEL, HELIX, SPECTRUM = "Fresnel integrals", "helix", "integral of the spectrum"
