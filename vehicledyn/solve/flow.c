@@ -1,13 +1,17 @@
 /* Motions from many points with their tangents: a lane for each point, by steps of order five.
    The tangent is that of the step itself. Besides the derivatives by the NPOINT states and the
    parameter it carries the rates at the begin of the step: at its end they must be the rates there,
-   whether or not the rates have a kink in between, and by how much they miss them is the error. */
+   whether or not the rates have a kink in between, and by how much they miss them is the error.
+   Motions that decay fast do not show there: the tangents of all states have an embedded error
+   besides, coarse, without which steps would become too long to be stable. */
 
 #include <stdlib.h>
 
 #define NBY (NPOINT + 1)
 #define NTANGENT (NPOINT + 2)
 
+/* Error allowed of the tangents of a step, part of the largest. */
+static const double vd_coarse = 0.02;
 static const double vd_safety = 0.85, vd_least = 0.1, vd_most = 4.0, vd_shortest = 1e-10;
 
 /* out = J tangent, and the derivatives by the parameter where those are carried. */
@@ -46,8 +50,15 @@ static const double vd_weights[NSTAGE][NSTAGE] = {
     {35.0 / 384.0, 0.0, 500.0 / 1113.0, 125.0 / 192.0, -2187.0 / 6784.0, 11.0 / 84.0},
 };
 
+/* How they differ from those of order four, the end of the step being the last stage. */
+static const double vd_differences[NSTAGE + 1] = {
+    71.0 / 57600.0,      0.0,           -71.0 / 16695.0, 71.0 / 1920.0,
+    -17253.0 / 339200.0, 22.0 / 525.0, -1.0 / 40.0,
+};
+
 /* Take a step of each lane from one place to the next. The tangents of the stages have room in
-   work, that of the point where rates are asked for behind them. */
+   work, that of the point where rates are asked for behind them; there the errors of the tangents
+   are left. */
 static void vd_flow_step(const real *c, real h, vd_place_of_flow *at, vd_place_of_flow *next,
                          real *work) {
   const int n = NROW * NTANGENT;
@@ -71,6 +82,21 @@ static void vd_flow_step(const real *c, real h, vd_place_of_flow *at, vd_place_o
     vd_carry(s, stage, work + (number + 1) * n);
   }
   evaluate(next->x, c, next->f, next->s);
+  vd_carry(next->s, next->y, stage);
+  for (int j = 0; j < n; j++) stage[j] = stage[j] * (h * vd_differences[NSTAGE]);
+  for (int k = 0; k < NSTAGE; k++)
+    if (vd_differences[k] != 0.0) vd_ahead(n, stage, h * vd_differences[k], work + k * n, stage);
+}
+
+/* The largest of the tangents by the states, scaled, at least as large as given. */
+static real vd_largest(const real *tangent, const double *scales, double least) {
+  real largest = vd_all(least);
+  for (int row = 0; row < NROW; row++)
+    for (int j = 0; j < NPOINT; j++) {
+      const real size = vd_abs(tangent[row * NTANGENT + j]) * (scales[j] / scales[row]);
+      largest = vd_select(vd_le(size, largest), largest, size);
+    }
+  return largest;
 }
 
 /* Put n numbers of some lanes in place of others. */
@@ -124,6 +150,8 @@ VD_EXPORT long long vd_flow(long long count, const double *points, const double 
         ((double *)&h)[lane] = step[lane];
       }
       vd_flow_step(c, h, at, next, k);
+      const real spread = vd_largest(k + NSTAGE * NROW * NTANGENT, scales, 0.0);
+      const real whole = vd_largest(next->y, scales, 1.0);
       going = 0;
       for (int lane = 0; lane < VD_LANES; lane++) {
         double missed = 0.0, size = 0.0;
@@ -138,11 +166,13 @@ VD_EXPORT long long vd_flow(long long count, const double *points, const double 
         taken_as[lane] = 1.0;
         if (left[lane] <= 0.0) continue;
         const long long own = group + lane;
-        const double error = missed / fmax(size, DBL_MIN);
+        const double own_error = missed / fmax(size, DBL_MIN);
+        const double coarse = VD_LANE(spread, lane) / (vd_coarse * VD_LANE(whole, lane));
+        const double error = fmax(own_error, isfinite(coarse) ? coarse * tolerance : INFINITY);
         const int finite = isfinite(error), short_one = step[lane] <= vd_shortest * durations[own];
         if (finite && (error <= tolerance || short_one)) {
           left[lane] = step[lane] >= left[lane] ? 0.0 : left[lane] - step[lane];
-          worst[lane] = fmax(worst[lane], error);
+          worst[lane] = fmax(worst[lane], own_error);
         } else {
           taken_as[lane] = 0.0;
           if (short_one) left[lane] = -1.0; /* No number: it ends here. */

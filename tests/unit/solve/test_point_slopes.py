@@ -2,7 +2,15 @@
 
 import numpy as np
 import pytest
-from cycle_examples import field, from_hopf, gap_oscillator, looped_normal_form, normal_form
+from cycle_examples import (
+    field,
+    from_hopf,
+    gap_oscillator,
+    looped_normal_form,
+    normal_form,
+    sampled_orbit,
+)
+from solve_examples import build, symbols
 from table_examples import height, quintic, rider
 
 from vehicledyn.solve.periodic import autonomous, monodromy
@@ -83,3 +91,26 @@ def test_compiled_motions_are_those_of_the_implicit_method(needs_compiler, monke
         assert getattr(quick, name) == pytest.approx(getattr(slow, name), abs=1e-6), name
     assert not np.array_equal(quick.ends, slow.ends)
     assert 0.0 < quick.error <= 1e-8
+
+
+def test_long_steps_stay_stable_where_motions_decay_fast(needs_compiler, monkeypatch):
+    """Beside the circle r = 1 a state decays at 3000/s: what is left of it is nothing."""
+    monkeypatch.setattr(autonomous, "LEAST", 0)
+    t, x, y, w, m = symbols("t", "x", "y", "w", "mu")
+    r2 = x * x + y * y
+    equations = build(
+        "stiff", time=t, states=[(x, 1.0), (y, 0.0), (w, 0.0)],
+        rates=[x * (m - r2) - y, y * (m - r2) + x, -3000.0 * (w - x)],
+        parameters=[(m, 1.0)], outputs=[("x", x)],
+    )  # fmt: skip
+    orbit = sampled_orbit(
+        2.0 * np.pi, 1.0,
+        lambda s: np.column_stack([f(2 * np.pi * s) for f in (np.cos, np.sin, np.cos)]),
+    )  # fmt: skip
+    model = field(equations, "mu")
+    found = passages(model, orbit, tolerance=1e-4)
+    assert model._compiled.carries_motion
+    assert np.abs(found.by_state[:, 2, 2]).max() < 0.02
+    assert np.sort(np.abs(np.linalg.eigvals(found.monodromy))) == pytest.approx(
+        [0.0, np.exp(-4.0 * np.pi), 1.0], abs=1e-3
+    )
