@@ -11,9 +11,9 @@ from sphinx_parts.tables import table
 
 def pages() -> dict[str, tuple[str, str]]:
     """Return the page of all verbs."""
-    from vehicledyn.cli.verbs import app
+    from vehicledyn.cli.verbs import command_line
 
-    group: Any = typer.main.get_command(app)
+    group: Any = typer.main.get_command(command_line())
     text = "\n\n".join([_HEAD, *(_verb(name, group.commands[name]) for name in group.commands)])
     return {"commands": (text + "\n", "every verb with its arguments and options.")}
 

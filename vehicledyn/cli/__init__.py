@@ -54,12 +54,12 @@ def _open_closed_streams() -> None:
 def _run() -> NoReturn:
     # Other packages' plugins of pydantic have no part in this; looking for them takes a while.
     os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")
-    from vehicledyn.cli.verbs import app
+    from vehicledyn.cli.verbs import command_line
 
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(errors="backslashreplace")
-    app(prog_name="vehicledyn")
+    command_line(sys.argv[1:])(prog_name="vehicledyn")
     sys.exit(0)
 
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from importlib import import_module
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -11,20 +13,7 @@ from typer.core import TyperGroup
 import vehicledyn
 from vehicledyn.base.errors import InputError, StoppedError
 from vehicledyn.base.schema_line import schema_line
-from vehicledyn.cli import (
-    analyses,
-    animate,
-    exports,
-    files,
-    hunt,
-    linear,
-    paths,
-    rail,
-    report,
-    start,
-    sweep,
-    track,
-)
+from vehicledyn.cli import files
 from vehicledyn.cli.options import (
     Backend,
     BackendChoice,
@@ -55,14 +44,50 @@ class _Verbs(TyperGroup):
             raise StoppedError("interrupted") from None
 
 
-app = typer.Typer(
-    name="vehicledyn",
-    cls=_Verbs,
-    help="Vehicle dynamics from symbolic multibody equations: scenario in, result file out.",
-    no_args_is_help=True,
-    rich_markup_mode=None,
-    pretty_exceptions_enable=False,
-)
+HOMES = {
+    "files": ("compare", "plot", "info", "assess"),
+    "analyses": ("models", "equilibrium"),
+    "linear": ("eig", "response"),
+    "exports": ("export",),
+    "paths": ("kinematics", "inverse"),
+    "rail": ("profiles",),
+    "sweep": ("sweep",),
+    "hunt": ("hunt",),
+    "report": ("report",),
+    "animate": ("animate",),
+    "start": ("init",),
+    "track": ("track",),
+}
+"""Verbs of the modules beside this one, in the order in which help lists them."""
+
+
+def command_line(words: Sequence[str] = ()) -> typer.Typer:
+    """Return the command line with all verbs, or with no more than one's module needs.
+
+    Parameters
+    ----------
+    words
+        What follows the name of the program. Where they begin with a verb only its module is
+        loaded; help, completion and mistakes need all of them.
+    """
+    app = typer.Typer(
+        name="vehicledyn",
+        cls=_Verbs,
+        help="Vehicle dynamics from symbolic multibody equations: scenario in, result file out.",
+        no_args_is_help=True,
+        rich_markup_mode=None,
+        pretty_exceptions_enable=False,
+    )
+    app.callback()(common)
+    own = (run, validate, schema, doctor)
+    for function in own:
+        app.command()(function)
+    verb = words[0] if words else ""
+    homes = [home for home, verbs in HOMES.items() if verb in verbs]
+    alone = homes or verb in [function.__name__ for function in own]
+    for home in homes if alone else HOMES:
+        import_module(f"vehicledyn.cli.{home}").add_verbs(app)
+    return app
 
 
 def _show_version(wanted: bool) -> None:
@@ -71,7 +96,6 @@ def _show_version(wanted: bool) -> None:
         raise typer.Exit
 
 
-@app.callback()
 def common(
     version: Annotated[
         bool,
@@ -81,7 +105,6 @@ def common(
     """Vehicle dynamics from symbolic multibody equations: scenario in, result file out."""
 
 
-@app.command()
 def run(
     scenario: ScenarioFile,
     *,
@@ -119,7 +142,6 @@ def run(
     raise typer.Exit(outcome.exit_code)
 
 
-@app.command()
 def validate(
     scenarios: Annotated[
         list[Path], typer.Argument(metavar="FILE...", help="Scenario, system or study files.")
@@ -139,7 +161,6 @@ def validate(
     raise typer.Exit(wrong)
 
 
-@app.command()
 def schema(
     output: Annotated[Path | None, typer.Option("--output", "-o", help="File to write.")] = None,
     of: Annotated[FileKind, typer.Option("--of", help="Which files.")] = FileKind.SCENARIO,
@@ -171,23 +192,8 @@ def _schema_of(kind: FileKind) -> dict[str, Any]:
     return scenario_schema()
 
 
-@app.command()
 def doctor(as_json: Json = False) -> None:
     """Show versions, C compiler, cache and catalogues of this installation."""
     from vehicledyn.cli.doctor import examine
 
     emit_report(examine(), as_json=as_json)
-
-
-files.add_verbs(app)
-analyses.add_verbs(app)
-linear.add_verbs(app)
-exports.add_verbs(app)
-paths.add_verbs(app)
-rail.add_verbs(app)
-sweep.add_verbs(app)
-hunt.add_verbs(app)
-report.add_verbs(app)
-animate.add_verbs(app)
-start.add_verbs(app)
-track.add_verbs(app)

@@ -9,6 +9,9 @@ import time
 from pathlib import Path
 
 import pytest
+import typer
+
+from vehicledyn.cli.verbs import HOMES, command_line
 
 HEAVY = ("casadi", "h5py", "matplotlib", "numpy", "pandas", "rich", "scipy")
 SCENARIOS = Path(__file__).parents[3] / "scenarios" / "systems"
@@ -44,6 +47,18 @@ def test_wrong_usage_exits_with_2(arguments):
     assert done.returncode == 2
     assert "Usage: vehicledyn" in done.stderr + done.stdout
     assert "Traceback" not in done.stderr
+
+
+def test_each_verb_is_found_where_it_is_said_to_be():
+    """Where one verb is asked for, only its module is loaded; help lists all of them."""
+    everything = typer.main.get_command(command_line()).commands
+    homes = [verb for verbs in HOMES.values() for verb in verbs]
+    assert {*homes, "run", "validate", "schema", "doctor"} == set(everything)
+    assert set(typer.main.get_command(command_line(["valdate"])).commands) == set(everything)
+    for verb, whole in everything.items():
+        commands = typer.main.get_command(command_line([verb, "--help"])).commands
+        assert len(commands) < len(everything)
+        assert [item.name for item in commands[verb].params] == [item.name for item in whole.params]
 
 
 @pytest.mark.parametrize("verb", ["--help", "--version", "validate", "schema"])
