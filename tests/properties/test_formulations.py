@@ -6,7 +6,7 @@ import pytest
 from random_systems import CHAIN, Builder, spatial_loop, tree
 
 from vehicledyn.base.errors import InputError
-from vehicledyn.multibody import derive
+from vehicledyn.multibody import derive, forward
 from vehicledyn.multibody.alignment import align
 from vehicledyn.multibody.barycentric import augmented_inertias
 from vehicledyn.multibody.dynamics import inverse_dynamics, mass_matrix
@@ -16,6 +16,7 @@ from vehicledyn.multibody.tree import unfold
 from vehicledyn.solve.functions import count_operations
 from vehicledyn.symbolic import ops, rotations
 from vehicledyn.symbolic.equations import Equations, Variable
+from vehicledyn.symbolic.steps import Steps
 
 WAYS = ("auto", "composite", "articulated")
 SEEDS = range(50)
@@ -50,6 +51,22 @@ def test_articulated_and_composite_inertias_give_the_same_accelerations(seed):
     system = (tree if seed % 4 == 0 else bare)(seed)
     ways = ("composite", "articulated")
     one, two = (rates(derive(system, formulation=way), seed) for way in ways)
+    assert two == pytest.approx(one, rel=0.0, abs=1e-10 * max(1.0, np.abs(one).max()))
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_steps_written_once_give_the_same_accelerations(seed, monkeypatch):
+    """Of any joints on any base, whether alike or not."""
+    system = (tree if seed % 4 == 0 else bare)(seed)
+    one = rates(derive(system, formulation="composite"), seed)
+    monkeypatch.setattr(forward, "_MANY", 1)
+    monkeypatch.setattr(Steps, "are_alike", True)
+    equations = derive(system, formulation="articulated")
+    function = casadi.Function(
+        "rates", [casadi.vertcat(*casadi.symvar(equations.rate))], [equations.rate]
+    )
+    assert sum("_outward" in name for name in function.get_function()) > 2
+    two = rates(equations, seed)
     assert two == pytest.approx(one, rel=0.0, abs=1e-10 * max(1.0, np.abs(one).max()))
 
 

@@ -38,6 +38,13 @@ class AlignedTree:
         """Return wrenches in the new axes of their bodies."""
         return [self._turned(wrench) for wrench in given]
 
+    def then(self, further: AlignedTree) -> AlignedTree:
+        """Return a tree that was made of this one as made of the tree that this was made of."""
+        turns = dict(self.turns)
+        for link, turn in further.turns.items():
+            turns[link] = turns[link] @ turn if link in turns else turn
+        return AlignedTree(further.tree, turns)
+
     def _turned(self, wrench: Wrench) -> Wrench:
         turn = self.turns.get(self.tree.body_link[wrench.body])
         if turn is None:
@@ -69,6 +76,48 @@ def align(tree: Tree, table: ParameterTable) -> AlignedTree:
             links[k] = _hung(links[k], turn)
         links[guide] = _elementary(links[guide], item.joint.axis)
     return AlignedTree(replace(tree, links=tuple(links)), turns)
+
+
+def with_common_axis(tree: Tree) -> AlignedTree:
+    """Return the tree with the axes of its links renamed so that joints turn about the third.
+
+    Only where the fixed turns of a link and of all on it are general: there new names of the axes
+    cost nothing, and make the steps of a recursion alike.
+    """
+    links = list(tree.links)
+    beyond: dict[int, list[int]] = defaultdict(list)
+    for index, item in enumerate(links):
+        beyond[item.parent].append(index)
+    turns: dict[int, Mat] = {}
+    for index, item in enumerate(tree.links):
+        concerned = [item, *(links[k] for k in beyond[index])]
+        if not _is_plain(item) or item.joint is None or item.joint.axis == _COMMON:
+            continue
+        if not all(_is_general(other) for other in concerned):
+            continue
+        turns[index] = turn = _renaming(item.joint.axis)
+        joint = replace(item.joint, kind=f"R{_COMMON}")
+        here = links[index]
+        links[index] = replace(
+            here, joint=joint, before=here.before @ turn, body=_in_axes(item.body, turn)
+        )
+        for k in beyond[index]:
+            links[k] = _hung(links[k], turn)
+    return AlignedTree(replace(tree, links=tuple(links)), turns)
+
+
+_COMMON = 3
+
+
+def _renaming(axis: int) -> Mat:
+    """Return the turn, v_old = turn v_new, whose third new axis is an old one."""
+    order = [axis % 3, (axis + 1) % 3, axis - 1]
+    return rotations.columns(*(rotations.axis_vector(k + 1) for k in order))
+
+
+def _is_general(item: Link) -> bool:
+    """Return whether the fixed turn before a joint is about no axis of the frames."""
+    return item.before is not None and rotations.elementary_axis(item.before) is None
 
 
 def _oblique(tree: Tree, table: ParameterTable) -> set[int]:

@@ -8,8 +8,10 @@ grows with the number of joints, not with its square.
 
 from __future__ import annotations
 
+from collections import defaultdict
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import TypeAlias
 
 from vehicledyn.multibody.dynamics import JointWrench
@@ -22,6 +24,7 @@ from vehicledyn.multibody.kinematics import Kinematics
 from vehicledyn.multibody.tree import Link
 from vehicledyn.symbolic import ops, rotations
 from vehicledyn.symbolic.ops import Mat, Scalar, Vec
+from vehicledyn.symbolic.steps import Writer, written_out
 
 _UPPER = ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))
 
@@ -52,28 +55,40 @@ class ArticulatedInertia:
         )
 
     def in_parent(self, turns: Sequence[Mat], arm: Vec) -> ArticulatedInertia:
-        """Return it in a parent frame: turned by each rotation, origin displaced by ``arm``."""
+        """Return it in a parent frame: turned by each rotation, origin displaced by ``arm``.
+
+        Sums run on from their first term, so that all of their products are fused with them.
+        """
         linear, near, angular = self.linear, self.coupling, self.angular
         for turn in turns:
             linear, angular = (rotations.congruent(turn, item) for item in (linear, angular))
             near = rotations.similar(turn, near)
-        far = near - linear @ ops.tilde(arm)
-        one, two = ops.tilde(arm) @ far, ops.tilde(arm) @ near
-        gain = [one[i, j] + two[j, i] for i, j in _UPPER]
-        return ArticulatedInertia(linear, far, angular + rotations.symmetric(gain[:3], gain[3:]))
+        rows = [ops.plus_cross(near[i, :].T, arm, linear[i, :].T) for i in range(3)]
+        far = rotations.matrix([[row[j] for j in range(3)] for row in rows])
+        gained = [_plus_moment(angular[i, j], arm, near[:, i], j) for i, j in _UPPER]
+        gained = [
+            _plus_moment(entry, arm, far[:, j], i)
+            for entry, (i, j) in zip(gained, _UPPER, strict=True)
+        ]
+        return ArticulatedInertia(linear, far, rotations.symmetric(gained[:3], gained[3:]))
+
+
+def _plus_moment(entry: Scalar, arm: Vec, force: Vec, k: int) -> Scalar:
+    """Return a number plus component k of a moment, summed from the number on."""
+    i, j = (k + 1) % 3, (k + 2) % 3
+    return entry + arm[i] * force[j] - arm[j] * force[i]
 
 
 @dataclass(frozen=True)
 class _Gate:
-    """A free joint: the wrench of its unit acceleration, and the same over its inertia.
+    """How a free joint yields to its parent: q̈ = push - force · a - torque · α.
 
-    ``push`` is the acceleration of the joint when its parent has none.
+    ``force`` and ``torque`` are those of the joint's unit acceleration over its inertia, in the
+    axes of the parent; a is the acceleration of the joint's place on the parent.
     """
 
     force: Vec
     torque: Vec
-    unit_force: Vec
-    unit_torque: Vec
     push: Scalar
 
 
@@ -85,6 +100,7 @@ def tree_accelerations(
     free: set[str],
     *,
     base: int | None = None,
+    write: Writer = written_out,
 ) -> dict[str, Scalar]:
     """Return the accelerations q̈ of the free coordinates of an open tree.
 
@@ -106,8 +122,10 @@ def tree_accelerations(
         Names of the coordinates whose accelerations are sought.
     base
         Link of a body that moves freely and whose links below have no inertia, if any.
+    write
+        How the steps of the recursion are written.
     """
-    return sweep(kinematics, needed, joint_forces, inertias, free, base=base)[0]
+    return sweep(kinematics, needed, joint_forces, inertias, free, base=base, write=write)[0]
 
 
 Carried: TypeAlias = dict[int, list[tuple[ArticulatedInertia, JointWrench]]]
@@ -124,10 +142,12 @@ def sweep(
     base: int | None = None,
     links: Sequence[int] | None = None,
     carried: Carried | None = None,
+    write: Writer = written_out,
 ) -> tuple[dict[str, Scalar], dict[int, tuple[Vec, Vec]]]:
     """Return accelerations of the free coordinates and (a, α) of each link.
 
-    The other parameters are those of :func:`tree_accelerations`.
+    Links at the ends of the tree are among them only where ``links`` are given. The other
+    parameters are those of :func:`tree_accelerations`.
 
     Parameters
     ----------
@@ -146,7 +166,7 @@ def sweep(
             wrenches[link] = JointWrench(force + wrench.force, torque + wrench.torque)
 
     settled = set() if base is None else set(kinematics.tree.path(base))
-    gates = _inwards(kinematics, bodies, wrenches, joint_forces, free, stop=settled)
+    gates = _inwards(kinematics, bodies, wrenches, joint_forces, free, stop=settled, write=write)
     found: dict[str, Scalar] = {}
     moved = {-1: (ops.vector(0.0, 0.0, 0.0), ops.vector(0.0, 0.0, 0.0))}
     if base is not None:
@@ -155,7 +175,8 @@ def sweep(
         moved[base] = body_acceleration(blocks, wrench.force, wrench.torque)
         found = coordinate_accelerations(kinematics, base, *moved[base])
     beyond = [link for link in chosen if link not in settled]
-    _outwards(kinematics, gates, beyond, found, moved)
+    ends = set(beyond) - {item.parent for item in kinematics.tree.links} if links is None else set()
+    _outwards(kinematics, gates, beyond, found, moved, ends=ends, write=write)
     return found, moved
 
 
@@ -167,33 +188,94 @@ def _inwards(
     free: set[str],
     *,
     stop: set[int],
+    write: Writer,
 ) -> dict[int, _Gate]:
-    """Carry inertias and wrenches inwards, changing both, and return the free joints.
+    """Carry inertias and wrenches inwards and return the free joints.
 
-    They are carried to the links of ``stop``, not further.
+    They are carried to the links of ``stop``, which change, and not further.
     """
     gates: dict[int, _Gate] = {}
+    hanging: dict[int, list[Mat]] = defaultdict(list)
     for link in reversed(list(bodies)):
+        item = kinematics.tree.links[link]
+        own = [*_blocks(bodies[link], wrenches[link]), *hanging.pop(link, [])]
         if link in stop:
+            bodies[link], wrenches[link] = _total(own)
             continue
-        item, body, wrench = kinematics.tree.links[link], bodies[link], wrenches[link]
-        if item.joint is not None and item.joint.name in free:
+        is_free = item.joint is not None and item.joint.name in free
+        given = []
+        if item.joint is not None and is_free:
             force = ops.scalar(joint_forces.get(item.joint.name, 0.0))
-            axis = kinematics.link_axis(link)
-            gates[link] = gate = _gate(item, axis, body, wrench, force)
-            if item.parent >= 0:
-                body, wrench = _beyond(item, body, wrench, gate, force)
+            given += [kinematics.link_axis(link), force]
         if item.parent >= 0:
-            rotation, arm = kinematics.link_rotation(link), kinematics.link_arm(link)
-            moved = body.in_parent(kinematics.link_turns(link), arm)
-            bodies[item.parent] = bodies[item.parent] + moved
-            wrenches[item.parent] = wrenches[item.parent].plus(wrench, rotation, arm)
+            turns = kinematics.link_turns(link)
+            given += [kinematics.link_rotation(link), kinematics.link_arm(link), *turns]
+        inward = partial(_inward, item=item, n_own=len(own), is_free=is_free)
+        structure = (_kind(item), len(own), is_free, item.parent >= 0)
+        found = write("inward", structure, [*own, *given], inward)
+        if is_free:
+            gates[link] = _Gate(*found[-3:])
+        if item.parent >= 0:
+            hanging[item.parent] += found[:_PARTS]
     return gates
 
 
-def _gate(
+_PARTS = 5
+"""Matrices of an articulated inertia and a wrench."""
+
+
+def _kind(item: Link) -> tuple[object, ...]:
+    """Return what steps ask of a link besides its matrices."""
+    joint = None if item.joint is None else (item.joint.is_rotation, item.joint.axis)
+    return (joint, item.turns, item.before is None, item.after is None)
+
+
+def _blocks(body: ArticulatedInertia, wrench: JointWrench) -> list[Mat]:
+    return [body.linear, body.coupling, body.angular, wrench.force, wrench.torque]
+
+
+def _total(parts: Sequence[Mat]) -> tuple[ArticulatedInertia, JointWrench]:
+    """Return the sum of inertias and wrenches at the same origin and in the same axes."""
+    body, wrench = ArticulatedInertia(*parts[:3]), JointWrench(*parts[3:_PARTS])
+    for k in range(_PARTS, len(parts), _PARTS):
+        body = body + ArticulatedInertia(*parts[k : k + 3])
+        wrench = wrench.added_to(JointWrench(*parts[k + 3 : k + _PARTS]))
+    return body, wrench
+
+
+def _inward(given: list[Mat], *, item: Link, n_own: int, is_free: bool) -> list[Mat]:
+    """Return what a link is for its parent, where there is one, and its gate, where it is free."""
+    body, wrench = _total(given[:n_own])
+    rest = given[n_own:]
+    gate: list[Mat] = []
+    if is_free:
+        axis, force, *rest = rest
+        effort = _effort(item, axis, body, wrench, force)
+        gate = [effort.unit_force, effort.unit_torque, effort.push]
+        if item.parent >= 0:
+            body, wrench = _beyond(item, body, wrench, effort, force)
+    if item.parent < 0:
+        return gate
+    rotation, arm, *turns = rest
+    for turn in turns:
+        gate[:2] = [turn @ row for row in gate[:2]]
+    return [*_blocks(body.in_parent(turns, arm), wrench.turned(rotation, arm)), *gate]
+
+
+@dataclass(frozen=True)
+class _Effort:
+    """The wrench of a joint's unit acceleration, the same over its inertia, and its push."""
+
+    force: Vec
+    torque: Vec
+    unit_force: Vec
+    unit_torque: Vec
+    push: Scalar
+
+
+def _effort(
     item: Link, axis: Vec, body: ArticulatedInertia, wrench: JointWrench, force: Scalar
-) -> _Gate:
+) -> _Effort:
     if item.joint is not None and item.joint.is_rotation:
         column, turning, along = body.coupling @ axis, body.angular @ axis, wrench.torque
         inverse = 1.0 / ops.dot(axis, turning)
@@ -201,11 +283,11 @@ def _gate(
         column, turning, along = body.linear @ axis, body.coupling.T @ axis, wrench.force
         inverse = 1.0 / ops.dot(axis, column)
     push = (force - ops.dot(axis, along)) * inverse
-    return _Gate(column, turning, column * inverse, turning * inverse, push)
+    return _Effort(column, turning, column * inverse, turning * inverse, push)
 
 
 def _beyond(
-    item: Link, body: ArticulatedInertia, wrench: JointWrench, gate: _Gate, along: Scalar
+    item: Link, body: ArticulatedInertia, wrench: JointWrench, gate: _Effort, along: Scalar
 ) -> tuple[ArticulatedInertia, JointWrench]:
     """Return inertia and wrench as they are felt through a free joint.
 
@@ -243,20 +325,43 @@ def _outwards(
     chosen: Sequence[int],
     found: dict[str, Scalar],
     moved: dict[int, tuple[Vec, Vec]],
+    *,
+    ends: set[int],
+    write: Writer,
 ) -> None:
-    """Add the accelerations of the free joints, and those of the links they lead to."""
+    """Add the accelerations of the free joints, and those of the links they lead to but ends."""
     for link in chosen:
         item = kinematics.tree.links[link]
-        linear, angular = moved[item.parent]
-        back = kinematics.link_rotation(link).T
-        linear = back @ (linear + ops.cross(angular, kinematics.link_arm(link)))
-        angular = back @ angular
+        rotation, arm = kinematics.link_rotation(link), kinematics.link_arm(link)
+        given = [*moved[item.parent], rotation, arm]
+        if link in gates:
+            gate = gates[link]
+            axis = kinematics.link_axis(link)
+            given += [axis, gate.force, gate.torque, gate.push]
+        outward = partial(_outward, item=item, is_end=link in ends)
+        structure = (_kind(item), link in gates, link in ends)
+        *motion, value = write("outward", structure, given, outward)
+        if link not in ends:
+            moved[link] = (motion[0], motion[1])
         if link in gates and item.joint is not None:
-            gate, axis = gates[link], kinematics.link_axis(link)
-            carried = ops.dot(gate.unit_force, linear) + ops.dot(gate.unit_torque, angular)
-            value = found[item.joint.name] = gate.push - carried
-            if item.joint.is_rotation:
-                angular = angular + axis * value
-            else:
-                linear = linear + axis * value
-        moved[link] = (linear, angular)
+            found[item.joint.name] = value
+
+
+def _outward(given: list[Mat], *, item: Link, is_end: bool) -> list[Mat]:
+    """Return (a, α) of a link but an end, and the acceleration of its joint, zero without gate."""
+    linear, angular, rotation, arm, *gate = given
+    at_joint = ops.plus_cross(linear, angular, arm)
+    value = ops.scalar(0.0)
+    if gate:
+        axis, force, torque, value = gate
+        for row, motion in ((torque, angular), (force, at_joint)):
+            for k in range(3):
+                value = value - row[k] * motion[k]
+    if is_end:
+        return [value]
+    own_linear, own_angular = rotation.T @ at_joint, rotation.T @ angular
+    if not gate:
+        return [own_linear, own_angular, value]
+    if item.joint is not None and item.joint.is_rotation:
+        return [own_linear, own_angular + axis * value, value]
+    return [own_linear + axis * value, own_angular, value]

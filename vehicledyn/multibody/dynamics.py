@@ -28,9 +28,12 @@ class JointWrench:
 
     def plus(self, other: JointWrench, rotation: Mat, arm: Vec) -> JointWrench:
         """Return the sum with a wrench of a frame beyond, turned and displaced by ``arm``."""
-        force = rotation @ other.force
-        torque = rotation @ other.torque + ops.cross(arm, force)
-        return JointWrench(self.force + force, self.torque + torque)
+        return self.added_to(other.turned(rotation, arm))
+
+    def turned(self, rotation: Mat, arm: Vec) -> JointWrench:
+        """Return the wrench in a frame before it: turned, its origin displaced by ``arm``."""
+        force = rotation @ self.force
+        return JointWrench(force, ops.plus_cross(rotation @ self.torque, arm, force))
 
     def added_to(self, other: JointWrench) -> JointWrench:
         """Return the sum with a wrench at the same origin and in the same axes."""
@@ -42,8 +45,7 @@ class JointWrench:
 
     def in_parent(self, kinematics: Kinematics, link: int) -> JointWrench:
         """Return the wrench of a link at the origin and in the axes of its parent."""
-        nothing = JointWrench(ops.vector(0.0, 0.0, 0.0), ops.vector(0.0, 0.0, 0.0))
-        return nothing.plus(self, kinematics.link_rotation(link), kinematics.link_arm(link))
+        return self.turned(kinematics.link_rotation(link), kinematics.link_arm(link))
 
     def along(self, kinematics: Kinematics, link: int) -> Scalar:
         """Return its share on the coordinate of a link that has a joint [N or N m]."""
@@ -113,14 +115,14 @@ def needed_wrenches(
     lifted = kinematics.in_lift(-gravity)
     needed = []
     for link, item in enumerate(own):
-        force, torque = _newton_euler(lifted, link, item)
+        force, torque = newton_euler(lifted, link, item)
         for wrench in applied[link]:
             force, torque = force - wrench.force, torque - wrench.torque
         needed.append(JointWrench(force, torque))
     return needed
 
 
-def _newton_euler(kinematics: Kinematics, link: int, own: Inertia) -> tuple[Vec, Vec]:
+def newton_euler(kinematics: Kinematics, link: int, own: Inertia) -> tuple[Vec, Vec]:
     """Return force and torque about the origin that motion and weight of one link need."""
     force = torque = ops.vector(0.0, 0.0, 0.0)
     if not ops.is_structurally_zero(own.mass):

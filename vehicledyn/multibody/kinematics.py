@@ -72,6 +72,14 @@ class Kinematics:
         """
         return self._sharing(self._qdd, acceleration, forget=frozenset({"acceleration"}))
 
+    def learn(self, link: int, **known: Mat) -> None:
+        """Take what is known of a link by name in place of what would be built for it.
+
+        Names are those under which it is kept: rotation, arm, turn, omega, alpha, beta,
+        acceleration; the ground is link -1.
+        """
+        self._cache |= {(name, link): value for name, value in known.items()}
+
     def relative_to(self, link: int) -> Kinematics:
         """Return the kinematics of what hangs on a link as if that link were at rest."""
         other = self._sharing(self._qdd, ops.vector(0.0, 0.0, 0.0), forget=_MOVING)
@@ -81,6 +89,10 @@ class Kinematics:
     def on(self, tree: Tree) -> Kinematics:
         """Return the kinematics of the same motion on another tree of the same coordinates."""
         return Kinematics(tree, self._q, self._qd, self._qdd, self._ground)
+
+    def joint_motion(self, name: str) -> tuple[Scalar, Scalar, Scalar]:
+        """Return a coordinate with its rate and acceleration."""
+        return self._q[name], self._qd[name], self._acceleration(name)
 
     def _sharing(
         self, accelerations: dict[str, Scalar] | None, ground: Vec, *, forget: frozenset[str]
@@ -137,16 +149,16 @@ class Kinematics:
         from vehicledyn.multibody.tree import joint_rotation
 
         return self._once(
-            "rotation", link, lambda: joint_rotation(self.tree.links[link], *self._turn(link))
+            "rotation", link, lambda: joint_rotation(self.tree.links[link], *self.link_turn(link))
         )
 
     def link_turns(self, link: int) -> list[Mat]:
         """Return factors of the link's rotation, the innermost first, for inertias."""
         from vehicledyn.multibody.tree import joint_turns
 
-        return joint_turns(self.tree.links[link], *self._turn(link))
+        return joint_turns(self.tree.links[link], *self.link_turn(link))
 
-    def _turn(self, link: int) -> tuple[Scalar, Scalar]:
+    def link_turn(self, link: int) -> tuple[Scalar, Scalar]:
         """Return cosine and sine of a joint's angle, those of zero where nothing turns."""
 
         def build() -> tuple[Scalar, Scalar]:

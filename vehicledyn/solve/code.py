@@ -9,6 +9,7 @@ import math
 from collections import defaultdict
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from itertools import groupby
 from typing import Any
 
 from vehicledyn.solve.alike import PLACES, Row
@@ -25,6 +26,7 @@ from vehicledyn.solve.instructions import (
     read_function,
 )
 from vehicledyn.solve.lowering import CONDITIONS, LOOKED_UP, Lowered, is_at_hand, lower
+from vehicledyn.solve.rolled import ROOM, Rolled, Rolling, by_demand, is_deep, roll
 from vehicledyn.solve.row_code import Copies, row_expression
 from vehicledyn.solve.schedule import CALLED, Pack, Step
 from vehicledyn.solve.table_rows import ROW
@@ -122,22 +124,31 @@ def print_function(
     CompilationError
         If the function holds an operation that has no translation.
     """
-    lowered = lower(read_function(function, tables), in_rows=copies is not None)
+    program = read_function(function, tables)
+    in_rows = copies is not None
+    lowered = lower(program, in_rows=in_rows and not program.shared)
     _check(lowered, function.name())
     arrays = [f"const real *restrict {item}" for item in inputs]
     arrays += [f"real *restrict r{k}" for k in range(function.n_out())]
     first_row = function.numel_in(function.n_in() - 1)
     widths = [table.order + 1 for table in tables]
     places = {} if wide is None else wide.lanes_for(lowered)
+    if is_deep(lowered):
+        lowered = by_demand(lowered)
+    elif in_rows and program.shared:
+        lowered = lower(program, in_rows=True)
+    rolling = roll(lowered, inputs, places)
     texts = []
     for number in range(len(lowered.shared)):
-        text = _print_shared(lowered, number, name, widths, piece)
+        text = _print_shared(
+            lowered, number, name, widths, piece=piece, rolled=rolling.kinds.get(number)
+        )
         if wide is not None and number in places:
             own = _name_of_shared(name, number)
             wide.take(places[number], own, text)
             text = f"void {own}_wide({_SHARED_ARRAYS});\n"
         texts.append(text)
-    printer = _Printer(lowered, list(inputs), first_row, widths, name, places, copies)
+    printer = _Printer(lowered, list(inputs), first_row, widths, name, places, rolling, copies)
     return "".join([*texts, printer.function(name, arrays, piece)])
 
 
@@ -157,7 +168,12 @@ class WideFunctions:
     units: dict[int, list[str]] = field(default_factory=dict)
 
     def lanes_for(self, lowered: Lowered) -> dict[int, int]:
-        """Return the lanes of each shared function that is called at several places at once."""
+        """Return the lanes of each shared function that is called at several places at once.
+
+        Where functions wait for one another they are called in loops instead.
+        """
+        if is_deep(lowered):
+            return {}
         most: dict[int, int] = {}
         for step in lowered.steps:
             if isinstance(step, Pack) and step.shared is not None:
@@ -174,12 +190,45 @@ class WideFunctions:
         self.units.setdefault(lanes, []).append(text + entry)
 
 
-def _print_shared(lowered: Lowered, number: int, name: str, widths: list[int], piece: int) -> str:
-    """Return a function that a function calls, named after it; ``rows`` are its tables."""
+def _print_shared(
+    lowered: Lowered,
+    number: int,
+    name: str,
+    widths: list[int],
+    *,
+    piece: int,
+    rolled: Rolled | None = None,
+) -> str:
+    """Return a function that a function calls, named after it; ``rows`` are its tables.
+
+    One that is called in loops is followed by the table of its places.
+    """
     shared, own = lowered.shared[number], _name_of_shared(name, number)
-    inner = [_print_shared(shared, k, own, widths, piece) for k in range(len(shared.shared))]
-    printer = _Printer(shared, ["a", "rows"], 0, widths, own, {})
-    return "".join([*inner, printer.function(own, _SHARED_ARRAYS.split(", "), piece)])
+    inner = [_print_shared(shared, k, own, widths, piece=piece) for k in range(len(shared.shared))]
+    arrays, names, table = _SHARED_ARRAYS.split(", "), _Names({}, {}), ""
+    if rolled is not None:
+        given, found = rolled.given, rolled.found
+        arrays = [f"const real *restrict a{k}" for k in range(len(given.arrays))]
+        arrays += ["const real *restrict rows"]
+        arrays += [f"real *restrict r{k}" for k in range(len(found.arrays))]
+        names = _Names(
+            {k: f"a{group}[{place}]" for k, (group, place) in enumerate(given.places)},
+            {k: f"r{group}[{place}]" for k, (group, place) in enumerate(found.places)},
+        )
+        lines = ",\n".join(f"  {{{', '.join(map(str, row))}}}" for row in rolled.rows)
+        width = len(given.arrays) + len(found.arrays)
+        table = f"static const int {own}_at[][{width}] = {{\n{lines}\n}};\n"
+    inputs = [array.split("restrict ")[1] for array in arrays if array.startswith("const")]
+    printer = _Printer(shared, inputs, 0, widths, own, {}, Rolling(), names=names)
+    return "".join([*inner, printer.function(own, arrays, piece), table])
+
+
+@dataclass(frozen=True)
+class _Names:
+    """Names of inputs and results that are not elements of their arrays, by their number."""
+
+    inputs: dict[int, str]
+    results: dict[int, str]
 
 
 def _name_of_shared(name: str, number: int) -> str:
@@ -221,7 +270,9 @@ class _Printer:
     widths: list[int]
     name: str
     wide: dict[int, int]
+    rolling: Rolling
     copies: Copies | None = None
+    names: _Names = field(default_factory=lambda: _Names({}, {}))
 
     def __post_init__(self) -> None:
         self._values = self.lowered.values
@@ -232,23 +283,27 @@ class _Printer:
             for place, value in enumerate(values)
         }
         self._collected: dict[tuple[int, ...], str] = {}
-        self._place: dict[int, int] = {}
+        self._place = dict(self.rolling.place)
         self._loaded: set[int] = set()
-        self._room = 0
+        self._room = self.rolling.room
         self._piece_of: dict[int, int] = {}
+        self._called: dict[int | None, int] = defaultdict(int)
         self._arising: dict[int, list[str]] = defaultdict(list)
         for output, element, value in self.lowered.results:
-            self._arising[value].append(f"r{output}[{element}]")
+            name = self.names.results.get(element, f"r{output}[{element}]")
+            self._arising[value].append(name)
 
     def function(self, name: str, arrays: list[str], piece: int) -> str:
         """Return the function, in pieces where it is long."""
-        pieces = _cut(self.lowered.steps, piece)
-        at_hand = [value for value in self._arising if is_at_hand(self._values[value])]
+        pieces = self._cut(piece)
+        arising = [*self._place, *self._arising]
+        at_hand = [value for value in dict.fromkeys(arising) if is_at_hand(self._values[value])]
         stores = [line for value in at_hand for line in self._stores(value, 0)]
         if len(pieces) <= 1:
             steps = pieces[0] if pieces else []
             self._piece_of = {value: 0 for step in steps for value in _computed(step)}
-            return _definition(name, arrays, stores + self._lines(steps, 0))
+            room = [f"real {ROOM}[{self._room}];"] if self._room else []
+            return _definition(name, arrays, room + stores + self._lines(steps, 0))
         self._share(pieces)
         arguments = ", ".join([*self.inputs, "s", *_outputs(arrays, self.inputs)])
         n = len(self.inputs)
@@ -260,6 +315,18 @@ class _Printer:
             texts.append("VD_APART " + _definition(f"{name}_{number}", arrays_in, lines))
             calls.append(f"{name}_{number}({arguments});")
         return "".join([*texts, _definition(name, arrays, calls)])
+
+    def _cut(self, piece: int) -> list[list[Step]]:
+        """Return the steps in pieces of so many instructions, or one where fewer will not do."""
+        pieces: list[list[Step]] = []
+        size = piece
+        for step in self.lowered.steps:
+            if size >= piece:
+                pieces.append([])
+                size = 0
+            pieces[-1].append(step)
+            size += 1 if self.rolling.holds(step) else len(_computed(step))
+        return pieces
 
     def _share(self, pieces: list[list[Step]]) -> None:
         """Find the piece of each value, and a place for those that a later piece needs.
@@ -275,11 +342,11 @@ class _Printer:
                     if self._piece_of.get(value, number) != number:
                         last[self._together(value)] = number
         ending: dict[int, list[tuple[int, int]]] = defaultdict(list)
-        free = _Free()
+        free = _Free(self.rolling.room)
         for number, steps in enumerate(pieces):
             for step in steps:
                 for values in dict.fromkeys(map(self._together, _computed(step))):
-                    if values in last:
+                    if values in last and values[0] not in self._place:
                         place = free.take(len(values))
                         self._place.update(zip(values, range(place, place + PLACES), strict=False))
                         ending[last[values]].append((place, len(values)))
@@ -298,6 +365,9 @@ class _Printer:
         for number, step in enumerate(steps):
             if isinstance(step, Row):
                 lines += self._row_lines(step, piece)
+                continue
+            if isinstance(step, Pack) and self.rolling.holds(step):
+                lines += self._loop(steps, number, piece)
                 continue
             if isinstance(step, Pack) and step.shared is not None:
                 lines += self._call_shared(step, number, piece)
@@ -386,7 +456,8 @@ class _Printer:
         return lines
 
     def _stores(self, value: int, piece: int) -> list[str]:
-        targets = [f"s[{self._place[value]}]"] if value in self._place else []
+        held = value in self._place and value not in self.rolling.results
+        targets = [f"s[{self._place[value]}]"] if held else []
         targets += self._arising.get(value, [])
         return [f"{target} = {self._number(value, piece)};" for target in targets]
 
@@ -436,6 +507,72 @@ class _Printer:
                 *_taken(values, f"b{number}_{k}", "{}"),
             ]
         return lines
+
+    def _loop(self, steps: list[Step], number: int, piece: int) -> list[str]:
+        """Return the loop over calls of one function, written where the first of them stands.
+
+        Results of the calls are stored after the last of them.
+        """
+        packs: list[Pack] = []
+        for step in steps[number:]:
+            if not isinstance(step, Pack) or (packs and step.shared != packs[0].shared):
+                break
+            packs.append(step)
+        before = steps[number - 1] if number else None
+        shared = packs[0].shared or 0
+        if isinstance(before, Pack) and before.shared == shared:
+            return []
+        calls = [operands for item in packs for operands in item.operands]
+        first = self._called[shared]
+        self._called[shared] += len(calls)
+        starts = self.rolling.kinds[shared].given.starts
+        lines = []
+        for is_apart, group in groupby(range(len(calls)), lambda k: starts[first + k] is None):
+            numbers = list(group)
+            if is_apart:
+                for k in numbers:
+                    lines += self._call_apart(shared, first + k, calls[k], piece)
+            else:
+                lines += self._calls_in_loop(shared, first + numbers[0], len(numbers))
+        stored = [v for pack in packs for v in pack.computed]
+        return lines + [line for v in stored for line in self._stores(v, piece)]
+
+    def _calls_in_loop(self, shared: int, first: int, count: int) -> list[str]:
+        """Return a loop over calls that find their numbers by the function's table."""
+        rolled, own = self.rolling.kinds[shared], _name_of_shared(self.name, shared)
+        row = sum(start is not None for start in rolled.given.starts[:first])
+        arrays = [*rolled.given.arrays, *rolled.found.arrays]
+        arguments = [f"{array} + n[{k}]" for k, array in enumerate(arrays)]
+        arguments.insert(len(rolled.given.arrays), f"{self.inputs[-1]} + {self.first_row}")
+        return [
+            f"for (int k = {row}; k < {row + count}; k++) {{",
+            f"  const int *n = {own}_at[k];",
+            f"  {own}({', '.join(arguments)});",
+            "}",
+        ]
+
+    def _call_apart(
+        self, shared: int, call: int, operands: tuple[int, ...], piece: int
+    ) -> list[str]:
+        """Return a call that finds some of its numbers elsewhere: they are laid side by side."""
+        rolled, own = self.rolling.kinds[shared], _name_of_shared(self.name, shared)
+        sizes = [0] * len(rolled.given.arrays)
+        for group, place in rolled.given.places:
+            sizes[group] = max(sizes[group], place + 1)
+        laid = [["vd_all(0.0)"] * size for size in sizes]
+        for (group, place), operand in zip(rolled.given.places, operands, strict=True):
+            laid[group][place] = self._number(operand, piece)
+        names = [f"a{shared}_{call}_{group}" for group in range(len(sizes))]
+        found = rolled.found.starts[call] or []
+        results = [f"{ROOM} + {place}" for place in found]
+        rows = f"{self.inputs[-1]} + {self.first_row}"
+        return [
+            *(
+                f"const real {name}[] = {{{', '.join(numbers)}}};"
+                for name, numbers in zip(names, laid, strict=True)
+            ),
+            f"{own}({', '.join([*names, rows, *results])});",
+        ]
 
     def _call_wide(self, pack: Pack, number: int, piece: int, lanes: int) -> list[str]:
         """Return the lines of calls that carry several places at once, the last ones repeated."""
@@ -504,11 +641,13 @@ class _Printer:
         return f"vd_true({self._reference(index, item, piece)})"
 
     def _reference(self, index: int, item: Instruction, piece: int) -> str:
+        if item.operation == INPUT and item.source[1] in self.names.inputs:
+            return self.names.inputs[item.source[1]]
         if item.operation == INPUT:
             return f"{self.inputs[item.source[0]]}[{item.source[1]}]"
         if item.operation == CONST:
             return f"vd_all({_literal(item.number)})"
-        if self._piece_of[index] != piece:
+        if self._piece_of[index] != piece or index in self.rolling.results:
             return f"s[{self._place[index]}]"
         if index in self._row_of:
             row, place = self._row_of[index]
@@ -517,13 +656,13 @@ class _Printer:
 
 
 class _Free:
-    """Places of an array that may be used.
+    """Places of an array that may be used, from some place on.
 
     Those of whole rows begin at multiples of their length.
     """
 
-    def __init__(self) -> None:
-        self.room = 0
+    def __init__(self, room: int) -> None:
+        self.room = room
         self._whole: list[int] = []
         self._single: list[int] = []
 
@@ -552,19 +691,6 @@ def _taken(values: Sequence[int | None], array: str, place: str) -> list[str]:
         for k, value in enumerate(values)
         if value is not None
     ]
-
-
-def _cut(steps: list[Step], piece: int) -> list[list[Step]]:
-    """Return the steps in pieces of so many instructions, or one where fewer will not do."""
-    pieces: list[list[Step]] = []
-    size = piece
-    for step in steps:
-        if size >= piece:
-            pieces.append([])
-            size = 0
-        pieces[-1].append(step)
-        size += len(_computed(step))
-    return pieces
 
 
 def _computed(step: Step) -> list[int]:

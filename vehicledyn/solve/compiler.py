@@ -30,6 +30,12 @@ Measured with gcc 12 on a vehicle of 24,000 operations, -O1, -O2, -O1 -march=nat
 operations are fused that the source fuses, so results do not depend on the number of lanes.
 """
 
+_NO_MOVES = "-mtune-ctrl=^inter_unit_moves_from_vec,^inter_unit_moves_to_vec"
+"""Numbers that find no register are kept in memory, not in those of integers.
+
+Moves to these take the ports of sums and products: a chain of joints takes 5 % less without.
+"""
+
 _DISABLED = "none"
 _CANDIDATES = ("cc", "gcc", "clang")
 _LEAST_LIMIT, _LIMIT_OF_LETTER, _ANSWER_LIMIT = 60.0, 1e-4, 20.0
@@ -56,7 +62,10 @@ class Compiler:
     @property
     def options(self) -> tuple[str, ...]:
         """The options for this machine."""
-        return (*OPTIONS, "-march=native") if self.processor else OPTIONS
+        if not self.processor:
+            return OPTIONS
+        own = (_NO_MOVES,) if self.version.startswith("gcc ") else ()
+        return (*OPTIONS, "-march=native", *own)
 
     @property
     def identity(self) -> str:

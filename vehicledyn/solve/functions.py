@@ -9,15 +9,17 @@ Parameters are all symbolic, so a good part of every expression does not change 
 
 from __future__ import annotations
 
-from collections import Counter
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Any
 
+from vehicledyn.solve.nodes import Node, Rebuild, fixed_from, read_nodes
+from vehicledyn.solve.reciprocals import use_reciprocals
+from vehicledyn.solve.split_calls import call_apart
 from vehicledyn.symbolic import ops
 from vehicledyn.symbolic.equations import Equations
-from vehicledyn.symbolic.table_calls import call_with, calls_in, table_of
+from vehicledyn.symbolic.table_calls import calls_in, table_of
 
 _NO_WORK = ("OP_INPUT", "OP_OUTPUT", "OP_CONST", "OP_PARAMETER")
 
@@ -123,9 +125,13 @@ def _apart(inputs: list[Any], expressions: list[Any]) -> tuple[list[Any], Any, A
     """Return dense expressions in terms of constants, these, and their values."""
     import casadi
 
+    last = len(inputs) - 1
     whole = casadi.cse([casadi.densify(casadi.SX(item)) for item in expressions])
     with _as_written():
-        whole = _use_reciprocals(casadi.Function("all", inputs, whole), inputs)
+        whole = _split_calls(casadi.Function("all", inputs, whole), inputs)
+        whole = use_reciprocals(
+            casadi.Function("all", inputs, whole), inputs, lambda source: source[0] == last
+        )
         return _move_apart(casadi.Function("all", inputs, whole), inputs)
 
 
@@ -194,52 +200,53 @@ def _as_written() -> Iterator[None]:
         casadi.GlobalOptions.setSimplificationOnTheFly(True)
 
 
-def _use_reciprocals(function: Any, inputs: list[Any]) -> list[Any]:
-    """Return the results of a function with a / b replaced by a times 1/b where that pays.
+def _split_calls(function: Any, inputs: list[Any]) -> list[Any]:
+    """Return the results of a function with calls split that need what is fixed.
 
-    It pays where 1/b is used again, or depends on nothing but the last input, the parameters.
-    The results change by rounding.
+    What a called function makes of the last input alone, the parameters, is written out before
+    the call and given to it.
     """
     import casadi
 
-    nodes, results = _read_nodes(function)
-    dividing = (casadi.OP_DIV, casadi.OP_INV)
-    divided = Counter(operands[-1] for code, operands, _ in nodes if code in dividing)
+    nodes, results = read_nodes(function)
     fixed = _fixed_values(nodes, function.n_in() - 1)
-    rebuild = _Rebuild(function, inputs)
+    calls = calls_in(function)
+    rebuild = Rebuild(function, inputs)
     values: list[Any] = []
-    inverse: dict[int, Any] = {}
-    for node in nodes:
-        code, operands, _ = node
-        if code in dividing and (fixed[operands[-1]] or divided[operands[-1]] > 1):
-            divisor = operands[-1]
-            if divisor not in inverse:
-                inverse[divisor] = casadi.SX.unary(casadi.OP_INV, values[divisor])
-            numerator = casadi.SX(1.0) if code == casadi.OP_INV else values[operands[0]]
-            is_one = numerator.is_constant() and float(numerator) == 1.0
-            values.append(inverse[divisor] if is_one else numerator * inverse[divisor])
-        else:
-            values.append(rebuild.value(node, values))
+    for index, node in enumerate(nodes):
+        code, operands, detail = node
+        if code == casadi.OP_CALL and not fixed[index]:
+            mask, called = tuple(fixed[item] for item in operands), calls[int(detail)]
+            if table_of(called) is None:
+                values.append(call_apart(called, mask, [values[item] for item in operands]))
+                continue
+        values.append(rebuild.value(node, values))
     return rebuild.results(results, values)
 
 
 def _move_apart(function: Any, inputs: list[Any]) -> tuple[list[Any], Any, Any]:
     """Return the results of a function in terms of constants, these, and their values.
 
-    A constant is whatever other parts need of what depends on the last input alone.
+    A constant is whatever other parts need of what depends on the last input alone. First come
+    those that calls are given, in the order of the calls, so that like calls find them alike.
     """
     import casadi
 
-    nodes, results = _read_nodes(function)
+    nodes, results = read_nodes(function)
     fixed = _fixed_values(nodes, function.n_in() - 1)
     number = [code == casadi.OP_CONST for code, _, _ in nodes]
     needed = {value for pairs in results for _, value in pairs}
     for (code, operands, _), is_fixed in zip(nodes, fixed, strict=True):
         if not is_fixed and code != casadi.OP_INPUT:
             needed.update(operands)
-    wanted = sorted(k for k in needed if fixed[k] and not number[k])
+    given = [k for code, operands, _ in nodes if code == casadi.OP_CALL for k in operands]
+    order = {k: place for place, k in reversed([*enumerate(given)])}
+    wanted = sorted(
+        (k for k in needed if fixed[k] and not number[k]),
+        key=lambda k: (order.get(k, len(given)), k),
+    )
     constants = casadi.SX.sym("constant", len(wanted))
-    rebuild = _Rebuild(function, inputs)
+    rebuild = Rebuild(function, inputs)
     apart: list[Any] = []
     values: list[Any] = []
     names = {value: constants[k] for k, value in enumerate(wanted)}
@@ -252,91 +259,6 @@ def _move_apart(function: Any, inputs: list[Any]) -> tuple[list[Any], Any, Any]:
     return rebuild.results(results, values), constants, column
 
 
-class _Rebuild:
-    """Builds expressions again from the nodes of a function."""
-
-    def __init__(self, function: Any, inputs: list[Any]) -> None:
-        """Take the function apart."""
-        import casadi
-
-        self._function = function
-        self._calls = calls_in(function)
-        self._elements = [casadi.vertsplit(item) if item.numel() else [] for item in inputs]
-
-    def value(self, node: Node, values: list[Any]) -> Any:
-        """Return what a node stands for, from the values of the nodes before it."""
-        import casadi
-
-        code, operands, detail = node
-        if code == casadi.OP_INPUT:
-            return self._elements[operands[0]][operands[1]]
-        if code == casadi.OP_CONST:
-            return casadi.SX(detail)
-        if code == casadi.OP_CALL:
-            return call_with(self._calls[int(detail)], [values[item] for item in operands])
-        if code == _RESULT:
-            return values[operands[0]][int(detail)]
-        if len(operands) == 2:
-            return casadi.SX.binary(code, values[operands[0]], values[operands[1]])
-        return casadi.SX.unary(code, values[operands[0]])
-
-    def results(self, results: list[list[tuple[int, int]]], values: list[Any]) -> list[Any]:
-        """Return the function's results from (element, value) pairs."""
-        import casadi
-
-        outputs = []
-        for k in range(self._function.n_out()):
-            column = [values[value] for _, value in sorted(results[k])]
-            outputs.append(casadi.reshape(casadi.vertcat(*column), self._function.size_out(k)))
-        return outputs
-
-
-Node = tuple[int, tuple[int, ...], float]
-"""Operation, operands and constant: of a call its instruction, of a result which one it is."""
-
-_RESULT = -1
-"""Operation that takes a result of a call."""
-
-
-def _read_nodes(function: Any) -> tuple[list[Node], list[list[tuple[int, int]]]]:
-    """Return operation, operands and constant of each value, and (element, value) pairs."""
-    import casadi
-
-    nodes: list[Node] = []
-    results: list[list[tuple[int, int]]] = [[] for _ in range(function.n_out())]
-    slot: dict[int, int] = {}
-    for k in range(function.n_instructions()):
-        code = function.instruction_id(k)
-        given, target = function.instruction_input(k), function.instruction_output(k)
-        if code == casadi.OP_OUTPUT:
-            results[target[0]].append((target[1], slot[given[0]]))
-            continue
-        if code == casadi.OP_INPUT:
-            nodes.append((code, (given[0], given[1]), 0.0))
-        elif code == casadi.OP_CONST:
-            nodes.append((code, (), function.instruction_constant(k)))
-        elif code == casadi.OP_CALL:
-            call = len(nodes)
-            nodes.append((code, tuple(slot[item] for item in given), float(k)))
-            for number, place in enumerate(target):
-                if place >= 0:
-                    slot[place] = len(nodes)
-                    nodes.append((_RESULT, (call,), float(number)))
-            continue
-        else:
-            nodes.append((code, tuple(slot[item] for item in given), 0.0))
-        slot[target[0]] = len(nodes) - 1
-    return nodes, results
-
-
 def _fixed_values(nodes: list[Node], parameter_input: int) -> list[bool]:
     """Return for each value whether it depends on nothing but the parameters."""
-    import casadi
-
-    fixed: list[bool] = []
-    for code, operands, _ in nodes:
-        if code == casadi.OP_INPUT:
-            fixed.append(operands[0] == parameter_input)
-        else:
-            fixed.append(all(fixed[item] for item in operands))
-    return fixed
+    return fixed_from(nodes, lambda source: source[0] == parameter_input)

@@ -202,6 +202,12 @@ def dot(a: Vec, b: Vec) -> Scalar:
     return casadi.dot(a, b)
 
 
+def plus_cross(a: Vec, b: Vec, c: Vec) -> Vec:
+    """Return a + b × c of columns, each component summed from a on, as fused sums take it."""
+    pairs = ((1, 2), (2, 0), (0, 1))
+    return vector(*(a[k] + b[i] * c[j] - b[j] * c[i] for k, (i, j) in enumerate(pairs)))
+
+
 def tilde(v: Vec) -> Mat:
     """Return the skew-symmetric matrix with tilde(v) w = v × w."""
     import casadi

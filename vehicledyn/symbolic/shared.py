@@ -55,7 +55,7 @@ def shared(
     results = casadi.cse(casadi.densify(results))
     if not free:
         return [results[k] for k in range(results.numel())]
-    function = _known(name, symbols, results).function
+    function = known_function(name, symbols, results)
     found = function(casadi.vertcat(*[given[k] for k in free]))
     return [found[k] for k in range(results.numel())]
 
