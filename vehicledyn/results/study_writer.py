@@ -190,19 +190,20 @@ class StudyWriter:
         group = self._file["figures"]
         new = {f.name: f for entries in block.figures.values() for f in entries}
         self._add_figures(group, [f for name, f in new.items() if name not in self._figures])
-        rows = slice(block.first, block.first + len(block))
-        for name in new:
-            found = {k: f.value for k, e in block.figures.items() for f in e if f.name == name}
-            numbers, texts = np.full(len(block), np.nan), {}
-            for number, value in found.items():
-                if isinstance(value, str):
-                    texts[number] = fitted(value, TEXT_BYTES)
+        if not new:
+            return
+        rows, shape = slice(block.first, block.first + len(block)), (len(block), len(self._figures))
+        numbers, texts = np.full(shape, np.nan), np.zeros(shape, f"S{TEXT_BYTES}")
+        for row, entries in block.figures.items():
+            for entry in entries:
+                place = row, self._figures[entry.name]
+                if isinstance(entry.value, str):
+                    texts[place] = fitted(entry.value, TEXT_BYTES)
                 else:
-                    numbers[number] = float(value)
-            group["value"][rows, self._figures[name]] = numbers
-            if texts:
-                column = [texts.get(number, b"") for number in range(len(block))]
-                group["text"][rows, self._figures[name]] = np.array(column, f"S{TEXT_BYTES}")
+                    numbers[place] = float(entry.value)
+        group["value"][rows] = numbers
+        if texts.astype(bool).any():
+            group["text"][rows] = texts
 
     def _add_figures(self, group: h5py.Group, new: Sequence[StudyFigure]) -> None:
         if not new:

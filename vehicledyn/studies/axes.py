@@ -64,19 +64,27 @@ class Design:
 
         index = np.arange(first, stop, dtype=np.int64)
         table = np.empty((len(index), len(self.axes)))
+        parts = self._parts(index)
         for column, axis in enumerate(self.axes):
-            table[:, column] = self._column(column, axis, index)
+            given = None if parts is None else axis.between(parts[:, column])
+            table[:, column] = self._listed(column, axis, index) if given is None else given
         return table
 
-    def _column(self, column: int, axis: Axis, index: Any) -> Any:
+    def _parts(self, index: Any) -> Any:
+        """Return where in the range of each axis cases lie, (n, n_axes); None where not drawn."""
         import numpy as np
 
         from vehicledyn.studies import scatter
 
+        streams, rows = np.arange(len(self.axes)), index[:, None]
         if self.kind == "latin_hypercube":
-            return axis.between(scatter.latin_hypercube(self.seed, column, index, self.count))
-        if self.kind == "random":
-            return axis.between(scatter.uniform(self.seed, column, index))
+            return scatter.latin_hypercube(self.seed, streams, rows, self.count)
+        return scatter.uniform(self.seed, streams, rows) if self.kind == "random" else None
+
+    def _listed(self, column: int, axis: Axis, index: Any) -> Any:
+        """Return the values of an axis of a list or a grid."""
+        import numpy as np
+
         values = np.frombuffer(axis.values)
         if self.kind == "list":
             return values[index]

@@ -27,15 +27,15 @@ _ROUNDS = 8
 _JITTER, _ORDER = 1, 2
 
 
-def uniform(seed: int, stream: int, index: Whole) -> Floats:
-    """Return numbers from 0 up to but without 1, shape of ``index``.
+def uniform(seed: int, stream: int | Whole, index: Whole) -> Floats:
+    """Return numbers from 0 up to but without 1, of the shape of streams and index together.
 
     Parameters
     ----------
     seed
         Chooses the sequence.
     stream
-        Number of the axis; different ones are independent.
+        Number of the axis, or several; different ones are independent.
     index
         Number of each case, from 0.
     """
@@ -43,19 +43,22 @@ def uniform(seed: int, stream: int, index: Whole) -> Floats:
     return (words >> np.uint64(11)).astype(float) * 2.0**-53
 
 
-def permutation(seed: int, stream: int, index: Whole, count: int) -> Whole:
-    """Return where a random permutation of ``0 ... count - 1`` takes some of these numbers."""
+def permutation(seed: int, stream: int | Whole, index: Whole, count: int) -> Whole:
+    """Return where random permutations of ``0 ... count - 1`` take some of these numbers."""
     half = np.uint64(max(1, (count - 1).bit_length() + 1 >> 1))
-    mask, key = (np.uint64(1) << half) - np.uint64(1), _key(seed, stream, _ORDER)
-    found = index.astype(np.uint64)
+    mask = (np.uint64(1) << half) - np.uint64(1)
+    rounds = np.arange(_ROUNDS, dtype=np.uint64)
+    keys, found = np.broadcast_arrays(_key(seed, stream, _ORDER), index.astype(np.uint64))
+    found = found.copy()
     waiting = np.ones(found.shape, dtype=bool)
     while waiting.any():
-        found[waiting] = _feistel(found[waiting], half, mask, key)
+        turns = _mix(keys[waiting][:, None] + rounds)
+        found[waiting] = _feistel(found[waiting], half, mask, turns)
         waiting = found >= np.uint64(count)
     return found.astype(np.int64)
 
 
-def latin_hypercube(seed: int, stream: int, index: Whole, count: int) -> Floats:
+def latin_hypercube(seed: int, stream: int | Whole, index: Whole, count: int) -> Floats:
     """Return one number in each of ``count`` equal parts of 0 to 1, in random order.
 
     References
@@ -66,18 +69,18 @@ def latin_hypercube(seed: int, stream: int, index: Whole, count: int) -> Floats:
     return np.asarray((place + uniform(seed, stream, index)) / count)
 
 
-def _feistel(words: Word, half: np.uint64, mask: np.uint64, key: Word) -> Word:
+def _feistel(words: Word, half: np.uint64, mask: np.uint64, turns: Word) -> Word:
+    """Return words permuted by rounds with a key each, shape (n, n_rounds)."""
     left, right = words >> half, words & mask
-    for number in range(_ROUNDS):
-        turned = _mix(right ^ _mix(key + np.uint64(number))) & mask
-        left, right = right, left ^ turned
+    for turn in turns.T:
+        left, right = right, left ^ (_mix(right ^ turn) & mask)
     return (left << half) | right
 
 
-def _key(seed: int, stream: int, purpose: int) -> Word:
+def _key(seed: int, stream: int | Whole, purpose: int) -> Word:
     key = np.array([seed], dtype=np.uint64)
-    for part in (stream, purpose):
-        key = _mix(_mix(key) ^ np.uint64(part))
+    for part in (np.asarray(stream, dtype=np.uint64), np.uint64(purpose)):
+        key = _mix(_mix(key) ^ part)
     return key
 
 
