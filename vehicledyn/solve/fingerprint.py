@@ -39,6 +39,7 @@ _SHARED = (
     "batch.c",
     "slopes.c",
     "flow.c",
+    "march.c",
     "implicit.c",
     "columns.c",
 )

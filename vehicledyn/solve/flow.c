@@ -12,7 +12,8 @@
 
 /* Error allowed of the tangents of a step, part of the largest. */
 static const double vd_coarse = 0.02;
-static const double vd_safety = 0.85, vd_least = 0.1, vd_most = 4.0, vd_shortest = 1e-10;
+static const double vd_safety = 0.85, vd_least = 0.02, vd_most = 4.0, vd_shortest = 1e-10,
+                    vd_kink = 100.0;
 
 /* out = J tangent, and the derivatives by the parameter where those are carried. */
 static void vd_carry(const real *s, const real *tangent, real *out) {
@@ -177,8 +178,9 @@ VD_EXPORT long long vd_flow(long long count, const double *points, const double 
           taken_as[lane] = 0.0;
           if (short_one) left[lane] = -1.0; /* No number: it ends here. */
         }
-        const double factor =
-            finite ? vd_safety * pow(fmax(error / tolerance, 1e-6), -0.2) : vd_least;
+        /* An error that large is that of a kink, and falls with the step itself. */
+        const double part = error / tolerance, power = part > vd_kink ? -0.5 : -0.2;
+        const double factor = finite ? vd_safety * pow(fmax(part, 1e-6), power) : vd_least;
         step[lane] *= fmin(fmax(factor, vd_least), vd_most);
         if (left[lane] > 0.0) going = 1;
       }

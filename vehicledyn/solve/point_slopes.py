@@ -17,12 +17,12 @@ from typing import Any
 import numpy as np
 
 from vehicledyn.solve import cache
-from vehicledyn.solve.code import print_function
-from vehicledyn.solve.compiler import build_library, find_compiler, suitable_lanes
+from vehicledyn.solve.code import WideFunctions, print_function
+from vehicledyn.solve.compiler import UNIT_BREAK, build_library, find_compiler, suitable_lanes
 from vehicledyn.solve.engine import Vector
 from vehicledyn.solve.fingerprint import function_text, generator_fingerprint
 from vehicledyn.solve.functions import apart_from_parameters
-from vehicledyn.solve.source import shared_source
+from vehicledyn.solve.source import shared_source, wide_units
 from vehicledyn.solve.table_rows import ROW, TableRows
 from vehicledyn.symbolic import ops
 from vehicledyn.symbolic.chain_rule import entries_of, values_and_jacobian
@@ -87,7 +87,7 @@ class PointCode:
         self._n_values = values.shape[0]
         self._n_directions = 0 if index is None else point.shape[0] + 1
         wanted = _Wanted(values, point, parameter, tables, index, often)
-        self._function, self._flow = _compiled(wanted)
+        self._function, self._flow = _compiled(wanted, suitable_lanes())
 
     def values(self, points: Vector, parameters: Vector) -> Vector:
         """Return the values at points (count, n), shape (count, n_values)."""
@@ -167,11 +167,13 @@ class _Wanted:
     index: int | None
     often: bool
 
-    @property
-    def carries_motion(self) -> bool:
-        """Whether the values are rates of the point, whose whole Jacobian is at hand."""
-        square = self.values.shape[0] == self.point.shape[0]
-        return self.often and self.index is not None and bool(square)
+    def motion(self, lanes: int) -> str:
+        """Return the file of the function that follows motions, where values are rates."""
+        if self.values.shape[0] != self.point.shape[0]:
+            return ""
+        if self.index is None:
+            return "march.c" if lanes == 1 else ""
+        return "flow.c" if self.often else ""
 
     def key(self, *further: str) -> str:
         """Return a text that tells all that the code depends on."""
@@ -205,6 +207,7 @@ class _Wanted:
             "NENTRY": 0 if pattern is None else pattern.nnz(),
         }
         names = [f"i{k}" for k in range(evaluate.n_in())]
+        wide = WideFunctions(suitable_lanes()) if lanes == 1 else None
         parts = [
             f"#define VD_LANES {lanes}",
             shared_source("real.h"),
@@ -212,11 +215,11 @@ class _Wanted:
             *(f"#define {name} {size}" for name, size in sizes.items()),
             "" if pattern is None else _places(pattern),
             print_function(prepare, "prepare", ["p"], tables=self.tables),
-            print_function(evaluate, "evaluate", names, tables=self.tables),
+            print_function(evaluate, "evaluate", names, tables=self.tables, wide=wide),
             shared_source("slopes.c"),
-            shared_source("flow.c") if self.carries_motion and pattern is not None else "",
+            shared_source(self.motion(lanes)) if self.motion(lanes) else "",
         ]
-        return "\n".join(parts)
+        return UNIT_BREAK.join(["\n".join(parts), *([] if wide is None else wide_units(wide))])
 
 
 def _places(pattern: Any) -> str:
@@ -226,22 +229,63 @@ def _places(pattern: Any) -> str:
     return f"static const int place[] = {{{', '.join(map(str, places)) or '0'}}};"
 
 
-def _compiled(wanted: _Wanted) -> tuple[Callable[..., None], Callable[..., int] | None]:
-    """Return the function of values and slopes, and that which carries motions if there is one."""
-    compiler, lanes = find_compiler(), suitable_lanes()
+class PathCode:
+    """Machine code that follows one motion; ``rates`` are those of the point.
+
+    The other parameters and errors are those of :class:`PointCode`.
+    """
+
+    def __init__(
+        self, rates: Any, point: Any, parameter: Any, tables: tuple[CurveTable, ...]
+    ) -> None:
+        """Print and compile, or take the code from the cache."""
+        self._rows = TableRows(tables)
+        _, self._march = _compiled(_Wanted(rates, point, parameter, tables, None, False), 1)
+
+    def followed(
+        self,
+        begin: Vector,
+        parameters: Vector,
+        durations: Vector,
+        *,
+        scales: Vector,
+        tolerance: float,
+        trials: int,
+    ) -> tuple[Vector, Vector] | None:
+        """Return the states at the end of each duration [s], shape (n_durations, n), and efforts.
+
+        Steps have errors of at most the tolerance times ``scales``; None where they become more
+        than ``trials``. Efforts (n_durations,) are the steps tried.
+        """
+        given = [np.ascontiguousarray(a, dtype=float) for a in (begin, durations, scales)]
+        numbers = self._rows.after(np.ascontiguousarray(parameters, dtype=float))
+        places, efforts = np.empty((len(durations), len(begin))), np.empty(len(durations))
+        addresses = [a.ctypes.data for a in (given[0], numbers, *given[1:])]
+        assert self._march is not None
+        found = places.ctypes.data, efforts.ctypes.data
+        left = self._march(len(durations), *addresses, tolerance, trials, *found)
+        return None if left else (places, efforts)
+
+
+def _compiled(wanted: _Wanted, lanes: int) -> tuple[Callable[..., None], Callable[..., int] | None]:
+    """Return the function of values and slopes, and that of motions if there is one."""
+    compiler = find_compiler()
 
     def build(folder: Path) -> Path:
         return build_library(compiler, wanted.text(lanes), folder)
 
     def opened(path: Path) -> tuple[Callable[..., None], Callable[..., int] | None]:
         library = ctypes.CDLL(str(path))
-        return library.vd_points, library.vd_flow if wanted.carries_motion else None
+        motion = {"": None, "flow.c": "vd_flow", "march.c": "vd_march"}[wanted.motion(lanes)]
+        return library.vd_points, None if motion is None else getattr(library, motion)
 
     key = wanted.key(f"{lanes} lanes", generator_fingerprint(), compiler.identity)
     (points, flow), _ = cache.load(key, build, opened)
     number = ctypes.c_longlong
     points.restype, points.argtypes = None, [number, *[_P] * 4]  # type: ignore[attr-defined]
     if flow is not None:
+        after = 5 if wanted.often else 2
         flow.restype = number  # type: ignore[attr-defined]
-        flow.argtypes = [number, *[_P] * 4, ctypes.c_double, number, *[_P] * 5]  # type: ignore[attr-defined]
+        arguments = [number, *[_P] * 4, ctypes.c_double, number, *[_P] * after]
+        flow.argtypes = arguments  # type: ignore[attr-defined]
     return points, flow

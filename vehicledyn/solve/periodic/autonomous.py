@@ -15,7 +15,7 @@ from vehicledyn.solve.derivatives import TotalDerivatives
 from vehicledyn.solve.engine import Vector
 from vehicledyn.solve.functions import operations_in
 from vehicledyn.solve.interpreted import BufferedFunction
-from vehicledyn.solve.point_slopes import Carried, PointCode
+from vehicledyn.solve.point_slopes import Carried, PathCode, PointCode
 from vehicledyn.symbolic import ops
 from vehicledyn.symbolic.equations import Equations
 
@@ -127,6 +127,12 @@ class AutonomousField:
         """
         return self._field(states, unknowns, self.parameters(value))
 
+    @property
+    def is_carried(self) -> bool:
+        """Whether there is compiled code that carries states along their motion."""
+        code = self._compiled
+        return not self.n_unknowns and code is not None and code.carries_motion
+
     def carried(
         self,
         states: Vector,
@@ -142,10 +148,33 @@ class AutonomousField:
         None where the equations have unknowns, there is no compiled code, or steps become many.
         """
         code = self._compiled
-        if self.n_unknowns or code is None or not code.carries_motion:
+        if code is None or not self.is_carried:
             return None
         return code.carried(
             states,
+            self.parameters(value),
+            durations,
+            scales=scales,
+            tolerance=tolerance,
+            trials=trials,
+        )
+
+    def followed(
+        self,
+        state: Vector,
+        value: float,
+        durations: Vector,
+        *,
+        scales: Vector,
+        tolerance: float,
+        trials: int,
+    ) -> tuple[Vector, Vector] | None:
+        """Return where the motion from a state leads, see :meth:`PathCode.followed`.
+
+        For fields that are carried; None where steps become many.
+        """
+        return self._path.followed(
+            state,
             self.parameters(value),
             durations,
             scales=scales,
@@ -210,6 +239,11 @@ class AutonomousField:
     @cached_property
     def _compiled(self) -> PointCode | None:
         return self.compiled(self._whole, index=self.index)
+
+    @cached_property
+    def _path(self) -> PathCode:
+        e = self.equations
+        return PathCode(self._whole, e.state[self.kept], e.parameter, e.tables)
 
     def compiled(self, values: Any, *, index: int | None = None) -> PointCode | None:
         """Return machine code of a column of functions of the states kept, z and p.

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from itertools import pairwise
 
 import numpy as np
@@ -25,10 +26,12 @@ from vehicledyn.solve.periodic.collocation import (
     dot,
     tangent_of,
 )
-from vehicledyn.solve.periodic.floquet import Multipliers, multipliers_of
+from vehicledyn.solve.periodic.floquet import STABLE, Multipliers, multipliers_of
 from vehicledyn.solve.periodic.kinks import Kinks, aligned, misalignment
+from vehicledyn.solve.periodic.monodromy import Passages
 from vehicledyn.solve.periodic.orbit import Orbit, adapted_mesh
-from vehicledyn.solve.periodic.shooting import Closed, closed
+from vehicledyn.solve.periodic.returning import returning
+from vehicledyn.solve.periodic.shooting import Closed, closed, direction_of
 
 Told = Callable[["CyclePoint"], None]
 
@@ -38,12 +41,23 @@ _NO_TURN = 1e-5
 _SMALLEST, _FIRST, _LARGEST = 1e-7, 0.05, 0.4
 _SHARP, _SHARPLY = 0.5, 2e-3
 _EASY, _HARD = 4, 7
+_CHORD = 7, 11
+"""Iterations of a step that may grow and of one that must shrink, with derivatives kept."""
+
 _NEUTRAL = 1e-6
 """Distance from 1 at which a multiplier counts as 1 all along the branch."""
 
-_LOCATED, _HALVED = 1e-6, 1e-3
+_LOCATED, _LOCATED_ROUGHLY = 1e-6, 1e-5
+"""Part of a step to which special points are located; a fold's parameter errs by its square."""
+
+_COMPLEX = 1e-6
 _SHRUNK = 0.5
 _REMESHED, _ALIGNED = 10, 1e-7
+_REMESHED_AFTER = 10
+"""Points after which the mesh of orbits that integration finds follows them."""
+
+_COLLOCATED = 1e-4
+"""Step below which collocation is tried where integration does not find an orbit."""
 
 
 @dataclass(frozen=True)
@@ -66,7 +80,7 @@ class CyclePoint:
     """A periodic orbit with its multipliers and the direction of the branch there.
 
     ``kind`` is "" for an ordinary point, else "fold", "period_doubling", "torus" or
-    "branch_point".
+    "branch_point". ``passages`` are kept where the next point is found with them.
     """
 
     orbit: Orbit
@@ -74,6 +88,7 @@ class CyclePoint:
     tangent: Direction
     iterations: int
     kind: str = ""
+    passages: Passages | None = None
 
     @property
     def stable(self) -> bool:
@@ -151,10 +166,12 @@ class _Tracer:
     first_size: float = 0.0
     intervals: int = 0
     side: float = 0.0
+    remeshed: int = 0
 
-    def __post_init__(self) -> None:
-        """Prepare to look for kinks."""
-        self.kinks = Kinks(self.model)
+    @cached_property
+    def kinks(self) -> Kinks:
+        """What looks for kinks."""
+        return Kinks(self.model)
 
     def begin(self, start: Orbit, direction: Direction | None, *, upwards: bool) -> None:
         """Find the first orbit."""
@@ -203,9 +220,11 @@ class _Tracer:
             if self._turn(base, point) < _SHARP and size > _SHARPLY:
                 self.step = 0.5 * size
                 continue
-            if point.iterations <= _EASY:
-                self.step = min(1.5 * size, _LARGEST)
-            elif point.iterations >= _HARD:
+            easy, hard = _CHORD if point.passages is not None else (_EASY, _HARD)
+            if point.iterations <= easy:
+                quick = point.passages is not None and point.iterations <= _EASY
+                self.step = min((2.5 if quick else 1.5) * size, _LARGEST)
+            elif point.iterations >= hard:
                 self.step = 0.6 * size
             return point, size
         value = base.orbit.parameter
@@ -228,17 +247,45 @@ class _Tracer:
     def _step_from(self, base: CyclePoint, size: float) -> CyclePoint:
         """Return the point at a distance along the branch."""
         scales = self._scales(base.orbit)
+        if self.model.is_carried:
+            try:
+                return self._shot_from(base, size, scales)
+            except NumericalError:
+                if size > _COLLOCATED:
+                    raise
         mesh = self._mesh(base.orbit, scales, self.kinks.along(base.orbit))
         tangent = _moved(base.orbit, base.tangent, mesh)
-        orbit = base.orbit.moved(mesh)
-        guess = replace(
-            orbit,
-            states=orbit.states + size * tangent.states,
-            period=orbit.period + size * tangent.period,
-            parameter=orbit.parameter + size * tangent.parameter,
-        )
+        guess = _ahead(base.orbit.moved(mesh), tangent, size)
         found, exact, along = self._corrected(guess, scales, tangent)
         return self._point(found, exact, self._scales(found.orbit), along or tangent)
+
+    def _shot_from(self, base: CyclePoint, size: float, scales: Scales) -> CyclePoint:
+        """Return the point at a distance along the branch, found by integration alone.
+
+        Where it is quick, as with compiled code, it needs no collocation, whose mesh would have to
+        be fine where contacts begin and end.
+        """
+        mesh, near = base.orbit.mesh, base.passages
+        if len(self.branch.points) >= self.remeshed + _REMESHED_AFTER or near is None:
+            mesh, near = adapted_mesh(base.orbit, scales.states, base.orbit.intervals), None
+            self.remeshed = len(self.branch.points)
+        tangent = _moved(base.orbit, base.tangent, mesh)
+        guess = _ahead(base.orbit.moved(mesh), tangent, size)
+        exact = returning(self.model, guess, near, parameter_scale=scales.parameter, along=tangent)
+        return self._exact_point(exact, tangent)
+
+    def _exact_point(self, exact: Closed, before: Direction) -> CyclePoint:
+        """Return the point of an orbit that integration has found."""
+        scales = self._scales(exact.orbit)
+        found = direction_of(exact, scales.parameter, before)
+        length = np.sqrt(dot(exact.orbit, found, found, scales))
+        return CyclePoint(
+            exact.orbit,
+            multipliers_of(exact.passages),
+            found.times(1.0 / length),
+            exact.iterations,
+            passages=exact.passages,
+        )
 
     def _corrected(
         self, guess: Orbit, scales: Scales, along: Direction | None
@@ -295,11 +342,11 @@ class _Tracer:
             low, high = measure(base), measure(after)
             wanted = turned if kind == "fold" else self._crosses(kind, base, after, turned)
             if low * high < 0.0 and wanted:
-                located = self._locate(base, size, measure)
+                located = self._locate(base, size, measure, after=after)
                 if located is not None:
                     found.append((located[0], replace(located[1], kind=kind)))
         if base.multipliers.turning != after.multipliers.turning:
-            located = self._torus(base, size)
+            located = self._torus(base, after, size)
             if located is not None:
                 found.append((located[0], replace(located[1], kind="torus")))
         for _, point in sorted(found, key=lambda item: item[0]):
@@ -325,52 +372,74 @@ class _Tracer:
         return float(np.sign(slope)) if abs(slope) > _NO_TURN else 0.0
 
     def _locate(
-        self, base: CyclePoint, size: float, measure: Callable[[CyclePoint], float]
+        self,
+        base: CyclePoint,
+        size: float,
+        measure: Callable[[CyclePoint], float],
+        *,
+        after: CyclePoint,
     ) -> tuple[float, CyclePoint] | None:
-        """Return where a measure passes zero on a step, and the point there."""
+        """Return where a measure passes zero on a step, and the point there.
+
+        Where points on the way are not found it is the nearest one that is.
+        """
         from scipy.optimize import brentq
 
-        points: dict[float, CyclePoint] = {0.0: base}
+        points: dict[float, CyclePoint] = {0.0: base, size: after}
+        near = _LOCATED if base.passages is None else _LOCATED_ROUGHLY
 
         def value(part: float) -> float:
             if part not in points:
-                points[part] = self._step_from(base, part)
+                points[part] = self._between(base, after, part, size)
             return measure(points[part])
 
         try:
-            place = float(brentq(value, 0.0, size, xtol=_LOCATED * size, maxiter=40, disp=False))
+            place = float(brentq(value, 0.0, size, xtol=near * size, maxiter=40, disp=False))
             value(place)
-        except (NumericalError, ValueError):
+        except NumericalError:
+            place = min(points, key=lambda part: abs(measure(points[part])))
+        except ValueError:
             return None
         return place, points[place]
 
-    def _halved(
-        self, base: CyclePoint, size: float, changed: Callable[[CyclePoint], bool]
-    ) -> tuple[float, CyclePoint] | None:
-        """Return the first point on a step where something has changed, by halving."""
-        low, high, best = 0.0, size, None
-        try:
-            while high - low > _HALVED * size:
-                middle = 0.5 * (low + high)
-                point = self._step_from(base, middle)
-                if changed(point):
-                    high, best = middle, (middle, point)
-                else:
-                    low = middle
-        except NumericalError:
-            return best
-        return best
+    def _between(self, base: CyclePoint, after: CyclePoint, part: float, size: float) -> CyclePoint:
+        """Return a point on a step that has been made, a part of its size from the base."""
+        if base.passages is None and after.passages is None:
+            return self._step_from(base, part)
+        first, last = base.orbit, after.orbit.moved(base.orbit.mesh)
+        weight = part / size
+        guess = replace(
+            first,
+            states=first.states + weight * (last.states - first.states),
+            period=first.period + weight * (last.period - first.period),
+            parameter=first.parameter + weight * (last.parameter - first.parameter),
+        )
+        scale = self._scales(first).parameter
+        exact = returning(
+            self.model, guess, base.passages, parameter_scale=scale, along=base.tangent
+        )
+        return self._exact_point(exact, base.tangent)
 
-    def _torus(self, base: CyclePoint, size: float) -> tuple[float, CyclePoint] | None:
+    def _torus(
+        self, base: CyclePoint, after: CyclePoint, size: float
+    ) -> tuple[float, CyclePoint] | None:
         """Return where a complex pair crosses the unit circle, None if that is not how."""
-        first = base.multipliers.turning
-        found = self._halved(base, size, lambda point: point.multipliers.turning != first)
-        if found is None:
+        outside = max((base, after), key=lambda point: point.multipliers.turning)
+        values = outside.multipliers.others
+        grown = values[(values.imag > _COMPLEX) & (np.abs(values) > STABLE)]
+        if not grown.size:
             return None
-        values = found[1].multipliers.others
-        values = values[np.abs(values.imag) > 1e-6]
-        near = np.abs(np.abs(values) - 1.0).min(initial=1.0) < 1e-3
-        return found if near else None
+        crossing = grown[np.argmin(np.abs(grown))]
+
+        def measure(point: CyclePoint) -> float:
+            others = point.multipliers.others
+            nearest = others[np.argmin(np.abs(others - crossing))]
+            return float(np.abs(nearest) - STABLE) if nearest.imag > _COMPLEX else np.nan
+
+        ends = measure(base), measure(after)
+        if not ends[0] * ends[1] < 0.0:
+            return None
+        return self._locate(base, size, measure, after=after)
 
     def _finish_range(self, point: CyclePoint) -> None:
         """Add the orbit on the edge of the range and end the branch."""
@@ -401,6 +470,16 @@ class _Tracer:
 
     def _end(self, ending: str, reason: str) -> None:
         self.branch.ending, self.branch.reason = ending, reason
+
+
+def _ahead(orbit: Orbit, along: Direction, size: float) -> Orbit:
+    """Return an orbit a way along a direction."""
+    return replace(
+        orbit,
+        states=orbit.states + size * along.states,
+        period=orbit.period + size * along.period,
+        parameter=orbit.parameter + size * along.parameter,
+    )
 
 
 def _moved(orbit: Orbit, direction: Direction, mesh: Vector) -> Direction:

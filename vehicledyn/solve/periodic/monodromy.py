@@ -75,7 +75,13 @@ class Passages:
         return float(ahead @ self.monodromy @ ahead)
 
 
-def passages(field: AutonomousField, orbit: Orbit, *, tolerance: float = TOLERANCE) -> Passages:
+def passages(
+    field: AutonomousField,
+    orbit: Orbit,
+    *,
+    tolerance: float = TOLERANCE,
+    efforts: Vector | None = None,
+) -> Passages:
     """Integrate the pieces of an orbit with their derivatives.
 
     Parameters
@@ -86,13 +92,16 @@ def passages(field: AutonomousField, orbit: Orbit, *, tolerance: float = TOLERAN
         The orbit, its unknowns a guess.
     tolerance
         Error allowed of a step, see above.
+    efforts
+        A measure of how many steps each piece needs, shape (n_pieces,): pieces alike are then
+        carried side by side.
 
     Raises
     ------
     NumericalError
         If a piece cannot be integrated.
     """
-    quick = _carried(field, orbit, tolerance)
+    quick = _carried(field, orbit, tolerance, efforts)
     if quick is not None:
         return quick
     pieces = _Pieces.of(field, orbit)
@@ -104,31 +113,36 @@ def passages(field: AutonomousField, orbit: Orbit, *, tolerance: float = TOLERAN
     raise NumericalError("the motion along a cycle cannot be integrated: steps become too small")
 
 
-def _carried(field: AutonomousField, orbit: Orbit, tolerance: float) -> Passages | None:
+def _carried(
+    field: AutonomousField, orbit: Orbit, tolerance: float, efforts: Vector | None
+) -> Passages | None:
     """Return the passages by compiled explicit steps, None where there is no such code.
 
     None too where the motion is so stiff that they would be too many.
     """
     scales = orbit.scales()
     durations = np.diff(np.append(orbit.times_of(orbit.mesh)[0], 1.0)) * orbit.period
+    order = np.arange(len(durations)) if efforts is None else np.argsort(efforts, kind="stable")
     found = field.carried(
-        orbit.states,
+        orbit.states[order],
         orbit.parameter,
-        durations,
+        durations[order],
         scales=scales,
         tolerance=tolerance,
         trials=_MOST_EXPLICIT,
     )
     if found is None:
         return None
+    place = np.argsort(order)
+    maps = found.maps[place]
     return Passages(
         orbit,
         scales,
-        found.ends / scales,
-        found.maps[:, :, :-1] * (scales / scales[:, None]),
-        found.maps[:, :, -1] / scales,
-        found.first / scales,
-        found.last / scales,
+        found.ends[place] / scales,
+        maps[:, :, :-1] * (scales / scales[:, None]),
+        maps[:, :, -1] / scales,
+        found.first[place] / scales,
+        found.last[place] / scales,
         durations,
         float(found.errors.max(initial=0.0)),
     )

@@ -54,11 +54,12 @@ class Closed:
     """An orbit that the motion closes, and how it carries changes from point to point.
 
     ``orbit`` has its points on the mesh, the period and the parameter in common with that of the
-    passages.
+    passages; ``iterations`` were made.
     """
 
     orbit: Orbit
     passages: Passages
+    iterations: int = 0
 
 
 def closed(
@@ -109,11 +110,11 @@ def direction_of(found: Closed, parameter_scale: float, before: Direction) -> Di
 
     It has the unit length in which that of the states counts as their mean over the period.
     """
-    chain = _Chain.of(found.passages, parameter_scale)
+    chain = Chain.of(found.passages, parameter_scale)
     matrix = np.vstack([chain.closing(2), chain.across(before)])
     right = np.zeros(len(matrix))
     right[-1] = 1.0
-    change = _solved(matrix, right)
+    change = solved(matrix, right)
     states = chain.points(change[:-2], change[-2:], gaps=False)
     size = np.sqrt(chain.weights @ (states**2).mean(axis=1) + change[-2] ** 2 + change[-1] ** 2)
     orbit, scales = found.passages.orbit, found.passages.scales
@@ -142,7 +143,7 @@ def _corrected(
 ) -> Orbit:
     """Return the orbit after one step of Newton's method."""
     orbit, size = found.orbit, parameter_scale or 0.0
-    chain = _Chain.of(found, size)
+    chain = Chain.of(found, size)
     matrix = chain.closing(2 if size else 1)
     right = np.append(chain.missed, 0.0)
     if along is not None:
@@ -153,7 +154,7 @@ def _corrected(
         )
         matrix = np.vstack([matrix, chain.across(along)])
         right = np.append(right, -chain.product(along, moved) - chain.across_gaps(along))
-    change = _solved(matrix, right)
+    change = solved(matrix, right)
     n = len(found.scales)
     outer = np.append(change[n:], 0.0)[:2]
     changes = chain.points(change[:n], outer, gaps=True)
@@ -168,7 +169,7 @@ def _corrected(
 
 
 @dataclass(frozen=True)
-class _Chain:
+class Chain:
     """How all points follow the first one, the period and the parameter, in scaled changes.
 
     ``whole`` (n_pieces + 1, n, n), ``pulled`` (n_pieces + 1, n, 2) and ``gaps`` (n_pieces + 1, n)
@@ -183,7 +184,7 @@ class _Chain:
     gaps: Vector
 
     @staticmethod
-    def of(found: Passages, parameter_scale: float) -> _Chain:
+    def of(found: Passages, parameter_scale: float) -> Chain:
         """Return the chain of some passages."""
         count, n = found.first.shape
         whole, pulled = np.empty((count + 1, n, n)), np.empty((count + 1, n, 2))
@@ -195,7 +196,7 @@ class _Chain:
             whole[k + 1] = piece @ whole[k]
             pulled[k + 1] = piece @ pulled[k] + pulls[k]
             gaps[k + 1] = piece @ gaps[k] + found.gaps[k]
-        return _Chain(found, parameter_scale, whole, pulled, gaps)
+        return Chain(found, parameter_scale, whole, pulled, gaps)
 
     @property
     def missed(self) -> Vector:
@@ -248,6 +249,6 @@ class _Chain:
         return states, np.array([along.period, along.parameter]) / sizes
 
 
-def _solved(matrix: Vector, right: Vector) -> Vector:
+def solved(matrix: Vector, right: Vector) -> Vector:
     """Return the solution of some linear equations, the smallest one where it is not unique."""
     return np.asarray(np.linalg.lstsq(matrix, right, rcond=_RANK)[0])
