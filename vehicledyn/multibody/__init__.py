@@ -40,11 +40,12 @@ if TYPE_CHECKING:
     from vehicledyn.multibody.derivation import derive
     from vehicledyn.multibody.drives import ConstantRate, TimeLaw
     from vehicledyn.multibody.force_sensors import ConstraintForceSensor, ReactionSensor
+    from vehicledyn.multibody.ground import GROUND
     from vehicledyn.multibody.links import Attachment, GuidedLink, Link
     from vehicledyn.multibody.parts import BasePart, Loads, Motion, Output, PartEvent, Wrench
     from vehicledyn.multibody.rolling import RollingWheel
     from vehicledyn.multibody.sensors import Accelerometer, BodySensor, SequenceSensor
-    from vehicledyn.multibody.system import GROUND, Body, Joint, System, Turn
+    from vehicledyn.multibody.system import Body, Joint, System, Turn
     from vehicledyn.multibody.transmissions import belt, gears, rack, screw
     from vehicledyn.symbolic.parameters import ParameterTable
 
@@ -112,7 +113,8 @@ __getattr__ = door(
             "Wrench",
         ),
         "vehicledyn.multibody.sensors": ("Accelerometer", "BodySensor", "SequenceSensor"),
-        "vehicledyn.multibody.system": ("GROUND", "Body", "Joint", "System", "Turn"),
+        "vehicledyn.multibody.ground": ("GROUND",),
+        "vehicledyn.multibody.system": ("Body", "Joint", "System", "Turn"),
         "vehicledyn.symbolic.parameters": ("ParameterTable",),
     },
 )

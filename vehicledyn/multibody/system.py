@@ -6,13 +6,14 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 
 from vehicledyn.base.errors import InputError, unknown_name
+from vehicledyn.multibody import ground
 from vehicledyn.multibody.constraints import Constraint
 from vehicledyn.multibody.cuts import Cut
 from vehicledyn.multibody.parts import Part
 from vehicledyn.symbolic.ops import Mat, Scalar
 from vehicledyn.symbolic.parameters import ParameterTable
 
-GROUND = "ground"
+GROUND = ground.GROUND
 JOINT_KINDS = ("T1", "T2", "T3", "R1", "R2", "R3")
 ROLES = ("auto", "independent", "dependent", "driven")
 

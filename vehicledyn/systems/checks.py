@@ -8,7 +8,7 @@ from typing import Any
 
 from vehicledyn.base.errors import unknown_name
 from vehicledyn.base.problems import Place
-from vehicledyn.multibody.system import GROUND
+from vehicledyn.multibody.ground import GROUND
 from vehicledyn.systems.algebra import NUMBERS, ExpressionError
 from vehicledyn.systems.dimensions import MEASURES, Measure, measure_of
 from vehicledyn.systems.events import EventSet

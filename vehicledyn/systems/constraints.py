@@ -4,25 +4,20 @@ from __future__ import annotations
 
 from abc import abstractmethod
 from collections.abc import Sequence
-from typing import Any, Literal, Self
+from typing import TYPE_CHECKING, Any, Literal, Self
 
 from pydantic import Field
 
+from vehicledyn import multibody
 from vehicledyn.base.registry import register
-from vehicledyn.multibody import transmissions
-from vehicledyn.multibody.constraints import (
-    Constraint,
-    Geometry,
-    Movement,
-    RateConstraint,
-    UserConstraint,
-)
-from vehicledyn.multibody.rolling import RollingWheel
 from vehicledyn.symbolic import ops
 from vehicledyn.systems.expressions import origin, zero
 from vehicledyn.systems.fields import Scalar, SystemSet, Vector, measured, reference
 from vehicledyn.systems.laws import Values
 from vehicledyn.systems.places import Place
+
+if TYPE_CHECKING:
+    from vehicledyn.multibody.constraints import Constraint, Geometry, Movement
 
 
 class ConstraintSet(SystemSet):
@@ -96,7 +91,7 @@ class ScrewSet(_Transmission):
     def constraint(self, name: str, value: Values, coordinates: Sequence[str]) -> Constraint:
         """Return the screw."""
         pitch, offset = value(self.pitch), value(self.offset)
-        return transmissions.screw(name, self.sliding, self.turning, pitch, offset=offset)
+        return multibody.screw(name, self.sliding, self.turning, pitch, offset=offset)
 
 
 @register("constraint", "rack")
@@ -120,7 +115,7 @@ class RackSet(_Transmission):
     def constraint(self, name: str, value: Values, coordinates: Sequence[str]) -> Constraint:
         """Return the rack."""
         radius, offset = value(self.radius), value(self.offset)
-        return transmissions.rack(name, self.sliding, self.turning, radius, offset=offset)
+        return multibody.rack(name, self.sliding, self.turning, radius, offset=offset)
 
 
 @register("constraint", "gears")
@@ -146,7 +141,7 @@ class GearSet(_Transmission):
     def constraint(self, name: str, value: Values, coordinates: Sequence[str]) -> Constraint:
         """Return the gears."""
         ratio, offset = value(self.ratio), value(self.offset)
-        return transmissions.gears(name, self.driven, self.driving, ratio, offset=offset)
+        return multibody.gears(name, self.driven, self.driving, ratio, offset=offset)
 
 
 @register("constraint", "belt")
@@ -171,7 +166,7 @@ class BeltSet(_Transmission):
 
     def constraint(self, name: str, value: Values, coordinates: Sequence[str]) -> Constraint:
         """Return the belt."""
-        return transmissions.belt(
+        return multibody.belt(
             name,
             self.driven,
             self.driving,
@@ -197,7 +192,7 @@ class RollingSet(ConstraintSet):
     def constraint(self, name: str, value: Values, coordinates: Sequence[str]) -> Constraint:
         """Return the rolling wheel."""
         radius, crown, centre = (value(e) for e in (self.radius, self.crown, self.centre))
-        return RollingWheel(name, self.body, self.axis, radius, crown, centre)
+        return multibody.RollingWheel(name, self.body, self.axis, radius, crown, centre)
 
 
 @register("constraint", "knife_edge")
@@ -220,7 +215,7 @@ class KnifeEdgeSet(ConstraintSet):
             direction = movement.rotation(self.body) @ across
             return ops.dot(direction, movement.velocity(self.body, point))
 
-        return RateConstraint(name, law)
+        return multibody.RateConstraint(name, law)
 
 
 class _Written(ConstraintSet):
@@ -248,7 +243,7 @@ class WrittenConstraint(_Written):
             return value(self.zero, time=geometry.time, **known, **places)
 
         points = self.points.items()
-        return UserConstraint(name, law)
+        return multibody.UserConstraint(name, law)
 
 
 @register("constraint", "rate_expression")
@@ -272,7 +267,7 @@ class WrittenRate(_Written):
                 known[f"{key}_velocity"] = _items(movement.velocity(place.body, point))
             return value(self.zero, time=movement.time, **known)
 
-        return RateConstraint(name, law)
+        return multibody.RateConstraint(name, law)
 
 
 def _items(vector: Any) -> tuple[Any, Any, Any]:

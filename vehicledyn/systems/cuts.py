@@ -3,15 +3,18 @@
 from __future__ import annotations
 
 from abc import abstractmethod
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from pydantic import Field
 
+from vehicledyn import multibody
 from vehicledyn.base.registry import register
-from vehicledyn.multibody.cuts import BallCut, BodyCut, Cut, RodCut
 from vehicledyn.systems.fields import Scalar, SystemSet, measured
 from vehicledyn.systems.laws import Values
 from vehicledyn.systems.places import Place
+
+if TYPE_CHECKING:
+    from vehicledyn.multibody.cuts import Cut
 
 
 class CutSet(SystemSet):
@@ -35,7 +38,7 @@ class BallCutSet(CutSet):
 
     def cut(self, name: str, value: Values) -> Cut:
         """Return the cut."""
-        return BallCut(name, *self.ends(value))
+        return multibody.BallCut(name, *self.ends(value))
 
 
 @register("cut", "rod")
@@ -46,7 +49,7 @@ class RodCutSet(CutSet):
 
     def cut(self, name: str, value: Values) -> Cut:
         """Return the cut."""
-        return RodCut(name, *self.ends(value), value(self.length))
+        return multibody.RodCut(name, *self.ends(value), value(self.length))
 
 
 @register("cut", "body")
@@ -55,4 +58,4 @@ class BodyCutSet(CutSet):
 
     def cut(self, name: str, value: Values) -> Cut:
         """Return the cut."""
-        return BodyCut(name, *self.ends(value))
+        return multibody.BodyCut(name, *self.ends(value))

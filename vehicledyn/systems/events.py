@@ -3,17 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 from pydantic import Field, field_validator
 
-from vehicledyn.multibody.parts import Part, Situation
-from vehicledyn.multibody.triggers import VALUE, Switch, Trigger
 from vehicledyn.systems.expressions import Expression
 from vehicledyn.systems.fields import Scalar, SystemSet, measured, read_mapping
 from vehicledyn.systems.laws import Values
 from vehicledyn.systems.places import Place
 from vehicledyn.systems.sensors import motion_of
+
+if TYPE_CHECKING:
+    from vehicledyn.multibody.parts import Part, Situation
 
 RATE = "_rate"
 _DIRECTIONS = {"rising": "rising", "falling": "falling", "both": "either"}
@@ -67,6 +68,7 @@ class EventSet(SystemSet):
         coordinates, switches
             All of the system.
         """
+        from vehicledyn.multibody.triggers import VALUE, Trigger
 
         def at(expression: Expression) -> Any:
             return lambda situation: value(
@@ -105,6 +107,8 @@ class EventSet(SystemSet):
 
 def switch(name: str, start: float) -> Part:
     """Return the switch of this name."""
+    from vehicledyn.multibody.triggers import Switch
+
     return Switch(name, start)
 
 

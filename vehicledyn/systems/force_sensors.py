@@ -2,20 +2,22 @@
 
 from __future__ import annotations
 
-from typing import Literal
+from typing import TYPE_CHECKING, Literal
 
 from pydantic import Field, field_validator
 
+from vehicledyn import multibody
 from vehicledyn.base.parameters import ParameterSet
 from vehicledyn.base.registry import register
-from vehicledyn.multibody.force_sensors import ConstraintForceSensor, ReactionSensor
-from vehicledyn.multibody.parts import Part
-from vehicledyn.multibody.system import GROUND
+from vehicledyn.multibody.ground import GROUND
 from vehicledyn.systems.expressions import origin
 from vehicledyn.systems.fields import Vector, measured, reference
 from vehicledyn.systems.laws import Values
 from vehicledyn.systems.places import Place
 from vehicledyn.systems.sensors import AllCoordinates, SensorSet
+
+if TYPE_CHECKING:
+    from vehicledyn.multibody.parts import Part
 
 Axes = Literal["world", "body", "parent"]
 Shows = tuple[Literal["force", "torque"], ...]
@@ -54,7 +56,7 @@ class ReactionSet(_ForceSensorSet):
     def sensor(self, name: str, value: Values, coordinates: AllCoordinates) -> Part:
         """Return the sensor."""
         point = None if self.point is None else value(self.point)
-        return ReactionSensor(name, self.body, point, self.of, self.axes, self.shows)
+        return multibody.ReactionSensor(name, self.body, point, self.of, self.axes, self.shows)
 
 
 @register("sensor", "constraint_force")
@@ -72,7 +74,9 @@ class ConstraintForceSet(_ForceSensorSet):
     def sensor(self, name: str, value: Values, coordinates: AllCoordinates) -> Part:
         """Return the sensor."""
         point = value(self.point)
-        return ConstraintForceSensor(name, self.constraint, self.body, point, self.axes, self.shows)
+        return multibody.ConstraintForceSensor(
+            name, self.constraint, self.body, point, self.axes, self.shows
+        )
 
 
 def acted_on(item: ParameterSet) -> list[str]:

@@ -9,8 +9,8 @@ from typing import Any, Literal, Self
 
 from pydantic import Field, field_validator
 
+from vehicledyn import multibody
 from vehicledyn.base.registry import register
-from vehicledyn.multibody.system import Turn
 from vehicledyn.symbolic import rotations
 from vehicledyn.systems.expressions import Expression, zero
 from vehicledyn.systems.fields import Scalar, SystemSet, measured
@@ -58,7 +58,7 @@ class JointSet(SystemSet):
     def coordinates(self, body: str) -> list[Coordinate]:
         """Return its coordinates, from the parent outwards."""
 
-    def turn(self, value: Callable[[Expression], Any]) -> Turn | None:
+    def turn(self, value: Callable[[Expression], Any]) -> multibody.Turn | None:
         """Return the fixed turn that stands in place of coordinates, if it is one.
 
         ``value`` returns what an expression is worth, a number or symbol.
@@ -143,9 +143,9 @@ class FixedTurn(JointSet):
         """Return none."""
         return []
 
-    def turn(self, value: Callable[[Expression], Any]) -> Turn:
+    def turn(self, value: Callable[[Expression], Any]) -> multibody.Turn:
         """Return the turn."""
-        return Turn(rotations.turn(self.axis, value(self.angle)))
+        return multibody.Turn(rotations.turn(self.axis, value(self.angle)))
 
     def mirrored(self, axis: int) -> Self:
         """Return the turn, the other way round unless it is about the normal of the mirror."""

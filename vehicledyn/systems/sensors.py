@@ -4,21 +4,21 @@ from __future__ import annotations
 
 from abc import abstractmethod
 from collections.abc import Sequence
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 from pydantic import Field, field_validator
 
+from vehicledyn import multibody
 from vehicledyn.base.errors import InputError
 from vehicledyn.base.registry import register
 from vehicledyn.base.units import to_si
-from vehicledyn.multibody.parts import Part, Situation
-from vehicledyn.multibody.point_sensors import ExpressionSensor, PointSensor, RateSensor
-from vehicledyn.multibody.sensors import Accelerometer, BodySensor, FloorSensor, SequenceSensor
-from vehicledyn.multibody.triggers import switches
 from vehicledyn.systems.expressions import origin
 from vehicledyn.systems.fields import Scalar, SystemSet, Vector, measured, reference
 from vehicledyn.systems.joints import Sequence as Axes
 from vehicledyn.systems.laws import Values
+
+if TYPE_CHECKING:
+    from vehicledyn.multibody.parts import Part, Situation
 
 AllCoordinates = Sequence[str]
 """Names of all coordinates of a system."""
@@ -26,6 +26,8 @@ AllCoordinates = Sequence[str]
 
 def motion_of(situation: Situation, coordinates: AllCoordinates) -> dict[str, Any]:
     """Return time, coordinates, rates and switches by the names that expressions have for them."""
+    from vehicledyn.multibody.triggers import switches
+
     names: dict[str, Any] = {"time": situation.time, **switches(situation)}
     for name in coordinates:
         names[name] = situation.kinematics.coordinate(name)
@@ -63,6 +65,8 @@ class PointSensorSet(_OfBody):
 
     def sensor(self, name: str, value: Values, coordinates: AllCoordinates) -> Part:
         """Return the sensor."""
+        from vehicledyn.multibody.point_sensors import PointSensor
+
         return PointSensor(name, self.body, value(self.point), self.shows)
 
 
@@ -72,6 +76,8 @@ class RateSensorSet(_OfBody):
 
     def sensor(self, name: str, value: Values, coordinates: AllCoordinates) -> Part:
         """Return the sensor."""
+        from vehicledyn.multibody.point_sensors import RateSensor
+
         return RateSensor(name, self.body)
 
 
@@ -83,7 +89,7 @@ class AngleSensorSet(_OfBody):
 
     def sensor(self, name: str, value: Values, coordinates: AllCoordinates) -> Part:
         """Return the sensor."""
-        return SequenceSensor(name, self.body, self.sequence)
+        return multibody.SequenceSensor(name, self.body, self.sequence)
 
 
 @register("sensor", "body")
@@ -92,7 +98,7 @@ class BodySensorSet(_OfBody):
 
     def sensor(self, name: str, value: Values, coordinates: AllCoordinates) -> Part:
         """Return the sensor."""
-        return BodySensor(name, self.body)
+        return multibody.BodySensor(name, self.body)
 
 
 @register("sensor", "accelerometer")
@@ -105,7 +111,7 @@ class AccelerometerSet(_OfBody):
 
     def sensor(self, name: str, value: Values, coordinates: AllCoordinates) -> Part:
         """Return the sensor."""
-        return Accelerometer(name, self.body, value(self.point))
+        return multibody.Accelerometer(name, self.body, value(self.point))
 
 
 @register("sensor", "floor")
@@ -118,6 +124,8 @@ class FloorSensorSet(_OfBody):
 
     def sensor(self, name: str, value: Values, coordinates: AllCoordinates) -> Part:
         """Return the sensor."""
+        from vehicledyn.multibody.sensors import FloorSensor
+
         return FloorSensor(name, self.body, value(self.point))
 
 
@@ -140,6 +148,8 @@ class WrittenSensor(SensorSet):
 
     def sensor(self, name: str, value: Values, coordinates: AllCoordinates) -> Part:
         """Return the sensor."""
+        from vehicledyn.multibody.point_sensors import ExpressionSensor
+
         return ExpressionSensor(
             name,
             self.unit,

@@ -8,7 +8,7 @@ from pydantic import Field, field_validator, model_validator
 
 from vehicledyn.base.parameters import ParameterSet, part
 from vehicledyn.base.units import describe
-from vehicledyn.multibody.system import GROUND
+from vehicledyn.multibody.ground import GROUND
 from vehicledyn.systems.events import EventSet
 from vehicledyn.systems.expressions import origin, read_expression, zero
 from vehicledyn.systems.fields import (

@@ -7,8 +7,7 @@ from typing import TYPE_CHECKING
 
 from vehicledyn.base.problems import Place
 from vehicledyn.base.registry import register
-from vehicledyn.multibody.system import GROUND
-from vehicledyn.rail.track_follower import JOINTS
+from vehicledyn.multibody.ground import GROUND
 from vehicledyn.systems.expressions import zero
 from vehicledyn.systems.fields import Scalar, measured
 from vehicledyn.systems.joints import Coordinate, JointSet, full_name
@@ -40,14 +39,9 @@ class TrackFrameSet(JointSet):
         """Return its six driven coordinates."""
         return [
             Coordinate(
-                full_name(body, f"track_{_MEANINGS[kind][0]}"),
-                kind,
-                "driven",
-                zero(),
-                zero(),
-                _MEANINGS[kind][1],
+                full_name(body, f"track_{word}"), kind, "driven", zero(), zero(), description
             )
-            for kind in JOINTS
+            for kind, (word, description) in _MEANINGS.items()
         ]
 
 

@@ -2,20 +2,21 @@
 
 from __future__ import annotations
 
-from typing import Literal
+from typing import TYPE_CHECKING, Literal
 
 from pydantic import Field
 
 from vehicledyn.base.registry import register
-from vehicledyn.multibody.links import Attachment
-from vehicledyn.multibody.parts import Part
-from vehicledyn.multibody.system import GROUND
-from vehicledyn.multibody.wheel_angles import SteeringAxis, WheelAngles
+from vehicledyn.multibody.ground import GROUND
 from vehicledyn.systems.expressions import origin
 from vehicledyn.systems.fields import Scalar, SystemSet, Vector, measured, reference
 from vehicledyn.systems.laws import Values
 from vehicledyn.systems.places import Place
 from vehicledyn.systems.sensors import AllCoordinates, SensorSet
+
+if TYPE_CHECKING:
+    from vehicledyn.multibody.parts import Part
+    from vehicledyn.multibody.wheel_angles import SteeringAxis
 
 
 class SteeringAxisSet(SystemSet):
@@ -26,6 +27,9 @@ class SteeringAxisSet(SystemSet):
 
     def line(self, value: Values) -> SteeringAxis:
         """Return the line."""
+        from vehicledyn.multibody.links import Attachment
+        from vehicledyn.multibody.wheel_angles import SteeringAxis
+
         ends = (Attachment(end.body, value(end.point)) for end in (self.lower, self.upper))
         return SteeringAxis(*ends)
 
@@ -50,6 +54,8 @@ class WheelAnglesSet(SensorSet):
 
     def sensor(self, name: str, value: Values, coordinates: AllCoordinates) -> Part:
         """Return the sensor."""
+        from vehicledyn.multibody.wheel_angles import WheelAngles
+
         line = self.steering_axis
         return WheelAngles(
             name,
