@@ -27,7 +27,7 @@ _NEAR = 0.01
 """The same part below which a sample is too near to a singular configuration to be trusted."""
 LEVERAGE = 10.0
 """Largest dependent rate of a unit independent rate that a partition is kept with."""
-_AHEAD = 256
+_AHEAD = 1024
 """Samples whose pivots are looked at together."""
 _MOST_HELD = 512
 """Samples that stay held back in a motion that is nearly singular for long."""
