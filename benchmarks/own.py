@@ -18,12 +18,16 @@ from vehicledyn.multibody import Turn
 from vehicledyn.run.prepare import prepare, start_point
 from vehicledyn.run.watched import simulate_watched
 from vehicledyn.scenario import load_scenario
+from vehicledyn.solve.batch import Cases, make_batch, run_batch
+from vehicledyn.solve.compiler import suitable_lanes
 from vehicledyn.solve.simulate import simulate
 from vehicledyn.symbolic import ops
 
 SCENARIO = Path(__file__).resolve().parents[1] / "scenarios" / "systems" / "four_bar_chain.yaml"
 LINKAGES = 20
 STEPS = 200_000  # Runge-Kutta steps of one joint in a measurement
+STAGES = 4  # right-hand sides of a step
+SPREAD = 0.01  # of the numbers of cases, to either side
 
 
 def describe(system, parent):
@@ -86,6 +90,40 @@ def nanoseconds(kernel, angles, rates):
         sink=lambda t, x, z, y: None,
     )
     return 1e9 * (time.process_time() - started) / statistics.evaluations
+
+
+class Lanes:
+    """Cases of a chain side by side in the lanes of the processor, each with its own numbers."""
+
+    def __init__(self, kernel, angles, rates):
+        self.lanes = suitable_lanes()
+        self._batch = make_batch(kernel, lanes=self.lanes)
+        count = 2 * self.lanes
+        factors = 1.0 + SPREAD * np.linspace(-1.0, 1.0, count)
+        self._cases = Cases(
+            np.outer(factors, kernel.parameters),
+            np.tile(state_of(kernel, angles, rates), (count, 1)),
+            np.zeros((count, 0)),
+        )
+        self._steps = max(2, STEPS // (count * len(angles)))
+
+    def nanoseconds(self):
+        """Return the processor time of a right-hand side of one case [ns]."""
+        duration = self._steps * chains.STEP
+        started = time.process_time()
+        found = run_batch(
+            self._batch,
+            find("solver", "rk4")(step=chains.STEP),
+            self._cases,
+            channels=[],
+            start=0.0,
+            stop=duration,
+            interval=duration,
+        )
+        seconds = time.process_time() - started
+        if any(end.failed for end in found.ends):
+            raise SystemExit(f"a case failed: {found.ends}")
+        return 1e9 * seconds / (STAGES * self._steps * len(found.ends))
 
 
 class FourBarChain:

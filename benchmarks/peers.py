@@ -74,10 +74,15 @@ class Peer:
 
 @dataclass(frozen=True)
 class Row:
-    """What one system costs in each engine [ns]; ``differences`` are those of accelerations."""
+    """What one system costs in each engine [ns]; ``differences`` are those of accelerations.
+
+    ``in_lanes`` is what one of ``lanes`` cases side by side costs.
+    """
 
     system: str
     own: float
+    in_lanes: float
+    lanes: int
     others: dict[str, float]
     differences: dict[str, float]
 
@@ -125,20 +130,26 @@ def forward_dynamics(peers, lengths, repeats):
             if not differences[peer.name] <= AGREEMENT:
                 raise SystemExit(f"{name}: {peer.name} differs by {differences[peer.name]:.1e}")
         times = {peer.name: [] for peer in peers}
-        ours = []
+        ours, aside, lanes = [], [], own.Lanes(kernel, angles, rates)
         for _ in range(repeats):
             ours.append(own.nanoseconds(kernel, angles, rates))
+            aside.append(lanes.nanoseconds())
             for peer in peers:
                 times[peer.name].append(1e9 * peer.ask("seconds", 100_000 // joints))
         medians = {key: statistics.median(values) for key, values in times.items()}
-        rows.append(Row(name, statistics.median(ours), medians, differences))
+        mine, in_lanes = statistics.median(ours), statistics.median(aside)
+        rows.append(Row(name, mine, in_lanes, lanes.lanes, medians, differences))
         print(_words(rows[-1]), flush=True)
     return rows
 
 
 def _words(row):
-    parts = [f"{k} {v:.0f} ns ({v / row.own:.1f}x)" for k, v in row.others.items()]
-    return f"{row.system:18} vehicledyn {row.own:.0f} ns, " + ", ".join(parts)
+    parts = [
+        f"{k} {v:.0f} ns ({v / row.own:.1f}x, {v / row.in_lanes:.1f}x)"
+        for k, v in row.others.items()
+    ]
+    own_words = f"vehicledyn {row.own:.0f} ns, {row.in_lanes:.0f} ns of {row.lanes} lanes"
+    return f"{row.system:18} " + ", ".join([own_words, *parts])
 
 
 def four_bars(peers, repeats):

@@ -32,19 +32,36 @@ def page(peers, rows, bars, cars, slalom, *, error, duration):
         "",
         "Turning joints with oblique frames and full inertias, numbers as parameters at run time; "
         "all engines on the same system. vehicledyn: one right-hand side inside the compiled "
-        "Runge-Kutta loop. pinocchio: `aba` called from Python, less the call of a model with one "
+        "Runge-Kutta loop, alone, and one of several side by side, each with numbers of its own, "
+        "in the lanes of the processor; behind each engine how many times as long it takes as "
+        "either. pinocchio: `aba` called from Python, less the call of a model with one "
         "joint. MuJoCo: `mj_forward` called from Python without contacts, less a call that reads "
         "one number. EXUDYN: a step of explicit Euler on its kinematic tree, the difference of two "
         "runs. The last column is the largest difference of accelerations over the largest "
         "acceleration.",
         "",
     ]
-    head = ["system", "vehicledyn", *[peer.name for peer in peers], "difference"]
+    lanes = f"in {rows[0].lanes} lanes" if rows else "in lanes"
+    head = ["system", "vehicledyn", lanes, *[peer.name for peer in peers], "difference"]
     lines += ["| " + " | ".join(head) + " |", "|---" * len(head) + "|"]
     for row in rows:
-        cells = [f"{v:.0f} ns, {v / row.own:.1f} times" for v in row.others.values()]
-        worst = f"{max(row.differences.values()):.0e}" if row.differences else ""
-        lines.append(f"| {row.system} | {row.own:.0f} ns | " + " | ".join([*cells, worst]) + " |")
+        cells = [row.system, f"{row.own:.0f} ns", f"{row.in_lanes:.0f} ns"]
+        for value in row.others.values():
+            times = f"{value / row.own:.1f} and {value / row.in_lanes:.1f} times"
+            cells.append(f"{value:.0f} ns, {times}")
+        cells.append(f"{max(row.differences.values()):.0e}" if row.differences else "")
+        lines.append("| " + " | ".join(cells) + " |")
+    by_joints = {row.system: row for row in rows}
+    if {"chain of 12", "chain of 100"} <= set(by_joints):
+        short, long = by_joints["chain of 12"], by_joints["chain of 100"]
+        growth = [
+            f"{getattr(long, k) / getattr(short, k) * 12 / 100:.2f}" for k in ("own", "in_lanes")
+        ]
+        lines += [
+            "",
+            "A joint of the chain of 100 takes as long as one of the chain of 12, times "
+            f"{growth[0]} alone and {growth[1]} in lanes.",
+        ]
     lines += [
         "",
         "## Chain of twenty four-bar linkages",
