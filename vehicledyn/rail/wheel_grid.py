@@ -1,7 +1,8 @@
 """Places on a wheel at which compiled equations look for contact, and their windows.
 
-Places lie densely where contacts are sharp. Half way between two of them the overlap is taken from
-its neighbours, which costs less than a place of its own.
+Places lie densely where contacts are sharp, where profiles come near to each other at a small
+radius, and where one window passes into the next. Half way between two of them the overlap is
+taken from its neighbours, which costs less than a place of its own.
 
 A window holds the places of one possible contact. Two contacts of rigid profiles at (almost) the
 same shift, between which the profiles are more than ``LEAST_BARRIER`` apart, can carry at once when
@@ -16,6 +17,7 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from vehicledyn.base.errors import InputError
 from vehicledyn.rail.contact_geometry import Rail, Wheel
@@ -35,8 +37,10 @@ _MARGIN, _BEYOND_TIP = 5e-3, 1e-3
 _NEAR = 6e-5
 _APART = 5e-3
 _RAMP = 2.5e-3
+_BESIDE_BORDER, _AT_BORDER, _GROWTH = 2.5e-3, 7e-4, 0.2
 _BLUR = 1.5e-3
 _LEAST_BEND = 1e-3
+_HALF_WIDTH = 5e-4
 _OF_RADIUS = 0.05
 
 
@@ -73,10 +77,15 @@ class WheelGrid:
 
 
 class _Rolled(NamedTuple):
-    """Contacts of rigid profiles at rising shifts: places, half sums of curvatures, barriers."""
+    """What a wheel without yaw and roll does on its rail: where it can be, and how closely.
+
+    ``place`` holds where profiles come near to each other at some shift, ``bend`` the largest half
+    sum of curvatures there, ``contacts`` the rigid contacts at rising shifts.
+    """
 
     place: Floats
     bend: Floats
+    contacts: Floats
     barriers: tuple[float, ...]
 
 
@@ -96,8 +105,8 @@ def wheel_grid(wheel: Wheel, rail: Rail) -> WheelGrid:
     rolled = _rolled(wheel, rail)
     table = wheel.table
     tip = float(wheel.scan[0][np.argmax(wheel.scan[1])])
-    first = max(table.begin, min(float(rolled.place.min()) - _MARGIN, tip - _BEYOND_TIP))
-    last = min(table.end, float(rolled.place.max()) + _MARGIN)
+    first = max(table.begin, min(float(rolled.contacts.min()) - _MARGIN, tip - _BEYOND_TIP))
+    last = min(table.end, float(rolled.contacts.max()) + _MARGIN)
     fine = np.linspace(first, last, int(np.ceil((last - first) / (0.1 * _SAMPLE))) + 1)
     height, _, _ = table.values(fine)
     along = np.concatenate([[0.0], np.cumsum(np.hypot(np.diff(fine), np.diff(height)))])
@@ -115,21 +124,23 @@ def _rolled(wheel: Wheel, rail: Rail) -> _Rolled:
     """Return where a wheel without yaw and roll touches its rail, from far in to far out."""
     y, z, slope = wheel.scan
     stretch = np.hypot(1.0, slope)
-    places: list[int] = []
-    bends: list[float] = []
+    contacts: list[int] = []
+    bends = np.zeros_like(y)
     barriers: list[float] = []
     for shift in np.arange(-_REACH, _REACH, _SHIFT_STEP):
         gap = -z - rail.surface.height(wheel.half_distance + shift + y)
         if np.isnan(gap).all():
             continue
         k = int(np.nanargmin(gap))
-        normal = (gap - gap[k]) / stretch
-        places.append(k)
-        bends.append(_bend(y, normal, stretch, k))
-        barriers += [float(y[top]) for top in _barriers(np.where(np.isnan(normal), 1.0, normal))]
-    if not places:
+        normal = np.where(np.isnan(gap), 1.0, (gap - gap[k]) / stretch)
+        contacts.append(k)
+        near = np.flatnonzero(normal < _NEAR)
+        bends[near] = np.maximum(bends[near], _bends(y, normal, stretch, near))
+        barriers += [float(y[top]) for top in _barriers(normal)]
+    if not contacts:
         raise InputError("the wheel is not above its rail at any lateral shift")
-    return _Rolled(y[places], np.array(bends), _gathered(barriers))
+    met = np.flatnonzero(bends)
+    return _Rolled(y[met], bends[met], y[contacts], _gathered(barriers))
 
 
 def _barriers(normal: Floats) -> list[int]:
@@ -154,14 +165,15 @@ def _gathered(barriers: list[float]) -> tuple[float, ...]:
     return tuple(float(np.median(group)) for group in groups)
 
 
-def _bend(y: Floats, normal: Floats, stretch: Floats, k: int) -> float:
-    """Return the half sum of curvatures at a contact, over half a millimetre on both sides."""
-    step = max(1, round(5e-4 / ((y[1] - y[0]) * stretch[k])))
-    if k < step or k + step >= len(y):
-        return _LEAST_BEND
-    length = step * (y[1] - y[0]) * stretch[k]
-    bend = 0.5 * (normal[k + step] - 2.0 * normal[k] + normal[k - step]) / length**2
-    return float(bend) if bend > _LEAST_BEND else _LEAST_BEND
+def _bends(y: Floats, normal: Floats, stretch: Floats, places: NDArray[np.intp]) -> Floats:
+    """Return half sums of curvatures, of either sign, over a quarter of a millimetre both ways."""
+    step = np.maximum(1, np.round(_HALF_WIDTH / ((y[1] - y[0]) * stretch[places])).astype(int))
+    before, after = places - step, places + step
+    inner = (before >= 0) & (after < len(y))
+    before, after = np.where(inner, before, places), np.where(inner, after, places)
+    length = step * (y[1] - y[0]) * stretch[places]
+    bend = 0.5 * (normal[after] - 2.0 * normal[places] + normal[before]) / length**2
+    return np.where(inner, np.maximum(np.abs(bend), _LEAST_BEND), _LEAST_BEND)
 
 
 def _distances(wheel: Wheel, rolled: _Rolled, fine: Floats, along: Floats) -> Floats:
@@ -171,10 +183,12 @@ def _distances(wheel: Wheel, rolled: _Rolled, fine: Floats, along: Floats) -> Fl
     contact that jumps, an elastic one reaches where no rigid one is.
     """
     wanted = np.sqrt(_APPROACH / rolled.bend) * 2.0 / _PLACES_A_CONTACT
-    order = np.argsort(rolled.place, kind="stable")
     _, slope, bend = wheel.table.values(fine)
     radius = (1.0 + slope**2) ** 1.5 / np.maximum(np.abs(bend), _LEAST_BEND)
-    narrow = np.minimum(np.interp(fine, rolled.place[order], wanted[order]), _OF_RADIUS * radius)
+    narrow = np.minimum(np.interp(fine, rolled.place, wanted), _OF_RADIUS * radius)
+    for border in np.interp(rolled.barriers, fine, along):
+        beyond = np.maximum(np.abs(along - border) - _BESIDE_BORDER, 0.0)
+        narrow = np.minimum(narrow, _AT_BORDER + _GROWTH * beyond)
     coarse = np.log(np.clip(narrow, FINEST, COARSEST))
     # Blurred along the profile, so that neighbours differ little.
     even = np.arange(0.0, along[-1], _SAMPLE)
