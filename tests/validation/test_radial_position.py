@@ -38,6 +38,7 @@ class Circle:
 
     radius: float
     is_straight: bool = False
+    tightest: float = 0.0
 
     def frame(self, s):
         angle = s / self.radius

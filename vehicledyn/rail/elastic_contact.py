@@ -158,15 +158,15 @@ class ElasticContact:
     field_edge: float
 
     @staticmethod
-    def of(wheel: Wheel, rail: Rail) -> ElasticContact:
-        """Return the contact of a wheel and its rail.
+    def of(wheel: Wheel, rail: Rail, attack: float = 0.0) -> ElasticContact:
+        """Return the contact of a wheel and its rail, with windows up to an angle of attack [rad].
 
         Raises
         ------
         InputError
             If the wheel is above its rail at no lateral shift.
         """
-        grid = wheel_grid(wheel, rail)
+        grid = wheel_grid(wheel, rail, attack)
         places, heights = wheel.scan[0], wheel.scan[1]
         surface, begin, end = _surface(rail)
         place, height = _profile(wheel, grid)

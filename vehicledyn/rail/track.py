@@ -75,6 +75,10 @@ class CentreLine(Protocol):
     def length(self) -> float:
         """Chainage beyond which it does not change; it begins at zero [m]."""
 
+    @property
+    def tightest(self) -> float:
+        """Largest curvature to either side [1/m]."""
+
     def frame(self, s: Scalar) -> TrackFrame:
         """Return the frame at an arc coordinate [m]."""
 
@@ -99,6 +103,7 @@ class StraightLine:
 
     is_straight: bool = True
     length: float = 0.0
+    tightest: float = 0.0
 
     def frame(self, s: Scalar) -> TrackFrame:
         """Return the frame of the world, moved along x."""

@@ -70,6 +70,8 @@ class CurvedLine:
         Largest distance of the tables from the design, as measured between their knots [m].
     length
         Chainage of the end of the design [m].
+    tightest
+        Largest curvature of the design [1/m].
     """
 
     abscissa: Abscissa
@@ -80,6 +82,7 @@ class CurvedLine:
     roll: CurveTable | None
     error: float
     length: float
+    tightest: float
 
     @property
     def is_straight(self) -> bool:
@@ -159,11 +162,15 @@ def _first_width(alignment: Alignment) -> float:
 
     Cubics through places and slopes are wrong by width⁴ κ³ / 384 in a circle.
     """
-    probes = np.linspace(0.0, alignment.length, 2001)
-    tightest = float(np.abs(alignment.curvature(probes)).max())
+    tightest = _tightest(alignment)
     if tightest == 0.0:
         return _WIDEST_CELL
     return min(_WIDEST_CELL, float((192.0 * WANTED_ERROR / tightest**3) ** 0.25))
+
+
+def _tightest(alignment: Alignment) -> float:
+    probes = np.linspace(0.0, alignment.length, 2001)
+    return float(np.abs(alignment.curvature(probes)).max())
 
 
 class Grid:
@@ -304,7 +311,10 @@ class Grid:
         t = self.tables
         level, lean = t.get("height"), t.get("roll")
         plan = (t["x"], t["y"], t["heading"])
-        return CurvedLine(self.abscissa, *plan, level, lean, self.error, self.alignment.length)
+        design = self.alignment
+        return CurvedLine(
+            self.abscissa, *plan, level, lean, self.error, design.length, _tightest(design)
+        )
 
     def widening(self) -> TabledShift | None:
         """Return the gauge widening, None if there is none."""

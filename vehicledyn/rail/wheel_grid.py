@@ -7,7 +7,9 @@ taken from its neighbours, which costs less than a place of its own.
 A window holds the places of one possible contact. Two contacts of rigid profiles at (almost) the
 same shift, between which the profiles are more than ``LEAST_BARRIER`` apart, can carry at once when
 they are elastic: a window ends at the highest point between. What profiles bridge more closely is
-one contact to an elastic wheel.
+one contact to an elastic wheel. Contacts with an angle of attack jump elsewhere: in a curve the
+windows are those of all angles that wheels can have there. Two contacts in one window would pull
+as one between them, in a direction of its own; such forces have no potential and feed vibrations.
 """
 
 from __future__ import annotations
@@ -20,11 +22,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vehicledyn.base.errors import InputError
-from vehicledyn.rail.contact_geometry import Rail, Wheel
+from vehicledyn.rail.contact_geometry import Pose, Rail, Wheel, silhouette, wheel_above
 from vehicledyn.rail.profile_pieces import Floats
 
 LEAST_BARRIER = 1e-5
 """Normal distance between two contacts above which they are windows of their own [m]."""
+
+LEVER = 2.0
+"""Largest distance of a wheel from the place where its vehicle is along the track [m]."""
 
 FINEST, COARSEST = 5.5e-4, 2.5e-3
 """Bounds of the distance of places along the profile [m]."""
@@ -32,6 +37,7 @@ FINEST, COARSEST = 5.5e-4, 2.5e-3
 _APPROACH = 4e-5
 _PLACES_A_CONTACT = 3.0
 _REACH, _SHIFT_STEP = 0.025, 1e-4
+_YAW_STEP, _LARGEST_YAW = 0.015, 0.09
 _SAMPLE = 1e-4
 _MARGIN, _BEYOND_TIP = 5e-3, 1e-3
 _NEAR = 6e-5
@@ -89,20 +95,31 @@ class _Rolled(NamedTuple):
     barriers: tuple[float, ...]
 
 
-def wheel_grid(wheel: Wheel, rail: Rail) -> WheelGrid:
+def largest_attack(curvature: float) -> float:
+    """Return the angle of attack that wheels may have in a curve [rad] of a curvature [1/m].
+
+    Axles stand square to their vehicle: a wheel up to ``LEVER`` from where that is tangential to
+    the track has the angle at which the track has turned up to there.
+    """
+    return LEVER * curvature
+
+
+def wheel_grid(wheel: Wheel, rail: Rail, attack: float = 0.0) -> WheelGrid:
     """Return the places of a wheel that can meet a rail, near enough to each other for contacts.
 
     Parameters
     ----------
     wheel, rail
         The wheel and its rail.
+    attack
+        Largest angle of attack to count with; windows are those of all angles up to it [rad].
 
     Raises
     ------
     InputError
         If the wheel is above its rail at no lateral shift.
     """
-    rolled = _rolled(wheel, rail)
+    rolled = _rolled(wheel, rail, attack)
     table = wheel.table
     tip = float(wheel.scan[0][np.argmax(wheel.scan[1])])
     first = max(table.begin, min(float(rolled.contacts.min()) - _MARGIN, tip - _BEYOND_TIP))
@@ -120,8 +137,8 @@ def wheel_grid(wheel: Wheel, rail: Rail) -> WheelGrid:
     return WheelGrid(place, z, slope, lengths, np.gradient(lengths), _shares(lengths, borders))
 
 
-def _rolled(wheel: Wheel, rail: Rail) -> _Rolled:
-    """Return where a wheel without yaw and roll touches its rail, from far in to far out."""
+def _rolled(wheel: Wheel, rail: Rail, attack: float) -> _Rolled:
+    """Return where a wheel without roll touches its rail, from far in to far out."""
     y, z, slope = wheel.scan
     stretch = np.hypot(1.0, slope)
     contacts: list[int] = []
@@ -140,7 +157,25 @@ def _rolled(wheel: Wheel, rail: Rail) -> _Rolled:
     if not contacts:
         raise InputError("the wheel is not above its rail at any lateral shift")
     met = np.flatnonzero(bends)
+    for yaw in np.arange(_YAW_STEP, min(attack, _LARGEST_YAW) + 1e-9, _YAW_STEP):
+        barriers += _barriers_at(wheel, rail, float(yaw))
     return _Rolled(y[met], bends[met], y[contacts], _gathered(barriers))
+
+
+def _barriers_at(wheel: Wheel, rail: Rail, yaw: float) -> list[float]:
+    """Return where barriers are on a wheel with an angle of attack."""
+    found = []
+    for shift in np.arange(-_REACH, _REACH, 2.0 * _SHIFT_STEP):
+        pose = Pose(shift, wheel.radius, 0.0, yaw)
+        y, z, slope = wheel_above(wheel, rail, pose)
+        seen = silhouette(wheel, pose, y, z, slope)
+        gap = seen.z - rail.surface.height(seen.y)
+        if np.isnan(gap).all():
+            continue
+        normal = (gap - np.nanmin(gap)) / np.hypot(1.0, slope)
+        normal = np.where(np.isnan(normal), 1.0, normal)
+        found += [float(y[top]) for top in _barriers(normal)]
+    return found
 
 
 def _barriers(normal: Floats) -> list[int]:

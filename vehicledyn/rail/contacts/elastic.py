@@ -35,13 +35,14 @@ class Elastic(RailContact):
     def part(self, wheels: RailWheels) -> Part:
         """Return the part."""
         from vehicledyn.rail.elastic_contact import ElasticContact
+        from vehicledyn.rail.wheel_grid import largest_attack
         from vehicledyn.rail.wheel_on_rail import ElasticWheels
 
         modulus, nu = self.youngs_modulus, self.poissons_ratio
         return ElasticWheels(
             wheels.name,
             wheels,
-            ElasticContact.of(*wheels.geometry()),
+            ElasticContact.of(*wheels.geometry(), largest_attack(wheels.track.line.tightest)),
             effective_modulus=modulus / (2.0 * (1.0 - nu * nu)),
             shear_modulus=modulus / (2.0 * (1.0 + nu)),
             poissons_ratio=nu,
