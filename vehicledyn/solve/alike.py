@@ -306,6 +306,8 @@ class _Finder:
         turnable = self._kinds[first] in _TURNABLE and mine_at < 2 and its_at < 2
         if mine_at != its_at and not turnable:
             return -1000
+        if len(self._values[first].operands) != len(self._values[other].operands):
+            return -1000  # calls of different functions
         rest, its_rest = (
             [operand for k, operand in enumerate(self._values[user].operands) if k != position]
             for user, position in ((first, mine_at), (other, its_at))
