@@ -36,6 +36,14 @@ def test_windows_end_where_contact_jumps_far(inclination, borders):
     assert 1e3 * np.array(crossing) == pytest.approx(borders, abs=0.3)
 
 
+@pytest.mark.parametrize(("attack", "windows"), [(0.0, 2), (0.012, 2), (0.045, 3)])
+def test_an_angle_of_attack_makes_contact_jump_elsewhere(attack, windows):
+    """From 0.015 rad on S1002 jumps from the gauge corner to the flank as well."""
+    wheel = Wheel(named_profile("S1002", "wheel"), 0.46, 0.75)
+    rail = place_rail(named_profile("60E1", "rail"), 1 / 40, 1.435, 0.014)
+    assert wheel_grid(wheel, rail, attack).shares.shape[0] == windows
+
+
 def test_one_window_where_contact_moves_evenly():
     assert grid_of("cone:1/20").shares.shape[0] == 1
 
