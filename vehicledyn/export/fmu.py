@@ -23,7 +23,7 @@ from vehicledyn.export.fmi_description import Experiment, build_description, mod
 from vehicledyn.export.languages import safe_name
 from vehicledyn.solve.compiler import CompilationError, build_library, find_compiler
 from vehicledyn.solve.functions import KernelFunctions, derive_functions
-from vehicledyn.solve.source import kernel_source
+from vehicledyn.solve.source import portable_source
 from vehicledyn.solve.table_rows import ROW
 from vehicledyn.symbolic.equations import Equations
 from vehicledyn.symbolic.tables import CurveTable
@@ -87,7 +87,7 @@ def export_fmu(
 
 def _kernel_and_tables(equations: Equations, start: Start) -> str:
     functions = derive_functions(equations)
-    return "\n".join([kernel_source(equations, functions), *_tables(equations, functions, start)])
+    return "\n".join([portable_source(equations, functions), *_tables(equations, functions, start)])
 
 
 def _tables(equations: Equations, functions: KernelFunctions, start: Start) -> list[str]:

@@ -19,12 +19,20 @@ _ARGUMENTS = ("t", "x", "z", "c")
 
 
 def kernel_source(equations: Equations, functions: KernelFunctions) -> str:
-    """Return the complete C source of a kernel for one case."""
+    """Return the complete C source of a kernel for one case, for this processor."""
+    return _source(equations, functions, suitable_lanes())
+
+
+def portable_source(equations: Equations, functions: KernelFunctions) -> str:
+    """Return the complete C source of a kernel for one case, for any processor."""
+    return _source(equations, functions, 1)
+
+
+def _source(equations: Equations, functions: KernelFunctions, lanes: int) -> str:
     events = [
         _events(equations, functions),
         print_function(functions.resets, "resets", _ARGUMENTS, tables=equations.tables),
     ]
-    lanes = suitable_lanes()
     wide = WideFunctions(lanes)
     copies = Copies(functions.prepare.numel_out(0) + ROW * len(equations.tables))
     in_rows = lanes >= PLACES

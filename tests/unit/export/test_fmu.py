@@ -313,3 +313,16 @@ def test_slalom_of_the_iltis(tmp_path):
 
 def silent(what, part=None):
     """Tell nobody."""
+
+
+def test_source_is_for_any_processor(tmp_path):
+    """Two wheels on rails are computed side by side where the processor can, not in an FMU."""
+    import vehicledyn.catalogue
+    from vehicledyn.run.vehicle import build_subject
+    from vehicledyn.scenario import load_model
+
+    assert vehicledyn.catalogue
+    system = build_subject(load_model(str(ROOT / "systems" / "radial_wheelset.yaml"))).system
+    path = export_fmu(derive(system), tmp_path / "wheelset.fmu")
+    with zipfile.ZipFile(path) as archive:
+        assert any(name.startswith("binaries/") for name in archive.namelist())
