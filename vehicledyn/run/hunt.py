@@ -50,10 +50,13 @@ Vector = NDArray[np.float64]
 DEGREE = 4
 _PHASES = 101
 _MOST_CHANNELS = 8
+_LEAST_CYCLES = 80
+"""Cycles that a branch may have at least, however few are asked for."""
+
 _APPROACH = 20
 """Values at which an equilibrium is followed from a file's own value to the first one."""
 
-_BEHIND = 8
+_BEHIND = 4
 """Points an interval at which the range of a channel is looked for."""
 
 
@@ -248,7 +251,7 @@ class _Study:
         points = self.settings.points
         branch = Branch()
         self.branches.append(branch)
-        limits = Limits(low, high, (high - low) / points, points=4 * points)
+        limits = Limits(low, high, (high - low) / points, points=max(points + 20, _LEAST_CYCLES))
 
         def told(point: CyclePoint) -> None:
             part = (point.orbit.parameter - low) / (high - low)
@@ -263,8 +266,11 @@ class _Study:
             told=told,
             upwards=upwards,
         )
+        name = f"branch {len(self.branches)}"
         if branch.ending == "lost":
-            self._ended("partial", 3, f"branch {len(self.branches)}: {branch.reason}")
+            self._ended("partial", 3, f"{name}: {branch.reason}")
+        if branch.ending == "points":
+            self.messages.append(f"{name}: {branch.reason}; it goes on, raise --points")
 
     def _reaches(self, branch: Branch, hopf: Hopf) -> bool:
         """Return whether a branch ended at a Hopf bifurcation."""
@@ -375,7 +381,7 @@ class _Study:
         states, unknowns = point.orbit.sample(places)
         rows = []
         for state, guess in zip(self.model.full(states), unknowns, strict=True):
-            solved = kernel.solve_unknowns(0.0, state, guess)
+            solved = kernel.solve_unknowns(0.0, state, guess) if guess.size else guess
             rows.append(kernel.outputs(0.0, state, solved)[self.watched])
         return np.array(rows)
 

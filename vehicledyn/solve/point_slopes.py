@@ -10,12 +10,14 @@ from __future__ import annotations
 
 import ctypes
 from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from vehicledyn.base.processors import cores
 from vehicledyn.solve import cache
 from vehicledyn.solve.code import WideFunctions, print_function
 from vehicledyn.solve.compiler import UNIT_BREAK, build_library, find_compiler, suitable_lanes
@@ -87,7 +89,8 @@ class PointCode:
         self._n_values = values.shape[0]
         self._n_directions = 0 if index is None else point.shape[0] + 1
         wanted = _Wanted(values, point, parameter, tables, index, often)
-        self._function, self._flow = _compiled(wanted, suitable_lanes())
+        self._lanes = suitable_lanes()
+        self._function, self._flow = _compiled(wanted, self._lanes)
 
     def values(self, points: Vector, parameters: Vector) -> Vector:
         """Return the values at points (count, n), shape (count, n_values)."""
@@ -139,11 +142,18 @@ class PointCode:
         sizes = np.ascontiguousarray(scales, dtype=float)
         ends, first, last = (np.empty((count, n)) for _ in range(3))
         maps, errors = np.empty((count, n, n + 1)), np.empty(count)
-        assert self._flow is not None
-        before = [a.ctypes.data for a in (*given, sizes)]
-        after = [a.ctypes.data for a in (ends, maps, first, last, errors)]
-        if self._flow(count, *before, tolerance, trials, *after):
-            return None
+        flow = self._flow
+        assert flow is not None
+
+        def carry(begin: int) -> int:
+            part = slice(begin, begin + self._lanes)
+            before = [a.ctypes.data for a in (given[0][part], given[1], given[2][part], sizes)]
+            after = [a[part].ctypes.data for a in (ends, maps, first, last, errors)]
+            return flow(len(ends[part]), *before, tolerance, trials, *after)
+
+        with ThreadPoolExecutor(cores()) as side_by_side:
+            if any(side_by_side.map(carry, reversed(range(0, count, self._lanes)))):
+                return None
         return Carried(ends, maps, first, last, errors)
 
     def _at(self, points: Vector, parameters: Vector) -> tuple[Vector, Vector]:

@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 
 from vehicledyn.base.errors import InputError, NumericalError
+from vehicledyn.base.processors import cores
 from vehicledyn.results.output import check_output
 from vehicledyn.results.study_layout import (
     FAILED,
@@ -225,7 +226,7 @@ class _Run:
 
 def _processes(workers: int | None, scheduler: str | None) -> tuple[int, list[str]]:
     """Return how many processes compute, and what to say about it."""
-    wanted = workers or pool.cores()
+    wanted = workers or cores()
     if wanted > 1 and workers is None and scheduler is None and not pool.dask_is_there():
         return 1, ["one process computes; for all cores: pip install 'vehicledyn[sweep]'"]
     return wanted, []

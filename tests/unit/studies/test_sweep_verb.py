@@ -89,7 +89,7 @@ def test_one_process_computes_without_dask(study, tmp_path, monkeypatch):
     from small_study import swept
 
     monkeypatch.setattr("vehicledyn.studies.pool.dask_is_there", lambda: False)
-    monkeypatch.setattr("vehicledyn.studies.pool.cores", lambda: 4)
+    monkeypatch.setattr("vehicledyn.studies.sweep.cores", lambda: 4)
     outcome = swept(study, tmp_path / "out.h5", "cases.number=2", workers=None)
     assert outcome.counts["done"] == 2
     assert "for all cores: pip install 'vehicledyn[sweep]'" in outcome.messages[0]
