@@ -9,7 +9,8 @@ saturated for it.
 
 Where the wheel touches the rail at a second point, the contact jumps there: ``<side>.jumps`` is
 an event after which the constraint holds the other point. The rates of the independent
-coordinates stay, those of the others leap to fit; the impact is left out. A wheel that lifts,
+coordinates stay, those of the others leap to fit; the impact is left out: the impulses of
+:mod:`vehicledyn.multibody.impacts` keep the old contact, which would come free. A wheel that lifts,
 ``<side>.lifts``, or whose contact comes to the end of a profile, ``<side>.leaves``, ends the run:
 the elastic model goes on from there.
 """
