@@ -105,7 +105,7 @@ class Lanes:
             np.tile(state_of(kernel, angles, rates), (count, 1)),
             np.zeros((count, 0)),
         )
-        self._steps = max(2, STEPS // (count * len(angles)))
+        self._steps = STEPS // (2 * len(angles))
 
     def nanoseconds(self):
         """Return the processor time of a right-hand side of one case [ns]."""
