@@ -26,9 +26,11 @@ ROWS = {
     "track": 11,
     "rail_assessment": 9,
     "rigid_wheelset": 6,
+    "limit_cycles": 4,
     "book": 21,
 }
 NEEDS_COMPILER = {
+    "limit_cycles": "limit cycles with flange contact take minutes interpreted",
     "convergence": "runs with small steps take minutes interpreted",
     "repeatability": "there is nothing to compare the interpreted run with",
 }

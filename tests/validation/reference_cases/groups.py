@@ -10,6 +10,7 @@ from reference_cases import (
     convergence,
     histories,
     kinematics,
+    limit_cycles,
     mechanics,
     modes,
     positions,
@@ -46,6 +47,7 @@ GROUPS = {
     "track": track.compare,
     "rail_assessment": rail_assessment.compare,
     "rigid_wheelset": rigid_wheelset.compare,
+    "limit_cycles": limit_cycles.compare,
 }
 
 

@@ -178,17 +178,32 @@ class _Tracer:
         self.intervals = start.intervals
         scales = self._scales(start)
         if direction is None:
-            found, exact, _ = self._corrected(start, scales, None)
-            along = Direction(np.zeros_like(found.orbit.states), 0.0, 1.0 if upwards else -1.0)
-            self.first_size = 0.0
-        else:
-            length = np.sqrt(dot(start, direction, direction, scales))
-            along = direction.times(1.0 / length)
-            found = correct(self.model, start, scales, along=along)
-            exact = closed(self.model, found.orbit, parameter_scale=scales.parameter)
-            self.first_size = float(np.ptp(start.states, axis=0).max())
+            self._begin_at(start, scales, 1.0 if upwards else -1.0)
+            return
+        length = np.sqrt(dot(start, direction, direction, scales))
+        along = direction.times(1.0 / length)
+        found = correct(self.model, start, scales, along=along)
+        exact = closed(self.model, found.orbit, parameter_scale=scales.parameter)
+        self.first_size = float(np.ptp(start.states, axis=0).max())
         self._add(self._point(found, exact, scales, along))
         self.side = self._side(self.branch.points[0])
+
+    def _begin_at(self, start: Orbit, scales: Scales, side: float) -> None:
+        """Find the first orbit at the parameter of a guess.
+
+        A simulated one, with contacts that begin and end, is closed by shooting; what is less
+        near by collocation.
+        """
+        try:
+            exact = closed(self.model, start)
+            along = Direction(np.zeros_like(start.states), 0.0, side)
+            point = self._exact_point(exact, along)
+        except NumericalError:
+            found, exact, _ = self._corrected(start, scales, None)
+            along = Direction(np.zeros_like(found.orbit.states), 0.0, side)
+            point = self._point(found, exact, scales, along)
+        self._add(point)
+        self.side = self._side(point)
 
     def run(self) -> None:
         """Follow the branch to its end."""
@@ -519,10 +534,32 @@ def cycle_at(model: AutonomousField, branch: Branch, value: float) -> list[Cycle
         if not (min(ends) <= value < max(ends) or is_last):
             continue
         near = before if abs(value - ends[0]) < abs(value - ends[1]) else after
-        orbit = replace(near.orbit, parameter=value)
-        scales = Scales(orbit.scales(), orbit.period, abs(value) or 1.0)
-        corrected = correct(model, orbit, scales, along=None)
-        exact = closed(model, corrected.orbit)
-        values = multipliers_of(exact.passages)
-        found.append(CyclePoint(exact.orbit, values, near.tangent, corrected.iterations))
+        found.append(_cycle_beside(model, near, value))
     return found
+
+
+def _cycle_beside(model: AutonomousField, near: CyclePoint, value: float) -> CyclePoint:
+    """Return the cycle at a value of the parameter beside one of the branch."""
+    orbit, slope = near.orbit, near.tangent.parameter
+    reach = (value - orbit.parameter) / slope if slope else np.inf
+    guess = replace(orbit, parameter=value)
+    if abs(reach) < _LARGEST:
+        guess = replace(_ahead(orbit, near.tangent, reach), parameter=value)
+    ways = [_shot, _collocated] if model.is_carried else [_collocated, _shot]
+    try:
+        exact = ways[0](model, guess)
+    except NumericalError:
+        exact = ways[1](model, guess)
+    values = multipliers_of(exact.passages)
+    return CyclePoint(exact.orbit, values, near.tangent, exact.iterations)
+
+
+def _shot(model: AutonomousField, guess: Orbit) -> Closed:
+    """Return the orbit at the parameter of a guess, by integration alone."""
+    return closed(model, guess)
+
+
+def _collocated(model: AutonomousField, guess: Orbit) -> Closed:
+    """Return the orbit at the parameter of a guess, by collocation first."""
+    scales = Scales(guess.scales(), guess.period, abs(guess.parameter) or 1.0)
+    return closed(model, correct(model, guess, scales, along=None).orbit)
