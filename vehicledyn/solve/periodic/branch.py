@@ -9,6 +9,7 @@ arclength continuation. Seydel (2010), Practical Bifurcation and Stability Analy
 from __future__ import annotations
 
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from itertools import pairwise
@@ -194,11 +195,12 @@ class _Tracer:
         A simulated one, with contacts that begin and end, is closed by shooting; what is less
         near by collocation.
         """
-        try:
-            exact = closed(self.model, start)
+        point = None
+        if self.model.is_carried:
             along = Direction(np.zeros_like(start.states), 0.0, side)
-            point = self._exact_point(exact, along)
-        except NumericalError:
+            with suppress(NumericalError):
+                point = self._exact_point(closed(self.model, start), along)
+        if point is None:
             found, exact, _ = self._corrected(start, scales, None)
             along = Direction(np.zeros_like(found.orbit.states), 0.0, side)
             point = self._point(found, exact, scales, along)
@@ -540,26 +542,21 @@ def cycle_at(model: AutonomousField, branch: Branch, value: float) -> list[Cycle
 
 def _cycle_beside(model: AutonomousField, near: CyclePoint, value: float) -> CyclePoint:
     """Return the cycle at a value of the parameter beside one of the branch."""
-    orbit, slope = near.orbit, near.tangent.parameter
-    reach = (value - orbit.parameter) / slope if slope else np.inf
-    guess = replace(orbit, parameter=value)
-    if abs(reach) < _LARGEST:
-        guess = replace(_ahead(orbit, near.tangent, reach), parameter=value)
-    ways = [_shot, _collocated] if model.is_carried else [_collocated, _shot]
-    try:
-        exact = ways[0](model, guess)
-    except NumericalError:
-        exact = ways[1](model, guess)
+    exact = _shot(model, near, value) if model.is_carried else None
+    if exact is None:
+        guess = replace(near.orbit, parameter=value)
+        scales = Scales(guess.scales(), guess.period, abs(value) or 1.0)
+        exact = closed(model, correct(model, guess, scales, along=None).orbit)
     values = multipliers_of(exact.passages)
     return CyclePoint(exact.orbit, values, near.tangent, exact.iterations)
 
 
-def _shot(model: AutonomousField, guess: Orbit) -> Closed:
-    """Return the orbit at the parameter of a guess, by integration alone."""
-    return closed(model, guess)
-
-
-def _collocated(model: AutonomousField, guess: Orbit) -> Closed:
-    """Return the orbit at the parameter of a guess, by collocation first."""
-    scales = Scales(guess.scales(), guess.period, abs(guess.parameter) or 1.0)
-    return closed(model, correct(model, guess, scales, along=None).orbit)
+def _shot(model: AutonomousField, near: CyclePoint, value: float) -> Closed | None:
+    """Return the orbit ahead of another by integration alone, None where it is not found."""
+    slope = near.tangent.parameter
+    reach = (value - near.orbit.parameter) / slope if slope else np.inf
+    ahead = _ahead(near.orbit, near.tangent, reach if abs(reach) < _LARGEST else 0.0)
+    try:
+        return closed(model, replace(ahead, parameter=value))
+    except NumericalError:
+        return None
