@@ -26,7 +26,7 @@ ROWS = {
     "track": 11,
     "rail_assessment": 9,
     "rigid_wheelset": 6,
-    "limit_cycles": 4,
+    "limit_cycles": 7,
     "book": 21,
 }
 NEEDS_COMPILER = {
