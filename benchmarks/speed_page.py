@@ -51,17 +51,6 @@ def page(peers, rows, bars, cars, slalom, *, error, duration):
             cells.append(f"{value:.0f} ns, {times}")
         cells.append(f"{max(row.differences.values()):.0e}" if row.differences else "")
         lines.append("| " + " | ".join(cells) + " |")
-    by_joints = {row.system: row for row in rows}
-    if {"chain of 12", "chain of 100"} <= set(by_joints):
-        short, long = by_joints["chain of 12"], by_joints["chain of 100"]
-        growth = [
-            f"{getattr(long, k) / getattr(short, k) * 12 / 100:.2f}" for k in ("own", "in_lanes")
-        ]
-        lines += [
-            "",
-            "A joint of the chain of 100 takes as long as one of the chain of 12, times "
-            f"{growth[0]} alone and {growth[1]} in lanes.",
-        ]
     lines += [
         "",
         "## Chain of twenty four-bar linkages",
