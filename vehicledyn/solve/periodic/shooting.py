@@ -95,7 +95,7 @@ def closed(
         gap = float(np.abs(found.gaps).max())
         near |= before == np.inf and gap < _ALIKE
         limit = CLOSED if gap > _STALLED * before else max(_ROUNDING, min(CLOSED, found.error))
-        if found.error <= TOLERANCE and gap < limit:
+        if min(tolerance, found.error) <= TOLERANCE and gap < limit:
             if abs(found.trivial - 1.0) < SHIFTED or tolerance <= _FINEST:
                 return Closed(_beside(guess, found.orbit) if near else found.orbit, found)
             tolerance *= 0.1
