@@ -20,7 +20,7 @@
 
 /* Doubles in the widest registers that elementary functions fill; those of one case alone come in
    fours. */
-#if VD_LANES == 8 && defined(__AVX512F__) && defined(__AVX512DQ__)
+#if VD_LANES == 8 && defined(__AVX512F__) && defined(__AVX512DQ__) && defined(__FMA__)
 #define VD_WIDTH 8
 #elif defined(__AVX2__)
 #define VD_WIDTH 4

@@ -126,6 +126,22 @@ def test_no_place_to_build_in(folder, monkeypatch, needs_compiler):
     assert not list(folder.glob("*"))
 
 
+def test_clang_is_given_no_options_of_gcc(folder, tmp_path, monkeypatch):
+    real = " ".join(find_compiler().command)
+    clang = f"""
+for word; do case "$word" in
+--version) echo "Debian clang version 14.0.6"; exit 0;;
+-fno-tree-[df]*|-fno-dse|-mtune-ctrl=*) echo "clang: error: unknown argument '$word'" >&2; exit 1;;
+esac; done
+exec {real} "$@" """
+    monkeypatch.setenv("VEHICLEDYN_CC", script(tmp_path / "cc", clang))
+    kernel = compile_kernel(oscillator())
+    assert kernel.report.remark == ""
+    assert kernel.backend == "compiled"
+    assert find_compiler().version == "clang 14.0.6"
+    assert rates_of(kernel) == pytest.approx(RATES)
+
+
 @pytest.mark.parametrize(("named", "words"), [('gcc "', "No closing quotation"), (" ", "blank")])
 def test_compiler_named_badly(monkeypatch, named, words):
     monkeypatch.setenv("VEHICLEDYN_CC", named)

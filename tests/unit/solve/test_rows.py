@@ -103,6 +103,21 @@ def test_rows_change_no_bit(law, tmp_path, needs_compiler):
                 assert found == pytest.approx(np.array(function(x, c)).ravel(), rel=1e-9, abs=1e-9)
 
 
+@pytest.mark.skipif(suitable_lanes() < PLACES, reason="rows need the registers of AVX2")
+@pytest.mark.parametrize("without", ["-mno-avx2", "-mno-fma", "-mno-avx512f"])
+def test_compilers_told_to_do_without_registers(without, tmp_path, needs_compiler, monkeypatch):
+    command = " ".join(find_compiler().command)
+    monkeypatch.setenv("VEHICLEDYN_CC", f"{command} {without}")
+    function = function_of(four_corners)
+    one = build(function, tmp_path / "one", in_rows=False)
+    rows = build(function, tmp_path / "rows", in_rows=True)
+    x, c = np.random.default_rng(5).normal(size=(2, N_INPUT))
+    x[8], c[3] = np.nan, np.inf
+    assert np.array_equal(rows(x, c), one(x, c), equal_nan=True)
+    x[8], c[3] = 0.3, -0.7
+    assert np.array_equal(rows(x, c), one(x, c))
+
+
 def test_most_of_what_is_alike_becomes_rows():
     lowered = lower(read_function(function_of(four_corners)), in_rows=True)
     rows = [step for step in lowered.steps if isinstance(step, Row)]
