@@ -39,6 +39,7 @@ SCAN_STEP = 1e-4
 """Distance of the places on a wheel at which minima are looked for [m]."""
 
 _RAIL_STEP = 1e-4
+_FACE_STEP = 2e-6
 _ITERATIONS = 60
 _REFINEMENTS = 12
 _SLOPE_ACCURACY = 1e-11
@@ -158,6 +159,8 @@ def place_rail(profile: Profile, inclination: float, gauge: float, gauge_depth: 
     places = np.linspace(leaning.begin, leaning.end, count)
     top = float(_highest(leaning, places))
     face = _gauge_face(leaning, places, top - gauge_depth)
+    if face <= leaning.begin:  # the table ends above that depth, where the flank is steep
+        face = _steep_face(profile, inclination, top - gauge_depth)
     across = 0.5 * gauge - face
     surface = Table(
         leaning.places + across,
@@ -188,6 +191,20 @@ def _gauge_face(surface: Table, places: Floats, level: float) -> float:
         else:
             low = middle
     return float(high)
+
+
+def _steep_face(profile: Profile, inclination: float, level: float) -> float:
+    """Return the innermost place at or above a level, from the profile itself as it leans."""
+    y = np.linspace(profile.begin, profile.end, int((profile.end - profile.begin) / _FACE_STEP) + 2)
+    z = profile.height(y)
+    c, s = np.cos(inclination), np.sin(inclination)
+    across, up = c * y - s * z, s * y + c * z
+    first = int(np.argmax(up >= level))
+    innermost = float(np.min(across[up >= level]))
+    if first == 0:
+        return innermost
+    crossing = np.interp(level, up[first - 1 : first + 1], across[first - 1 : first + 1])
+    return min(innermost, float(crossing))
 
 
 def silhouette(
