@@ -10,7 +10,14 @@ from numpy.typing import NDArray
 from vehicledyn.results.arrangement import arranged
 from vehicledyn.results.path_figure import draw_path
 from vehicledyn.results.plot_description import Panel, PathPlot, Plot, TimePlot, unit_factor
-from vehicledyn.results.plot_style import LINE_STYLES, PALETTE, WIDTH, axis_label, plain
+from vehicledyn.results.plot_style import (
+    LEGEND_SIZE,
+    LINE_STYLES,
+    PALETTE,
+    WIDTH,
+    axis_label,
+    plain,
+)
 from vehicledyn.results.reader import Result
 
 if TYPE_CHECKING:
@@ -22,6 +29,7 @@ Floats = NDArray[np.float64]
 PANEL_HEIGHT = 1.75  # inch
 HEADING_HEIGHT = 0.95  # inch: title, time axis and footer
 LONGEST_FOOTER = 160  # characters
+LONGEST_LABEL = 42  # characters of a legend in full size, two beside each other
 ROUNDING = 1e-9  # of the values' size, at least of 1 in the unit shown
 
 
@@ -97,8 +105,15 @@ def _draw_panel(axes: Axes, result: Result, panel: Panel, across: Floats, *, nam
     if len(across) > 1 and np.ptp(across) > 0.0:
         axes.set_xlim(float(across.min()), float(across.max()))
     if named or len(panel.channels) > 1:
-        columns = 4 if max(map(len, panel.labels)) < 18 else 2
-        axes.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=columns)
+        longest = max(len(plain(label)) for label in panel.labels)
+        columns = 4 if longest < 18 else 2
+        smaller = min(1.0, LONGEST_LABEL / longest)
+        axes.legend(
+            loc="lower left",
+            bbox_to_anchor=(0.0, 1.0),
+            ncols=columns,
+            fontsize=LEGEND_SIZE * smaller,
+        )
 
 
 def _keep_rounding_small(axes: Axes) -> None:

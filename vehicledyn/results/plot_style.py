@@ -12,6 +12,7 @@ from typing import Any
 
 LONGEST_TEXT = 120  # characters of a title or label
 WIDTH = 6.6  # inch, the text width of an A4 report
+LEGEND_SIZE = 8.0  # points
 BLUE, VERMILION, GREEN, ORANGE = "#0072B2", "#D55E00", "#009E73", "#E69F00"
 PALETTE = (BLUE, VERMILION, GREEN, "#CC79A7", ORANGE, "#56B4E9", "#000000")
 LINE_STYLES = ("-", "--", "-.", ":")
@@ -28,7 +29,7 @@ STYLE: dict[str, Any] = {
     "grid.color": "0.88",
     "grid.linewidth": 0.6,
     "legend.borderaxespad": 0.1,
-    "legend.fontsize": 8.0,
+    "legend.fontsize": LEGEND_SIZE,
     "legend.frameon": False,
     "legend.handlelength": 2.6,
     "lines.linewidth": 1.4,

@@ -62,6 +62,19 @@ def test_every_axis_is_labelled_and_lines_have_a_legend(make_result):
         assert (axes.get_xlabel(), axes.get_ylabel()) == ("x [m]", "y [m]")
 
 
+def test_a_legend_of_long_names_stays_in_the_picture(make_result):
+    time, values = slalom_values()
+    names = [f"rail_large_right.right.contact_{k}.longitudinal_force" for k in range(1, 7)]
+    values = {name: ("N", k * time) for k, name in enumerate(names, 1)}
+    panel = {"label": "Force", "unit": "N", "channels": names, "labels": names}
+    plot = {"name": "forces", "kind": "time", "title": "Forces", "panels": [panel]}
+    figure = drawn(make_result(time=time, values=values, plots=[plot], scene={}), "forces")
+    figure.draw_without_rendering()
+    (axes,) = figure.axes
+    assert axes.get_legend().get_window_extent().x1 < figure.bbox.x1
+    assert axes.get_window_extent().width > 0.8 * figure.bbox.width
+
+
 def test_a_slender_course_shows_every_cone_and_the_body_true_to_scale(make_result):
     figure = drawn(make_result(), "path")
     overview, *rows = figure.axes
