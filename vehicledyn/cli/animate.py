@@ -14,6 +14,11 @@ from vehicledyn.base.units import to_si
 from vehicledyn.cli.options import Json, Quiet, ResultFile
 from vehicledyn.cli.terminal import emit, show_progress, tell, to_json
 
+_OTHER_ENDINGS = {
+    **dict.fromkeys((".png", ".svg", ".pdf"), "--picture"),
+    **dict.fromkeys((".gif", ".mp4"), "--film"),
+}
+
 
 def add_verbs(app: typer.Typer) -> None:
     """Add the verb of this module to the command line."""
@@ -66,6 +71,10 @@ def animate(
     last = math.inf if end is None else _time("--to", end)
     if first > last:
         raise InputError(f"--from {begin}: lies behind --to {end}")
+    ending = "" if output is None else output.suffix.lower()
+    if ending in _OTHER_ENDINGS:
+        option = _OTHER_ENDINGS[ending]
+        raise InputError(f"--output {output}: is a page for the browser; give {option} {output}")
     from vehicledyn.results.animate import (
         FILM,
         PAGE,

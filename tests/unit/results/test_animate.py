@@ -14,6 +14,7 @@ from matplotlib import animation as film_writers
 from matplotlib.image import imread
 
 from vehicledyn.base.errors import InputError, MissingPartError
+from vehicledyn.cli.animate import animate
 from vehicledyn.results import mode_table, study_reader
 from vehicledyn.results.animate import (
     animate_result,
@@ -380,3 +381,10 @@ def test_columns():
         known = values[np.isfinite(values)]
         step = finest or (np.ptp(known) / 65533 if len(known) else 0.0)
         assert np.allclose(column[np.isfinite(values)], known, rtol=1e-15, atol=step)
+
+
+@pytest.mark.parametrize(("name", "option"), [("a.png", "--picture"), ("a.MP4", "--film")])
+def test_page_is_not_written_under_the_name_of_a_picture(tmp_path, name, option):
+    with pytest.raises(InputError, match=f"give {option} "):
+        animate(tmp_path / "any.h5", output=tmp_path / name)
+    assert not list(tmp_path.iterdir())
