@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 
@@ -67,6 +68,20 @@ class Settled:
         )
 
 
+@dataclass(frozen=True)
+class Disturbed:
+    """A disturbed equilibrium: full state and unknowns, period [s] of the oscillation.
+
+    ``rate`` [1/s] is the fastest eigenvalue, ``moved`` the state that is disturbed most.
+    """
+
+    state: Vector
+    unknowns: Vector
+    period: float
+    rate: float
+    moved: int
+
+
 @dataclass
 class Runner:
     """Simulates a model at values of the parameter, watching one channel."""
@@ -100,9 +115,16 @@ class Runner:
         return result
 
     def window(
-        self, value: float, state: Vector, unknowns: Vector, period: float, *, rate: float
+        self,
+        value: float,
+        state: Vector,
+        unknowns: Vector,
+        period: float,
+        *,
+        rate: float,
+        watched_state: int | None = None,
     ) -> Settled:
-        """Return the end of a simulation over some periods."""
+        """Return the end of a simulation over some periods; a state may be watched instead."""
         kernel = self.kernel.with_parameters(self.field.parameters(value))
         interval = period / SAMPLES
         steps = max(1, math.ceil(interval * rate / _STIFF))
@@ -120,7 +142,7 @@ class Runner:
         times, states, others, outputs = (
             np.concatenate([part[k] for part in parts]) for k in range(4)
         )
-        watched = outputs[:, self.channel]
+        watched = outputs[:, self.channel] if watched_state is None else states[:, watched_state]
         found = _period_of(times, watched) or period
         last = np.searchsorted(times, times[-1] - 1.05 * found)
         tail = slice(max(0, int(last)), None)
@@ -128,8 +150,8 @@ class Runner:
         amplitude = 0.5 * (_peak(two) + _peak(-two))
         return Settled(value, amplitude, found, True, times[tail], states[tail], others[tail])
 
-    def disturbed(self, balance: Balance, size: float) -> tuple[Vector, Vector, float, float]:
-        """Return state, unknowns, period and fastest rate of a disturbed equilibrium.
+    def disturbed(self, balance: Balance, size: float) -> Disturbed:
+        """Return a disturbed equilibrium.
 
         It is disturbed in the shape of the oscillation that decays least, whose largest
         position gets the size, in its unit.
@@ -138,11 +160,13 @@ class Runner:
         values, vectors = np.linalg.eig(found.by_state[0])
         turning = np.flatnonzero(values.imag > 1e-6 * np.abs(values).max())
         chosen = turning[np.argmax(values[turning].real)]
-        shape = vectors[:, chosen] / vectors[leading(self.field, vectors[:, chosen]), chosen]
+        index = leading(self.field, vectors[:, chosen])
+        shape = vectors[:, chosen] / vectors[index, chosen]
         state = self.field.full(balance.state + size * shape.real)
         guess = balance.unknowns - size * (found.follow[0] @ shape).real
         rate = float(np.abs(values).max())
-        return state, guess, 2.0 * math.pi / float(values[chosen].imag), rate
+        period = 2.0 * math.pi / float(values[chosen].imag)
+        return Disturbed(state, guess, period, rate, self.field.kept[index])
 
 
 def leading(field: AutonomousField, shape: Vector) -> int:
@@ -169,8 +193,8 @@ def lower(
     step may live there after small ones, so that each trial starts from the last one that lives.
     """
     first = balances(values[0])
-    state, unknowns, period, rate = runner.disturbed(first, size)
-    alive = runner.settle(values[0], state, unknowns, period, rate=rate)
+    d = runner.disturbed(first, size)
+    alive = runner.settle(values[0], d.state, d.unknowns, d.period, rate=d.rate)
     if not alive.alive or alive.amplitude < 0.1 * size:
         return None
     told(alive)
@@ -258,12 +282,14 @@ def steps(first: float, last: float, count: int) -> Iterator[float]:
 
 
 def _grows(runner: Runner, balance: Balance, size: float) -> bool:
-    """Return whether a small disturbance is larger after two windows than after one."""
-    state, unknowns, period, rate = runner.disturbed(balance, size)
-    first = runner.window(balance.value, state, unknowns, period, rate=rate)
-    second = runner.window(
-        balance.value, first.states[-1], first.unknowns[-1], first.period, rate=rate
-    )
+    """Return whether a small disturbance is larger after two windows than after one.
+
+    It is seen in the state that it moves most, which the watched channel need not show.
+    """
+    d = runner.disturbed(balance, size)
+    window = partial(runner.window, balance.value, rate=d.rate, watched_state=d.moved)
+    first = window(d.state, d.unknowns, d.period)
+    second = window(first.states[-1], first.unknowns[-1], first.period)
     return second.amplitude > first.amplitude
 
 
