@@ -16,6 +16,7 @@ from vehicledyn.results.assessment.running_safety import (
     assess_axle,
     assess_wheel,
     nadal_limit,
+    static_load,
     track_shift_limit,
 )
 from vehicledyn.results.assessment.signals import (
@@ -240,6 +241,18 @@ def test_extremes_keep_their_sign():
     samples = even_samples(TIME, {"w.left.Y": -1e4 * TIME / TIME[-1]})
     axle = assess_axle("w", samples, 15.0 * TIME, 5e4, ("w.left",))
     assert axle.track_shift == pytest.approx(-0.9985e4, rel=1e-3)
+
+
+def test_static_loads_are_those_on_straight_track():
+    """A wheel of 20 kN carries 30 kN in the curve that takes nine tenths of the run."""
+    bent = 0.1 * TIME[-1] < TIME
+    samples = even_samples(TIME, {"w.left.Q": np.where(bent, 3e4, 2e4)})
+    curvature = np.where(bent, 0.05, 0.0)
+    assert static_load(samples, ("w.left",), curvature) == 2e4
+    assert static_load(samples, ("w.left",), None) == 3e4
+    assert static_load(samples, ("w.left",), np.full_like(TIME, 0.05)) == 3e4
+    late = even_samples(TIME, samples.channels, begin=0.5 * TIME[-1])
+    assert static_load(late, ("w.left",), curvature) == 2e4
 
 
 def test_limits():

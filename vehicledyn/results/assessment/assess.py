@@ -153,9 +153,11 @@ def _assess_safety(
             f"sliding means over {WAY:g} m of track are left out: only {found.way:.3g} m were run"
         )
         distance = None
+    bends = [samples.channels[name] for name in subjects.bends if name in samples.channels]
+    curvature = bends[0] if bends else None
     for axle, all_wheels in subjects.axles.items():
         wheels = tuple(wheel for wheel in all_wheels if _has(samples, wheel, "Y", "Q"))
-        static = static_load(samples, wheels) if wheels else 0.0
+        static = static_load(samples, wheels, curvature) if wheels else 0.0
         if static <= 0.0:
             if wheels:
                 found.remarks.append(f"{axle} carries no load: its forces are left out")

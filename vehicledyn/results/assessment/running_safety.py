@@ -35,6 +35,10 @@ LOW, HIGH = 0.15, 99.85
 YQ_LIMIT = 0.8
 """Limit of Y/Q on a flange of 70° [1]."""
 
+_STRAIGHT = 1e-5
+"""Curvature below which a track counts as straight [1/m]."""
+_LONG_ENOUGH = 0.2
+"""Time on straight track that tells the static load [s]."""
 _LIFTED = 0.01
 """Part of its static load below which a wheel counts as lifted: Y/Q means nothing [1]."""
 
@@ -118,9 +122,25 @@ def track_shift_limit(static: float, factor: float = 1.0) -> float:
     return factor * (1e4 + 2.0 * static / 3.0)
 
 
-def static_load(samples: Samples, wheels: tuple[str, ...]) -> float:
-    """Return the static load Q₀ of each wheel of an axle: the mean of their median loads [N]."""
-    return float(np.mean([np.median(samples.section(f"{wheel}.Q")) for wheel in wheels]))
+def static_load(samples: Samples, wheels: tuple[str, ...], curvature: Floats | None) -> float:
+    """Return the static load Q₀ of each wheel of an axle: the mean of their median loads [N].
+
+    Parameters
+    ----------
+    samples
+        Channels of the run.
+    wheels
+        Those of the axle.
+    curvature
+        Of the track, shape as the run's time [1/m]. The medians are those on straight track,
+        where the run has any, be it outside the section: in a curve the load of a wheel that is
+        alone on its axle is another. None if unknown.
+    """
+    loads = [samples.channels[f"{wheel}.Q"] for wheel in wheels]
+    straight = None if curvature is None else np.abs(curvature) < _STRAIGHT
+    if straight is None or np.count_nonzero(straight) * samples.step < _LONG_ENOUGH:
+        return float(np.mean([np.median(load[samples.kept]) for load in loads]))
+    return float(np.mean([np.median(load[straight]) for load in loads]))
 
 
 def assess_wheel(
