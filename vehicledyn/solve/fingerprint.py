@@ -13,21 +13,30 @@ from vehicledyn.symbolic.equations import Equations
 from vehicledyn.symbolic.tables import CurveTable
 
 _GENERATORS = (
+    "alike.py",
+    "call_code.py",
     "code.py",
+    "function_body.py",
     "functions.py",
     "implicit_source.py",
     "instructions.py",
+    "loop_code.py",
     "lowering.py",
     "nodes.py",
+    "operation_code.py",
+    "piece_code.py",
+    "pieces.py",
     "point_slopes.py",
     "reciprocals.py",
     "rolled.py",
+    "row_code.py",
+    "schedule.py",
+    "side_by_side.py",
     "source.py",
     "split_calls.py",
-    "alike.py",
-    "schedule.py",
-    "row_code.py",
     "table_rows.py",
+    "value_code.py",
+    "wide_functions.py",
     "../symbolic/chain_rule.py",
 )
 _SHARED = (

@@ -5,11 +5,12 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
-from vehicledyn.solve.code import WideFunctions, print_function
+from vehicledyn.solve.code import print_function
 from vehicledyn.solve.compiler import UNIT_BREAK
 from vehicledyn.solve.functions import parts_apart_from_parameters
 from vehicledyn.solve.source import listed, shared_source, wide_units
 from vehicledyn.solve.table_rows import ROW
+from vehicledyn.solve.wide_functions import WideFunctions
 from vehicledyn.symbolic import ops
 from vehicledyn.symbolic.equations import Equations
 

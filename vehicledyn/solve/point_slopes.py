@@ -19,13 +19,14 @@ import numpy as np
 
 from vehicledyn.base.processors import cores
 from vehicledyn.solve import cache
-from vehicledyn.solve.code import WideFunctions, print_function
+from vehicledyn.solve.code import print_function
 from vehicledyn.solve.compiler import UNIT_BREAK, build_library, find_compiler, suitable_lanes
 from vehicledyn.solve.engine import Vector
 from vehicledyn.solve.fingerprint import function_text, generator_fingerprint
 from vehicledyn.solve.functions import apart_from_parameters
 from vehicledyn.solve.source import shared_source, wide_units
 from vehicledyn.solve.table_rows import ROW, TableRows
+from vehicledyn.solve.wide_functions import WideFunctions
 from vehicledyn.symbolic import ops
 from vehicledyn.symbolic.chain_rule import entries_of, values_and_jacobian
 from vehicledyn.symbolic.tables import CurveTable

@@ -13,7 +13,7 @@ from dataclasses import dataclass, field, replace
 
 from vehicledyn.solve.instructions import INPUT
 from vehicledyn.solve.lowering import Lowered, is_at_hand
-from vehicledyn.solve.schedule import Pack, Step
+from vehicledyn.solve.schedule import Pack, Step, computed_by, operands_of
 
 _DEEP = 3
 """Calls, each waiting for the one before, that make a function worth a loop."""
@@ -114,14 +114,14 @@ def by_demand(lowered: Lowered) -> Lowered:
             steps += [Pack(step.function, [call], [found], step.shared) for call, found in calls]
         else:
             steps.append(step)
-    maker = {value: k for k, step in enumerate(steps) for value in _computed(step)}
+    maker = {value: k for k, step in enumerate(steps) for value in computed_by(step)}
     order: list[int] = []
     done: set[int] = set()
     for _, _, result in lowered.results:
         stack = [maker[result]] if result in maker else []
         while stack:
             step = stack[-1]
-            needed = [maker[v] for v in _operands(lowered, steps[step]) if v in maker]
+            needed = [maker[v] for v in operands_of(lowered.values, steps[step]) if v in maker]
             missing = next((k for k in needed if k not in done), None)
             if missing is not None:
                 stack.append(missing)
@@ -131,16 +131,6 @@ def by_demand(lowered: Lowered) -> Lowered:
                 done.add(step)
                 order.append(step)
     return replace(lowered, steps=[steps[k] for k in order])
-
-
-def _computed(step: Step) -> list[int]:
-    return [step] if isinstance(step, int) else step.computed
-
-
-def _operands(lowered: Lowered, step: Step) -> list[int]:
-    if isinstance(step, int):
-        return list(lowered.values[step].operands)
-    return [value for group in step.operands for value in group]
 
 
 def _arrays(lowered: Lowered, inputs: Sequence[str], rows: list[tuple[int, ...]]) -> list[str]:
@@ -209,7 +199,7 @@ def _place(lowered: Lowered, rolling: Rolling, arrays: dict[int, list[str]]) -> 
     ending: dict[int, list[tuple[int, int]]] = defaultdict(list)
     for number, step in enumerate(lowered.steps):
         if not isinstance(step, Pack) or step.shared not in arrays:
-            for value in _computed(step):
+            for value in computed_by(step):
                 if value in uses.given:
                     rolling.place[value] = room.take(1)
             continue
@@ -254,7 +244,7 @@ class _Uses:
     def of(cls, lowered: Lowered, arrays: dict[int, list[str]]) -> _Uses:
         uses = cls(set(), defaultdict(set), {})
         for number, step in enumerate(lowered.steps):
-            calls, user = [tuple(_operands(lowered, step))], -1
+            calls, user = [tuple(operands_of(lowered.values, step))], -1
             if isinstance(step, Pack) and step.shared in arrays:
                 calls, user = step.operands, step.shared
             for call in calls:

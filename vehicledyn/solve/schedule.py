@@ -48,6 +48,18 @@ Step = int | Pack | Row
 """What computes a value, the values of several calls, or those of a row."""
 
 
+def computed_by(step: Step) -> list[int]:
+    """Return the values that a step computes."""
+    return [step] if isinstance(step, int) else step.computed
+
+
+def operands_of(values: list[Instruction], step: Step) -> list[int]:
+    """Return the values that a step reads."""
+    if isinstance(step, int):
+        return list(values[step].operands)
+    return [operand for group in step.operands for operand in group]
+
+
 def needed_values(values: list[Instruction], results: Iterable[tuple[int, int, int]]) -> list[bool]:
     """Return whether any result needs each value."""
     needed = [False] * len(values)

@@ -7,12 +7,13 @@ from pathlib import Path
 from typing import Any
 
 from vehicledyn.solve.alike import PLACES
-from vehicledyn.solve.code import WideFunctions, print_function
+from vehicledyn.solve.code import print_function
 from vehicledyn.solve.compiler import UNIT_BREAK, suitable_lanes
 from vehicledyn.solve.engine import COUNTED
 from vehicledyn.solve.functions import KernelFunctions, operations_of
 from vehicledyn.solve.row_code import Copies
 from vehicledyn.solve.table_rows import ROW
+from vehicledyn.solve.wide_functions import WideFunctions
 from vehicledyn.symbolic.equations import Equations
 
 _ARGUMENTS = ("t", "x", "z", "c")

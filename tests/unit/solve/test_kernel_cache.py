@@ -1,5 +1,6 @@
 """Finding compilers, keeping what they build, and what happens when either fails."""
 
+import ast
 import shutil
 import subprocess
 import sys
@@ -10,6 +11,7 @@ import pytest
 from solve_examples import oscillator, slider_crank, starts
 
 from vehicledyn.base.errors import MissingPartError
+from vehicledyn.solve import fingerprint
 from vehicledyn.solve.compiler import CompilationError, find_compiler
 from vehicledyn.solve.kernel import compile_kernel
 
@@ -224,3 +226,19 @@ def test_interpreted_and_compiled_agree(needs_compiler):
     z = one.solve_unknowns(0.0, state, unknowns)
     assert z == pytest.approx(two.solve_unknowns(0.0, state, unknowns), abs=1e-15)
     assert np.array_equal(one.rates(0.0, state, z), two.rates(0.0, state, z))
+
+
+def test_entries_depend_on_all_modules_that_print_code():
+    """compiler.py and engine.py are reached for an error and a type only."""
+    folder = Path(fingerprint.__file__).parent
+    waiting, reached = ["code.py"], set()
+    while waiting:
+        name = waiting.pop()
+        if name not in reached:
+            reached.add(name)
+            nodes = ast.walk(ast.parse((folder / name).read_text(encoding="utf-8")))
+            imported = [item.module or "" for item in nodes if isinstance(item, ast.ImportFrom)]
+            inner = [item for item in imported if item.startswith("vehicledyn.solve.")]
+            waiting += [f"{item.rpartition('.')[2]}.py" for item in inner]
+    assert len(reached) > 10
+    assert reached - {"compiler.py", "engine.py"} <= set(fingerprint._GENERATORS)

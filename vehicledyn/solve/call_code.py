@@ -1,0 +1,89 @@
+"""Print calls of elementary and of shared functions: lay out operands, call, take the values."""
+
+from __future__ import annotations
+
+import math
+
+from vehicledyn.solve.function_body import name_of_shared
+from vehicledyn.solve.schedule import Pack
+from vehicledyn.solve.side_by_side import SideBySide
+from vehicledyn.solve.table_rows import ROW
+from vehicledyn.solve.value_code import PieceValues, taken
+
+_PACK = 4
+"""Reals in a vd_pack of real.h."""
+
+
+def elementary_calls(values: PieceValues, fours: SideBySide, pack: Pack, number: int) -> list[str]:
+    """Return the lines of calls of an elementary function; ``number`` is that of the step."""
+    n, rows = len(pack.operands), values.body.rows
+    given = [f"a{number}_{k}" for k in range(len(pack.operands[0]))]
+    found = [f"b{number}_{k}" for k in range(len(pack.values[0]))]
+    lines: list[str] = []
+
+    def packed(operands: tuple[int, ...]) -> str:
+        if operands in rows:
+            return fours.four(operands, lines)
+        return f"VD_PACK({', '.join(values.number(operand) for operand in operands)})"
+
+    for name, operands in zip(given, zip(*pack.operands, strict=True), strict=True):
+        filled = operands + operands[-1:] * (-n % _PACK)
+        packs = ", ".join(packed(filled[k : k + _PACK]) for k in range(0, n, _PACK))
+        lines.append(f"vd_pack {name}[] = {{{packs}}};")
+    room = math.ceil(n / _PACK)
+    lines.append("vd_pack " + ", ".join(f"{name}[{room}]" for name in found) + ";")
+    arrays = ", ".join(f"(double *){name}" for name in given + found)
+    lines.append(f"vd_{pack.function}({n} * VD_LANES, {arrays});")
+    for name, results in zip(found, zip(*pack.values, strict=True), strict=True):
+        for first in range(0, n, _PACK):
+            four = results[first : first + _PACK]
+            if four in rows:
+                lines.append(f"const vd_four v{rows[four]} = {name}[{first // _PACK}];")
+            else:
+                lines += taken(four, f"((real *){name})", f"{first} + {{}}")
+    return lines
+
+
+def shared_calls(values: PieceValues, pack: Pack, number: int) -> list[str]:
+    """Return the lines of calls of a shared function; ``number`` is that of the step."""
+    body = values.body
+    if pack.shared in body.wide:
+        return _wide_calls(values, pack, number, body.wide[pack.shared])
+    own = name_of_shared(body.name, pack.shared or 0)
+    lines = []
+    for k, (operands, results) in enumerate(zip(pack.operands, pack.values, strict=True)):
+        given = ", ".join(values.number(operand) for operand in operands)
+        lines += [
+            f"const real a{number}_{k}[] = {{{given}}};",
+            f"real b{number}_{k}[{max(1, len(results))}];",
+            f"{own}(a{number}_{k}, {body.table_row()}, b{number}_{k});",
+            *taken(results, f"b{number}_{k}", "{}"),
+        ]
+    return lines
+
+
+def _wide_calls(values: PieceValues, pack: Pack, number: int, lanes: int) -> list[str]:
+    """Return the lines of calls that carry several places at once, the last ones repeated."""
+    body = values.body
+    n_given, n_found = len(pack.operands[0]), max(1, len(pack.values[0]))
+    n_rows = ROW * len(body.widths)
+    rows, room = f"t{number}", "__attribute__((aligned(64)))"
+    lines = [
+        f"real {rows}[{max(1, n_rows * lanes)}] {room};",
+        f"for (int k = 0; k < {n_rows * lanes}; k++)",
+        f"  {rows}[k] = {body.inputs[-1]}[{body.first_row} + k / {lanes}];",
+    ]
+    own = name_of_shared(body.name, pack.shared or 0)
+    for first in range(0, len(pack.operands), lanes):
+        calls = pack.operands[first : first + lanes]
+        calls = calls + [calls[-1]] * (lanes - len(calls))
+        given, found = f"a{number}_{first}", f"b{number}_{first}"
+        numbers = [values.number(calls[lane][k]) for k in range(n_given) for lane in range(lanes)]
+        lines += [
+            f"const real {given}[] {room} = {{{', '.join(numbers)}}};",
+            f"real {found}[{n_found * lanes}] {room};",
+            f"{own}_wide({given}, {rows}, {found});",
+        ]
+        for lane, results in enumerate(pack.values[first : first + lanes]):
+            lines += taken(results, found, f"{lanes} * {{}} + {lane}")
+    return lines
