@@ -29,6 +29,7 @@ from vehicledyn.run.resisted import (
     redundant_constraints,
 )
 from vehicledyn.run.sources import sources_of
+from vehicledyn.run.standing_wheels import standing_wheels
 from vehicledyn.run.track_places import track_place
 from vehicledyn.run.watched import simulate_watched
 from vehicledyn.scenario import LoadedScenario
@@ -113,6 +114,7 @@ def run_scenario(
     notes = redundant_constraints(prepared)
     if loaded.scenario.start in (None, "nominal"):
         notes.extend(moved_starts(prepared, start))
+    notes.extend(standing_wheels(prepared, start))
     run = _Run(loaded, prepared, kept, _needed_channels(prepared), described, recorder, notes)
     run.simulate(start, output, progress)
     messages = [_kernel_message(prepared), *notes, *run.messages]
