@@ -113,3 +113,15 @@ def sampled_orbit(period, value, motion, *, intervals=40, n_unknowns=0):
     bare = Orbit(basis(4), mesh, empty, empty, period, value)
     own, _ = bare.times_of(mesh)
     return Orbit(bare.basis, mesh, motion(own), empty, period, value)
+
+
+def cornered_circles(back):
+    """Circles with μ = r up to r = 1 and μ = 1 - back (r - 1) beyond: a fold that is a corner."""
+    t, x, y, m = symbols("t", "x", "y", "mu")
+    r = ca.sqrt(x * x + y * y + 1e-12)
+    growth = m - r + (1.0 + back) * ca.fmax(r - 1.0, 0.0)
+    return build(
+        "cornered", time=t, states=[(x, 0.5), (y, 0.0)],
+        rates=[x * growth - 2.0 * y, y * growth + 2.0 * x],
+        parameters=[(m, 0.5)], outputs=[("x", x)],
+    )  # fmt: skip

@@ -101,9 +101,10 @@ def test_the_branch_goes_on_through_its_fold_by_shooting_alone():
     _, branch = from_hopf(model, -1.0, 1.0)
     base = next(p for p in branch.points if p.orbit.parameter < -0.2)
     found, along = closed(model, base.orbit, parameter_scale=0.4), base.tangent
-    radii = []
+    radii, senses = [], set()
     for _ in range(12):
-        along = direction_of(found, 0.4, along)
+        along, sense = direction_of(found, 0.4, along)
+        senses.add(sense)
         orbit = found.orbit
         guess = replace(
             orbit,
@@ -117,6 +118,7 @@ def test_the_branch_goes_on_through_its_fold_by_shooting_alone():
         assert found.orbit.parameter == pytest.approx(r**4 - r**2, abs=1e-7)
         assert found.passages.trivial == pytest.approx(1.0, abs=1e-6)
     assert radii == sorted(radii) and radii[0] < math.sqrt(0.5) < radii[-1]
+    assert senses in ({1.0}, {-1.0})
 
 
 def test_steps_have_their_order_and_damp_what_is_stiff():

@@ -41,6 +41,9 @@ _NO_TURN = 1e-5
 
 _SMALLEST, _FIRST, _LARGEST = 1e-7, 0.05, 0.4
 _SHARP, _SHARPLY = 0.5, 2e-3
+_STRAIGHT = 0.95
+"""Cosine from which on a direction is kept though its sense changes: at a branch point."""
+
 _EASY, _HARD = 4, 7
 _CHORD = 7, 11
 """Iterations of a step that may grow and of one that must shrink, with derivatives kept."""
@@ -81,7 +84,8 @@ class CyclePoint:
     """A periodic orbit with its multipliers and the direction of the branch there.
 
     ``kind`` is "" for an ordinary point, else "fold", "period_doubling", "torus" or
-    "branch_point". ``passages`` are kept where the next point is found with them.
+    "branch_point". ``passages`` are kept where the next point is found with them, ``sense`` where
+    it is known: the sign that the direction keeps round folds and corners.
     """
 
     orbit: Orbit
@@ -90,6 +94,7 @@ class CyclePoint:
     iterations: int
     kind: str = ""
     passages: Passages | None = None
+    sense: float = 0.0
 
     @property
     def stable(self) -> bool:
@@ -257,9 +262,7 @@ class _Tracer:
         """Return the cosine of the angle between the directions at two points."""
         scales = self._scales(after.orbit)
         first, second = _moved(before.orbit, before.tangent, after.orbit.mesh), after.tangent
-        product = dot(after.orbit, first, second, scales)
-        sizes = [dot(after.orbit, d, d, scales) for d in (first, second)]
-        return float(product / np.sqrt(sizes[0] * sizes[1]))
+        return _cosine(after.orbit, first, second, scales)
 
     def _step_from(self, base: CyclePoint, size: float) -> CyclePoint:
         """Return the point at a distance along the branch."""
@@ -289,19 +292,27 @@ class _Tracer:
         tangent = _moved(base.orbit, base.tangent, mesh)
         guess = _ahead(base.orbit.moved(mesh), tangent, size)
         exact = returning(self.model, guess, near, parameter_scale=scales.parameter, along=tangent)
-        return self._exact_point(exact, tangent)
+        return self._exact_point(exact, tangent, base.sense)
 
-    def _exact_point(self, exact: Closed, before: Direction) -> CyclePoint:
-        """Return the point of an orbit that integration has found."""
+    def _exact_point(self, exact: Closed, before: Direction, sense: float = 0.0) -> CyclePoint:
+        """Return the point of an orbit that integration has found.
+
+        A direction of another sense than before is turned round, unless it is nearly that of
+        before: then a branch point is passed.
+        """
         scales = self._scales(exact.orbit)
-        found = direction_of(exact, scales.parameter, before)
+        found, own = direction_of(exact, scales.parameter, before)
         length = np.sqrt(dot(exact.orbit, found, found, scales))
+        found = found.times(1.0 / length)
+        if sense * own < 0.0 and _cosine(exact.orbit, before, found, scales) < _STRAIGHT:
+            found, own = found.times(-1.0), sense
         return CyclePoint(
             exact.orbit,
             multipliers_of(exact.passages),
-            found.times(1.0 / length),
+            found,
             exact.iterations,
             passages=exact.passages,
+            sense=own or sense,
         )
 
     def _corrected(
@@ -423,19 +434,12 @@ class _Tracer:
         """Return a point on a step that has been made, a part of its size from the base."""
         if base.passages is None and after.passages is None:
             return self._step_from(base, part)
-        first, last = base.orbit, after.orbit.moved(base.orbit.mesh)
-        weight = part / size
-        guess = replace(
-            first,
-            states=first.states + weight * (last.states - first.states),
-            period=first.period + weight * (last.period - first.period),
-            parameter=first.parameter + weight * (last.parameter - first.parameter),
-        )
+        first = base.orbit
+        chord = _between(first, after.orbit.moved(first.mesh))
+        guess = _ahead(first, chord, part / size)
         scale = self._scales(first).parameter
-        exact = returning(
-            self.model, guess, base.passages, parameter_scale=scale, along=base.tangent
-        )
-        return self._exact_point(exact, base.tangent)
+        exact = returning(self.model, guess, base.passages, parameter_scale=scale, along=chord)
+        return self._exact_point(exact, base.tangent, base.sense)
 
     def _torus(
         self, base: CyclePoint, after: CyclePoint, size: float
@@ -497,6 +501,19 @@ def _ahead(orbit: Orbit, along: Direction, size: float) -> Orbit:
         period=orbit.period + size * along.period,
         parameter=orbit.parameter + size * along.parameter,
     )
+
+
+def _between(first: Orbit, last: Orbit) -> Direction:
+    """Return the change from one orbit to another on the same mesh."""
+    return Direction(
+        last.states - first.states, last.period - first.period, last.parameter - first.parameter
+    )
+
+
+def _cosine(orbit: Orbit, first: Direction, second: Direction, scales: Scales) -> float:
+    """Return the cosine of the angle between two directions."""
+    sizes = [dot(orbit, d, d, scales) for d in (first, second)]
+    return float(dot(orbit, first, second, scales) / np.sqrt(sizes[0] * sizes[1]))
 
 
 def _moved(orbit: Orbit, direction: Direction, mesh: Vector) -> Direction:

@@ -48,6 +48,9 @@ _FARTHEST = 0.5
 
 _RANK = 1e-13
 
+_SINGULAR = 1e-9
+"""Smallest singular value, part of the largest, with which the sign of a determinant is known."""
+
 
 @dataclass(frozen=True)
 class Closed:
@@ -105,10 +108,19 @@ def closed(
     raise NumericalError("the motion along a cycle does not close")
 
 
-def direction_of(found: Closed, parameter_scale: float, before: Direction) -> Direction:
-    """Return the direction of the branch at an orbit, on the same side as another direction.
+def direction_of(
+    found: Closed, parameter_scale: float, before: Direction
+) -> tuple[Direction, float]:
+    """Return the direction of the branch at an orbit, on the same side as another, and its sense.
 
-    It has the unit length in which that of the states counts as their mean over the period.
+    It has the unit length in which that of the states counts as their mean over the period. The
+    sense is the sign of the determinant of the closing equations with the direction as their last
+    row. It stays the same along a branch, round folds and corners where contacts begin, however
+    sharply the direction turns, and changes at a branch point; 0 where it is not known.
+
+    References
+    ----------
+    Allgower, Georg (1990), Numerical Continuation Methods, chapter 2.
     """
     chain = Chain.of(found.passages, parameter_scale)
     matrix = np.vstack([chain.closing(2), chain.across(before)])
@@ -118,11 +130,19 @@ def direction_of(found: Closed, parameter_scale: float, before: Direction) -> Di
     states = chain.points(change[:-2], change[-2:], gaps=False)
     size = np.sqrt(chain.weights @ (states**2).mean(axis=1) + change[-2] ** 2 + change[-1] ** 2)
     orbit, scales = found.passages.orbit, found.passages.scales
-    return Direction(
+    along = Direction(
         states * scales / size,
         float(change[-2] / size * orbit.period),
         float(change[-1] / size * parameter_scale),
     )
+    return along, _sense(matrix)
+
+
+def _sense(matrix: Vector) -> float:
+    """Return the sign of a determinant, 0 where rounding may decide it."""
+    rows = matrix / np.linalg.norm(matrix, axis=1)[:, None]
+    values = np.linalg.svd(rows, compute_uv=False)
+    return float(np.linalg.slogdet(rows)[0]) if values[-1] > _SINGULAR * values[0] else 0.0
 
 
 def _beside(guess: Orbit, exact: Orbit) -> Orbit:
