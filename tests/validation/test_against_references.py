@@ -24,7 +24,7 @@ ROWS = {
     "rail_contact": 27,
     "rail_wheels": 10,
     "track": 11,
-    "rail_assessment": 9,
+    "rail_assessment": 11,
     "rigid_wheelset": 6,
     "limit_cycles": 7,
     "book": 21,
