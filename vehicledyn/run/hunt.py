@@ -24,7 +24,7 @@ from vehicledyn.run.vehicle import Target
 from vehicledyn.scenario import LoadedScenario, Scenario
 from vehicledyn.solve.kernel import Backend
 from vehicledyn.solve.periodic.autonomous import AutonomousField
-from vehicledyn.solve.periodic.branch import Branch, CyclePoint, Limits, cycle_at, follow_cycles
+from vehicledyn.solve.periodic.branch import follow_cycles
 from vehicledyn.solve.periodic.collocation import Direction
 from vehicledyn.solve.periodic.critical import (
     Balance,
@@ -34,6 +34,8 @@ from vehicledyn.solve.periodic.critical import (
     find_hopf,
     follow_balance,
 )
+from vehicledyn.solve.periodic.cycle_points import Branch, CyclePoint, Limits
+from vehicledyn.solve.periodic.cycles_at import cycle_at
 from vehicledyn.solve.periodic.orbit import Orbit
 from vehicledyn.solve.periodic.settled import (
     Runner,
@@ -277,6 +279,7 @@ class _Study:
             upwards=upwards,
         )
         name = f"branch {len(self.branches)}"
+        self.messages.extend(f"{name}: {remark}" for remark in branch.remarks)
         if branch.ending == "lost":
             self._ended("partial", 3, f"{name}: {branch.reason}")
         if branch.ending == "points":

@@ -6,8 +6,9 @@ from solve_examples import build, symbols
 
 from vehicledyn.solve.periodic.autonomous import AutonomousField
 from vehicledyn.solve.periodic.basis import basis
-from vehicledyn.solve.periodic.branch import Limits, follow_cycles
+from vehicledyn.solve.periodic.branch import follow_cycles
 from vehicledyn.solve.periodic.critical import find_hopf, follow_balance
+from vehicledyn.solve.periodic.cycle_points import Limits
 from vehicledyn.solve.periodic.orbit import Orbit
 from vehicledyn.symbolic.equations import Block
 

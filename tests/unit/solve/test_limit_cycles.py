@@ -1,6 +1,7 @@
 """Limit cycles by collocation against closed forms and published periods."""
 
 import math
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -22,9 +23,12 @@ from scipy.special import ellipk
 from solve_examples import forced, oscillator
 
 from vehicledyn.base.errors import InputError, NumericalError
-from vehicledyn.solve.periodic.branch import Branch, Limits, cycle_at, follow_cycles
+from vehicledyn.solve.periodic import branch as branch_module
+from vehicledyn.solve.periodic.branch import follow_cycles
 from vehicledyn.solve.periodic.collocation import Scales, condense
 from vehicledyn.solve.periodic.critical import find_balance, find_hopf, follow_balance
+from vehicledyn.solve.periodic.cycle_points import Branch, Limits
+from vehicledyn.solve.periodic.cycles_at import cycle_at
 from vehicledyn.symbolic.equations import Event
 
 
@@ -264,6 +268,21 @@ def test_equilibrium_is_found_again_and_an_interrupt_keeps_the_branch():
             model, first, hopf.growing(first), Limits(-1.0, 1.0, 0.1), branch=kept, told=stop
         )
     assert len(kept.points) == 5
+
+
+def test_a_fold_that_is_not_located_is_told_with_the_cycles_beside_it(monkeypatch):
+    """Where points on a step are not found, the nearest one is told, and that it is."""
+
+    def lost(*_):
+        raise NumericalError("not found")
+
+    monkeypatch.setattr(branch_module._Tracer, "_between", lost)
+    _, branch = from_hopf(field(normal_form(1.0, -1.0), "mu"), -1.0, 1.0)
+    (fold,), (remark,) = branch.special, branch.remarks
+    assert fold.orbit.parameter == pytest.approx(-0.25, abs=1e-2)
+    ends = [float(text) for text in re.findall(r"-0\.2\d+", remark)]
+    assert remark.startswith("fold not located: it lies on the branch between the cycles at mu = ")
+    assert len(ends) == 2 and fold.orbit.parameter in [pytest.approx(e, abs=1e-7) for e in ends]
 
 
 def test_factors_of_an_orbit_grow_with_its_intervals_alone():

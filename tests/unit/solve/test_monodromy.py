@@ -9,8 +9,9 @@ from cycle_examples import field, from_hopf, gap_oscillator, normal_form, sample
 from scipy.integrate import solve_ivp
 from solve_examples import build, symbols
 
-from vehicledyn.solve.periodic.branch import Limits, follow_cycles
+from vehicledyn.solve.periodic.branch import follow_cycles
 from vehicledyn.solve.periodic.collocation import Scales, condense
+from vehicledyn.solve.periodic.cycle_points import Limits
 from vehicledyn.solve.periodic.floquet import multipliers_of
 from vehicledyn.solve.periodic.monodromy import passages
 from vehicledyn.solve.periodic.radau import NODES, Place, radau_steps

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from contextlib import suppress
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import pairwise
 
@@ -27,9 +27,17 @@ from vehicledyn.solve.periodic.collocation import (
     dot,
     tangent_of,
 )
-from vehicledyn.solve.periodic.floquet import STABLE, Multipliers, multipliers_of
+from vehicledyn.solve.periodic.cycle_points import (
+    Branch,
+    CyclePoint,
+    Limits,
+    ahead,
+    between,
+    cosine,
+    moved,
+)
+from vehicledyn.solve.periodic.floquet import STABLE, multipliers_of
 from vehicledyn.solve.periodic.kinks import Kinks, aligned, misalignment
-from vehicledyn.solve.periodic.monodromy import Passages
 from vehicledyn.solve.periodic.orbit import Orbit, adapted_mesh
 from vehicledyn.solve.periodic.returning import returning
 from vehicledyn.solve.periodic.shooting import Closed, closed, direction_of
@@ -62,62 +70,6 @@ _REMESHED_AFTER = 10
 
 _COLLOCATED = 1e-4
 """Step below which collocation is tried where integration does not find an orbit."""
-
-
-@dataclass(frozen=True)
-class Limits:
-    """Where a branch ends and how finely it is followed.
-
-    ``low`` and ``high`` bound the parameter, ``parameter_step`` is the largest step of it,
-    ``points`` the largest number of points, ``intervals`` that of mesh intervals.
-    """
-
-    low: float
-    high: float
-    parameter_step: float
-    points: int = 400
-    intervals: int = 320
-
-
-@dataclass(frozen=True)
-class CyclePoint:
-    """A periodic orbit with its multipliers and the direction of the branch there.
-
-    ``kind`` is "" for an ordinary point, else "fold", "period_doubling", "torus" or
-    "branch_point". ``passages`` are kept where the next point is found with them, ``sense`` where
-    it is known: the sign that the direction keeps round folds and corners.
-    """
-
-    orbit: Orbit
-    multipliers: Multipliers
-    tangent: Direction
-    iterations: int
-    kind: str = ""
-    passages: Passages | None = None
-    sense: float = 0.0
-
-    @property
-    def stable(self) -> bool:
-        """Whether disturbances decay."""
-        return self.multipliers.unstable == 0
-
-
-@dataclass
-class Branch:
-    """Points in the order they were found, special ones among them, and how it ended.
-
-    ``ending`` is "range" (the parameter left it), "equilibrium" (the orbit shrank to one),
-    "points" or "lost"; ``reason`` says it in words.
-    """
-
-    points: list[CyclePoint] = field(default_factory=list)
-    ending: str = ""
-    reason: str = ""
-
-    @property
-    def special(self) -> list[CyclePoint]:
-        """Folds and bifurcations."""
-        return [point for point in self.points if point.kind]
 
 
 def follow_cycles(
@@ -261,8 +213,8 @@ class _Tracer:
     def _turn(self, before: CyclePoint, after: CyclePoint) -> float:
         """Return the cosine of the angle between the directions at two points."""
         scales = self._scales(after.orbit)
-        first, second = _moved(before.orbit, before.tangent, after.orbit.mesh), after.tangent
-        return _cosine(after.orbit, first, second, scales)
+        first, second = moved(before.orbit, before.tangent, after.orbit.mesh), after.tangent
+        return cosine(after.orbit, first, second, scales)
 
     def _step_from(self, base: CyclePoint, size: float) -> CyclePoint:
         """Return the point at a distance along the branch."""
@@ -274,8 +226,8 @@ class _Tracer:
                 if size > _COLLOCATED:
                     raise
         mesh = self._mesh(base.orbit, scales, self.kinks.along(base.orbit))
-        tangent = _moved(base.orbit, base.tangent, mesh)
-        guess = _ahead(base.orbit.moved(mesh), tangent, size)
+        tangent = moved(base.orbit, base.tangent, mesh)
+        guess = ahead(base.orbit.moved(mesh), tangent, size)
         found, exact, along = self._corrected(guess, scales, tangent)
         return self._point(found, exact, self._scales(found.orbit), along or tangent)
 
@@ -289,8 +241,8 @@ class _Tracer:
         if len(self.branch.points) >= self.remeshed + _REMESHED_AFTER or near is None:
             mesh, near = adapted_mesh(base.orbit, scales.states, base.orbit.intervals), None
             self.remeshed = len(self.branch.points)
-        tangent = _moved(base.orbit, base.tangent, mesh)
-        guess = _ahead(base.orbit.moved(mesh), tangent, size)
+        tangent = moved(base.orbit, base.tangent, mesh)
+        guess = ahead(base.orbit.moved(mesh), tangent, size)
         exact = returning(self.model, guess, near, parameter_scale=scales.parameter, along=tangent)
         return self._exact_point(exact, tangent, base.sense)
 
@@ -304,7 +256,7 @@ class _Tracer:
         found, own = direction_of(exact, scales.parameter, before)
         length = np.sqrt(dot(exact.orbit, found, found, scales))
         found = found.times(1.0 / length)
-        if sense * own < 0.0 and _cosine(exact.orbit, before, found, scales) < _STRAIGHT:
+        if sense * own < 0.0 and cosine(exact.orbit, before, found, scales) < _STRAIGHT:
             found, own = found.times(-1.0), sense
         return CyclePoint(
             exact.orbit,
@@ -339,7 +291,7 @@ class _Tracer:
                 finer = self.intervals + max(4, self.intervals // 3)
                 self.intervals = min(self.limits.intervals, finer)
                 mesh = self._mesh(orbit, scales, kinks)
-            along = None if along is None else _moved(orbit, along, mesh)
+            along = None if along is None else moved(orbit, along, mesh)
             found = correct(self.model, orbit.moved(mesh), scales, along=along)
         exact = closed(self.model, found.orbit, parameter_scale=_free(scales, along))
         return replace(found, iterations=iterations), exact, along
@@ -370,7 +322,7 @@ class _Tracer:
             low, high = measure(base), measure(after)
             wanted = turned if kind == "fold" else self._crosses(kind, base, after, turned)
             if low * high < 0.0 and wanted:
-                located = self._locate(base, size, measure, after=after)
+                located = self._locate(base, size, measure, after=after, kind=kind)
                 if located is not None:
                     found.append((located[0], replace(located[1], kind=kind)))
         if base.multipliers.turning != after.multipliers.turning:
@@ -406,10 +358,11 @@ class _Tracer:
         measure: Callable[[CyclePoint], float],
         *,
         after: CyclePoint,
+        kind: str,
     ) -> tuple[float, CyclePoint] | None:
         """Return where a measure passes zero on a step, and the point there.
 
-        Where points on the way are not found it is the nearest one that is.
+        Where points on the way are not found it is the nearest one that is, with a remark.
         """
         from scipy.optimize import brentq
 
@@ -426,17 +379,33 @@ class _Tracer:
             value(place)
         except NumericalError:
             place = min(points, key=lambda part: abs(measure(points[part])))
+            self._remark(kind, [p for _, p in sorted(points.items())], measure)
         except ValueError:
             return None
         return place, points[place]
+
+    def _remark(
+        self, kind: str, points: list[CyclePoint], measure: Callable[[CyclePoint], float]
+    ) -> None:
+        """Tell between which points, in their order, one lies at which a measure passes zero."""
+        ends = [
+            f"{point.orbit.parameter:.8g}"
+            for pair in pairwise(points)
+            if measure(pair[0]) * measure(pair[1]) <= 0.0
+            for point in pair
+        ][:2] or [f"{p.orbit.parameter:.8g}" for p in (points[0], points[-1])]
+        self.branch.remarks.append(
+            f"{kind.replace('_', ' ')} not located: it lies on the branch between the cycles at "
+            f"{self.model.parameter} = {' and '.join(ends)}; one of them is told"
+        )
 
     def _between(self, base: CyclePoint, after: CyclePoint, part: float, size: float) -> CyclePoint:
         """Return a point on a step that has been made, a part of its size from the base."""
         if base.passages is None and after.passages is None:
             return self._step_from(base, part)
         first = base.orbit
-        chord = _between(first, after.orbit.moved(first.mesh))
-        guess = _ahead(first, chord, part / size)
+        chord = between(first, after.orbit.moved(first.mesh))
+        guess = ahead(first, chord, part / size)
         scale = self._scales(first).parameter
         exact = returning(self.model, guess, base.passages, parameter_scale=scale, along=chord)
         return self._exact_point(exact, base.tangent, base.sense)
@@ -460,7 +429,7 @@ class _Tracer:
         ends = measure(base), measure(after)
         if not ends[0] * ends[1] < 0.0:
             return None
-        return self._locate(base, size, measure, after=after)
+        return self._locate(base, size, measure, after=after, kind="torus")
 
     def _finish_range(self, point: CyclePoint) -> None:
         """Add the orbit on the edge of the range and end the branch."""
@@ -472,7 +441,7 @@ class _Tracer:
                 scales = self._scales(point.orbit)
                 guess = replace(point.orbit, parameter=edge)
                 found, exact, _ = self._corrected(guess, scales, None)
-                along = _moved(point.orbit, point.tangent, found.orbit.mesh)
+                along = moved(point.orbit, point.tangent, found.orbit.mesh)
                 self._add(self._point(found, exact, scales, along))
             except NumericalError:
                 pass
@@ -493,35 +462,6 @@ class _Tracer:
         self.branch.ending, self.branch.reason = ending, reason
 
 
-def _ahead(orbit: Orbit, along: Direction, size: float) -> Orbit:
-    """Return an orbit a way along a direction."""
-    return replace(
-        orbit,
-        states=orbit.states + size * along.states,
-        period=orbit.period + size * along.period,
-        parameter=orbit.parameter + size * along.parameter,
-    )
-
-
-def _between(first: Orbit, last: Orbit) -> Direction:
-    """Return the change from one orbit to another on the same mesh."""
-    return Direction(
-        last.states - first.states, last.period - first.period, last.parameter - first.parameter
-    )
-
-
-def _cosine(orbit: Orbit, first: Direction, second: Direction, scales: Scales) -> float:
-    """Return the cosine of the angle between two directions."""
-    sizes = [dot(orbit, d, d, scales) for d in (first, second)]
-    return float(dot(orbit, first, second, scales) / np.sqrt(sizes[0] * sizes[1]))
-
-
-def _moved(orbit: Orbit, direction: Direction, mesh: Vector) -> Direction:
-    """Return a direction on another mesh."""
-    states = replace(orbit, states=direction.states).moved(mesh).states
-    return Direction(states, direction.period, direction.parameter)
-
-
 def _free(scales: Scales, along: Direction | None) -> float | None:
     """Return the size of changes of the parameter, None where it is held."""
     return None if along is None else scales.parameter
@@ -536,44 +476,3 @@ _MEASURES: dict[str, Callable[[CyclePoint], float]] = {
     "branch_point": lambda point: point.multipliers.test_branch,
     "period_doubling": lambda point: point.multipliers.test_doubling,
 }
-
-
-def cycle_at(model: AutonomousField, branch: Branch, value: float) -> list[CyclePoint]:
-    """Return the cycles of a branch at a value of the parameter, in the order of the branch.
-
-    Raises
-    ------
-    NumericalError
-        If one of them is not found again from its neighbours.
-    """
-    found: list[CyclePoint] = []
-    for before, after in pairwise(branch.points):
-        ends = before.orbit.parameter, after.orbit.parameter
-        is_last = after is branch.points[-1] and value == ends[1]
-        if not (min(ends) <= value < max(ends) or is_last):
-            continue
-        near = before if abs(value - ends[0]) < abs(value - ends[1]) else after
-        found.append(_cycle_beside(model, near, value))
-    return found
-
-
-def _cycle_beside(model: AutonomousField, near: CyclePoint, value: float) -> CyclePoint:
-    """Return the cycle at a value of the parameter beside one of the branch."""
-    exact = _shot(model, near, value) if model.is_carried else None
-    if exact is None:
-        guess = replace(near.orbit, parameter=value)
-        scales = Scales(guess.scales(), guess.period, abs(value) or 1.0)
-        exact = closed(model, correct(model, guess, scales, along=None).orbit)
-    values = multipliers_of(exact.passages)
-    return CyclePoint(exact.orbit, values, near.tangent, exact.iterations)
-
-
-def _shot(model: AutonomousField, near: CyclePoint, value: float) -> Closed | None:
-    """Return the orbit ahead of another by integration alone, None where it is not found."""
-    slope = near.tangent.parameter
-    reach = (value - near.orbit.parameter) / slope if slope else np.inf
-    ahead = _ahead(near.orbit, near.tangent, reach if abs(reach) < _LARGEST else 0.0)
-    try:
-        return closed(model, replace(ahead, parameter=value))
-    except NumericalError:
-        return None

@@ -1,0 +1,100 @@
+"""Points of a branch of periodic orbits, the branch that they make, and ways along it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from vehicledyn.solve.engine import Vector
+from vehicledyn.solve.periodic.collocation import Direction, Scales, dot
+from vehicledyn.solve.periodic.floquet import Multipliers
+from vehicledyn.solve.periodic.monodromy import Passages
+from vehicledyn.solve.periodic.orbit import Orbit
+
+
+@dataclass(frozen=True)
+class Limits:
+    """Where a branch ends and how finely it is followed.
+
+    ``low`` and ``high`` bound the parameter, ``parameter_step`` is the largest step of it,
+    ``points`` the largest number of points, ``intervals`` that of mesh intervals.
+    """
+
+    low: float
+    high: float
+    parameter_step: float
+    points: int = 400
+    intervals: int = 320
+
+
+@dataclass(frozen=True)
+class CyclePoint:
+    """A periodic orbit with its multipliers and the direction of the branch there.
+
+    ``kind`` is "" for an ordinary point, else "fold", "period_doubling", "torus" or
+    "branch_point". ``passages`` are kept where the next point is found with them, ``sense`` where
+    it is known: the sign that the direction keeps round folds and corners.
+    """
+
+    orbit: Orbit
+    multipliers: Multipliers
+    tangent: Direction
+    iterations: int
+    kind: str = ""
+    passages: Passages | None = None
+    sense: float = 0.0
+
+    @property
+    def stable(self) -> bool:
+        """Whether disturbances decay."""
+        return self.multipliers.unstable == 0
+
+
+@dataclass
+class Branch:
+    """Points in the order they were found, special ones among them, and how it ended.
+
+    ``ending`` is "range" (the parameter left it), "equilibrium" (the orbit shrank to one),
+    "points" or "lost"; ``reason`` says it in words. ``remarks`` tell special points that are
+    known roughly only.
+    """
+
+    points: list[CyclePoint] = field(default_factory=list)
+    ending: str = ""
+    reason: str = ""
+    remarks: list[str] = field(default_factory=list)
+
+    @property
+    def special(self) -> list[CyclePoint]:
+        """Folds and bifurcations."""
+        return [point for point in self.points if point.kind]
+
+
+def ahead(orbit: Orbit, along: Direction, size: float) -> Orbit:
+    """Return an orbit a way along a direction."""
+    return replace(
+        orbit,
+        states=orbit.states + size * along.states,
+        period=orbit.period + size * along.period,
+        parameter=orbit.parameter + size * along.parameter,
+    )
+
+
+def between(first: Orbit, last: Orbit) -> Direction:
+    """Return the change from one orbit to another on the same mesh."""
+    return Direction(
+        last.states - first.states, last.period - first.period, last.parameter - first.parameter
+    )
+
+
+def cosine(orbit: Orbit, first: Direction, second: Direction, scales: Scales) -> float:
+    """Return the cosine of the angle between two directions."""
+    sizes = [dot(orbit, d, d, scales) for d in (first, second)]
+    return float(dot(orbit, first, second, scales) / np.sqrt(sizes[0] * sizes[1]))
+
+
+def moved(orbit: Orbit, direction: Direction, mesh: Vector) -> Direction:
+    """Return a direction on another mesh."""
+    states = replace(orbit, states=direction.states).moved(mesh).states
+    return Direction(states, direction.period, direction.parameter)

@@ -1,0 +1,59 @@
+"""Find the cycles of a branch at a value of the parameter."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from itertools import pairwise
+
+import numpy as np
+
+from vehicledyn.base.errors import NumericalError
+from vehicledyn.solve.periodic.autonomous import AutonomousField
+from vehicledyn.solve.periodic.collocation import Scales, correct
+from vehicledyn.solve.periodic.cycle_points import Branch, CyclePoint, ahead
+from vehicledyn.solve.periodic.floquet import multipliers_of
+from vehicledyn.solve.periodic.shooting import Closed, closed
+
+_FARTHEST = 0.4
+"""Largest way along the branch that a guess is carried."""
+
+
+def cycle_at(model: AutonomousField, branch: Branch, value: float) -> list[CyclePoint]:
+    """Return the cycles of a branch at a value of the parameter, in the order of the branch.
+
+    Raises
+    ------
+    NumericalError
+        If one of them is not found again from its neighbours.
+    """
+    found: list[CyclePoint] = []
+    for before, after in pairwise(branch.points):
+        ends = before.orbit.parameter, after.orbit.parameter
+        is_last = after is branch.points[-1] and value == ends[1]
+        if not (min(ends) <= value < max(ends) or is_last):
+            continue
+        near = before if abs(value - ends[0]) < abs(value - ends[1]) else after
+        found.append(_cycle_beside(model, near, value))
+    return found
+
+
+def _cycle_beside(model: AutonomousField, near: CyclePoint, value: float) -> CyclePoint:
+    """Return the cycle at a value of the parameter beside one of the branch."""
+    exact = _shot(model, near, value) if model.is_carried else None
+    if exact is None:
+        guess = replace(near.orbit, parameter=value)
+        scales = Scales(guess.scales(), guess.period, abs(value) or 1.0)
+        exact = closed(model, correct(model, guess, scales, along=None).orbit)
+    values = multipliers_of(exact.passages)
+    return CyclePoint(exact.orbit, values, near.tangent, exact.iterations)
+
+
+def _shot(model: AutonomousField, near: CyclePoint, value: float) -> Closed | None:
+    """Return the orbit ahead of another by integration alone, None where it is not found."""
+    slope = near.tangent.parameter
+    reach = (value - near.orbit.parameter) / slope if slope else np.inf
+    guess = ahead(near.orbit, near.tangent, reach if abs(reach) < _FARTHEST else 0.0)
+    try:
+        return closed(model, replace(guess, parameter=value))
+    except NumericalError:
+        return None
