@@ -121,6 +121,7 @@ class Result:
             self.time = self._thinning.times(file["time"])
             self.is_timed = str(file["time"].attrs.get("units", "s")) == "s"
             self._check_lengths(closed)
+            self._check_times(closed)
         if self.status not in STATUSES:
             raise InputError(f"{path}: status '{self.status}' is unknown; the file is damaged")
 
@@ -335,6 +336,17 @@ class Result:
                     f"{self.path}: is damaged: {length} samples of {name}, "
                     f"but {self.samples} of time; run it again"
                 )
+
+    def _check_times(self, closed: bool) -> None:
+        wrong = ~np.isfinite(self.time)
+        if closed:
+            wrong[1:] |= self.time[1:] < self.time[:-1]
+        if wrong.any():
+            place = int(np.argmax(wrong))
+            raise InputError(
+                f"{self.path}: is damaged: its time number {place + 1} is "
+                f"{self.time[place]:.6g}, which does not follow the one before; run it again"
+            )
 
     def _refuse_promises(self) -> None:
         """Refuse what are no columns, or say to hold far more than they do, before reading."""

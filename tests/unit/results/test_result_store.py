@@ -460,6 +460,16 @@ def test_missing_and_short_channels_are_damage(make_result):
         open_result(path)
 
 
+@pytest.mark.parametrize("wrong", [np.nan, -1.0, np.inf])
+def test_times_that_do_not_rise_are_damage(make_result, wrong):
+    path = make_result("times.h5")
+    with h5py.File(path, "r+") as file:
+        file["time"][3] = wrong
+    told = r"its time number (4|5) is .* does not follow the one before; run it again"
+    with pytest.raises(InputError, match=told):
+        open_result(path)
+
+
 def test_an_unknown_channel_gets_the_nearest_name(make_result):
     with (
         open_result(make_result()) as result,
