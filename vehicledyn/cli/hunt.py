@@ -21,7 +21,10 @@ def hunt(
     target: Target,
     *,
     first: Annotated[
-        str, typer.Option("--from", metavar="VALUE", help='Lowest value, such as "5 m/s".')
+        str,
+        typer.Option(
+            "--from", metavar="VALUE", help='Lowest value, such as "5 m/s"; numbers are in SI.'
+        ),
     ],
     last: Annotated[str, typer.Option("--to", metavar="VALUE", help="Highest value.")],
     parameter: Annotated[

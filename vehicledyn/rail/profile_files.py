@@ -9,59 +9,15 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable
-from dataclasses import dataclass, field
 from pathlib import Path
 
 from vehicledyn.base.errors import InputError
-from vehicledyn.base.problems import Mark, Problem, refusal
-from vehicledyn.base.units import parse_unit
+from vehicledyn.rail.profile_columns import IN_HEADER, read_columns
+from vehicledyn.rail.profile_points import RawPoints, number_of, take_unit
 
 LARGEST_FILE = 20_000_000
-MILLIMETRE = 1e-3
 
-_NAMES = "(mm|cm|m|µm|um|in|inch)"
-_STATED = re.compile(rf"\bunits?\b\s*[:=]?\s*{_NAMES}\b|[\[(]{_NAMES}[\])]", re.IGNORECASE)
-_IN_HEADER = re.compile(rf"(?<![A-Za-z]){_NAMES}(?![A-Za-z])", re.IGNORECASE)
-_INCH = 0.0254
 _SPLIT = re.compile(r"[,;\s]+")
-
-
-@dataclass
-class RawPoints:
-    """Points as a file has them: two coordinates and their line.
-
-    ``unit`` is that of the lengths in metres; ``stated_unit`` is false where none is given.
-    """
-
-    file: str
-    first: list[float] = field(default_factory=list)
-    second: list[float] = field(default_factory=list)
-    lines: list[int] = field(default_factory=list)
-    unit: float = MILLIMETRE
-    stated_unit: bool = False
-    notes: list[str] = field(default_factory=list)
-
-    def add(self, line: int, texts: list[str]) -> None:
-        """Add a point; an InputError says which text is no number."""
-        if len(texts) < 2:
-            raise self.refused(line, 1, "a point needs two numbers, y and z")
-        values = [self._number(line, text, k) for k, text in enumerate(texts[:2])]
-        self.first.append(values[0])
-        self.second.append(values[1])
-        self.lines.append(line)
-
-    def refused(self, line: int, column: int, message: str) -> InputError:
-        """Return the error that a line of this file is."""
-        return refusal([Problem(self.file, Mark(line, column), "", message)], self.file)
-
-    def _number(self, line: int, text: str, place: int) -> float:
-        try:
-            value = float(text.replace("D", "E").replace("d", "e"))
-        except ValueError:
-            raise self.refused(line, place + 1, f"'{text}' is not a number") from None
-        if not abs(value) < 1e9:
-            raise self.refused(line, place + 1, f"'{text}' is no usable length")
-        return value
 
 
 def read_points(path: Path) -> RawPoints:
@@ -76,7 +32,8 @@ def read_points(path: Path) -> RawPoints:
     reader = _reader(path, lines)
     points = reader(str(path), lines)
     if not points.first:
-        raise points.refused(max(len(lines), 1), 1, "no points found in this profile")
+        message = "no points found in this profile: no line begins with a number"
+        raise points.refused(max(len(lines), 1), 1, message)
     return points
 
 
@@ -87,31 +44,14 @@ def _reader(path: Path, lines: list[str]) -> Callable[[str, list[str]], RawPoint
     is_miniprof = path.suffix.lower() in (".whl", ".ban") or any(
         line.startswith(("columndef", "xypoints")) for line in lower
     )
-    return _read_miniprof if is_miniprof else _read_columns
-
-
-def _read_columns(file: str, lines: list[str]) -> RawPoints:
-    """Read y and z as the first two numbers of each line; # opens a comment, a header may name."""
-    points = RawPoints(file, notes=["two columns, y and z"])
-    for number, line in enumerate(lines, 1):
-        text, _, comment = line.partition("#")
-        if not points.first:
-            _take_unit(points, _STATED.search(comment))
-        if not text.strip():
-            continue
-        texts = _SPLIT.split(text.strip().strip(",;"))
-        if not points.first and not _is_number(texts[0]):
-            _take_unit(points, _IN_HEADER.search(text.replace("_", " ")))
-            continue
-        points.add(number, texts)
-    return points
+    return _read_miniprof if is_miniprof else read_columns
 
 
 def _read_simpack(file: str, lines: list[str]) -> RawPoints:
     """Read a Simpack profile; ``units.len.f`` is the user's unit by the metre.
 
-    Points are first shifted, then mirrored, as the file says. Its bounds and own smoothing are
-    not applied; a turned profile is refused.
+    Points are first shifted, then cut at the bounds of y, then mirrored, as the file says. Its own
+    smoothing is not applied; a turned profile, and points beyond bounds of z, are refused.
     """
     points = RawPoints(file, notes=["Simpack profile"])
     values: dict[str, str] = {}
@@ -133,12 +73,29 @@ def _read_simpack(file: str, lines: list[str]) -> RawPoints:
         raise points.refused(1, 1, "units.len.f: must be above zero")
     points.unit = 1.0 / settings["units.len.f"]
     points.stated_unit = "units.len.f" in values
+    points.shift(settings["shift.y"], settings["shift.z"])
+    _apply_bounds(points, settings)
     for key, numbers in (("y", points.first), ("z", points.second)):
-        sign = -1.0 if settings[f"mirror.{key}"] else 1.0
-        numbers[:] = [sign * (number + settings[f"shift.{key}"]) for number in numbers]
         if settings[f"mirror.{key}"]:
+            numbers[:] = [-number for number in numbers]
             points.notes.append(f"{key} mirrored, as the file says")
     return points
+
+
+def _apply_bounds(points: RawPoints, settings: dict[str, float]) -> None:
+    """Leave out the points beyond the bounds of y; bounds that are not in order mean none."""
+    low, high = settings["bound.z.min"], settings["bound.z.max"]
+    beyond = [k for k, z in enumerate(points.second) if not low <= z <= high]
+    if low < high and beyond:
+        message = "bound.z: this point lies beyond; take it out, or the bounds of z"
+        raise points.refused(points.lines[beyond[0]], 1, message)
+    low, high = settings["bound.y.min"], settings["bound.y.max"]
+    kept = [k for k, y in enumerate(points.first) if low <= y <= high]
+    if low < high and len(kept) < len(points.first):
+        points.notes.append(
+            f"{len(points.first) - len(kept)} points beyond the file's bounds of y left out"
+        )
+        points.keep(kept)
 
 
 _SIMPACK = {
@@ -148,6 +105,10 @@ _SIMPACK = {
     "shift.z": 0.0,
     "mirror.y": 0.0,
     "mirror.z": 0.0,
+    "bound.y.min": 1.0,
+    "bound.y.max": 0.0,
+    "bound.z.min": 1.0,
+    "bound.z.max": 0.0,
 }
 
 
@@ -159,42 +120,40 @@ def _setting(points: RawPoints, values: dict[str, str], key: str) -> float:
 
 
 def _read_miniprof(file: str, lines: list[str]) -> RawPoints:
-    """Read a MiniProf profile: lines NAME=VALUE, then columns in the order of ``ColumnDef``."""
+    """Read a MiniProf profile: lines NAME=VALUE, then columns in the order of ``ColumnDef``.
+
+    ``XOffset`` and ``YOffset`` are added.
+    """
     points = RawPoints(file, notes=["MiniProf profile"])
     columns = ["x", "y"]
+    offsets = {"xoffset": 0.0, "yoffset": 0.0}
     for number, line in enumerate(lines, 1):
         text = line.strip().strip('"')
         key, equals, value = text.partition("=")
+        key = key.strip().lower()
         if equals:
-            if key.strip().lower() == "columndef":
+            if key == "columndef":
                 columns = [name.strip().lower() for name in value.split(",")]
-            elif key.strip().lower() in ("unit", "units"):
-                _take_unit(points, _IN_HEADER.search(value))
+            elif key in ("unit", "units"):
+                take_unit(points, IN_HEADER.search(value))
+            elif key in offsets:
+                offset = number_of(value)
+                if offset is None:
+                    raise points.refused(number, 1, f"{key}: '{value.strip()}' is not a number")
+                offsets[key] = offset
             continue
         texts = _SPLIT.split(text)
-        if not _is_number(texts[0]):
+        if number_of(texts[0]) is None:
             continue
         if not {"x", "y"} <= set(columns):
             raise points.refused(number, 1, "ColumnDef: names no columns X and Y")
         if len(texts) < len(columns):
             raise points.refused(number, 1, f"expected {len(columns)} numbers, as ColumnDef says")
         points.add(number, [texts[columns.index("x")], texts[columns.index("y")]])
+    if any(offsets.values()):
+        points.shift(offsets["xoffset"], offsets["yoffset"])
+        points.notes.append("XOffset and YOffset of the file added")
     return points
-
-
-def _take_unit(points: RawPoints, match: re.Match[str] | None) -> None:
-    if match and not points.stated_unit:
-        name = next(group for group in match.groups() if group).lower()
-        points.unit = _INCH if name in ("in", "inch") else parse_unit(name).factor
-        points.stated_unit = True
-
-
-def _is_number(text: str) -> bool:
-    try:
-        float(text.replace("D", "E").replace("d", "e"))
-    except ValueError:
-        return False
-    return True
 
 
 def _lines(path: Path) -> list[str]:
@@ -204,6 +163,16 @@ def _lines(path: Path) -> list[str]:
         text = path.read_bytes()
     except OSError as error:
         raise InputError(f"{path}: cannot be read: {error.strerror}") from None
+    return _decoded(path, text).splitlines()
+
+
+def _decoded(path: Path, text: bytes) -> str:
+    """Return the text of a file in UTF-8, in UTF-16 with its mark, or in that of Windows."""
+    if text.startswith((b"\xff\xfe", b"\xfe\xff")):
+        return text.decode("utf-16", errors="replace")
     if b"\0" in text:
         raise InputError(f"{path}: is not a text file; profiles are text")
-    return text.decode("utf-8", errors="replace").splitlines()
+    try:
+        return text.decode("utf-8-sig")
+    except UnicodeDecodeError:
+        return text.decode("cp1252", errors="replace")

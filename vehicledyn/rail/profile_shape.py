@@ -5,18 +5,24 @@ See :mod:`vehicledyn.rail.profile` for the axes. What was turned, mirrored or cu
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 from numpy.typing import NDArray
 
-from vehicledyn.rail.profile_files import RawPoints
 from vehicledyn.rail.profile_names import Kind
 from vehicledyn.rail.profile_pieces import Floats
+from vehicledyn.rail.profile_points import RawPoints
 
 FEWEST, MOST = 10, 20_000
 NARROWEST, WIDEST = 0.02, 0.5
 _FLANGE = 0.01
+_SHOULDER = 5e-3
+_HEAD = 0.04
 _SAME = 1e-8
 _SWAPPED = 2  # segments apart: two points in the wrong order, no loop
+_USUAL = {"wheel": (0.09, 0.2), "rail": (0.05, 0.2)}
+_SUFFIXES = {".prw": "wheel", ".whl": "wheel", ".prr": "rail", ".ban": "rail"}
 _UNITS = {1.0: "m", 1e-3: "mm", 1e-2: "cm", 1e-6: "µm", 0.0254: "inch"}
 
 
@@ -27,12 +33,14 @@ def in_our_axes(points: RawPoints, kind: Kind) -> tuple[Floats, Floats, list[str
     ------
     InputError
         If there are too few points, two are equal, they are unsorted, the profile crosses itself
-        or is too small or too large to be one, as with metres for millimetres.
+        or is too small or too large to be one, as with metres for millimetres, columns are
+        exchanged, or wheel and rail.
     """
+    _check_kind(points, kind)
     y, z = points.unit * np.array(points.first), points.unit * np.array(points.second)
     unit = _UNITS.get(points.unit, f"{points.unit:g} m")
     notes = [*points.notes, f"lengths in {unit}" + ("" if points.stated_unit else ", assumed")]
-    _check_points(points, y, z, unit)
+    _check_points(points, y, z, unit, kind)
     lines = np.array(points.lines)
     if y[-1] < y[0]:
         y, z, lines = y[::-1], z[::-1], lines[::-1]
@@ -47,24 +55,37 @@ def in_our_axes(points: RawPoints, kind: Kind) -> tuple[Floats, Floats, list[str
     return y, z, [*notes, *said]
 
 
-def _check_points(points: RawPoints, y: Floats, z: Floats, unit: str) -> None:
+def _check_kind(points: RawPoints, kind: Kind) -> None:
+    """Refuse a file whose ending says that it holds the other of wheel and rail."""
+    ending = Path(points.file).suffix.lower()
+    if _SUFFIXES.get(ending, kind) != kind:
+        message = (
+            f"{ending} is a profile of a {_SUFFIXES[ending]}, here a {kind}'s is needed; are wheel "
+            "and rail exchanged?"
+        )
+        raise points.refused(points.lines[0], 1, message)
+
+
+def _check_points(points: RawPoints, y: Floats, z: Floats, unit: str, kind: Kind) -> None:
     if len(y) < FEWEST:
         message = f"{len(y)} points are too few for a profile; give at least {FEWEST}"
         raise points.refused(points.lines[-1], 1, message)
     if len(y) > MOST:
         message = f"{len(y)} points are too many for a profile; give at most {MOST}"
         raise points.refused(points.lines[MOST], 1, message)
+    _check_columns(points, y, z)
     width = float(np.ptp(y))
     if not NARROWEST <= width <= WIDEST:
-        guess = next(
-            (
-                name
-                for factor, name in _UNITS.items()
-                if factor != points.unit and 0.05 <= width / points.unit * factor <= 0.2
-            ),
-            None,
+        low, high = _USUAL[kind]
+        guesses = [
+            name
+            for factor, name in _UNITS.items()
+            if factor != points.unit and low <= width / points.unit * factor <= high
+        ]
+        hint = "; ".join(
+            f"are the lengths in {guess}? Then say so: '# unit: {guess}'" for guess in guesses
         )
-        hint = f"; are the lengths in {guess}? Then say so: '# unit: {guess}'" if guess else ""
+        hint = f"; {hint}" if hint else ""
         message = f"the profile is {1e3 * width:.6g} mm wide, read in {unit}{hint}"
         raise points.refused(points.lines[0], 1, message)
     near = np.hypot(np.diff(y), np.diff(z)) < _SAME
@@ -92,6 +113,21 @@ def _check_order(points: RawPoints, y: Floats, z: Floats, lines: NDArray[np.int_
             "give the points in their order along the profile"
         )
         raise points.refused(int(lines[k]), 1, message)
+
+
+def _check_columns(points: RawPoints, y: Floats, z: Floats) -> None:
+    """Refuse points of which only the second column is in order: y is, z rises and falls."""
+    if not _in_order(y) and _in_order(z):
+        message = (
+            "only the second column goes one way, as y does; are the columns exchanged? "
+            "y comes first, then z"
+        )
+        raise points.refused(points.lines[0], 1, message)
+
+
+def _in_order(values: Floats) -> bool:
+    steps = np.diff(values)
+    return bool((steps > 0.0).all() or (steps < 0.0).all())
 
 
 def _first_crossing(y: Floats, z: Floats) -> tuple[int, int] | None:
@@ -129,6 +165,10 @@ def _wheel_axes(points: RawPoints, y: Floats, z: Floats) -> tuple[Floats, Floats
     """Turn a wheel's points so that the flange is at negative y and positive z."""
     notes = []
     middle = float(np.median(z))
+    ends = np.array([z[0], z[-1]]) - middle
+    if np.ptp(y) < _USUAL["wheel"][0] and ends.prod() > 0.0 and np.abs(ends).min() > _SHOULDER:
+        message = "both sides fall off from the middle, as a rail's do; a wheel's profile is needed"
+        raise points.refused(points.lines[0], 1, message)
     tallest = int(np.argmax(np.abs(z - middle)))
     if abs(z[tallest] - middle) < _FLANGE:
         notes.append("no flange found: y taken as outwards, z as the increase of the radius")
@@ -158,6 +198,13 @@ def _rail_axes(points: RawPoints, y: Floats, z: Floats) -> tuple[Floats, Floats,
         message = (
             f"y runs from {1e3 * y[0]:g} to {1e3 * y[-1]:g} mm; y = 0 must be the axis of the "
             "rail, inside the profile"
+        )
+        raise points.refused(points.lines[0], 1, message)
+    top = float(y[np.argmax(z)])
+    if abs(top) > _HEAD:
+        message = (
+            f"highest at y = {1e3 * top:.4g} mm, beyond the head of a rail; y = 0 must be the axis "
+            "of the rail, or is this a wheel's profile?"
         )
         raise points.refused(points.lines[0], 1, message)
     notes.append("y taken as outwards: the gauge side is at negative y")

@@ -55,6 +55,11 @@ _MOST_CHANNELS = 8
 _LEAST_CYCLES = 80
 """Cycles that a branch may have at least, however few are asked for."""
 
+SPEED = "speed"
+"""Parameter that has to be above zero [m/s]."""
+
+_LOW_SPEED = 1.0
+
 _APPROACH = 20
 """Values at which an equilibrium is followed from a file's own value to the first one."""
 
@@ -492,9 +497,16 @@ def _span(prepared: Prepared, index: int, settings: HuntSettings) -> tuple[float
         except InputError as error:
             raise InputError(f"{option} {given}: {error}") from None
     low, high = values
-    if not (math.isfinite(low) and math.isfinite(high) and low < high):
+    asked = f"--from {settings.first} --to {settings.last}"
+    if not (math.isfinite(low) and math.isfinite(high)):
+        raise InputError(f"{asked}: both must be finite")
+    if not low < high:
+        hint = "exchange them" if low > high else "they are equal: 'eig' looks at a single value"
+        raise InputError(f"{asked}: the first must be below the last; {hint}")
+    if settings.parameter.rpartition(".")[2] == SPEED and low <= 0.0:
         raise InputError(
-            f"--from {settings.first} --to {settings.last}: the first must be below the last"
+            f"--from {settings.first}: a {settings.parameter} of zero or below is none to roll at, "
+            f"creepages are divided by it; begin above zero, such as --from '{_LOW_SPEED:g} m/s'"
         )
     return low, high
 

@@ -64,6 +64,73 @@ def test_columns_with_units(tmp_path, head, factor, separator):
     is_s1002(read_profile(written(tmp_path, text, "wheel.csv"), "wheel"))
 
 
+def with_commas(pairs, separator):
+    return lines(pairs).replace(" ", separator).replace(".", ",")
+
+
+@pytest.mark.parametrize("separator", [";", "; ", "\t", "  "])
+def test_commas_mark_decimals(tmp_path, separator):
+    """Where something else parts the columns; a number may be whole, one begin with the comma."""
+    text = "y [mm]; z [mm]\n" + with_commas(points(), separator).replace(
+        ",0" + separator, separator
+    )
+    assert f"\n-68{separator}" in text
+    notes = is_s1002(read_profile(written(tmp_path, text, "wheel.csv"), "wheel"))
+    assert "commas mark decimals" in notes
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "".join(f"{y:.3f}, {z:.3f}, 3\n" for y, z in points()),
+        "p = [\n" + "".join(f"{y:.4f}, {z:.4f};\n" for y, z in points()) + "];\n",
+        "y_um,z_um,n\n" + "".join(f"{1e3 * y:.0f},{1e3 * z:.0f},1\n" for y, z in points()),
+    ],
+)
+def test_commas_part_columns(tmp_path, text):
+    profile = read_profile(written(tmp_path, text), "wheel")
+    assert profile.height(TREAD) == pytest.approx(WHEEL.height(TREAD), abs=1e-6)
+    assert "commas mark decimals" not in profile.notes
+
+
+@pytest.mark.parametrize(
+    ("text", "told"),
+    [
+        (with_commas(points(), ","), "commas may part columns or mark decimals here"),
+        (with_commas(points(), ", "), "commas may part columns or mark decimals here"),
+        (lines(points()) + with_commas(points(), ";"), "commas and points both mark decimals"),
+        ("-1.068,25;18,35\n" + with_commas(points(), ";"), "commas and points both mark"),
+    ],
+)
+def test_commas_that_mean_two_things(tmp_path, text, told):
+    refused(tmp_path, text, told)
+
+
+@pytest.mark.parametrize("encoding", ["utf-8-sig", "utf-16", "cp1252"])
+def test_encodings(tmp_path, encoding):
+    """No point is lost to a byte order mark, no unit to the letters of Windows."""
+    path = tmp_path / "wheel.csv"
+    head = "" if encoding == "utf-8-sig" else "y_µm;z_µm\n"
+    path.write_bytes((head + lines(points(1e6 if head else 1e3), ";")).encode(encoding))
+    profile = read_profile(path, "wheel")
+    assert profile.height(TREAD) == pytest.approx(WHEEL.height(TREAD), abs=1e-6)
+    assert profile.begin == pytest.approx(-0.068, abs=1e-9)
+
+
+def test_exchanged_columns(tmp_path):
+    pairs = [(z, y) for y, z in points()]
+    refused(tmp_path, lines(pairs), "are the columns exchanged? y comes first, then z")
+
+
+def test_exchanged_wheel_and_rail(tmp_path):
+    y = np.arange(-0.0355, 0.03551, 2.5e-4)
+    rail = lines(1e3 * np.column_stack([y, RAIL.height(y)]))
+    refused(tmp_path, rail, "a wheel's profile is needed")
+    refused(tmp_path, lines(points()), "or is this a wheel's profile?", kind="rail")
+    text = simpack(points())
+    refused(tmp_path, text, "here a wheel's is needed; are wheel and rail exch", "wheel.prr")
+
+
 def simpack(pairs, **settings):
     head = "".join(
         f"  {key.replace('_', '.')} = {value} ! told\n" for key, value in settings.items()
@@ -101,6 +168,26 @@ def test_simpack_mirrors(tmp_path):
     notes = is_s1002(read_profile(path, "wheel"))
     assert not any("turned" in note for note in notes), notes
     assert "y mirrored, as the file says" in notes
+
+
+def test_simpack_bounds(tmp_path):
+    """In order they cut; Simpack writes them out of order where there are none."""
+    text = simpack(points(), bound_y_min=-60, bound_y_max=55.1, bound_z_min=1, bound_z_max=0)
+    profile = read_profile(written(tmp_path, text, "wheel.prw"), "wheel")
+    assert (profile.begin, profile.end) == pytest.approx((-0.06, 0.055), abs=1e-9)
+    assert "44 points beyond the file's bounds of y left out" in profile.notes
+    text = simpack(points(), bound_z_min=-5, bound_z_max=20)
+    line = refused(tmp_path, text, "bound.z: this point lies beyond", "wheel.prw")
+    assert text.splitlines()[line - 1].startswith("-67.0 20.196")
+
+
+def test_miniprof_offsets(tmp_path):
+    rows = "".join(f"{y + 3.0} {z - 2.0}\n" for y, z in points())
+    text = "ColumnDef=X,Y\nXOffset=-3\nYOffset=2.0\n\n" + rows
+    notes = is_s1002(read_profile(written(tmp_path, text, "w.whl"), "wheel"))
+    assert "XOffset and YOffset of the file added" in notes
+    assert not any("z shifted" in note for note in notes)
+    refused(tmp_path, text.replace("=-3", "=a"), "xoffset: 'a' is not a number", "w.whl")
 
 
 def test_miniprof(tmp_path):
@@ -228,6 +315,7 @@ def test_loop(tmp_path):
         ("1 2\n3\n", "needs two numbers", 2),
         ("1 2\n3 nan\n", "no usable length", 2),
         ("# nothing\n", "no points found", 1),
+        ("", "no points found", 1),
     ],
 )
 def test_wrong_lines(tmp_path, text, told, line):

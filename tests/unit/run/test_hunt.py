@@ -38,8 +38,11 @@ def study(settings, target=None, tmp_path=None, **more):
     [
         (HuntSettings("sped", "20 m/s", "30 m/s"), "did you mean 'speed'"),
         (HuntSettings("speed", "20 kg", "30 m/s"), "--from 20 kg"),
-        (HuntSettings("speed", "30 m/s", "20 m/s"), "the first must be below the last"),
-        (HuntSettings("speed", 20.0, float("inf")), "must be below|finite|infinite"),
+        (HuntSettings("speed", "30 m/s", "20 m/s"), "must be below the last; exchange them"),
+        (HuntSettings("speed", "30 m/s", "108 km/h"), "they are equal: 'eig' looks at a single"),
+        (HuntSettings("speed", "0 m/s", "20 m/s"), "--from 0 m/s: a speed of zero.* begin above"),
+        (HuntSettings("speed", "-5 m/s", "20 m/s"), "--from -5 m/s: a speed of zero or below"),
+        (HuntSettings("speed", 20.0, float("inf")), "must be finite"),
         (HuntSettings("speed", 20.0, 30.0, points=1), "--points"),
         (HuntSettings("speed", 20.0, 30.0, amplitude=0.0), "--amplitude"),
         (HuntSettings("speed", 20.0, 30.0, channels=("wheelset.yow",)), "wheelset.yaw"),
