@@ -10,12 +10,6 @@ from typing import Any
 import numpy as np
 
 from vehicledyn.base.errors import InputError
-from vehicledyn.rail.conicity import (
-    RadiusDifference,
-    equivalent_conicity,
-    harmonic_conicity,
-    regression_conicity,
-)
 from vehicledyn.rail.contact_fit import check_fit, climbed_side
 from vehicledyn.rail.contact_geometry import Touch, Wheel, place_rail
 from vehicledyn.rail.contact_geometry_wheelset import (
@@ -31,13 +25,11 @@ from vehicledyn.rail.profile import Profile
 from vehicledyn.rail.profile_names import Kind
 from vehicledyn.rail.profile_open import open_profile
 from vehicledyn.results.contact_table import SIDES, ContactColumns, ContactTable, write_contacts
+from vehicledyn.run.contact_conicity import conicities
 from vehicledyn.run.contact_report import ContactReport
 
 POINTS = 4
 """Local minima of the gap that are kept, a side and shift."""
-
-_FINE = 1e-4  # m, the distance of shifts for the conicity, as EN 15302 has it
-_BEYOND = 1e-3
 
 
 @dataclass(frozen=True)
@@ -155,7 +147,7 @@ def _table(
     amplitudes = np.array(wish.amplitudes, dtype=float)
     radius = 0.5 * (wish.radii[0] + wish.radii[1])
     base = wheelset.left_wheel.half_distance + wheelset.right_wheel.half_distance
-    conicities, said = _conicities(wheelset, wish.yaw, amplitudes, radius, base)
+    cones, said = conicities(wheelset, wish.yaw, amplitudes, radius, base)
     notes = dict.fromkeys(f"{p.name}: {note}" for p in profiles for note in p.notes)
     wheel, rail = (
         " / ".join(dict.fromkeys(p.name for p in pair)) for pair in (profiles[:2], profiles[2:])
@@ -182,7 +174,7 @@ def _table(
         radius_difference=columns.radius[:, 0, 0] - columns.radius[:, 1, 0],
         contacts=columns,
         amplitude=amplitudes,
-        **conicities,
+        **cones,
         jumps=tuple((j.lateral, j.side, *j.places) for j in jumps),
         outlines=_outlines(wheelset, wish),
         notes=(*notes, *lost, *said),
@@ -229,60 +221,6 @@ def _columns(wheelset: WheelsetOnTrack, standing: list[Standing]) -> ContactColu
             found["radius"][n, k] = wheel.radius + wheel.table.height(place)
             found["angle"][n, k, :count] = np.arctan(touch.slope[:count])
     return ContactColumns(**found)
-
-
-def _conicities(
-    wheelset: WheelsetOnTrack, yaw: float, amplitudes: Any, radius: float, base: float
-) -> tuple[dict[str, Any], list[str]]:
-    """Return the conicities by name, and what is to be said of them."""
-    none = np.full(len(amplitudes), np.nan)
-    names = ("conicity", "conicity_with_roll", "conicity_harmonic", "conicity_regression")
-    found: dict[str, Any] = dict.fromkeys(names, none)
-    if len(amplitudes) == 0:
-        return found, []
-    try:
-        level = _differences(wheelset, yaw, float(np.max(amplitudes)), level=True)
-        rolled = _differences(wheelset, yaw, float(np.max(amplitudes)), level=False)
-    except InputError as error:
-        return found, [str(error)]
-    return {
-        "conicity": equivalent_conicity(level, amplitudes, radius=radius, base=base),
-        "conicity_with_roll": equivalent_conicity(rolled, amplitudes, radius=radius, base=base),
-        "conicity_harmonic": harmonic_conicity(level, amplitudes),
-        "conicity_regression": regression_conicity(level, amplitudes),
-    }, []
-
-
-def _differences(
-    wheelset: WheelsetOnTrack, yaw: float, amplitude: float, *, level: bool
-) -> RadiusDifference:
-    """Return the rolling radius difference at shifts of EN 15302, outwards until one fails."""
-    reach = int(np.ceil((amplitude + _BEYOND) / _FINE))
-    method = stand_level if level else stand
-    symmetric = wheelset.is_symmetric and yaw == 0.0 and wheelset.curvature == 0.0
-    found: dict[int, float] = {}
-    for direction in (1,) if symmetric else (1, -1):
-        for k in range(reach + 1):
-            shift = direction * k * _FINE
-            if climbed_side(wheelset, shift) is not None:
-                break
-            try:
-                position = method(wheelset, shift, yaw)
-            except InputError:
-                break
-            found[direction * k] = _difference(wheelset, position)
-            if symmetric:
-                found[-k] = -found[k]
-    numbers = sorted(found)
-    return RadiusDifference(
-        _FINE * np.array(numbers, dtype=float), np.array([found[k] for k in numbers])
-    )
-
-
-def _difference(wheelset: WheelsetOnTrack, position: Standing) -> float:
-    left, right = wheelset.left_wheel, wheelset.right_wheel
-    of_left = left.radius + float(left.table.height(position.left.place[:1])[0])
-    return of_left - right.radius - float(right.table.height(position.right.place[:1])[0])
 
 
 def _outlines(wheelset: WheelsetOnTrack, wish: ContactWish) -> dict[str, Any]:

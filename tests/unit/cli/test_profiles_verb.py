@@ -4,6 +4,7 @@ import json
 import os
 import subprocess
 import sys
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -103,6 +104,19 @@ def test_conicity_of_a_cone_and_its_roll():
     half = table.contacts.y[0, 0, 0]
     expected = 0.05 * (half + 0.3 * 0.05) / (half - table.contacts.radius[0, 0, 0] * 0.05)
     assert table.conicity_with_roll == pytest.approx(expected, rel=2e-3)
+
+
+def test_conicity_of_unequal_wheels():
+    """Cones of γ and radii apart by d run about y = -d/(2γ) here, far beside the amplitude."""
+    wish = ContactWish(
+        ("cone:1/20",) * 2, ("arc:300",) * 2, radii=(0.4602, 0.46), shifts=(0.0,),
+        amplitudes=(0.001,),
+    )  # fmt: skip
+    table = find_contact_geometry(wish, progress=quiet).table
+    assert table.conicity == pytest.approx(0.05, rel=1e-3)
+    assert table.conicity_harmonic == pytest.approx(0.05, rel=1e-3)
+    equal = find_contact_geometry(replace(wish, radii=(0.46, 0.46)), progress=quiet).table
+    assert table.conicity_with_roll == pytest.approx(equal.conicity_with_roll, rel=2e-3)
 
 
 def test_help_is_light():
