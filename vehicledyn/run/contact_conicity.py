@@ -1,4 +1,4 @@
-"""Equivalent conicities of a wheelset on its track: tables of Δr as long as amplitudes need them."""
+"""Equivalent conicities of a wheelset on its track, from tables of Δr as long as they need be."""
 
 from __future__ import annotations
 

@@ -19,7 +19,6 @@ from vehicledyn.rail.contact_geometry_wheelset import (
     find_jumps,
     mirrored,
     stand,
-    stand_level,
 )
 from vehicledyn.rail.profile import Profile
 from vehicledyn.rail.profile_names import Kind
