@@ -26,8 +26,12 @@ from vehicledyn.solve.periodic.monodromy import Passages, passages
 from vehicledyn.solve.periodic.orbit import Orbit
 from vehicledyn.solve.periodic.shooting import Chain, Closed, solved
 
-_STEP, _NEAR_STEP, _NEAR = 3e-8, 3e-6, 1e-3
-"""Errors of steps of the motion, at last and before, and the gap up to which it is before."""
+_NEAR_STEP, _STEP, _NEAR = 3e-6, 3e-8, 1e-3
+"""Errors of steps of the motion, at first and from a gap on."""
+
+_FINER, _FINEST, _STALLED = 0.03, 1e-11, 1e-2
+"""How these errors shrink where a gap stays, how far, and the gap from which on they do. Contacts
+that begin and end on the way multiply them by thousands, so that they may be all that is left."""
 
 _ROUGH = 1e-2
 """Tolerance of tangents on the way."""
@@ -82,27 +86,38 @@ def returning(
     """
     chain = None if near is None else Chain.of(near, parameter_scale or 0.0)
     scales = guess.scales() if near is None else near.scales
-    orbit, before, best, vain = guess, np.inf, np.inf, 0
-    for iteration in range(_ITERATIONS):
-        orbit, gap, efforts = _followed(
-            field, orbit, scales, _STEP if before < _NEAR else _NEAR_STEP
-        )
+    orbit, before, best, vain, error = guess, np.inf, np.inf, 0, _NEAR_STEP
+    counted = 0
+    for _ in range(_ITERATIONS):
+        counted += error >= _STEP
+        orbit, gap, efforts = _followed(field, orbit, scales, error)
         size = float(np.abs(gap).max())
-        if size < _RETURNED and before < _NEAR:
+        if size < _RETURNED and error <= _STEP:
             found = _tangents(field, orbit, efforts)
             chain = Chain.of(found, parameter_scale or 0.0)
             gap = gap * scales / found.scales
-            return Closed(_corrected(chain, orbit, gap, guess, along), found, iteration + 1)
+            return Closed(_corrected(chain, orbit, gap, guess, along), found, counted)
         vain = 0 if size < 0.5 * best else vain + 1
         best = min(best, size)
         if vain > _MOST_VAIN or not size < _LOST:
             break
-        if chain is None or size > _SLOW * before:
+        is_slow = size > _SLOW * before
+        finer = _finer(error, size, is_slow=is_slow)
+        if chain is None or is_slow:
             found = passages(field, orbit, tolerance=_ROUGH, efforts=efforts)
             chain = Chain.of(found, parameter_scale or 0.0)
             gap, scales = gap * scales / chain.found.scales, chain.found.scales
         orbit, before = _corrected(chain, orbit, gap, guess, along), size
+        if finer < error:
+            error, before, best, vain = finer, np.inf, np.inf, 0
     raise NumericalError("the motion along a cycle does not return to its begin")
+
+
+def _finer(error: float, gap: float, *, is_slow: bool) -> float:
+    """Return the error of steps that suits a gap, smaller where the gap hardly shrinks."""
+    if is_slow and gap < _STALLED:
+        error = max(_FINER * error, _FINEST)
+    return min(error, _STEP) if gap < _NEAR else error
 
 
 def _followed(

@@ -57,7 +57,7 @@ class Closed:
     """An orbit that the motion closes, and how it carries changes from point to point.
 
     ``orbit`` has its points on the mesh, the period and the parameter in common with that of the
-    passages; ``iterations`` were made.
+    passages; ``iterations`` were made, those apart that only get the motion finer.
     """
 
     orbit: Orbit
