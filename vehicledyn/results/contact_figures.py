@@ -27,7 +27,7 @@ def contact_figures(table: ContactTable) -> Iterator[tuple[str, Figure]]:
 def _draw_contact(table: ContactTable) -> Figure:
     from matplotlib.figure import Figure
 
-    figure = Figure(figsize=(WIDTH, 0.42 * WIDTH), layout="constrained")
+    figure = Figure(figsize=(WIDTH, 0.31 * WIDTH), layout="constrained")
     left, right = figure.subplots(1, 2, sharey=True)
     for number, (axes, side) in enumerate(((left, SIDES[0]), (right, SIDES[1]))):
         lines = _draw_side(axes, table, number)
@@ -73,28 +73,40 @@ def _draw_geometry(table: ContactTable) -> Figure:
 
     figure = Figure(figsize=(WIDTH, 0.75 * WIDTH), layout="constrained")
     (places, angles), (difference, conicity) = figure.subplots(2, 2)
-    shift = 1e3 * table.shift
+    curves = table.curves
     for number, (side, colour) in enumerate(zip(SIDES, (BLUE, VERMILION), strict=True)):
-        places.plot(
-            shift, 1e3 * table.contacts.place[:, number, 0], ".-", ms=3, color=colour, label=side
+        shift, place, angle = _broken(
+            table, side, curves.shift, curves.place[:, number], curves.angle[:, number]
         )
-        angle = np.degrees(table.contacts.angle[:, number, 0])
-        angles.plot(shift, angle, color=colour, label=side)
+        places.plot(1e3 * shift, 1e3 * place, color=colour, label=side)
+        angles.plot(1e3 * shift, np.degrees(angle), color=colour, label=side)
+        asked = 1e3 * table.shift, 1e3 * table.contacts.place[:, number, 0]
+        places.plot(*asked, ".", ms=4, color=colour)
     places.set_ylabel(axis_label("Contact on the wheel", "mm"))
     angles.set_ylabel(axis_label("Contact angle", "deg"))
     places.legend()
-    difference.plot(shift, 1e3 * table.radius_difference, color=BLUE)
+    shift, radii = _broken(table, None, curves.shift, curves.radius_difference)
+    difference.plot(1e3 * shift, 1e3 * radii, color=BLUE)
     difference.set_ylabel(axis_label("Rolling radius difference", "mm"))
     for axes in (places, angles, difference):
         axes.set_xlabel(axis_label("Lateral shift", "mm"))
-    amplitude = 1e3 * table.amplitude
-    conicity.plot(amplitude, table.conicity, color=BLUE, label="EN 15302, no roll")
-    conicity.plot(amplitude, table.conicity_with_roll, "--", color=VERMILION, label="with roll")
+    amplitude = 1e3 * curves.amplitude
+    conicity.plot(amplitude, curves.conicity, color=BLUE, label="EN 15302, no roll")
+    conicity.plot(amplitude, curves.conicity_with_roll, "--", color=VERMILION, label="with roll")
+    conicity.plot(1e3 * table.amplitude, table.conicity, ".", ms=4, color=BLUE)
     conicity.set_xlabel(axis_label("Amplitude", "mm"))
     conicity.set_ylabel(axis_label("Equivalent conicity", "1"))
     conicity.legend()
     _entitle(figure, table)
     return figure
+
+
+def _broken(table: ContactTable, side: str | None, shift: Any, *columns: Any) -> tuple[Any, ...]:
+    """Return shifts and columns with a gap wherever a side jumps; either side for None."""
+    jumps = [jump[0] for jump in table.jumps if side in (None, jump[1])]
+    where = np.unique(np.searchsorted(shift, jumps))
+    where = where[(where > 0) & (where < len(shift))]
+    return tuple(np.insert(column, where, np.nan) for column in (shift, *columns))
 
 
 def _entitle(figure: Figure, table: ContactTable) -> None:

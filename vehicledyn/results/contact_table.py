@@ -38,6 +38,24 @@ class ContactColumns:
     gap: Any
 
 
+@dataclass(frozen=True)
+class ContactCurves:
+    """Contact at close shifts and conicity at close amplitudes, for pictures.
+
+    ``shift`` is of shape (n,) with one value close before and one close behind each jump,
+    ``place`` on the wheels and ``angle`` of shape (n, 2), ``radius_difference`` (n,) [m, rad];
+    ``amplitude``, ``conicity`` and ``conicity_with_roll`` of shape (k,) [m, 1].
+    """
+
+    shift: Any
+    place: Any
+    angle: Any
+    radius_difference: Any
+    amplitude: Any
+    conicity: Any
+    conicity_with_roll: Any
+
+
 COLUMNS = {
     "place": ("m", "Lateral coordinate on the wheel, outwards from the tape circle"),
     "rail_place": ("m", "Lateral coordinate on the rail's profile, outwards from its axis"),
@@ -59,8 +77,9 @@ class ContactTable:
     ``radius_difference`` is left less right [m]. Conicities have the shape of ``amplitude`` [m]:
     ``conicity`` after EN 15302, which neglects roll, ``conicity_with_roll`` with it,
     ``conicity_harmonic`` and ``conicity_regression`` by linearisation, without roll. ``jumps``
-    hold shift, side, place before and after. ``outlines`` are the profiles as placed at no shift,
-    lateral distance from the middle of the track and height, each of shape (n, 2) [m].
+    hold shift, side, place before and after. ``curves`` are as close as pictures need.
+    ``outlines`` are the profiles as placed at no shift, lateral distance from the middle of the
+    track and height, each of shape (n, 2) [m].
     """
 
     title: str
@@ -78,6 +97,7 @@ class ContactTable:
     conicity_harmonic: Any
     conicity_regression: Any
     jumps: tuple[tuple[float, str, float, float], ...]
+    curves: ContactCurves
     outlines: dict[str, Any]
     notes: tuple[str, ...]
 
@@ -123,6 +143,7 @@ def write_contacts(path: Path, table: ContactTable) -> None:
             words = ("m", "Shift" if column == 0 else f"Place on the wheel, {name}")
             write_numbers(jumps, name, values, (), words)
         write_texts(jumps, "side", [jump[1] for jump in table.jumps])
+        _write_curves(file.create_group("curves"), table.curves)
         outlines = file.create_group("outlines")
         for name, points in table.outlines.items():
             write_numbers(outlines, name, points, (), ("m", "Lateral distance and height"))
@@ -144,17 +165,45 @@ def read_contacts(path: Path) -> ContactTable:
             name: np.asarray(file[name][()])
             for name in ("shift", "amplitude", *_BY_SHIFT, *_BY_AMPLITUDE)
         }
+        contacts = ContactColumns(**columns)
         return ContactTable(
             title=str(file.attrs["title"]),
             wheel=str(file.attrs["wheel"]),
             rail=str(file.attrs["rail"]),
             settings=settings,
-            contacts=ContactColumns(**columns),
+            contacts=contacts,
+            curves=_read_curves(file, arrays, contacts),
             jumps=_read_jumps(file["jumps"]),
             outlines={name: np.asarray(d[()]) for name, d in file["outlines"].items()},
             notes=tuple(read_texts(file, "notes")),
             **arrays,
         )
+
+
+_CURVES = {
+    "place": ("m", "Lateral coordinate on the wheel, outwards from the tape circle"),
+    "angle": ("rad", "Contact angle, positive where the rail rises outwards"),
+    "radius_difference": _BY_SHIFT["radius_difference"],
+    "conicity": _BY_AMPLITUDE["conicity"],
+    "conicity_with_roll": _BY_AMPLITUDE["conicity_with_roll"],
+}
+
+
+def _write_curves(group: Any, curves: ContactCurves) -> None:
+    shift = _scale(group, "shift", curves.shift, "Lateral shift, positive to the left")
+    amplitude = _scale(group, "amplitude", curves.amplitude, "Amplitude of the lateral motion")
+    for name, words in _CURVES.items():
+        scale = amplitude if name in _BY_AMPLITUDE else shift
+        write_numbers(group, name, getattr(curves, name), (scale,), words)
+
+
+def _read_curves(file: Any, arrays: dict[str, Any], contacts: ContactColumns) -> ContactCurves:
+    """Return the curves of a file; those of its table if it was written without."""
+    if "curves" in file:
+        group = file["curves"]
+        return ContactCurves(**{f.name: group[f.name][()] for f in fields(ContactCurves)})
+    known = {f.name: arrays[f.name] for f in fields(ContactCurves) if f.name in arrays}
+    return ContactCurves(place=contacts.place[:, :, 0], angle=contacts.angle[:, :, 0], **known)
 
 
 def _read_jumps(group: Any) -> tuple[tuple[float, str, float, float], ...]:

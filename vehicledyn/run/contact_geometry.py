@@ -9,22 +9,15 @@ from typing import Any
 
 import numpy as np
 
-from vehicledyn.base.errors import InputError
-from vehicledyn.rail.contact_fit import check_fit, climbed_side
+from vehicledyn.rail.contact_fit import check_fit
 from vehicledyn.rail.contact_geometry import Touch, Wheel, place_rail
-from vehicledyn.rail.contact_geometry_wheelset import (
-    Jump,
-    Standing,
-    WheelsetOnTrack,
-    find_jumps,
-    mirrored,
-    stand,
-)
+from vehicledyn.rail.contact_geometry_wheelset import Standing, WheelsetOnTrack, stand
 from vehicledyn.rail.profile import Profile
 from vehicledyn.rail.profile_names import Kind
 from vehicledyn.rail.profile_open import open_profile
 from vehicledyn.results.contact_table import SIDES, ContactColumns, ContactTable, write_contacts
 from vehicledyn.run.contact_conicity import conicities
+from vehicledyn.run.contact_curves import amplitude_grid, close_standings, curves, standings
 from vehicledyn.run.contact_report import ContactReport
 
 POINTS = 4
@@ -81,7 +74,7 @@ def find_contact_geometry(
     wheelset = _placed(wish, wheels, rails)
     check_fit(wheelset, wish.gauge)
     progress("finding contact points")
-    standing, lost = _standing(wheelset, wish)
+    standing, lost = standings(wheelset, wish.shifts, wish.yaw)
     table = _table(wish, wheelset, standing, lost, profiles=(*wheels, *rails), progress=progress)
     if output is not None:
         write_contacts(output, table)
@@ -106,30 +99,6 @@ def _placed(
     return WheelsetOnTrack(left, right, placed[0], placed[1], wish.curvature)
 
 
-def _standing(wheelset: WheelsetOnTrack, wish: ContactWish) -> tuple[list[Standing], list[str]]:
-    """Return how the wheelset stands at each shift it can stand at, and what is said of others."""
-    known: dict[float, Standing] = {}
-    found, lost = [], []
-    for shift in wish.shifts:
-        try:
-            position = known.get(-shift) or stand(wheelset, shift, wish.yaw)
-        except InputError as error:
-            lost.append(str(error))
-            continue
-        found.append(mirrored(position) if -shift in known else position)
-        side = climbed_side(wheelset, shift)
-        if side is not None:
-            lost.append(
-                f"at a lateral shift of {1e3 * shift:.3f} mm the {side} flange has climbed its "
-                "rail: the wheelset derails"
-            )
-        if _is_symmetric(wheelset, wish):
-            known[shift] = position
-    if not found:
-        raise InputError(lost[0])
-    return found, lost
-
-
 def _table(
     wish: ContactWish,
     wheelset: WheelsetOnTrack,
@@ -141,12 +110,13 @@ def _table(
 ) -> ContactTable:
     columns = _columns(wheelset, standing)
     progress("finding jumps")
-    jumps = _jumps(wheelset, standing, wish)
+    close, jumps = close_standings(wheelset, standing)
     progress("finding the equivalent conicity")
     amplitudes = np.array(wish.amplitudes, dtype=float)
     radius = 0.5 * (wish.radii[0] + wish.radii[1])
     base = wheelset.left_wheel.half_distance + wheelset.right_wheel.half_distance
-    cones, said = conicities(wheelset, wish.yaw, amplitudes, radius, base)
+    grid = amplitude_grid(amplitudes)
+    cones, said = conicities(wheelset, wish.yaw, np.concatenate([amplitudes, grid]), radius, base)
     notes = dict.fromkeys(f"{p.name}: {note}" for p in profiles for note in p.notes)
     wheel, rail = (
         " / ".join(dict.fromkeys(p.name for p in pair)) for pair in (profiles[:2], profiles[2:])
@@ -173,32 +143,14 @@ def _table(
         radius_difference=columns.radius[:, 0, 0] - columns.radius[:, 1, 0],
         contacts=columns,
         amplitude=amplitudes,
-        **cones,
+        **{name: values[: len(amplitudes)] for name, values in cones.items()},
         jumps=tuple((j.lateral, j.side, *j.places) for j in jumps),
+        curves=curves(
+            wheelset, close, grid, {name: v[len(amplitudes) :] for name, v in cones.items()}
+        ),
         outlines=_outlines(wheelset, wish),
         notes=(*notes, *lost, *said),
     )
-
-
-def _jumps(wheelset: WheelsetOnTrack, standing: list[Standing], wish: ContactWish) -> list[Jump]:
-    """Return the jumps; those of a symmetric wheelset are looked for on one side only."""
-    if not _is_symmetric(wheelset, wish):
-        return find_jumps(wheelset, standing)
-    by_shift = {abs(s.lateral): mirrored(s) if s.lateral < 0.0 else s for s in standing}
-    if standing[0].lateral < 0.0 < standing[-1].lateral:
-        by_shift.setdefault(0.0, stand(wheelset, 0.0))
-    positive = find_jumps(wheelset, [by_shift[shift] for shift in sorted(by_shift)])
-    other = {"left": "right", "right": "left"}
-    negative = [Jump(-jump.lateral, other[jump.side], jump.places[::-1]) for jump in positive]
-    return sorted(
-        jump
-        for jump in (*positive, *negative)
-        if standing[0].lateral <= jump.lateral <= standing[-1].lateral
-    )
-
-
-def _is_symmetric(wheelset: WheelsetOnTrack, wish: ContactWish) -> bool:
-    return wheelset.is_symmetric and wish.yaw == 0.0 and wish.curvature == 0.0
 
 
 def _columns(wheelset: WheelsetOnTrack, standing: list[Standing]) -> ContactColumns:

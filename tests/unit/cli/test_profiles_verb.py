@@ -6,10 +6,12 @@ import subprocess
 import sys
 from dataclasses import replace
 
+import h5py
 import numpy as np
 import pytest
 
 from vehicledyn.base.errors import InputError
+from vehicledyn.results.contact_figures import contact_figures
 from vehicledyn.results.contact_table import read_contacts
 from vehicledyn.run.contact_geometry import ContactWish, find_contact_geometry
 
@@ -117,6 +119,46 @@ def test_conicity_of_unequal_wheels():
     assert table.conicity_harmonic == pytest.approx(0.05, rel=1e-3)
     equal = find_contact_geometry(replace(wish, radii=(0.46, 0.46)), progress=quiet).table
     assert table.conicity_with_roll == pytest.approx(equal.conicity_with_roll, rel=2e-3)
+
+
+def test_jumps_do_not_depend_on_the_shifts_asked():
+    """Few shifts: jumps are where both points touch at once, and curves have a gap there only."""
+    wish = ContactWish(("S1002",) * 2, ("60E1",) * 2, inclination=np.arctan(1 / 40),
+                       shifts=(-0.008, 0.008), amplitudes=(0.001, 0.003))  # fmt: skip
+    table = find_contact_geometry(wish, progress=quiet).table
+    assert [side for _, side, *_ in table.jumps] == ["right"] * 3 + ["left"] * 3
+    at_jumps = replace(wish, shifts=tuple(jump[0] for jump in table.jumps), amplitudes=())
+    gaps = find_contact_geometry(at_jumps, progress=quiet).table.contacts
+    for n, (at, side, *places) in enumerate(table.jumps):
+        k = ("left", "right").index(side)
+        if abs(at) > 5e-3:  # radii of 13 mm on each other: contact sweeps over the wheel's
+            assert sorted(places) == pytest.approx([-38.43e-3, -35e-3], abs=0.6e-3)
+            continue
+        assert gaps.gap[n, k, 1] < 1e-7
+        assert sorted(gaps.place[n, k, :2]) == pytest.approx(sorted(places), abs=2e-4)
+    assert table.curves.conicity[[0, -1]] == pytest.approx(table.conicity, rel=1e-12)
+    (_, _), (_, geometry) = contact_figures(table)
+    places, angles, difference, _ = geometry.axes
+    for axes, line, gaps_wanted in ((places, 0, 3), (angles, 0, 3), (difference, 0, 6)):
+        values = axes.lines[line].get_ydata()
+        assert np.isnan(values).sum() == gaps_wanted
+        drawn = np.abs(np.diff(values))
+        assert np.nanmax(drawn) < 2.0
+    left, shift = places.lines[0].get_ydata(), places.lines[0].get_xdata()
+    for gap in np.flatnonzero(np.isnan(left)):
+        assert abs(left[gap + 1] - left[gap - 1]) > 3.0
+        assert 0.0 < shift[gap + 1] - shift[gap - 1] < 3e-3
+
+
+def test_files_without_curves_are_drawn_from_their_table(tmp_path):
+    wish = ContactWish(("cone:1/20",) * 2, ("arc:300",) * 2, shifts=(0.0, 1e-3, 2e-3))
+    find_contact_geometry(wish, output=tmp_path / "r.h5", progress=quiet)
+    assert len(read_contacts(tmp_path / "r.h5").curves.shift) == 21
+    with h5py.File(tmp_path / "r.h5", "a") as file:
+        del file["curves"]
+    table = read_contacts(tmp_path / "r.h5")
+    assert table.curves.place[:, 1] == pytest.approx(table.contacts.place[:, 1, 0], abs=0.0)
+    assert len(list(contact_figures(table))) == 2
 
 
 def test_help_is_light():
