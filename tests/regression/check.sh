@@ -5,7 +5,7 @@
 # Tolerance: 1e-7 of a channel's range and 1e-8 in SI on top, for channels that stay at zero.
 # Compilers, their options and the interpreter differ by rounding only, below 1e-11 of the range
 # (measured with gcc -O1, -O3 -ffast-math and CasADi); what a change of a model, a law or a
-# method does is far above. Scenarios of systems go two at a time.
+# method does is far above. Scenarios go two at a time.
 set -uo pipefail
 cd "$(dirname "$0")/../.."
 folder=${1:-$(mktemp -d)}
@@ -29,7 +29,5 @@ check() { # check SCENARIO: run it, compare the result with its reference
     --interpolate --relative 1e-7 --absolute 1e-8 --junit "$folder/$name.xml"
 }
 export -f check
-wrong=0
-for scenario in scenarios/*.yaml; do check "$scenario" || wrong=1; done
-printf '%s\0' scenarios/systems/*.yaml | xargs -0 -n 1 -P 2 bash -c 'check "$1"' check || wrong=1
-exit $wrong
+printf '%s\0' scenarios/*.yaml scenarios/systems/*.yaml |
+  xargs -0 -n 1 -P 2 bash -c 'check "$1"' check || exit 1
