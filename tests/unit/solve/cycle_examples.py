@@ -116,11 +116,14 @@ def sampled_orbit(period, value, motion, *, intervals=40, n_unknowns=0):
     return Orbit(bare.basis, mesh, motion(own), empty, period, value)
 
 
-def cornered_circles(back):
-    """Circles with μ = r up to r = 1 and μ = 1 - back (r - 1) beyond: a fold that is a corner."""
+def cornered_circles(back, rate=1.0):
+    """Circles with μ = r up to r = 1 and μ = 1 - back (r - 1) beyond: a fold that is a corner.
+
+    Their larger multiplier is exp(-π rate r), then exp(π rate back r).
+    """
     t, x, y, m = symbols("t", "x", "y", "mu")
     r = ca.sqrt(x * x + y * y + 1e-12)
-    growth = m - r + (1.0 + back) * ca.fmax(r - 1.0, 0.0)
+    growth = rate * (m - r + (1.0 + back) * ca.fmax(r - 1.0, 0.0))
     return build(
         "cornered", time=t, states=[(x, 0.5), (y, 0.0)],
         rates=[x * growth - 2.0 * y, y * growth + 2.0 * x],

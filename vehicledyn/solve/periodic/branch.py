@@ -27,6 +27,7 @@ from vehicledyn.solve.periodic.collocation import (
     dot,
     tangent_of,
 )
+from vehicledyn.solve.periodic.corners import behind_corner, corner_between
 from vehicledyn.solve.periodic.cycle_points import (
     Branch,
     CyclePoint,
@@ -35,7 +36,9 @@ from vehicledyn.solve.periodic.cycle_points import (
     between,
     cosine,
     moved,
+    point_of,
 )
+from vehicledyn.solve.periodic.cycles_at import cycle_beside
 from vehicledyn.solve.periodic.floquet import STABLE, multipliers_of
 from vehicledyn.solve.periodic.kinks import Kinks, aligned, misalignment
 from vehicledyn.solve.periodic.orbit import Orbit, adapted_mesh
@@ -49,12 +52,12 @@ _NO_TURN = 1e-5
 
 _SMALLEST, _FIRST, _LARGEST = 1e-7, 0.05, 0.4
 _SHARP, _SHARPLY = 0.5, 2e-3
-_STRAIGHT = 0.95
-"""Cosine from which on a direction is kept though its sense changes: at a branch point."""
-
 _EASY, _HARD = 4, 7
 _CHORD = 7, 11
 """Iterations of a step that may grow and of one that must shrink, with derivatives kept."""
+
+_BEFORE = 1.0 - 1e-5, 1.0 - 1e-3
+"""Parts of the way to a corner at which it is told, the first at which an orbit is found."""
 
 _NEUTRAL = 1e-6
 """Distance from 1 at which a multiplier counts as 1 all along the branch."""
@@ -68,8 +71,11 @@ _REMESHED, _ALIGNED = 10, 1e-7
 _REMESHED_AFTER = 10
 """Points after which the mesh of orbits that integration finds follows them."""
 
-_COLLOCATED = 1e-4
-"""Step below which collocation is tried where integration does not find an orbit."""
+_GONE_ON = 0.5
+"""Least part of a step that an orbit must be ahead; errors are as large as the smallest steps."""
+
+_CORNERED = 5e-3
+"""Step below which a corner of the branch is looked for where no orbit is found ahead."""
 
 
 def follow_cycles(
@@ -156,7 +162,7 @@ class _Tracer:
         if self.model.is_carried:
             along = Direction(np.zeros_like(start.states), 0.0, side)
             with suppress(NumericalError):
-                point = self._exact_point(closed(self.model, start), along)
+                point = point_of(closed(self.model, start), along, scales.parameter)
         if point is None:
             found, exact, _ = self._corrected(start, scales, None)
             along = Direction(np.zeros_like(found.orbit.states), 0.0, side)
@@ -190,7 +196,10 @@ class _Tracer:
                 point = self._step_from(base, size)
             except NumericalError as error:
                 why, self.step = str(error), 0.4 * size
-                continue
+                behind = self._behind(base, size)
+                if behind is None:
+                    continue
+                return behind, size
             if self._turn(base, point) < _SHARP and size > _SHARPLY:
                 self.step = 0.5 * size
                 continue
@@ -204,6 +213,18 @@ class _Tracer:
         value = base.orbit.parameter
         self._end("lost", f"lost near {self.model.parameter} = {value:.6g}: {why}")
         return None, 0.0
+
+    def _behind(self, base: CyclePoint, size: float) -> CyclePoint | None:
+        """Return a point behind a corner of the branch, None where there is none."""
+        if size > _CORNERED or not base.sense:
+            return None
+        scales = self._scales(base.orbit)
+        try:
+            point = behind_corner(self.model, base, size, scales)
+        except NumericalError:
+            return None
+        self.step = size
+        return replace(point, corner=corner_between(base, point, scales))
 
     def _limited(self, base: CyclePoint) -> float:
         slope = abs(base.tangent.parameter)
@@ -220,11 +241,7 @@ class _Tracer:
         """Return the point at a distance along the branch."""
         scales = self._scales(base.orbit)
         if self.model.is_carried:
-            try:
-                return self._shot_from(base, size, scales)
-            except NumericalError:
-                if size > _COLLOCATED:
-                    raise
+            return self._shot_from(base, size, scales)
         mesh = self._mesh(base.orbit, scales, self.kinks.along(base.orbit))
         tangent = moved(base.orbit, base.tangent, mesh)
         guess = ahead(base.orbit.moved(mesh), tangent, size)
@@ -244,28 +261,10 @@ class _Tracer:
         tangent = moved(base.orbit, base.tangent, mesh)
         guess = ahead(base.orbit.moved(mesh), tangent, size)
         exact = returning(self.model, guess, near, parameter_scale=scales.parameter, along=tangent)
-        return self._exact_point(exact, tangent, base.sense)
-
-    def _exact_point(self, exact: Closed, before: Direction, sense: float = 0.0) -> CyclePoint:
-        """Return the point of an orbit that integration has found.
-
-        A direction of another sense than before is turned round, unless it is nearly that of
-        before: then a branch point is passed.
-        """
-        scales = self._scales(exact.orbit)
-        found, own = direction_of(exact, scales.parameter, before)
-        length = np.sqrt(dot(exact.orbit, found, found, scales))
-        found = found.times(1.0 / length)
-        if sense * own < 0.0 and cosine(exact.orbit, before, found, scales) < _STRAIGHT:
-            found, own = found.times(-1.0), sense
-        return CyclePoint(
-            exact.orbit,
-            multipliers_of(exact.passages),
-            found,
-            exact.iterations,
-            passages=exact.passages,
-            sense=own or sense,
-        )
+        way = between(base.orbit.moved(mesh), exact.orbit)
+        if not dot(exact.orbit, way, tangent, scales) > _GONE_ON * size:
+            raise NumericalError("no other orbit is found")
+        return point_of(exact, tangent, scales.parameter, base.sense)
 
     def _corrected(
         self, guess: Orbit, scales: Scales, along: Direction | None
@@ -305,11 +304,13 @@ class _Tracer:
     ) -> CyclePoint:
         tangent = tangent_of(found, found.system.scales, before)
         length = np.sqrt(dot(found.orbit, tangent, tangent, scales))
+        _, sense = direction_of(exact, scales.parameter, tangent)
         return CyclePoint(
             exact.orbit,
             multipliers_of(exact.passages),
             tangent.times(1.0 / length),
             found.iterations,
+            sense=sense,
         )
 
     def _special(self, base: CyclePoint, after: CyclePoint, size: float) -> None:
@@ -366,6 +367,8 @@ class _Tracer:
         """
         from scipy.optimize import brentq
 
+        if after.corner is not None:
+            return self._at_corner(base, after.corner)
         points: dict[float, CyclePoint] = {0.0: base, size: after}
         near = _LOCATED if base.passages is None else _LOCATED_ROUGHLY
 
@@ -383,6 +386,13 @@ class _Tracer:
         except ValueError:
             return None
         return place, points[place]
+
+    def _at_corner(self, base: CyclePoint, way: float) -> tuple[float, CyclePoint]:
+        """Return a point just before a corner."""
+        for part in _BEFORE:
+            with suppress(NumericalError):
+                return part * way, self._step_from(base, part * way)
+        return 0.0, base
 
     def _remark(
         self, kind: str, points: list[CyclePoint], measure: Callable[[CyclePoint], float]
@@ -408,7 +418,7 @@ class _Tracer:
         guess = ahead(first, chord, part / size)
         scale = self._scales(first).parameter
         exact = returning(self.model, guess, base.passages, parameter_scale=scale, along=chord)
-        return self._exact_point(exact, base.tangent, base.sense)
+        return point_of(exact, base.tangent, scale, base.sense)
 
     def _torus(
         self, base: CyclePoint, after: CyclePoint, size: float
@@ -437,14 +447,14 @@ class _Tracer:
         before = self.branch.points[-1]
         reach = point.orbit.parameter - before.orbit.parameter
         if abs(edge - before.orbit.parameter) > 1e-9 * abs(reach):
+            near = min((before, point), key=lambda p: abs(p.orbit.parameter - edge))
             try:
-                scales = self._scales(point.orbit)
-                guess = replace(point.orbit, parameter=edge)
-                found, exact, _ = self._corrected(guess, scales, None)
-                along = moved(point.orbit, point.tangent, found.orbit.mesh)
-                self._add(self._point(found, exact, scales, along))
-            except NumericalError:
-                pass
+                self._add(cycle_beside(self.model, near, edge))
+            except NumericalError as error:
+                self.branch.remarks.append(
+                    f"no cycle is found at {self.model.parameter} = {edge:.6g}, where the range "
+                    f"ends ({error}); the last one told is at {before.orbit.parameter:.6g}"
+                )
         self._end("range", f"{self.model.parameter} reaches {edge:.6g}")
 
     @property

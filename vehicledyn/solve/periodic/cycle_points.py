@@ -8,9 +8,13 @@ import numpy as np
 
 from vehicledyn.solve.engine import Vector
 from vehicledyn.solve.periodic.collocation import Direction, Scales, dot
-from vehicledyn.solve.periodic.floquet import Multipliers
+from vehicledyn.solve.periodic.floquet import Multipliers, multipliers_of
 from vehicledyn.solve.periodic.monodromy import Passages
 from vehicledyn.solve.periodic.orbit import Orbit
+from vehicledyn.solve.periodic.shooting import Closed, direction_of
+
+_STRAIGHT = 0.95
+"""Cosine from which on a direction is kept though its sense changes: at a branch point."""
 
 
 @dataclass(frozen=True)
@@ -34,7 +38,8 @@ class CyclePoint:
 
     ``kind`` is "" for an ordinary point, else "fold", "period_doubling", "torus" or
     "branch_point". ``passages`` are kept where the next point is found with them, ``sense`` where
-    it is known: the sign that the direction keeps round folds and corners.
+    it is known: the sign that the direction keeps round folds and corners. ``corner`` is the way
+    from the point before to a corner that lies between, None where there is none.
     """
 
     orbit: Orbit
@@ -44,6 +49,7 @@ class CyclePoint:
     kind: str = ""
     passages: Passages | None = None
     sense: float = 0.0
+    corner: float | None = None
 
     @property
     def stable(self) -> bool:
@@ -69,6 +75,30 @@ class Branch:
     def special(self) -> list[CyclePoint]:
         """Folds and bifurcations."""
         return [point for point in self.points if point.kind]
+
+
+def point_of(
+    exact: Closed, before: Direction, parameter_scale: float, sense: float = 0.0
+) -> CyclePoint:
+    """Return the point of an orbit that integration has found.
+
+    A direction of another ``sense`` than before is turned round, unless it is nearly that of
+    ``before``: then a branch point is passed.
+    """
+    orbit = exact.orbit
+    scales = Scales(orbit.scales(), orbit.period, parameter_scale)
+    found, own = direction_of(exact, parameter_scale, before)
+    found = found.times(1.0 / np.sqrt(dot(orbit, found, found, scales)))
+    if sense * own < 0.0 and cosine(orbit, before, found, scales) < _STRAIGHT:
+        found, own = found.times(-1.0), sense
+    return CyclePoint(
+        orbit,
+        multipliers_of(exact.passages),
+        found,
+        exact.iterations,
+        passages=exact.passages,
+        sense=own or sense,
+    )
 
 
 def ahead(orbit: Orbit, along: Direction, size: float) -> Orbit:

@@ -33,12 +33,18 @@ def cycle_at(model: AutonomousField, branch: Branch, value: float) -> list[Cycle
         if not (min(ends) <= value < max(ends) or is_last):
             continue
         near = before if abs(value - ends[0]) < abs(value - ends[1]) else after
-        found.append(_cycle_beside(model, near, value))
+        found.append(cycle_beside(model, near, value))
     return found
 
 
-def _cycle_beside(model: AutonomousField, near: CyclePoint, value: float) -> CyclePoint:
-    """Return the cycle at a value of the parameter beside one of the branch."""
+def cycle_beside(model: AutonomousField, near: CyclePoint, value: float) -> CyclePoint:
+    """Return the cycle at a value of the parameter beside one of the branch.
+
+    Raises
+    ------
+    NumericalError
+        If it is not found.
+    """
     exact = _shot(model, near, value) if model.is_carried else None
     if exact is None:
         guess = replace(near.orbit, parameter=value)

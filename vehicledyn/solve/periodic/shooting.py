@@ -123,10 +123,12 @@ def direction_of(
     Allgower, Georg (1990), Numerical Continuation Methods, chapter 2.
     """
     chain = Chain.of(found.passages, parameter_scale)
-    matrix = np.vstack([chain.closing(2), chain.across(before)])
-    right = np.zeros(len(matrix))
-    right[-1] = 1.0
-    change = solved(matrix, right)
+    matrix = chain.closing(2)
+    matrix /= np.linalg.norm(matrix, axis=1)[:, None]
+    _, values, rows = np.linalg.svd(matrix)
+    change = rows[-1] if chain.across(before) @ rows[-1] >= 0.0 else -rows[-1]
+    known = values[-1] > _SINGULAR * values[0]
+    sense = float(np.linalg.slogdet(np.vstack([matrix, change]))[0]) if known else 0.0
     states = chain.points(change[:-2], change[-2:], gaps=False)
     size = np.sqrt(chain.weights @ (states**2).mean(axis=1) + change[-2] ** 2 + change[-1] ** 2)
     orbit, scales = found.passages.orbit, found.passages.scales
@@ -135,14 +137,7 @@ def direction_of(
         float(change[-2] / size * orbit.period),
         float(change[-1] / size * parameter_scale),
     )
-    return along, _sense(matrix)
-
-
-def _sense(matrix: Vector) -> float:
-    """Return the sign of a determinant, 0 where rounding may decide it."""
-    rows = matrix / np.linalg.norm(matrix, axis=1)[:, None]
-    values = np.linalg.svd(rows, compute_uv=False)
-    return float(np.linalg.slogdet(rows)[0]) if values[-1] > _SINGULAR * values[0] else 0.0
+    return along, sense
 
 
 def _beside(guess: Orbit, exact: Orbit) -> Orbit:

@@ -1,0 +1,40 @@
+"""Branches of limit cycles go on behind corners, where contact begins."""
+
+import math
+
+import numpy as np
+import pytest
+from cycle_examples import cornered_circles, field, sampled_orbit
+
+from vehicledyn.solve.periodic import autonomous
+from vehicledyn.solve.periodic.branch import follow_cycles
+from vehicledyn.solve.periodic.cycle_points import Limits
+
+
+def circles(back):
+    model = field(cornered_circles(back, 0.1), "mu")
+    start = sampled_orbit(
+        math.pi, 0.8,
+        lambda s: 0.8 * np.column_stack([np.cos(2 * np.pi * s), np.sin(2 * np.pi * s)]),
+        intervals=10,
+    )  # fmt: skip
+    return follow_cycles(model, start, None, Limits(0.7, 1.5, 0.05, points=60))
+
+
+@pytest.mark.parametrize("is_compiled", [True, False])
+@pytest.mark.parametrize("back", [0.1, 4.0])
+def test_both_legs_of_a_corner_are_followed(needs_compiler, monkeypatch, back, is_compiled):
+    """μ = r, then μ = 1 - back (r - 1): the way on turns by 120 and by 177 degrees."""
+    monkeypatch.setattr(autonomous, "LEAST", 0 if is_compiled else 10**6)
+    branch = circles(back)
+    (fold,) = branch.special
+    assert fold.kind == "fold"
+    assert fold.orbit.parameter == pytest.approx(1.0, abs=1e-5)
+    radii = np.array([np.hypot(*p.orbit.states.T).mean() for p in branch.points])
+    values = np.array([p.orbit.parameter for p in branch.points])
+    wanted = np.where(radii < 1.0, radii, 1.0 - back * (radii - 1.0))
+    assert values == pytest.approx(wanted, abs=5e-5)
+    assert (np.diff(radii) > -1e-9).all() and radii[-1] > 1.02
+    assert branch.ending == "range"
+    place = [p.kind for p in branch.points].index("fold")
+    assert all(p.stable == (k < place) for k, p in enumerate(branch.points) if k != place)
