@@ -56,7 +56,7 @@ _EASY, _HARD = 4, 7
 _CHORD = 7, 11
 """Iterations of a step that may grow and of one that must shrink, with derivatives kept."""
 
-_BEFORE = 1.0 - 1e-5, 1.0 - 1e-3
+_BEFORE = 1.0 - 1e-5, 1.0 - 1e-3, 0.7, 0.4
 """Parts of the way to a corner at which it is told, the first at which an orbit is found."""
 
 _NEUTRAL = 1e-6
@@ -74,7 +74,10 @@ _REMESHED_AFTER = 10
 _GONE_ON = 0.5
 """Least part of a step that an orbit must be ahead; errors are as large as the smallest steps."""
 
-_CORNERED = 5e-3
+_NEAR_ONE = 0.2
+"""Distance of a multiplier from 1 beside a branch point: farther off the step is too large."""
+
+_CORNERED = 2e-4
 """Step below which a corner of the branch is looked for where no orbit is found ahead."""
 
 
@@ -220,11 +223,10 @@ class _Tracer:
             return None
         scales = self._scales(base.orbit)
         try:
-            point = behind_corner(self.model, base, size, scales)
+            point, self.step = behind_corner(self.model, base, size, scales)
         except NumericalError:
             return None
-        self.step = size
-        return replace(point, corner=corner_between(base, point, scales))
+        return replace(point, corner=min(size, corner_between(base, point, scales)))
 
     def _limited(self, base: CyclePoint) -> float:
         slope = abs(base.tangent.parameter)
@@ -264,7 +266,10 @@ class _Tracer:
         way = between(base.orbit.moved(mesh), exact.orbit)
         if not dot(exact.orbit, way, tangent, scales) > _GONE_ON * size:
             raise NumericalError("no other orbit is found")
-        return point_of(exact, tangent, scales.parameter, base.sense)
+        point = point_of(exact, tangent, scales.parameter, base.sense)
+        if point.sense * base.sense < 0.0 and not _passes_one(base, point):
+            raise NumericalError("an orbit of another leg of the branch is found")
+        return point
 
     def _corrected(
         self, guess: Orbit, scales: Scales, along: Direction | None
@@ -475,6 +480,11 @@ class _Tracer:
 def _free(scales: Scales, along: Direction | None) -> float | None:
     """Return the size of changes of the parameter, None where it is held."""
     return None if along is None else scales.parameter
+
+
+def _passes_one(before: CyclePoint, after: CyclePoint) -> bool:
+    """Return whether a multiplier may pass 1 between two points, as at a branch point."""
+    return bool(min(np.abs(p.multipliers.others - 1.0).min() for p in (before, after)) < _NEAR_ONE)
 
 
 def _slope(point: CyclePoint) -> float:

@@ -21,7 +21,7 @@ from vehicledyn.solve.periodic.orbit import Orbit
 from vehicledyn.solve.periodic.returning import returning
 from vehicledyn.solve.periodic.shooting import Closed, closed, direction_of
 
-_REACHES = 1.0, 5.0
+_REACHES, _LENGTHS = (1.0, 5.0), (25.0, 5.0, 1.0)
 """Ways ahead at which derivatives are taken, and lengths of steps, as parts of a size."""
 
 _AGREES = 0.9
@@ -33,8 +33,8 @@ _OPPOSITE = 1e-6
 
 def behind_corner(
     model: AutonomousField, base: CyclePoint, size: float, scales: Scales
-) -> CyclePoint:
-    """Return a point of a branch behind a corner.
+) -> tuple[CyclePoint, float]:
+    """Return a point of a branch behind a corner, and the length of the step to it.
 
     Parameters
     ----------
@@ -61,9 +61,10 @@ def behind_corner(
         along, sense = direction_of(beyond, scales.parameter, base.tangent)
         if sense * base.sense < 0.0:
             along = along.times(-1.0)
-        for length in _REACHES:
+        for length in _LENGTHS:
             try:
-                return _behind(model, base, beyond, along.times(length * size), scales)
+                step = length * size
+                return _behind(model, base, beyond, along.times(step), scales), step
             except NumericalError:
                 continue
     raise NumericalError("no orbit is found behind a corner of the branch")
