@@ -3,25 +3,30 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
-from vehicledyn.base.errors import InputError, NumericalError, nearest_name, unknown_name
-from vehicledyn.base.units import to_si
+from vehicledyn.base.errors import NumericalError
 from vehicledyn.results.hunt_figures import hunt_figures
 from vehicledyn.results.hunt_table import CycleRow, HuntTable, write_hunt
 from vehicledyn.results.linear_file import Quantity
 from vehicledyn.results.output import check_folder, check_output
 from vehicledyn.results.pictures import save_figures
 from vehicledyn.run.hunt_report import HuntReport
-from vehicledyn.run.prepare import Prepared, Progress, prepare, reference_point
-from vehicledyn.run.system_subject import SystemSubject
+from vehicledyn.run.hunt_start import (
+    HuntSettings,
+    check_settings,
+    first_balance,
+    parameter_index,
+    span_of,
+    watched_channels,
+)
+from vehicledyn.run.prepare import Prepared, Progress, prepare
 from vehicledyn.run.vehicle import Target
-from vehicledyn.scenario import LoadedScenario, Scenario
+from vehicledyn.scenario import LoadedScenario
 from vehicledyn.solve.kernel import Backend
 from vehicledyn.solve.periodic.autonomous import AutonomousField
 from vehicledyn.solve.periodic.branch import follow_cycles
@@ -32,10 +37,9 @@ from vehicledyn.solve.periodic.critical import (
     ahead,
     find_balance,
     find_hopf,
-    follow_balance,
 )
 from vehicledyn.solve.periodic.cycle_points import Branch, CyclePoint, Limits
-from vehicledyn.solve.periodic.cycles_at import cycle_at
+from vehicledyn.solve.periodic.cycles_at import cycle_beside, points_beside
 from vehicledyn.solve.periodic.orbit import Orbit
 from vehicledyn.solve.periodic.settled import (
     Runner,
@@ -51,43 +55,20 @@ Vector = NDArray[np.float64]
 
 DEGREE = 4
 _PHASES = 101
-_MOST_CHANNELS = 8
-_LEAST_CYCLES = 80
-"""Cycles that a branch may have at least, however few are asked for."""
+_LEAST_CYCLES, _PASSES = 120, 3
+"""Cycles that a branch may have at least, and how often it may pass the range."""
 
-SPEED = "speed"
-"""Parameter that has to be above zero [m/s]."""
+_SAME = 0.05
+"""Relative difference of amplitudes below which a simulated cycle is one of a branch."""
 
-_LOW_SPEED = 1.0
+_BESIDE = 2e-3
+"""Relative distance of values at which cycles count as neighbours, as beside a fold."""
 
-_APPROACH = 20
-"""Values at which an equilibrium is followed from a file's own value to the first one."""
+_FURTHER_BRANCHES = 3
+"""Branches that are begun at simulated cycles at most."""
 
 _BEHIND = 4
 """Points an interval at which the range of a channel is looked for."""
-
-
-@dataclass(frozen=True)
-class HuntSettings:
-    """What is asked of a study.
-
-    ``parameter`` goes from ``first`` up to ``last``, numbers in SI or texts with unit;
-    ``points`` is about the number of cycles of a branch; ``channels`` are watched, the first
-    one for the amplitude. ``amplitude`` is the size of the first cycle at a Hopf bifurcation
-    and ``disturbance`` that with which simulations start, both of the position that moves
-    most, in its unit. ``simulate`` asks for the check by simulation in ``levels`` steps.
-    """
-
-    parameter: str
-    first: float | str
-    last: float | str
-    points: int = 60
-    channels: tuple[str, ...] = ()
-    amplitude: float = 1e-4
-    disturbance: float = 1e-3
-    intervals: int = 30
-    simulate: bool = True
-    levels: int = 13
 
 
 def find_limit_cycles(
@@ -125,7 +106,7 @@ def find_limit_cycles(
         check_output(output)
     if plots is not None:
         check_folder(plots)
-    _check(settings)
+    check_settings(settings)
     prepared = prepare(target, backend=backend, progress=progress)
     study = _Study.of(prepared, target, settings, progress)
     study.examine()
@@ -164,18 +145,18 @@ class _Study:
         prepared: Prepared, target: Target, settings: HuntSettings, progress: Progress
     ) -> _Study:
         """Return a study at its beginning: the equilibrium near the first value."""
-        index = _parameter_index(prepared, settings.parameter)
-        span = _span(prepared, index, settings)
+        index = parameter_index(prepared, settings.parameter)
+        span = span_of(prepared, index, settings)
         scenario = target.scenario if isinstance(target, LoadedScenario) else None
         progress("finding the equilibrium", None)
-        model, start = _first_balance(prepared, index, span[0], scenario)
+        model, start = first_balance(prepared, index, span[0], scenario)
         title = scenario.title if scenario else prepared.equations.name
         return _Study(
             prepared,
             settings,
             model,
             title,
-            _watched(prepared, settings.channels),
+            watched_channels(prepared, settings.channels),
             progress,
             span,
             start,
@@ -263,12 +244,13 @@ class _Study:
 
     def _follow(
         self, start: Orbit, direction: Direction | None, place: str, upwards: bool = True
-    ) -> None:
+    ) -> Branch:
         low, high = self.span
         points = self.settings.points
         branch = Branch()
         self.branches.append(branch)
-        limits = Limits(low, high, (high - low) / points, points=max(points + 20, _LEAST_CYCLES))
+        most = max(_PASSES * points, _LEAST_CYCLES)
+        limits = Limits(low, high, (high - low) / points, points=most)
 
         def told(point: CyclePoint) -> None:
             part = (point.orbit.parameter - low) / (high - low)
@@ -289,6 +271,7 @@ class _Study:
             self._ended("partial", 3, f"{name}: {branch.reason}")
         if branch.ending == "points":
             self.messages.append(f"{name}: {branch.reason}; it goes on, raise --points")
+        return branch
 
     def _reaches(self, branch: Branch, hopf: Hopf) -> bool:
         """Return whether a branch ended at a Hopf bifurcation."""
@@ -316,8 +299,7 @@ class _Study:
         )
         if found is not None:
             self.figures["simulated_lowering"] = 0.5 * sum(found)
-        if self.simulated and not any(branch.points for branch in self.branches):
-            self._from_simulation(self.simulated[0])
+        self._further_branches()
         self.progress("raising the parameter in simulations", None)
         grown = growth_begins(
             runner,
@@ -329,11 +311,37 @@ class _Study:
         if grown is not None:
             self.figures["simulated_raising"] = 0.5 * sum(grown)
 
+    def _further_branches(self) -> None:
+        """Follow branches from simulated cycles that lie on none, to both sides."""
+        joined, begun = len(self.branches), 0
+        for found in self.simulated:
+            if begun == _FURTHER_BRANCHES or self._is_on_branch(found):
+                continue
+            begun += 1
+            try:
+                self._from_simulation(found)
+            except NumericalError as error:
+                self.branches = [branch for branch in self.branches if branch.points]
+                self.messages.append(
+                    f"the motion simulated at {self.model.parameter} = {found.value:.6g} lies on "
+                    f"no branch, and no branch can be followed from it: {error}"
+                )
+        if joined and len(self.branches) > joined:
+            self.messages.append(
+                f"branches from {joined + 1} on are followed from simulated cycles; in this range "
+                "they are not found to be joined to those before"
+            )
+
     def _from_simulation(self, found: Settled) -> None:
         """Follow the cycle that a simulation settled to, to both sides."""
         s = self.settings
         start = found.orbit(self.model, intervals=s.intervals, degree=DEGREE)
-        self._follow(start, None, "down from the simulated one", upwards=False)
+        down = self._follow(start, None, "down from the simulated one", upwards=False)
+        if found.value < self.span[1] and down.points:
+            first = down.points[0].orbit
+            up = self._follow(first, None, "up from the simulated one")
+            self.branches.remove(up)
+            down.points[:0] = up.points[:0:-1]
 
     def _simulated(self, found: Settled) -> None:
         self.simulated.append(found)
@@ -353,24 +361,41 @@ class _Study:
             nearest = min(folds, key=lambda v: abs(v - lowest), default=lowest)
             self.figures["nonlinear_critical"] = min(lowest, nearest)
         differences = [self._difference(s) for s in self.simulated]
-        known = [d for d in differences if d is not None]
+        known = [d for d in differences if d is not None and d[0] < _SAME]
         if known:
             self.figures["largest_difference_amplitude"] = max(d[0] for d in known)
             self.figures["largest_difference_period"] = max(d[1] for d in known)
+        apart = [f"{s.value:.6g}" for s in self.simulated if not self._is_on_branch(s)]
+        if apart:
+            self.messages.append(
+                f"motions simulated at {self.model.parameter} = {', '.join(apart)} lie on no branch"
+            )
+
+    def _is_on_branch(self, found: Settled) -> bool:
+        """Return whether a simulated cycle is one of a branch, or lies beside one of its points."""
+        difference = self._difference(found)
+        if difference is not None and difference[0] < _SAME:
+            return True
+        points = [point for branch in self.branches for point in branch.points]
+        beside = [
+            p for p in points if abs(p.orbit.parameter - found.value) < abs(_BESIDE * found.value)
+        ]
+        sizes = [float(self._row(0, point).amplitude[0]) for point in beside]
+        return any(abs(found.amplitude / size - 1.0) < _SAME for size in sizes)
 
     def _difference(self, found: Settled) -> tuple[float, float] | None:
         """Return relative differences of amplitude and period to the nearest stable cycle."""
         best: tuple[float, float] | None = None
-        for branch in self.branches:
+        near = [p for branch in self.branches for p in points_beside(branch, found.value)]
+        for point in near:
             try:
-                cycles = [c for c in cycle_at(self.model, branch, found.value) if c.stable]
+                cycle = cycle_beside(self.model, point, found.value)
             except NumericalError:
                 continue
-            for cycle in cycles:
-                row = self._row(0, cycle)
-                size = abs(found.amplitude / float(row.amplitude[0]) - 1.0)
-                if best is None or size < best[0]:
-                    best = size, abs(found.period / row.period - 1.0)
+            row = self._row(0, cycle)
+            size = abs(found.amplitude / float(row.amplitude[0]) - 1.0)
+            if cycle.stable and (best is None or size < best[0]):
+                best = size, abs(found.period / row.period - 1.0)
         return best
 
     def _row(self, number: int, point: CyclePoint) -> CycleRow:
@@ -408,52 +433,6 @@ class _Study:
         self.messages.append(message)
 
 
-def _first_balance(
-    prepared: Prepared, index: int, first: float, scenario: Scenario | None
-) -> tuple[AutonomousField, tuple[Vector, Vector]]:
-    """Return the field and the equilibrium, states kept and unknowns, at the first value.
-
-    Start values of a file, as the rate of a wheel that rolls, belong to the file's own value of
-    the parameter. Where the search from there fails the equilibrium is followed from that value.
-    """
-    name = prepared.equations.parameters[index].name
-    own = float(prepared.kernel.parameters[index])
-    try:
-        model, start = _balance_at(prepared, index, first, scenario)
-    except NumericalError as error:
-        reason = NumericalError(f"{name} = {first:.6g}: {error}")
-        if own == first:
-            raise reason from None
-        try:
-            model, (state, unknowns) = _balance_at(prepared, index, own, scenario)
-            values = list(steps(own, first, _APPROACH))
-            found = follow_balance(model, values, state, unknowns)[-1]
-        except NumericalError:
-            raise reason from None
-        start = found.state, found.unknowns
-    return model, start
-
-
-def _balance_at(
-    prepared: Prepared, index: int, value: float, scenario: Scenario | None
-) -> tuple[AutonomousField, tuple[Vector, Vector]]:
-    """Return the field and the equilibrium at a value, as searched from the start values."""
-    name = prepared.equations.parameters[index].name
-    values = prepared.kernel.parameters.copy()
-    values[index] = value
-    prepared.kernel.set_parameters(values)
-    model = AutonomousField(prepared.equations, name, values)
-    is_system = isinstance(prepared.subject, SystemSubject)
-    point = reference_point(
-        prepared,
-        value if name == "speed" else (scenario.speed or 0.0 if scenario else 0.0),
-        scenario.start if scenario else None,
-        is_system=is_system,
-        slopes=model if is_system else None,
-    )
-    return model, (model.reduced(point.state), point.unknowns)
-
-
 def _top(places: Vector, values: Vector) -> float:
     """Return the largest value of a periodic channel, with a parabola through neighbours."""
     k = int(np.argmax(values))
@@ -465,63 +444,3 @@ def _top(places: Vector, values: Vector) -> float:
     a, b, c = np.polyfit(x / x[2], y, 2)
     top = float(c - b * b / (4.0 * a)) if a < 0.0 else float(values[k])
     return top if float(values[k]) <= top < float(values[k]) + np.ptp(values) else float(values[k])
-
-
-def _check(settings: HuntSettings) -> None:
-    s = settings
-    if s.points < 2 or s.intervals < 5:
-        raise InputError("--points must be at least 2, and --intervals at least 5")
-    if not (s.amplitude > 0.0 and s.disturbance > 0.0):
-        raise InputError("--amplitude and --disturbance must be above zero")
-
-
-def _parameter_index(prepared: Prepared, name: str) -> int:
-    names = [p.name for p in prepared.equations.parameters]
-    if name in names:
-        return names.index(name)
-    guess = nearest_name(name, names)
-    hint = f"; did you mean '{guess}'?" if guess else ""
-    raise InputError(
-        f"--parameter {name}: '{prepared.equations.name}' has no parameter of this name{hint} "
-        "(a speed is one only where the model prescribes it); 'models show' lists them"
-    )
-
-
-def _span(prepared: Prepared, index: int, settings: HuntSettings) -> tuple[float, float]:
-    """Return the range in SI."""
-    unit = prepared.equations.parameters[index].unit
-    values = []
-    for option, given in (("--from", settings.first), ("--to", settings.last)):
-        try:
-            values.append(to_si(given, unit))
-        except InputError as error:
-            raise InputError(f"{option} {given}: {error}") from None
-    low, high = values
-    asked = f"--from {settings.first} --to {settings.last}"
-    if not (math.isfinite(low) and math.isfinite(high)):
-        raise InputError(f"{asked}: both must be finite")
-    if not low < high:
-        hint = "exchange them" if low > high else "they are equal: 'eig' looks at a single value"
-        raise InputError(f"{asked}: the first must be below the last; {hint}")
-    if settings.parameter.rpartition(".")[2] == SPEED and low <= 0.0:
-        raise InputError(
-            f"--from {settings.first}: a {settings.parameter} of zero or below is none to roll at, "
-            f"creepages are divided by it; begin above zero, such as --from '{_LOW_SPEED:g} m/s'"
-        )
-    return low, high
-
-
-def _watched(prepared: Prepared, wanted: Sequence[str]) -> list[int]:
-    """Return the channels to watch: those asked for, else the coordinates."""
-    names = [c.name for c in prepared.equations.channels]
-    for name in wanted:
-        if name not in names:
-            raise InputError(f"--channel {unknown_name('channel', name, names)}")
-    chosen = list(wanted)
-    if not chosen:
-        joints = [j.name for j in prepared.subject.system.joints() if j.name in names]
-        states = {s.name for s in prepared.equations.states}
-        chosen = [n for n in joints if n in states][:_MOST_CHANNELS] or joints[:_MOST_CHANNELS]
-    if not chosen:
-        raise InputError("--channel: missing: name a channel to watch")
-    return [names.index(name) for name in dict.fromkeys(chosen)]

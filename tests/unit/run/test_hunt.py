@@ -9,7 +9,8 @@ import vehicledyn.catalogue  # noqa: F401
 from vehicledyn.base.errors import InputError, NumericalError
 from vehicledyn.results.hunt_table import read_hunt
 from vehicledyn.run import hunt
-from vehicledyn.run.hunt import HuntSettings, find_limit_cycles
+from vehicledyn.run.hunt import find_limit_cycles
+from vehicledyn.run.hunt_start import HuntSettings
 from vehicledyn.scenario import load_model
 
 WHEELSET = Path(__file__).parents[3] / "systems" / "simple_wheelset.yaml"
@@ -123,3 +124,42 @@ def test_a_cycle_apart_from_the_equilibrium_is_found_by_simulation(tmp_path):
     (fold,) = (row for row in report.table.cycles if row.kind == "fold")
     assert fold.amplitude[0] == pytest.approx(2.0, rel=2e-2)
     assert figures["largest_difference_amplitude"] < 0.005
+
+
+APART = """\
+title: A balance wheel whose small swings and large ones are joined beyond the range only
+parameters: {push: 0.01 N*m*s/rad, scale: 1 rad}
+gravity: [0, 0, 0]
+bodies:
+  wheel: {joints: [R3 angle], mass: 1 kg, inertia: [1, 1, 1]}
+forces:
+  spring: {coordinate: wheel.angle, force: -1 N*m/rad * position}
+  air:
+    coordinate: wheel.angle
+    force: "(push - 0.1 N*m*s/rad * (2.4 * (position / scale)**2 - 9.2 * (position / scale)**4
+      + 64 / 15 * (position / scale)**6)) * rate"
+"""
+
+
+def test_a_simulated_cycle_on_no_branch_begins_one(tmp_path):
+    """Averaged, 10 push = A³/3 - 1.15 A² + 0.6 A with A = amplitude²: folds at A = 0.3 and 2.
+
+    In the range the branch from the Hopf bifurcation at 0 does not reach its fold at 0.00855.
+    """
+    path = tmp_path / "balance.yaml"
+    path.write_text(APART, encoding="utf-8")
+    settings = HuntSettings("push", -0.09, 0.005, points=20, disturbance=2.0)
+    report = study(settings, load_model(str(path)))
+    figures, rows = report.table.figures, report.table.cycles
+    assert report.exit_code == 0
+    assert figures["linear_critical"] == pytest.approx(0.0, abs=1e-9)
+    assert {row.branch for row in rows} == {1, 2}
+    assert max(row.amplitude[0] ** 2 for row in rows if row.branch == 1) < 0.3
+    (fold,) = (row for row in rows if row.kind == "fold")
+    assert fold.branch == 2 and fold.amplitude[0] ** 2 == pytest.approx(2.0, rel=0.03)
+    assert fold.value == pytest.approx(-0.0733, rel=0.02)
+    assert figures["nonlinear_critical"] == pytest.approx(fold.value, abs=1e-6)
+    assert figures["simulated_lowering"] == pytest.approx(fold.value, rel=5e-3)
+    assert figures["largest_difference_amplitude"] < 0.005
+    assert "not found to be joined" in " ".join(report.messages)
+    assert "lie on no branch" not in " ".join(report.messages)

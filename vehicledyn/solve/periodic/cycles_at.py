@@ -26,14 +26,19 @@ def cycle_at(model: AutonomousField, branch: Branch, value: float) -> list[Cycle
     NumericalError
         If one of them is not found again from its neighbours.
     """
+    return [cycle_beside(model, near, value) for near in points_beside(branch, value)]
+
+
+def points_beside(branch: Branch, value: float) -> list[CyclePoint]:
+    """Return the points of a branch that are next to a value of the parameter, in its order."""
     found: list[CyclePoint] = []
     for before, after in pairwise(branch.points):
         ends = before.orbit.parameter, after.orbit.parameter
-        is_last = after is branch.points[-1] and value == ends[1]
-        if not (min(ends) <= value < max(ends) or is_last):
-            continue
-        near = before if abs(value - ends[0]) < abs(value - ends[1]) else after
-        found.append(cycle_beside(model, near, value))
+        is_end = (before is branch.points[0] and value == ends[0]) or (
+            after is branch.points[-1] and value == ends[1]
+        )
+        if min(ends) <= value < max(ends) or is_end:
+            found.append(min((before, after), key=lambda p: abs(p.orbit.parameter - value)))
     return found
 
 

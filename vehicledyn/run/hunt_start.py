@@ -1,0 +1,158 @@
+"""What a hunting study is asked for, and the equilibrium at which it begins."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from vehicledyn.base.errors import InputError, NumericalError, nearest_name, unknown_name
+from vehicledyn.base.units import to_si
+from vehicledyn.run.prepare import Prepared, reference_point
+from vehicledyn.run.system_subject import SystemSubject
+from vehicledyn.scenario import Scenario
+from vehicledyn.solve.engine import Vector
+from vehicledyn.solve.periodic.autonomous import AutonomousField
+from vehicledyn.solve.periodic.critical import follow_balance
+from vehicledyn.solve.periodic.settled import steps
+
+_MOST_CHANNELS = 8
+
+SPEED = "speed"
+"""Parameter that has to be above zero [m/s]."""
+
+_LOW_SPEED = 1.0
+
+_APPROACH = 20
+"""Values at which an equilibrium is followed from a file's own value to the first one."""
+
+
+@dataclass(frozen=True)
+class HuntSettings:
+    """What is asked of a study.
+
+    ``parameter`` goes from ``first`` up to ``last``, numbers in SI or texts with unit;
+    ``points`` is about the number of cycles of a branch; ``channels`` are watched, the first
+    one for the amplitude. ``amplitude`` is the size of the first cycle at a Hopf bifurcation
+    and ``disturbance`` that with which simulations start, both of the position that moves
+    most, in its unit. ``simulate`` asks for the check by simulation in ``levels`` steps.
+    """
+
+    parameter: str
+    first: float | str
+    last: float | str
+    points: int = 60
+    channels: tuple[str, ...] = ()
+    amplitude: float = 1e-4
+    disturbance: float = 1e-3
+    intervals: int = 30
+    simulate: bool = True
+    levels: int = 13
+
+
+def check_settings(settings: HuntSettings) -> None:
+    """Refuse numbers that make no study."""
+    s = settings
+    if s.points < 2 or s.intervals < 5:
+        raise InputError("--points must be at least 2, and --intervals at least 5")
+    if not (s.amplitude > 0.0 and s.disturbance > 0.0):
+        raise InputError("--amplitude and --disturbance must be above zero")
+
+
+def parameter_index(prepared: Prepared, name: str) -> int:
+    """Return the place of a parameter; refuse a name that there is not."""
+    names = [p.name for p in prepared.equations.parameters]
+    if name in names:
+        return names.index(name)
+    guess = nearest_name(name, names)
+    hint = f"; did you mean '{guess}'?" if guess else ""
+    raise InputError(
+        f"--parameter {name}: '{prepared.equations.name}' has no parameter of this name{hint} "
+        "(a speed is one only where the model prescribes it); 'models show' lists them"
+    )
+
+
+def span_of(prepared: Prepared, index: int, settings: HuntSettings) -> tuple[float, float]:
+    """Return the range in SI."""
+    unit = prepared.equations.parameters[index].unit
+    values = []
+    for option, given in (("--from", settings.first), ("--to", settings.last)):
+        try:
+            values.append(to_si(given, unit))
+        except InputError as error:
+            raise InputError(f"{option} {given}: {error}") from None
+    low, high = values
+    asked = f"--from {settings.first} --to {settings.last}"
+    if not (math.isfinite(low) and math.isfinite(high)):
+        raise InputError(f"{asked}: both must be finite")
+    if not low < high:
+        hint = "exchange them" if low > high else "they are equal: 'eig' looks at a single value"
+        raise InputError(f"{asked}: the first must be below the last; {hint}")
+    if settings.parameter.rpartition(".")[2] == SPEED and low <= 0.0:
+        raise InputError(
+            f"--from {settings.first}: a {settings.parameter} of zero or below is none to roll at, "
+            f"creepages are divided by it; begin above zero, such as --from '{_LOW_SPEED:g} m/s'"
+        )
+    return low, high
+
+
+def watched_channels(prepared: Prepared, wanted: Sequence[str]) -> list[int]:
+    """Return the channels to watch: those asked for, else the coordinates."""
+    names = [c.name for c in prepared.equations.channels]
+    for name in wanted:
+        if name not in names:
+            raise InputError(f"--channel {unknown_name('channel', name, names)}")
+    chosen = list(wanted)
+    if not chosen:
+        joints = [j.name for j in prepared.subject.system.joints() if j.name in names]
+        states = {s.name for s in prepared.equations.states}
+        chosen = [n for n in joints if n in states][:_MOST_CHANNELS] or joints[:_MOST_CHANNELS]
+    if not chosen:
+        raise InputError("--channel: missing: name a channel to watch")
+    return [names.index(name) for name in dict.fromkeys(chosen)]
+
+
+def first_balance(
+    prepared: Prepared, index: int, first: float, scenario: Scenario | None
+) -> tuple[AutonomousField, tuple[Vector, Vector]]:
+    """Return the field and the equilibrium, states kept and unknowns, at the first value.
+
+    Start values of a file, as the rate of a wheel that rolls, belong to the file's own value of
+    the parameter. Where the search from there fails the equilibrium is followed from that value.
+    """
+    name = prepared.equations.parameters[index].name
+    own = float(prepared.kernel.parameters[index])
+    try:
+        model, start = _balance_at(prepared, index, first, scenario)
+    except NumericalError as error:
+        reason = NumericalError(f"{name} = {first:.6g}: {error}")
+        if own == first:
+            raise reason from None
+        try:
+            model, (state, unknowns) = _balance_at(prepared, index, own, scenario)
+            values = list(steps(own, first, _APPROACH))
+            found = follow_balance(model, values, state, unknowns)[-1]
+        except NumericalError:
+            raise reason from None
+        start = found.state, found.unknowns
+    return model, start
+
+
+def _balance_at(
+    prepared: Prepared, index: int, value: float, scenario: Scenario | None
+) -> tuple[AutonomousField, tuple[Vector, Vector]]:
+    """Return the field and the equilibrium at a value, as searched from the start values."""
+    name = prepared.equations.parameters[index].name
+    values = prepared.kernel.parameters.copy()
+    values[index] = value
+    prepared.kernel.set_parameters(values)
+    model = AutonomousField(prepared.equations, name, values)
+    is_system = isinstance(prepared.subject, SystemSubject)
+    point = reference_point(
+        prepared,
+        value if name == "speed" else (scenario.speed or 0.0 if scenario else 0.0),
+        scenario.start if scenario else None,
+        is_system=is_system,
+        slopes=model if is_system else None,
+    )
+    return model, (model.reduced(point.state), point.unknowns)
