@@ -30,7 +30,8 @@ that this one is tested against.
 from __future__ import annotations
 
 import itertools
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -48,6 +49,12 @@ SUM_FLOOR = 1e-30
 SPREAD_FLOOR = 1e-9
 """Added to the variance of l, for contacts narrower than the grid [m²]."""
 
+APPROACH_FLOOR = 1e-12
+"""Added to approaches that others are related to [m]."""
+
+_STEPS = (0.6, 0.7, 1.0)
+_WIDTHS = 0.125
+_ROUNDING = 0.02
 _RAIL_STEP = 1e-4
 _WHEEL_STEP = 2e-4
 _STEEPEST = 6.0
@@ -84,8 +91,8 @@ class ElasticPatch:
 
     Attributes
     ----------
-    place
-        Lateral coordinate on the wheel's profile [m].
+    place, along
+        Lateral coordinate on the wheel's profile, and length along it [m].
     x, y, z
         The point of the wheel; y counts from the middle of the track, on a curve square to the
         rail there [m].
@@ -97,11 +104,14 @@ class ElasticPatch:
         Unit vectors (y, z) across the rail outwards and out of the rail.
     approach
         δ, never negative [m].
+    spread
+        δ/B, half of which is the square of the semi-axis across of the overlap's parabola [m²].
     contact
         Hertz's contact of the curvatures.
     """
 
     place: Scalar
+    along: Scalar
     x: Scalar
     y: Scalar
     z: Scalar
@@ -110,6 +120,7 @@ class ElasticPatch:
     tangent: tuple[Scalar, Scalar]
     normal: tuple[Scalar, Scalar]
     approach: Scalar
+    spread: Scalar
     contact: Hertz
 
     @property
@@ -189,10 +200,11 @@ class ElasticContact:
         """
         outline = _Outline.of(axle, radius)
         overlaps = _with_middles([self._overlap(outline, k) for k in range(len(self.grid.place))])
-        return tuple(
+        found = [
             self._patch(outline, overlaps, share, float(middle), modulus)
             for share, middle in zip(self.grid.shares, self.grid.middles, strict=True)
-        )
+        ]
+        return neighbours(found, modulus)
 
     def _overlap(self, outline: _Outline, k: int) -> Scalar:
         """Return the normal overlap p of one place, negative where there is none [m]."""
@@ -225,12 +237,12 @@ class ElasticContact:
         mean = s1 / s0
         approach = 1.125 * s3 / s0
         spread = 9.0 * (s2 / s0 - mean * mean + SPREAD_FLOOR)
-        return self._at(outline, mean + middle, approach, approach / spread, modulus)
+        return self._at(outline, mean + middle, approach, spread, modulus)
 
     def _at(
-        self, outline: _Outline, along: Scalar, approach: Scalar, bend: Scalar, modulus: Scalar
+        self, outline: _Outline, along: Scalar, approach: Scalar, spread: Scalar, modulus: Scalar
     ) -> ElasticPatch:
-        """Return the contact at a length along the profile, with B across."""
+        """Return the contact at a length along the profile, with the square δ/B of its width."""
         place, height = self.place.value(along), self.height.value(along)
         point = outline.point(place, height, self.height.slope(along) / self.place.slope(along))
         radius = outline.radius + height
@@ -239,6 +251,7 @@ class ElasticContact:
         sine = rise * cosine
         return ElasticPatch(
             place,
+            along,
             outline.ahead + point.x,
             point.y,
             point.z,
@@ -247,8 +260,60 @@ class ElasticContact:
             (cosine, sine),
             (-sine, cosine),
             approach,
-            hertz(0.5 * cosine / radius, bend, modulus),
+            spread,
+            hertz(0.5 * cosine / radius, approach / spread, modulus),
         )
+
+
+def neighbours(alone: Sequence[ElasticPatch], modulus: Scalar) -> tuple[ElasticPatch, ...]:
+    """Return contacts of one wheel, each pressed in less by what the others yield.
+
+    A force N sinks the surfaces by N/(π E* d) at a distance d. What is left of the approaches
+    satisfies N_i = k_i (δ_i - Σ_j N_j/(π E* d_ij))^(3/2); it is found by a fixed number of steps,
+    the first of which overshoots and is taken in part. Distances have a part of the widths of the
+    contacts added, as windows may share one.
+    """
+    if len(alone) == 1:
+        return tuple(alone)
+    inverse = {pair: _compliance(alone, pair, modulus) for pair in _pairs(len(alone))}
+    forces = [patch.force for patch in alone]
+    left: list[Scalar] = []
+    for share in _STEPS:
+        left = [
+            _left(patch, sum(inverse[min(i, j), max(i, j)] * forces[j] for j in _others(i, alone)))
+            for i, patch in enumerate(alone)
+        ]
+        forces = [
+            (1.0 - share) * force + share * patch.contact.force(rest * patch.approach)
+            for patch, force, rest in zip(alone, forces, left, strict=True)
+        ]
+    return tuple(
+        replace(patch, approach=rest * patch.approach)
+        for patch, rest in zip(alone, left, strict=True)
+    )
+
+
+def _pairs(count: int) -> list[tuple[int, int]]:
+    return list(itertools.combinations(range(count), 2))
+
+
+def _others(i: int, alone: Sequence[ElasticPatch]) -> list[int]:
+    return [j for j in range(len(alone)) if j != i]
+
+
+def _compliance(alone: Sequence[ElasticPatch], pair: tuple[int, int], modulus: Scalar) -> Scalar:
+    """Return 1/(π E* d) of two contacts [m/N]."""
+    one, other = (alone[k] for k in pair)
+    apart = one.along - other.along
+    square = apart * apart + _WIDTHS * (one.spread + other.spread)
+    return 1.0 / (np.pi * modulus * ops.sqrt(square))
+
+
+def _left(patch: ElasticPatch, sunk: Scalar) -> Scalar:
+    """Return which part of an approach is left, smoothly down to none, 1 for a lifted wheel [1]."""
+    rest = 1.0 - sunk / (patch.approach + APPROACH_FLOOR)
+    whole = 1.0 + np.sqrt(1.0 + _ROUNDING * _ROUNDING)
+    return (rest + ops.sqrt(rest * rest + _ROUNDING * _ROUNDING)) * (1.0 / whole)
 
 
 @dataclass(frozen=True)
