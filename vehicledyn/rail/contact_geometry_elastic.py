@@ -15,6 +15,8 @@ the same formulas can be written with symbols:
    contact is at l_0 = S_1/S_0, and B = S_0 ε δ/(5 S_2) is its half sum of curvatures across: for
    w = ε δ - B l² both are exact.
 4. Hertz's theory with A = cos γ/(2 r), B and the approach δ gives force and ellipse.
+5. Each patch sinks the surfaces of the others by N/(π E* d) at the distance d, so that several
+   carry less than each would alone; patches that nothing is left of are none.
 
 A contact that moves quickly over a nearly conforming stretch thus moves as the middle of a patch
 does, with a finite rate, and the force is continuous in all coordinates. Towards compiled
@@ -34,7 +36,7 @@ conditions, Vehicle System Dynamics 43(3), 161-172: replacing a patch by an elli
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
@@ -57,6 +59,7 @@ VIRTUAL_SHARE = 0.55
 """Share ε of the approach by which undeformed bodies overlap in the true patch [1]."""
 
 _HALVINGS = 60
+_SINKINGS = 40
 _DEEPEST = 1e-3
 _FEWEST = 3
 
@@ -112,7 +115,7 @@ def patches(wheel: Wheel, rail: Rail, pose: Pose, modulus: float) -> tuple[Patch
         free[_hill(overlap, part)] = False
         if part.stop - part.start >= _FEWEST:
             found.append(_patch(wheel, outline, part, deepest, modulus))
-    return tuple(found)
+    return _beside_each_other(found, modulus)
 
 
 def settled(
@@ -152,6 +155,35 @@ def settled(
         else:
             low = middle
     return low, patches(wheel, rail, pose._replace(height=low), modulus)
+
+
+def _beside_each_other(alone: list[Patch], modulus: float) -> tuple[Patch, ...]:
+    """Return patches with what is left of their approaches, the deepest first."""
+    if len(alone) < 2:
+        return tuple(alone)
+    place = np.array([(patch.y, patch.z) for patch in alone])
+    apart = np.linalg.norm(place[:, None] - place[None], axis=2)
+    np.fill_diagonal(apart, np.inf)
+    whole = np.array([patch.approach for patch in alone])
+    contacts = [hertz(patch.curvature_x, patch.curvature_y, modulus) for patch in alone]
+    force = np.array([patch.force for patch in alone])
+    left = whole
+    for _ in range(_SINKINGS):
+        left = np.maximum(whole - (force / apart).sum(axis=1) / (np.pi * modulus), 0.0)
+        sunk = [float(contact.force(rest)) for contact, rest in zip(contacts, left, strict=True)]
+        force = 0.5 * (force + np.array(sunk))
+    found = []
+    for patch, contact, rest in zip(alone, contacts, left, strict=True):
+        if rest > 0.0:
+            ellipse = contact.ellipse_at(rest)
+            axes = float(ellipse.semi_axis_x), float(ellipse.semi_axis_y)
+            found.append(
+                replace(
+                    patch, approach=float(rest), force=float(contact.force(rest)),
+                    semi_axis_x=axes[0], semi_axis_y=axes[1],
+                )
+            )  # fmt: skip
+    return tuple(sorted(found, key=lambda patch: -patch.approach))
 
 
 def _carried(found: tuple[Patch, ...]) -> float:

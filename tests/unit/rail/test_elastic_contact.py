@@ -6,7 +6,7 @@ import pytest
 
 from vehicledyn.rail.contact_geometry import Pose, Wheel, lowest_gap, place_rail, silhouette
 from vehicledyn.rail.contact_geometry_elastic import patches
-from vehicledyn.rail.elastic_contact import Axle, ElasticContact, _Outline
+from vehicledyn.rail.elastic_contact import Axle, ElasticContact, _Outline, _with_middles
 from vehicledyn.rail.hertz import hertz
 from vehicledyn.rail.named_profiles import named_profile
 from vehicledyn.symbolic import ops
@@ -98,6 +98,59 @@ def test_two_contacts_are_found(standard):
     assert flange[0] > 1e4 and tread[0] > 1e4
     assert flange[1] == pytest.approx(-0.0285, abs=1e-3)
     assert tread[1] == pytest.approx(-0.0175, abs=1.5e-3)
+
+
+def alone_at(contact, *pose):
+    """Contacts of all windows as each would be without the others, as numbers."""
+    outline = _Outline.of(axle_at(*map(casadi.SX, pose)), RADIUS)
+    count = len(contact.grid.place)
+    overlaps = _with_middles([contact._overlap(outline, k) for k in range(count)])
+    return [
+        contact._patch(outline, overlaps, share, float(middle), STEEL)
+        for share, middle in zip(contact.grid.shares, contact.grid.middles, strict=True)
+    ]
+
+
+def number(value):
+    return float(casadi.evalf(value))
+
+
+def test_contacts_beside_each_other_carry_less(standard):
+    """Both approaches are less by N/(π E* d) of the other contact, d on the unrolled profile."""
+    wheel, rail, found, contact = standard
+    gap, _ = lowest_gap(wheel, rail, Pose(5.2e-3, RADIUS, 0.0, 0.0))
+    pose = (5.2e-3, RADIUS - gap - 6e-5, 0.0, 0.0)
+    together, alone = found(*pose), alone_at(contact, *pose)
+    apart = number(alone[1].along - alone[0].along)
+    for k, patch in enumerate(alone):
+        left = number(patch.approach) - together[1 - k, 0] / (np.pi * STEEL * apart)
+        assert together[k, 2] == pytest.approx(left, rel=0.01)
+        assert together[k, 0] == pytest.approx(number(patch.contact.force(left)), rel=0.015)
+        assert together[k, 0] < 0.85 * number(patch.force)
+
+
+def test_a_contact_of_its_own_is_as_if_alone(standard):
+    wheel, rail, found, contact = standard
+    for shift in (2e-3, 7.5e-3):
+        gap, _ = lowest_gap(wheel, rail, Pose(shift, RADIUS, 0.0, 0.0))
+        pose = (shift, RADIUS - gap - 6e-5, 0.0, 0.0)
+        for row, patch in zip(found(*pose), alone_at(contact, *pose), strict=True):
+            assert row[0] == pytest.approx(number(patch.force), rel=1e-9, abs=1e-9)
+
+
+def test_both_formulations_of_two_contacts_agree(standard):
+    wheel, rail, found, _ = standard
+    compared = 0
+    for shift in np.linspace(4.95e-3, 5.5e-3, 12):
+        pose = Pose(shift, RADIUS, 0.0, 0.0)
+        gap, _ = lowest_gap(wheel, rail, pose)
+        expected = patches(wheel, rail, pose._replace(height=RADIUS - gap - 6e-5), STEEL)
+        rows = found(shift, RADIUS - gap - 6e-5, 0.0, 0.0)
+        for patch in expected:
+            row = rows[np.argmin(np.abs(rows[:, 1] - patch.place))]
+            assert row[0] == pytest.approx(patch.force, abs=0.04 * rows[:, 0].sum())
+        compared += len(expected) == 2
+    assert compared > 4
 
 
 def test_force_moves_smoothly_with_the_wheel(standard):

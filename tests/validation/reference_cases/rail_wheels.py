@@ -9,9 +9,10 @@ import numpy as np
 
 import vehicledyn.rail.creep  # noqa: F401
 from reference_cases.comparison import Group, deviation
+from reference_cases.half_space import pressures
 from reference_cases.tables import read_rows
 from vehicledyn.base.registry import find
-from vehicledyn.rail.contact_geometry import Pose, Wheel, place_rail
+from vehicledyn.rail.contact_geometry import Pose, Wheel, place_rail, silhouette, wheel_above
 from vehicledyn.rail.contact_geometry_elastic import settled
 from vehicledyn.rail.elastic_contact import Axle, ElasticContact
 from vehicledyn.rail.hertz import effective_modulus, hertz
@@ -170,6 +171,61 @@ def second_formulation():
     return len(places), np.array(places), np.array(approaches)
 
 
+@lru_cache(maxsize=1)
+def two_contacts():
+    """Return errors of both forces and of their sum, over the exact sum, shape (n, 3).
+
+    S1002 on 60E1 1:40 where the contact passes from the tread to the gauge corner, under 20 to
+    90 kN, all poses at which boundary elements find two contacts.
+    """
+    wheel = Wheel(named_profile("S1002", "wheel"), RADIUS, HALF)
+    rail = place_rail(named_profile("60E1", "rail"), np.arctan(1 / 40), GAUGE, DEPTH)
+    contacts = _contacts(ElasticContact.of(wheel, rail))
+    found = []
+    for k, shift in enumerate(np.linspace(4.95e-3, 5.5e-3, 12)):
+        pose = Pose(shift, RADIUS, 0.0, 2e-3 * (k % 3 - 1))
+        height, _ = settled(wheel, rail, pose, (2e4, 5e4, 9e4)[k % 3], STEEL)
+        exact = exact_forces(wheel, rail, pose._replace(height=height))
+        if len(exact) != 2:
+            continue
+        own = np.array(contacts([shift, height, pose.roll, pose.yaw]))[:2, 0]
+        found.append([*(own - exact), sum(own) - sum(exact)] / sum(exact))
+    return np.array(found)
+
+
+def exact_forces(wheel, rail, pose, across=2.5e-4, along=4e-4):
+    """Return the forces of the contacts of a wheel by boundary elements, from the flange on [N].
+
+    The profiles are unrolled along the rail's outline, on which their overlap is normal.
+    """
+    places, height, slope = wheel_above(wheel, rail, pose)
+    seen = silhouette(wheel, pose, places, height, slope)
+    surface, rise, _ = rail.surface.values(seen.y)
+    known = np.isfinite(surface)
+    stretch = np.hypot(1.0, rise[known])
+    overlap = (surface - seen.z)[known] / stretch
+    way = np.concatenate(
+        [[0.0], np.cumsum(np.diff(seen.y[known]) * 0.5 * (stretch[1:] + stretch[:-1]))]
+    )
+    near = np.flatnonzero(overlap > -2e-5)
+    l = np.arange(way[near[0]] - 1e-3, way[near[-1]] + 1e-3, across)
+    x = np.arange(-12e-3, 12.2e-3, along)
+    bend = 0.5 / (np.interp(l, way, stretch) * np.interp(l, way, (RADIUS + height)[known]))
+    pressure = pressures(np.interp(l, way, overlap) - bend * x[:, None] ** 2, along, across, STEEL)
+    line = pressure.sum(axis=0) * along * across
+    parts = np.split(line, np.flatnonzero(np.diff(line > 0.0)) + 1)
+    return np.array([part.sum() for part in parts if part[0] > 0.0])
+
+
+def half_space_error():
+    """Return the relative error of boundary elements for a cylinder on a round rail."""
+    x, y = np.arange(-12e-3, 12.2e-3, 4e-4)[:, None], np.arange(-10e-3, 10.1e-3, 2.5e-4)
+    expected = hertz(0.5 / RADIUS, 0.5 / 0.3, STEEL)
+    overlap = 8e-5 - 0.5 / RADIUS * x**2 - 0.5 / 0.3 * y**2
+    total = pressures(overlap, 4e-4, 2.5e-4, STEEL).sum() * 4e-4 * 2.5e-4
+    return abs(total / float(expected.force(8e-5)) - 1.0)
+
+
 def _contacts(contact):
     pose = casadi.SX.sym("pose", 4)
     v, height, roll, yaw = casadi.vertsplit(pose)
@@ -217,6 +273,21 @@ def compare():
         deviation(
             second, "approach of one contact, median", reference="virtual penetration",
             largest=np.median(approaches), band=0.03, unit="(relative)",
+        ),
+        deviation(
+            "boundary elements on half-spaces", "Hertz's force by boundary elements",
+            reference="r 460 mm on 300 mm", largest=half_space_error(), band=1e-3,
+            unit="(relative)",
+        ),
+        deviation(
+            "boundary elements on half-spaces", "force of a wheel on two contacts",
+            reference=f"{len(two_contacts())} poses under 20 to 90 kN",
+            largest=np.abs(two_contacts()[:, 2]).max(), band=0.05, unit="(relative)",
+        ),
+        deviation(
+            "boundary elements on half-spaces", "force of each of two contacts",
+            reference=f"{len(two_contacts())} poses under 20 to 90 kN",
+            largest=np.abs(two_contacts()[:, :2]).max(), band=0.05, unit="(of the wheel's)",
         ),
     )  # fmt: skip
     note = (
