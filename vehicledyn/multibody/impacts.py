@@ -7,11 +7,16 @@ With impulses P along some directions E of the rates v, and Λ of the constraint
 and the positions stay. In independent rates w, where v = T w + ..., the Λ drop out:
 Tᵀ M T (w⁺ - w⁻) = (E T)ᵀ P (Pfeiffer, Glocker (1996), Multibody Dynamics with Unilateral Contacts,
 Wiley).
+
+Where a constraint goes over to another solution of its dependent coordinates, as a contact that
+jumps, the old constraint comes free and the new one holds from then on, T becoming T̂: an inelastic
+impact, M (v⁺ - v⁻) = Ĵᵀ Λ and Ĵ v⁺ + b̂ = 0. With v̂ the rates that w⁻ has there,
+T̂ᵀ M T̂ (w⁺ - w⁻) = T̂ᵀ M (v⁻ - v̂).
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 from vehicledyn.base.errors import InputError, unknown_name
@@ -62,6 +67,48 @@ class Impacts:
         return {
             f"{joints[k].name}_rate": rate + jump
             for k, rate, jump in zip(self._independent, before, jumps, strict=True)
+        }
+
+    def rates_after_landing(self, places: dict[str, Scalar]) -> dict[str, Scalar]:
+        """Return the rates of all independent coordinates when dependent ones go to other places.
+
+        Parameters
+        ----------
+        places
+            New values of dependent coordinates, by name.
+        """
+        spread = self._reduced()[1]
+        mass = self._mass_of(spread)
+        joints, rates = self._symbols.joints, self._solved.rates
+        moving = [k for k in spread if k in mass]
+        entries = [(k, i) for k in moving for i in spread[k]]
+        now = [*(spread[k][i] for k, i in entries), *(rates[joints[k].name] for k in moving)]
+        there = ops.flat(
+            ops.substitute(
+                ops.column(now),
+                ops.column([self._symbols.coordinates[name] for name in places]),
+                ops.column(list(places.values())),
+            )
+        )
+        landed: dict[int, dict[int, Scalar]] = {k: {} for k in moving}
+        for number, (k, i) in enumerate(entries):
+            landed[k][i] = there[number]
+        lost = {
+            k: rates[joints[k].name] - there[len(entries) + number]
+            for number, k in enumerate(moving)
+        }
+        whole: Rows = [{} for _ in self._independent]
+        taken = [ops.scalar(0.0) for _ in self._independent]
+        for a in moving:
+            for b, value in mass[a].items():
+                for i, left in landed[a].items():
+                    taken[i] = taken[i] + left * value * lost[b]
+                    for j, right in landed[b].items():
+                        whole[i][j] = whole[i].get(j, 0.0) + left * (value * right)
+        jumps = solve_symmetric(whole, taken)
+        return {
+            f"{joints[k].name}_rate": rates[joints[k].name] + jump
+            for k, jump in zip(self._independent, jumps, strict=True)
         }
 
     def _rates(self, name: str, event: PartEvent) -> list[Demand]:
@@ -136,17 +183,25 @@ class Impacts:
         """Return Tᵀ M T and the rows of T by coordinate."""
         if self._rows is not None:
             return self._rows
-        names = [j.name for j in self._symbols.joints]
         place = {k: i for i, k in enumerate(self._independent)}
         spread = {k: {i: ops.scalar(1.0)} for k, i in place.items()}
         for k, row in self._loops.closure.influence(self._independent).items():
             spread[k] = {place[v]: entry for v, entry in row.items()}
-        mass = mass_matrix(self._solved.kinematics, {names[k] for k in spread})
         rows: Rows = [{} for _ in self._independent]
-        index = {name: k for k, name in enumerate(names)}
-        for (a, b), value in mass.items():
-            for i, left in spread[index[a]].items():
-                for j, right in spread[index[b]].items():
-                    rows[i][j] = rows[i].get(j, 0.0) + left * (value * right)
+        for a, others in self._mass_of(spread).items():
+            for b, value in others.items():
+                for i, left in spread[a].items():
+                    for j, right in spread[b].items():
+                        rows[i][j] = rows[i].get(j, 0.0) + left * (value * right)
         self._rows = rows, spread
         return self._rows
+
+    def _mass_of(self, coordinates: Iterable[int]) -> dict[int, dict[int, Scalar]]:
+        """Return the entries of M by coordinates, both halves."""
+        names = [j.name for j in self._symbols.joints]
+        index = {name: k for k, name in enumerate(names)}
+        found: dict[int, dict[int, Scalar]] = {}
+        entries = mass_matrix(self._solved.kinematics, {names[k] for k in coordinates})
+        for (a, b), value in entries.items():
+            found.setdefault(index[a], {})[index[b]] = value
+        return found

@@ -82,6 +82,8 @@ def collect_events(
 
 def _new_values(name: str, event: PartEvent, impacts: Impacts) -> dict[str, Scalar]:
     """Return the new value of each state that an event changes."""
+    if event.lands:
+        return {**event.resets, **impacts.rates_after_landing(event.guesses)}
     if not event.impulses and event.restitution is None:
         return event.resets
     after = impacts.rates_after(name, event)

@@ -107,7 +107,8 @@ class PartEvent:
 
     ``guesses`` are places from which dependent coordinates, by name, are solved anew: where loops
     have several solutions, such as the points at which two profiles touch, they go over to
-    another one. ``advice`` tells what a terminal event means and what to do, ``outcome`` how the
+    another one. With ``lands`` the constraints that hold there are met by an inelastic impact.
+    ``advice`` tells what a terminal event means and what to do, ``outcome`` how the
     run then ended, "ok" or "derailed".
     """
 
@@ -119,6 +120,7 @@ class PartEvent:
     impulses: dict[str, Scalar] = field(default_factory=dict)
     restitution: Scalar | None = None
     guesses: dict[str, Scalar] = field(default_factory=dict)
+    lands: bool = False
     advice: str = ""
     outcome: str = "ok"
 

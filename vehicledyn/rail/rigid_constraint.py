@@ -17,6 +17,9 @@ from vehicledyn.symbolic.ops import Scalar, Vec
 FORCE = "vertical_force"
 """Channel of the multiplier of a gap, the part of the normal force out of the track's plane."""
 
+_TANGENT_STEPS = 2
+_TANGENT_REACH = 5e-4
+
 
 @dataclass(frozen=True)
 class OnTrack:
@@ -98,6 +101,16 @@ class TouchConstraint(BaseConstraint):
             place = ops.where(gap < lowest, other, place)
             lowest = ops.minimum(gap, lowest)
         return lowest, place
+
+    def landing(self, kinematics: Kinematics) -> Scalar:
+        """Return the place of the lowest gap, tangential to the rail [m]."""
+        place, other = self.lowest(kinematics)[1], ops.symbol("place")
+        tangency = ops.scalar(self.touch(kinematics, other).tangency)
+        step = tangency / ops.derivative(tangency, other, 1.0)
+        for _ in range(_TANGENT_STEPS):
+            moved = ops.substitute(step, other, ops.scalar(place))
+            place = place - ops.minimum(ops.maximum(moved, -_TANGENT_REACH), _TANGENT_REACH)
+        return place
 
     def touch(self, kinematics: Kinematics, place: Scalar | None = None) -> Touch:
         """Return a point of the wheel that may touch, in the axes of the track.

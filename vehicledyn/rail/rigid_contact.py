@@ -8,9 +8,8 @@ is an unknown solved together with the accelerations
 saturated for it.
 
 Where the wheel touches the rail at a second point, the contact jumps there: ``<side>.jumps`` is
-an event after which the constraint holds the other point. The rates of the independent
-coordinates stay, those of the others leap to fit; the impact is left out: the impulses of
-:mod:`vehicledyn.multibody.impacts` keep the old contact, which would come free. A wheel that lifts,
+an event after which the constraint holds the other point. The wheel hits the rail there without
+rebound and comes free of the old one (:mod:`vehicledyn.multibody.impacts`). A wheel that lifts,
 ``<side>.lifts``, or whose contact comes to the end of a profile, ``<side>.leaves``, ends the run:
 the elastic model goes on from there.
 """
@@ -173,13 +172,14 @@ class RigidRailWheels(BasePart):
                 leaves = f"the contact comes to the end of the {w.side} wheel's profile; {_ADVICE}"
                 events.append(_ending(f"{w.side}.leaves", inside, leaves))
             if w.places:
-                gap, other = self._constraint(w).lowest(situation.kinematics)
+                constraint = self._constraint(w)
                 events.append(
                     PartEvent(
                         f"{w.side}.jumps",
-                        gap + PENETRATION,
+                        constraint.lowest(situation.kinematics)[0] + PENETRATION,
                         "falling",
-                        guesses={self._place(w): other},
+                        guesses={self._place(w): constraint.landing(situation.kinematics)},
+                        lands=True,
                     )
                 )
         return tuple(events)

@@ -80,3 +80,53 @@ def test_contact_jumps_where_a_second_point_touches(s1002, part):
     assert lateral[leap] - 5e-6 < jumps[0].lateral < lateral[leap + 1] + 5e-6
     last = stand(s1002, lateral[-1], rows[-1][number["yaw"]])
     assert place[-1] == pytest.approx(last.left.place[0], abs=2e-5)
+
+
+@pytest.mark.parametrize("lateral", [0.0, 4.85e-3])
+def test_the_wheel_hits_the_rail_where_its_contact_jumps(part, lateral):
+    """Impulses along the normals of the new contact and of the other wheel's, and nothing else.
+
+    Momentum across, upwards and about the track is known from two impulses. What contact and
+    weight do in 10 µs is taken off by the steps before and after.
+    """
+    body = wheelset_body(lateral=lateral, height=0.46)
+    equations, kernel, state, unknowns = on_rails(part, body)
+    state[[variable.name for variable in equations.states].index("y_rate")] = 0.1
+    happened, rows, times = [], [], []
+
+    def sink(t, x, z, y):
+        times.extend(t)
+        rows.extend(y)
+
+    simulate(
+        kernel, RungeKutta4(step=1e-5), start=0.0, stop=0.004, state=state, unknowns=unknowns,
+        interval=1e-5, sink=sink, happened=lambda name, time: happened.append((name, time)),
+    )  # fmt: skip
+    ((name, time),) = happened
+    assert name == "wheels.left.jumps"
+    number = {channel.name: k for k, channel in enumerate(equations.channels)}
+    after = int(np.searchsorted(times, time))
+
+    def leap(channel):
+        value = np.array([row[number[channel]] for row in rows[after - 2 : after + 2]])
+        return value[2] - value[1] - 0.5 * (value[1] - value[0] + value[3] - value[2])
+
+    def at(channel):
+        return rows[after][number[channel]]
+
+    momentum = np.array([1500.0 * leap("y_rate"), 1500.0 * leap("z_rate"), 1e3 * leap("roll_rate")])
+    across = []
+    for side, sign in (("left", 1.0), ("right", -1.0)):
+        contact = f"wheels.{side}.contact_1"
+        angle = sign * at(f"{contact}.angle")
+        y, z = at(f"{contact}.lateral_place") - at("y"), -at(f"{contact}.rolling_radius")
+        normal = -np.sin(angle), np.cos(angle)
+        across.append([*normal, y * normal[1] - z * normal[0]])
+    matrix = np.array(across).T
+    impulses = np.linalg.lstsq(matrix, momentum, rcond=None)[0]
+    assert impulses[0] > 2.0
+    assert matrix @ impulses == pytest.approx(momentum, abs=0.01 * np.abs(momentum).max())
+    assert leap("y_rate") < 0.0
+    # Carnot: what is lost is the energy of the rates that are lost.
+    lost = 0.5 * (momentum[:2] @ momentum[:2] / 1500.0 + momentum[2] ** 2 / 1000.0)
+    assert leap("energy.kinetic") == pytest.approx(-lost, rel=0.04)

@@ -19,8 +19,8 @@ class Rigid(RailContact):
 
     The body has as many freedoms less as it has wheels: give no forces that would hold these,
     and mark coordinates whose start must stay as ``role: independent``. Where a wheel touches at
-    a second point, the contact jumps there by an event, without an impact. A wheel that lifts ends
-    the run. Size and shape of the contact, which creep depends on, are those of Hertz.
+    a second point, the contact jumps there by an event, with an impact without rebound. A wheel that
+    lifts ends the run. Size and shape of the contact, which creep depends on, are those of Hertz.
     """
 
     youngs_modulus: float = quantity("N/m^2", "E of wheel and rail", gt=0)
