@@ -19,7 +19,7 @@ class Rigid(RailContact):
 
     The body has as many freedoms less as it has wheels: give no forces that would hold these,
     and mark coordinates whose start must stay as ``role: independent``. Where a wheel touches at
-    a second point, the contact jumps there by an event, with an impact without rebound. A wheel that
+    a second point, the contact jumps there by an event, an impact without rebound. A wheel that
     lifts ends the run. Size and shape of the contact, which creep depends on, are those of Hertz.
     """
 
