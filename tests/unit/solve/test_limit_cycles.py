@@ -23,12 +23,12 @@ from scipy.special import ellipk
 from solve_examples import forced, oscillator
 
 from vehicledyn.base.errors import InputError, NumericalError
-from vehicledyn.solve.periodic import branch as branch_module
 from vehicledyn.solve.periodic.branch import follow_cycles
 from vehicledyn.solve.periodic.collocation import Scales, condense
 from vehicledyn.solve.periodic.critical import find_balance, find_hopf, follow_balance
 from vehicledyn.solve.periodic.cycle_points import Branch, Limits
 from vehicledyn.solve.periodic.cycles_at import cycle_at
+from vehicledyn.solve.periodic.orbit_steps import Steps
 from vehicledyn.symbolic.equations import Event
 
 
@@ -276,7 +276,7 @@ def test_a_fold_that_is_not_located_is_told_with_the_cycles_beside_it(monkeypatc
     def lost(*_):
         raise NumericalError("not found")
 
-    monkeypatch.setattr(branch_module._Tracer, "_between", lost)
+    monkeypatch.setattr(Steps, "between", lost)
     _, branch = from_hopf(field(normal_form(1.0, -1.0), "mu"), -1.0, 1.0)
     (fold,), (remark,) = branch.special, branch.remarks
     assert fold.orbit.parameter == pytest.approx(-0.25, abs=1e-2)

@@ -1,0 +1,215 @@
+"""Find the orbits of a branch a step from one another.
+
+Motions that compiled code follows are closed by simple shooting (:mod:`.returning`); others by
+collocation, on a mesh that gets finer until the motion itself closes the orbit.
+"""
+
+from __future__ import annotations
+
+from contextlib import suppress
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+
+from vehicledyn.base.errors import NumericalError
+from vehicledyn.solve.engine import Vector
+from vehicledyn.solve.periodic.autonomous import AutonomousField
+from vehicledyn.solve.periodic.collocation import (
+    Corrected,
+    Direction,
+    Scales,
+    correct,
+    dot,
+    tangent_of,
+)
+from vehicledyn.solve.periodic.corners import behind_corner, corner_between
+from vehicledyn.solve.periodic.cycle_points import (
+    CyclePoint,
+    Limits,
+    ahead,
+    between,
+    moved,
+    point_of,
+)
+from vehicledyn.solve.periodic.floquet import multipliers_of
+from vehicledyn.solve.periodic.kinks import Kinks, aligned, misalignment
+from vehicledyn.solve.periodic.orbit import Orbit, adapted_mesh
+from vehicledyn.solve.periodic.returning import returning
+from vehicledyn.solve.periodic.shooting import Closed, closed, direction_of
+
+_REMESHED, _ALIGNED = 10, 1e-7
+_REMESHED_AFTER = 10
+"""Steps after which the mesh of orbits that integration finds follows them."""
+
+_GONE_ON = 0.5
+"""Least part of a step that an orbit must be ahead; errors are as large as the smallest steps."""
+
+_NEAR_ONE = 0.2
+"""Distance of a multiplier from 1 beside a branch point: farther off the step is too large."""
+
+_CORNERED = 2e-4
+"""Step below which a corner of the branch is looked for where no orbit is found ahead."""
+
+
+@dataclass
+class Steps:
+    """Steps along a branch of a model; ``intervals`` are those of the mesh of collocation."""
+
+    model: AutonomousField
+    limits: Limits
+    intervals: int
+    age: int = 0
+
+    @cached_property
+    def kinks(self) -> Kinks:
+        """What looks for kinks."""
+        return Kinks(self.model)
+
+    @property
+    def parameter_scale(self) -> float:
+        """Size with which changes of the parameter are measured."""
+        return 0.2 * (self.limits.high - self.limits.low)
+
+    def scales(self, orbit: Orbit) -> Scales:
+        """Return the sizes with which changes of an orbit are measured."""
+        return Scales(orbit.scales(), orbit.period, self.parameter_scale)
+
+    def first(self, start: Orbit, direction: Direction) -> CyclePoint:
+        """Return the orbit on the plane through a guess across a direction."""
+        scales = self.scales(start)
+        along = direction.times(1.0 / np.sqrt(dot(start, direction, direction, scales)))
+        found = correct(self.model, start, scales, along=along)
+        exact = closed(self.model, found.orbit, parameter_scale=scales.parameter)
+        return self._point(found, exact, scales, along)
+
+    def first_at(self, start: Orbit, side: float) -> CyclePoint:
+        """Return the orbit at the parameter of a guess; the branch goes on to a side of it.
+
+        A simulated one, with contacts that begin and end, is closed by shooting; what is less
+        near by collocation.
+        """
+        scales = self.scales(start)
+        if self.model.is_carried:
+            along = Direction(np.zeros_like(start.states), 0.0, side)
+            with suppress(NumericalError):
+                return point_of(closed(self.model, start), along, scales.parameter)
+        found, exact, _ = self._corrected(start, scales, None)
+        along = Direction(np.zeros_like(found.orbit.states), 0.0, side)
+        return self._point(found, exact, scales, along)
+
+    def ahead_of(self, base: CyclePoint, size: float) -> CyclePoint:
+        """Return the point at a distance along the branch."""
+        scales = self.scales(base.orbit)
+        if self.model.is_carried:
+            return self._shot_from(base, size, scales)
+        mesh = self._mesh(base.orbit, scales, self.kinks.along(base.orbit))
+        tangent = moved(base.orbit, base.tangent, mesh)
+        guess = ahead(base.orbit.moved(mesh), tangent, size)
+        found, exact, along = self._corrected(guess, scales, tangent)
+        return self._point(found, exact, self.scales(found.orbit), along or tangent)
+
+    def behind_corner_of(self, base: CyclePoint, size: float) -> tuple[CyclePoint, float] | None:
+        """Return a point behind a corner within a step and the way there; None without corner."""
+        if size > _CORNERED or not base.sense:
+            return None
+        scales = self.scales(base.orbit)
+        try:
+            point, way = behind_corner(self.model, base, size, scales)
+        except NumericalError:
+            return None
+        corner = min(size, corner_between(base, point, scales))
+        return replace(point, corner=corner), way
+
+    def between(self, base: CyclePoint, after: CyclePoint, part: float, size: float) -> CyclePoint:
+        """Return a point on a step that has been made, a part of its size from the base."""
+        if base.passages is None and after.passages is None:
+            return self.ahead_of(base, part)
+        first = base.orbit
+        chord = between(first, after.orbit.moved(first.mesh))
+        guess = ahead(first, chord, part / size)
+        scale = self.parameter_scale
+        try:
+            exact = returning(self.model, guess, base.passages, parameter_scale=scale, along=chord)
+        except NumericalError:
+            exact = returning(self.model, guess, None, parameter_scale=scale, along=chord)
+        return point_of(exact, base.tangent, scale, base.sense)
+
+    def _shot_from(self, base: CyclePoint, size: float, scales: Scales) -> CyclePoint:
+        """Return the point at a distance along the branch, found by integration alone.
+
+        Where it is quick, as with compiled code, it needs no collocation, whose mesh would have to
+        be fine where contacts begin and end.
+        """
+        mesh, near = base.orbit.mesh, base.passages
+        self.age += 1
+        if self.age > _REMESHED_AFTER or near is None:
+            mesh, near = adapted_mesh(base.orbit, scales.states, base.orbit.intervals), None
+            self.age = 0
+        tangent = moved(base.orbit, base.tangent, mesh)
+        guess = ahead(base.orbit.moved(mesh), tangent, size)
+        exact = returning(self.model, guess, near, parameter_scale=scales.parameter, along=tangent)
+        way = between(base.orbit.moved(mesh), exact.orbit)
+        if not dot(exact.orbit, way, tangent, scales) > _GONE_ON * size:
+            raise NumericalError("no other orbit is found")
+        point = point_of(exact, tangent, scales.parameter, base.sense)
+        if point.sense * base.sense < 0.0 and not _passes_one(base, point):
+            raise NumericalError("an orbit of another leg of the branch is found")
+        return point
+
+    def _corrected(
+        self, guess: Orbit, scales: Scales, along: Direction | None
+    ) -> tuple[Corrected, Closed, Direction | None]:
+        """Return the orbit near a guess, closed by the motion itself, and the direction.
+
+        The mesh of the collocation gets finer until the motion closes the orbit that it finds.
+        """
+        found = correct(self.model, guess, scales, along=along)
+        iterations = found.iterations
+        for _ in range(_REMESHED):
+            orbit = found.orbit
+            kinks = self.kinks.along(orbit)
+            if misalignment(orbit.mesh, kinks) > _ALIGNED:
+                mesh = aligned(orbit.mesh, kinks)
+            else:
+                try:
+                    exact = closed(self.model, orbit, parameter_scale=_free(scales, along))
+                    return replace(found, iterations=iterations), exact, along
+                except NumericalError:
+                    if self.intervals >= self.limits.intervals:
+                        raise
+                finer = self.intervals + max(4, self.intervals // 3)
+                self.intervals = min(self.limits.intervals, finer)
+                mesh = self._mesh(orbit, scales, kinks)
+            along = None if along is None else moved(orbit, along, mesh)
+            found = correct(self.model, orbit.moved(mesh), scales, along=along)
+        exact = closed(self.model, found.orbit, parameter_scale=_free(scales, along))
+        return replace(found, iterations=iterations), exact, along
+
+    def _mesh(self, orbit: Orbit, scales: Scales, kinks: Vector) -> Vector:
+        """Return a mesh that spreads the error of an orbit, with points on its kinks."""
+        return aligned(adapted_mesh(orbit, scales.states, self.intervals, kinks), kinks)
+
+    def _point(
+        self, found: Corrected, exact: Closed, scales: Scales, before: Direction
+    ) -> CyclePoint:
+        tangent = tangent_of(found, found.system.scales, before)
+        length = np.sqrt(dot(found.orbit, tangent, tangent, scales))
+        _, sense = direction_of(exact, scales.parameter, tangent)
+        return CyclePoint(
+            exact.orbit,
+            multipliers_of(exact.passages),
+            tangent.times(1.0 / length),
+            found.iterations,
+            sense=sense,
+        )
+
+
+def _free(scales: Scales, along: Direction | None) -> float | None:
+    """Return the size of changes of the parameter, None where it is held."""
+    return None if along is None else scales.parameter
+
+
+def _passes_one(before: CyclePoint, after: CyclePoint) -> bool:
+    """Return whether a multiplier may pass 1 between two points, as at a branch point."""
+    return bool(min(np.abs(p.multipliers.others - 1.0).min() for p in (before, after)) < _NEAR_ONE)
