@@ -22,7 +22,7 @@ ROWS = {
     "tyre_tables": 3,
     "rail_geometry": 10,
     "rail_contact": 27,
-    "rail_wheels": 13,
+    "rail_wheels": 16,
     "track": 11,
     "rail_assessment": 11,
     "rigid_wheelset": 6,
