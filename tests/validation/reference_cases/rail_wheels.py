@@ -338,7 +338,7 @@ def compare():
     )  # fmt: skip
     note = (
         "The contacts of compiled equations. Bands are those asked for, 5 % where none was, and "
-        "against boundary elements what an ellipse in the place of a conforming patch costs; beside "
+        "against boundary elements what an ellipse for a conforming patch costs; beside "
         "the jumps at 0 mm and (right) 5 mm the rigid contact leaps and an elastic one is in "
         f"between, here up to {everywhere.max():.2f} mm from the benchmark's."
     )
