@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Any
 
 from vehicledyn.solve.compiler import CompilationError
@@ -20,6 +21,7 @@ from vehicledyn.solve.pieces import cut, find_places
 from vehicledyn.solve.rolled import ROOM, Rolled, by_demand, is_deep, roll
 from vehicledyn.solve.row_code import Copies
 from vehicledyn.solve.schedule import CALLED
+from vehicledyn.solve.tail import order_tail
 from vehicledyn.solve.value_code import PieceValues
 from vehicledyn.solve.wide_functions import WideFunctions
 from vehicledyn.symbolic.tables import CurveTable
@@ -85,6 +87,8 @@ def print_function(
         lowered = by_demand(lowered)
     elif in_rows and program.shared:
         lowered = lower(program, in_rows=True)
+    else:
+        lowered = replace(lowered, steps=order_tail(lowered.values, lowered.steps))
     rolling = roll(lowered, inputs, places)
     texts = []
     for number in range(len(lowered.shared)):

@@ -26,10 +26,14 @@ VD_INLINE vd_wide vd_abs_wide(vd_wide a) {
 VD_INLINE vd_wide vd_signed(vd_wide a, vd_wide b) {
   return (vd_wide)((vd_whole)a | ((vd_whole)b & VD_SIGN));
 }
+/* The few elements that the C library is asked for are found again behind a loop, so that no call
+   inside it makes registers give up their coefficients. */
+#define VD_FAR static VD_APART __attribute__((cold))
 /* Conditions, choices and roots of wide numbers. */
 #if VD_WIDTH == 8
 typedef unsigned char vd_test;
 #define VD_TRUE(m, k) ((m) >> (k) & 1)
+VD_INLINE vd_test vd_none(void) { return 0; }
 VD_INLINE vd_test vd_less(vd_wide a, vd_wide b) { return VD_LT8(a, b); }
 VD_INLINE vd_wide vd_pick(vd_test m, vd_wide a, vd_wide b) { return (vd_wide)VD_PICK8(m, a, b); }
 VD_INLINE int vd_some(vd_test m) { return m != 0; }
@@ -37,6 +41,7 @@ VD_INLINE vd_wide vd_sqrt_wide(vd_wide a) { return (vd_wide)VD_SQRT8(a); }
 #else
 typedef vd_whole vd_test;
 #define VD_TRUE(m, k) ((m)[k])
+VD_INLINE vd_test vd_none(void) { return (vd_test){0}; }
 VD_INLINE vd_test vd_less(vd_wide a, vd_wide b) { return a < b; }
 #if VD_WIDTH == 4
 VD_INLINE vd_wide vd_pick(vd_test m, vd_wide a, vd_wide b) { return (vd_wide)VD_PICK4(m, a, b); }
@@ -113,7 +118,12 @@ VD_INLINE void vd_turned(vd_wide x, vd_wide *sine, vd_wide *cosine) {
   *cosine = (vd_wide)((vd_whole)vd_mix(odd, near_sine, near_cosine) ^ sign_of_cosine);
 }
 
+VD_FAR void vd_sincos_far(int n, const double *a, double *s, double *c) {
+  for (int i = 0; i < n; i++)
+    if (!(fabs(a[i]) < VD_LARGE_ANGLE)) s[i] = sin(a[i]), c[i] = cos(a[i]);
+}
 static VD_APART void vd_sincos(int n, double *a, double *s, double *c) {
+  vd_test far = vd_none();
   VD_EACH(n) {
     const vd_wide x = VD_WIDE(a), size = vd_abs_wide(x);
     if (!vd_some(~vd_less(size, vd_w(VD_NO_TURN)))) {
@@ -126,15 +136,18 @@ static VD_APART void vd_sincos(int n, double *a, double *s, double *c) {
     vd_turned(x, &sine, &cosine);
     VD_STORE(s, sine);
     VD_STORE(c, cosine);
-    const vd_test far = ~vd_less(size, vd_w(VD_LARGE_ANGLE));
-    if (vd_some(far))
-      for (int k = 0; k < VD_WIDTH; k++)
-        if (VD_TRUE(far, k)) s[i + k] = sin(x[k]), c[i + k] = cos(x[k]);
+    far |= ~vd_less(size, vd_w(VD_LARGE_ANGLE));
   }
+  if (vd_some(far)) vd_sincos_far(n, a, s, c);
 }
 
 /* The sine of vd_sincos. */
+VD_FAR void vd_sin_far(int n, const double *a, double *s) {
+  for (int i = 0; i < n; i++)
+    if (!(fabs(a[i]) < VD_LARGE_ANGLE)) s[i] = sin(a[i]);
+}
 static VD_APART void vd_sin(int n, double *a, double *s) {
+  vd_test far = vd_none();
   VD_EACH(n) {
     const vd_wide x = VD_WIDE(a), size = vd_abs_wide(x);
     if (!vd_some(~vd_less(size, vd_w(VD_NO_TURN)))) {
@@ -144,11 +157,9 @@ static VD_APART void vd_sin(int n, double *a, double *s) {
     vd_wide sine;
     vd_turned(x, &sine, 0);
     VD_STORE(s, sine);
-    const vd_test far = ~vd_less(size, vd_w(VD_LARGE_ANGLE));
-    if (vd_some(far))
-      for (int k = 0; k < VD_WIDTH; k++)
-        if (VD_TRUE(far, k)) s[i + k] = sin(x[k]);
+    far |= ~vd_less(size, vd_w(VD_LARGE_ANGLE));
   }
+  if (vd_some(far)) vd_sin_far(n, a, s);
 }
 
 /* (atan x - x) / x^3 of z = x^2, for |x| below the tangent of 22.5 degrees. */
@@ -269,15 +280,19 @@ VD_INLINE vd_wide vd_exp_wide(vd_wide x) {
   return value * (vd_wide)power;
 }
 
+#define VD_LARGE_POWER 700.0
+VD_FAR void vd_exp_far(int n, const double *a, double *r) {
+  for (int i = 0; i < n; i++)
+    if (!(fabs(a[i]) < VD_LARGE_POWER)) r[i] = exp(a[i]);
+}
 static VD_APART void vd_exp(int n, double *a, double *r) {
+  vd_test far = vd_none();
   VD_EACH(n) {
     const vd_wide x = VD_WIDE(a);
     VD_STORE(r, vd_exp_wide(x));
-    const vd_test far = ~vd_less(vd_abs_wide(x), vd_w(700.0));
-    if (vd_some(far))
-      for (int k = 0; k < VD_WIDTH; k++)
-        if (VD_TRUE(far, k)) r[i + k] = exp(x[k]);
+    far |= ~vd_less(vd_abs_wide(x), vd_w(VD_LARGE_POWER));
   }
+  if (vd_some(far)) vd_exp_far(n, a, r);
 }
 
 static VD_APART void vd_tanh(int n, double *a, double *r) {

@@ -29,6 +29,7 @@ from vehicledyn.solve.instructions import (
     Program,
 )
 from vehicledyn.solve.schedule import CALLED, Step, call_levels, needed_values, schedule
+from vehicledyn.solve.sums import chain_products
 
 CONDITIONS = frozenset({"LT", "LE", "EQ", "NE", "NOT", "AND", "OR"})
 """Operations whose values are conditions."""
@@ -64,7 +65,9 @@ def lower(program: Program, *, in_rows: bool = False) -> Lowered:
     Shared functions stay without rows: their places are side by side already.
     """
     values, results = _without_repeats(program)
-    values = _fuse(_choose(values), results)
+    values = _choose(values)
+    values, results = chain_products(values, needed_values(values, results), results)
+    values = fuse(values, results)
     wanted = _results_wanted(values, results, len(program.shared))
     shared = [
         lower(_keeping(function, kept))
@@ -144,7 +147,7 @@ def _choose(values: list[Instruction]) -> list[Instruction]:
     return chosen
 
 
-def _fuse(values: list[Instruction], results: Iterable[tuple[int, int, int]]) -> list[Instruction]:
+def fuse(values: list[Instruction], results: Iterable[tuple[int, int, int]]) -> list[Instruction]:
     """Join products and the sums they enter, where this makes the product itself needless."""
     needed = needed_values(values, results)
     uses: dict[int, list[int]] = defaultdict(list)
