@@ -15,6 +15,7 @@ from vehicledyn.solve.function_body import SHARED_ARRAYS, FunctionBody, OwnNames
 from vehicledyn.solve.instructions import RESULT, SHARED, read_function
 from vehicledyn.solve.loop_code import place_table
 from vehicledyn.solve.lowering import Lowered, is_at_hand, lower
+from vehicledyn.solve.mirrored import Signed
 from vehicledyn.solve.operation_code import has_template
 from vehicledyn.solve.piece_code import PieceCode
 from vehicledyn.solve.pieces import cut, find_places
@@ -43,6 +44,7 @@ def print_function(
     piece: int = PIECE,
     wide: WideFunctions | None = None,
     copies: Copies | None = None,
+    mirrored: dict[int, Signed] | None = None,
 ) -> str:
     """Return the C text of an SX function with dense inputs.
 
@@ -68,6 +70,9 @@ def print_function(
     copies
         Numbers of the last input that are wanted side by side, for a function of one lane whose
         values are to be computed in rows; see :mod:`vehicledyn.solve.alike`.
+    mirrored
+        Numbers of the last input for which others stand, for a function of several lanes; see
+        :mod:`vehicledyn.solve.mirrored`.
 
     Raises
     ------
@@ -76,7 +81,12 @@ def print_function(
     """
     program = read_function(function, tables)
     in_rows = copies is not None
-    lowered = lower(program, in_rows=in_rows and not program.shared)
+    lowered = lower(
+        program,
+        in_rows=in_rows and not program.shared,
+        mirrored=mirrored,
+        constants=function.n_in() - 1,
+    )
     _check(lowered, function.name())
     arrays = [f"const real *restrict {item}" for item in inputs]
     arrays += [f"real *restrict r{k}" for k in range(function.n_out())]

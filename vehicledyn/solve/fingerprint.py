@@ -23,6 +23,7 @@ _GENERATORS = (
     "latency.py",
     "loop_code.py",
     "lowering.py",
+    "mirrored.py",
     "nodes.py",
     "operation_code.py",
     "piece_code.py",

@@ -28,6 +28,7 @@ from vehicledyn.solve.instructions import (
     Instruction,
     Program,
 )
+from vehicledyn.solve.mirrored import Signed, read_mirrored
 from vehicledyn.solve.schedule import CALLED, Step, call_levels, needed_values, schedule
 from vehicledyn.solve.sums import chain_products
 
@@ -59,15 +60,25 @@ class Lowered:
     rows: list[tuple[int, ...]]
 
 
-def lower(program: Program, *, in_rows: bool = False) -> Lowered:
+def lower(
+    program: Program,
+    *,
+    in_rows: bool = False,
+    mirrored: dict[int, Signed] | None = None,
+    constants: int = 0,
+) -> Lowered:
     """Return a program in the form in which it is printed, in rows where that is asked for.
 
-    Shared functions stay without rows: their places are side by side already.
+    Shared functions stay without rows: their places are side by side already. ``mirrored`` are the
+    elements of the input ``constants`` for which others stand, see
+    :mod:`vehicledyn.solve.mirrored`.
     """
     values, results = _without_repeats(program)
     values = _choose(values)
     values, results = chain_products(values, needed_values(values, results), results)
     values = fuse(values, results)
+    if mirrored:
+        values = read_mirrored(values, results, mirrored, constants)
     wanted = _results_wanted(values, results, len(program.shared))
     shared = [
         lower(_keeping(function, kept))

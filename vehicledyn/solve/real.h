@@ -194,6 +194,7 @@ VD_INLINE real vd_real(vd_mask a) { return vd_only(a, vd_all(1.0)); }
 #define vd_fma(a, b, c) ((real)VD_FMA8(a, b, c))
 #define vd_fms(a, b, c) ((real)VD_FMA8(a, b, -(c)))
 #define vd_fnma(a, b, c) ((real)VD_FNMA8(a, b, c))
+#define vd_fnms(a, b, c) ((real)VD_FNMA8(a, b, -(c)))
 #define vd_sqrt(a) ((real)VD_SQRT8(a))
 #elif VD_LANES == 4 && VD_WIDTH >= 4 && defined(__FMA__)
 VD_INLINE int vd_any(vd_mask a) { return VD_ANY4(a); }
@@ -203,6 +204,7 @@ VD_INLINE real vd_select(vd_mask m, real a, real b) { return (real)VD_PICK4(m, a
 #define vd_fma(a, b, c) ((real)VD_FMA4(a, b, c))
 #define vd_fms(a, b, c) ((real)VD_FMA4(a, b, -(c)))
 #define vd_fnma(a, b, c) ((real)VD_FNMA4(a, b, c))
+#define vd_fnms(a, b, c) ((real)VD_FNMA4(a, b, -(c)))
 #define vd_sqrt(a) ((real)VD_SQRT4(a))
 #else
 VD_INLINE int vd_any(vd_mask a) {
@@ -221,6 +223,7 @@ VD_INLINE real vd_fma(real a, real b, real c) {
 }
 VD_INLINE real vd_fms(real a, real b, real c) { return vd_fma(a, b, -c); }
 VD_INLINE real vd_fnma(real a, real b, real c) { return vd_fma(-a, b, c); }
+VD_INLINE real vd_fnms(real a, real b, real c) { return vd_fma(-a, b, -c); }
 VD_INLINE real vd_sqrt(real a) {
   for (int i = 0; i < VD_LANES; i++) a[i] = sqrt(a[i]);
   return a;

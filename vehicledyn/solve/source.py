@@ -11,6 +11,8 @@ from vehicledyn.solve.code import print_function
 from vehicledyn.solve.compiler import UNIT_BREAK, suitable_lanes
 from vehicledyn.solve.engine import COUNTED
 from vehicledyn.solve.functions import KernelFunctions, operations_of
+from vehicledyn.solve.instructions import read_function
+from vehicledyn.solve.mirrored import Signed, mirrored_constants
 from vehicledyn.solve.row_code import Copies
 from vehicledyn.solve.table_rows import ROW
 from vehicledyn.solve.wide_functions import WideFunctions
@@ -56,7 +58,11 @@ def lane_head(lanes: int) -> list[str]:
 
 def lane_source(equations: Equations, functions: KernelFunctions, lanes: int) -> str:
     """Return the C source of a kernel that carries so many cases side by side."""
-    texts = [*shared_texts(equations, functions), _events(equations, functions)]
+    mirrored = mirrored_constants(read_function(functions.prepare, equations.tables))
+    texts = [
+        *shared_texts(equations, functions, mirrored=mirrored),
+        _events(equations, functions),
+    ]
     return "\n".join([*lane_head(lanes), *texts, shared_source("batch.c")])
 
 
@@ -69,16 +75,19 @@ def shared_texts(
     functions: KernelFunctions,
     wide: WideFunctions | None = None,
     copies: Copies | None = None,
+    mirrored: dict[int, Signed] | None = None,
 ) -> list[str]:
     """Return what all kernels have: functions of the model, tables and steps.
 
-    ``wide`` and ``copies`` are for kernels of one lane, see
+    ``wide`` and ``copies`` are for kernels of one lane, ``mirrored`` for those of several, see
     :func:`vehicledyn.solve.code.print_function`.
     """
     tables, waves = equations.tables, enumerate(functions.waves)
 
     def printed(function: Any, name: str, wide: WideFunctions | None = None) -> str:
-        return print_function(function, name, _ARGUMENTS, tables=tables, wide=wide, copies=copies)
+        return print_function(
+            function, name, _ARGUMENTS, tables=tables, wide=wide, copies=copies, mirrored=mirrored
+        )
 
     return [
         print_function(functions.prepare, "prepare", ["p"], tables=tables),
