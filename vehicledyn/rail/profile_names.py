@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from functools import cache
 from pathlib import Path
 from typing import Any, Literal
 
 from vehicledyn.base.errors import InputError, nearest_name
 from vehicledyn.base.slopes import slope_of
 from vehicledyn.base.units import to_si
-from vehicledyn.base.yaml import read_yaml
+from vehicledyn.base.yaml import copied, read_yaml
 
 Kind = Literal["wheel", "rail"]
 
@@ -85,9 +86,15 @@ def standard_data(text: str, kind: Kind) -> dict[str, Any]:
         hint = f"; did you mean '{guess}'?" if guess else "."
         known = ", ".join((*STANDARD, *FORMULAS))
         raise InputError(f"'{text}' is neither a file nor a profile{hint} Known profiles: {known}")
-    data: dict[str, Any] = read_yaml(FOLDER / f"{stem}.yaml").data
+    data = copied(_standard_file(stem))
     if data["kind"] != kind:
         raise InputError(f"'{text}' is the profile of a {data['kind']}, a {kind}'s is needed here")
+    return data
+
+
+@cache
+def _standard_file(stem: str) -> dict[str, Any]:
+    data: dict[str, Any] = read_yaml(FOLDER / f"{stem}.yaml").data
     return data
 
 

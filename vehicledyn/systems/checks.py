@@ -67,11 +67,12 @@ class _Known:
         self.parameters = parameters
         self.driven = {drive.coordinate for drive in file.drives.values()}
         self.switches = dict.fromkeys(file.switches, measure_of("1"))
+        self._bad = parameters.declared - set(parameters.values)
 
     def failed(self, expression: Expression) -> bool:
         """Return whether an expression rests on a parameter that has been complained about."""
-        bad = self.parameters.declared - set(self.parameters.values)
-        return any(n in bad or n.rpartition(".")[0] in bad for n in expression.names)
+        bad = self._bad
+        return bool(bad) and any(n in bad or n.rpartition(".")[0] in bad for n in expression.names)
 
 
 def variables(

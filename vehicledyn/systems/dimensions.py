@@ -6,6 +6,7 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from fractions import Fraction
+from functools import cache
 from typing import Any
 
 from vehicledyn.base.units import parse_unit
@@ -70,6 +71,7 @@ class Measure:
         return self.fits(other.unit) or (not other.exact and self.lengths == other.lengths)
 
 
+@cache
 def measure_of(unit: str) -> Measure:
     """Return the measure of a unit."""
     return Measure(_powers(parse_unit(unit).dimension), exact=True)
@@ -84,7 +86,7 @@ def multiplier_unit(zero: Measure, *, is_rate: bool) -> str:
 
 
 def _powers(dimension: Any) -> Powers:
-    m, kg, s, rad = (Fraction(p) for p in dimension)
+    m, kg, s, rad = (p if isinstance(p, Fraction) else Fraction(p) for p in dimension)
     return (m, kg, s, rad)
 
 
