@@ -86,7 +86,7 @@ def standard_data(text: str, kind: Kind) -> dict[str, Any]:
         hint = f"; did you mean '{guess}'?" if guess else "."
         known = ", ".join((*STANDARD, *FORMULAS))
         raise InputError(f"'{text}' is neither a file nor a profile{hint} Known profiles: {known}")
-    data = copied(_standard_file(stem))
+    data: dict[str, Any] = copied(_standard_file(stem))
     if data["kind"] != kind:
         raise InputError(f"'{text}' is the profile of a {data['kind']}, a {kind}'s is needed here")
     return data
