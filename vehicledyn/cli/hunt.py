@@ -31,7 +31,8 @@ def hunt(
         str, typer.Option("--parameter", "-p", metavar="NAME", help="What is varied.")
     ] = "speed",
     points: Annotated[
-        int, typer.Option(min=2, max=10000, help="About as many cycles on a branch.")
+        int,
+        typer.Option(min=2, max=10000, help="About as many cycles on each way through the range."),
     ] = 60,
     channels: Annotated[
         list[str] | None,

@@ -69,6 +69,21 @@ def gap_oscillator():
     )  # fmt: skip
 
 
+def grazing_oscillator():
+    """An oscillation that grows by itself the more the larger it is, up to a stop at x = 1.
+
+    The stop is a spring 4000 times as stiff that takes energy. Averaged, free cycles of the
+    amplitude a lie at μ = -0.075 a², and the branch folds where they graze the stop.
+    """
+    t, x, v, m = symbols("t", "x", "v", "mu")
+    beyond = ca.fmax(x - 1.0, 0.0)
+    return build(
+        "grazing", time=t, states=[(x, 0.0), (v, 0.0)],
+        rates=[v, -x - 4000.0 * beyond * (1.0 + 4.0 * v) + (m + 0.3 * x * x) * v],
+        parameters=[(m, 0.0)], outputs=[("x", x)], positions=(0,), velocities=(1,),
+    )  # fmt: skip
+
+
 def circle_beside(kind):
     """The circle r = 1 run through in 2π, and beside it a motion that begins to grow at μ = 0.
 
