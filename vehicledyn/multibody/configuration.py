@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import logging
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from vehicledyn.base.errors import InputError, NumericalError
 from vehicledyn.multibody import assembly, partition
+from vehicledyn.multibody.assembly import NotAssembledError
 from vehicledyn.multibody.gaps import Gaps
 from vehicledyn.multibody.partition import Choice, Redundancy
 from vehicledyn.multibody.system import GROUND, Joint, System
@@ -18,9 +19,27 @@ from vehicledyn.multibody.system import GROUND, Joint, System
 Array = NDArray[np.float64]
 _STEP_ASIDE = 1e-3
 """Step that tells a singular configuration from redundant constraints [m, rad]."""
+_GUESSES = 4
+_SAME = 1e-6
+"""Coordinates nearer to each other than this belong to one solution [m, rad]."""
 _WEAK = 1e-5
 """Pivot below which a start counts as nearly singular [1]."""
 _log = logging.getLogger(__name__)
+
+
+@dataclass(frozen=True)
+class Guess:
+    """What constraints guess of coordinates of their own: their indices, and the values there."""
+
+    places: Sequence[int]
+    values: Callable[[Array], Array]
+
+    def __call__(self, q: Array) -> Array:
+        """Return all coordinates with the guessed ones in their places."""
+        full = q.copy()
+        if self.places:
+            full[list(self.places)] = self.values(q)
+        return full
 
 
 @dataclass(frozen=True)
@@ -52,6 +71,28 @@ class Place:
             self.gaps.cuts,
         )
         return at(found)
+
+    def assembled_by(self, start: Array, guess: Guess) -> Array:
+        """Return all coordinates with every loop closed, some of which constraints guess.
+
+        Where a constraint has several solutions, what is guessed while others are open may be
+        another one than where they are closed: it is guessed anew there, until it stays.
+
+        Raises
+        ------
+        NotAssembledError
+            If loops stay open.
+        """
+        q = self.assembled(guess(start))
+        for _ in range(_GUESSES if guess.places else 0):
+            try:
+                found = self.assembled(guess(q))
+            except NotAssembledError:
+                break
+            if np.allclose(found, q, rtol=0.0, atol=_SAME):
+                break
+            q = found
+        return q
 
     def chosen(self, q: Array) -> Choice:
         """Return the partition at a configuration."""

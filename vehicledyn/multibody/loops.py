@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from vehicledyn.multibody.assembly import NotAssembledError
 from vehicledyn.multibody.closure import Closure
 from vehicledyn.multibody.configuration import (
+    Guess,
     Place,
     explain,
     refuse_contradictions,
@@ -112,7 +113,7 @@ def close(
     still = locked(system, symbols)
     place = Place(symbols.joints, gaps, when.time, still)
     try:
-        q = place.assembled(given)
+        q = place.assembled_by(given, guesses(system, symbols, when.time))
     except NotAssembledError as error:
         raise why_open(system, place, given, error) from None
     chosen = place.chosen(q)
@@ -152,19 +153,18 @@ def start_values(
     positions = ops.column([motion[symbols.joints[k].name].position for k in driven])
     values = ops.numeric(known, positions)(moment.time, starts, [e.value for e in entries])
     q[driven] = values[:, 0]
-    return _guessed(system, symbols, q, moment.time)
+    return q
 
 
-def _guessed(system: System, symbols: Symbols, q: Array, time: float) -> Array:
-    """Return start values with what the constraints guess of coordinates of their own."""
+def guesses(system: System, symbols: Symbols, time: float) -> Guess:
+    """Return what the constraints guess of coordinates of their own."""
     if all(type(c).guesses is BaseConstraint.guesses for c in system.constraints):
-        return q
+        return Guess((), lambda q: q)
     geometry = Geometry(symbols.time, symbols.kinematics(unfold(system)))
     found = {k: v for c in system.constraints for k, v in c.guesses(geometry).items()}
     entries = system.table.entries
     known = [symbols.time, symbols.coordinate_column, ops.column([e.symbol for e in entries])]
-    values = ops.numeric(known, ops.column([*found.values()]))(time, q, [e.value for e in entries])
-    q = q.copy()
-    names = [j.name for j in symbols.joints]
-    q[[names.index(name) for name in found]] = values[:, 0]
-    return q
+    guess = ops.numeric(known, ops.column([*found.values()]))
+    names, numbers = [j.name for j in symbols.joints], [e.value for e in entries]
+    places = [names.index(name) for name in found]
+    return Guess(places, lambda q: guess(time, q, numbers)[:, 0])

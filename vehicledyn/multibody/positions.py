@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from vehicledyn.multibody.configuration import Place
 from vehicledyn.multibody.gaps import Gaps, rows_of_system
 from vehicledyn.multibody.kinematics import Kinematics
-from vehicledyn.multibody.loops import Moment, start_values
+from vehicledyn.multibody.loops import Moment, guesses, start_values
 from vehicledyn.multibody.parts import Output
 from vehicledyn.multibody.system import System
 from vehicledyn.multibody.tree import Tree, unfold
@@ -65,7 +65,10 @@ class Positions:
             system, symbols, rows_of_system(system, symbols.kinematics(tree), symbols.time)
         )
         place = Place(symbols.joints, self._gaps, 0.0, locked(system, symbols))
-        self.start = place.assembled(start_values(system, symbols, motion, Moment()))
+        moment = Moment()
+        self.start = place.assembled_by(
+            start_values(system, symbols, motion, moment), guesses(system, symbols, moment.time)
+        )
         self.coordinates = tuple(
             CoordinateFacts(j.name, j.unit, j.description or j.name, j.role) for j in symbols.joints
         )

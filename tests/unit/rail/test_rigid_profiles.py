@@ -36,7 +36,8 @@ def part(s1002):
 
 
 @pytest.mark.parametrize(
-    ("lateral", "yaw"), [(0.0, 0.0), (0.003, 0.01), (-0.0055, 0.0), (0.0075, -0.01)]
+    ("lateral", "yaw"),
+    [(0.0, 0.0), (0.003, 0.01), (0.00503, 0.0), (-0.0051, 0.0), (-0.0055, 0.0), (0.0075, -0.01)],
 )
 def test_contact_starts_where_a_search_finds_it(s1002, part, lateral, yaw):
     standing = stand(s1002, lateral, yaw)
