@@ -32,7 +32,9 @@ def read_points(path: Path) -> RawPoints:
     reader = _reader(path, lines)
     points = reader(str(path), lines)
     if not points.first:
-        message = "no points found in this profile: no line begins with a number"
+        simpack = "Simpack's stand between point.begin and point.end"
+        where = simpack if reader is _read_simpack else "no line begins with a number"
+        message = f"no points found in this profile: {where}"
         raise points.refused(max(len(lines), 1), 1, message)
     return points
 

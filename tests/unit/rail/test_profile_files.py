@@ -339,6 +339,10 @@ def test_wrong_simpack(tmp_path, settings, told):
     refused(tmp_path, simpack(points(), **settings), told, "wheel.prw")
 
 
+def test_simpack_without_points(tmp_path):
+    refused(tmp_path, lines(points()), "between point.begin and point.end", "wheel.prw")
+
+
 def test_missing_and_binary_files(tmp_path):
     with pytest.raises(InputError, match="cannot be read: No such file"):
         open_profile(str(tmp_path / "none.csv"), "rail")
