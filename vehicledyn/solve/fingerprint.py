@@ -28,7 +28,7 @@ _GENERATORS = (
     "operation_code.py",
     "piece_code.py",
     "pieces.py",
-    "point_slopes.py",
+    "point_source.py",
     "reciprocals.py",
     "rolled.py",
     "row_code.py",
@@ -53,6 +53,7 @@ _SHARED = (
     "slopes.c",
     "flow.c",
     "march.c",
+    "tangents.c",
     "implicit.c",
     "columns.c",
 )

@@ -14,25 +14,27 @@ static const double vd_missing[NSTAGE] = {71.0 / 57600.0,      0.0,          -71
                                           71.0 / 1920.0,       -17253.0 / 339200.0,
                                           22.0 / 525.0,        -1.0 / 40.0};
 
-/* begin and scales (NPOINT,), durations (count,), places (count, NPOINT) at the end of each; errors
-   are at most the tolerance times the scales in a step. efforts (count,) tell the steps tried in
-   each. Returns how many durations are left after so many trials of a step. */
+/* begin and scales (NPOINT,), durations (count,); errors are at most the tolerance times the scales
+   in a step. nodes and rates (room + 1, NPOINT) and sizes (room,) are those of the steps taken,
+   steps (count,) how many end in each duration. Returns how many durations are left after so many
+   trials of a step, or where the room is full. */
 VD_EXPORT long long vd_march(long long count, const double *begin, const double *p,
                              const double *durations, const double *scales, double tolerance,
-                             long long trials, double *places, double *efforts) {
+                             long long trials, long long room, double *nodes, double *rates,
+                             double *sizes, long long *steps) {
   double given[NP + NT + 1], c[NC + NT + 1], x[NROW], next[NROW], f[NSTAGE][NROW];
   memcpy(given, p, (NP + NT) * sizeof(double));
   prepare(given, c);
   memcpy(c + NC, p + NP, NT * sizeof(double));
   memcpy(x, begin, sizeof x);
   evaluate(x, c, f[0]);
-  double step = 0.25 * durations[0];
-  long long done = 0;
-  double left = durations[0];
-  for (long long k = 0; k < count; k++) efforts[k] = 0.0;
-  for (long long trial = 0; trial < trials && done < count; trial++) {
+  memcpy(nodes, x, sizeof x);
+  memcpy(rates, f[0], sizeof x);
+  double step = 0.25 * durations[0], left = durations[0];
+  long long done = 0, taken = 0;
+  for (long long k = 0; k < count; k++) steps[k] = 0;
+  for (long long trial = 0; trial < trials && taken < room && done < count; trial++) {
     const double h = step < left ? step : left;
-    efforts[done] += 1.0;
     for (int number = 0; number < NSTAGE - 1; number++) {
       for (int k = 0; k < NROW; k++) {
         double sum = 0.0;
@@ -57,9 +59,12 @@ VD_EXPORT long long vd_march(long long count, const double *begin, const double 
     if (h < left || next_step < step) step = next_step;
     memcpy(x, next, sizeof x);
     memcpy(f[0], f[NSTAGE - 1], sizeof f[0]);
+    sizes[taken++] = h;
+    memcpy(nodes + taken * NROW, x, sizeof x);
+    memcpy(rates + taken * NROW, f[0], sizeof x);
+    steps[done] += 1;
     left -= h;
     if (left <= 0.0) {
-      memcpy(places + done * NROW, x, sizeof x);
       done += 1;
       if (done < count) left = durations[done];
     }

@@ -9,29 +9,19 @@ most elements are zero and the others have much in common.
 from __future__ import annotations
 
 import ctypes
-from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from vehicledyn.base.processors import cores
-from vehicledyn.solve import cache
-from vehicledyn.solve.code import print_function
-from vehicledyn.solve.compiler import UNIT_BREAK, build_library, find_compiler, suitable_lanes
+from vehicledyn.solve.compiler import suitable_lanes
 from vehicledyn.solve.engine import Vector
-from vehicledyn.solve.fingerprint import function_text, generator_fingerprint
-from vehicledyn.solve.functions import apart_from_parameters
-from vehicledyn.solve.source import shared_source, wide_units
-from vehicledyn.solve.table_rows import ROW, TableRows
-from vehicledyn.solve.wide_functions import WideFunctions
-from vehicledyn.symbolic import ops
-from vehicledyn.symbolic.chain_rule import entries_of, values_and_jacobian
+from vehicledyn.solve.point_source import Wanted, compiled
+from vehicledyn.solve.table_rows import TableRows
 from vehicledyn.symbolic.tables import CurveTable
-
-_P = ctypes.c_void_p
 
 
 @dataclass(frozen=True)
@@ -89,9 +79,11 @@ class PointCode:
         self._rows = TableRows(tables)
         self._n_values = values.shape[0]
         self._n_directions = 0 if index is None else point.shape[0] + 1
-        wanted = _Wanted(values, point, parameter, tables, index, often)
+        wanted = Wanted(values, point, parameter, tables, index, often)
         self._lanes = suitable_lanes()
-        self._function, self._flow = _compiled(wanted, self._lanes)
+        self._library = compiled(wanted, self._lanes)
+        self.carries_motion = bool(wanted.motion(self._lanes))
+        """Whether the values are rates along which points can be carried."""
 
     def values(self, points: Vector, parameters: Vector) -> Vector:
         """Return the values at points (count, n), shape (count, n_values)."""
@@ -104,11 +96,6 @@ class PointCode:
         """
         values, slopes = self._at(points, parameters)
         return values, slopes.transpose(0, 2, 1)
-
-    @property
-    def carries_motion(self) -> bool:
-        """Whether the values are rates along which points can be carried."""
-        return self._flow is not None
 
     def carried(
         self,
@@ -143,19 +130,92 @@ class PointCode:
         sizes = np.ascontiguousarray(scales, dtype=float)
         ends, first, last = (np.empty((count, n)) for _ in range(3))
         maps, errors = np.empty((count, n, n + 1)), np.empty(count)
-        flow = self._flow
-        assert flow is not None
 
         def carry(begin: int) -> int:
             part = slice(begin, begin + self._lanes)
             before = [a.ctypes.data for a in (given[0][part], given[1], given[2][part], sizes)]
             after = [a[part].ctypes.data for a in (ends, maps, first, last, errors)]
-            return flow(len(ends[part]), *before, tolerance, trials, *after)
+            return int(self._library.vd_flow(len(ends[part]), *before, tolerance, trials, *after))
 
         with ThreadPoolExecutor(cores()) as side_by_side:
             if any(side_by_side.map(carry, reversed(range(0, count, self._lanes)))):
                 return None
         return Carried(ends, maps, first, last, errors)
+
+    def entries(
+        self, points: Vector, parameters: Vector, pool: ThreadPoolExecutor
+    ) -> tuple[Vector, Vector]:
+        """Return values (count, n_values) at points and the elements of the Jacobian there.
+
+        Those that may differ from zero, column by column, shape (count, n_entries). For values
+        that are rates, as what follows.
+        """
+        count, lanes = len(points), self._lanes
+        given = np.ascontiguousarray(points, dtype=float)
+        numbers = self._rows.after(np.ascontiguousarray(parameters, dtype=float))
+        n_entries = ctypes.c_longlong.in_dll(self._library, "vd_n_entries").value
+        values, entries = np.empty((count, self._n_values)), np.empty((count, n_entries))
+        each = lanes * max(1, -(-count // (lanes * cores())))
+
+        def evaluate(first: int) -> None:
+            part = slice(first, first + each)
+            arrays = given[part], numbers, values[part], entries[part]
+            self._library.vd_entries(len(arrays[0]), *[a.ctypes.data for a in arrays])
+
+        list(pool.map(evaluate, range(0, count, each)))
+        return values, entries
+
+    def missed(
+        self,
+        sizes: Vector,
+        rows: NDArray[np.int64],
+        values: Vector,
+        entries: Vector,
+        scales: Vector,
+    ) -> Vector:
+        """Return by how much rates carried through steps as tangents miss those at their ends.
+
+        Part of the largest rate, shape (n_steps,). ``sizes`` (n_steps,) in s; ``rows`` (n_steps, 3)
+        are those of ``values`` and ``entries``, see :meth:`entries`, at begin, middle and end of
+        each step; -1 for a middle that is not known.
+        """
+        errors = np.empty(len(sizes))
+        arrays = sizes, np.ascontiguousarray(rows), values, entries, scales, errors
+        self._done(self._library.vd_missed(len(sizes), *[a.ctypes.data for a in arrays]))
+        return errors
+
+    def tangents(
+        self,
+        counts: NDArray[np.int64],
+        sizes: Vector,
+        rows: NDArray[np.int64],
+        entries: Vector,
+        pool: ThreadPoolExecutor,
+    ) -> Vector:
+        """Return the derivatives of motions by their begins and the parameter.
+
+        Shape (n_motions, n, n + 1). ``counts`` (n_motions,) tell how many of the steps that lie
+        behind each other belong to each; they are told as for :meth:`missed`.
+        """
+        lanes, n = self._lanes, self._n_values
+        order = np.argsort(-counts, kind="stable")
+        begins = np.cumsum(counts) - counts
+        whole = begins[order], counts[order], np.empty((len(order), n, n + 1))
+        fixed = [a.ctypes.data for a in (sizes, rows, entries)]
+
+        def carry(first: int) -> None:
+            own = [a[first : first + lanes] for a in whole]
+            addresses = [a.ctypes.data for a in own]
+            self._done(self._library.vd_tangents(len(own[0]), *addresses[:2], *fixed, addresses[2]))
+
+        list(pool.map(carry, range(0, len(order), lanes)))
+        maps = np.empty_like(whole[2])
+        maps[order] = whole[2]
+        return maps
+
+    def _done(self, failed: int) -> None:
+        if failed:
+            raise MemoryError
 
     def _at(self, points: Vector, parameters: Vector) -> tuple[Vector, Vector]:
         count = len(points)
@@ -163,140 +223,5 @@ class PointCode:
         numbers = self._rows.after(np.ascontiguousarray(parameters, dtype=float))
         values = np.empty((count, self._n_values))
         slopes = np.empty((count, self._n_directions, self._n_values))
-        self._function(count, *[a.ctypes.data for a in (given, numbers, values, slopes)])
+        self._library.vd_points(count, *[a.ctypes.data for a in (given, numbers, values, slopes)])
         return values, slopes
-
-
-@dataclass(frozen=True)
-class _Wanted:
-    """What is compiled, see :class:`PointCode`."""
-
-    values: Any
-    point: Any
-    parameter: Any
-    tables: tuple[CurveTable, ...]
-    index: int | None
-    often: bool
-
-    def motion(self, lanes: int) -> str:
-        """Return the file of the function that follows motions, where values are rates."""
-        if self.values.shape[0] != self.point.shape[0]:
-            return ""
-        if self.index is None:
-            return "march.c" if lanes == 1 else ""
-        return "flow.c" if self.often else ""
-
-    def key(self, *further: str) -> str:
-        """Return a text that tells all that the code depends on."""
-        import casadi
-
-        function = casadi.Function("values", [self.point, self.parameter], [self.values])
-        texts = [function_text(function, self.tables), repr((self.index, self.often))]
-        return cache.key_of(*texts, *further)
-
-    def text(self, lanes: int) -> str:
-        """Return the C source."""
-        inputs, results, pattern = [self.point, self.parameter], [self.values], None
-        if self.index is not None:
-            moving = ops.stacked(self.point, self.parameter[self.index])
-            if self.often:
-                values, slopes = values_and_jacobian(self.values, moving)
-                pattern = slopes.sparsity()
-                results = [values, entries_of(slopes)]
-            else:
-                direction = ops.symbols("direction", moving.shape[0])
-                results.append(ops.derivative(self.values, moving, direction))
-                inputs.insert(1, direction)
-        prepare, evaluate = apart_from_parameters(inputs, results)
-        sizes = {
-            "NP": self.parameter.shape[0],
-            "NC": prepare.numel_out(0),
-            "NT": ROW * len(self.tables),
-            "NPOINT": self.point.shape[0],
-            "NROW": self.values.shape[0],
-            "NDIRECTION": 0 if self.index is None else self.point.shape[0] + 1,
-            "NENTRY": 0 if pattern is None else pattern.nnz(),
-        }
-        names = [f"i{k}" for k in range(evaluate.n_in())]
-        wide = WideFunctions(suitable_lanes()) if lanes == 1 else None
-        parts = [
-            f"#define VD_LANES {lanes}",
-            shared_source("real.h"),
-            shared_source("elementary.c"),
-            *(f"#define {name} {size}" for name, size in sizes.items()),
-            "" if pattern is None else _places(pattern),
-            print_function(prepare, "prepare", ["p"], tables=self.tables),
-            print_function(evaluate, "evaluate", names, tables=self.tables, wide=wide),
-            shared_source("slopes.c"),
-            shared_source(self.motion(lanes)) if self.motion(lanes) else "",
-        ]
-        return UNIT_BREAK.join(["\n".join(parts), *([] if wide is None else wide_units(wide))])
-
-
-def _places(pattern: Any) -> str:
-    """Return the C text of where the nonzeros of a Jacobian lie in one stored by columns."""
-    rows, columns = pattern.size1(), pattern.get_col()
-    places = [column * rows + row for row, column in zip(pattern.row(), columns, strict=True)]
-    return f"static const int place[] = {{{', '.join(map(str, places)) or '0'}}};"
-
-
-class PathCode:
-    """Machine code that follows one motion; ``rates`` are those of the point.
-
-    The other parameters and errors are those of :class:`PointCode`.
-    """
-
-    def __init__(
-        self, rates: Any, point: Any, parameter: Any, tables: tuple[CurveTable, ...]
-    ) -> None:
-        """Print and compile, or take the code from the cache."""
-        self._rows = TableRows(tables)
-        _, self._march = _compiled(_Wanted(rates, point, parameter, tables, None, False), 1)
-
-    def followed(
-        self,
-        begin: Vector,
-        parameters: Vector,
-        durations: Vector,
-        *,
-        scales: Vector,
-        tolerance: float,
-        trials: int,
-    ) -> tuple[Vector, Vector] | None:
-        """Return the states at the end of each duration [s], shape (n_durations, n), and efforts.
-
-        Steps have errors of at most the tolerance times ``scales``; None where they become more
-        than ``trials``. Efforts (n_durations,) are the steps tried.
-        """
-        given = [np.ascontiguousarray(a, dtype=float) for a in (begin, durations, scales)]
-        numbers = self._rows.after(np.ascontiguousarray(parameters, dtype=float))
-        places, efforts = np.empty((len(durations), len(begin))), np.empty(len(durations))
-        addresses = [a.ctypes.data for a in (given[0], numbers, *given[1:])]
-        assert self._march is not None
-        found = places.ctypes.data, efforts.ctypes.data
-        left = self._march(len(durations), *addresses, tolerance, trials, *found)
-        return None if left else (places, efforts)
-
-
-def _compiled(wanted: _Wanted, lanes: int) -> tuple[Callable[..., None], Callable[..., int] | None]:
-    """Return the function of values and slopes, and that of motions if there is one."""
-    compiler = find_compiler()
-
-    def build(folder: Path) -> Path:
-        return build_library(compiler, wanted.text(lanes), folder)
-
-    def opened(path: Path) -> tuple[Callable[..., None], Callable[..., int] | None]:
-        library = ctypes.CDLL(str(path))
-        motion = {"": None, "flow.c": "vd_flow", "march.c": "vd_march"}[wanted.motion(lanes)]
-        return library.vd_points, None if motion is None else getattr(library, motion)
-
-    key = wanted.key(f"{lanes} lanes", generator_fingerprint(), compiler.identity)
-    (points, flow), _ = cache.load(key, build, opened)
-    number = ctypes.c_longlong
-    points.restype, points.argtypes = None, [number, *[_P] * 4]  # type: ignore[attr-defined]
-    if flow is not None:
-        after = 5 if wanted.often else 2
-        flow.restype = number  # type: ignore[attr-defined]
-        arguments = [number, *[_P] * 4, ctypes.c_double, number, *[_P] * after]
-        flow.argtypes = arguments  # type: ignore[attr-defined]
-    return points, flow

@@ -15,12 +15,17 @@ from vehicledyn.solve.derivatives import TotalDerivatives
 from vehicledyn.solve.engine import Vector
 from vehicledyn.solve.functions import operations_in
 from vehicledyn.solve.interpreted import BufferedFunction
-from vehicledyn.solve.point_slopes import Carried, PathCode, PointCode
+from vehicledyn.solve.path_code import Path, PathCode
+from vehicledyn.solve.path_tangents import tangents_along
+from vehicledyn.solve.point_slopes import Carried, PointCode
 from vehicledyn.symbolic import ops
 from vehicledyn.symbolic.equations import Equations
 
 LEAST = 2000
 """Operations from which on a field is compiled; smaller ones are done before gcc would be."""
+
+_MOST_WITHIN = 500
+"""Steps in which one step of a path may be made again."""
 
 _log = logging.getLogger(__name__)
 
@@ -168,8 +173,8 @@ class AutonomousField:
         scales: Vector,
         tolerance: float,
         trials: int,
-    ) -> tuple[Vector, Vector] | None:
-        """Return where the motion from a state leads, see :meth:`PathCode.followed`.
+    ) -> Path | None:
+        """Return the path of the motion from a state, see :meth:`PathCode.followed`.
 
         For fields that are carried; None where steps become many.
         """
@@ -180,6 +185,30 @@ class AutonomousField:
             scales=scales,
             tolerance=tolerance,
             trials=trials,
+        )
+
+    def carried_along(
+        self, path: Path, value: float, *, scales: Vector, tolerance: float
+    ) -> Carried:
+        """Return where the durations of a path lead, with tangents, see :func:`tangents_along`.
+
+        For fields that are carried.
+        """
+
+        def followed(state: Vector, size: float, error: float) -> Path | None:
+            return self.followed(
+                state, value, np.array([size]), scales=scales, tolerance=error, trials=_MOST_WITHIN
+            )
+
+        code = self._compiled
+        assert code is not None
+        return tangents_along(
+            code,
+            path,
+            self.parameters(value),
+            scales=scales,
+            tolerance=tolerance,
+            followed=followed,
         )
 
     def total(

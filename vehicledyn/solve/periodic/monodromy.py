@@ -19,9 +19,11 @@ from numpy.typing import NDArray
 
 from vehicledyn.base.errors import NumericalError
 from vehicledyn.solve.engine import Vector
+from vehicledyn.solve.path_code import Path
 from vehicledyn.solve.periodic.autonomous import AutonomousField
 from vehicledyn.solve.periodic.orbit import Orbit
 from vehicledyn.solve.periodic.radau import NODES, ORDER, STAGES, Place, Steps, radau_steps
+from vehicledyn.solve.point_slopes import Carried
 
 TOLERANCE = 1e-5
 """Part of the rates that the tangent of a step may miss."""
@@ -80,7 +82,6 @@ def passages(
     orbit: Orbit,
     *,
     tolerance: float = TOLERANCE,
-    efforts: Vector | None = None,
 ) -> Passages:
     """Integrate the pieces of an orbit with their derivatives.
 
@@ -92,16 +93,13 @@ def passages(
         The orbit, its unknowns a guess.
     tolerance
         Error allowed of a step, see above.
-    efforts
-        A measure of how many steps each piece needs, shape (n_pieces,): pieces alike are then
-        carried side by side.
 
     Raises
     ------
     NumericalError
         If a piece cannot be integrated.
     """
-    quick = _carried(field, orbit, tolerance, efforts)
+    quick = _carried(field, orbit, tolerance)
     if quick is not None:
         return quick
     pieces = _Pieces.of(field, orbit)
@@ -113,37 +111,60 @@ def passages(
     raise NumericalError("the motion along a cycle cannot be integrated: steps become too small")
 
 
-def _carried(
-    field: AutonomousField, orbit: Orbit, tolerance: float, efforts: Vector | None
-) -> Passages | None:
+def _carried(field: AutonomousField, orbit: Orbit, tolerance: float) -> Passages | None:
     """Return the passages by compiled explicit steps, None where there is no such code.
 
     None too where the motion is so stiff that they would be too many.
     """
     scales = orbit.scales()
-    durations = np.diff(np.append(orbit.times_of(orbit.mesh)[0], 1.0)) * orbit.period
-    order = np.arange(len(durations)) if efforts is None else np.argsort(efforts, kind="stable")
     found = field.carried(
-        orbit.states[order],
+        orbit.states,
         orbit.parameter,
-        durations[order],
+        durations_of(orbit),
         scales=scales,
         tolerance=tolerance,
         trials=_MOST_EXPLICIT,
     )
-    if found is None:
-        return None
-    place = np.argsort(order)
-    maps = found.maps[place]
+    return None if found is None else _scaled(orbit, found, scales)
+
+
+def durations_of(orbit: Orbit) -> Vector:
+    """Return how long the pieces of an orbit last, shape (n_pieces,) [s]."""
+    return np.asarray(np.diff(np.append(orbit.times_of(orbit.mesh)[0], 1.0)) * orbit.period)
+
+
+def passages_along(
+    field: AutonomousField, orbit: Orbit, path: Path, scales: Vector, *, tolerance: float
+) -> Passages:
+    """Return the passages of an orbit whose points compiled code has found on one path.
+
+    Parameters
+    ----------
+    field
+        The equations.
+    orbit
+        The orbit.
+    path
+        The motion from its first point through the durations of its pieces.
+    scales
+        Sizes of the states, shape (n,).
+    tolerance
+        Part of the rates that the tangent of a step may miss.
+    """
+    found = field.carried_along(path, orbit.parameter, scales=scales, tolerance=tolerance)
+    return _scaled(orbit, found, scales)
+
+
+def _scaled(orbit: Orbit, found: Carried, scales: Vector) -> Passages:
     return Passages(
         orbit,
         scales,
-        found.ends[place] / scales,
-        maps[:, :, :-1] * (scales / scales[:, None]),
-        maps[:, :, -1] / scales,
-        found.first[place] / scales,
-        found.last[place] / scales,
-        durations,
+        found.ends / scales,
+        found.maps[:, :, :-1] * (scales / scales[:, None]),
+        found.maps[:, :, -1] / scales,
+        found.first / scales,
+        found.last / scales,
+        durations_of(orbit),
         float(found.errors.max(initial=0.0)),
     )
 

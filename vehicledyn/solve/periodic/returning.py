@@ -20,9 +20,10 @@ import numpy as np
 
 from vehicledyn.base.errors import NumericalError
 from vehicledyn.solve.engine import Vector
+from vehicledyn.solve.path_code import Path
 from vehicledyn.solve.periodic.autonomous import AutonomousField
 from vehicledyn.solve.periodic.collocation import Direction
-from vehicledyn.solve.periodic.monodromy import Passages, passages
+from vehicledyn.solve.periodic.monodromy import Passages, durations_of, passages_along
 from vehicledyn.solve.periodic.orbit import Orbit
 from vehicledyn.solve.periodic.shooting import Chain, Closed, solved
 
@@ -36,14 +37,15 @@ that begin and end on the way multiply them by thousands, so that they may be al
 _ROUGH = 1e-2
 """Tolerance of tangents on the way."""
 
-_TOLERANCES = (1e-4, 1e-5)
+_TOLERANCES = (3e-4, 3e-5)
 """Those of the tangents that multipliers come from; the second where the first does not do."""
 
 _SHIFTED = 5e-4
 """Distance of the trivial multiplier from 1 up to which the first does."""
 
-_RETURNED = 3e-7
-"""Distance to the begin, part of the scales, that counts as none."""
+_RETURNED, _SURELY = 1e-6, 3e-7
+"""Distances to the begin, part of the scales, that count as none: where the trivial multiplier is
+1, and anyhow."""
 
 _ITERATIONS, _SLOW, _MOST_VAIN, _LOST = 16, 0.3, 2, 3.0
 """Iterations; reduction of the gap from which derivatives are found anew; iterations without
@@ -84,30 +86,33 @@ def returning(
     NumericalError
         If the orbit is not found.
     """
-    chain = None if near is None else Chain.of(near, parameter_scale or 0.0)
+    size_of = parameter_scale or 0.0
+    search = None if near is None else _Search(Chain.of(near, size_of), guess, along)
     scales = guess.scales() if near is None else near.scales
     orbit, before, best, vain, error = guess, np.inf, np.inf, 0, _NEAR_STEP
     counted = 0
     for _ in range(_ITERATIONS):
         counted += error >= _STEP
-        orbit, gap, efforts = _followed(field, orbit, scales, error)
+        orbit, gap, path = _followed(field, orbit, scales, error)
         size = float(np.abs(gap).max())
         if size < _RETURNED and error <= _STEP:
-            found = _tangents(field, orbit, efforts)
-            chain = Chain.of(found, parameter_scale or 0.0)
-            gap = gap * scales / found.scales
-            return Closed(_corrected(chain, orbit, gap, guess, along), found, counted)
+            found = _tangents(field, orbit, path)
+            search = _Search(Chain.of(found, size_of), guess, along)
+            corrected = search.corrected(orbit, gap * scales / found.scales)
+            if size < _SURELY or abs(found.trivial - 1.0) < _SHIFTED:
+                return Closed(corrected, found, counted)
+            orbit, scales, before = corrected, found.scales, size
+            continue
         vain = 0 if size < 0.5 * best else vain + 1
         best = min(best, size)
         if vain > _MOST_VAIN or not size < _LOST:
             break
         is_slow = size > _SLOW * before
         finer = _finer(error, size, is_slow=is_slow)
-        if chain is None or is_slow:
-            found = passages(field, orbit, tolerance=_ROUGH, efforts=efforts)
-            chain = Chain.of(found, parameter_scale or 0.0)
-            gap, scales = gap * scales / chain.found.scales, chain.found.scales
-        orbit, before = _corrected(chain, orbit, gap, guess, along), size
+        if search is None or is_slow:
+            found = passages_along(field, orbit, path, scales, tolerance=_ROUGH)
+            search = _Search(Chain.of(found, size_of), guess, along)
+        orbit, before = search.corrected(orbit, gap), size
         if finer < error:
             error, before, best, vain = finer, np.inf, np.inf, 0
     raise NumericalError("the motion along a cycle does not return to its begin")
@@ -122,59 +127,80 @@ def _finer(error: float, gap: float, *, is_slow: bool) -> float:
 
 def _followed(
     field: AutonomousField, orbit: Orbit, scales: Vector, tolerance: float
-) -> tuple[Orbit, Vector, Vector]:
-    """Return the orbit through its first point, by how much its end misses that, and efforts."""
-    durations = np.diff(np.append(orbit.times_of(orbit.mesh)[0], 1.0)) * orbit.period
+) -> tuple[Orbit, Vector, Path]:
+    """Return the orbit through its first point, by how much its end misses that, and the path."""
     begin = orbit.states[0]
     found = field.followed(
         begin,
         orbit.parameter,
-        durations,
+        durations_of(orbit),
         scales=scales,
         tolerance=tolerance,
         trials=_MOST_STEPS,
     )
     if found is None:
         raise NumericalError("the motion along a cycle cannot be followed")
-    places, efforts = found
+    places = found.places
     states = np.concatenate([begin[None], places[:-1]])
-    return replace(orbit, states=states), (places[-1] - begin) / scales, efforts
+    return replace(orbit, states=states), (places[-1] - begin) / scales, found
 
 
-def _tangents(field: AutonomousField, orbit: Orbit, efforts: Vector) -> Passages:
+def _tangents(field: AutonomousField, orbit: Orbit, path: Path) -> Passages:
     """Return the passages of an orbit, accurate enough for its multipliers."""
     for tolerance in _TOLERANCES:
-        found = passages(field, orbit, tolerance=tolerance, efforts=efforts)
+        found = passages_along(field, orbit, path, orbit.scales(), tolerance=tolerance)
         if abs(found.trivial - 1.0) < _SHIFTED:
             break
     return found
 
 
-def _corrected(
-    chain: Chain, orbit: Orbit, gap: Vector, guess: Orbit, along: Direction | None
-) -> Orbit:
-    """Return the orbit after a step of Newton's method, its points as they follow the first."""
-    size, n = chain.parameter_scale, len(gap)
-    matrix = chain.closing(2 if size else 1)
-    right = np.append(gap, 0.0)
-    if along is not None:
+class _Search:
+    """Newton's method with derivatives from an orbit near by, made better by what steps change.
+
+    References
+    ----------
+    Broyden (1965), Math. Comp. 19, 577-593: the first of the two methods.
+    """
+
+    def __init__(self, chain: Chain, guess: Orbit, along: Direction | None) -> None:
+        self._chain, self._guess, self._along = chain, guess, along
+        closing = chain.closing(2 if chain.parameter_scale else 1)
+        rows = [] if along is None else [chain.across(along)]
+        self._matrix = np.vstack([closing, *rows])
+        self._made: tuple[Vector, Vector] | None = None
+
+    def corrected(self, orbit: Orbit, gap: Vector) -> Orbit:
+        """Return the orbit after a step, its points as they follow the first."""
+        chain, n = self._chain, len(gap)
+        right = self._right(orbit, gap)
+        if self._made is not None:
+            change, before = self._made
+            missed = before - right - self._matrix @ change
+            self._matrix += np.outer(missed, change) / (change @ change)
+        change = solved(self._matrix, right)
+        farthest = float(np.abs(change).max())
+        if not farthest < _ASTRAY:
+            raise NumericalError("the motion along a cycle does not return to its begin")
+        change = change * min(1.0, _FARTHEST / farthest)
+        self._made = change, right
+        outer = np.append(change[n:], 0.0)[:2]
+        points = chain.points(change[:n], outer, gaps=False)
+        return replace(
+            orbit,
+            states=orbit.states + points * chain.found.scales,
+            period=orbit.period * (1.0 + float(outer[0])),
+            parameter=orbit.parameter + chain.parameter_scale * float(outer[1]),
+        )
+
+    def _right(self, orbit: Orbit, gap: Vector) -> Vector:
+        """Return what the closing equations miss: the gap, the phase, the way along."""
+        missed = np.append(gap, 0.0)
+        if self._along is None:
+            return missed
+        guess = self._guess
         moved = Direction(
             orbit.states - guess.states,
             orbit.period - guess.period,
             orbit.parameter - guess.parameter,
         )
-        matrix = np.vstack([matrix, chain.across(along)])
-        right = np.append(right, -chain.product(along, moved))
-    change = solved(matrix, right)
-    farthest = float(np.abs(change).max())
-    if not farthest < _ASTRAY:
-        raise NumericalError("the motion along a cycle does not return to its begin")
-    change = change * min(1.0, _FARTHEST / farthest)
-    outer = np.append(change[n:], 0.0)[:2]
-    moved_points = chain.points(change[:n], outer, gaps=False)
-    return replace(
-        orbit,
-        states=orbit.states + moved_points * chain.found.scales,
-        period=orbit.period * (1.0 + float(outer[0])),
-        parameter=orbit.parameter + size * float(outer[1]),
-    )
+        return np.append(missed, -self._chain.product(self._along, moved))
