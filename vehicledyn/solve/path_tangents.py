@@ -1,8 +1,8 @@
 """Tangents along a path that is known: how changes at the begin of a duration change its end.
 
-A step of the path takes one Jacobian, at the node where it ends, between which the elements go
-straight; where that does not do, another in its middle; and where rates have a kink in the step,
-smaller ones. For the flow and its tangent Φ
+A step of the path takes the Jacobians at its nodes, between which the elements go straight; where
+that does not do, another in its middle; and where rates have a kink in the step, smaller ones. For
+the flow and its tangent Φ
 
     Φ f(x(0)) = f(x(h)),
 
@@ -23,14 +23,14 @@ from vehicledyn.solve.engine import Vector
 from vehicledyn.solve.path_code import Path
 from vehicledyn.solve.point_slopes import Carried, PointCode
 
-_FINER, _FINEST = (1 / 300, 1 / 30_000), 1e-13
-"""Errors, part of the path's, with which steps that miss the rates are followed again, and the
-least one, part of the scales."""
+_PARTS, _FINER, _FINEST, _ROUNDS = 8, 1 / 300, 1e-13, 6
+"""Parts into which steps that miss the rates are divided, by how much their error gets smaller, the
+least one, part of the scales, and how often this is done."""
 
 _AT_POINTS = "points", "rates", "entries"
 
-Followed = Callable[[Vector, float, float], Path | None]
-"""The path from a state through a duration [s] by steps of some error."""
+Followed = Callable[[Vector, Vector, float], Path | None]
+"""The path from a state through durations [s] by steps of some error."""
 
 
 def tangents_along(
@@ -62,11 +62,12 @@ def tangents_along(
     with ThreadPoolExecutor(cores()) as pool:
         steps = _Steps.of(_Code(code, parameters, scales, pool), path)
         steps.bend(np.flatnonzero(steps.errors > tolerance))
-        for finer in _FINER:
-            missing = np.flatnonzero(steps.errors > tolerance)
-            error = max(finer * path.error, _FINEST)
+        error, missing = path.error, np.flatnonzero(steps.errors > tolerance)
+        for _ in range(_ROUNDS):
+            error = max(_FINER * error, _FINEST)
             new = steps.replaced(missing, error, followed)
             steps.bend(new[steps.errors[new] > tolerance])
+            missing = new[steps.errors[new] > tolerance]
         maps, errors = steps.carried()
     begins, ends = path.begins, np.cumsum(path.steps)
     return Carried(path.nodes[ends], maps, path.rates[begins], path.rates[ends], errors)
@@ -148,11 +149,11 @@ class _Steps:
         self, which: NDArray[np.intp], error: float, followed: Followed
     ) -> NDArray[np.intp]:
         """Put steps of a smaller error in the place of some, and return their numbers."""
+        durations = np.repeat(self.sizes[which, None] / _PARTS, _PARTS, axis=1)
         paths = [
             (k, path)
-            for k in which
-            if (path := followed(self.points[self.rows[k, 0]], float(self.sizes[k]), error))
-            and len(path.sizes) > 1
+            for k, own in zip(which, durations, strict=True)
+            if (path := followed(self.points[self.rows[k, 0]], own, error)) is not None
         ]
         if not paths:
             return np.zeros(0, dtype=np.intp)

@@ -195,9 +195,9 @@ class AutonomousField:
         For fields that are carried.
         """
 
-        def followed(state: Vector, size: float, error: float) -> Path | None:
+        def followed(state: Vector, durations: Vector, error: float) -> Path | None:
             return self.followed(
-                state, value, np.array([size]), scales=scales, tolerance=error, trials=_MOST_WITHIN
+                state, value, durations, scales=scales, tolerance=error, trials=_MOST_WITHIN
             )
 
         code = self._compiled
