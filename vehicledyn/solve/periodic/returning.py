@@ -37,15 +37,15 @@ that begin and end on the way multiply them by thousands, so that they may be al
 _ROUGH = 1e-2
 """Tolerance of tangents on the way."""
 
-_TOLERANCES = (3e-4, 3e-5)
-"""Those of the tangents that multipliers come from; the second where the first does not do."""
+_TOLERANCES = (3e-4, 3e-5, 3e-6)
+"""Those of the tangents that multipliers come from; each where the one before does not do."""
 
 _SHIFTED = 5e-4
-"""Distance of the trivial multiplier from 1 up to which the first does."""
+"""Distance of the trivial multiplier from 1 up to which one does."""
 
 _RETURNED, _SURELY = 1e-6, 3e-7
-"""Distances to the begin, part of the scales, that count as none: where the trivial multiplier is
-1, and anyhow."""
+"""Distances to the begin, part of the scales, that count as none: where the trivial multiplier
+is 1, and else."""
 
 _ITERATIONS, _SLOW, _MOST_VAIN, _LOST = 16, 0.3, 2, 3.0
 """Iterations; reduction of the gap from which derivatives are found anew; iterations without
@@ -90,18 +90,18 @@ def returning(
     search = None if near is None else _Search(Chain.of(near, size_of), guess, along)
     scales = guess.scales() if near is None else near.scales
     orbit, before, best, vain, error = guess, np.inf, np.inf, 0, _NEAR_STEP
-    counted = 0
+    counted, returned = 0, _RETURNED
     for _ in range(_ITERATIONS):
         counted += error >= _STEP
         orbit, gap, path = _followed(field, orbit, scales, error)
         size = float(np.abs(gap).max())
-        if size < _RETURNED and error <= _STEP:
+        if size < returned and error <= _STEP:
             found = _tangents(field, orbit, path)
             search = _Search(Chain.of(found, size_of), guess, along)
             corrected = search.corrected(orbit, gap * scales / found.scales)
             if size < _SURELY or abs(found.trivial - 1.0) < _SHIFTED:
                 return Closed(corrected, found, counted)
-            orbit, scales, before = corrected, found.scales, size
+            orbit, scales, before, returned = corrected, found.scales, size, _SURELY
             continue
         vain = 0 if size < 0.5 * best else vain + 1
         best = min(best, size)
