@@ -12,13 +12,11 @@ also across a kink of the rates f: by how much a step misses that is its error.
 from __future__ import annotations
 
 from collections.abc import Callable
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from vehicledyn.base.processors import cores
 from vehicledyn.solve.engine import Vector
 from vehicledyn.solve.path_code import Path
 from vehicledyn.solve.point_slopes import Carried, PointCode
@@ -27,22 +25,17 @@ _PARTS, _FINER, _FINEST, _ROUNDS = 8, 1 / 300, 1e-13, 6
 """Parts into which steps that miss the rates are divided, by how much their error gets smaller, the
 least one, part of the scales, and how often this is done."""
 
+_STRAIGHT = 0.03
+"""Part of the tolerance up to which Jacobians go straight: what they miss then adds up."""
+
 _AT_POINTS = "points", "rates", "entries"
 
 Followed = Callable[[Vector, Vector, float], Path | None]
 """The path from a state through durations [s] by steps of some error."""
 
 
-def tangents_along(
-    code: PointCode,
-    path: Path,
-    parameters: Vector,
-    *,
-    scales: Vector,
-    tolerance: float,
-    followed: Followed,
-) -> Carried:
-    """Return where the durations of a path lead, and the derivatives of their ends.
+class PathTangents:
+    """Tangents along a path, found as exactly as is asked; what is found once is kept.
 
     Parameters
     ----------
@@ -54,23 +47,35 @@ def tangents_along(
         All parameters.
     scales
         Sizes of the states, shape (n,).
-    tolerance
-        Part of the rates that those carried by the tangent of a step may miss at its end.
     followed
-        Follows the motion again where steps miss more.
+        Follows the motion again where steps miss too much.
     """
-    with ThreadPoolExecutor(cores()) as pool:
-        steps = _Steps.of(_Code(code, parameters, scales, pool), path)
-        steps.bend(np.flatnonzero(steps.errors > tolerance))
-        error, missing = path.error, np.flatnonzero(steps.errors > tolerance)
+
+    def __init__(
+        self, code: PointCode, path: Path, parameters: Vector, *, scales: Vector, followed: Followed
+    ) -> None:
+        self._path, self._followed = path, followed
+        self._steps = _Steps.of(_Code(code, parameters, scales), path)
+
+    def carried(self, tolerance: float) -> Carried:
+        """Return where the durations of the path lead, and the derivatives of their ends.
+
+        Parameters
+        ----------
+        tolerance
+            Part of the rates that those carried by the tangent of a step may miss at its end.
+        """
+        steps, path, error = self._steps, self._path, self._path.error
+        which = np.arange(len(steps.sizes))
         for _ in range(_ROUNDS):
+            steps.bend(which[steps.errors[which] > _STRAIGHT * tolerance])
+            missing = which[steps.errors[which] > tolerance]
             error = max(_FINER * error, _FINEST)
-            new = steps.replaced(missing, error, followed)
-            steps.bend(new[steps.errors[new] > tolerance])
-            missing = new[steps.errors[new] > tolerance]
+            which = steps.replaced(missing, error, self._followed)
+        steps.bend(which[steps.errors[which] > _STRAIGHT * tolerance])
         maps, errors = steps.carried()
-    begins, ends = path.begins, np.cumsum(path.steps)
-    return Carried(path.nodes[ends], maps, path.rates[begins], path.rates[ends], errors)
+        begins, ends = path.begins, np.cumsum(path.steps)
+        return Carried(path.nodes[ends], maps, path.rates[begins], path.rates[ends], errors)
 
 
 @dataclass(frozen=True)
@@ -80,10 +85,9 @@ class _Code:
     code: PointCode
     parameters: Vector
     scales: Vector
-    pool: ThreadPoolExecutor
 
     def entries(self, points: Vector) -> tuple[Vector, Vector]:
-        return self.code.entries(points, self.parameters, self.pool)
+        return self.code.entries(points, self.parameters)
 
     def missed(self, steps: _Steps, which: NDArray[np.intp]) -> Vector:
         sizes, rows = steps.sizes[which], steps.rows[which]
@@ -92,7 +96,7 @@ class _Code:
     def tangents(self, steps: _Steps, order: NDArray[np.intp]) -> Vector:
         sizes, rows = steps.sizes[order], steps.rows[order]
         counts = np.bincount(steps.durations).astype(np.int64)
-        return self.code.tangents(counts, sizes, rows, steps.entries, self.pool)
+        return self.code.tangents(counts, sizes, rows, steps.entries)
 
 
 @dataclass
@@ -137,6 +141,7 @@ class _Steps:
 
     def bend(self, which: NDArray[np.intp]) -> None:
         """Let the Jacobian of some steps follow a parabola."""
+        which = which[self.rows[which, 1] < 0]
         if not which.size:
             return
         begin, end, size = self.rows[which, 0], self.rows[which, 2], self.sizes[which][:, None]

@@ -9,6 +9,7 @@ most elements are zero and the others have much in common.
 from __future__ import annotations
 
 import ctypes
+from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from typing import Any
@@ -22,6 +23,9 @@ from vehicledyn.solve.engine import Vector
 from vehicledyn.solve.point_source import Wanted, compiled
 from vehicledyn.solve.table_rows import TableRows
 from vehicledyn.symbolic.tables import CurveTable
+
+_LEAST_GROUPS = 8
+"""Groups of points for which a thread pays."""
 
 
 @dataclass(frozen=True)
@@ -142,9 +146,7 @@ class PointCode:
                 return None
         return Carried(ends, maps, first, last, errors)
 
-    def entries(
-        self, points: Vector, parameters: Vector, pool: ThreadPoolExecutor
-    ) -> tuple[Vector, Vector]:
+    def entries(self, points: Vector, parameters: Vector) -> tuple[Vector, Vector]:
         """Return values (count, n_values) at points and the elements of the Jacobian there.
 
         Those that may differ from zero, column by column, shape (count, n_entries). For values
@@ -155,14 +157,14 @@ class PointCode:
         numbers = self._rows.after(np.ascontiguousarray(parameters, dtype=float))
         n_entries = ctypes.c_longlong.in_dll(self._library, "vd_n_entries").value
         values, entries = np.empty((count, self._n_values)), np.empty((count, n_entries))
-        each = lanes * max(1, -(-count // (lanes * cores())))
+        each = lanes * max(_LEAST_GROUPS, -(-count // (lanes * cores())))
 
         def evaluate(first: int) -> None:
             part = slice(first, first + each)
             arrays = given[part], numbers, values[part], entries[part]
             self._library.vd_entries(len(arrays[0]), *[a.ctypes.data for a in arrays])
 
-        list(pool.map(evaluate, range(0, count, each)))
+        _side_by_side(evaluate, range(0, count, each))
         return values, entries
 
     def missed(
@@ -190,7 +192,6 @@ class PointCode:
         sizes: Vector,
         rows: NDArray[np.int64],
         entries: Vector,
-        pool: ThreadPoolExecutor,
     ) -> Vector:
         """Return the derivatives of motions by their begins and the parameter.
 
@@ -208,7 +209,7 @@ class PointCode:
             addresses = [a.ctypes.data for a in own]
             self._done(self._library.vd_tangents(len(own[0]), *addresses[:2], *fixed, addresses[2]))
 
-        list(pool.map(carry, range(0, len(order), lanes)))
+        _side_by_side(carry, range(0, len(order), lanes))
         maps = np.empty_like(whole[2])
         maps[order] = whole[2]
         return maps
@@ -225,3 +226,12 @@ class PointCode:
         slopes = np.empty((count, self._n_directions, self._n_values))
         self._library.vd_points(count, *[a.ctypes.data for a in (given, numbers, values, slopes)])
         return values, slopes
+
+
+def _side_by_side(call: Callable[[int], None], firsts: range) -> None:
+    """Call a function on the cores of the processor; one call alone needs no thread."""
+    if len(firsts) == 1:
+        call(firsts[0])
+        return
+    with ThreadPoolExecutor(cores()) as pool:
+        list(pool.map(call, firsts))

@@ -36,7 +36,7 @@ def test_passages_along_a_path_are_those_of_the_implicit_method(
     model, orbit = orbit_of(monkeypatch, make, span)
     path = path_of(model, orbit, 1e-10)
     orbit = replace(orbit, states=np.concatenate([path.nodes[:1], path.places[:-1]]))
-    quick = passages_along(model, orbit, path, orbit.scales(), tolerance=1e-6)
+    quick = passages_along(model, orbit, path, orbit.scales(), tolerances=[1e-6])
     monkeypatch.setattr(monodromy, "_MOST_EXPLICIT", 1)
     slow = passages(model, orbit, tolerance=1e-9)
     for name in ("ends", "by_state", "by_parameter", "first", "last"):
@@ -49,7 +49,7 @@ def test_steps_across_kinks_are_made_smaller(needs_compiler, monkeypatch):
     model, orbit = orbit_of(monkeypatch, gap_oscillator, (-0.1, 0.5))
     path = path_of(model, orbit, 1e-5)
     found = [
-        passages_along(model, orbit, path, orbit.scales(), tolerance=tolerance)
+        passages_along(model, orbit, path, orbit.scales(), tolerances=[tolerance])
         for tolerance in (np.inf, 1e-2, 1e-4)
     ]
     missed = [abs(p.trivial - 1.0) for p in found]

@@ -16,7 +16,7 @@ from vehicledyn.solve.engine import Vector
 from vehicledyn.solve.functions import operations_in
 from vehicledyn.solve.interpreted import BufferedFunction
 from vehicledyn.solve.path_code import Path, PathCode
-from vehicledyn.solve.path_tangents import tangents_along
+from vehicledyn.solve.path_tangents import PathTangents
 from vehicledyn.solve.point_slopes import Carried, PointCode
 from vehicledyn.symbolic import ops
 from vehicledyn.symbolic.equations import Equations
@@ -187,13 +187,8 @@ class AutonomousField:
             trials=trials,
         )
 
-    def carried_along(
-        self, path: Path, value: float, *, scales: Vector, tolerance: float
-    ) -> Carried:
-        """Return where the durations of a path lead, with tangents, see :func:`tangents_along`.
-
-        For fields that are carried.
-        """
+    def tangents(self, path: Path, value: float, *, scales: Vector) -> PathTangents:
+        """Return what finds the tangents along a path, for fields that are carried."""
 
         def followed(state: Vector, durations: Vector, error: float) -> Path | None:
             return self.followed(
@@ -202,14 +197,8 @@ class AutonomousField:
 
         code = self._compiled
         assert code is not None
-        return tangents_along(
-            code,
-            path,
-            self.parameters(value),
-            scales=scales,
-            tolerance=tolerance,
-            followed=followed,
-        )
+        values = self.parameters(value)
+        return PathTangents(code, path, values, scales=scales, followed=followed)
 
     def total(
         self, time: float, state: Vector, unknowns: Vector, parameters: Vector

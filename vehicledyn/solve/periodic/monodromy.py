@@ -12,6 +12,7 @@ it is too large, down to the kink, whose side is thus told as finely as the mult
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -134,7 +135,13 @@ def durations_of(orbit: Orbit) -> Vector:
 
 
 def passages_along(
-    field: AutonomousField, orbit: Orbit, path: Path, scales: Vector, *, tolerance: float
+    field: AutonomousField,
+    orbit: Orbit,
+    path: Path,
+    scales: Vector,
+    *,
+    tolerances: Sequence[float],
+    shifted: float = np.inf,
 ) -> Passages:
     """Return the passages of an orbit whose points compiled code has found on one path.
 
@@ -148,11 +155,17 @@ def passages_along(
         The motion from its first point through the durations of its pieces.
     scales
         Sizes of the states, shape (n,).
-    tolerance
-        Part of the rates that the tangent of a step may miss.
+    tolerances
+        Parts of the rates that the tangent of a step may miss, the largest first.
+    shifted
+        Distance of the trivial multiplier from 1 from which on the next tolerance is asked for.
     """
-    found = field.carried_along(path, orbit.parameter, scales=scales, tolerance=tolerance)
-    return _scaled(orbit, found, scales)
+    tangents = field.tangents(path, orbit.parameter, scales=scales)
+    for tolerance in tolerances:
+        found = _scaled(orbit, tangents.carried(tolerance), scales)
+        if abs(found.trivial - 1.0) < shifted:
+            break
+    return found
 
 
 def _scaled(orbit: Orbit, found: Carried, scales: Vector) -> Passages:

@@ -34,10 +34,10 @@ _FINER, _FINEST, _STALLED = 0.03, 1e-11, 1e-2
 """How these errors shrink where a gap stays, how far, and the gap from which on they do. Contacts
 that begin and end on the way multiply them by thousands, so that they may be all that is left."""
 
-_ROUGH = 1e-2
+_ROUGH = (1e-2,)
 """Tolerance of tangents on the way."""
 
-_TOLERANCES = (3e-4, 3e-5, 3e-6)
+_TOLERANCES = (3e-4, 3e-5, 1e-5, 3e-6)
 """Those of the tangents that multipliers come from; each where the one before does not do."""
 
 _SHIFTED = 5e-4
@@ -110,7 +110,7 @@ def returning(
         is_slow = size > _SLOW * before
         finer = _finer(error, size, is_slow=is_slow)
         if search is None or is_slow:
-            found = passages_along(field, orbit, path, scales, tolerance=_ROUGH)
+            found = passages_along(field, orbit, path, scales, tolerances=_ROUGH)
             search = _Search(Chain.of(found, size_of), guess, along)
         orbit, before = search.corrected(orbit, gap), size
         if finer < error:
@@ -147,11 +147,9 @@ def _followed(
 
 def _tangents(field: AutonomousField, orbit: Orbit, path: Path) -> Passages:
     """Return the passages of an orbit, accurate enough for its multipliers."""
-    for tolerance in _TOLERANCES:
-        found = passages_along(field, orbit, path, orbit.scales(), tolerance=tolerance)
-        if abs(found.trivial - 1.0) < _SHIFTED:
-            break
-    return found
+    return passages_along(
+        field, orbit, path, orbit.scales(), tolerances=_TOLERANCES, shifted=_SHIFTED
+    )
 
 
 class _Search:
