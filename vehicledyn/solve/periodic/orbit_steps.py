@@ -6,6 +6,7 @@ collocation, on a mesh that gets finer until the motion itself closes the orbit.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -121,16 +122,26 @@ class Steps:
         corner = min(size, corner_between(base, point, scales))
         return replace(point, corner=corner), way
 
-    def between(self, base: CyclePoint, after: CyclePoint, part: float, size: float) -> CyclePoint:
-        """Return a point on a step that has been made, a part of its size from the base."""
+    def between(self, points: Mapping[float, CyclePoint], place: float) -> CyclePoint:
+        """Return a point on a step that has been made, from those known at some places on it.
+
+        Among these are the begin of the step, at zero, and its end. The point lies on the plane at
+        its place across the chord of the whole step, and is looked for between its neighbours.
+        """
+        last = max(points)
+        base, after = points[0.0], points[last]
         if base.passages is None and after.passages is None:
-            return self.ahead_of(base, part)
-        first = base.orbit
-        chord = between(first, after.orbit.moved(first.mesh))
-        guess = ahead(first, chord, part / size)
-        scale = self.parameter_scale
+            return self.ahead_of(base, place)
+        mesh, scale = base.orbit.mesh, self.parameter_scale
+        chord = between(base.orbit, after.orbit.moved(mesh))
+        low = max(own for own in points if own < place)
+        high = min(own for own in points if own > place)
+        ends = points[low].orbit.moved(mesh), points[high].orbit.moved(mesh)
+        part = (place - low) / (high - low)
+        guess = ahead(ends[0], between(*ends), part)
+        near = points[high if part > 0.5 and high < last else low].passages
         try:
-            exact = returning(self.model, guess, base.passages, parameter_scale=scale, along=chord)
+            exact = returning(self.model, guess, near, parameter_scale=scale, along=chord)
         except NumericalError:
             exact = returning(self.model, guess, None, parameter_scale=scale, along=chord)
         return point_of(exact, base.tangent, scale, base.sense)

@@ -97,11 +97,11 @@ def returning(
         size = float(np.abs(gap).max())
         if size < returned and error <= _STEP:
             found = _tangents(field, orbit, path)
-            search = _Search(Chain.of(found, size_of), guess, along)
-            corrected = search.corrected(orbit, gap * scales / found.scales)
+            last = _Search(Chain.of(found, size_of), guess, along)
+            corrected = last.corrected(orbit, gap * scales / found.scales, stay=True)
             if size < _SURELY or abs(found.trivial - 1.0) < _SHIFTED:
                 return Closed(corrected, found, counted)
-            orbit, scales, before, returned = corrected, found.scales, size, _SURELY
+            search, orbit, before, returned = None, corrected, size, _SURELY
             continue
         vain = 0 if size < 0.5 * best else vain + 1
         best = min(best, size)
@@ -167,10 +167,15 @@ class _Search:
         self._matrix = np.vstack([closing, *rows])
         self._made: tuple[Vector, Vector] | None = None
 
-    def corrected(self, orbit: Orbit, gap: Vector) -> Orbit:
-        """Return the orbit after a step, its points as they follow the first."""
+    def corrected(self, orbit: Orbit, gap: Vector, *, stay: bool = False) -> Orbit:
+        """Return the orbit after a step, its points as they follow the first.
+
+        It comes to the plane of the search, or stays where it is on the branch.
+        """
         chain, n = self._chain, len(gap)
         right = self._right(orbit, gap)
+        if stay:
+            right[n:] = 0.0
         if self._made is not None:
             change, before = self._made
             missed = before - right - self._matrix @ change

@@ -114,7 +114,7 @@ class SpecialPoints:
 
         def value(part: float) -> float:
             if part not in points:
-                points[part] = self.steps.between(base, after, part, size)
+                points[part] = self.steps.between(points, part)
             return measure(points[part])
 
         try:
