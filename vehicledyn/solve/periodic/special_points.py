@@ -23,8 +23,9 @@ _BEFORE = 1.0 - 1e-5, 1.0 - 1e-3, 0.7, 0.4
 _NEUTRAL = 1e-6
 """Distance from 1 at which a multiplier counts as 1 all along the branch."""
 
-_LOCATED, _LOCATED_ROUGHLY = 1e-6, 1e-5
-"""Part of a step to which special points are located; a fold's parameter errs by its square."""
+_LOCATED, _LOCATED_ROUGHLY, _AS_MULTIPLIERS = 1e-6, 1e-5, 1e-3
+"""Part of a step to which special points are located: by collocation, and by integration, folds,
+whose parameter errs by its square, and others, whose multipliers err too."""
 
 _COMPLEX = 1e-6
 
@@ -110,7 +111,8 @@ class SpecialPoints:
         if after.corner is not None:
             return self._at_corner(base, after.corner)
         points: dict[float, CyclePoint] = {0.0: base, size: after}
-        near = _LOCATED if base.passages is None else _LOCATED_ROUGHLY
+        near = _LOCATED_ROUGHLY if kind == "fold" else _AS_MULTIPLIERS
+        near = _LOCATED if base.passages is None else near
 
         def value(part: float) -> float:
             if part not in points:
