@@ -16,7 +16,7 @@ export folder vehicledyn=${VEHICLEDYN:-vehicledyn} compiles=yes
 check() { # check SCENARIO: run it, compare the result with its reference
   local name=${1#scenarios/} brief=()
   name=${name%.yaml}
-  mapfile -t brief < <(sed -n "s/^$name /duration=/p" tests/regression/brief.txt)
+  mapfile -t brief < <(sed -n "s|^$name |duration=|p" tests/regression/brief.txt)
   if [ ${#brief[@]} -gt 0 ]; then
     if [ "$compiles" = no ]; then
       echo "$name: left out, as it takes long without a compiler"

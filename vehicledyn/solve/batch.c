@@ -33,6 +33,13 @@ static void take_sample(const real *y, const struct course *course, int n_channe
         samples[lane * stride + k] = VD_LANE(y[channels[k]], lane);
 }
 
+/* Pieces of the outputs that some channels need. */
+static unsigned long long pieces_of(int n_channels, const int *channels) {
+  unsigned long long pieces = 0;
+  for (int k = 0; k < n_channels; k++) pieces |= outputs_needs[channels[k]];
+  return pieces;
+}
+
 /* What is watched in each lane: the signs of the events, the last determinant of each block and
    the largest so far. A lane in which an event fires, or a block becomes weak or changes the sign
    of its determinant, stops with EVENT or WEAK: it is run anew by itself. Blocks are not watched
@@ -140,7 +147,7 @@ VD_EXPORT int vd_begin_lanes(double t, const real *x, real *z, const real *c, in
   check_residuals(now, x, z, c, &course);
   memcpy(again, z, NZ * sizeof(real));
   solve_blocks(now, x, again, c, &course); /* as a run of one case does for its first sample */
-  outputs(&now, x, again, c, y);
+  outputs_selected(pieces_of(n_channels, channels), &now, x, again, c, y);
   take_sample(y, &course, n_channels, channels, samples, stride);
   begin_watch(now, x, z, c, watched, &course);
   return hand_out(&course, status, where, residual);
@@ -155,6 +162,7 @@ VD_EXPORT int vd_advance_lanes(int method, long long first_step, long long n_ste
                                double weak, real *watched, long long *good, int *status,
                                int *where, double *residual) {
   const struct march march = begin_march(method, per_interval, start, interval);
+  const unsigned long long pieces = pieces_of(n_channels, channels);
   real y[NY + 1];
   struct course course;
   resume(&course, status, where, residual);
@@ -167,7 +175,7 @@ VD_EXPORT int vd_advance_lanes(int method, long long first_step, long long n_ste
     if ((step + 1) % per_interval || !vd_any(course.alive)) continue;
     check_residuals(end, x, z, c, &course);
     if (NB && weak > 0.0) watch_blocks(end, x, z, c, weak, watched, &course);
-    outputs(&end, x, z, c, y);
+    outputs_selected(pieces, &end, x, z, c, y);
     take_sample(y, &course, n_channels, channels, samples, stride);
     samples += n_channels;
   }

@@ -22,6 +22,7 @@ from vehicledyn.solve.pieces import cut, find_places
 from vehicledyn.solve.rolled import ROOM, Rolled, by_demand, is_deep, roll
 from vehicledyn.solve.row_code import Copies
 from vehicledyn.solve.schedule import CALLED
+from vehicledyn.solve.selected import MOST_PIECES, pieces_needed
 from vehicledyn.solve.tail import order_tail
 from vehicledyn.solve.value_code import PieceValues
 from vehicledyn.solve.wide_functions import WideFunctions
@@ -45,6 +46,7 @@ def print_function(
     wide: WideFunctions | None = None,
     copies: Copies | None = None,
     mirrored: dict[int, Signed] | None = None,
+    selectable: bool = False,
 ) -> str:
     """Return the C text of an SX function with dense inputs.
 
@@ -73,6 +75,10 @@ def print_function(
     mirrored
         Numbers of the last input for which others stand, for a function of several lanes; see
         :mod:`vehicledyn.solve.mirrored`.
+    selectable
+        Whether a function ``name_selected`` is printed as well, which takes the pieces to compute,
+        as bits, before its arrays; ``name_needs`` holds those that each element of the first
+        result needs.
 
     Raises
     ------
@@ -113,7 +119,7 @@ def print_function(
     body = FunctionBody(
         lowered, list(inputs), name, widths, first_row, places, rolling=rolling, copies=copies
     )
-    return "".join([*texts, _function(body, arrays, piece)])
+    return "".join([*texts, _function(body, arrays, piece, selectable=selectable)])
 
 
 def _print_shared(
@@ -160,7 +166,9 @@ def _check(lowered: Lowered, name: str) -> None:
             )
 
 
-def _function(body: FunctionBody, arrays: list[str], piece: int) -> str:
+def _function(
+    body: FunctionBody, arrays: list[str], piece: int, *, selectable: bool = False
+) -> str:
     """Return the function of a body, in pieces where it is long."""
     pieces = cut(body, piece)
     places = find_places(body, pieces)
@@ -172,7 +180,11 @@ def _function(body: FunctionBody, arrays: list[str], piece: int) -> str:
     codes = [
         PieceCode(own, called).lines(steps) for own, steps in zip(values, pieces, strict=False)
     ]
-    if len(codes) <= 1:
+    if selectable and len(codes) <= MOST_PIECES and not body.rolling.kinds:
+        needs = pieces_needed(body, pieces, places)
+    else:
+        needs = [-1] * sum(output == 0 for output, _, _ in body.lowered.results)
+    if len(codes) <= 1 and not selectable:
         room = [f"real {ROOM}[{places.room}];"] if places.room else []
         return _definition(body.name, arrays, [*room, *stores, *(codes[0] if codes else [])])
     n = len(body.inputs)
@@ -183,8 +195,20 @@ def _function(body: FunctionBody, arrays: list[str], piece: int) -> str:
     texts, calls = [], [f"real {ROOM}[{max(1, places.room)}]{aligned};", *stores]
     for number, lines in enumerate(codes):
         texts.append("VD_APART " + _definition(f"{body.name}_{number}", arrays_in, lines))
-        calls.append(f"{body.name}_{number}({arguments});")
-    return "".join([*texts, _definition(body.name, arrays, calls)])
+        chosen = f"if (pieces >> {number % MOST_PIECES} & 1) " if selectable else ""
+        calls.append(f"{chosen}{body.name}_{number}({arguments});")
+    if not selectable:
+        return "".join([*texts, _definition(body.name, arrays, calls)])
+    bits, arguments = "unsigned long long", ", ".join([*body.inputs, *results])
+    numbers = ", ".join(f"{need % (1 << MOST_PIECES)}ULL" for need in needs) or "0"
+    return "".join(
+        [
+            *texts,
+            f"static const {bits} {body.name}_needs[] = {{{numbers}}};\n",
+            _definition(f"{body.name}_selected", [f"{bits} pieces", *arrays], calls),
+            _definition(body.name, arrays, [f"{body.name}_selected(-1ULL, {arguments});"]),
+        ]
+    )
 
 
 def _definition(name: str, arrays: Sequence[str], lines: Sequence[str]) -> str:

@@ -33,6 +33,7 @@ _GENERATORS = (
     "rolled.py",
     "row_code.py",
     "schedule.py",
+    "selected.py",
     "side_by_side.py",
     "source.py",
     "split_calls.py",

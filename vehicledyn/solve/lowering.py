@@ -64,24 +64,26 @@ def lower(
     program: Program,
     *,
     in_rows: bool = False,
+    chained: bool = True,
     mirrored: dict[int, Signed] | None = None,
     constants: int = 0,
 ) -> Lowered:
     """Return a program in the form in which it is printed, in rows where that is asked for.
 
-    Shared functions stay without rows: their places are side by side already. ``mirrored`` are the
-    elements of the input ``constants`` for which others stand, see
-    :mod:`vehicledyn.solve.mirrored`.
+    Shared functions stay without rows, as their places are side by side already, and without
+    chains of sums, as some of their arguments come late. ``mirrored`` are the elements of the
+    input ``constants`` for which others stand, see :mod:`vehicledyn.solve.mirrored`.
     """
     values, results = _without_repeats(program)
     values = _choose(values)
-    values, results = chain_products(values, needed_values(values, results), results)
+    if chained:
+        values, results = chain_products(values, needed_values(values, results), results)
     values = fuse(values, results)
     if mirrored:
         values = read_mirrored(values, results, mirrored, constants)
     wanted = _results_wanted(values, results, len(program.shared))
     shared = [
-        lower(_keeping(function, kept))
+        lower(_keeping(function, kept), chained=False)
         for function, kept in zip(program.shared, wanted, strict=True)
     ]
     needed = needed_values(values, results)

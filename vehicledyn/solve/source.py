@@ -84,15 +84,24 @@ def shared_texts(
     """
     tables, waves = equations.tables, enumerate(functions.waves)
 
-    def printed(function: Any, name: str, wide: WideFunctions | None = None) -> str:
+    def printed(
+        function: Any, name: str, wide: WideFunctions | None = None, *, selectable: bool = False
+    ) -> str:
         return print_function(
-            function, name, _ARGUMENTS, tables=tables, wide=wide, copies=copies, mirrored=mirrored
+            function,
+            name,
+            _ARGUMENTS,
+            tables=tables,
+            wide=wide,
+            copies=copies,
+            mirrored=mirrored,
+            selectable=selectable,
         )
 
     return [
         print_function(functions.prepare, "prepare", ["p"], tables=tables),
         printed(functions.rates, "rates", wide),
-        printed(functions.outputs, "outputs", wide),
+        printed(functions.outputs, "outputs", wide, selectable=mirrored is not None),
         *[printed(wave, f"wave_{k}") for k, wave in waves],
         _tables(equations, functions),
         shared_source("steps.c"),

@@ -6,8 +6,10 @@ import numpy as np
 import pytest
 
 import vehicledyn.catalogue  # noqa: F401
+from vehicledyn.base.registry import find
 from vehicledyn.run.rerun import prepare_run
 from vehicledyn.scenario import load_scenario
+from vehicledyn.solve.batch import Cases, make_batch, run_batch
 from vehicledyn.solve.compiler import suitable_lanes
 from vehicledyn.solve.kernel import compile_kernel
 from vehicledyn.solve.lanes import compile_lanes
@@ -42,3 +44,31 @@ def test_rates_do_not_depend_on_who_computes_them(run, lanes):
         assert np.array_equal(rates[: found.size, lane], found)
         wanted = interpreted.with_parameters(values[lane]).rates(0.7, states[lane], solved)
         assert found == pytest.approx(wanted, rel=0.0, abs=1e-12 * np.abs(wanted).max())
+
+
+def test_channels_do_not_depend_on_which_are_asked_for(run):
+    prepared, start = run
+    kernel, batch = prepared.kernel, make_batch(prepared.kernel)
+    if batch.lanes == 1:
+        pytest.skip("this processor carries no lanes")
+    cases = Cases(*(np.tile(a, (2, 1)) for a in (kernel.parameters, start.state, start.unknowns)))
+    solver = find("solver", "rk4")(step=1e-3)
+
+    def sampled(channels):
+        span = {"start": 0.0, "stop": 0.02, "interval": 0.01}
+        return run_batch(batch, solver, cases, channels=channels, **span).samples
+
+    names = [channel.name for channel in prepared.equations.channels]
+    everything = sampled(range(len(names)))
+    assert np.isfinite(everything).all()
+    for name in (
+        "chassis.x",
+        "suspension_fl.carrier_angle_rate",
+        "tie_rod_rr.axial_force",
+        "energy.kinetic",
+        "accelerometer.lateral",
+        "leaf_spring_rl.force",
+        "wheel_rr.tyre.lateral_force",
+    ):
+        one = names.index(name)
+        assert np.array_equal(sampled([one])[:, :, 0], everything[:, :, one]), name
