@@ -21,11 +21,11 @@ from vehicledyn.solve.engine import Vector
 from vehicledyn.solve.path_code import Path
 from vehicledyn.solve.point_slopes import Carried, PointCode
 
-_PARTS, _FINER, _FINEST, _ROUNDS = 8, 1 / 300, 1e-13, 6
+_PARTS, _FINER, _FINEST, _ROUNDS = 4, 1 / 40, 1e-13, 9
 """Parts into which steps that miss the rates are divided, by how much their error gets smaller, the
 least one, part of the scales, and how often this is done."""
 
-_STRAIGHT = 0.03
+_STRAIGHT = 0.1
 """Part of the tolerance up to which Jacobians go straight: what they miss then adds up."""
 
 _AT_POINTS = "points", "rates", "entries"
