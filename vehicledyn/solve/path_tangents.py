@@ -86,8 +86,8 @@ class _Code:
     parameters: Vector
     scales: Vector
 
-    def entries(self, points: Vector) -> tuple[Vector, Vector]:
-        return self.code.entries(points, self.parameters)
+    def entries(self, points: Vector, room: int = 0) -> tuple[Vector, Vector]:
+        return self.code.entries(points, self.parameters, room)
 
     def missed(self, steps: _Steps, which: NDArray[np.intp]) -> Vector:
         sizes, rows = steps.sizes[which], steps.rows[which]
@@ -131,8 +131,8 @@ class _Steps:
             path.sizes,
             np.repeat(np.arange(len(path.steps)), path.steps),
             np.stack([number, np.full(count, -1), number + 1], axis=1),
-            path.nodes,
-            *code.entries(path.nodes),
+            np.concatenate([path.nodes, np.empty_like(path.nodes)]),
+            *code.entries(path.nodes, len(path.nodes)),
             np.empty(count),
             len(path.nodes),
         )

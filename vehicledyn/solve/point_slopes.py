@@ -146,21 +146,21 @@ class PointCode:
                 return None
         return Carried(ends, maps, first, last, errors)
 
-    def entries(self, points: Vector, parameters: Vector) -> tuple[Vector, Vector]:
+    def entries(self, points: Vector, parameters: Vector, room: int = 0) -> tuple[Vector, Vector]:
         """Return values (count, n_values) at points and the elements of the Jacobian there.
 
-        Those that may differ from zero, column by column, shape (count, n_entries). For values
-        that are rates, as what follows.
+        Those that may differ from zero, column by column, shape (count, n_entries). Behind both is
+        ``room`` for more points. For values that are rates, as what follows.
         """
         count, lanes = len(points), self._lanes
         given = np.ascontiguousarray(points, dtype=float)
         numbers = self._rows.after(np.ascontiguousarray(parameters, dtype=float))
         n_entries = ctypes.c_longlong.in_dll(self._library, "vd_n_entries").value
-        values, entries = np.empty((count, self._n_values)), np.empty((count, n_entries))
+        values, entries = (np.empty((count + room, n)) for n in (self._n_values, n_entries))
         each = lanes * max(_LEAST_GROUPS, -(-count // (lanes * cores())))
 
         def evaluate(first: int) -> None:
-            part = slice(first, first + each)
+            part = slice(first, min(first + each, count))
             arrays = given[part], numbers, values[part], entries[part]
             self._library.vd_entries(len(arrays[0]), *[a.ctypes.data for a in arrays])
 

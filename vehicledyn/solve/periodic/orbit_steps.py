@@ -80,6 +80,11 @@ class Steps:
         """Return the orbit on the plane through a guess across a direction."""
         scales = self.scales(start)
         along = direction.times(1.0 / np.sqrt(dot(start, direction, direction, scales)))
+        if self.model.is_carried:
+            with suppress(NumericalError):
+                size = scales.parameter
+                exact = returning(self.model, start, None, parameter_scale=size, along=along)
+                return point_of(exact, along, size)
         found = correct(self.model, start, scales, along=along)
         exact = closed(self.model, found.orbit, parameter_scale=scales.parameter)
         return self._point(found, exact, scales, along)

@@ -207,10 +207,11 @@ class Chain:
         whole[0], pulled[0], gaps[0] = np.eye(n), 0.0, 0.0
         by_period = found.durations[:, None] * found.last
         pulls = np.stack([by_period, parameter_scale * found.by_parameter], axis=2)
+        missed = found.gaps
         for k, piece in enumerate(found.by_state):
             whole[k + 1] = piece @ whole[k]
             pulled[k + 1] = piece @ pulled[k] + pulls[k]
-            gaps[k + 1] = piece @ gaps[k] + found.gaps[k]
+            gaps[k + 1] = piece @ gaps[k] + missed[k]
         return Chain(found, parameter_scale, whole, pulled, gaps)
 
     @property
