@@ -8,6 +8,7 @@ arclength continuation. Seydel (2010), Practical Bifurcation and Stability Analy
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
 
@@ -16,7 +17,14 @@ import numpy as np
 from vehicledyn.base.errors import NumericalError
 from vehicledyn.solve.periodic.autonomous import AutonomousField
 from vehicledyn.solve.periodic.collocation import Direction
-from vehicledyn.solve.periodic.cycle_points import Branch, CyclePoint, Limits, cosine, moved
+from vehicledyn.solve.periodic.cycle_points import (
+    Branch,
+    CyclePoint,
+    Limits,
+    between,
+    cosine,
+    moved,
+)
 from vehicledyn.solve.periodic.cycles_at import cycle_beside
 from vehicledyn.solve.periodic.orbit import Orbit
 from vehicledyn.solve.periodic.orbit_steps import Steps
@@ -25,7 +33,10 @@ from vehicledyn.solve.periodic.special_points import SpecialPoints
 Told = Callable[["CyclePoint"], None]
 
 _SMALLEST, _FIRST, _LARGEST = 1e-7, 0.05, 0.4
-_SHARP, _SHARPLY = 0.5, 2e-3
+_SHARP, _TO_AND_FRO, _SHARPLY = math.pi / 3.0, math.pi / 4.0, 2e-3
+"""Largest turn of the direction in a step, and largest angle by which its chord may turn more
+[rad]; steps from which on they count."""
+
 _EASY, _HARD = 4, 7
 _CHORD = 7, 11
 """Iterations of a step that may grow and of one that must shrink, with derivatives kept."""
@@ -139,7 +150,7 @@ class _Tracer:
                     continue
                 point, self.step = behind
                 return point, size
-            if self._turn(base, point) < _SHARP and size > _SHARPLY:
+            if size > _SHARPLY and self._is_sharp(base, point):
                 self.step = 0.5 * size
                 continue
             easy, hard = _CHORD if point.passages is not None else (_EASY, _HARD)
@@ -158,11 +169,20 @@ class _Tracer:
         largest = self.limits.parameter_step / slope if slope else np.inf
         return float(min(self.step, largest))
 
-    def _turn(self, before: CyclePoint, after: CyclePoint) -> float:
-        """Return the cosine of the angle between the directions at two points."""
-        scales = self.steps.scales(after.orbit)
-        first, second = moved(before.orbit, before.tangent, after.orbit.mesh), after.tangent
-        return cosine(after.orbit, first, second, scales)
+    def _is_sharp(self, before: CyclePoint, after: CyclePoint) -> bool:
+        """Return whether the branch may do more between two points than turn smoothly.
+
+        A smooth arc turns by the angles of its chord with both directions; where these are much
+        more, the branch may turn to and fro between.
+        """
+        orbit, scales = after.orbit, self.steps.scales(after.orbit)
+        first = moved(before.orbit, before.tangent, orbit.mesh)
+        chord = between(before.orbit.moved(orbit.mesh), orbit)
+        pairs = ((first, after.tangent), (first, chord), (chord, after.tangent))
+        turn, *ends = (
+            math.acos(np.clip(cosine(orbit, *pair, scales), -1.0, 1.0)) for pair in pairs
+        )
+        return bool(turn > _SHARP or sum(ends) - turn > _TO_AND_FRO)
 
     def _finish_range(self, point: CyclePoint) -> None:
         """Add the orbit on the edge of the range and end the branch."""
