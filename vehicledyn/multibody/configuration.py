@@ -22,6 +22,11 @@ _STEP_ASIDE = 1e-3
 _GUESSES = 4
 _SAME = 1e-6
 """Coordinates nearer to each other than this belong to one solution [m, rad]."""
+_STEPS = 40
+_LONGEST = 2e-3
+"""Longest change of a coordinate in a step that draws loops together [m, rad]."""
+_NEAR = 1e-6
+"""Change of a step after which loops are nearly closed [m, rad]."""
 _WEAK = 1e-5
 """Pivot below which a start counts as nearly singular [1]."""
 _log = logging.getLogger(__name__)
@@ -83,7 +88,12 @@ class Place:
         NotAssembledError
             If loops stay open.
         """
-        q = self.assembled(guess(start))
+        try:
+            q = self.assembled(guess(start))
+        except NotAssembledError:
+            if not guess.places:
+                raise
+            q = self.assembled(guess(self._drawn_together(start, guess)))
         for _ in range(_GUESSES if guess.places else 0):
             try:
                 found = self.assembled(guess(q))
@@ -92,6 +102,31 @@ class Place:
             if np.allclose(found, q, rtol=0.0, atol=_SAME):
                 break
             q = found
+        return q
+
+    def _drawn_together(self, start: Array, guess: Guess) -> Array:
+        """Return coordinates with loops nearly closed, guessed anew at each step.
+
+        With all rows at once a wheel that must climb its flange is caught where two places of
+        tangency become one. The lowest gap alone has no such end: Newton's steps close the rows
+        that bear a force, others keep what the guess leaves of them.
+        """
+        bear = np.array([row.bears for row in self.gaps.rows[: self.gaps.holonomic]])
+        free = self.columns("auto", "dependent")
+        own = np.isin(free, guess.places)
+        q = guess(start)
+        for _ in range(_STEPS):
+            h = np.where(bear, self.gaps.residual(self.time, q), 0.0)
+            slopes = self._slopes(q)[:, free]
+            if not (np.isfinite(h).all() and np.isfinite(slopes).all()):
+                break
+            step = -np.linalg.lstsq(slopes, h, rcond=partition.RANK_TOLERANCE)[0]
+            step[own] = 0.0
+            length = float(np.abs(step).max(initial=0.0))
+            if length < _NEAR:
+                break
+            q[free] += min(1.0, _LONGEST / length) * step
+            q = guess(q)
         return q
 
     def chosen(self, q: Array) -> Choice:

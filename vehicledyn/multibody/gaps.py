@@ -39,6 +39,11 @@ class Row:
     moving: MovingResidual | None = None
 
     @property
+    def bears(self) -> bool:
+        """Whether a force belongs to it; none does where it only defines a coordinate."""
+        return bool(self.residual.force_channel)
+
+    @property
     def label(self) -> str:
         """Name of the row: that of the cut and of the force, which tells rows of a cut apart."""
         return f"{self.cut}.{self.residual.force_channel}".rstrip(".")

@@ -125,11 +125,18 @@ def choose(
     return Choice(first, work.partition(jacobian, structure, range(len(jacobian)), groups))
 
 
-def best_pairs(jacobian: Array, may: Sequence[int], *, holonomic: int) -> list[tuple[int, int]]:
-    """Return the (row, column) pairs that :func:`choose` finds where all may be chosen."""
-    work, candidates = _Elimination(jacobian), list(may)
-    work.eliminate(list(range(holonomic)), candidates)
-    work.eliminate(list(range(holonomic, len(jacobian))), candidates)
+def best_pairs(
+    jacobian: Array, may: Sequence[int], *, holonomic: int, must: Sequence[int] = ()
+) -> list[tuple[int, int]]:
+    """Return the (row, column) pairs that :func:`choose` finds where all may be chosen.
+
+    Those that ``must`` are chosen first, as there.
+    """
+    work = _Elimination(jacobian)
+    groups = [list(must), [column for column in may if column not in must]]
+    for rows in (range(holonomic), range(holonomic, len(jacobian))):
+        for candidates in groups:
+            work.eliminate(list(rows), candidates)
     return work.pairs
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -35,13 +35,15 @@ class Comparison:
 class PartitionWatch:
     """Compares partitions of a system with the best one at a configuration.
 
-    All coordinates but the driven ones may change their role.
+    All coordinates but the driven ones may change their role, and those that only constraints
+    know, such as places of contact: they are always dependent.
     """
 
-    def __init__(self, joints: Sequence[Joint], gaps: Gaps) -> None:
-        """Watch the constraints of some joints."""
+    def __init__(self, joints: Sequence[Joint], gaps: Gaps, bound: Collection[str] = ()) -> None:
+        """Watch the constraints of some joints, of which those in ``bound`` stay dependent."""
         self._joints = joints
         self._gaps = gaps
+        self._bound = [k for k, joint in enumerate(joints) if joint.name in bound]
         self._rows: dict[tuple[int, ...], list[int]] = {}
 
     @staticmethod
@@ -49,7 +51,7 @@ class PartitionWatch:
         """Return the watch of a system: differentiate its constraints."""
         symbols = declare(system)
         rows = rows_of_system(system, symbols.kinematics(unfold(system)), symbols.time)
-        return PartitionWatch(symbols.joints, Gaps(system, symbols, rows))
+        return PartitionWatch(symbols.joints, Gaps(system, symbols, rows), bound_to(system))
 
     def leverage(self, time: float, values: dict[str, float], dependent: list[str]) -> float:
         """Return the largest rate that a unit independent rate gives a dependent one."""
@@ -77,7 +79,9 @@ class PartitionWatch:
             Names of the coordinates whose rates are dependent.
         """
         names, jacobian, moving = self._at(time, values)
-        pairs = partition.best_pairs(jacobian, moving, holonomic=self._gaps.holonomic)
+        pairs = partition.best_pairs(
+            jacobian, moving, must=self._bound, holonomic=self._gaps.holonomic
+        )
         columns = [column for _, column in pairs]
         self._rows.setdefault(tuple(columns), [row for row, _ in pairs])
         now = self._leverages(jacobian, [names.index(n) for n in dependent], moving)
@@ -140,17 +144,25 @@ def freed(system: System, values: dict[str, float], parameters: Array) -> System
         replace(entry, value=float(value))
         for entry, value in zip(system.table.entries, parameters, strict=True)
     ]
-    bodies = []
+    bodies, bound = [], bound_to(system)
     for body in system.bodies:
-        joints = [_moved(j, values) if isinstance(j, Joint) else j for j in body.joints]
+        joints = [_moved(j, values, bound) if isinstance(j, Joint) else j for j in body.joints]
         bodies.append(replace(body, joints=tuple(joints)))
     return replace(system, bodies=tuple(bodies), table=replace(system.table, entries=entries))
 
 
-def _moved(joint: Joint, values: dict[str, float]) -> Joint:
+def bound_to(system: System) -> set[str]:
+    """Return the coordinates declared dependent that only constraints know."""
+    bodies = [body for body in system.bodies if body.is_abstract]
+    joints = [joint for body in bodies for joint in body.joints if isinstance(joint, Joint)]
+    return {joint.name for joint in joints if joint.role == "dependent"}
+
+
+def _moved(joint: Joint, values: dict[str, float], bound: set[str]) -> Joint:
+    keeps = joint.role == "driven" or joint.name in bound
     return replace(
         joint,
         start=values.get(joint.name, joint.start),
         start_rate=values.get(f"{joint.name}_rate", joint.start_rate),
-        role="driven" if joint.role == "driven" else "auto",
+        role=joint.role if keeps else "auto",
     )

@@ -80,10 +80,11 @@ class Prepared:
     @cached_property
     def watch(self) -> PartitionWatch:
         """Compares partitions of the coordinates."""
-        from vehicledyn.multibody.watch import PartitionWatch
+        from vehicledyn.multibody.watch import PartitionWatch, bound_to
 
         derivation = self.derived.derivation
-        return PartitionWatch(derivation.symbols.joints, derivation.loops.gaps)
+        joints = derivation.symbols.joints
+        return PartitionWatch(joints, derivation.loops.gaps, bound_to(derivation.system))
 
     @property
     def resistance(self) -> Resistance:

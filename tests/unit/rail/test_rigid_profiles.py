@@ -1,10 +1,14 @@
 """Rigid contact of standard profiles: where it is after jumps, and that it jumps in time."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from rigid_examples import LAW, STEEL, STRAIGHT, on_rails, wheelset_body, wheelset_on
 
+from vehicledyn.multibody import derive
 from vehicledyn.multibody.positions import Positions
+from vehicledyn.multibody.watch import PartitionWatch, freed
 from vehicledyn.rail.contact_geometry import Wheel, place_rail
 from vehicledyn.rail.contact_geometry_wheelset import WheelsetOnTrack, find_jumps, stand
 from vehicledyn.rail.named_profiles import named_profile
@@ -37,7 +41,11 @@ def part(s1002):
 
 @pytest.mark.parametrize(
     ("lateral", "yaw"),
-    [(0.0, 0.0), (0.003, 0.01), (0.00503, 0.0), (-0.0051, 0.0), (-0.0055, 0.0), (0.0075, -0.01)],
+    [
+        *((0.0, 0.0), (0.003, 0.01), (0.00503, 0.0), (-0.0051, 0.0), (-0.0055, 0.0)),
+        # The wheel climbs its flange, where it first sinks deeper as it rolls.
+        *((0.0065, 0.0), (-0.0066, 0.0), (0.0068, 0.01), (0.0072, 0.0), (0.0075, -0.01)),
+    ],
 )
 def test_contact_starts_where_a_search_finds_it(s1002, part, lateral, yaw):
     standing = stand(s1002, lateral, yaw)
@@ -50,6 +58,27 @@ def test_contact_starts_where_a_search_finds_it(s1002, part, lateral, yaw):
     for side in ("left", "right"):
         place = getattr(standing, side).place[0]
         assert found[f"wheels.{side}.place"] == pytest.approx(place, abs=2e-5)
+
+
+def test_places_of_contact_stay_dependent(part):
+    """On a steep flange the lateral shift determines the place well, but nothing else asks it."""
+    free = wheelset_on(part, wheelset_body(lateral=0.0065, height=0.46))
+    bodies = [replace(b, joints=tuple(map(_auto, b.joints))) for b in free.bodies]
+    system = replace(free, bodies=tuple(bodies))
+    positions = Positions(system)
+    names = [coordinate.name for coordinate in positions.coordinates]
+    values = dict(zip(names, positions.start, strict=True))
+    places = {"wheels.left.place", "wheels.right.place"}
+    watch = PartitionWatch.of(system)
+    found = watch.compare(0.0, values, ["z", "roll", *sorted(places)])
+    assert places < set(found.best)
+    equations = derive(freed(system, values, np.zeros(0)))
+    assert places < set(equations.structure["dependent"])
+
+
+def _auto(joint):
+    kept = joint.role in ("driven", "dependent")
+    return joint if kept else replace(joint, role="auto")
 
 
 def test_contact_jumps_where_a_second_point_touches(s1002, part):
