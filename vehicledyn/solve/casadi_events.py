@@ -45,7 +45,7 @@ def run_casadi_with_events(
             point, aligned = _go_on(stretches, task, point, n_intervals, buffer)
     finally:
         buffer.flush()
-    if task.watch.ended_by:
+    if task.watch.ended_by and point.time > task.start:
         task.deliver_point(point)
     return task.statistics(plugin, steps=stretches.steps)
 

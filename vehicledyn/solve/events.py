@@ -64,7 +64,11 @@ class EventWatch:
         ledger: Ledger,
         happened: Callable[[str, float], None],
     ) -> None:
-        """Take the sides at the start; an event whose function is zero there does not fire."""
+        """Take the sides at the start; an event whose function is zero there does not fire.
+
+        Terminal events that give advice bound what the model can do: a start that lies beyond one
+        ends the run at once.
+        """
         self._kernel, self._ledger, self._happened = kernel, ledger, happened
         self._events = kernel.equations.events
         self.sides: Sides = np.zeros(len(self._events), dtype=np.intc)
@@ -76,6 +80,7 @@ class EventWatch:
             values = self._values(start)
             note_sides(self.sides, values)
             self._look_ahead(start, values == 0.0)
+            self._end_beyond(start.time, values)
 
     @property
     def active(self) -> bool:
@@ -117,6 +122,14 @@ class EventWatch:
         """
         fraction, point, fires = self._locate(trial, begin, end, seconds)
         return fraction, self._happen(point, fires)
+
+    def _end_beyond(self, time: float, values: Vector) -> None:
+        for event, value in zip(self._events, values, strict=True):
+            beyond = value < 0.0 if event.direction == "falling" else value > 0.0
+            if event.terminal and event.advice and event.direction != "either" and beyond:
+                self.count += 1
+                self._happened(event.name, time)
+                self.ended_by = self.ended_by or event.name
 
     def _values(self, point: Point) -> Vector:
         return self._kernel.event_values(*point)

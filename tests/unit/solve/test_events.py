@@ -1,5 +1,7 @@
 """Events: their instants, directions, resets and order, by every method on both backends."""
 
+from dataclasses import replace
+
 import casadi as ca
 import numpy as np
 import pytest
@@ -102,6 +104,23 @@ def test_terminal_event_ends_the_run_at_its_time(backend, solver):
     assert times[:-1] == pytest.approx(0.1 * np.arange(24), abs=1e-14)
     assert run.samples.states[-1] == pytest.approx([0.0, 2.0], abs=2.0 * accuracy)
     assert run.statistics.samples == 25
+
+
+@pytest.mark.parametrize("solver", METHODS)
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_start_beyond_a_limit_of_the_model_ends_the_run_at_once(solver, sign):
+    """Advice makes a terminal event a limit; without it the run waits for the event."""
+    direction = "rising" if sign > 0.0 else "falling"
+    waits = crossing_oscillator(direction, terminal=True)
+    ends = replace(waits, events=(replace(waits.events[0], advice="turn back"),))
+    for equations, end, samples in ((waits, 0.75 * np.pi, 25), (ends, 0.0, 1)):
+        kernel = compile_kernel(equations, backend="interpreted")
+        beyond = np.array([sign, 0.0])
+        run = go(kernel, solver, stop=9.0, interval=0.1, state=beyond)
+        assert run.statistics.ended_by == "zero"
+        assert [name for name, _ in run.events] == ["zero"]
+        assert run.times == pytest.approx([end], abs=1e-3)
+        assert run.statistics.samples == len(run.samples.times) == samples
 
 
 @pytest.mark.parametrize("solver", [kind for kind in METHODS if kind != "cvodes"])
