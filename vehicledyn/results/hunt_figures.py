@@ -23,6 +23,7 @@ KINDS = {
     "branch_point": ("^", "branch point"),
 }
 _HEADING, _PANEL = 1.0, 2.2  # inch
+_GROWS = 1e-6  # 1/s, rounding of a growth rate of zero
 
 
 def hunt_figures(table: HuntTable) -> Iterator[tuple[str, Figure]]:
@@ -46,7 +47,7 @@ def _diagram(table: HuntTable) -> Figure:
             axes.plot(
                 table.simulated[:, 0], table.simulated[:, 1], "x", color=GREEN, label="simulated"
             )
-        axes.set_ylabel(axis_label(f"Amplitude of {channel.name}", channel.unit))
+        axes.set_ylabel(axis_label(f"Amplitude of\n{channel.name}", channel.unit))
     for number in table.branches:
         _branch(panels[-1], table.branch(number), lambda row: row.period)
     if len(table.simulated):
@@ -69,8 +70,26 @@ def _equilibria(axes: Axes, table: HuntTable) -> None:
     """Draw the equilibria along zero."""
     if not len(table.locus_values):
         return
-    stable = table.eigenvalues.real.max(axis=1) <= 1e-6
-    _runs(axes, table.locus_values, np.zeros(len(stable)), stable, "0.3")
+    growth = table.eigenvalues.real.max(axis=1) - _GROWS
+    values, stable = np.asarray(table.locus_values), growth <= 0.0
+    edges = np.flatnonzero(np.diff(stable.astype(int)))
+    crossings = [
+        _crossing(values[k : k + 2], growth[k : k + 2], table.figures.get("linear_critical"))
+        for k in edges
+    ]
+    values = np.insert(values, edges + 1, crossings)
+    stable = np.insert(stable, edges + 1, stable[edges])
+    _runs(axes, values, np.zeros(len(stable)), stable, "0.3")
+
+
+def _crossing(values: Any, growth: Any, critical: float | None) -> float:
+    """Return where an equilibrium loses or gains stability between two values.
+
+    That is the critical value if it lies there, else where the growth rate is linearly zero.
+    """
+    if critical is not None and values[0] < critical < values[1]:
+        return critical
+    return float(values[0] - growth[0] * (values[1] - values[0]) / (growth[1] - growth[0]))
 
 
 def _branch(axes: Axes, rows: list[CycleRow], measure: Any) -> None:

@@ -12,6 +12,7 @@ from vehicledyn.solve.periodic.autonomous import AutonomousField
 from vehicledyn.solve.periodic.collocation import Scales, correct
 from vehicledyn.solve.periodic.cycle_points import Branch, CyclePoint, ahead
 from vehicledyn.solve.periodic.floquet import multipliers_of
+from vehicledyn.solve.periodic.orbit import Orbit
 from vehicledyn.solve.periodic.shooting import Closed, closed
 
 _FARTHEST = 0.4
@@ -50,21 +51,26 @@ def cycle_beside(model: AutonomousField, near: CyclePoint, value: float) -> Cycl
     NumericalError
         If it is not found.
     """
-    exact = _shot(model, near, value) if model.is_carried else None
+    guess = _guess(near, value)
+    exact = _shot(model, guess) if model.is_carried else None
     if exact is None:
-        guess = replace(near.orbit, parameter=value)
         scales = Scales(guess.scales(), guess.period, abs(value) or 1.0)
         exact = closed(model, correct(model, guess, scales, along=None).orbit)
     values = multipliers_of(exact.passages)
     return CyclePoint(exact.orbit, values, near.tangent, exact.iterations)
 
 
-def _shot(model: AutonomousField, near: CyclePoint, value: float) -> Closed | None:
-    """Return the orbit ahead of another by integration alone, None where it is not found."""
+def _guess(near: CyclePoint, value: float) -> Orbit:
+    """Return the orbit ahead of another along its branch, or that itself where it is far."""
     slope = near.tangent.parameter
     reach = (value - near.orbit.parameter) / slope if slope else np.inf
     guess = ahead(near.orbit, near.tangent, reach if abs(reach) < _FARTHEST else 0.0)
+    return replace(guess, parameter=value)
+
+
+def _shot(model: AutonomousField, guess: Orbit) -> Closed | None:
+    """Return an orbit by integration alone, None where it is not found."""
     try:
-        return closed(model, replace(guess, parameter=value))
+        return closed(model, guess)
     except NumericalError:
         return None
