@@ -314,7 +314,7 @@ class _Study:
     def _further_branches(self) -> None:
         """Follow branches from simulated cycles that lie on none, to both sides."""
         joined, begun = len(self.branches), 0
-        for found in self.simulated:
+        for found in sorted(self.simulated, key=lambda settled: settled.spread):
             if begun == _FURTHER_BRANCHES or self._is_on_branch(found):
                 continue
             begun += 1
@@ -365,6 +365,13 @@ class _Study:
         if known:
             self.figures["largest_difference_amplitude"] = max(d[0] for d in known)
             self.figures["largest_difference_period"] = max(d[1] for d in known)
+        wandering = [s for s in self.simulated if s.spread > 0.0]
+        if wandering:
+            values = ", ".join(f"{s.value:.6g}" for s in wandering)
+            self.messages.append(
+                f"motions simulated at {self.model.parameter} = {values} last but do not repeat: "
+                f"their amplitude varies by up to {100.0 * max(s.spread for s in wandering):.2g} %"
+            )
         apart = [f"{s.value:.6g}" for s in self.simulated if not self._is_on_branch(s)]
         if apart:
             self.messages.append(

@@ -12,6 +12,7 @@ from vehicledyn.run import hunt
 from vehicledyn.run.hunt import find_limit_cycles
 from vehicledyn.run.hunt_start import HuntSettings
 from vehicledyn.scenario import load_model
+from vehicledyn.solve.periodic import settled
 
 WHEELSET = Path(__file__).parents[3] / "systems" / "simple_wheelset.yaml"
 ISOLATED = """\
@@ -163,3 +164,39 @@ def test_a_simulated_cycle_on_no_branch_begins_one(tmp_path):
     assert figures["largest_difference_amplitude"] < 0.005
     assert "not found to be joined" in " ".join(report.messages)
     assert "lie on no branch" not in " ".join(report.messages)
+
+
+TWO_FREQUENCIES = """\
+title: A balance wheel, and on it a small one that swings by itself
+parameters: {push: 0.01 N*m*s/rad, scale: 1 rad}
+gravity: [0, 0, 0]
+bodies:
+  wheel: {joints: [R3 angle], mass: 1 kg, inertia: [1, 1, 1]}
+  small: {parent: wheel, joints: [R3 angle], mass: 1 kg, inertia: [0.1, 0.1, 0.1]}
+forces:
+  spring: {coordinate: wheel.angle, force: -1 N*m/rad * position}
+  air: {coordinate: wheel.angle, force: "(push - 0.1 N*m*s/rad * (position / scale)**2) * rate"}
+  hair: {coordinate: small.angle, force: -0.5 N*m/rad * position}
+  clock:
+    coordinate: small.angle
+    force: "(0.01 N*m*s/rad - 0.1 N*m*s/rad * (position / scale)**2) * rate"
+"""
+
+
+def test_a_motion_of_two_frequencies_is_told_and_does_not_take_for_ever(tmp_path, monkeypatch):
+    path = tmp_path / "two.yaml"
+    path.write_text(TWO_FREQUENCIES, encoding="utf-8")
+    windows = []
+    followed = settled.Runner.window
+
+    def counted(runner, *args, **more):
+        windows.append(1)
+        return followed(runner, *args, **more)
+
+    monkeypatch.setattr(settled.Runner, "window", counted)
+    monkeypatch.setattr(hunt._Study, "_from_simulation", lambda *_: None)
+    settings = HuntSettings("push", 0.04, 0.06, points=5, disturbance=0.5, levels=3)
+    report = study(settings, load_model(str(path)))
+    (told,) = (message for message in report.messages if "do not repeat" in message)
+    assert told.startswith("motions simulated at push = 0.06, 0.05, 0.04 last but do not repeat: ")
+    assert len(windows) < 80  # of 240

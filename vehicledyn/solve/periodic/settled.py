@@ -28,6 +28,16 @@ SAMPLES = 200
 _WINDOW = 10
 _MOST_WINDOWS = 80
 _SETTLED = 1e-5
+_LOOKED_BACK = 8
+"""Windows over which a motion that does not repeat is compared with the same number before."""
+
+_DRIFT, _SHRINKING = 0.25, 0.5
+"""Largest change of the mean amplitude, part of its spread, with which a motion does not go
+anywhere, and how far the spread of one that settles shrinks from one comparison to the next."""
+
+_TURNS = 2
+"""Turns of the amplitude in that time, which one that dies slowly does not make."""
+
 _GONE = 0.02
 _STIFF = 0.5
 """Largest product of step and eigenvalue [1]."""
@@ -39,7 +49,9 @@ class Settled:
 
     ``amplitude`` is half the range of the watched channel, ``period`` [s], ``states`` and
     ``unknowns`` the samples of the last period and a little more, ``times`` [s] theirs.
-    ``alive`` tells a lasting motion from one that died away.
+    ``alive`` tells a lasting motion from one that died away. ``spread`` is by what part of itself
+    the amplitude still varies from window to window: more than rounding where a motion lasts but
+    does not repeat, as one of two frequencies does.
     """
 
     value: float
@@ -49,6 +61,7 @@ class Settled:
     times: Vector
     states: Vector
     unknowns: Vector
+    spread: float = 0.0
 
     def orbit(self, field: AutonomousField, *, intervals: int, degree: int) -> Orbit:
         """Return the last period as a guess of a periodic orbit."""
@@ -100,19 +113,17 @@ class Runner:
         NumericalError
             If the simulation cannot go on.
         """
-        before, largest = math.inf, 0.0
-        result: Settled | None = None
-        for _ in range(_MOST_WINDOWS):
+        sizes: list[float] = []
+        while True:
             result = self.window(value, state, unknowns, period, rate=rate)
             state, unknowns, period = result.states[-1], result.unknowns[-1], result.period
-            largest = max(largest, result.amplitude)
-            if result.amplitude < _GONE * largest:
+            sizes.append(result.amplitude)
+            if sizes[-1] < _GONE * max(sizes):
                 return replace(result, alive=False)
-            if abs(result.amplitude - before) < _SETTLED * result.amplitude:
-                break
-            before = result.amplitude
-        assert result is not None
-        return result
+            if len(sizes) > 1 and abs(sizes[-1] - sizes[-2]) < _SETTLED * sizes[-1]:
+                return result
+            if len(sizes) == _MOST_WINDOWS or _wanders(sizes):
+                return replace(result, spread=float(np.ptp(sizes[-_LOOKED_BACK:]) / sizes[-1]))
 
     def window(
         self,
@@ -167,6 +178,17 @@ class Runner:
         rate = float(np.abs(values).max())
         period = 2.0 * math.pi / float(values[chosen].imag)
         return Disturbed(state, guess, period, rate, self.field.kept[index])
+
+
+def _wanders(sizes: Sequence[float]) -> bool:
+    """Return whether amplitudes of one window after the other vary without going anywhere."""
+    if len(sizes) < 2 * _LOOKED_BACK:
+        return False
+    before, last = np.array(sizes[-2 * _LOOKED_BACK :]).reshape(2, _LOOKED_BACK)
+    if np.count_nonzero(np.diff(np.sign(np.diff(last)))) < _TURNS:
+        return False
+    drift = abs(last.mean() - before.mean())
+    return bool(drift < _DRIFT * np.ptp(last) and np.ptp(last) > _SHRINKING * np.ptp(before))
 
 
 def leading(field: AutonomousField, shape: Vector) -> int:
