@@ -17,6 +17,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from vehicledyn.base.errors import NumericalError
 from vehicledyn.solve.engine import Vector
 from vehicledyn.solve.path_code import Path
 from vehicledyn.solve.point_slopes import Carried, PointCode
@@ -27,6 +28,9 @@ least one, part of the scales, and how often this is done."""
 
 _STRAIGHT = 0.1
 """Part of the tolerance up to which Jacobians go straight: what they miss then adds up."""
+
+_MOST_KEPT = 64 * 1024**2
+"""Elements of Jacobians that are kept at most, half a gigabyte."""
 
 _AT_POINTS = "points", "rates", "entries"
 
@@ -49,6 +53,11 @@ class PathTangents:
         Sizes of the states, shape (n,).
     followed
         Follows the motion again where steps miss too much.
+
+    Raises
+    ------
+    NumericalError
+        If the path has more steps than derivatives can be kept of.
     """
 
     def __init__(
@@ -85,6 +94,10 @@ class _Code:
     code: PointCode
     parameters: Vector
     scales: Vector
+
+    @property
+    def most_points(self) -> int:
+        return _MOST_KEPT // self.code.n_entries
 
     def entries(self, points: Vector, room: int = 0) -> tuple[Vector, Vector]:
         return self.code.entries(points, self.parameters, room)
@@ -124,6 +137,8 @@ class _Steps:
     def of(code: _Code, path: Path) -> _Steps:
         """Return the steps of a path, with the Jacobians at its nodes."""
         count = len(path.sizes)
+        if count >= code.most_points:
+            raise NumericalError(f"the motion takes {count} steps, too many for its tangents")
         number = np.arange(count)
         steps = _Steps(
             code,
@@ -131,8 +146,8 @@ class _Steps:
             path.sizes,
             np.repeat(np.arange(len(path.steps)), path.steps),
             np.stack([number, np.full(count, -1), number + 1], axis=1),
-            np.concatenate([path.nodes, np.empty_like(path.nodes)]),
-            *code.entries(path.nodes, len(path.nodes)),
+            path.nodes,
+            *code.entries(path.nodes, min(len(path.nodes), code.most_points - len(path.nodes))),
             np.empty(count),
             len(path.nodes),
         )
@@ -153,21 +168,24 @@ class _Steps:
     def replaced(
         self, which: NDArray[np.intp], error: float, followed: Followed
     ) -> NDArray[np.intp]:
-        """Put steps of a smaller error in the place of some, and return their numbers."""
+        """Put steps of a smaller error in the place of some, and return their numbers.
+
+        None where there is no motion through them, or where all would be too many to be kept.
+        """
         durations = np.repeat(self.sizes[which, None] / _PARTS, _PARTS, axis=1)
         paths = [
             (k, path)
             for k, own in zip(which, durations, strict=True)
             if (path := followed(self.points[self.rows[k, 0]], own, error)) is not None
         ]
-        if not paths:
+        count = sum(len(path.sizes) for _, path in paths)
+        if not paths or self.n_points + count > self.code.most_points:
             return np.zeros(0, dtype=np.intp)
         ends = self._entered(np.concatenate([path.nodes[1:] for _, path in paths]))
         parts = np.split(ends, np.cumsum([len(path.sizes) for _, path in paths])[:-1])
         begins = [
             np.append(self.rows[k, 0], own[:-1]) for (k, _), own in zip(paths, parts, strict=True)
         ]
-        count = len(ends)
         rows = np.stack([np.concatenate(begins), np.full(count, -1), ends], axis=1)
         replaced = np.array([k for k, _ in paths])
         kept = np.setdiff1d(np.arange(len(self.sizes)), replaced)
@@ -197,7 +215,8 @@ class _Steps:
         for name, own in zip(_AT_POINTS, (points, *self.code.entries(points)), strict=True):
             room = getattr(self, name)
             if last > len(room):
-                more = np.empty((2 * last - first, *room.shape[1:]))
+                most = max(last, min(2 * last, self.code.most_points))
+                more = np.empty((most - first, *room.shape[1:]))
                 room = np.concatenate([room[:first], more])
                 setattr(self, name, room)
             room[first:last] = own

@@ -146,6 +146,11 @@ class PointCode:
                 return None
         return Carried(ends, maps, first, last, errors)
 
+    @property
+    def n_entries(self) -> int:
+        """Number of elements of the Jacobian that may differ from zero."""
+        return int(ctypes.c_longlong.in_dll(self._library, "vd_n_entries").value)
+
     def entries(self, points: Vector, parameters: Vector, room: int = 0) -> tuple[Vector, Vector]:
         """Return values (count, n_values) at points and the elements of the Jacobian there.
 
@@ -155,8 +160,8 @@ class PointCode:
         count, lanes = len(points), self._lanes
         given = np.ascontiguousarray(points, dtype=float)
         numbers = self._rows.after(np.ascontiguousarray(parameters, dtype=float))
-        n_entries = ctypes.c_longlong.in_dll(self._library, "vd_n_entries").value
-        values, entries = (np.empty((count + room, n)) for n in (self._n_values, n_entries))
+        sizes = self._n_values, self.n_entries
+        values, entries = (np.empty((count + room, n)) for n in sizes)
         each = lanes * max(_LEAST_GROUPS, -(-count // (lanes * cores())))
 
         def evaluate(first: int) -> None:

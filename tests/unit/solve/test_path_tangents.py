@@ -6,6 +6,8 @@ import numpy as np
 import pytest
 from cycle_examples import field, from_hopf, gap_oscillator, normal_form
 
+from vehicledyn.base.errors import NumericalError
+from vehicledyn.solve import path_tangents
 from vehicledyn.solve.periodic import autonomous, monodromy
 from vehicledyn.solve.periodic.monodromy import durations_of, passages, passages_along
 
@@ -71,3 +73,16 @@ def test_a_path_is_told_by_its_steps(needs_compiler, monkeypatch):
         orbit.states[0], orbit.parameter, durations, scales=orbit.scales(), tolerance=1e-8, trials=9
     )
     assert few is None
+
+
+def test_derivatives_that_are_kept_are_bounded(needs_compiler, monkeypatch):
+    """A path of too many steps is refused; beyond that kinks are not looked at more closely."""
+    model, orbit = orbit_of(monkeypatch, gap_oscillator, (-0.1, 0.5))
+    path = path_of(model, orbit, 1e-5)
+    count = len(path.sizes)
+    monkeypatch.setattr(path_tangents, "_MOST_KEPT", 6 * (2 * count + 10))  # two by x, v, μ
+    rough = passages_along(model, orbit, path, orbit.scales(), tolerances=[1e-9])
+    assert rough.error > 1e-4
+    monkeypatch.setattr(path_tangents, "_MOST_KEPT", count)
+    with pytest.raises(NumericalError, match=f"takes {count} steps, too many"):
+        passages_along(model, orbit, path, orbit.scales(), tolerances=[1e-9])
