@@ -173,6 +173,21 @@ def running(
     )
 
 
+def moving_rails(track: Track) -> tuple[bool, bool]:
+    """Return whether a rail of either side moves outwards, and up, as a wheel runs on."""
+    if track.is_perfect:
+        return False, False
+    sides: tuple[Side, Side] = ("left", "right")
+    places = [_rail_place(track, side, ops.symbol("s")) for side in sides]
+    slopes = [(place.lateral_slope, place.vertical_slope) for place in places]
+    across, up = zip(*slopes, strict=True)
+    return _any_moves(across), _any_moves(up)
+
+
+def _any_moves(slopes: Sequence[Scalar]) -> bool:
+    return not all(ops.is_structurally_zero(ops.scalar(slope)) for slope in slopes)
+
+
 def _rail_place(track: Track, side: Side, s: Scalar) -> RailPlace:
     if track.is_perfect:
         return RailPlace(0.0, 0.0)

@@ -15,7 +15,7 @@ from vehicledyn.rail.creepage import Creepages, creepages
 from vehicledyn.rail.elastic_contact import Axle, ElasticContact, ElasticPatch
 from vehicledyn.rail.rail_contact import RailWheels
 from vehicledyn.rail.rail_shapes import rail_wheel_shapes
-from vehicledyn.rail.running import TRACK_POSITION, Running, Seen, running
+from vehicledyn.rail.running import TRACK_POSITION, Running, Seen, moving_rails, running
 from vehicledyn.rail.track import Side
 from vehicledyn.symbolic import ops
 from vehicledyn.symbolic.equations import Channel, Variable
@@ -249,7 +249,10 @@ class ElasticWheels(BasePart):
             acting = [*(force[k] for k in range(3)), *(torque[k] for k in range(3))]
             return [*acting, *(row[3] for row in rows)]
 
-        return shared("wheel_on_rail", [*seen.numbers, *self._quantities()], build), rows
+        moves = moving_rails(self.wheels.track)
+        kept = [k for k, is_moving in zip(_RAIL_RATE, moves, strict=True) if is_moving]
+        numbers = [*seen.numbers, *self._quantities()]
+        return shared("wheel_on_rail", numbers, build, kept), rows
 
     def _quantities(self) -> list[Scalar]:
         """Return all quantities of the wheels and their contact that may be symbols."""
@@ -279,8 +282,8 @@ class ElasticWheels(BasePart):
         )
 
 
-_SEEN = 16
-"""Numbers that a motion seen from one side consists of."""
+_SEEN, _RAIL_RATE = 16, (14, 15)
+"""Numbers that a motion seen from one side consists of, and which of them are the rail's rates."""
 
 
 def _numbers_of(creep: CreepLaw) -> list[str]:

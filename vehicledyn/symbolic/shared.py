@@ -9,7 +9,7 @@ calls as they are; :func:`inlined` writes them out where a form without calls is
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Sequence
 from typing import Any
 
 from vehicledyn.symbolic.ops import Scalar
@@ -29,7 +29,10 @@ _KEPT: dict[str, _Shared] = {}
 
 
 def shared(
-    name: str, arguments: Sequence[Scalar], build: Callable[[list[Scalar]], Sequence[Scalar]]
+    name: str,
+    arguments: Sequence[Scalar],
+    build: Callable[[list[Scalar]], Sequence[Scalar]],
+    kept: Collection[int] = (),
 ) -> list[Scalar]:
     """Return scalars as results of a function that is written once for all equal places.
 
@@ -42,13 +45,16 @@ def shared(
         function, as is all else that ``build`` uses.
     build
         Returns the results for given arguments; it may use nothing symbolic but these.
+    kept
+        Which of the arguments stay arguments even where they are plain numbers, since at another
+        place they are none.
     """
     import casadi
 
     given = [casadi.SX(item) for item in arguments]
-    free = [k for k, item in enumerate(given) if not item.is_constant()]
+    free = [k for k, item in enumerate(given) if k in kept or not item.is_constant()]
     symbols = casadi.SX.sym(name, len(free))
-    values: list[Any] = [float(item) if item.is_constant() else None for item in given]
+    values: list[Any] = [None if k in free else float(item) for k, item in enumerate(given)]
     for number, k in enumerate(free):
         values[k] = symbols[number]
     results = casadi.vertcat(*[casadi.SX(item) for item in build(values)])
