@@ -56,3 +56,18 @@ def test_numbers_alone_need_no_function():
     found = shared("law", (0.2, 0.7, 2.0), law)
     expected = law([0.2, 0.7, 2.0])
     assert [float(item) for item in found] == pytest.approx([float(item) for item in expected])
+
+
+def test_an_argument_that_is_kept_is_one_function_for_numbers_and_symbols(x):
+    """As the rail's own motion is, which widening gives to one of both rails only."""
+
+    def called(place, kept):
+        found = shared("law", place, law, kept)
+        function = found[0].dep(0).which_function().name()
+        return function, ca.Function("f", [x], found)(POINTS[0])
+
+    number, symbol = (x[0], x[1], 2.0), (x[2], x[1], x[0])
+    assert called(number, ())[0] != called(symbol, ())[0]
+    assert called(number, (2,))[0] == called(symbol, (2,))[0]
+    for first, second in zip(called(number, ())[1], called(number, (2,))[1], strict=True):
+        assert float(first) == pytest.approx(float(second), rel=1e-15)
