@@ -66,14 +66,16 @@ def _wide_calls(values: PieceValues, pack: Pack, number: int, lanes: int) -> lis
     """Return the lines of calls that carry several places at once, the last ones repeated."""
     body = values.body
     n_given, n_found = len(pack.operands[0]), max(1, len(pack.values[0]))
-    n_rows = ROW * len(body.widths)
-    rows, room = f"t{number}", "__attribute__((aligned(64)))"
-    lines = [
-        f"real {rows}[{max(1, n_rows * lanes)}] {room};",
-        f"for (int k = 0; k < {n_rows * lanes}; k++)",
-        f"  {rows}[k] = {body.inputs[-1]}[{body.first_row} + k / {lanes}];",
-    ]
-    own = name_of_shared(body.name, pack.shared or 0)
+    own, room = name_of_shared(body.name, pack.shared or 0), "__attribute__((aligned(64)))"
+    rows, lines = "(const real *)0", []
+    if body.lowered.shared[pack.shared or 0].looks_up:
+        rows, n_rows = f"t{number}", ROW * len(body.widths)
+        lines = [
+            f"real {rows}[{n_rows * lanes}] {room};",
+            f"for (int k = 0; k < {n_rows}; k++)",
+            f"  for (int lane = 0; lane < {lanes}; lane++)",
+            f"    {rows}[{lanes} * k + lane] = {body.inputs[-1]}[{body.first_row} + k];",
+        ]
     for first in range(0, len(pack.operands), lanes):
         calls = pack.operands[first : first + lanes]
         calls = calls + [calls[-1]] * (lanes - len(calls))

@@ -15,6 +15,7 @@ from __future__ import annotations
 from collections import defaultdict
 from collections.abc import Iterable
 from dataclasses import dataclass
+from functools import cached_property
 
 from vehicledyn.solve.alike import find_rows
 from vehicledyn.solve.instructions import (
@@ -58,6 +59,12 @@ class Lowered:
     results: list[tuple[int, int, int]]
     shared: list[Lowered]
     rows: list[tuple[int, ...]]
+
+    @cached_property
+    def looks_up(self) -> bool:
+        """Whether values come from tables, here or in the functions that are called."""
+        own = any(item.operation in LOOKED_UP for item in self.values)
+        return own or any(function.looks_up for function in self.shared)
 
 
 def lower(
