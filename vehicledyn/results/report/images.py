@@ -58,12 +58,12 @@ def _drawn(figure: Figure, kind: str) -> bytes:
 
 
 def _title(figure: Figure) -> str:
-    text = figure.get_suptitle() or "Figure"
-    return _clean(" ".join(text.split()))
+    return _clean(figure.get_suptitle() or "Figure")
 
 
 def _clean(text: str) -> str:
-    return text.replace(r"\$", "$")
+    """Return the text of a picture on one line, without its escapes."""
+    return " ".join(text.split()).replace(r"\$", "$")
 
 
 def _across(axes: Axes, shown: Iterable[Axes]) -> str:
