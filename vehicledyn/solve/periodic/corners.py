@@ -16,6 +16,7 @@ from vehicledyn.base.errors import NumericalError
 from vehicledyn.solve.periodic.autonomous import AutonomousField
 from vehicledyn.solve.periodic.collocation import Direction, Scales, dot
 from vehicledyn.solve.periodic.cycle_points import CyclePoint, ahead, between, cosine, point_of
+from vehicledyn.solve.periodic.mirror import Mirror
 from vehicledyn.solve.periodic.monodromy import passages
 from vehicledyn.solve.periodic.orbit import Orbit
 from vehicledyn.solve.periodic.returning import returning
@@ -32,7 +33,11 @@ _OPPOSITE = 1e-6
 
 
 def behind_corner(
-    model: AutonomousField, base: CyclePoint, size: float, scales: Scales
+    model: AutonomousField,
+    base: CyclePoint,
+    size: float,
+    scales: Scales,
+    mirror: Mirror | None = None,
 ) -> tuple[CyclePoint, float]:
     """Return a point of a branch behind a corner, and the length of the step to it.
 
@@ -46,6 +51,8 @@ def behind_corner(
         Length along the branch within which the corner lies.
     scales
         Sizes of states, period and parameter.
+    mirror
+        In which the orbits are their own images.
 
     Raises
     ------
@@ -54,7 +61,8 @@ def behind_corner(
     """
     for reach in _REACHES:
         try:
-            probe = passages(model, ahead(base.orbit, base.tangent, reach * size))
+            guess = ahead(base.orbit, base.tangent, reach * size)
+            probe = passages(model, guess, mirror=mirror)
         except NumericalError:
             continue
         beyond = Closed(probe.orbit, probe)
@@ -78,7 +86,8 @@ def _behind(
     along = step.times(1.0 / np.sqrt(dot(guess, step, step, scales)))
     size = scales.parameter
     if model.is_carried:
-        exact = returning(model, guess, beyond.passages, parameter_scale=size, along=along)
+        near = beyond.passages
+        exact = returning(model, guess, near, parameter_scale=size, along=along, mirror=near.mirror)
     else:
         exact = closed(model, guess, parameter_scale=size, along=along)
     point = point_of(exact, along, size, base.sense)

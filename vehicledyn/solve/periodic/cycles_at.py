@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
 from dataclasses import replace
 from itertools import pairwise
 
@@ -13,6 +14,7 @@ from vehicledyn.solve.periodic.collocation import Scales, correct
 from vehicledyn.solve.periodic.cycle_points import Branch, CyclePoint, ahead
 from vehicledyn.solve.periodic.floquet import multipliers_of
 from vehicledyn.solve.periodic.orbit import Orbit
+from vehicledyn.solve.periodic.returning import returning
 from vehicledyn.solve.periodic.shooting import Closed, closed
 
 _FARTHEST = 0.4
@@ -52,7 +54,7 @@ def cycle_beside(model: AutonomousField, near: CyclePoint, value: float) -> Cycl
         If it is not found.
     """
     guess = _guess(near, value)
-    exact = _shot(model, guess) if model.is_carried else None
+    exact = _shot(model, guess, near) if model.is_carried else None
     if exact is None:
         scales = Scales(guess.scales(), guess.period, abs(value) or 1.0)
         exact = closed(model, correct(model, guess, scales, along=None).orbit)
@@ -68,8 +70,12 @@ def _guess(near: CyclePoint, value: float) -> Orbit:
     return replace(guess, parameter=value)
 
 
-def _shot(model: AutonomousField, guess: Orbit) -> Closed | None:
+def _shot(model: AutonomousField, guess: Orbit, near: CyclePoint) -> Closed | None:
     """Return an orbit by integration alone, None where it is not found."""
+    known = near.passages
+    if known is not None:
+        with suppress(NumericalError):
+            return returning(model, guess, known, mirror=known.mirror)
     try:
         return closed(model, guess)
     except NumericalError:

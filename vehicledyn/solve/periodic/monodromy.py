@@ -22,6 +22,7 @@ from vehicledyn.base.errors import NumericalError
 from vehicledyn.solve.engine import Vector
 from vehicledyn.solve.path_code import Path
 from vehicledyn.solve.periodic.autonomous import AutonomousField
+from vehicledyn.solve.periodic.mirror import Mirror
 from vehicledyn.solve.periodic.orbit import Orbit
 from vehicledyn.solve.periodic.radau import NODES, ORDER, STAGES, Place, Steps, radau_steps
 from vehicledyn.solve.point_slopes import Carried
@@ -44,7 +45,7 @@ class Passages:
     ``ends`` (n_pieces, n) are reached from the orbit's points, ``by_state`` (n_pieces, n, n) and
     ``by_parameter`` (n_pieces, n) are their derivatives, ``first`` and ``last`` (n_pieces, n) the
     rates at begin and end [1/s], ``durations`` (n_pieces,) in s. ``error`` is that of the worst
-    step.
+    step. With a ``mirror`` the pieces are those of the first half of the orbit.
     """
 
     orbit: Orbit
@@ -56,12 +57,18 @@ class Passages:
     last: Vector
     durations: Vector
     error: float
+    mirror: Mirror | None = None
 
     @property
     def gaps(self) -> Vector:
         """Distances from the ends of the pieces to the beginnings of the next, (n_pieces, n)."""
-        starts = self.orbit.states / self.scales
-        return np.asarray(self.ends - np.roll(starts, -1, axis=0))
+        count, starts = len(self.ends), self.orbit.states / self.scales
+        following = np.append(starts[1:count], self.returned(starts[:1].T).T, axis=0)
+        return np.asarray(self.ends - following)
+
+    def returned(self, maps: Vector) -> Vector:
+        """Return maps (n, m) to the end of the last piece as such to what comes to the begin."""
+        return maps if self.mirror is None else self.mirror.scaled(self.scales).rows(maps)
 
     @property
     def monodromy(self) -> Vector:
@@ -69,7 +76,8 @@ class Passages:
         product = np.eye(len(self.scales))
         for piece in self.by_state:
             product = piece @ product
-        return product
+        product = self.returned(product)
+        return product if self.mirror is None else product @ product
 
     @property
     def trivial(self) -> float:
@@ -83,6 +91,7 @@ def passages(
     orbit: Orbit,
     *,
     tolerance: float = TOLERANCE,
+    mirror: Mirror | None = None,
 ) -> Passages:
     """Integrate the pieces of an orbit with their derivatives.
 
@@ -94,13 +103,15 @@ def passages(
         The orbit, its unknowns a guess.
     tolerance
         Error allowed of a step, see above.
+    mirror
+        Asks for the first half alone, where compiled code carries it; the other one is its image.
 
     Raises
     ------
     NumericalError
         If a piece cannot be integrated.
     """
-    quick = _carried(field, orbit, tolerance)
+    quick = _carried(field, orbit, tolerance, mirror)
     if quick is not None:
         return quick
     pieces = _Pieces.of(field, orbit)
@@ -112,26 +123,31 @@ def passages(
     raise NumericalError("the motion along a cycle cannot be integrated: steps become too small")
 
 
-def _carried(field: AutonomousField, orbit: Orbit, tolerance: float) -> Passages | None:
+def _carried(
+    field: AutonomousField, orbit: Orbit, tolerance: float, mirror: Mirror | None
+) -> Passages | None:
     """Return the passages by compiled explicit steps, None where there is no such code.
 
     None too where the motion is so stiff that they would be too many.
     """
     scales = orbit.scales()
+    durations = durations_of(orbit, mirror)
     found = field.carried(
-        orbit.states,
+        orbit.states[: len(durations)],
         orbit.parameter,
-        durations_of(orbit),
+        durations,
         scales=scales,
         tolerance=tolerance,
         trials=_MOST_EXPLICIT,
     )
-    return None if found is None else _scaled(orbit, found, scales)
+    return None if found is None else _scaled(orbit, found, scales, mirror)
 
 
-def durations_of(orbit: Orbit) -> Vector:
-    """Return how long the pieces of an orbit last, shape (n_pieces,) [s]."""
-    return np.asarray(np.diff(np.append(orbit.times_of(orbit.mesh)[0], 1.0)) * orbit.period)
+def durations_of(orbit: Orbit, mirror: Mirror | None = None) -> Vector:
+    """Return how long the pieces of an orbit, or of its first half, last, shape (n_pieces,) [s]."""
+    times = orbit.times_of(orbit.mesh)[0]
+    count = len(times) if mirror is None else len(times) // 2
+    return np.asarray(np.diff(np.append(times, 1.0)) * orbit.period)[:count]
 
 
 def passages_along(
@@ -142,6 +158,7 @@ def passages_along(
     *,
     tolerances: Sequence[float],
     shifted: float = np.inf,
+    mirror: Mirror | None = None,
 ) -> Passages:
     """Return the passages of an orbit whose points compiled code has found on one path.
 
@@ -159,16 +176,18 @@ def passages_along(
         Parts of the rates that the tangent of a step may miss, the largest first.
     shifted
         Distance of the trivial multiplier from 1 from which on the next tolerance is asked for.
+    mirror
+        Tells that the path is half the orbit, the other half its image.
     """
     tangents = field.tangents(path, orbit.parameter, scales=scales)
     for tolerance in tolerances:
-        found = _scaled(orbit, tangents.carried(tolerance), scales)
+        found = _scaled(orbit, tangents.carried(tolerance), scales, mirror)
         if abs(found.trivial - 1.0) < shifted:
             break
     return found
 
 
-def _scaled(orbit: Orbit, found: Carried, scales: Vector) -> Passages:
+def _scaled(orbit: Orbit, found: Carried, scales: Vector, mirror: Mirror | None) -> Passages:
     return Passages(
         orbit,
         scales,
@@ -177,8 +196,9 @@ def _scaled(orbit: Orbit, found: Carried, scales: Vector) -> Passages:
         found.maps[:, :, -1] / scales,
         found.first / scales,
         found.last / scales,
-        durations_of(orbit),
+        durations_of(orbit, mirror),
         float(found.errors.max(initial=0.0)),
+        mirror,
     )
 
 

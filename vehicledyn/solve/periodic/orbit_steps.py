@@ -35,6 +35,13 @@ from vehicledyn.solve.periodic.cycle_points import (
 )
 from vehicledyn.solve.periodic.floquet import multipliers_of
 from vehicledyn.solve.periodic.kinks import Kinks, aligned, misalignment
+from vehicledyn.solve.periodic.mirror import (
+    BrokenMirrorError,
+    Mirror,
+    mirror_of,
+    mirrored_mesh,
+)
+from vehicledyn.solve.periodic.monodromy import Passages
 from vehicledyn.solve.periodic.orbit import Orbit, adapted_mesh
 from vehicledyn.solve.periodic.returning import returning
 from vehicledyn.solve.periodic.shooting import Closed, closed, direction_of
@@ -55,12 +62,16 @@ _CORNERED = 2e-4
 
 @dataclass
 class Steps:
-    """Steps along a branch of a model; ``intervals`` are those of the mesh of collocation."""
+    """Steps along a branch of a model; ``intervals`` are those of the mesh of collocation.
+
+    Orbits that integration finds are their own images in the ``mirror``, if there is one.
+    """
 
     model: AutonomousField
     limits: Limits
     intervals: int
     age: int = 0
+    mirror: Mirror | None = None
 
     @cached_property
     def kinks(self) -> Kinks:
@@ -82,9 +93,7 @@ class Steps:
         along = direction.times(1.0 / np.sqrt(dot(start, direction, direction, scales)))
         if self.model.is_carried:
             with suppress(NumericalError):
-                size = scales.parameter
-                exact = returning(self.model, start, None, parameter_scale=size, along=along)
-                return point_of(exact, along, size)
+                return self._shot_first(start, along)
         found = correct(self.model, start, scales, along=along)
         exact = closed(self.model, found.orbit, parameter_scale=scales.parameter)
         return self._point(found, exact, scales, along)
@@ -97,9 +106,8 @@ class Steps:
         """
         scales = self.scales(start)
         if self.model.is_carried:
-            along = Direction(np.zeros_like(start.states), 0.0, side)
             with suppress(NumericalError):
-                return point_of(closed(self.model, start), along, scales.parameter)
+                return self._shot_first_at(start, side)
         found, exact, _ = self._corrected(start, scales, None)
         along = Direction(np.zeros_like(found.orbit.states), 0.0, side)
         return self._point(found, exact, scales, along)
@@ -108,7 +116,11 @@ class Steps:
         """Return the point at a distance along the branch."""
         scales = self.scales(base.orbit)
         if self.model.is_carried:
-            return self._shot_from(base, size, scales)
+            try:
+                return self._shot_from(base, size, scales)
+            except BrokenMirrorError:
+                self.mirror = None
+                return self._shot_from(self._whole(base, scales), size, scales)
         mesh = self._mesh(base.orbit, scales, self.kinks.along(base.orbit))
         tangent = moved(base.orbit, base.tangent, mesh)
         guess = ahead(base.orbit.moved(mesh), tangent, size)
@@ -121,7 +133,7 @@ class Steps:
             return None
         scales = self.scales(base.orbit)
         try:
-            point, way = behind_corner(self.model, base, size, scales)
+            point, way = behind_corner(self.model, base, size, scales, self.mirror)
         except NumericalError:
             return None
         corner = min(size, corner_between(base, point, scales))
@@ -146,10 +158,56 @@ class Steps:
         guess = ahead(ends[0], between(*ends), part)
         near = points[high if part > 0.5 and high < last else low].passages
         try:
-            exact = returning(self.model, guess, near, parameter_scale=scale, along=chord)
+            exact = self._returning(guess, near, chord)
         except NumericalError:
-            exact = returning(self.model, guess, None, parameter_scale=scale, along=chord)
+            exact = self._returning(guess, None, chord)
         return point_of(exact, base.tangent, scale, base.sense)
+
+    def _whole(self, base: CyclePoint, scales: Scales) -> CyclePoint:
+        """Return a point whose orbit is followed as a whole, no more as its own image."""
+        exact = self._returning(base.orbit, None, base.tangent)
+        return point_of(exact, base.tangent, scales.parameter)
+
+    def _returning(self, guess: Orbit, near: Passages | None, along: Direction) -> Closed:
+        size = self.parameter_scale
+        return returning(
+            self.model, guess, near, parameter_scale=size, along=along, mirror=self.mirror
+        )
+
+    def _shot_first(self, start: Orbit, along: Direction) -> CyclePoint:
+        """Return the orbit on the plane through a guess across a direction, by integration."""
+        guess, across = self._mirrored(start), along
+        if self.mirror is not None:
+            across = moved(start, along, guess.mesh)
+        try:
+            exact = self._returning(guess, None, across)
+        except BrokenMirrorError:
+            self.mirror = None
+            exact = self._returning(guess, None, across)
+        return point_of(exact, across, self.parameter_scale)
+
+    def _shot_first_at(self, start: Orbit, side: float) -> CyclePoint:
+        """Return the orbit at the parameter of a guess, by integration."""
+        exact = closed(self.model, start)
+        guess = self._mirrored(exact.orbit)
+        if self.mirror is not None:
+            exact = returning(self.model, guess, None, mirror=self.mirror)
+        along = Direction(np.zeros_like(exact.orbit.states), 0.0, side)
+        return point_of(exact, along, self.parameter_scale)
+
+    def _mirrored(self, orbit: Orbit) -> Orbit:
+        """Look for a mirror, and return an orbit on a mesh that is its own image too."""
+        limits = self.limits
+        values = orbit.parameter, limits.low, limits.high
+        self.mirror = mirror_of(self.model, orbit, values)
+        return orbit if self.mirror is None else self._its_own_image(orbit, orbit.mesh)
+
+    def _its_own_image(self, orbit: Orbit, mesh: Vector) -> Orbit:
+        """Return an orbit on a mesh near another, the second half the image of the first."""
+        assert self.mirror is not None
+        found = orbit.moved(mirrored_mesh(mesh))
+        half = found.states[: len(found.states) // 2]
+        return replace(found, states=self.mirror.completed(half))
 
     def _shot_from(self, base: CyclePoint, size: float, scales: Scales) -> CyclePoint:
         """Return the point at a distance along the branch, found by integration alone.
@@ -161,10 +219,11 @@ class Steps:
         self.age += 1
         if self.age > _REMESHED_AFTER or near is None:
             mesh, near = adapted_mesh(base.orbit, scales.states, base.orbit.intervals), None
+            mesh = mesh if self.mirror is None else mirrored_mesh(mesh)
             self.age = 0
         tangent = moved(base.orbit, base.tangent, mesh)
         guess = ahead(base.orbit.moved(mesh), tangent, size)
-        exact = returning(self.model, guess, near, parameter_scale=scales.parameter, along=tangent)
+        exact = self._returning(guess, near, tangent)
         way = between(base.orbit.moved(mesh), exact.orbit)
         if not dot(exact.orbit, way, tangent, scales) > _GONE_ON * size:
             raise NumericalError("no other orbit is found")

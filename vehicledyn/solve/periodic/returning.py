@@ -23,6 +23,7 @@ from vehicledyn.solve.engine import Vector
 from vehicledyn.solve.path_code import Path
 from vehicledyn.solve.periodic.autonomous import AutonomousField
 from vehicledyn.solve.periodic.collocation import Direction
+from vehicledyn.solve.periodic.mirror import BrokenMirrorError, Mirror
 from vehicledyn.solve.periodic.monodromy import Passages, durations_of, passages_along
 from vehicledyn.solve.periodic.orbit import Orbit
 from vehicledyn.solve.periodic.shooting import Chain, Closed, solved
@@ -64,6 +65,7 @@ def returning(
     *,
     parameter_scale: float | None = None,
     along: Direction | None = None,
+    mirror: Mirror | None = None,
 ) -> Closed:
     """Return the orbit near a guess whose motion returns.
 
@@ -80,26 +82,34 @@ def returning(
     along
         A direction: the orbit that is found lies on the plane across it. Without one it is the
         nearest.
+    mirror
+        Asks for an orbit whose second half is the image of its first, which alone is followed. The
+        guess is one, on a mesh that is.
 
     Raises
     ------
+    BrokenMirrorError
+        If the equations do not look the same in the mirror along the orbit.
     NumericalError
         If the orbit is not found.
     """
     size_of = parameter_scale or 0.0
-    search = None if near is None else _Search(Chain.of(near, size_of), guess, along)
+    is_near = near is not None and near.mirror is mirror
+    search = _Search(Chain.of(near, size_of), guess, along) if near and is_near else None
     scales = guess.scales() if near is None else near.scales
     orbit, before, best, vain, error = guess, np.inf, np.inf, 0, _NEAR_STEP
     counted, returned = 0, _RETURNED
     for _ in range(_ITERATIONS):
         counted += error >= _STEP
-        orbit, gap, path = _followed(field, orbit, scales, error)
+        orbit, gap, path = _followed(field, orbit, scales, error, mirror)
         size = float(np.abs(gap).max())
         if size < returned and error <= _STEP:
-            found = _tangents(field, orbit, path)
+            found = _tangents(field, orbit, path, mirror)
             last = _Search(Chain.of(found, size_of), guess, along)
             corrected = last.corrected(orbit, gap * scales / found.scales, stay=True)
             if size < _SURELY or abs(found.trivial - 1.0) < _SHIFTED:
+                if mirror and not mirror.holds(field, orbit.states, orbit.parameter):
+                    raise BrokenMirrorError("an orbit is not its own image in a mirror any more")
                 return Closed(corrected, found, counted)
             search, orbit, before, returned = None, corrected, size, _SURELY
             continue
@@ -110,7 +120,7 @@ def returning(
         is_slow = size > _SLOW * before
         finer = _finer(error, size, is_slow=is_slow)
         if search is None or is_slow:
-            found = passages_along(field, orbit, path, scales, tolerances=_ROUGH)
+            found = passages_along(field, orbit, path, scales, tolerances=_ROUGH, mirror=mirror)
             search = _Search(Chain.of(found, size_of), guess, along)
         orbit, before = search.corrected(orbit, gap), size
         if finer < error:
@@ -126,14 +136,18 @@ def _finer(error: float, gap: float, *, is_slow: bool) -> float:
 
 
 def _followed(
-    field: AutonomousField, orbit: Orbit, scales: Vector, tolerance: float
+    field: AutonomousField,
+    orbit: Orbit,
+    scales: Vector,
+    tolerance: float,
+    mirror: Mirror | None,
 ) -> tuple[Orbit, Vector, Path]:
     """Return the orbit through its first point, by how much its end misses that, and the path."""
     begin = orbit.states[0]
     found = field.followed(
         begin,
         orbit.parameter,
-        durations_of(orbit),
+        durations_of(orbit, mirror),
         scales=scales,
         tolerance=tolerance,
         trials=_MOST_STEPS,
@@ -141,14 +155,22 @@ def _followed(
     if found is None:
         raise NumericalError("the motion along a cycle cannot be followed")
     places = found.places
-    states = np.concatenate([begin[None], places[:-1]])
-    return replace(orbit, states=states), (places[-1] - begin) / scales, found
+    states, end = np.concatenate([begin[None], places[:-1]]), places[-1]
+    if mirror is not None:
+        states, end = mirror.completed(states), mirror.image(end)
+    return replace(orbit, states=states), (end - begin) / scales, found
 
 
-def _tangents(field: AutonomousField, orbit: Orbit, path: Path) -> Passages:
+def _tangents(field: AutonomousField, orbit: Orbit, path: Path, mirror: Mirror | None) -> Passages:
     """Return the passages of an orbit, accurate enough for its multipliers."""
     return passages_along(
-        field, orbit, path, orbit.scales(), tolerances=_TOLERANCES, shifted=_SHIFTED
+        field,
+        orbit,
+        path,
+        orbit.scales(),
+        tolerances=_TOLERANCES,
+        shifted=_SHIFTED,
+        mirror=mirror,
     )
 
 

@@ -187,9 +187,10 @@ def _corrected(
 class Chain:
     """How all points follow the first one, the period and the parameter, in scaled changes.
 
-    ``whole`` (n_pieces + 1, n, n), ``pulled`` (n_pieces + 1, n, 2) and ``gaps`` (n_pieces + 1, n)
+    ``whole`` (n_points + 1, n, n), ``pulled`` (n_points + 1, n, 2) and ``gaps`` (n_points + 1, n)
     lead from the changes of the first point, of period and parameter, and from the gaps before
-    it, to the change of each point and of the end.
+    it, to the change of each point and of the end, or its image where half the motion is known:
+    of what comes to the begin.
     """
 
     found: Passages
@@ -212,7 +213,16 @@ class Chain:
             whole[k + 1] = piece @ whole[k]
             pulled[k + 1] = piece @ pulled[k] + pulls[k]
             gaps[k + 1] = piece @ gaps[k] + missed[k]
-        return Chain(found, parameter_scale, whole, pulled, gaps)
+        if found.mirror is None:
+            return Chain(found, parameter_scale, whole, pulled, gaps)
+        image = found.mirror.scaled(found.scales)
+        return Chain(
+            found,
+            parameter_scale,
+            np.concatenate([whole[:-1], image.rows(whole)]),
+            np.concatenate([pulled[:-1], image.rows(pulled)]),
+            np.concatenate([gaps[:-1], image.image(gaps)]),
+        )
 
     @property
     def missed(self) -> Vector:
@@ -221,8 +231,10 @@ class Chain:
 
     @property
     def weights(self) -> Vector:
-        """Parts of the period that the points stand for, shape (n_pieces,)."""
+        """Parts of the period that the points stand for, shape (n_points,)."""
         durations = self.found.durations
+        if self.found.mirror is not None:
+            durations = np.tile(durations, 2)
         return np.asarray(0.5 * (durations + np.roll(durations, 1)) / durations.sum())
 
     def closing(self, free: int) -> Vector:
@@ -236,7 +248,7 @@ class Chain:
         return matrix
 
     def points(self, own: Vector, outer: Vector, *, gaps: bool) -> Vector:
-        """Return the changes of all points, (n_pieces, n)."""
+        """Return the changes of all points, (n_points, n)."""
         moved = self.whole[:-1] @ own + self.pulled[:-1] @ outer
         return np.asarray(moved + self.gaps[:-1] if gaps else moved)
 

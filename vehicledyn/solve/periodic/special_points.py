@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from itertools import pairwise
@@ -23,9 +23,10 @@ _BEFORE = 1.0 - 1e-5, 1.0 - 1e-3, 0.7, 0.4
 _NEUTRAL = 1e-6
 """Distance from 1 at which a multiplier counts as 1 all along the branch."""
 
-_LOCATED, _LOCATED_ROUGHLY, _AS_MULTIPLIERS = 1e-6, 1e-5, 1e-3
-"""Part of a step to which special points are located: by collocation, and by integration, folds,
-whose parameter errs by its square, and others, whose multipliers err too."""
+_LOCATED, _FOLD, _AS_MULTIPLIERS = 1e-6, 1e-7, 1e-4
+"""Part of a step to which special points are located; those that integration finds also where the
+parameter of a fold is known to a part of its scale, and others to a part of a step, as their
+multipliers err."""
 
 _COMPLEX = 1e-6
 
@@ -39,6 +40,14 @@ _MEASURES: dict[str, Callable[[CyclePoint], float]] = {
     "branch_point": lambda point: point.multipliers.test_branch,
     "period_doubling": lambda point: point.multipliers.test_doubling,
 }
+
+
+class _LocatedError(Exception):
+    """A place is near enough to a special point."""
+
+    def __init__(self, place: float) -> None:
+        super().__init__()
+        self.place = place
 
 
 @dataclass
@@ -111,23 +120,34 @@ class SpecialPoints:
         if after.corner is not None:
             return self._at_corner(base, after.corner)
         points: dict[float, CyclePoint] = {0.0: base, size: after}
-        near = _LOCATED_ROUGHLY if kind == "fold" else _AS_MULTIPLIERS
-        near = _LOCATED if base.passages is None else near
 
         def value(part: float) -> float:
             if part not in points:
                 points[part] = self.steps.between(points, part)
+                missed = _way_to_zero({p: measure(own) for p, own in points.items()}, part)
+                if self._is_near(points[part], missed, size, kind):
+                    raise _LocatedError(part)
             return measure(points[part])
 
         try:
-            place = float(brentq(value, 0.0, size, xtol=near * size, maxiter=40, disp=False))
+            place = float(brentq(value, 0.0, size, xtol=_LOCATED * size, maxiter=40, disp=False))
             value(place)
+        except _LocatedError as located:
+            place = located.place
         except NumericalError:
             place = min(points, key=lambda part: abs(measure(points[part])))
             self._remark(kind, [p for _, p in sorted(points.items())], measure)
         except ValueError:
             return None
         return place, points[place]
+
+    def _is_near(self, point: CyclePoint, missed: float, size: float, kind: str) -> bool:
+        """Return whether a point is near enough to a special one, some way from it."""
+        if point.passages is None:
+            return False
+        if kind == "fold":
+            return abs(_slope(point)) * missed < _FOLD * self.steps.parameter_scale
+        return missed < _AS_MULTIPLIERS * size
 
     def _at_corner(self, base: CyclePoint, way: float) -> tuple[float, CyclePoint]:
         """Return a point just before a corner."""
@@ -171,3 +191,18 @@ class SpecialPoints:
         if not ends[0] * ends[1] < 0.0:
             return None
         return self._locate(base, size, measure, after=after, kind="torus")
+
+
+def _way_to_zero(values: Mapping[float, float], place: float) -> float:
+    """Return how far a function, known at some places, is zero from one of them at most.
+
+    Its slope is taken for the smaller one of those to both neighbours.
+    """
+    places = sorted(values)
+    k = places.index(place)
+    slopes = [
+        abs((values[place] - values[other]) / (place - other))
+        for other in (places[k - 1], places[k + 1])
+    ]
+    least = min(slopes)
+    return abs(values[place]) / least if least > 0.0 else np.inf
