@@ -48,6 +48,9 @@ class RailWheels:
     first_place
         Arc coordinate at the start where nothing tells it, on a track that is straight up to
         there [m].
+    nearest
+        Distance of the nearest other axle of the vehicle along the track, zero where there is
+        none [m].
     """
 
     name: str
@@ -61,6 +64,7 @@ class RailWheels:
     creep: CreepLaw
     guide: Callable[[Scalar], Scalar] | None = None
     first_place: float = 0.0
+    nearest: float = 0.0
 
     @property
     def finds_its_place(self) -> bool:

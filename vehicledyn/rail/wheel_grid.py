@@ -29,7 +29,7 @@ LEAST_BARRIER = 1e-5
 """Normal distance between two contacts above which they are windows of their own [m]."""
 
 LEVER = 2.0
-"""Largest distance of a wheel from the place where its vehicle is along the track [m]."""
+"""Least distance counted with of a wheel from where its vehicle is along the track [m]."""
 
 FINEST, COARSEST = 5.5e-4, 2.5e-3
 """Bounds of the distance of places along the profile [m]."""
@@ -95,13 +95,21 @@ class _Rolled(NamedTuple):
     barriers: tuple[float, ...]
 
 
-def largest_attack(curvature: float) -> float:
-    """Return the angle of attack that wheels may have in a curve [rad] of a curvature [1/m].
+def largest_attack(curvature: float, nearest: float = 0.0) -> float:
+    """Return the angle of attack that wheels may have in a curve [rad].
 
-    Axles stand square to their vehicle: a wheel up to ``LEVER`` from where that is tangential to
-    the track has the angle at which the track has turned up to there.
+    Axles stand square to their vehicle: a wheel has the angle at which the track turns from where
+    the vehicle is tangential to it up to the wheel. That is a wheelbase away at most, where the
+    rear axle stands radially; of two axles, the nearest other one tells it.
+
+    Parameters
+    ----------
+    curvature
+        Largest one of the track [1/m].
+    nearest
+        Distance of the nearest other axle [m].
     """
-    return LEVER * curvature
+    return max(LEVER, nearest) * curvature
 
 
 def wheel_grid(wheel: Wheel, rail: Rail, attack: float = 0.0) -> WheelGrid:
@@ -157,7 +165,9 @@ def _rolled(wheel: Wheel, rail: Rail, attack: float) -> _Rolled:
     if not contacts:
         raise InputError("the wheel is not above its rail at any lateral shift")
     met = np.flatnonzero(bends)
-    for yaw in np.arange(_YAW_STEP, min(attack, _LARGEST_YAW) + 1e-9, _YAW_STEP):
+    largest = min(attack, _LARGEST_YAW)
+    steps = np.arange(_YAW_STEP, largest + 1e-9, _YAW_STEP)
+    for yaw in np.union1d(steps, [largest] if largest > 0.0 else []):
         barriers += _barriers_at(wheel, rail, float(yaw))
     return _Rolled(y[met], bends[met], y[contacts], _gathered(barriers))
 

@@ -106,7 +106,7 @@ def _draw_panel(axes: Axes, result: Result, panel: Panel, across: Floats, *, nam
         axes.set_xlim(float(across.min()), float(across.max()))
     if named or len(panel.channels) > 1:
         longest = max(len(plain(label)) for label in panel.labels)
-        columns = 4 if longest < 18 else 2
+        columns = 4 if longest <= 14 else 3 if longest <= 22 else 2
         smaller = min(1.0, LONGEST_LABEL / longest)
         axes.legend(
             loc="lower left",

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from vehicledyn.manoeuvres.recording import Recording
+from vehicledyn.multibody.parts import Part
 from vehicledyn.multibody.system import GROUND, Joint, System
 from vehicledyn.run.subject import Vector, start_values
 from vehicledyn.solve.periodic.autonomous import mattering_states
@@ -108,20 +109,31 @@ class SystemSubject:
         return ()
 
     def plots(self, equations: Equations) -> list[dict[str, Any]]:
-        """Return paths over the ground, coordinates, rates, forces and energies against time."""
+        """Return paths over the ground, coordinates, rates, forces and energies against time.
+
+        Those of a vehicle on rails begin with its wheel forces and how its axles run.
+        """
         names = [j.name for j in self.system.joints()]
         by_name = {c.name: c for c in equations.channels}
+        rails: list[dict[str, Any]] = []
+        if self._rolls:
+            from vehicledyn.run.rail_figures import is_of_rails, rail_figures
+
+            rails = list(rail_figures({name: c.unit for name, c in by_name.items()}))
+            drawn = {n for figure in rails for panel in figure["panels"] for n in panel["channels"]}
+            by_name = {n: c for n, c in by_name.items() if n not in drawn and not is_of_rails(n)}
         coordinates = [by_name[n] for n in names if n in by_name]
         rates = [by_name[f"{n}_rate"] for n in names if f"{n}_rate" in by_name]
         energies = [by_name[n] for n in _ENERGIES if n in by_name]
-        forces = [c for c in equations.channels if c.unit in _FORCE_UNITS]
+        forces = [c for c in by_name.values() if c.unit in _FORCE_UNITS]
         figures = [
             _figure("coordinates", "Coordinates", "Coordinate", coordinates),
             _figure("rates", "Rates of the coordinates", "Rate", rates),
             _figure("forces", "Forces", "Force", forces),
             _figure("energy", "Energy", "Energy", energies),
         ]
-        return [*self._paths(set(by_name)), *(figure for figure in figures if figure["panels"])]
+        known = {channel.name for channel in equations.channels}
+        return [*rails, *self._paths(known), *(figure for figure in figures if figure["panels"])]
 
     def _paths(self, known: set[str]) -> Iterator[dict[str, Any]]:
         """Yield the paths of bodies that slide along x and y of the ground."""
@@ -139,11 +151,27 @@ class SystemSubject:
         """Return the channels that the summary is made from."""
         units = {c.name: c.unit for c in equations.channels}
         wanted = [*self._coordinates(set(units)), _GAP, _OPENING, *_ENERGIES, _POWER]
+        wanted += [f"{part.name}.angle_of_attack" for part in self._elastic_wheels()]
         return [*(name for name in wanted if name in units), *_assessed(units, wanted)]
 
     def summarise(self, recording: Recording) -> list[SummaryEntry]:
         """Return ranges of coordinates, errors of loops and energy, the assessment on rails."""
-        return [*self._general(recording), *_assessment(recording)]
+        return [*self._general(recording), *_assessment(recording), *self._contact(recording)]
+
+    def _elastic_wheels(self) -> list[Part]:
+        return [part for part in self.system.parts if getattr(part, "settles_on_rails", False)]
+
+    def _contact(self, recording: Recording) -> Iterator[SummaryEntry]:
+        """Yield what is to be said of contacts of elastic wheels."""
+        wheels = self._elastic_wheels()
+        if not wheels:
+            return
+        from vehicledyn.rail.attack_remarks import attack_remarks
+        from vehicledyn.results.layout import SummaryEntry
+
+        remarks = "; ".join(attack_remarks(wheels, recording.channels))
+        if remarks:
+            yield SummaryEntry("contact_remarks", remarks, "", "")
 
     def _general(self, recording: Recording) -> list[SummaryEntry]:
         from vehicledyn.results.layout import SummaryEntry
@@ -167,8 +195,8 @@ class SystemSubject:
         return [*entries, *_energy_error(recording)]
 
     def _coordinates(self, known: set[str]) -> list[str]:
-        names = [j.name for j in self.system.joints() if j.name in known]
-        return names if len(names) <= MOST_COORDINATES else []
+        names = [j.name for j in self.system.joints()]
+        return [n for n in names if n in known] if len(names) <= MOST_COORDINATES else []
 
 
 def _assessed(units: dict[str, str], others: Collection[str]) -> list[str]:

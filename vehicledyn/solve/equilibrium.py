@@ -15,6 +15,7 @@ from vehicledyn.solve.kernel import Kernel
 from vehicledyn.solve.newton import settle, solve_damped
 from vehicledyn.symbolic.equations import Equations
 
+_LOOSE = 1e-9
 _NAMED = 4
 _LARGEST_TURN = 0.5
 """How far a coordinate may turn at once on the way to an equilibrium [rad]."""
@@ -142,7 +143,8 @@ def find_equilibrium(
         problem.evaluate, begin, tolerance=tolerance, largest_step=np.array(limits)
     )
     if not found.solved:
-        raise NumericalError(_unbalanced(equations, balanced, found.residual, tolerance))
+        loose = _loose(equations, problem, found.point, int(np.argmax(np.abs(found.residual))))
+        raise NumericalError(_unbalanced(equations, balanced, found.residual, tolerance, loose))
     final_state, final_unknowns = problem.point(found.point)
     residual = float(np.abs(found.residual).max(initial=0.0))
     return EquilibriumPoint(final_state, final_unknowns, residual, found.iterations)
@@ -197,8 +199,32 @@ def _per_second(unit: str) -> str:
     return f"{unit}^2" if unit.endswith("/s") else f"{unit}/s"
 
 
+def _loose(equations: Equations, problem: _Balance, point: Vector, worst: int) -> list[str]:
+    """Return states that can move together without any rate taking notice, few at most.
+
+    None are returned if that of the rate which is worst in balance is not among them.
+    """
+    try:
+        _, jacobian = problem.evaluate(point)
+    except NumericalError:
+        return []
+    rows = np.abs(jacobian).max(axis=1, keepdims=True)
+    _, sizes, directions = np.linalg.svd(jacobian / np.where(rows > 0.0, rows, 1.0))
+    if not sizes.size or sizes[-1] > _LOOSE * sizes[0]:
+        return []
+    share = np.abs(directions[-1])
+    if not share[worst] > 0.1 * share.max():
+        return []
+    taken = [k for k in np.argsort(-share) if share[k] > 0.1 * share.max()][:_NAMED]
+    return [equations.states[problem.free[k]].name for k in taken]
+
+
 def _unbalanced(
-    equations: Equations, balanced: Sequence[int], residual: Vector, tolerance: float
+    equations: Equations,
+    balanced: Sequence[int],
+    residual: Vector,
+    tolerance: float,
+    loose: Sequence[str],
 ) -> str:
     order = np.argsort(-np.abs(residual))
     worst = [k for k in order if not abs(residual[k]) <= tolerance][:_NAMED]
@@ -207,7 +233,10 @@ def _unbalanced(
         f"{_per_second(equations.states[balanced[k]].unit)})"
         for k in worst
     ]
+    advice = "change loads or parameters, or start nearer to it"
+    if loose:
+        advice = f"nothing holds {', '.join(loose)}: hold them by a spring or a drive"
     return (
         f"no equilibrium of model '{equations.name}' near the starting point; rates that stay "
-        f"unbalanced: {', '.join(rates)}; change loads or parameters, or start nearer to it"
+        f"unbalanced: {', '.join(rates)}; {advice}"
     )

@@ -18,7 +18,7 @@ from pydantic_core.core_schema import ValidationInfo
 from vehicledyn.base.parameters import ParameterSet, read_part
 from vehicledyn.base.units import describe
 from vehicledyn.base.wording import Complaint, complain
-from vehicledyn.systems.expressions import Expression, read_expression
+from vehicledyn.systems.expressions import Expression, named, read_expression
 
 _ONE: dict[str, Any] = {"type": ["number", "string"]}
 _THREE: dict[str, Any] = {"type": "array", "items": _ONE, "minItems": 3, "maxItems": 3}
@@ -28,6 +28,15 @@ def _read_list(value: Any) -> tuple[Expression, ...]:
     if not isinstance(value, list | tuple):
         raise ValueError(f"expected a list, found {describe(value)}")
     return tuple(map(read_expression, value))
+
+
+def _read_moments(value: Any) -> tuple[Expression, ...]:
+    if not isinstance(value, str):
+        return _read_list(value)
+    name = read_expression(value).root.name
+    if not name:
+        raise ValueError(f"expected a list or the name of a vector, found {describe(value)}")
+    return tuple(named(f"{name}.{axis}") for axis in "xyz")
 
 
 Scalar = Annotated[Expression, PlainValidator(read_expression), WithJsonSchema(_ONE)]
@@ -46,6 +55,14 @@ Scalars = Annotated[
     WithJsonSchema({"type": "array", "items": _ONE}),
 ]
 """A list of expressions, each worth one number."""
+
+
+Moments = Annotated[
+    tuple[Expression, ...],
+    PlainValidator(_read_moments),
+    WithJsonSchema({"anyOf": [{"type": "array", "items": _ONE}, {"type": "string"}]}),
+]
+"""Moments of inertia: a list of expressions, or the name of a vector of three."""
 
 
 def measured(

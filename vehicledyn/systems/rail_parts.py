@@ -2,16 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from functools import partial
-from typing import Any
 
 from vehicledyn.base.errors import InputError
 from vehicledyn.multibody.parts import Part
 from vehicledyn.rail.rail_contact import RailWheels
 from vehicledyn.rail.track_follower import TrackFollower
-from vehicledyn.systems.algebra import NUMBERS
-from vehicledyn.systems.expressions import Expression
+from vehicledyn.systems.rail_places import first_place, guide, nearest_axle
 from vehicledyn.systems.rail_wheels import missing_choices
 from vehicledyn.systems.track_frame import TrackFrameSet
 from vehicledyn.systems.values import Values
@@ -67,47 +64,12 @@ def rail_wheel_parts(values: Values) -> list[Part]:
                 radius_number=float(values.number(item.radius)),
                 track=track,
                 creep=law,  # type: ignore[arg-type]
-                guide=_guide(values, item.body),
-                first_place=_first_place(values, item.body),
+                guide=guide(values, item.body),
+                first_place=first_place(values, item.body),
+                nearest=nearest_axle(values, item.body),
             )
             wheels.check_fit(tape_circle)
             parts.append(entered.part(wheels))
         except InputError as error:
             raise InputError(f"{path}: rail_wheels.{name}: {error}") from None
     return parts
-
-
-def _guide(values: Values, name: str) -> Callable[[Any], Any] | None:
-    """Return the arc coordinate of a body that a track frame carries, but for small motions."""
-    ahead: Any = 0.0
-    while name in values.model.file.bodies:
-        body = values.model.file.bodies[name]
-        first = body.joints[0] if body.joints else None
-        if isinstance(first, TrackFrameSet):
-            return partial(_ahead_of, values, first.position, ahead)
-        name, ahead = body.parent, ahead + values.value(body.at)[0]
-    return None
-
-
-def _first_place(values: Values, name: str) -> float:
-    """Return how far along x a body starts before anything turns it [m]."""
-    file, place = values.model.file, 0.0
-
-    def at_zero(expression: Expression, **names: Any) -> Any:
-        return expression.value({**values.numbers, **names}, NUMBERS)
-
-    laws = {drive.coordinate: drive.law for drive in file.drives.values()}
-    while name in file.bodies:
-        body = file.bodies[name]
-        place += float(values.number(body.at)[0])
-        slides = [c for c in body.coordinates(name) if c.joint == "T1"]
-        for slide in slides:
-            law = laws.get(slide.name)
-            given = file.initial.get(slide.name, slide.start)
-            place += float(values.number(given) if law is None else law.at(0.0, at_zero))
-        name = body.parent
-    return place
-
-
-def _ahead_of(values: Values, position: Expression, ahead: Any, time: Any) -> Any:
-    return values.at_time(position, time) + ahead

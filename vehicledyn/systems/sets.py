@@ -12,8 +12,8 @@ from vehicledyn.multibody.ground import GROUND
 from vehicledyn.systems.events import EventSet
 from vehicledyn.systems.expressions import origin, read_expression, zero
 from vehicledyn.systems.fields import (
+    Moments,
     Scalar,
-    Scalars,
     SystemSet,
     Vector,
     measured,
@@ -43,7 +43,7 @@ class BodySet(SystemSet):
     com: Vector = measured(
         "m", "Centre of mass in the axes of the body", default=origin(), nature="polar"
     )
-    inertia: Scalars | None = measured(
+    inertia: Moments | None = measured(
         "kg*m^2",
         "Ixx, Iyy, Izz and, if not zero, the matrix elements Ixy, Ixz, Iyz about the centre of "
         "mass in the axes of the body",

@@ -62,6 +62,22 @@ def test_equilibrium_that_does_not_exist():
         balance(turned_pendulum(12.0), [0], [1])
 
 
+def test_what_nothing_holds_is_named():
+    """Two bodies joined by a spring, one of them drawn along: they move off together."""
+    t, x, y, u, v = symbols("t", "x", "y", "u", "v")
+    spring = 5.0 * (y - x)
+    equations = build(
+        "pair",
+        time=t,
+        states=[(x, 0.0), (y, 0.1), (u, 0.0), (v, 0.0)],
+        rates=[u, v, spring + 1e-3, -2.0 * spring],
+        parameters=[],
+        outputs=[("length", y - x)],
+    )
+    with pytest.raises(NumericalError, match=r"nothing holds (x, y|y, x): hold them by"):
+        balance(equations, [0, 1], [2, 3])
+
+
 def test_equilibrium_through_loops():
     equations = double_pendulum()
     point = balance(equations, [0, 1], [2, 3])

@@ -45,6 +45,18 @@ initial: {crank.angle: 10 deg}
 """
 
 
+def test_an_inertia_may_be_a_vector_by_its_name(tmp_path):
+    named = GOOD.replace("inertia: 0.1 kg*m^2", "inertia: [0.1 kg*m^2, 0.2 kg*m^2, 0.15 kg*m^2]")
+    named = named.replace("[crank.inertia, crank.inertia, 0]", "crank.inertia")
+    assert problems(tmp_path, named) == []
+    values = {p.name: p.value for p in equations(tmp_path, named).parameters}
+    assert [values[f"crank.inertia.{axis}"] for axis in "xyz"] == [0.1, 0.2, 0.15]
+    (first, *_) = problems(tmp_path, named.replace("inertia: crank.inertia", "inertia: crank.no"))
+    assert "no quantity named 'crank.no.x'" in first
+    (first,) = problems(tmp_path, named.replace("inertia: crank.inertia", "inertia: 2 * half"))
+    assert "expected a list or the name of a vector" in first
+
+
 def test_good_file_has_no_problems_and_keeps_its_parameters_free(tmp_path):
     e = equations(tmp_path, GOOD)
     assert {p.name: (p.value, p.unit) for p in e.parameters} == {

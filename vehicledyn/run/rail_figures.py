@@ -1,0 +1,92 @@
+"""Figures of a vehicle on rails: its wheel forces, how its axles run, what its floors feel."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from typing import Any
+
+from vehicledyn.results.assessment.comfort import DIRECTIONS
+from vehicledyn.results.assessment.subjects import find_subjects
+
+MOST_PANELS = 8
+"""Panels of one figure; a vehicle with more axles has further figures."""
+
+MOST_LINES = 4
+"""Lines of one panel."""
+
+_WHEELS = (
+    ("Q", "wheel_loads", "Vertical wheel forces", "kN"),
+    ("Y", "guiding_forces", "Lateral wheel forces", "kN"),
+    ("wear_number", "wear", "Wear numbers", "N"),
+)
+_AXLES = (
+    ("lateral_shift", "Lateral shift", "mm"),
+    ("angle_of_attack", "Angle of attack", "mrad"),
+)
+_CONTACT = ".contact_"
+_CARRIED = ".track_"
+
+
+def rail_figures(units: Mapping[str, str]) -> Iterator[dict[str, Any]]:
+    """Yield descriptions of figures, none if no wheel runs on rails.
+
+    Wheel forces and wear have one panel an axle, or one each for wheels that are bodies of their
+    own, then come lateral shifts and angles of attack with the curvature of the track below them,
+    and the accelerations.
+
+    Parameters
+    ----------
+    units
+        Units of the channels by name.
+    """
+    found = find_subjects(units)
+    for word, name, title, unit in _WHEELS:
+        lines = {
+            axle: [n for wheel in wheels if (n := f"{wheel}.{word}") in units]
+            for axle, wheels in found.axles.items()
+        }
+        panels = [_panel(axle, unit, names) for axle, names in lines.items() if names]
+        yield from _figures(name, title, panels)
+    running = [
+        _panel(label, unit, names)
+        for word, label, unit in _AXLES
+        for names in _batches(f"{axle}.{word}" for axle in found.axles if f"{axle}.{word}" in units)
+    ]
+    if running:
+        bends = [_panel("Curvature", "1/km", names) for names in _batches(found.bends[:MOST_LINES])]
+        yield from _figures("running", "How the axles run on the track", running + bends)
+    panels = [
+        _panel(sensor, "m/s^2", names)
+        for sensor in found.sensors
+        if (names := [n for word in DIRECTIONS if (n := f"{sensor}.{word}") in units])
+    ]
+    yield from _figures("accelerations", "Accelerations", panels)
+
+
+def is_of_rails(name: str) -> bool:
+    """Return whether a channel is a detail of a contact or of the motion of the track's frame."""
+    return _CONTACT in name or _CARRIED in name
+
+
+def _figures(name: str, title: str, panels: Sequence[dict[str, Any]]) -> Iterator[dict[str, Any]]:
+    """Yield one figure, or several where there are too many panels for one."""
+    parts = list(_batches(panels, MOST_PANELS))
+    for k, part in enumerate(parts, start=1):
+        of = f" ({k} of {len(parts)})" if len(parts) > 1 else ""
+        number = f"_{k}" if len(parts) > 1 else ""
+        yield {"name": name + number, "title": title + of, "kind": "time", "panels": part}
+
+
+def _panel(label: str, unit: str, channels: Sequence[str]) -> dict[str, Any]:
+    """Return a panel; each line is named by what is not in the names of all the others."""
+    words = [name.split(".") for name in channels]
+    differing = [k for k, parts in enumerate(zip(*words, strict=False)) if len(set(parts)) > 1]
+    labels = [".".join(parts[k] for k in differing) or parts[0] for parts in words]
+    return {"label": label, "unit": unit, "channels": list(channels), "labels": labels}
+
+
+def _batches(items: Iterable[Any], size: int = MOST_LINES) -> Iterator[list[Any]]:
+    rest = iter(items)
+    while batch := list(itertools.islice(rest, size)):
+        yield batch
