@@ -7,7 +7,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Any
 
 from vehicledyn.results.assessment.comfort import DIRECTIONS
-from vehicledyn.results.assessment.subjects import find_subjects
+from vehicledyn.results.assessment.subjects import Subjects, find_subjects
 
 MOST_PANELS = 8
 """Panels of one figure; a vehicle with more axles has further figures."""
@@ -42,26 +42,45 @@ def rail_figures(units: Mapping[str, str]) -> Iterator[dict[str, Any]]:
     """
     found = find_subjects(units)
     for word, name, title, unit in _WHEELS:
-        lines = {
-            axle: [n for wheel in wheels if (n := f"{wheel}.{word}") in units]
-            for axle, wheels in found.axles.items()
-        }
-        panels = [_panel(axle, unit, names) for axle, names in lines.items() if names]
+        panels = [
+            _panel(label, unit, names)
+            for label, wheels in _groups(found.axles)
+            if (names := [n for wheel in wheels if (n := f"{wheel}.{word}") in units])
+        ]
         yield from _figures(name, title, panels)
-    running = [
-        _panel(label, unit, names)
-        for word, label, unit in _AXLES
-        for names in _batches(f"{axle}.{word}" for axle in found.axles if f"{axle}.{word}" in units)
-    ]
-    if running:
-        bends = [_panel("Curvature", "1/km", names) for names in _batches(found.bends[:MOST_LINES])]
-        yield from _figures("running", "How the axles run on the track", running + bends)
+    yield from _running(found, units)
     panels = [
         _panel(sensor, "m/s^2", names)
         for sensor in found.sensors
         if (names := [n for word in DIRECTIONS if (n := f"{sensor}.{word}") in units])
     ]
     yield from _figures("accelerations", "Accelerations", panels)
+
+
+def _groups(axles: Mapping[str, tuple[str, ...]]) -> Iterator[tuple[str, list[str]]]:
+    """Yield what shares a panel, with its name: the wheels of an axle, or two lone ones."""
+    for axle, wheels in axles.items():
+        if len(wheels) > 1:
+            yield axle, list(wheels)
+    for pair in _batches((axle for axle, wheels in axles.items() if len(wheels) == 1), 2):
+        same = itertools.takewhile(lambda letters: len(set(letters)) == 1, zip(*pair, strict=False))
+        common = "".join(letters[0] for letters in same).rstrip("_. ")
+        yield common or pair[0], [wheel for axle in pair for wheel in axles[axle]]
+
+
+def _running(found: Subjects, units: Mapping[str, str]) -> Iterator[dict[str, Any]]:
+    """Yield how the axles run; lone wheels are to either side, so their lines are arranged."""
+    lone = any(len(wheels) == 1 for wheels in found.axles.values())
+    panels = []
+    for word, label, unit in _AXLES:
+        names = [n for axle in found.axles if (n := f"{axle}.{word}") in units]
+        batches = [names] if lone and names else _batches(names)
+        panels += [_panel(label, unit, batch) for batch in batches]
+    if panels:
+        bends = found.bends[:MOST_LINES]
+        panels += [_panel("Curvature", "1/km", bends)] if bends else []
+        for figure in _figures("running", "How the axles run on the track", panels):
+            yield {**figure, "arranged": lone}
 
 
 def is_of_rails(name: str) -> bool:
@@ -81,7 +100,8 @@ def _figures(name: str, title: str, panels: Sequence[dict[str, Any]]) -> Iterato
 def _panel(label: str, unit: str, channels: Sequence[str]) -> dict[str, Any]:
     """Return a panel; each line is named by what is not in the names of all the others."""
     words = [name.split(".") for name in channels]
-    differing = [k for k, parts in enumerate(zip(*words, strict=False)) if len(set(parts)) > 1]
+    parts_of = enumerate(zip(*words, strict=False))
+    differing = [k for k, parts in parts_of if len(set(parts)) > 1][:1]
     labels = [".".join(parts[k] for k in differing) or parts[0] for parts in words]
     return {"label": label, "unit": unit, "channels": list(channels), "labels": labels}
 

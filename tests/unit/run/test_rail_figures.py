@@ -40,3 +40,12 @@ def test_a_road_vehicle_has_none():
 def test_details_of_contacts_and_frames_are_known():
     assert is_of_rails("axle.left.contact_1.spin_moment") and is_of_rails("frame_1.track_x_force")
     assert not is_of_rails("box_1_left.force_x")
+
+
+def test_lone_wheels_share_panels_in_pairs():
+    units = {f"front_{side}.{side}.{word}": "N" for side in ("left", "right") for word in "QY"}
+    units |= {f"front_{side}.lateral_shift": "m" for side in ("left", "right")}
+    figures = {figure["name"]: figure for figure in rail_figures(units)}
+    (panel,) = figures["wheel_loads"]["panels"]
+    assert panel["label"] == "front" and panel["labels"] == ["front_left", "front_right"]
+    assert figures["running"]["arranged"]
