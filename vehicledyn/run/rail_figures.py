@@ -16,9 +16,9 @@ MOST_LINES = 4
 """Lines of one panel."""
 
 _WHEELS = (
-    ("Q", "wheel_loads", "Vertical wheel forces", "kN"),
-    ("Y", "guiding_forces", "Lateral wheel forces", "kN"),
-    ("wear_number", "wear", "Wear numbers", "N"),
+    ("Q", "Q", "wheel_loads", "Vertical wheel forces", "kN"),
+    ("Y", "Y", "guiding_forces", "Lateral wheel forces", "kN"),
+    ("wear_number", "Wear", "wear", "Wear numbers", "N"),
 )
 _AXLES = (
     ("lateral_shift", "Lateral shift", "mm"),
@@ -31,9 +31,8 @@ _CARRIED = ".track_"
 def rail_figures(units: Mapping[str, str]) -> Iterator[dict[str, Any]]:
     """Yield descriptions of figures, none if no wheel runs on rails.
 
-    Wheel forces and wear have one panel an axle, or one each for wheels that are bodies of their
-    own, then come lateral shifts and angles of attack with the curvature of the track below them,
-    and the accelerations.
+    First come lateral shifts and angles of attack with the curvature of the track, then wheel
+    forces and wear, a panel for the wheels of each axle or for two lone ones, and accelerations.
 
     Parameters
     ----------
@@ -41,14 +40,14 @@ def rail_figures(units: Mapping[str, str]) -> Iterator[dict[str, Any]]:
         Units of the channels by name.
     """
     found = find_subjects(units)
-    for word, name, title, unit in _WHEELS:
+    yield from _running(found, units)
+    for word, short, name, title, unit in _WHEELS:
         panels = [
-            _panel(label, unit, names)
+            _panel(f"{short}, {label}", unit, names)
             for label, wheels in _groups(found.axles)
             if (names := [n for wheel in wheels if (n := f"{wheel}.{word}") in units])
         ]
         yield from _figures(name, title, panels)
-    yield from _running(found, units)
     panels = [
         _panel(sensor, "m/s^2", names)
         for sensor in found.sensors

@@ -15,9 +15,9 @@ def units_of(axles):
 
 def test_forces_have_a_panel_an_axle_and_lines_named_by_the_side():
     figures = {figure["name"]: figure for figure in rail_figures(units_of(2))}
-    assert list(figures) == ["wheel_loads", "guiding_forces", "wear", "running", "accelerations"]
+    assert list(figures) == ["running", "wheel_loads", "guiding_forces", "wear", "accelerations"]
     first, second = figures["wheel_loads"]["panels"]
-    assert (first["label"], second["label"], first["unit"]) == ("axle_0", "axle_1", "kN")
+    assert (first["label"], second["label"], first["unit"]) == ("Q, axle_0", "Q, axle_1", "kN")
     assert first["channels"] == ["axle_0.left.Q", "axle_0.right.Q"]
     assert first["labels"] == ["left", "right"]
     labels = [panel["label"] for panel in figures["running"]["panels"]]
@@ -47,5 +47,5 @@ def test_lone_wheels_share_panels_in_pairs():
     units |= {f"front_{side}.lateral_shift": "m" for side in ("left", "right")}
     figures = {figure["name"]: figure for figure in rail_figures(units)}
     (panel,) = figures["wheel_loads"]["panels"]
-    assert panel["label"] == "front" and panel["labels"] == ["front_left", "front_right"]
+    assert panel["label"] == "Q, front" and panel["labels"] == ["front_left", "front_right"]
     assert figures["running"]["arranged"]
