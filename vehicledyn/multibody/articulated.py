@@ -208,8 +208,7 @@ def _inwards(
             force = ops.scalar(joint_forces.get(item.joint.name, 0.0))
             given += [kinematics.link_axis(link), force]
         if item.parent >= 0:
-            turns = kinematics.link_turns(link)
-            given += [kinematics.link_rotation(link), kinematics.link_arm(link), *turns]
+            given += [kinematics.link_arm(link), *kinematics.link_turns(link)]
         inward = partial(_inward, item=item, n_own=len(own), is_free=is_free)
         structure = (_kind(item), len(own), is_free, item.parent >= 0)
         found = write("inward", structure, [*own, *given], inward)
@@ -256,10 +255,18 @@ def _inward(given: list[Mat], *, item: Link, n_own: int, is_free: bool) -> list[
             body, wrench = _beyond(item, body, wrench, effort, force)
     if item.parent < 0:
         return gate
-    rotation, arm, *turns = rest
+    arm, *turns = rest
     for turn in turns:
         gate[:2] = [turn @ row for row in gate[:2]]
-    return [*_blocks(body.in_parent(turns, arm), wrench.turned(rotation, arm)), *gate]
+    return [*_blocks(body.in_parent(turns, arm), _turned(wrench, turns, arm)), *gate]
+
+
+def _turned(wrench: JointWrench, turns: Sequence[Mat], arm: Vec) -> JointWrench:
+    """Return a wrench in a parent frame: turned by each rotation, origin displaced by ``arm``."""
+    force, torque = wrench.force, wrench.torque
+    for turn in turns:
+        force, torque = turn @ force, turn @ torque
+    return JointWrench(force, ops.plus_cross(torque, arm, force))
 
 
 @dataclass(frozen=True)
@@ -332,13 +339,13 @@ def _outwards(
     """Add the accelerations of the free joints, and those of the links they lead to but ends."""
     for link in chosen:
         item = kinematics.tree.links[link]
-        rotation, arm = kinematics.link_rotation(link), kinematics.link_arm(link)
-        given = [*moved[item.parent], rotation, arm]
+        turns = kinematics.link_turns(link)
+        given = [*moved[item.parent], kinematics.link_arm(link), *turns]
         if link in gates:
             gate = gates[link]
             axis = kinematics.link_axis(link)
             given += [axis, gate.force, gate.torque, gate.push]
-        outward = partial(_outward, item=item, is_end=link in ends)
+        outward = partial(_outward, item=item, n_turns=len(turns), is_end=link in ends)
         structure = (_kind(item), link in gates, link in ends)
         *motion, value = write("outward", structure, given, outward)
         if link not in ends:
@@ -347,9 +354,14 @@ def _outwards(
             found[item.joint.name] = value
 
 
-def _outward(given: list[Mat], *, item: Link, is_end: bool) -> list[Mat]:
-    """Return (a, α) of a link but an end, and the acceleration of its joint, zero without gate."""
-    linear, angular, rotation, arm, *gate = given
+def _outward(given: list[Mat], *, item: Link, n_turns: int, is_end: bool) -> list[Mat]:
+    """Return (a, α) of a link but an end, and the acceleration of its joint, zero without gate.
+
+    The product of the turns is made here: handing it on from where the motion was found takes
+    more time than the few products, in a chain too long for the fastest cache.
+    """
+    linear, angular, arm, *rest = given
+    turns, gate = rest[:n_turns], rest[n_turns:]
     at_joint = ops.plus_cross(linear, angular, arm)
     value = ops.scalar(0.0)
     if gate:
@@ -359,6 +371,7 @@ def _outward(given: list[Mat], *, item: Link, is_end: bool) -> list[Mat]:
                 value = value - row[k] * motion[k]
     if is_end:
         return [value]
+    rotation = rotations.product(*reversed(turns))
     own_linear, own_angular = rotation.T @ at_joint, rotation.T @ angular
     if not gate:
         return [own_linear, own_angular, value]

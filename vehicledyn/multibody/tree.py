@@ -107,9 +107,9 @@ def joint_rotation(link: Link, c: Scalar, s: Scalar) -> Mat:
     B R A as a sum of three constant matrices, which costs half of the two products.
     """
     if link.joint is None or not link.turns:
-        return _product(link.before, link.after)
+        return rotations.product(link.before, link.after)
     if link.before is None or link.after is None:
-        return _product(link.before, rotations.turn_by(link.joint.axis, c, s), link.after)
+        return rotations.product(link.before, rotations.turn_by(link.joint.axis, c, s), link.after)
     axis = rotations.axis_vector(link.joint.axis)
     along = axis @ axis.T
     kept, turned, across = (
@@ -132,11 +132,3 @@ def joint_turns(link: Link, c: Scalar, s: Scalar) -> list[Mat]:
         if rotations.elementary_axis(link.before) is not None:
             return [turn, link.before]
     return [joint_rotation(link, c, s)]
-
-
-def _product(*factors: Mat | None) -> Mat:
-    """Return the product of the matrices that are there."""
-    product = rotations.identity()
-    for factor in factors:
-        product = product if factor is None else product @ factor
-    return product

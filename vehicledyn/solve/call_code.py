@@ -5,17 +5,19 @@ from __future__ import annotations
 import math
 
 from vehicledyn.solve.function_body import name_of_shared
+from vehicledyn.solve.instructions import INPUT
+from vehicledyn.solve.room import PACK, ROOM
 from vehicledyn.solve.schedule import Pack
 from vehicledyn.solve.side_by_side import SideBySide
 from vehicledyn.solve.table_rows import ROW
 from vehicledyn.solve.value_code import PieceValues, taken
 
-_PACK = 4
-"""Reals in a vd_pack of real.h."""
-
 
 def elementary_calls(values: PieceValues, fours: SideBySide, pack: Pack, number: int) -> list[str]:
     """Return the lines of calls of an elementary function; ``number`` is that of the step."""
+    firsts = values.body.rolling.held.packs.get(pack.computed[0])
+    if firsts is not None:
+        return _calls_in_place(values, pack, number, firsts)
     n, rows = len(pack.operands), values.body.rows
     given = [f"a{number}_{k}" for k in range(len(pack.operands[0]))]
     found = [f"b{number}_{k}" for k in range(len(pack.values[0]))]
@@ -27,21 +29,62 @@ def elementary_calls(values: PieceValues, fours: SideBySide, pack: Pack, number:
         return f"VD_PACK({', '.join(values.number(operand) for operand in operands)})"
 
     for name, operands in zip(given, zip(*pack.operands, strict=True), strict=True):
-        filled = operands + operands[-1:] * (-n % _PACK)
-        packs = ", ".join(packed(filled[k : k + _PACK]) for k in range(0, n, _PACK))
+        filled = operands + operands[-1:] * (-n % PACK)
+        packs = ", ".join(packed(filled[k : k + PACK]) for k in range(0, n, PACK))
         lines.append(f"vd_pack {name}[] = {{{packs}}};")
-    room = math.ceil(n / _PACK)
+    room = math.ceil(n / PACK)
     lines.append("vd_pack " + ", ".join(f"{name}[{room}]" for name in found) + ";")
-    arrays = ", ".join(f"(double *){name}" for name in given + found)
-    lines.append(f"vd_{pack.function}({n} * VD_LANES, {arrays});")
+    lines.append(_call(pack.function, n, given, found))
     for name, results in zip(found, zip(*pack.values, strict=True), strict=True):
-        for first in range(0, n, _PACK):
-            four = results[first : first + _PACK]
+        for first in range(0, n, PACK):
+            four = results[first : first + PACK]
             if four in rows:
-                lines.append(f"const vd_four v{rows[four]} = {name}[{first // _PACK}];")
+                lines.append(f"const vd_four v{rows[four]} = {name}[{first // PACK}];")
             else:
                 lines += taken(four, f"((real *){name})", f"{first} + {{}}")
     return lines
+
+
+def _calls_in_place(values: PieceValues, pack: Pack, number: int, firsts: list[int]) -> list[str]:
+    """Return the lines of calls whose results go to places side by side.
+
+    Arguments that lie side by side are read where they are, as far as they fill whole packs.
+    """
+    n = len(pack.operands)
+    there = n - n % PACK if _lie_side_by_side(values, pack) else 0
+    columns = list(zip(*pack.operands, strict=True))
+    lines = []
+    if there:
+        given = [f"&{values.number(column[0])}" for column in columns]
+        lines.append(_call(pack.function, there, given, [f"{ROOM} + {k}" for k in firsts]))
+    if there < n:
+        given = [f"a{number}_{k}" for k in range(len(columns))]
+        for name, column in zip(given, columns, strict=True):
+            filled = [values.number(operand) for operand in column[there:]]
+            filled += filled[-1:] * (-n % PACK)
+            packs = [filled[k : k + PACK] for k in range(0, len(filled), PACK)]
+            laid = ", ".join(f"VD_PACK({', '.join(numbers)})" for numbers in packs)
+            lines.append(f"vd_pack {name}[] = {{{laid}}};")
+        found = [f"{ROOM} + {k + there}" for k in firsts]
+        lines.append(_call(pack.function, n - there, given, found))
+    return lines
+
+
+def _call(function: str, count: int, given: list[str], found: list[str]) -> str:
+    arrays = ", ".join(f"(double *)({name})" for name in given + found)
+    return f"vd_{function}({count} * VD_LANES, {arrays});"
+
+
+def _lie_side_by_side(values: PieceValues, pack: Pack) -> bool:
+    """Return whether each argument of the calls is an input beside that of the call before."""
+    items = values.body.values
+    for column in zip(*pack.operands, strict=True):
+        if any(items[operand].operation != INPUT for operand in column):
+            return False
+        array, first = items[column[0]].source
+        if any(items[v].source != (array, first + k) for k, v in enumerate(column)):
+            return False
+    return True
 
 
 def shared_calls(values: PieceValues, pack: Pack, number: int) -> list[str]:

@@ -19,7 +19,8 @@ from vehicledyn.solve.mirrored import Signed
 from vehicledyn.solve.operation_code import has_template
 from vehicledyn.solve.piece_code import PieceCode
 from vehicledyn.solve.pieces import cut, find_places
-from vehicledyn.solve.rolled import ROOM, Rolled, by_demand, is_deep, roll
+from vehicledyn.solve.rolled import Rolled, by_demand, is_deep, roll
+from vehicledyn.solve.room import ROOM
 from vehicledyn.solve.row_code import Copies
 from vehicledyn.solve.schedule import CALLED
 from vehicledyn.solve.selected import MOST_PIECES, pieces_needed
@@ -174,7 +175,7 @@ def _function(
     places = find_places(body, pieces)
     called: Counter[int] = Counter()
     values = [PieceValues(body, places, number) for number in range(max(1, len(pieces)))]
-    arising = dict.fromkeys([*body.rolling.place, *body.results])
+    arising = dict.fromkeys([*body.rolling.held.place, *body.results])
     at_hand = [value for value in arising if is_at_hand(body.values[value])]
     stores = [line for value in at_hand for line in values[0].stores(value)]
     codes = [

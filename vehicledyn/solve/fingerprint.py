@@ -31,6 +31,7 @@ _GENERATORS = (
     "point_source.py",
     "reciprocals.py",
     "rolled.py",
+    "room.py",
     "row_code.py",
     "schedule.py",
     "selected.py",

@@ -5,7 +5,7 @@ from __future__ import annotations
 from itertools import groupby
 
 from vehicledyn.solve.function_body import FunctionBody, name_of_shared
-from vehicledyn.solve.rolled import ROOM, Rolled
+from vehicledyn.solve.rolled import Rolled
 from vehicledyn.solve.schedule import Pack, Step
 from vehicledyn.solve.value_code import PieceValues
 
@@ -82,7 +82,9 @@ def _call_apart(
         laid[group][place] = values.number(operand)
     names = [f"a{shared}_{call}_{group}" for group in range(len(sizes))]
     found = rolled.found.starts[call] or []
-    results = [f"{ROOM} + {place}" for place in found]
+    results = [
+        f"{array} + {place}" for array, place in zip(rolled.found.arrays, found, strict=True)
+    ]
     return [
         *(
             f"const real {name}[] = {{{', '.join(numbers)}}};"

@@ -49,9 +49,9 @@ def find_places(body: FunctionBody, pieces: list[list[Step]]) -> Places:
             for value in operands_of(body.values, step):
                 if piece_of.get(value, number) != number:
                     last[body.together(value)] = number
-    place = dict(body.rolling.place)
+    place = dict(body.rolling.held.place)
     ending: dict[int, list[tuple[int, int]]] = defaultdict(list)
-    free = _Free(body.rolling.room)
+    free = _Free(body.rolling.held.size)
     for number, steps in enumerate(pieces):
         for step in steps:
             for values in dict.fromkeys(map(body.together, computed_by(step))):

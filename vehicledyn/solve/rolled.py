@@ -12,27 +12,12 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 
 from vehicledyn.solve.instructions import INPUT
-from vehicledyn.solve.lowering import Lowered, is_at_hand
+from vehicledyn.solve.lowering import Lowered
+from vehicledyn.solve.room import ROOM, Groups, Held, find_room, parts_of
 from vehicledyn.solve.schedule import Pack, Step, computed_by, operands_of
 
 _DEEP = 3
 """Calls, each waiting for the one before, that make a function worth a loop."""
-
-ROOM = "s"
-"""The array that holds what calls give to each other."""
-
-
-@dataclass(frozen=True)
-class Groups:
-    """Numbers that lie alike in an array in all calls: (group, offset) of each number.
-
-    ``arrays`` are those that the groups lie in, ``starts`` the place of each group by call, None
-    where a call finds its numbers elsewhere.
-    """
-
-    places: list[tuple[int, int]]
-    arrays: list[str]
-    starts: list[list[int] | None]
 
 
 @dataclass(frozen=True)
@@ -51,15 +36,10 @@ class Rolled:
 
 @dataclass
 class Rolling:
-    """The shared functions that are called in loops, and places in the array of a function.
-
-    ``results`` are the values that calls put in their places; others are stored there.
-    """
+    """The shared functions that are called in loops, and places in the array of a function."""
 
     kinds: dict[int, Rolled] = field(default_factory=dict)
-    place: dict[int, int] = field(default_factory=dict)
-    results: set[int] = field(default_factory=set)
-    room: int = 0
+    held: Held = field(default_factory=Held)
 
     def holds(self, step: object) -> bool:
         """Return whether a step is one of calls in a loop."""
@@ -81,11 +61,11 @@ def roll(lowered: Lowered, inputs: Sequence[str], wide: dict[int, int]) -> Rolli
     for pack in chosen:
         calls[pack.shared or 0] += pack.operands
     arrays = {number: _arrays(lowered, inputs, rows) for number, rows in calls.items()}
-    found = _place(lowered, rolling, arrays)
+    rolling.held, found = find_room(lowered, arrays)
     for number, rows in calls.items():
         places = [
             [
-                rolling.place[value] if array == ROOM else lowered.values[value].source[1]
+                rolling.held.place[value] if array == ROOM else lowered.values[value].source[1]
                 for value, array in zip(row, arrays[number], strict=True)
             ]
             for row in rows
@@ -104,8 +84,8 @@ def is_deep(lowered: Lowered) -> bool:
 def by_demand(lowered: Lowered) -> Lowered:
     """Return a program whose calls come when their results are needed, along one branch first.
 
-    What a branch of a tree hands on stays in the cache so. Calls of one function that follow one
-    another are one step.
+    What a branch of a tree hands on stays in the cache so. Calls of an elementary function
+    come in packs of a few.
     """
     steps: list[Step] = []
     for step in lowered.steps:
@@ -113,7 +93,7 @@ def by_demand(lowered: Lowered) -> Lowered:
             calls = zip(step.operands, step.values, strict=True)
             steps += [Pack(step.function, [call], [found], step.shared) for call, found in calls]
         else:
-            steps.append(step)
+            steps += parts_of(step) if isinstance(step, Pack) else [step]
     maker = {value: k for k, step in enumerate(steps) for value in computed_by(step)}
     order: list[int] = []
     done: set[int] = set()
@@ -162,7 +142,7 @@ def _grouped(arrays: list[str], places: list[list[int]]) -> Groups:
     members: dict[int, list[int]] = defaultdict(list)
     for k, label in enumerate(labels):
         members[label].append(k)
-    groups = list(members.values())
+    groups = [part for group in members.values() for part in _near(group, usual)]
     first = [min(usual[k] for k in group) for group in groups]
     starts: list[list[int] | None] = []
     for move in moves:
@@ -173,6 +153,19 @@ def _grouped(arrays: list[str], places: list[list[int]]) -> Groups:
     return Groups([own[k] for k in range(len(own))], [arrays[group[0]] for group in groups], starts)
 
 
+def _near(group: list[int], places: list[int]) -> list[list[int]]:
+    """Return numbers that lie alike parted where their places are far from each other."""
+    parts: list[list[int]] = []
+    for k in sorted(group, key=lambda k: places[k]):
+        if not parts or places[k] > places[parts[-1][-1]] + _FAR:
+            parts.append([])
+        parts[-1].append(k)
+    return parts
+
+
+_FAR = 8
+"""Distance of places that no table row spans."""
+
 _FEW = 8
 """Calls, of which one may be otherwise."""
 
@@ -181,109 +174,3 @@ def _labels(items: Sequence[object]) -> tuple[int, ...]:
     """Return for each item the place of the first that is equal."""
     first: dict[object, int] = {}
     return tuple(first.setdefault(item, k) for k, item in enumerate(items))
-
-
-def _place(lowered: Lowered, rolling: Rolling, arrays: dict[int, list[str]]) -> dict[int, Groups]:
-    """Give a place to all that calls in loops share, and return where their results go.
-
-    Results that are needed by the same functions lie side by side. A place is used again once
-    nothing waits for its values, so that all stay in the cache.
-    """
-    uses = _Uses.of(lowered, arrays)
-    room = _Room()
-    for value in sorted(uses.given):
-        if is_at_hand(lowered.values[value]):
-            rolling.place[value] = room.take(1)
-    groups: dict[int, list[list[int]]] = {}
-    starts: dict[int, list[list[int] | None]] = defaultdict(list)
-    ending: dict[int, list[tuple[int, int]]] = defaultdict(list)
-    for number, step in enumerate(lowered.steps):
-        if not isinstance(step, Pack) or step.shared not in arrays:
-            for value in computed_by(step):
-                if value in uses.given:
-                    rolling.place[value] = room.take(1)
-            continue
-        if step.shared not in groups:
-            groups[step.shared] = uses.alike(lowered, step.shared)
-        for values in step.values:
-            firsts: list[int] = []
-            starts[step.shared].append(firsts)
-            for group in groups[step.shared]:
-                start = room.take(len(group))
-                firsts.append(start)
-                known = [(values[k], start + place) for place, k in enumerate(group)]
-                used = {value: place for value, place in known if value is not None}
-                rolling.place |= used
-                rolling.results |= set(used)
-                last = max((uses.last.get(value, number) for value in used), default=number)
-                ending[last].append((start, len(group)))
-        for start, size in ending[number]:
-            room.give_back(start, size)
-    rolling.room = room.size
-    found = {}
-    for number, lists in groups.items():
-        places = {k: (g, place) for g, group in enumerate(lists) for place, k in enumerate(group)}
-        ordered = [places[k] for k in range(len(places))]
-        found[number] = Groups(ordered, [ROOM] * len(lists), starts[number])
-    return found
-
-
-@dataclass(frozen=True)
-class _Uses:
-    """Who uses values: ``given`` are those that calls in loops take from the array of a function.
-
-    ``users`` are the shared functions that use a value, -1 for all else; ``last`` is the last step
-    that does.
-    """
-
-    given: set[int]
-    users: dict[int, set[int]]
-    last: dict[int, int]
-
-    @classmethod
-    def of(cls, lowered: Lowered, arrays: dict[int, list[str]]) -> _Uses:
-        uses = cls(set(), defaultdict(set), {})
-        for number, step in enumerate(lowered.steps):
-            calls, user = [tuple(operands_of(lowered.values, step))], -1
-            if isinstance(step, Pack) and step.shared in arrays:
-                calls, user = step.operands, step.shared
-            for call in calls:
-                for k, value in enumerate(call):
-                    uses.users[value].add(user)
-                    uses.last[value] = number
-                    if user >= 0 and arrays[user][k] == ROOM:
-                        uses.given.add(value)
-        for _, _, value in lowered.results:
-            uses.users[value].add(-1)
-            uses.last[value] = len(lowered.steps)
-        return uses
-
-    def alike(self, lowered: Lowered, shared: int) -> list[list[int]]:
-        """Return the results of a shared function in groups that the same functions need."""
-        packs = [s for s in lowered.steps if isinstance(s, Pack) and s.shared == shared]
-        calls = [values for pack in packs for values in pack.values]
-        groups: dict[frozenset[int], list[int]] = {}
-        for k in range(len(calls[0])):
-            columns = [values[k] for values in calls]
-            users = [self.users.get(value, set()) for value in columns if value is not None]
-            groups.setdefault(frozenset().union(*users), []).append(k)
-        return list(groups.values())
-
-
-class _Room:
-    """Places in an array, given out and taken back."""
-
-    def __init__(self) -> None:
-        self.size = 0
-        self._free: dict[int, list[int]] = defaultdict(list)
-
-    def take(self, count: int) -> int:
-        """Return the first of so many places side by side."""
-        if self._free[count]:
-            return self._free[count].pop()
-        self.size += count
-        return self.size - count
-
-    def give_back(self, start: int, count: int) -> None:
-        """Let places be taken again."""
-        self._free[count].append(start)

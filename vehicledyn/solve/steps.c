@@ -196,20 +196,27 @@ VD_INLINE void move_on(int n, real *restrict to, const real *restrict from, doub
   for (; i < n; i++) to[i] = from[i] + a * k[i];
 }
 
-/* Zero, or no number where any of n numbers is not finite: x - x is zero but for these. */
+/* Zero, or no number where any of n numbers is not finite: x - x is zero but for these. The bits of
+   wide ones are joined, which takes less time than adding one to the next. */
 VD_INLINE real excess_of(int n, const real *x) {
-  real sum = vd_all(0.0);
+#if VD_LANES > 1
+  vd_bits found = {0};
+  for (int i = 0; i < n; i++) found |= (vd_bits)(x[i] - x[i]);
+  return (real)found;
+#else
+  real sum = 0.0;
   int i = 0;
-#if VD_LANES == 1 && defined(VD_WIDTH)
-  vd_wide sums = {0.0};
+#if defined(VD_WIDTH)
+  vd_whole found = {0};
   for (; i + VD_WIDTH <= n; i += VD_WIDTH) {
-    const vd_wide four = *(const vd_wide *)(x + i);
-    sums += four - four;
+    const vd_wide some = *(const vd_wide *)(x + i);
+    found |= (vd_whole)(some - some);
   }
-  for (int k = 0; k < VD_WIDTH; k++) sum += sums[k];
+  for (int k = 0; k < VD_WIDTH; k++) sum += ((vd_wide)found)[k];
 #endif
   for (; i < n; i++) sum = sum + (x[i] - x[i]);
   return sum;
+#endif
 }
 
 static void check_finite(const real *x, struct course *course) {

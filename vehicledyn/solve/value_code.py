@@ -46,8 +46,10 @@ class PieceValues:
 
     def stores(self, value: int) -> list[str]:
         """Return the lines that store a value."""
-        place, rolling = self.places.place, self.body.rolling
-        held = value in place and value not in rolling.results
+        place, room = self.places.place, self.body.rolling.held
+        if value in room.done:
+            return []
+        held = value in place and value not in room.results
         targets = [f"s[{place[value]}]"] if held else []
         targets += self.body.results.get(value, [])
         return [f"{target} = {self.number(value)};" for target in targets]
@@ -63,7 +65,7 @@ class PieceValues:
             return f"{body.inputs[item.source[0]]}[{item.source[1]}]"
         if item.operation == CONST:
             return f"vd_all({literal(item.number)})"
-        if not self.is_here(value) or value in body.rolling.results:
+        if not self.is_here(value) or value in body.rolling.held.results:
             return f"s[{self.places.place[value]}]"
         if value in body.row_of:
             row, place = body.row_of[value]

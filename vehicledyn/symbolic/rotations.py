@@ -112,6 +112,14 @@ def identity() -> Mat:
     return casadi.SX.eye(3)
 
 
+def product(*factors: Mat | None) -> Mat:
+    """Return the product of the matrices that are there."""
+    found = identity()
+    for factor in factors:
+        found = found if factor is None else found @ factor
+    return found
+
+
 def axis_vector(axis: int) -> Vec:
     """Return the unit column along axis 1, 2 or 3."""
     return ops.vector(*[1.0 if k == axis else 0.0 for k in (1, 2, 3)])
