@@ -20,7 +20,7 @@ from cycle_examples import (
 )
 from scipy.integrate import solve_ivp
 from scipy.special import ellipk
-from solve_examples import forced, oscillator
+from solve_examples import build, forced, oscillator, symbols
 
 from vehicledyn.base.errors import InputError, NumericalError
 from vehicledyn.solve.periodic.branch import follow_cycles
@@ -229,6 +229,26 @@ def test_period_doubling_of_rossler():
     )
     assert before.stable and not after.stable
     assert 2.5 < doubling.orbit.parameter < 3.5
+
+
+def test_time_that_makes_no_difference_is_taken_out():
+    """Van der Pol seen from two frames that run ahead of each other, against none."""
+    t, x, v, m = symbols("t", "x", "v", "mu")
+    apart = (3.0 + 30.0 * t + x) - (30.0 * t - 1.0) - 4.0
+
+    def seen(far):
+        return build(
+            "moving", time=t, states=[(x, 2.0), (v, 0.0)],
+            rates=[v, m * (1 - far**2) * v - far], parameters=[(m, 0.5)], outputs=[("x", x)],
+        )  # fmt: skip
+
+    state = np.array([[0.7, -1.2]])
+    moving, still = field(seen(apart), "mu"), field(seen(x), "mu")
+    assert still.evaluate(state, np.zeros((1, 0)), 0.5).rates == pytest.approx(
+        moving.evaluate(state, np.zeros((1, 0)), 0.5).rates, abs=1e-13
+    )
+    with pytest.raises(InputError, match="depends on time"):
+        field(seen(apart + 1e-4 * t), "mu")
 
 
 def test_what_has_no_cycles_is_told():

@@ -17,6 +17,7 @@ from vehicledyn.solve.functions import operations_in
 from vehicledyn.solve.interpreted import BufferedFunction
 from vehicledyn.solve.path_code import Path, PathCode
 from vehicledyn.solve.path_tangents import PathTangents
+from vehicledyn.solve.periodic.timeless import timeless
 from vehicledyn.solve.point_slopes import Carried, PointCode
 from vehicledyn.symbolic import ops
 from vehicledyn.symbolic.equations import Equations
@@ -63,15 +64,8 @@ class AutonomousField:
 
     def __post_init__(self) -> None:
         """Find the parameter and the states that matter; refuse time and contacts that jump."""
-        import casadi
-
-        e = self.equations
-        whole = casadi.vertcat(e.rate, e.residual)
-        if casadi.which_depends(whole, e.time, 1, False)[0]:
-            raise InputError(
-                f"model '{e.name}' depends on time: limit cycles are those of free motions; "
-                "hold drives and excitations still"
-            )
+        self.values = np.array(self.values, dtype=float)
+        e = self.equations = timeless(self.equations, self.values)
         jumping = [event.name for event in e.events if event.guesses]
         if jumping:
             raise InputError(
@@ -83,7 +77,6 @@ class AutonomousField:
         if self.parameter not in names:
             raise InputError(unknown_name("parameter", self.parameter, names))
         self.index = names.index(self.parameter)
-        self.values = np.array(self.values, dtype=float)
         self.kept = mattering_states(e)
         if not self.kept:
             raise InputError(f"model '{e.name}' has no states that influence its motion")
