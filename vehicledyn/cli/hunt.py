@@ -51,6 +51,14 @@ def hunt(
     no_simulation: Annotated[
         bool, typer.Option("--no-simulation", help="Leave out the check by simulation.")
     ] = False,
+    simulated: Annotated[
+        str | None,
+        typer.Option(
+            metavar="TIME",
+            help='Motion simulated at most for the check, such as "500 s"; about as much as half a '
+            "minute computes if left out.",
+        ),
+    ] = None,
     overrides: Overrides = None,
     output: Annotated[
         Path | None, typer.Option("--output", "-o", help="Result file; NAME_hunt.h5.")
@@ -79,6 +87,7 @@ def hunt(
         amplitude=amplitude,
         disturbance=disturbance,
         simulate=not no_simulation,
+        simulated=simulated,
     )
     with show_progress(quiet=quiet) as progress:
         report = find_limit_cycles(

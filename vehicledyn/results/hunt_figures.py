@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from vehicledyn.results.figures import new_figure
-from vehicledyn.results.hunt_table import CycleRow, HuntTable
+from vehicledyn.results.hunt_table import SETTLED, CycleRow, HuntTable
 from vehicledyn.results.plot_style import BLUE, GREEN, PALETTE, VERMILION, axis_label, plain
 
 if TYPE_CHECKING:
@@ -43,15 +43,12 @@ def _diagram(table: HuntTable) -> Figure:
         _equilibria(axes, table)
         for number in table.branches:
             _branch(axes, table.branch(number), lambda row, k=k: float(row.amplitude[k]))
-        if not k and len(table.simulated):
-            axes.plot(
-                table.simulated[:, 0], table.simulated[:, 1], "x", color=GREEN, label="simulated"
-            )
+        if not k:
+            _simulated(axes, table, "amplitude")
         axes.set_ylabel(axis_label(f"Amplitude of\n{channel.name}", channel.unit))
     for number in table.branches:
         _branch(panels[-1], table.branch(number), lambda row: row.period)
-    if len(table.simulated):
-        panels[-1].plot(table.simulated[:, 0], table.simulated[:, 2], "x", color=GREEN)
+    _simulated(panels[-1], table, "period")
     panels[-1].set_ylabel(axis_label("Period", "s"))
     panels[-1].set_xlabel(axis_label(table.parameter.name, table.parameter.unit))
     if len(table.locus_values):
@@ -64,6 +61,15 @@ def _diagram(table: HuntTable) -> Figure:
     figure.align_ylabels(panels)
     _entitle(figure, "Limit cycles", table)
     return figure
+
+
+def _simulated(axes: Axes, table: HuntTable, measure: str) -> None:
+    """Draw simulated motions: crosses, upright ones where they do not repeat or are cut short."""
+    for marker, label, settled in (("x", "simulated", True), ("+", "simulated, varies", False)):
+        rows = [row for row in table.simulated if (row.ending == SETTLED) is settled]
+        if rows:
+            heights = [getattr(row, measure) for row in rows]
+            axes.plot([row.value for row in rows], heights, marker, color=GREEN, label=label)
 
 
 def _equilibria(axes: Axes, table: HuntTable) -> None:

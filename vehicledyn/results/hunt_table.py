@@ -21,6 +21,7 @@ from vehicledyn.results.linear_file import (
 )
 
 FORMAT = "vehicledyn-hunt"
+SETTLED = "settled"
 FIGURE_MEANINGS = {
     "linear_critical": "linear critical value (an oscillation begins to grow)",
     "linear_critical_frequency": "its frequency",
@@ -29,7 +30,10 @@ FIGURE_MEANINGS = {
     "simulated_raising": "linear one by simulation, a small disturbance grows",
     "largest_difference_amplitude": "largest difference of amplitude, simulated",
     "largest_difference_period": "largest difference of period, simulated",
+    "simulated_seconds": "motion simulated for these",
 }
+
+_SIMULATED = "value", "amplitude", "period", "spread", "seconds"
 
 
 @dataclass(frozen=True)
@@ -59,12 +63,27 @@ class CycleRow:
 
 
 @dataclass(frozen=True)
+class SimulatedRow:
+    """A motion that simulation came to: parameter, amplitude of the first channel, period [s].
+
+    ``spread`` is by what part of itself the amplitude varies where it has not settled, ``seconds``
+    how long it was simulated [s]; ``ending`` tells whether it settled.
+    """
+
+    value: float
+    amplitude: float
+    period: float
+    spread: float = 0.0
+    seconds: float = 0.0
+    ending: str = SETTLED
+
+
+@dataclass(frozen=True)
 class HuntTable:
     """A hunting study: the parameter, what was watched, and what was found.
 
     ``locus_values`` (n,) and ``eigenvalues`` (n, n_states) belong to the equilibria;
-    ``simulated`` (n, 3) holds parameter, amplitude of the first channel and period [s];
-    ``figures`` are the critical values by name.
+    ``simulated`` are motions that simulation came to; ``figures`` are the critical values by name.
     """
 
     title: str
@@ -74,7 +93,7 @@ class HuntTable:
     locus_values: Any
     eigenvalues: Any
     cycles: tuple[CycleRow, ...]
-    simulated: Any
+    simulated: tuple[SimulatedRow, ...]
     figures: dict[str, float]
     status: str
     message: str
@@ -87,6 +106,8 @@ class HuntTable:
         """Return the unit of a critical value."""
         if name.startswith("largest_difference"):
             return "1"
+        if name == "simulated_seconds":
+            return "s"
         return "Hz" if name.endswith("frequency") else self.parameter.unit
 
     @property
@@ -136,7 +157,10 @@ def write_hunt(path: Path, table: HuntTable) -> None:
         motion = [row.motion for row in table.cycles]
         whole = np.array(motion, dtype=float) if motion else np.zeros((0, 0, len(table.channels)))
         write_numbers(file, "cycle_motion", whole, (), ("SI", "One period, equally sampled"))
-        write_numbers(file, "simulated", table.simulated, (), ("SI", "Value, amplitude, period"))
+        numbers = [[getattr(row, name) for name in _SIMULATED] for row in table.simulated]
+        columns_of = np.array(numbers, dtype=float).reshape(-1, len(_SIMULATED))
+        write_numbers(file, "simulated", columns_of, (), ("SI", ", ".join(_SIMULATED)))
+        write_texts(file, "simulated_ending", [row.ending for row in table.simulated])
         channels.attrs["long_name"] = "Channels watched"
 
 
@@ -181,7 +205,14 @@ def read_hunt(path: Path) -> HuntTable:
             np.asarray(file["equilibrium_parameter"][()]),
             read_complex(file, "eigenvalue"),
             cycles,
-            np.asarray(file["simulated"][()]),
+            tuple(
+                SimulatedRow(**dict(zip(_SIMULATED, numbers, strict=True)), ending=ending)
+                for numbers, ending in zip(
+                    file["simulated"][()].tolist(),
+                    read_texts(file, "simulated_ending"),
+                    strict=True,
+                )
+            ),
             {
                 key.removeprefix(prefix): float(value)
                 for key, value in file.attrs.items()

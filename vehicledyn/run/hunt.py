@@ -3,24 +3,31 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property, partial
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
 from vehicledyn.base.errors import NumericalError
+from vehicledyn.base.units import shown
 from vehicledyn.results.hunt_figures import hunt_figures
-from vehicledyn.results.hunt_table import CycleRow, HuntTable, write_hunt
+from vehicledyn.results.hunt_table import HuntTable, SimulatedRow, write_hunt
 from vehicledyn.results.linear_file import Quantity
 from vehicledyn.results.output import check_folder, check_output
 from vehicledyn.results.pictures import save_figures
+from vehicledyn.run.hunt_check import Check, default_seconds
+from vehicledyn.run.hunt_legs import Legs
 from vehicledyn.run.hunt_report import HuntReport
+from vehicledyn.run.hunt_rows import CycleRows
 from vehicledyn.run.hunt_start import (
     HuntSettings,
     check_settings,
     first_balance,
     parameter_index,
+    simulated_seconds,
     span_of,
     watched_channels,
 )
@@ -39,36 +46,23 @@ from vehicledyn.solve.periodic.critical import (
     find_hopf,
 )
 from vehicledyn.solve.periodic.cycle_points import Branch, CyclePoint, Limits
-from vehicledyn.solve.periodic.cycles_at import cycle_beside, points_beside
 from vehicledyn.solve.periodic.orbit import Orbit
-from vehicledyn.solve.periodic.settled import (
-    Runner,
-    Settled,
-    balances_near,
-    growth_begins,
-    leading,
-    lower,
-    steps,
-)
+from vehicledyn.solve.periodic.settled import Runner, Settled, leading
+from vehicledyn.solve.periodic.settling import Ending
 
 Vector = NDArray[np.float64]
 
 DEGREE = 4
-_PHASES = 101
-_LEAST_CYCLES, _PASSES = 120, 3
-"""Cycles that a branch may have at least, and how often it may pass the range."""
-
-_SAME = 0.05
-"""Relative difference of amplitudes below which a simulated cycle is one of a branch."""
-
-_BESIDE = 2e-3
-"""Relative distance of values at which cycles count as neighbours, as beside a fold."""
+_LEAST_CYCLES, _PASSES, _LEAST_FURTHER = 120, 3, 40
+"""Cycles that a branch may have at least, how often it may pass the range, and cycles that branches
+from simulated ones may have together at least."""
 
 _FURTHER_BRANCHES = 3
 """Branches that are begun at simulated cycles at most."""
 
-_BEHIND = 4
-"""Points an interval at which the range of a channel is looked for."""
+_LEAST, _WIDE, _NEARLY = 4, 2.0, 5e-3
+"""Cycles left with which another is begun, how much wider its steps are, and the largest spread of
+a motion that nearly repeats."""
 
 
 def find_limit_cycles(
@@ -134,7 +128,6 @@ class _Study:
     balances: list[Balance] = field(default_factory=list)
     hopfs: list[Hopf] = field(default_factory=list)
     branches: list[Branch] = field(default_factory=list)
-    simulated: list[Settled] = field(default_factory=list)
     figures: dict[str, float] = field(default_factory=dict)
     messages: list[str] = field(default_factory=list)
     exit_code: int = 0
@@ -156,7 +149,7 @@ class _Study:
             settings,
             model,
             title,
-            watched_channels(prepared, settings.channels),
+            watched_channels(prepared, settings.channels, model),
             progress,
             span,
             start,
@@ -184,8 +177,9 @@ class _Study:
         e = self.prepared.equations
         entry = e.parameters[self.model.index]
         eigenvalues = [b.eigenvalues for b in self.balances]
+        check = vars(self).get("_check")
         rows = [
-            self._row(number, point)
+            self._rows.row(number, point)
             for number, branch in enumerate(self.branches, 1)
             for point in branch.points
         ]
@@ -200,7 +194,10 @@ class _Study:
             np.array([b.value for b in self.balances]),
             np.array(eigenvalues, dtype=complex).reshape(len(eigenvalues), self.model.size),
             tuple(rows),
-            np.array([[s.value, s.amplitude, s.period] for s in self.simulated]).reshape(-1, 3),
+            tuple(
+                SimulatedRow(f.value, f.amplitude, f.period, f.spread, f.seconds, str(f.ending))
+                for f in (check.found if check is not None else ())
+            ),
             self.figures,
             self.status,
             "; ".join(self.messages),
@@ -243,18 +240,28 @@ class _Study:
             self.watched = [first, *(k for k in self.watched if k != first)]
 
     def _follow(
-        self, start: Orbit, direction: Direction | None, place: str, upwards: bool = True
+        self,
+        start: Orbit,
+        direction: Direction | None,
+        place: str,
+        *,
+        upwards: bool = True,
+        most: int | None = None,
+        wide: float = 1.0,
     ) -> Branch:
+        """Follow a branch of at most so many cycles; ``wide`` makes its steps wider."""
         low, high = self.span
         points = self.settings.points
         branch = Branch()
         self.branches.append(branch)
-        most = max(_PASSES * points, _LEAST_CYCLES)
-        limits = Limits(low, high, (high - low) / points, points=most)
+        most = most or max(_PASSES * points, _LEAST_CYCLES)
+        limits = Limits(low, high, wide * (high - low) / points, points=most)
+        unit = self.prepared.equations.parameters[self.model.index].unit
 
         def told(point: CyclePoint) -> None:
-            part = (point.orbit.parameter - low) / (high - low)
-            self.progress(f"following the limit cycles {place}", min(1.0, max(0.0, part)))
+            where = shown(point.orbit.parameter, unit)
+            what = f"following the limit cycles {place}, at {where}, of {most} cycles at most"
+            self.progress(what, len(branch.points) / most)
 
         follow_cycles(
             self.model,
@@ -281,70 +288,89 @@ class _Study:
         return abs(end - hopf.balance.value) < 1e-2 * (self.span[1] - self.span[0])
 
     def _simulations(self) -> None:
-        s = self.settings
-        if not any(np.any(b.eigenvalues.imag != 0.0) for b in self.balances):
+        s, check = self.settings, self._check
+        if check is None:
             return
-        runner = Runner(self.prepared.kernel, self.model, self.watched[0])
-        near = balances_near(self.model, self.balances)
-        resolution = 2e-4 * (self.span[1] - self.span[0])
-        self.progress("lowering the parameter in simulations", None)
-        high = self.balances[-1].value
-        found = lower(
-            runner,
-            list(steps(high, self.span[0], s.levels)),
-            near,
-            s.disturbance,
-            resolution=resolution,
-            told=self._simulated,
-        )
-        if found is not None:
-            self.figures["simulated_lowering"] = 0.5 * sum(found)
-        self._further_branches()
-        self.progress("raising the parameter in simulations", None)
-        grown = growth_begins(
-            runner,
-            list(steps(self.span[0], high, s.levels)),
-            near,
-            s.amplitude,
-            resolution=resolution,
-        )
-        if grown is not None:
-            self.figures["simulated_raising"] = 0.5 * sum(grown)
+        stages: list[Callable[[], None]] = [
+            partial(check.lower, s.disturbance, self.branches),
+            check.compare,
+            partial(self._further_branches, check.found),
+            check.keep,
+            check.compare,
+            partial(check.raise_, s.amplitude, self.hopfs),
+        ]
+        for stage in stages:
+            try:
+                stage()
+            except NumericalError as error:
+                self._ended("partial", 3, f"the check by simulation is not complete: {error}")
 
-    def _further_branches(self) -> None:
-        """Follow branches from simulated cycles that lie on none, to both sides."""
+    @cached_property
+    def _check(self) -> Check | None:
+        """The check by simulation; None where nothing oscillates."""
+        if not any(np.any(b.eigenvalues.imag != 0.0) for b in self.balances):
+            return None
+        kernel = self.prepared.kernel
+        runner = Runner(kernel, self.model, self.watched[0])
+        allowed = simulated_seconds(self.settings) or default_seconds(kernel, self.balances)
+        levels = self.settings.levels
+        return Check(runner, self.balances, self._legs, levels, allowed, self.progress)
+
+    @cached_property
+    def _rows(self) -> CycleRows:
+        return CycleRows(self.prepared.kernel, self.model, self.watched)
+
+    @cached_property
+    def _legs(self) -> Legs:
+        return Legs(self.model, self._rows, self.branches)
+
+    def _further_branches(self, simulated: Sequence[Settled]) -> None:
+        """Follow branches from simulated cycles that lie on none, to both sides.
+
+        Together they have at most about as many cycles as are asked for on one way through the
+        range.
+        """
         joined, begun = len(self.branches), 0
-        for found in sorted(self.simulated, key=lambda settled: settled.spread):
-            if begun == _FURTHER_BRANCHES or self._is_on_branch(found):
+        left = max(self.settings.points, _LEAST_FURTHER)
+        for found in sorted(simulated, key=lambda settled: settled.spread):
+            repeats = found.ending is not Ending.CUT and found.spread < _NEARLY
+            if begun == _FURTHER_BRANCHES or left < _LEAST or not repeats:
+                break
+            if self._legs.is_known(found):
                 continue
             begun += 1
             try:
-                self._from_simulation(found)
+                left -= self._from_simulation(found, left)
             except NumericalError as error:
-                self.branches = [branch for branch in self.branches if branch.points]
                 self.messages.append(
                     f"the motion simulated at {self.model.parameter} = {found.value:.6g} lies on "
                     f"no branch, and no branch can be followed from it: {error}"
                 )
+            finally:
+                self.branches[:] = [branch for branch in self.branches if branch.points]
         if joined and len(self.branches) > joined:
             self.messages.append(
                 f"branches from {joined + 1} on are followed from simulated cycles; in this range "
                 "they are not found to be joined to those before"
             )
 
-    def _from_simulation(self, found: Settled) -> None:
-        """Follow the cycle that a simulation settled to, to both sides."""
-        s = self.settings
+    def _from_simulation(self, found: Settled, most: int) -> int:
+        """Follow the cycle that a simulation settled to, to both sides; return how many there are.
+
+        Each side gets half of the cycles that there may be at most, or what the other leaves.
+        """
+        s, above = self.settings, found.value < self.span[1]
         start = found.orbit(self.model, intervals=s.intervals, degree=DEGREE)
-        down = self._follow(start, None, "down from the simulated one", upwards=False)
-        if found.value < self.span[1] and down.points:
-            first = down.points[0].orbit
-            up = self._follow(first, None, "up from the simulated one")
+        half = most // 2 if above else most
+        down = self._follow(
+            start, None, "down from the simulated one", upwards=False, most=half, wide=_WIDE
+        )
+        if above and down.points:
+            first, half = down.points[0].orbit, most - len(down.points)
+            up = self._follow(first, None, "up from the simulated one", most=half, wide=_WIDE)
             self.branches.remove(up)
             down.points[:0] = up.points[:0:-1]
-
-    def _simulated(self, found: Settled) -> None:
-        self.simulated.append(found)
+        return len(down.points)
 
     def _figures(self) -> None:
         """Note the critical values, and how far simulation and continuation differ."""
@@ -360,94 +386,12 @@ class _Study:
             lowest = min(stable)
             nearest = min(folds, key=lambda v: abs(v - lowest), default=lowest)
             self.figures["nonlinear_critical"] = min(lowest, nearest)
-        differences = [self._difference(s) for s in self.simulated]
-        known = [d for d in differences if d is not None and d[0] < _SAME]
-        if known:
-            self.figures["largest_difference_amplitude"] = max(d[0] for d in known)
-            self.figures["largest_difference_period"] = max(d[1] for d in known)
-        wandering = [s for s in self.simulated if s.spread > 0.0]
-        if wandering:
-            values = ", ".join(f"{s.value:.6g}" for s in wandering)
-            self.messages.append(
-                f"motions simulated at {self.model.parameter} = {values} last but do not repeat: "
-                f"their amplitude varies by up to {100.0 * max(s.spread for s in wandering):.2g} %"
-            )
-        apart = [f"{s.value:.6g}" for s in self.simulated if not self._is_on_branch(s)]
-        if apart:
-            self.messages.append(
-                f"motions simulated at {self.model.parameter} = {', '.join(apart)} lie on no branch"
-            )
-
-    def _is_on_branch(self, found: Settled) -> bool:
-        """Return whether a simulated cycle is one of a branch, or lies beside one of its points."""
-        difference = self._difference(found)
-        if difference is not None and difference[0] < _SAME:
-            return True
-        points = [point for branch in self.branches for point in branch.points]
-        beside = [
-            p for p in points if abs(p.orbit.parameter - found.value) < abs(_BESIDE * found.value)
-        ]
-        sizes = [float(self._row(0, point).amplitude[0]) for point in beside]
-        return any(abs(found.amplitude / size - 1.0) < _SAME for size in sizes)
-
-    def _difference(self, found: Settled) -> tuple[float, float] | None:
-        """Return relative differences of amplitude and period to the nearest stable cycle."""
-        best: tuple[float, float] | None = None
-        near = [p for branch in self.branches for p in points_beside(branch, found.value)]
-        for point in near:
-            try:
-                cycle = cycle_beside(self.model, point, found.value)
-            except NumericalError:
-                continue
-            row = self._row(0, cycle)
-            size = abs(found.amplitude / float(row.amplitude[0]) - 1.0)
-            if cycle.stable and (best is None or size < best[0]):
-                best = size, abs(found.period / row.period - 1.0)
-        return best
-
-    def _row(self, number: int, point: CyclePoint) -> CycleRow:
-        """Return a cycle with the motion of the watched channels."""
-        orbit = point.orbit
-        widths = orbit.widths[:, None]
-        places = (orbit.mesh[:-1, None] + widths * np.arange(_BEHIND) / _BEHIND).ravel()
-        values = self._channels(point, places)
-        even = np.linspace(0.0, 1.0, _PHASES)
-        motion = self._channels(point, even % 1.0)
-        return CycleRow(
-            number,
-            orbit.parameter,
-            orbit.period,
-            point.stable,
-            point.kind,
-            point.multipliers.trivial,
-            point.multipliers.all,
-            -np.array([_top(places, -column) for column in values.T]),
-            np.array([_top(places, column) for column in values.T]),
-            motion,
-        )
-
-    def _channels(self, point: CyclePoint, places: Vector) -> Vector:
-        kernel = self.prepared.kernel.with_parameters(self.model.parameters(point.orbit.parameter))
-        states, unknowns = point.orbit.sample(places)
-        rows = []
-        for state, guess in zip(self.model.full(states), unknowns, strict=True):
-            solved = kernel.solve_unknowns(0.0, state, guess) if guess.size else guess
-            rows.append(kernel.outputs(0.0, state, solved)[self.watched])
-        return np.array(rows)
+        check = vars(self).get("_check")
+        if check is not None:
+            check.conclude()
+            self.figures |= check.figures
+            self.messages += check.messages
 
     def _ended(self, status: str, exit_code: int, message: str) -> None:
         self.status, self.exit_code = status, exit_code
         self.messages.append(message)
-
-
-def _top(places: Vector, values: Vector) -> float:
-    """Return the largest value of a periodic channel, with a parabola through neighbours."""
-    k = int(np.argmax(values))
-    around = [k - 1, k, (k + 1) % len(values)]
-    x = places[around] - places[k]
-    x[0] -= 1.0 if x[0] > 0.0 else 0.0
-    x[2] += 1.0 if x[2] < 0.0 else 0.0
-    y = values[around]
-    a, b, c = np.polyfit(x / x[2], y, 2)
-    top = float(c - b * b / (4.0 * a)) if a < 0.0 else float(values[k])
-    return top if float(values[k]) <= top < float(values[k]) + np.ptp(values) else float(values[k])

@@ -52,10 +52,7 @@ class HuntReport:
                 for v, e in zip(t.locus_values, t.eigenvalues, strict=True)
             ],
             "cycles": [self._cycle(row) for row in t.cycles],
-            "simulated": [
-                {"value": value, "amplitude": amplitude, "period": period}
-                for value, amplitude, period in t.simulated.tolist()
-            ],
+            "simulated": [vars(row) for row in t.simulated],
         }
 
     def _value(self, key: str) -> str:

@@ -14,7 +14,7 @@ from vehicledyn.scenario import Scenario
 from vehicledyn.solve.engine import Vector
 from vehicledyn.solve.periodic.autonomous import AutonomousField
 from vehicledyn.solve.periodic.critical import follow_balance
-from vehicledyn.solve.periodic.settled import steps
+from vehicledyn.solve.periodic.lowering import steps
 
 _MOST_CHANNELS = 8
 
@@ -35,7 +35,8 @@ class HuntSettings:
     ``points`` is about the number of cycles of a branch; ``channels`` are watched, the first
     one for the amplitude. ``amplitude`` is the size of the first cycle at a Hopf bifurcation
     and ``disturbance`` that with which simulations start, both of the position that moves
-    most, in its unit. ``simulate`` asks for the check by simulation in ``levels`` steps.
+    most, in its unit. ``simulate`` asks for the check by simulation at ``levels`` values, in which
+    at most ``simulated`` seconds of motion are simulated, None for what suits the model.
     """
 
     parameter: str
@@ -48,6 +49,7 @@ class HuntSettings:
     intervals: int = 30
     simulate: bool = True
     levels: int = 13
+    simulated: float | str | None = None
 
 
 def check_settings(settings: HuntSettings) -> None:
@@ -57,6 +59,20 @@ def check_settings(settings: HuntSettings) -> None:
         raise InputError("--points must be at least 2, and --intervals at least 5")
     if not (s.amplitude > 0.0 and s.disturbance > 0.0):
         raise InputError("--amplitude and --disturbance must be above zero")
+    simulated_seconds(s)
+
+
+def simulated_seconds(settings: HuntSettings) -> float | None:
+    """Return how much motion may be simulated [s]; refuse what is no duration."""
+    if settings.simulated is None:
+        return None
+    try:
+        seconds = to_si(settings.simulated, "s")
+    except InputError as error:
+        raise InputError(f"--simulated {settings.simulated}: {error}") from None
+    if not (math.isfinite(seconds) and seconds > 0.0):
+        raise InputError(f"--simulated {settings.simulated}: must be above zero, such as '100 s'")
+    return seconds
 
 
 def parameter_index(prepared: Prepared, name: str) -> int:
@@ -96,15 +112,27 @@ def span_of(prepared: Prepared, index: int, settings: HuntSettings) -> tuple[flo
     return low, high
 
 
-def watched_channels(prepared: Prepared, wanted: Sequence[str]) -> list[int]:
-    """Return the channels to watch: those asked for, else the coordinates."""
+def watched_channels(
+    prepared: Prepared, wanted: Sequence[str], model: AutonomousField
+) -> list[int]:
+    """Return the channels to watch: those asked for, else the coordinates.
+
+    Coordinates that are set apart, such as the angle of a wheel that rolls, are none.
+    """
     names = [c.name for c in prepared.equations.channels]
+    apart = {s.name for k, s in enumerate(prepared.equations.states) if k not in model.kept}
     for name in wanted:
         if name not in names:
             raise InputError(f"--channel {unknown_name('channel', name, names)}")
+        if name in apart:
+            raise InputError(
+                f"--channel {name}: no rate depends on it, so it is set apart and goes on for ever "
+                "instead of repeating; watch its rate or another coordinate"
+            )
     chosen = list(wanted)
     if not chosen:
         joints = [j.name for j in prepared.subject.system.joints() if j.name in names]
+        joints = [name for name in joints if name not in apart]
         states = {s.name for s in prepared.equations.states}
         chosen = [n for n in joints if n in states][:_MOST_CHANNELS] or joints[:_MOST_CHANNELS]
     if not chosen:

@@ -19,7 +19,7 @@ def test_equilibrium_is_dashed_from_the_critical_value_on(figures, place):
         locus_values=np.array([40.0, 50.0, 60.0, 70.0]),
         eigenvalues=np.stack([growth + 5.0j, growth - 5.0j], axis=1),
         cycles=(),
-        simulated=np.zeros((0, 3)),
+        simulated=(),
         figures=figures,
         status="ok",
         message="",

@@ -48,6 +48,8 @@ def study(settings, target=None, tmp_path=None, **more):
         (HuntSettings("speed", 20.0, 30.0, points=1), "--points"),
         (HuntSettings("speed", 20.0, 30.0, amplitude=0.0), "--amplitude"),
         (HuntSettings("speed", 20.0, 30.0, channels=("wheelset.yow",)), "wheelset.yaw"),
+        (HuntSettings("speed", 20.0, 30.0, simulated="5 m"), "--simulated 5 m"),
+        (HuntSettings("speed", 20.0, 30.0, simulated="0 s"), "--simulated 0 s: must be above zero"),
     ],
 )
 def test_what_is_refused(settings, message):
@@ -164,6 +166,9 @@ def test_a_simulated_cycle_on_no_branch_begins_one(tmp_path):
     assert figures["largest_difference_amplitude"] < 0.005
     assert "not found to be joined" in " ".join(report.messages)
     assert "lie on no branch" not in " ".join(report.messages)
+    at_the_top = [row.amplitude**2 for row in report.table.simulated if row.value == 0.005]
+    assert len(at_the_top) == 2, "the small stable cycle is simulated, too"
+    assert min(at_the_top) < 0.3 and max(at_the_top) > 2.0
 
 
 TWO_FREQUENCIES = """\
@@ -200,3 +205,52 @@ def test_a_motion_of_two_frequencies_is_told_and_does_not_take_for_ever(tmp_path
     (told,) = (message for message in report.messages if "do not repeat" in message)
     assert told.startswith("motions simulated at push = 0.06, 0.05, 0.04 last but do not repeat: ")
     assert len(windows) < 80  # of 240
+
+
+def test_simulations_end_with_the_motion_that_is_allowed(tmp_path):
+    """What is left is told, and what was simulated is kept."""
+    settings = HuntSettings("speed", 50.0, 75.0, points=10, simulated="12 s")
+    report = study(settings, tmp_path=tmp_path)
+    (told,) = (m for m in report.messages if m.startswith("the check by lowering speed"))
+    assert "as many as are allowed; --simulated allows more" in told
+    kept = read_hunt(tmp_path / "hunt.h5")
+    assert "cut short" in [row.ending for row in kept.simulated]
+    assert "simulated_lowering" not in kept.figures
+    assert sum(row.seconds for row in kept.simulated) < 15.0  # one window more at most
+
+
+def test_stopped_in_simulations(tmp_path, monkeypatch):
+    settle, runs = settled.Runner.settle, []
+
+    def cut(runner, *args):
+        runs.append(1)
+        if len(runs) == 4:
+            raise KeyboardInterrupt
+        return settle(runner, *args)
+
+    monkeypatch.setattr(settled.Runner, "settle", cut)
+    report = study(HuntSettings("speed", 50.0, 75.0, points=10), tmp_path=tmp_path)
+    assert report.exit_code == 130
+    kept = read_hunt(tmp_path / "hunt.h5")
+    assert [row.value for row in kept.simulated] == pytest.approx([75.0, 72.9167, 70.8333])
+    assert {row.ending for row in kept.simulated} == {"settled"} and kept.cycles
+
+
+def test_the_fold_is_looked_at_from_both_sides():
+    """Simulated lowering lives above the fold and dies below, within 2e-4 of the range."""
+    report = study(HuntSettings("speed", 50.0, 75.0, points=20, levels=6))
+    figures = report.table.figures
+    above = figures["simulated_lowering"] - figures["nonlinear_critical"]
+    assert 0.0 < above < 2e-4 * 25.0
+    assert figures["largest_difference_amplitude"] < 1e-3
+    assert len(report.table.simulated) < 12
+
+
+def test_angles_of_wheels_that_roll_are_no_channels():
+    target = load_model(str(WHEELSET.with_name("testset_wheelset.yaml")))
+    settings = HuntSettings("speed", 10.0, 12.0, points=3, simulate=False)
+    names = [channel.name for channel in study(settings, target).table.channels]
+    assert "wheelset.spin" not in names and "wheelset.lateral" in names
+    chosen = HuntSettings("speed", 10.0, 12.0, channels=("wheelset.spin",))
+    with pytest.raises(InputError, match=r"--channel wheelset\.spin: .* set apart"):
+        study(chosen, target)

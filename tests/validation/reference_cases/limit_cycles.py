@@ -85,7 +85,8 @@ def study():
     from vehicledyn.scenario import load_model
     from vehicledyn.solve.periodic.autonomous import AutonomousField
     from vehicledyn.solve.periodic.critical import follow_balance
-    from vehicledyn.solve.periodic.settled import Runner, balances_near, lower
+    from vehicledyn.solve.periodic.lowering import balances_near, lower
+    from vehicledyn.solve.periodic.settled import Runner
 
     overrides = [f"parameters.speed={SPEEDS[0]} m/s"]
     target = load_model(str(FOLDER / "rail_wheelset.yaml"), overrides)
@@ -96,12 +97,14 @@ def study():
     known = follow_balance(model, speeds, model.reduced(point.state), point.unknowns)
     watched = [c.name for c in prepared.equations.channels].index(WATCHED)
     runner, settled = Runner(prepared.kernel, model, watched), []
-    ends = lower(
+    lowered = lower(
         runner, speeds, balances_near(model, known), DISTURBANCE,
         resolution=RESOLUTION, told=settled.append,
     )  # fmt: skip
     cycles = settled[: len(SPEEDS)]
-    return [_closed(model, c) for c in cycles], Lowest(0.5 * sum(ends), _fold(model, cycles[-1]))
+    return [_closed(model, c) for c in cycles], Lowest(
+        0.5 * sum(lowered.between), _fold(model, cycles[-1])
+    )
 
 
 def _fold(model, settled):

@@ -1,67 +1,65 @@
-"""Limit cycles as simulation finds them: run until the motion repeats, change the parameter.
+"""Limit cycles as simulation finds them: run until the motion repeats.
 
-This is how critical speeds are found by simulation: the parameter is lowered in steps, each
-long enough to settle, until the cycle is gone; the step in which that happens is halved.
+How long that takes is judged by :mod:`.settling`; :mod:`.lowering` finds critical values so.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass, replace
-from functools import partial
 
 import numpy as np
 
+from vehicledyn.base.errors import NumericalError
 from vehicledyn.solve.engine import Vector
 from vehicledyn.solve.kernel import Kernel
 from vehicledyn.solve.methods.rk4 import RungeKutta4
 from vehicledyn.solve.periodic.autonomous import AutonomousField
 from vehicledyn.solve.periodic.basis import basis
-from vehicledyn.solve.periodic.critical import Balance, ahead, find_balance
+from vehicledyn.solve.periodic.critical import Balance
 from vehicledyn.solve.periodic.orbit import Orbit
+from vehicledyn.solve.periodic.settling import Ending, judged, spread
 from vehicledyn.solve.simulate import simulate
 
 SAMPLES = 200
 """Samples a period."""
 
-_WINDOW = 10
-_MOST_WINDOWS = 80
-_SETTLED = 1e-5
-_LOOKED_BACK = 8
-"""Windows over which a motion that does not repeat is compared with the same number before."""
+WINDOW = 10
+"""Periods a window."""
 
-_DRIFT, _SHRINKING = 0.25, 0.5
-"""Largest change of the mean amplitude, part of its spread, with which a motion does not go
-anywhere, and how far the spread of one that settles shrinks from one comparison to the next."""
-
-_TURNS = 2
-"""Turns of the amplitude in that time, which one that dies slowly does not make."""
-
-_GONE = 0.02
-_STIFF = 0.5
+STIFF = 0.5
 """Largest product of step and eigenvalue [1]."""
 
 
 @dataclass(frozen=True)
 class Settled:
-    """Where a simulation came to at a value of the parameter.
+    """Where a simulation came to at a value of the parameter, and how it ended.
 
-    ``amplitude`` is half the range of the watched channel, ``period`` [s], ``states`` and
-    ``unknowns`` the samples of the last period and a little more, ``times`` [s] theirs.
-    ``alive`` tells a lasting motion from one that died away. ``spread`` is by what part of itself
-    the amplitude still varies from window to window: more than rounding where a motion lasts but
-    does not repeat, as one of two frequencies does.
+    ``amplitude`` is half the range of the watched channel, ``middle`` the middle of that,
+    ``period`` [s], ``states`` and ``unknowns`` the samples of the last period and a little more,
+    ``times`` [s] theirs. ``gap`` is by what part of the amplitude the last period differs from the
+    one before. ``spread`` is by what part of itself the amplitude still varies from
+    window to window where the motion has not settled. ``seconds`` [s] is how long it was
+    simulated.
     """
 
     value: float
     amplitude: float
+    middle: float
     period: float
-    alive: bool
     times: Vector
     states: Vector
     unknowns: Vector
+    gap: float = 0.0
+    ending: Ending = Ending.SETTLED
     spread: float = 0.0
+    seconds: float = 0.0
+
+    @property
+    def alive(self) -> bool:
+        """Whether it lasts."""
+        return self.ending not in (Ending.GONE, Ending.STOPPED)
 
     def orbit(self, field: AutonomousField, *, intervals: int, degree: int) -> Orbit:
         """Return the last period as a guess of a periodic orbit."""
@@ -83,7 +81,7 @@ class Settled:
 
 @dataclass(frozen=True)
 class Disturbed:
-    """A disturbed equilibrium: full state and unknowns, period [s] of the oscillation.
+    """A disturbed motion to simulate: full state and unknowns, and the period of it [s].
 
     ``rate`` [1/s] is the fastest eigenvalue, ``moved`` the state that is disturbed most.
     """
@@ -92,74 +90,98 @@ class Disturbed:
     unknowns: Vector
     period: float
     rate: float
-    moved: int
+    moved: int = 0
 
 
 @dataclass
 class Runner:
-    """Simulates a model at values of the parameter, watching one channel."""
+    """Simulates a model at values of the parameter, watching one channel.
+
+    No more than ``allowed`` seconds of motion are simulated [s], ``spent`` were so far in
+    ``runs`` motions. ``begins`` is told the value of each.
+    """
 
     kernel: Kernel
     field: AutonomousField
     channel: int
+    allowed: float = math.inf
+    begins: Callable[[float], None] = lambda value: None
+    spent: float = 0.0
+    runs: int = 0
 
-    def settle(
-        self, value: float, state: Vector, unknowns: Vector, period: float, *, rate: float
-    ) -> Settled:
-        """Return what a motion settles to, ``rate`` being the fastest eigenvalue [1/s].
+    @property
+    def is_spent(self) -> bool:
+        """Whether no more may be simulated."""
+        return self.spent >= self.allowed
+
+    def settle(self, value: float, start: Disturbed) -> Settled:
+        """Return what a motion settles to.
 
         Raises
         ------
         NumericalError
             If the simulation cannot go on.
         """
+        self.begins(value)
+        self.runs += 1
         sizes: list[float] = []
+        begun = self.spent
         while True:
-            result = self.window(value, state, unknowns, period, rate=rate)
-            state, unknowns, period = result.states[-1], result.unknowns[-1], result.period
+            result = self.window(value, start)
             sizes.append(result.amplitude)
-            if sizes[-1] < _GONE * max(sizes):
-                return replace(result, alive=False)
-            if len(sizes) > 1 and abs(sizes[-1] - sizes[-2]) < _SETTLED * sizes[-1]:
-                return result
-            if len(sizes) == _MOST_WINDOWS or _wanders(sizes):
-                return replace(result, spread=float(np.ptp(sizes[-_LOOKED_BACK:]) / sizes[-1]))
+            ending = judged(sizes, result.gap)
+            if result.ending is Ending.STOPPED:
+                ending = Ending.STOPPED
+            elif ending is None and self.is_spent:
+                ending = Ending.CUT
+            if ending is not None:
+                varies = 0.0 if ending is Ending.SETTLED else spread(sizes)
+                seconds = self.spent - begun
+                return replace(result, ending=ending, spread=varies, seconds=seconds)
+            start = replace(
+                start, state=result.states[-1], unknowns=result.unknowns[-1], period=result.period
+            )
 
     def window(
-        self,
-        value: float,
-        state: Vector,
-        unknowns: Vector,
-        period: float,
-        *,
-        rate: float,
-        watched_state: int | None = None,
+        self, value: float, start: Disturbed, *, watched_state: int | None = None
     ) -> Settled:
         """Return the end of a simulation over some periods; a state may be watched instead."""
         kernel = self.kernel.with_parameters(self.field.parameters(value))
-        interval = period / SAMPLES
-        steps = max(1, math.ceil(interval * rate / _STIFF))
+        interval = start.period / SAMPLES
+        steps = max(1, math.ceil(interval * start.rate / STIFF))
         parts: list[tuple[Vector, ...]] = []
-        simulate(
+        done = simulate(
             kernel,
             RungeKutta4(step=interval / steps),
             start=0.0,
-            stop=interval * SAMPLES * _WINDOW,
-            state=state,
-            unknowns=unknowns,
+            stop=interval * SAMPLES * WINDOW,
+            state=start.state,
+            unknowns=start.unknowns,
             interval=interval,
             sink=lambda *samples: parts.append(samples),
         )
         times, states, others, outputs = (
             np.concatenate([part[k] for part in parts]) for k in range(4)
         )
+        self.spent += float(times[-1])
         watched = outputs[:, self.channel] if watched_state is None else states[:, watched_state]
-        found = _period_of(times, watched) or period
+        found = _period_of(times, watched) or start.period
         last = np.searchsorted(times, times[-1] - 1.05 * found)
         tail = slice(max(0, int(last)), None)
         two = watched[np.searchsorted(times, times[-1] - 2.0 * found) :]
-        amplitude = 0.5 * (_peak(two) + _peak(-two))
-        return Settled(value, amplitude, found, True, times[tail], states[tail], others[tail])
+        highest, lowest = _peak(two), -_peak(-two)
+        return Settled(
+            value,
+            0.5 * (highest - lowest),
+            0.5 * (highest + lowest),
+            found,
+            times[tail],
+            states[tail],
+            others[tail],
+            _gap(times, watched, found) / max(0.5 * (highest - lowest), np.finfo(float).tiny),
+            Ending.STOPPED if done.ended_by else Ending.SETTLED,
+            seconds=float(times[-1]),
+        )
 
     def disturbed(self, balance: Balance, size: float) -> Disturbed:
         """Return a disturbed equilibrium.
@@ -170,6 +192,9 @@ class Runner:
         found = self.field.evaluate(balance.state[None], balance.unknowns[None], balance.value)
         values, vectors = np.linalg.eig(found.by_state[0])
         turning = np.flatnonzero(values.imag > 1e-6 * np.abs(values).max())
+        if not turning.size:
+            name = self.field.parameter
+            raise NumericalError(f"nothing oscillates at {name} = {balance.value:.6g}")
         chosen = turning[np.argmax(values[turning].real)]
         index = leading(self.field, vectors[:, chosen])
         shape = vectors[:, chosen] / vectors[index, chosen]
@@ -179,16 +204,13 @@ class Runner:
         period = 2.0 * math.pi / float(values[chosen].imag)
         return Disturbed(state, guess, period, rate, self.field.kept[index])
 
-
-def _wanders(sizes: Sequence[float]) -> bool:
-    """Return whether amplitudes of one window after the other vary without going anywhere."""
-    if len(sizes) < 2 * _LOOKED_BACK:
-        return False
-    before, last = np.array(sizes[-2 * _LOOKED_BACK :]).reshape(2, _LOOKED_BACK)
-    if np.count_nonzero(np.diff(np.sign(np.diff(last)))) < _TURNS:
-        return False
-    drift = abs(last.mean() - before.mean())
-    return bool(drift < _DRIFT * np.ptp(last) and np.ptp(last) > _SHRINKING * np.ptp(before))
+    def beside(self, orbit: Orbit, balance: Balance, part: float) -> Disturbed:
+        """Return a periodic orbit's begin, moved by a part of its way to the equilibrium."""
+        states, unknowns = orbit.sample(np.zeros(1))
+        rate = float(np.abs(balance.eigenvalues).max())
+        moved = self.field.full(states[0] + part * (balance.state - states[0]))
+        guess = unknowns[0] + part * (balance.unknowns - unknowns[0])
+        return Disturbed(moved, guess, orbit.period, rate)
 
 
 def leading(field: AutonomousField, shape: Vector) -> int:
@@ -197,122 +219,6 @@ def leading(field: AutonomousField, shape: Vector) -> int:
     among = [k for k, state in enumerate(field.kept) if state in positions]
     among = among or list(range(field.size))
     return among[int(np.argmax(np.abs(shape[among])))]
-
-
-def lower(
-    runner: Runner,
-    values: Sequence[float],
-    balances: Callable[[float], Balance],
-    size: float,
-    *,
-    resolution: float,
-    told: Callable[[Settled], None],
-) -> tuple[float, float] | None:
-    """Change the parameter step by step and tell each settled cycle; return where it is gone.
-
-    The cycle lives at the first of the two values returned and dies at the second. None if
-    there is no cycle to begin with, or if it lives at all values. A cycle that dies after a large
-    step may live there after small ones, so that each trial starts from the last one that lives.
-    """
-    first = balances(values[0])
-    d = runner.disturbed(first, size)
-    alive = runner.settle(values[0], d.state, d.unknowns, d.period, rate=d.rate)
-    if not alive.alive or alive.amplitude < 0.1 * size:
-        return None
-    told(alive)
-    for value in values[1:]:
-        found = _next(runner, alive, value, balances)
-        if not found.alive:
-            break
-        alive = found
-        told(found)
-    else:
-        return None
-    dead, step = value, 0.5 * (value - alive.value)
-    while abs(step) >= 0.5 * resolution:
-        value = alive.value + step
-        if (value - values[-1]) * step > 0.0:
-            return None
-        found = _next(runner, alive, value, balances)
-        if found.alive:
-            alive = found
-            told(found)
-        else:
-            dead, step = value, 0.5 * step
-    return alive.value, dead
-
-
-def _next(
-    runner: Runner, before: Settled, value: float, balances: Callable[[float], Balance]
-) -> Settled:
-    """Return what a cycle settles to at another value, moved there with the equilibrium.
-
-    A wheel that rolls turns more slowly at a lower speed: from its old rate it would slide.
-    """
-    old, new = balances(before.value), balances(value)
-    state = before.states[-1].copy()
-    state[runner.field.kept] += new.state - old.state
-    unknowns = before.unknowns[-1] + new.unknowns - old.unknowns
-    rate = max(float(np.abs(balance.eigenvalues).max()) for balance in (old, new))
-    return runner.settle(value, state, unknowns, before.period, rate=rate)
-
-
-def growth_begins(
-    runner: Runner,
-    values: Sequence[float],
-    balances: Callable[[float], Balance],
-    size: float,
-    *,
-    resolution: float,
-) -> tuple[float, float] | None:
-    """Raise the parameter until a small disturbance grows; return values before and after.
-
-    None if it decays at all values, or grows at the first.
-    """
-    low: float | None = None
-    for value in values:
-        if _grows(runner, balances(value), size):
-            break
-        low = value
-    else:
-        return None
-    if low is None:
-        return None
-    high = value
-    while abs(high - low) > resolution:
-        middle = 0.5 * (low + high)
-        if _grows(runner, balances(middle), size):
-            high = middle
-        else:
-            low = middle
-    return low, high
-
-
-def balances_near(field: AutonomousField, known: Sequence[Balance]) -> Callable[[float], Balance]:
-    """Return a function that finds the equilibrium at a value from the nearest known one."""
-
-    def near(value: float) -> Balance:
-        start = min(known, key=lambda balance: abs(balance.value - value))
-        return find_balance(field, value, *ahead(field, start, value))
-
-    return near
-
-
-def steps(first: float, last: float, count: int) -> Iterator[float]:
-    """Yield equally spaced values from the first to the last."""
-    return (first + (last - first) * k / (count - 1) for k in range(count))
-
-
-def _grows(runner: Runner, balance: Balance, size: float) -> bool:
-    """Return whether a small disturbance is larger after two windows than after one.
-
-    It is seen in the state that it moves most, which the watched channel need not show.
-    """
-    d = runner.disturbed(balance, size)
-    window = partial(runner.window, balance.value, rate=d.rate, watched_state=d.moved)
-    first = window(d.state, d.unknowns, d.period)
-    second = window(first.states[-1], first.unknowns[-1], first.period)
-    return second.amplitude > first.amplitude
 
 
 def _period_of(times: Vector, values: Vector) -> float | None:
@@ -325,6 +231,13 @@ def _period_of(times: Vector, values: Vector) -> float | None:
     part = (middle - values[rising]) / (values[rising + 1] - values[rising])
     moments = times[rising] + part * (times[rising + 1] - times[rising])
     return float(np.median(np.diff(moments)))
+
+
+def _gap(times: Vector, values: Vector, period: float) -> float:
+    """Return the largest difference of the last period from the one before."""
+    last = times >= times[-1] - period
+    before = np.interp(times[last] - period, times, values)
+    return float(np.abs(values[last] - before).max())
 
 
 def _peak(values: Vector) -> float:
