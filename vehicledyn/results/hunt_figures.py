@@ -9,7 +9,9 @@ import numpy as np
 
 from vehicledyn.results.figures import new_figure
 from vehicledyn.results.hunt_table import SETTLED, CycleRow, HuntTable
+from vehicledyn.results.plot_description import unit_factor
 from vehicledyn.results.plot_style import BLUE, GREEN, PALETTE, VERMILION, axis_label, plain
+from vehicledyn.results.root_locus import locus_figure
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -23,13 +25,14 @@ KINDS = {
     "branch_point": ("^", "branch point"),
 }
 _HEADING, _PANEL = 1.0, 2.2  # inch
+_THOUSANDTHS, _SMALL = {"m": "mm", "rad": "mrad"}, 0.1
 _GROWS = 1e-6  # 1/s, rounding of a growth rate of zero
 
 
 def hunt_figures(table: HuntTable) -> Iterator[tuple[str, Figure]]:
     """Yield name and figure: diagram, root locus, and where there are cycles their motion."""
     yield "bifurcation", _diagram(table)
-    yield "root_locus", _locus(table)
+    yield "root_locus", _entitled(locus_figure(table), "Eigenvalues of the equilibrium", table)
     if table.cycles:
         yield "motion", _motion(table)
 
@@ -37,18 +40,21 @@ def hunt_figures(table: HuntTable) -> Iterator[tuple[str, Figure]]:
 def _diagram(table: HuntTable) -> Figure:
     """Amplitudes and period against the parameter: stable solid, unstable dashed."""
     watched = table.channels[:MOST_PANELS]
+    units, scales = _shown(table)
     figure = new_figure(_HEADING + _PANEL * (len(watched) + 1))
     panels = figure.subplots(len(watched) + 1, 1, sharex=True, squeeze=False)[:, 0]
     for k, (axes, channel) in enumerate(zip(panels, watched, strict=False)):
         _equilibria(axes, table)
         for number in table.branches:
-            _branch(axes, table.branch(number), lambda row, k=k: float(row.amplitude[k]))
+            _branch(
+                axes, table.branch(number), lambda row, k=k: scales[k] * float(row.amplitude[k])
+            )
         if not k:
-            _simulated(axes, table, "amplitude")
-        axes.set_ylabel(axis_label(f"Amplitude of\n{channel.name}", channel.unit))
+            _simulated(axes, table, "amplitude", scales[0])
+        axes.set_ylabel(axis_label(f"Amplitude of\n{channel.name}", units[k]))
     for number in table.branches:
         _branch(panels[-1], table.branch(number), lambda row: row.period)
-    _simulated(panels[-1], table, "period")
+    _simulated(panels[-1], table, "period", 1.0)
     panels[-1].set_ylabel(axis_label("Period", "s"))
     panels[-1].set_xlabel(axis_label(table.parameter.name, table.parameter.unit))
     if len(table.locus_values):
@@ -59,16 +65,15 @@ def _diagram(table: HuntTable) -> Figure:
         unique.values(), unique.keys(), loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=4
     )
     figure.align_ylabels(panels)
-    _entitle(figure, "Limit cycles", table)
-    return figure
+    return _entitled(figure, "Limit cycles", table)
 
 
-def _simulated(axes: Axes, table: HuntTable, measure: str) -> None:
+def _simulated(axes: Axes, table: HuntTable, measure: str, scale: float) -> None:
     """Draw simulated motions: crosses, upright ones where they do not repeat or are cut short."""
     for marker, label, settled in (("x", "simulated", True), ("+", "simulated, varies", False)):
         rows = [row for row in table.simulated if (row.ending == SETTLED) is settled]
         if rows:
-            heights = [getattr(row, measure) for row in rows]
+            heights = [scale * getattr(row, measure) for row in rows]
             axes.plot([row.value for row in rows], heights, marker, color=GREEN, label=label)
 
 
@@ -123,29 +128,12 @@ def _runs(axes: Axes, values: Any, heights: Any, stable: Any, colour: str) -> No
         )
 
 
-def _locus(table: HuntTable) -> Figure:
-    figure = new_figure(_HEADING + 1.6 * _PANEL)
-    upper, lower = figure.subplots(2, 1, sharex=True)
-    for column in range(table.eigenvalues.shape[1] if len(table.eigenvalues) else 0):
-        values = table.eigenvalues[:, column]
-        upper.plot(table.locus_values, values.real, ".", color=BLUE, markersize=2.5)
-        lower.plot(
-            table.locus_values, np.abs(values.imag) / (2 * np.pi), ".", color=BLUE, markersize=2.5
-        )
-    upper.axhline(0.0, color="0.4", linewidth=0.8)
-    upper.set_ylabel(axis_label("Real part", "1/s"))
-    lower.set_ylabel(axis_label("Frequency", "Hz"))
-    lower.set_xlabel(axis_label(table.parameter.name, table.parameter.unit))
-    figure.align_ylabels((upper, lower))
-    _entitle(figure, "Eigenvalues of the equilibrium", table)
-    return figure
-
-
 def _motion(table: HuntTable) -> Figure:
     """Draw one period of up to seven cycles, spread over the stable ones."""
     rows = [row for row in table.cycles if row.stable] or list(table.cycles)
     places = np.unique(np.linspace(0, len(rows) - 1, min(len(rows), len(PALETTE))).astype(int))
     watched = table.channels[:MOST_PANELS]
+    units, scales = _shown(table)
     figure = new_figure(_HEADING + _PANEL * len(watched))
     panels = figure.subplots(len(watched), 1, sharex=True, squeeze=False)[:, 0]
     for k, (axes, channel) in enumerate(zip(panels, watched, strict=True)):
@@ -153,16 +141,28 @@ def _motion(table: HuntTable) -> Figure:
             row = rows[place]
             time = np.linspace(0.0, row.period, len(row.motion))
             label = f"{row.value:.4g} {table.parameter.unit}"
-            axes.plot(time, row.motion[:, k], color=colour, label=label)
-        axes.set_ylabel(axis_label(channel.name, channel.unit))
+            axes.plot(time, scales[k] * row.motion[:, k], color=colour, label=label)
+        axes.set_ylabel(axis_label(channel.name, units[k]))
     panels[-1].set_xlabel(axis_label("Time", "s"))
     panels[0].legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=4)
     figure.align_ylabels(panels)
-    _entitle(figure, "One period of the cycles", table)
-    return figure
+    return _entitled(figure, "One period of the cycles", table)
 
 
-def _entitle(figure: Figure, title: str, table: HuntTable) -> None:
+def _shown(table: HuntTable) -> tuple[list[str], list[float]]:
+    """Return unit and factor in which each channel is shown: small ones in thousandths."""
+    units, scales = [], []
+    for k, channel in enumerate(table.channels):
+        small = _THOUSANDTHS.get(channel.unit)
+        largest = max((abs(float(row.amplitude[k])) for row in table.cycles), default=np.inf)
+        shown = small if small and largest < _SMALL else channel.unit
+        units.append(shown)
+        scales.append(unit_factor(channel.unit, shown))
+    return units, scales
+
+
+def _entitled(figure: Figure, title: str, table: HuntTable) -> Figure:
     state = "" if table.status == "ok" else f" ({table.status})"
     figure.suptitle(title + state, fontsize=10.5, fontweight="bold", x=0.01, ha="left")
     figure.supxlabel(plain(table.title), fontsize=6.5, color="0.45", x=0.99, ha="right")
+    return figure

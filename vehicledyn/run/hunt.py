@@ -26,6 +26,7 @@ from vehicledyn.run.hunt_start import (
     HuntSettings,
     check_settings,
     first_balance,
+    moving_channels,
     parameter_index,
     simulated_seconds,
     span_of,
@@ -223,21 +224,14 @@ class _Study:
     def _cycles(self) -> None:
         s = self.settings
         if self.hopfs and not s.channels:
-            self._watch_first(leading(self.model, self.hopfs[0].shape))
+            moving = moving_channels(self.prepared, self.model, self.hopfs[0].shape)
+            self.watched = moving or self.watched
         for hopf in self.hopfs:
             if any(self._reaches(branch, hopf) for branch in self.branches):
                 continue
             index = leading(self.model, hopf.shape)
             start = hopf.orbit(s.amplitude, index, intervals=s.intervals, degree=DEGREE)
             self._follow(start, hopf.growing(start), f"from {hopf.balance.value:.6g}")
-
-    def _watch_first(self, index: int) -> None:
-        """Put the channel of a state, where it has one, before the others."""
-        names = [c.name for c in self.prepared.equations.channels]
-        name = self.model.names[index]
-        if name in names:
-            first = names.index(name)
-            self.watched = [first, *(k for k in self.watched if k != first)]
 
     def _follow(
         self,

@@ -140,6 +140,25 @@ def watched_channels(
     return [names.index(name) for name in dict.fromkeys(chosen)]
 
 
+def moving_channels(prepared: Prepared, model: AutonomousField, shape: Vector) -> list[int]:
+    """Return the channels of the coordinates that move most in a shape, the largest first.
+
+    A radian counts as much as a metre.
+
+    Parameters
+    ----------
+    prepared, model
+        The model.
+    shape
+        Of the states kept, complex, shape (n_kept,).
+    """
+    names = {c.name: k for k, c in enumerate(prepared.equations.channels)}
+    positions = set(model.equations.positions)
+    among = [k for k, state in enumerate(model.kept) if state in positions]
+    among.sort(key=lambda k: -abs(shape[k]))
+    return [names[n] for k in among if (n := model.names[k]) in names][:_MOST_CHANNELS]
+
+
 def first_balance(
     prepared: Prepared, index: int, first: float, scenario: Scenario | None
 ) -> tuple[AutonomousField, tuple[Vector, Vector]]:
