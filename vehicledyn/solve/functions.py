@@ -14,6 +14,8 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Any
 
+from vehicledyn.solve.instructions import read_function
+from vehicledyn.solve.mirrored import mirrored_constants
 from vehicledyn.solve.nodes import Node, Rebuild, fixed_from, read_nodes
 from vehicledyn.solve.reciprocals import use_reciprocals
 from vehicledyn.solve.split_calls import call_apart
@@ -67,7 +69,7 @@ def derive_functions(equations: Equations) -> KernelFunctions:
         parts = [casadi.vec(item) for item in expressions[4 + 2 * start : 4 + 2 * stop]]
         waves.append(casadi.Function(f"wave_{k}", inputs, [casadi.vertcat(*parts)]))
     return KernelFunctions(
-        prepare=casadi.Function("prepare", [equations.parameter], [values]),
+        prepare=_prepare(equations, values),
         rates=casadi.Function("rates", inputs, expressions[:1]),
         outputs=casadi.Function("outputs", inputs, expressions[1:2]),
         blocks=tuple(
@@ -79,6 +81,23 @@ def derive_functions(equations: Equations) -> KernelFunctions:
         waves=tuple(waves),
         wave_starts=starts,
     )
+
+
+def _prepare(equations: Equations, values: Any) -> Any:
+    """Return the function of the constants; those opposite or equal to another are made of it.
+
+    Written apart they may differ in their last bit, as their products are fused with other sums;
+    code that reads one in place of both would have other results than code that reads each.
+    """
+    import casadi
+
+    written = casadi.Function("prepare", [equations.parameter], [values])
+    found = mirrored_constants(read_function(written, equations.tables))
+    items = casadi.vertsplit(values) if values.numel() else []
+    for element, (other, sign) in found.items():
+        items[element] = items[other] if sign > 0 else -items[other]
+    column = casadi.vertcat(casadi.SX(0, 1), *items)
+    return casadi.Function("prepare", [equations.parameter], [column])
 
 
 def apart_from_parameters(inputs: list[Any], expressions: list[Any]) -> tuple[Any, Any]:

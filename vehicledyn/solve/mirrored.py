@@ -2,8 +2,8 @@
 
 The left and the right side of a vehicle have equal constants and opposite ones. Cases side by side
 need a register's room for each, which the cache lacks: with one in place of two a kernel runs
-faster. Every result stays the same to the last bit, but for signs of zeros: a product carries the
-sign of its factors, and sums are taken off in place of being added.
+faster. Every result stays the same to the last bit: a product carries the sign of its factors, and
+sums are taken off in place of being added.
 """
 
 from __future__ import annotations

@@ -91,13 +91,6 @@ def test_sizes_and_values_are_checked(change, words):
         run_batch(batch, RungeKutta4(step=0.005), cases, channels=[0], **SPAN)
 
 
-@pytest.fixture(params=[4, 8])
-def lanes(request, needs_compiler):
-    if request.param > suitable_lanes():
-        pytest.skip(f"this processor carries no {request.param} lanes")
-    return request.param
-
-
 def same(one, two):
     return np.array_equal(one, two, equal_nan=True)
 
