@@ -37,10 +37,13 @@ _RADIUS, _FIRST_LOOK = 5, 3
 _WORTH = 0.05
 """Share of the values whose neighbourhood occurs four times that makes rows worth a search."""
 
-_KINDS = {"SUB": "ADD", "FMS": "FMA", "FNMA": "FMA"}
+_KINDS = {"SUB": "ADD", "FMS": "FMA", "FNMA": "FMA", "FNMS": "FMA"}
 """Operations that are others with signs."""
 
-_SIGNS = {"ADD": (1, 1), "SUB": (1, -1), "FMA": (1, 1), "FMS": (1, -1), "FNMA": (-1, 1)}
+_SIGNS = {
+    **{"ADD": (1, 1), "SUB": (1, -1)},
+    **{"FMA": (1, 1), "FMS": (1, -1), "FNMA": (-1, 1), "FNMS": (-1, -1)},
+}
 """Signs of the two terms of a sum; the first term of a fused one is a product."""
 
 _TURNABLE = frozenset({"ADD", "MUL", "FMA"})

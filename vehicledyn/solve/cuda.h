@@ -24,6 +24,7 @@ typedef struct { real item[4]; } vd_pack;
 #define vd_fma(a, b, c) fma(a, b, c)
 #define vd_fms(a, b, c) fma(a, b, -(c))
 #define vd_fnma(a, b, c) fma(-(a), b, c)
+#define vd_fnms(a, b, c) fma(-(a), b, -(c))
 VD_INLINE vd_mask vd_lt(real a, real b) { return a < b; }
 VD_INLINE vd_mask vd_le(real a, real b) { return a <= b; }
 VD_INLINE vd_mask vd_eq(real a, real b) { return a == b; }

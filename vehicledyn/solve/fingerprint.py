@@ -24,6 +24,7 @@ _GENERATORS = (
     "loop_code.py",
     "lowering.py",
     "mirrored.py",
+    "negated.py",
     "nodes.py",
     "operation_code.py",
     "piece_code.py",

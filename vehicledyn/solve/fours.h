@@ -14,6 +14,7 @@ VD_INLINE vd_four vd4_all(double a) { return a - (vd_four){0.0}; }
 #define vd4_fma(a, b, c) ((vd_four)VD_FMA4(a, b, c))
 #define vd4_fms(a, b, c) ((vd_four)VD_FMA4(a, b, -(c)))
 #define vd4_fnma(a, b, c) ((vd_four)VD_FNMA4(a, b, c))
+#define vd4_fnms(a, b, c) ((vd_four)VD_FNMA4(a, b, -(c)))
 #define vd4_sqrt(a) ((vd_four)VD_SQRT4(a))
 #define vd4_lesser(a, b) ((vd_four)VD_MIN4(a, b))
 #define vd4_larger(a, b) ((vd_four)VD_MAX4(a, b))
@@ -35,6 +36,7 @@ VD_INLINE vd_four vd4_lesser(vd_four a, vd_four b) { return vd4_select(a < b, a,
 VD_INLINE vd_four vd4_larger(vd_four a, vd_four b) { return vd4_select(a > b, a, b); }
 #define vd4_fms(a, b, c) vd4_fma(a, b, -(c))
 #define vd4_fnma(a, b, c) vd4_fma(-(a), b, c)
+#define vd4_fnms(a, b, c) vd4_fma(-(a), b, -(c))
 #endif
 /* The places with the sign 1 turned. */
 #define vd4_turn(a, ...) ((vd_four)((vd_mask4)(a) ^ ((vd_mask4){__VA_ARGS__} << 63)))

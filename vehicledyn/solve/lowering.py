@@ -30,6 +30,7 @@ from vehicledyn.solve.instructions import (
     Program,
 )
 from vehicledyn.solve.mirrored import Signed, read_mirrored
+from vehicledyn.solve.negated import turn_negated
 from vehicledyn.solve.schedule import CALLED, Step, call_levels, needed_values, schedule
 from vehicledyn.solve.sums import chain_products
 
@@ -86,6 +87,7 @@ def lower(
     if chained:
         values, results = chain_products(values, needed_values(values, results), results)
     values = fuse(values, results)
+    values, results = turn_negated(values, needed_values(values, results), results)
     if mirrored:
         values = read_mirrored(values, results, mirrored, constants)
     wanted = _results_wanted(values, results, len(program.shared))

@@ -13,17 +13,14 @@ from collections.abc import Iterable
 from math import prod
 
 from vehicledyn.solve.instructions import INPUT, Instruction, Program
+from vehicledyn.solve.negated import BY_SIGNS, SIGNS
 from vehicledyn.solve.schedule import needed_values
 
 Signed = tuple[int, int]
 """A number, and the sign with which it stands for another."""
 
 _SUMS = {"ADD": 1, "SUB": -1}
-_FUSED = {"FMA": (1, 1), "FMS": (1, -1), "FNMA": (-1, 1), "FNMS": (-1, -1)}
-"""Signs of the product and of the addend."""
-
-_FUSED_BY_SIGNS = {signs: name for name, signs in _FUSED.items()}
-_ABSORBING = frozenset({*_SUMS, *_FUSED})
+_ABSORBING = frozenset({*_SUMS, *SIGNS})
 
 
 def mirrored_constants(prepare: Program) -> dict[int, Signed]:
@@ -143,7 +140,7 @@ class _Turning:
         for index, item in enumerate(self._found):
             if not self._needed[index]:
                 continue
-            if item.operation in _FUSED:
+            if item.operation in SIGNS:
                 self._found[index] = self._fused(item)
             elif item.operation in _SUMS:
                 self._found[index] = self._sum(item)
@@ -159,8 +156,8 @@ class _Turning:
 
     def _fused(self, item: Instruction) -> Instruction:
         kept, signs = zip(*map(self._standing, item.operands), strict=True)
-        product, addend = _FUSED[item.operation]
-        name = _FUSED_BY_SIGNS[product * signs[0] * signs[1], addend * signs[2]]
+        product, addend = SIGNS[item.operation]
+        name = BY_SIGNS[product * signs[0] * signs[1], addend * signs[2]]
         return item._replace(operation=name, operands=kept)
 
     def _sum(self, item: Instruction) -> Instruction:

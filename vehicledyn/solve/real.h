@@ -150,6 +150,7 @@ VD_INLINE real vd_larger(real a, real b) { return a > b ? a : b; }
 #define vd_fma(a, b, c) vd_fma1(a, b, c)
 #define vd_fms(a, b, c) vd_fma1(a, b, -(c))
 #define vd_fnma(a, b, c) vd_fma1(-(a), b, c)
+#define vd_fnms(a, b, c) vd_fma1(-(a), b, -(c))
 
 #else
 

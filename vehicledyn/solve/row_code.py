@@ -35,6 +35,7 @@ _SUMS = {
     (1, 1): ("{0} + {1}", "vd4_fma({0}, {1}, {2})"),
     (1, -1): ("{0} - {1}", "vd4_fms({0}, {1}, {2})"),
     (-1, 1): ("{1} - {0}", "vd4_fnma({0}, {1}, {2})"),
+    (-1, -1): ("-{0} - {1}", "vd4_fnms({0}, {1}, {2})"),
 }
 """Sums of two terms with the same signs in all places, and fused sums of a product and a term."""
 
