@@ -157,12 +157,12 @@ class PointCode:
         Those that may differ from zero, column by column, shape (count, n_entries). Behind both is
         ``room`` for more points. For values that are rates, as what follows.
         """
-        count, lanes = len(points), self._lanes
+        count = len(points)
         given = np.ascontiguousarray(points, dtype=float)
         numbers = self._rows.after(np.ascontiguousarray(parameters, dtype=float))
         sizes = self._n_values, self.n_entries
         values, entries = (np.empty((count + room, n)) for n in sizes)
-        each = lanes * max(_LEAST_GROUPS, -(-count // (lanes * cores())))
+        each = self._each(count)
 
         def evaluate(first: int) -> None:
             part = slice(first, min(first + each, count))
@@ -186,9 +186,18 @@ class PointCode:
         are those of ``values`` and ``entries``, see :meth:`entries`, at begin, middle and end of
         each step; -1 for a middle that is not known.
         """
-        errors = np.empty(len(sizes))
-        arrays = sizes, np.ascontiguousarray(rows), values, entries, scales, errors
-        self._done(self._library.vd_missed(len(sizes), *[a.ctypes.data for a in arrays]))
+        count, own_rows = len(sizes), np.ascontiguousarray(rows)
+        errors, each = np.empty(count), self._each(count)
+        shared = [a.ctypes.data for a in (values, entries, scales)]
+
+        def find(first: int) -> None:
+            part = slice(first, min(first + each, count))
+            own = [a[part] for a in (sizes, own_rows, errors)]
+            addresses = [a.ctypes.data for a in own]
+            call = self._library.vd_missed
+            self._done(call(len(own[0]), *addresses[:2], *shared, addresses[2]))
+
+        _side_by_side(find, range(0, count, each))
         return errors
 
     def tangents(
@@ -219,6 +228,10 @@ class PointCode:
         maps[order] = whole[2]
         return maps
 
+    def _each(self, count: int) -> int:
+        """Return how many points of some a thread takes."""
+        return self._lanes * max(_LEAST_GROUPS, -(-count // (self._lanes * cores())))
+
     def _done(self, failed: int) -> None:
         if failed:
             raise MemoryError
@@ -235,8 +248,9 @@ class PointCode:
 
 def _side_by_side(call: Callable[[int], None], firsts: range) -> None:
     """Call a function on the cores of the processor; one call alone needs no thread."""
-    if len(firsts) == 1:
-        call(firsts[0])
+    if len(firsts) < 2:
+        for first in firsts:
+            call(first)
         return
     with ThreadPoolExecutor(cores()) as pool:
         list(pool.map(call, firsts))

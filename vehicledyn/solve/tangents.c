@@ -57,6 +57,28 @@ static void vd_carry_step(vd_room *r, int block, real h, int parameter) {
   vd_stage(r->y[block], h, vd_weights[NCARRIED - 1], NCARRIED, r->rates, r->y[block]);
 }
 
+/* Carry one tangent through a step with the Jacobians of its stages. */
+static void vd_carry_one(const vd_room *r, real h, real *y) {
+  real rates[NCARRIED][NROW], stage[NROW];
+  for (int number = 0; number <= NCARRIED; number++) {
+    const double *weights = vd_weights[number ? number - 1 : 0];
+    real part[NCARRIED], *to = number == NCARRIED ? y : stage;
+    for (int k = 0; k < number; k++) part[k] = h * weights[k];
+    for (int row = 0; row < NROW; row++) {
+      real sum = y[row];
+      for (int k = 0; k < number; k++) sum = vd_fma(part[k], rates[k][row], sum);
+      to[row] = sum;
+    }
+    if (number == NCARRIED) break;
+    for (int row = 0; row < NROW; row++) {
+      real sum = vd_all(0.0);
+      for (int k = first_of_row[row]; k < first_of_row[row + 1]; k++)
+        sum = vd_fma(r->jacobian[number][entry_of[k]], stage[column_of[k]], sum);
+      rates[number][row] = sum;
+    }
+  }
+}
+
 /* Find the Jacobians of the stages of a step in each lane from the rows of `entries` that `rows`
    tells: those at its begin, in its middle, where it is not negative, and at its end. */
 static void vd_between(vd_room *r, const double *entries, const long long *steps,
@@ -121,25 +143,23 @@ VD_EXPORT long long vd_missed(long long count, const double *sizes, const long l
   void *whole;
   vd_room *r = vd_new_room(&whole);
   if (!r) return 1;
-  for (int k = 0; k < NROW; k++)
-    for (int j = 0; j < VD_SIDE; j++) r->y[0][k][j] = vd_all(0.0);
   for (long long first = 0; first < count; first += VD_LANES) {
     long long step[VD_LANES];
-    real h;
+    real h, y[NROW];
     for (int lane = 0; lane < VD_LANES; lane++) {
       step[lane] = first + lane < count ? first + lane : count - 1;
       ((double *)&h)[lane] = sizes[step[lane]];
       const double *own = values + rows[3 * step[lane]] * NROW;
-      for (int row = 0; row < NROW; row++) ((double *)&r->y[0][row][0])[lane] = own[row];
+      for (int row = 0; row < NROW; row++) ((double *)(y + row))[lane] = own[row];
     }
     vd_between(r, entries, step, rows);
-    vd_carry_step(r, 0, h, -1);
+    vd_carry_one(r, h, y);
     real missed = vd_all(0.0), size = vd_all(DBL_MIN);
     for (int row = 0; row < NROW; row++) {
       real end;
       for (int lane = 0; lane < VD_LANES; lane++)
         ((double *)&end)[lane] = values[rows[3 * step[lane] + 2] * NROW + row];
-      const real gap = vd_abs(r->y[0][row][0] - end) * (1.0 / scales[row]);
+      const real gap = vd_abs(y[row] - end) * (1.0 / scales[row]);
       missed = vd_larger(vd_select(vd_finite(gap), gap, vd_all(INFINITY)), missed);
       size = vd_larger(vd_abs(end) * (1.0 / scales[row]), size);
     }

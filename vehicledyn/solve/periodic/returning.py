@@ -31,9 +31,10 @@ from vehicledyn.solve.periodic.shooting import Chain, Closed, solved
 _NEAR_STEP, _STEP, _NEAR = 3e-6, 3e-8, 1e-3
 """Errors of steps of the motion, at first and from a gap on."""
 
-_FINER, _FINEST, _STALLED = 0.03, 1e-11, 1e-2
+_FINER, _FINEST, _STALLED, _MULTIPLIED = 0.03, 1e-11, 1e-2, 1e5
 """How these errors shrink where a gap stays, how far, and the gap from which on they do. Contacts
-that begin and end on the way multiply them by thousands, so that they may be all that is left."""
+that begin and end on the way multiply them by thousands, so that they may be all that is left; what
+is more than so many times as large is none of theirs."""
 
 _ROUGH = (1e-2,)
 """Tolerance of tangents on the way."""
@@ -130,7 +131,7 @@ def returning(
 
 def _finer(error: float, gap: float, *, is_slow: bool) -> float:
     """Return the error of steps that suits a gap, smaller where the gap hardly shrinks."""
-    if is_slow and gap < _STALLED:
+    if is_slow and gap < min(_STALLED, _MULTIPLIED * error):
         error = max(_FINER * error, _FINEST)
     return min(error, _STEP) if gap < _NEAR else error
 
