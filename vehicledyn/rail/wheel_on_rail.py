@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from typing import ClassVar
+from functools import cached_property
+from typing import Any, ClassVar
 
 from vehicledyn.base.parameters import field_unit
 from vehicledyn.base.shapes import Shape
@@ -240,11 +241,11 @@ class ElasticWheels(BasePart):
 
         The equations are those of all equal wheels, left and right, so they are shared.
         """
-        rows: list[_WheelRow] = []
+        built, rows = self._built
 
         def build(values: list[Scalar]) -> list[Scalar]:
             forces = self._with(values[_SEEN:]).forces(Seen.of(values[:_SEEN], 1.0))
-            rows.extend(_wheel_rows(forces))
+            rows[:] = _wheel_rows(forces)
             force, torque = forces.force, forces.torque()
             acting = [*(force[k] for k in range(3)), *(torque[k] for k in range(3))]
             return [*acting, *(row[3] for row in rows)]
@@ -252,7 +253,12 @@ class ElasticWheels(BasePart):
         moves = moving_rails(self.wheels.track)
         kept = [k for k, is_moving in zip(_RAIL_RATE, moves, strict=True) if is_moving]
         numbers = [*seen.numbers, *self._quantities()]
-        return shared("wheel_on_rail", numbers, build, kept), rows
+        return shared("wheel_on_rail", numbers, build, kept, built), rows
+
+    @cached_property
+    def _built(self) -> tuple[dict[tuple[float | None, ...], Any], list[_WheelRow]]:
+        """The equations that were built, and the channels among them."""
+        return {}, []
 
     def _quantities(self) -> list[Scalar]:
         """Return all quantities of the wheels and their contact that may be symbols."""

@@ -33,6 +33,7 @@ def shared(
     arguments: Sequence[Scalar],
     build: Callable[[list[Scalar]], Sequence[Scalar]],
     kept: Collection[int] = (),
+    built: dict[tuple[float | None, ...], Any] | None = None,
 ) -> list[Scalar]:
     """Return scalars as results of a function that is written once for all equal places.
 
@@ -48,22 +49,39 @@ def shared(
     kept
         Which of the arguments stay arguments even where they are plain numbers, since at another
         place they are none.
+    built
+        Where functions are kept for the next place, of a ``build`` whose results differ with the
+        arguments alone.
     """
     import casadi
 
     given = [casadi.SX(item) for item in arguments]
     free = [k for k, item in enumerate(given) if k in kept or not item.is_constant()]
+    numbers = tuple(None if k in free else float(item) for k, item in enumerate(given))
+    known = {} if built is None else built
+    if numbers not in known:
+        known[numbers] = _written(name, numbers, build)
+    call = known[numbers]
+    found = call(casadi.vertcat(*[given[k] for k in free])) if free else call
+    return [found[k] for k in range(found.numel())]
+
+
+def _written(
+    name: str,
+    numbers: Sequence[float | None],
+    build: Callable[[list[Scalar]], Sequence[Scalar]],
+) -> Any:
+    """Return the shared function of the arguments that are no numbers; without any, its results."""
+    import casadi
+
+    free = [k for k, item in enumerate(numbers) if item is None]
     symbols = casadi.SX.sym(name, len(free))
-    values: list[Any] = [None if k in free else float(item) for k, item in enumerate(given)]
+    values: list[Any] = list(numbers)
     for number, k in enumerate(free):
         values[k] = symbols[number]
     results = casadi.vertcat(*[casadi.SX(item) for item in build(values)])
     results = casadi.cse(casadi.densify(results))
-    if not free:
-        return [results[k] for k in range(results.numel())]
-    function = known_function(name, symbols, results)
-    found = function(casadi.vertcat(*[given[k] for k in free]))
-    return [found[k] for k in range(results.numel())]
+    return known_function(name, symbols, results) if free else results
 
 
 def inlined(expression: Any) -> Any:

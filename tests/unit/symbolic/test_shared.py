@@ -71,3 +71,18 @@ def test_an_argument_that_is_kept_is_one_function_for_numbers_and_symbols(x):
     assert called(number, (2,))[0] == called(symbol, (2,))[0]
     for first, second in zip(called(number, ())[1], called(number, (2,))[1], strict=True):
         assert float(first) == pytest.approx(float(second), rel=1e-15)
+
+
+def test_what_is_built_for_equal_numbers_is_built_once(x):
+    asked, built = [], {}
+
+    def told(values):
+        asked.append(values[2])
+        return law(values)
+
+    places = [(x[0], x[1], 2.0), (x[1], x[2], 2.0), (0.2, 0.7, 2.0), (x[0], x[1], 3.0)]
+    kept = [item for place in places * 2 for item in shared("law", place, told, (), built)]
+    fresh = [item for place in places * 2 for item in shared("law", place, law)]
+    found, expected = (ca.Function("f", [x], [ca.vertcat(*e)])(POINTS[0]) for e in (kept, fresh))
+    assert np.array(found).tolist() == np.array(expected).tolist()
+    assert asked == [2.0, 2.0, 3.0]
