@@ -23,7 +23,7 @@ _BEFORE = 1.0 - 1e-5, 1.0 - 1e-3, 0.7, 0.4
 _NEUTRAL = 1e-6
 """Distance from 1 at which a multiplier counts as 1 all along the branch."""
 
-_LOCATED, _FOLD, _AS_MULTIPLIERS = 1e-6, 1e-7, 1e-4
+_LOCATED, _FOLD, _AS_MULTIPLIERS = 1e-6, 1e-8, 1e-4
 """Part of a step to which special points are located; those that integration finds also where the
 parameter of a fold is known to a part of its scale, and others to a part of a step, as their
 multipliers err."""
