@@ -287,10 +287,31 @@ def leaf_force(s: LeafSpring, length: Scalar) -> Scalar:
     return s.stiffness * (length - s.free_length) + (s.stop_stiffness - s.stiffness) * into_stop
 
 
+_MIDDLE = 7.0 / 16.0
+"""Length of a shock absorber within its range of work, a number of few bits [m]."""
+
+
+def _polynomial(c: tuple[Scalar, Scalar, Scalar, Scalar], length: Scalar) -> Scalar:
+    """Return c₀ + c₁ z + c₂ z² + c₃ z³ in powers of z - middle.
+
+    In powers of z terms of some 10⁷ N add up to some 10² N, which loses five digits at each
+    evaluation; in powers of the distance from the middle they do not. The middle has so few bits
+    that for coefficients of up to ten digits the new ones are exact.
+    """
+    middle = _MIDDLE
+    near_square = c[2] + middle * c[3]
+    near_linear = c[1] + middle * near_square
+    square = near_square + middle * c[3]
+    u = length - middle
+    constant = c[0] + middle * near_linear
+    linear = near_linear + middle * square
+    return constant + u * (linear + u * (square + middle * c[3] + u * c[3]))
+
+
 def shock_force(s: ShockAbsorber, length: Scalar, rate: Scalar) -> Scalar:
     """Return the polynomial spring force plus the damper force of three branches [N]."""
-    z, v = length, rate
-    spring = s.spring_c0 + z * (s.spring_c1 + z * (s.spring_c2 + z * s.spring_c3))
+    v = rate
+    spring = _polynomial((s.spring_c0, s.spring_c1, s.spring_c2, s.spring_c3), length)
     middle = v * (s.damping_c1 + v * (s.damping_c2 + v * (s.damping_c3 + v * s.damping_c4)))
     compression = s.compression_force + s.compression_slope * v
     rebound = s.rebound_force + s.rebound_slope * v
