@@ -23,6 +23,8 @@ FIGURES = ROOT / "docs" / "figures"
 _STRETCHED = ("small_car", "iltis_slalom")
 """Whose paths are long: not true to scale."""
 SIZE, DOTS = (4.2, 2.5), 100
+_SHORT = 14
+"""Letters below which three names of a legend stand side by side."""
 HEAD = """# Gallery
 
 Every scenario that comes with the program, with a picture of its run.
@@ -177,7 +179,8 @@ def _draw(path: Path) -> None:
             if len(picture.channels) == 1 and picture.across and path.stem not in _STRETCHED:
                 axes.set_aspect("equal", adjustable="datalim")
             if len(picture.channels) > 1:
-                axes.legend()
+                columns = 3 if max(map(len, picture.channels)) < _SHORT else 2
+                axes.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=columns)
             # Without the version of the drawing library in it, the same picture is the same file.
             target = FIGURES / f"{path.stem}.png"
             figure.savefig(target, dpi=DOTS, metadata={"Software": None})

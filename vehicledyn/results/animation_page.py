@@ -19,6 +19,9 @@ from vehicledyn.results.animation_scene import AnimatedScene
 from vehicledyn.results.columns import Columns
 from vehicledyn.results.plot_style import axis_label
 
+PROGRAM = ("columns", "looks", "shapes", "actor", "ground", "plots", "clock", "start")
+"""Parts of the page's program, which share their names, in the order in which they run."""
+
 FINEST = 1e-4
 """Resolution of positions [m]."""
 
@@ -37,7 +40,7 @@ def page_of(scenes: Sequence[AnimatedScene]) -> str:
         "TITLE": _escaped(scenes[0].title),
         "STYLE": _resource("animation.css"),
         "LIBRARY": _resource("three.bundle.js"),
-        "PROGRAM": _resource("animation.js"),
+        "PROGRAM": "\n".join(_resource(f"animation/{part}.js") for part in PROGRAM),
         "DATA": text.replace("<", "\\u003c").replace("\u2028", "\\u2028"),
         "PACKED": columns.packed,
     }
