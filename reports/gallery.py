@@ -23,8 +23,10 @@ FIGURES = ROOT / "docs" / "figures"
 _STRETCHED = ("small_car", "iltis_slalom")
 """Whose paths are long: not true to scale."""
 SIZE, DOTS = (4.2, 2.5), 100
-_SHORT = 14
-"""Letters below which three names of a legend stand side by side."""
+_SMALL = 0.1
+"""Largest place of an axis in millimetres [m]."""
+_SHORT = (11, 23)
+"""Letters below which three and two names of a legend stand side by side."""
 HEAD = """# Gallery
 
 Every scenario that comes with the program, with a picture of its run.
@@ -168,18 +170,22 @@ def _draw(path: Path) -> None:
             picture = PICTURES.get(path.stem) or _first_coordinates(result)
             figure = Figure(figsize=SIZE, layout="constrained")
             axes = figure.subplots()
-            across = result.channel(picture.across).values if picture.across else result.time
+            across, unit = result.time, "s"
+            if picture.across:
+                across, unit = result.channel(picture.across).values, "m"
+                if abs(across).max() < _SMALL:
+                    across, unit = 1e3 * across, "mm"
             for color, name in zip(PALETTE, picture.channels, strict=False):
                 series = result.channel(name)
                 values = series.values * unit_factor(series.unit, picture.unit)
                 axes.plot(across, values, color=color, label=name)
             axes.set_ylabel(axis_label(picture.label, picture.unit))
-            unit = "m" if picture.across else "s"
             axes.set_xlabel(axis_label(picture.across or "Time", unit))
             if len(picture.channels) == 1 and picture.across and path.stem not in _STRETCHED:
                 axes.set_aspect("equal", adjustable="datalim")
             if len(picture.channels) > 1:
-                columns = 3 if max(map(len, picture.channels)) < _SHORT else 2
+                letters = max(map(len, picture.channels))
+                columns = 1 + sum(letters < most for most in _SHORT)
                 axes.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=columns)
             # Without the version of the drawing library in it, the same picture is the same file.
             target = FIGURES / f"{path.stem}.png"
