@@ -22,8 +22,8 @@ from vehicledyn.solve.point_slopes import Carried, PointCode
 from vehicledyn.symbolic import ops
 from vehicledyn.symbolic.equations import Equations
 
-LEAST = 2000
-"""Operations from which on a field is compiled; smaller ones are done before gcc would be."""
+LEAST = 300
+"""Operations from which on a field is compiled; of smaller ones collocation takes a few seconds."""
 
 _MOST_WITHIN = 500
 """Steps in which one step of a path may be made again."""
