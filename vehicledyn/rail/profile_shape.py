@@ -19,6 +19,9 @@ NARROWEST, WIDEST = 0.02, 0.5
 _FLANGE = 0.01
 _SHOULDER = 5e-3
 _HEAD = 0.04
+_RIM, _RIM_WIDTH = 8e-3, 35e-3
+_TREAD, _TREAD_WIDTH, _TREAD_SLOPE = (15e-3, 45e-3), 40e-3, 0.25
+_BACK = 4e-3
 _SAME = 1e-8
 _SWAPPED = 2  # segments apart: two points in the wrong order, no loop
 _USUAL = {"wheel": (0.09, 0.2), "rail": (0.05, 0.2)}
@@ -191,6 +194,12 @@ def _wheel_axes(points: RawPoints, y: Floats, z: Floats) -> tuple[Floats, Floats
 def _rail_axes(points: RawPoints, y: Floats, z: Floats) -> tuple[Floats, Floats, list[str]]:
     """Turn a rail's points so that the crown is up and at z = 0."""
     notes = []
+    if _has_flange(y, z) or _has_flange(y, -z):
+        message = (
+            "a narrow rim with a tread beside it, as the flange of a wheel; a rail's profile is "
+            "needed"
+        )
+        raise points.refused(points.lines[0], 1, message)
     if 0.5 * (z[0] + z[-1]) > float(np.median(z)):
         z = -z
         notes.append("z turned: it pointed down")
@@ -209,3 +218,20 @@ def _rail_axes(points: RawPoints, y: Floats, z: Floats) -> tuple[Floats, Floats,
         raise points.refused(points.lines[0], 1, message)
     notes.append("y taken as outwards: the gauge side is at negative y")
     return y, z, notes
+
+
+def _has_flange(y: Floats, z: Floats) -> bool:
+    """Return whether the highest part is a flange: a narrow rim, a long tread below, a back.
+
+    The head of a rail is twice as wide so near its top; its sides, turned up, have no back.
+    """
+    tip = int(np.argmax(z))
+    below = z[tip] - z
+    rim = np.flatnonzero(below > _RIM)
+    begin, end = y[rim[rim < tip]], y[rim[rim > tip]]
+    if not (begin.size and end.size and min(below[0], below[-1]) > _BACK):
+        return False
+    steps, middle = np.diff(y), 0.5 * (below[1:] + below[:-1])
+    flat = np.abs(np.diff(z)) < _TREAD_SLOPE * steps
+    tread = flat & (middle > _TREAD[0]) & (middle < _TREAD[1])
+    return bool(end[0] - begin[-1] < _RIM_WIDTH and steps[tread].sum() > _TREAD_WIDTH)

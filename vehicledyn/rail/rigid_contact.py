@@ -165,12 +165,12 @@ class RigidRailWheels(BasePart):
         for w in self.wheels:
             force = situation.reactions[f"{w.side}.normal_force"]
             lifts = f"the {w.side} wheel lifts, which rigid contact cannot follow; {_ADVICE}"
-            events.append(_ending(f"{w.side}.lifts", force, lifts))
+            events.append(_ending(f"{w.side}.lifts", force, lifts, "lifted"))
             if w.ends is not None:
                 place = situation.kinematics.coordinate(self._place(w))
                 inside = ops.minimum(place - w.ends[0], w.ends[1] - place)
                 leaves = f"the contact comes to the end of the {w.side} wheel's profile; {_ADVICE}"
-                events.append(_ending(f"{w.side}.leaves", inside, leaves))
+                events.append(_ending(f"{w.side}.leaves", inside, leaves, "derailed"))
             if w.places:
                 constraint = self._constraint(w)
                 events.append(
@@ -259,5 +259,5 @@ class RigidRailWheels(BasePart):
         return Joint("T2", self._place(wheel), wheel.start, "dependent", description=text)
 
 
-def _ending(name: str, expression: Scalar, advice: str) -> PartEvent:
-    return PartEvent(name, expression, "falling", terminal=True, advice=advice)
+def _ending(name: str, expression: Scalar, advice: str, outcome: str) -> PartEvent:
+    return PartEvent(name, expression, "falling", terminal=True, advice=advice, outcome=outcome)

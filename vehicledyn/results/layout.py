@@ -30,7 +30,7 @@ from vehicledyn.base.errors import InputError
 
 FORMAT = "vehicledyn-result"
 FORMAT_VERSION = 1
-STATUSES = ("running", "ok", "derailed", "failed", "interrupted")
+STATUSES = ("running", "ok", "derailed", "lifted", "failed", "interrupted")
 RESERVED = (
     "time",
     "states",

@@ -86,7 +86,7 @@ class Result:
     path
         The file.
     status
-        running, ok, derailed, failed or interrupted; a killed run stays at running.
+        running, ok, derailed, lifted, failed or interrupted; a killed run stays at running.
     status_message
         Why the run ended, if not as planned.
     channels
@@ -132,8 +132,8 @@ class Result:
 
     @property
     def has_ended(self) -> bool:
-        """Whether the run came to an end of its own: to the planned one or a derailment."""
-        return self.status in ("ok", "derailed")
+        """Whether the run came to an end of its own: planned, or as a wheel left its rail."""
+        return self.status in ("ok", "derailed", "lifted")
 
     @property
     def state_of_run(self) -> str:

@@ -40,6 +40,8 @@ from vehicledyn.symbolic.equations import Event
 Matrix = NDArray[np.float64]
 EXIT_OK, EXIT_NEGATIVE, EXIT_FAILED, EXIT_INTERRUPTED = 0, 1, 3, 130
 
+_DID = {"derailed": "left its rail", "lifted": "lifted off its rail"}
+
 
 @dataclass(frozen=True)
 class ShownEntry:
@@ -188,7 +190,7 @@ class _Run:
                 message = f"stopped by the user at t = {self._end():g} s"
             ending = self._ending(statistics)
             self._summarise()
-            self._derail(statistics)
+            self._leave(statistics)
             writer.close(
                 self.status,
                 message or ending,
@@ -270,8 +272,8 @@ class _Run:
         ended = f"event '{event.name}' ended the run {at}"
         return f"{ended}: {event.advice}" if event.advice else ended
 
-    def _derail(self, statistics: Statistics | None) -> None:
-        """Take status, exit code and summary from a derailment that ended the run."""
+    def _leave(self, statistics: Statistics | None) -> None:
+        """Take status, exit code and summary from a wheel whose leaving its rail ended the run."""
         if statistics is None or statistics.ended_by is None:
             return
         event = self._event(statistics.ended_by)
@@ -279,12 +281,12 @@ class _Run:
             return
         self.status, self.exit_code = event.outcome, EXIT_NEGATIVE
         wheel, place = event.name.rpartition(".")[0], self._place(event.name)
-        self.summary.append(SummaryEntry("derailed_wheel", wheel, "", "Wheel that left its rail"))
-        at = SummaryEntry("derailed_at_time", self._end(), "s", "When it left its rail")
-        self.summary.append(at)
+        name, did = event.outcome, _DID[event.outcome]
+        self.summary.append(SummaryEntry(f"{name}_wheel", wheel, "", f"Wheel that {did}"))
+        self.summary.append(SummaryEntry(f"{name}_at_time", self._end(), "s", f"When it {did}"))
         if place is not None:
-            text = "Where on the track it left its rail"
-            self.summary.append(SummaryEntry("derailed_at_place", place, "m", text))
+            text = f"Where on the track it {did}"
+            self.summary.append(SummaryEntry(f"{name}_at_place", place, "m", text))
 
     def _event(self, name: str) -> Event:
         return next(event for event in self.prepared.equations.events if event.name == name)

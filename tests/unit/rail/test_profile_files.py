@@ -126,9 +126,29 @@ def test_exchanged_wheel_and_rail(tmp_path):
     y = np.arange(-0.0355, 0.03551, 2.5e-4)
     rail = lines(1e3 * np.column_stack([y, RAIL.height(y)]))
     refused(tmp_path, rail, "a wheel's profile is needed")
-    refused(tmp_path, lines(points()), "or is this a wheel's profile?", kind="rail")
+    refused(tmp_path, lines(points()), "as the flange of a wheel", kind="rail")
     text = simpack(points())
     refused(tmp_path, text, "here a wheel's is needed; are wheel and rail exch", "wheel.prr")
+
+
+@pytest.mark.parametrize("ahead", [20.0, 40.0, 60.0])
+@pytest.mark.parametrize("flip", [{}, {"flip_y": True}, {"flip_z": True}])
+def test_wheel_in_the_place_of_a_rail_wherever_its_zero_is(tmp_path, ahead, flip):
+    """Its rim may lie in the middle, where a rail is highest."""
+    side = -1.0 if "flip_y" in flip else 1.0
+    pairs = [(y + side * ahead, z) for y, z in points(**flip)]
+    refused(tmp_path, lines(pairs), "as the flange of a wheel; a rail's profile", kind="rail")
+
+
+@pytest.mark.parametrize("deep", [9e-3, 0.02, 0.03])
+def test_rails_with_sides_of_any_depth_have_no_flange(tmp_path, deep):
+    """Measured rails reach down the gauge side further than down the other."""
+    y = np.arange(-0.0355, 0.03551, 2.5e-4)
+    head = np.column_stack([y, RAIL.height(y)])
+    side = head[0] - np.outer(np.arange(1e-3, deep, 1e-3), [0.05, 1.0])
+    rail = np.vstack([side[::-1], head[y < 0.025]])
+    profile = read_profile(written(tmp_path, lines(1e3 * rail), "rail.txt"), "rail")
+    assert profile.height(np.array(0.0)) == pytest.approx(0.0, abs=2e-5)
 
 
 def simpack(pairs, **settings):

@@ -60,6 +60,17 @@ def test_contact_starts_where_a_search_finds_it(s1002, part, lateral, yaw):
         assert found[f"wheels.{side}.place"] == pytest.approx(place, abs=2e-5)
 
 
+@pytest.mark.parametrize("lateral", [0.0064, -0.0064])
+def test_contact_starts_where_wheel_and_rail_nearly_fit(s1002, part, lateral):
+    """Outlines of the same curvature: their errors of 1e-8 m count some ten times in the height."""
+    standing = stand(s1002, lateral, 0.0)
+    positions = Positions(wheelset_on(part, wheelset_body(lateral=lateral, height=0.46)))
+    names = [coordinate.name for coordinate in positions.coordinates]
+    found = dict(zip(names, positions.start, strict=True))
+    assert found["z"] == pytest.approx(standing.height, abs=5e-7)
+    assert found["roll"] == pytest.approx(standing.roll, abs=1e-6)
+
+
 def test_places_of_contact_stay_dependent(part):
     """On a steep flange the lateral shift determines the place well, but nothing else asks it."""
     free = wheelset_on(part, wheelset_body(lateral=0.0065, height=0.46))

@@ -116,6 +116,12 @@ def test_a_wheel_that_lifts_ends_the_run_with_advice(run):
     assert "the right wheel lifts, which rigid contact cannot follow" in outcome.messages[-1]
     assert "take 'rail_contact: {kind: elastic}'" in outcome.messages[-1]
     assert columns["wheels.right.contact_1.normal_force"][-1] == pytest.approx(0.0, abs=1.0)
+    assert (outcome.status, outcome.exit_code) == ("lifted", 1)
+    assert outcome.summary["lifted_wheel"].value == "wheels.right"
+    assert "lifted at t = " in outcome.messages[-1]
+    with open_result(outcome.path) as result:
+        assert result.has_ended and not result.is_whole and result.status == "lifted"
+        assert result.time[-1] == outcome.summary["lifted_at_time"].value
 
 
 def test_independent_wheels_touch_where_those_of_a_wheelset_do(tmp_path):
