@@ -14,6 +14,8 @@
 
 VD_INLINE vd_wide vd_w(double a) { return a - (vd_wide){0.0}; }
 VD_INLINE vd_whole vd_i(long long a) { return a - (vd_whole){0}; }
+/* Bits that are added and shifted: beyond the last they are lost. */
+typedef unsigned long long vd_natural __attribute__((vector_size(8 * VD_WIDTH), aligned(8)));
 /* a where the bits of m are set, else b. */
 VD_INLINE vd_wide vd_mix(vd_whole m, vd_wide a, vd_wide b) {
   return (vd_wide)((m & (vd_whole)a) | (~m & (vd_whole)b));
@@ -276,7 +278,7 @@ VD_INLINE vd_wide vd_exp_wide(vd_wide x) {
   VD_NEXT(p, 1.0 / 6.0);
   VD_NEXT(p, 0.5);
   const vd_wide value = 1.0 + (z + vd_fma_wide(z * z, p, lost));
-  const vd_whole power = ((vd_whole)shifted << 52) + vd_i(1023LL << 52);
+  const vd_natural power = ((vd_natural)shifted + 1023ULL) << 52;
   return value * (vd_wide)power;
 }
 
@@ -314,10 +316,10 @@ static VD_APART void vd_tanh(int n, double *a, double *r) {
 static VD_APART void vd_log(int n, double *a, double *r) {
   VD_EACH(n) {
     const vd_wide x = VD_WIDE(a);
-    /* x = m 2^k with sqrt(1/2) <= m < sqrt(2); all k are made positive for the shift. */
-    const vd_whole bits = (vd_whole)x - vd_i(0x3fe6a09e667f3bcdLL) + vd_i(1024LL << 52);
-    const vd_whole whole = (bits >> 52) - 1024;
-    const vd_wide m = (vd_wide)((vd_whole)x - (whole << 52));
+    /* x = m 2^k with sqrt(1/2) <= m < sqrt(2); k + 1022, which is not negative, is found first. */
+    const vd_natural above = ((vd_natural)x - 0x0006a09e667f3bcdULL) >> 52;
+    const vd_whole whole = (vd_whole)above - 1022;
+    const vd_wide m = (vd_wide)((vd_natural)x - ((above - 1022ULL) << 52));
     const vd_wide k = (vd_wide)(whole + (vd_whole)vd_w(VD_ROUNDER)) - VD_ROUNDER;
     const vd_wide f = m - 1.0, s = f / (2.0 + f), z = s * s, half = 0.5 * f * f;
     vd_wide p = vd_w(1.479819860511658591e-01);

@@ -66,7 +66,13 @@ CASES = {
     "asin": ("asin", 0, np.arcsin, [between(-1, 1), spread(1e-10, 1)]),
     "acos": ("acos", 0, np.arccos, [between(-1, 1), 1 - spread(1e-16, 1, signs=(1,))]),
     "exp": ("exp", 0, np.exp, [between(-1, 1), between(-700, 700), spread(1e-20, 1)]),
-    "log": ("log", 0, np.log, [between(0.5, 2), spread(1e-300, 1e300, signs=(1,))]),
+    "log": (
+        *("log", 0, np.log),
+        [
+            *(between(0.5, 2), spread(1e-300, 1e300, signs=(1,))),
+            *(between(2.3e-308, 9e-308), between(1e308, 1.79e308)),
+        ],
+    ),
     "tanh": ("tanh", 0, np.tanh, [between(-1, 1), between(-30, 30), spread(1e-20, 1)]),
 }
 SPECIAL = np.array(
