@@ -111,8 +111,7 @@ def unsuitable(data: dict[str, Any], model: WrittenModel | None, sources: Source
         wrong = _lacking(data, _IN_MANOEUVRES)
     else:
         wheels = () if model.has_wheels else _ON_WHEELS
-        text = f"{model.path.name} has no wheels; leave this out"
-        wrong = {key: text for key in wheels if data.get(key) is not None}
+        wrong = {key: _wheelless(model, key) for key in wheels if data.get(key) is not None}
         rails = () if model.has_rail_wheels else _ON_RAILS
         text = f"{model.path.name} has no 'rail_wheels'; leave this out"
         wrong |= {key: text for key in rails if data.get(key) is not None}
@@ -126,6 +125,11 @@ def unsuitable(data: dict[str, Any], model: WrittenModel | None, sources: Source
         sources.problem((key,), words, at_key=data.get(key) is not None)
         for key, words in wrong.items()
     ]
+
+
+def _wheelless(model: WrittenModel, key: str) -> str:
+    own = f"its own is 'parameters.{key}'" if key in model.resolved else "leave this out"
+    return f"{model.path.name} has no wheels on a road; {own}"
 
 
 def _wrong_track(data: dict[str, Any], model: WrittenModel) -> dict[str, str]:

@@ -66,8 +66,8 @@ def test_model_is_found_from_the_scenario_and_its_parameters_are_told(write):
 @pytest.mark.parametrize(
     ("line", "told"),
     [
-        ("speed: 3 m/s", "6:1: speed: system.yaml has no wheels; leave this out"),
-        ("road: {kind: flat}", "6:1: road: system.yaml has no wheels; leave this out"),
+        ("speed: 3 m/s", "6:1: speed: system.yaml has no wheels on a road; leave"),
+        ("road: {kind: flat}", "6:1: road: system.yaml has no wheels on a road; leave"),
         ("tyres: {kind: linear, nominal_load: 1, cornering_stiffness: 1}", "6:1: tyres"),
         ("manoeuvre: {kind: straight}", "6:1: manoeuvre: system.yaml has no section 'vehicle'"),
         ("start: steady", "6:1: start: 'steady' is for vehicles; take 'nominal' or 'static'"),
@@ -79,6 +79,12 @@ def test_model_is_found_from_the_scenario_and_its_parameters_are_told(write):
 def test_what_does_not_go_with_a_system_is_told_with_its_line(write, line, told):
     lines = refusal(write(SCENARIO + line + "\n"))
     assert any(text.startswith(f"scenario.yaml:{told}") for text in lines), lines
+
+
+def test_a_speed_of_its_own_is_named(write):
+    system = SYSTEM.replace("rod: 0.3 m", "rod: 0.3 m, speed: 2 m/s")
+    lines = refusal(write(SCENARIO + "speed: 3 m/s\n", system))
+    assert any(line.endswith("its own is 'parameters.speed'") for line in lines), lines
 
 
 def test_problems_of_both_files_come_at_once(write):
