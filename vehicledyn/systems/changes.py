@@ -73,8 +73,8 @@ def _merge(own: dict[str, Any], change: dict[str, Any], place: Place, changes: C
         here = (*place, key)
         if key not in own:
             guess = nearest_name(key, own)
-            hint = f"did you mean '{guess}'? " if guess else ""
-            words = f"no such parameter; {hint}Known: {', '.join(own) or 'none'}"
+            hint = f"; did you mean '{guess}'?" if guess else "."
+            words = f"no such parameter{hint} Known: {', '.join(own) or 'none'}"
             changes.problems.append((here, words))
         else:
             own[key] = _merged(own[key], value, here, changes)
