@@ -20,7 +20,10 @@ from vehicledyn.multibody import (
     System,
     derive,
 )
+from vehicledyn.multibody.watch import PartitionWatch
+from vehicledyn.run.rates import rates_watched
 from vehicledyn.run.watched import simulate_watched
+from vehicledyn.solve.batch import Cases, make_batch, run_batch
 from vehicledyn.solve.kernel import compile_kernel
 
 pytestmark = pytest.mark.validation
@@ -155,6 +158,44 @@ def test_a_skate_turns_across_and_on(interval):
     assert motion.channel["y"] == pytest.approx(
         size * (angle - 0.5 * np.sin(2.0 * angle)), abs=1e-8
     )
+
+
+@pytest.mark.parametrize("lanes", [1, 4])
+def test_skates_in_lanes_turn_across_and_on(lanes):
+    """Those that come to point across are run by themselves, the others stay in their lanes."""
+    slope, duration, turning = 0.4, 2.0, np.array([0.1, 1.3, 0.4, 2.1, 0.2])
+    system = sloping_skate(slope)
+    kernel = compile_kernel(derive(system))
+    e, by_themselves = kernel.equations, []
+    state, _ = start_values(e)
+    states = np.tile(state, (len(turning), 1))
+    states[:, [s.name for s in e.states].index("heading_rate")] = turning
+    names = [channel.name for channel in e.channels]
+
+    def runner(kernel, solver, **span):
+        by_themselves.append(span["state"])
+        told = {"progress": lambda *_: None, "happened": lambda *_: None}
+        return simulate_watched(system, kernel, solver, **span, **told)
+
+    result = run_batch(
+        make_batch(kernel, lanes=lanes),
+        rk4(1e-3),
+        Cases(np.tile(kernel.parameters, (len(turning), 1)), states, np.zeros((len(turning), 0))),
+        start=0.0,
+        stop=duration,
+        interval=0.02,
+        channels=[names.index("x"), names.index("y")],
+        runner=runner,
+        rates=rates_watched(e, lambda: PartitionWatch.of(system)),
+    )
+    assert not any(end.failed for end in result.ends)
+    # Pointing across by more than acos 0.3 is too weak: 1.3 and 2.1 rad/s get there in 2 s.
+    assert np.array_equal(by_themselves, states[[1, 3]])
+    angle = turning[:, None] * result.times
+    size = (GRAVITY * np.sin(slope) / (2.0 * turning**2))[:, None]
+    assert result.samples[:, :, 0] == pytest.approx(size * np.sin(angle) ** 2, abs=1e-8)
+    expected = size * (angle - 0.5 * np.sin(2.0 * angle))
+    assert result.samples[:, :, 1] == pytest.approx(expected, abs=1e-8)
 
 
 def test_a_mechanism_that_locks_names_its_loop():

@@ -134,6 +134,14 @@ class Gaps:
         """Return the Jacobian of all rows, shape (n_rows, n_coordinates)."""
         return self._slopes(time, q, self._values)
 
+    def jacobians(self, times: Array, q: Array) -> Array:
+        """Return the Jacobian at many times, shape (n_times, n_rows, n_coordinates).
+
+        ``q`` has the shape (n_coordinates, n_times).
+        """
+        found = self._slopes(times[None, :], q, self._values)
+        return np.moveaxis(found.reshape(len(found), len(times), len(q)), 1, 0)
+
     def drift(self, time: float, q: Array) -> Array:
         """Return c of J q̇ + c = 0, shape (n_rows,): what time alone does to the rows."""
         rates = ops.column(self._rates())

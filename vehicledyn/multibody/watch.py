@@ -53,6 +53,11 @@ class PartitionWatch:
         rows = rows_of_system(system, symbols.kinematics(unfold(system)), symbols.time)
         return PartitionWatch(symbols.joints, Gaps(system, symbols, rows), bound_to(system))
 
+    @property
+    def names(self) -> list[str]:
+        """The coordinates."""
+        return [joint.name for joint in self._joints]
+
     def leverage(self, time: float, values: dict[str, float], dependent: list[str]) -> float:
         """Return the largest rate that a unit independent rate gives a dependent one."""
         _, jacobian, moving = self._at(time, values)
@@ -65,6 +70,21 @@ class PartitionWatch:
         columns = [names.index(name) for name in dependent]
         rows = self._kept(jacobian, columns)
         return float(np.linalg.det(jacobian[np.ix_(rows, columns)])) if rows else 0.0
+
+    def pivots(self, times: Array, values: dict[str, Array], dependent: Sequence[str]) -> Array:
+        """Return the determinants of :meth:`pivot` at many times, shape (n_times,).
+
+        ``values`` are those of coordinates by name, of shape (n_times,) each.
+        """
+        columns = [self.names.index(name) for name in dependent]
+        q = np.array([values.get(j.name, np.full(len(times), j.start)) for j in self._joints])
+        if not len(times):
+            return np.zeros(0)
+        jacobians = self._gaps.jacobians(times, q)
+        rows = self._kept(jacobians[0], columns)
+        if not rows:
+            return np.zeros(len(times))
+        return np.asarray(np.linalg.det(jacobians[:, rows][:, :, columns]))
 
     def compare(self, time: float, values: dict[str, float], dependent: list[str]) -> Comparison:
         """Compare the partition with these dependent rates with the best one.

@@ -1,4 +1,4 @@
-"""Run cases of a batch by themselves, with their loops watched as lanes watch them."""
+"""Run cases of a batch by themselves, with their partition watched as lanes watch it."""
 
 from __future__ import annotations
 
@@ -11,8 +11,9 @@ import numpy as np
 
 from vehicledyn.base.errors import NumericalError
 from vehicledyn.solve.cases import CaseEnd, Cases, Plan, Samples
-from vehicledyn.solve.engine import WEAK_PIVOT, Vector
+from vehicledyn.solve.engine import Vector
 from vehicledyn.solve.kernel import Kernel
+from vehicledyn.solve.rate_watch import RateWatch, Soundness
 from vehicledyn.solve.simulate import Solver, simulate
 from vehicledyn.solve.task import Statistics
 
@@ -21,7 +22,7 @@ Runner: TypeAlias = Callable[..., Statistics]
 
 
 class _Weak(Exception):  # noqa: N818
-    """A loop comes near to a singular configuration."""
+    """The partition comes near to a singular configuration."""
 
 
 @dataclass
@@ -32,6 +33,12 @@ class Alone:
     solver: Solver
     plan: Plan
     runner: Runner
+    rates: RateWatch | None = None
+
+    @property
+    def is_watched(self) -> bool:
+        """Whether a case may have to be run again, with other dependent coordinates."""
+        return self.has_loops or self.rates is not None
 
     @property
     def has_loops(self) -> bool:
@@ -39,11 +46,11 @@ class Alone:
         return bool(self.kernel.equations.structure.get("loops"))
 
     def run(self, case: Cases, room: Samples) -> CaseEnd:
-        """Run a case; where its loops fail or become weak, again with the runner.
+        """Run a case; where its partition fails or becomes weak, again with the runner.
 
         The first try is that of a lane, so that a case is the same with and without lanes.
         """
-        if self.runner is simulate or not self.has_loops:
+        if self.runner is simulate or not self.is_watched:
             return self._run(self.runner, case, room, watched=False)
         if hasattr(self.solver, "fixed_method"):
             with contextlib.suppress(_Weak):
@@ -53,15 +60,23 @@ class Alone:
             room[:] = np.nan
         return self._run(self.runner, case, room, watched=False)
 
+    def _of_rates(self, times: Vector, outputs: Vector) -> Vector:
+        """Return the determinants of rates by all channels at some times, one column or none."""
+        if self.rates is None:
+            return np.zeros((len(times), 0))
+        return self.rates.determinants(times, outputs[:, self.rates.channels])[:, None]
+
     def _run(self, runner: Runner, case: Cases, room: Samples, *, watched: bool) -> CaseEnd:
         plan, kernel = self.plan, self.kernel.with_parameters(case.parameters[0])
         last, count = plan.start, 0
-        watch = _PivotWatch(kernel) if watched else None
+        soundness = Soundness() if watched else None
 
         def keep(times: Vector, states: Vector, unknowns: Vector, outputs: Vector) -> None:
             nonlocal last, count
-            if watch is not None:
-                watch.look(times, states, unknowns)
+            if soundness is not None:
+                pivots = kernel.pivots(times, states, unknowns)
+                if not soundness.holds(np.column_stack([pivots, self._of_rates(times, outputs)])):
+                    raise _Weak
             room[count : count + len(times)] = outputs[: len(room) - count, plan.channels]
             last, count = float(times[-1]), count + len(times)
 
@@ -79,22 +94,3 @@ class Alone:
         except NumericalError as error:
             return CaseEnd(last, count, str(error))
         return CaseEnd(last, count, ended_by=done.ended_by or "")
-
-
-class _PivotWatch:
-    """Looks at the determinants of the blocks at the samples, as lanes do."""
-
-    def __init__(self, kernel: Kernel) -> None:
-        self._kernel = kernel
-        self._before: Vector | None = None
-        self._largest = np.zeros(len(kernel.equations.blocks))
-
-    def look(self, times: Vector, states: Vector, unknowns: Vector) -> None:
-        """Raise _Weak where a determinant has become weak or changed its sign."""
-        for values in self._kernel.pivots(times, states, unknowns):
-            sizes = np.abs(values)
-            self._largest = np.maximum(self._largest, sizes)
-            before = values if self._before is None else self._before
-            if not ((sizes >= WEAK_PIVOT * self._largest) & (values * before > 0.0)).all():
-                raise _Weak
-            self._before = values

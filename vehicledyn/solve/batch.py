@@ -26,6 +26,7 @@ from vehicledyn.solve.fixed_step import steps_per_interval
 from vehicledyn.solve.kernel import Kernel, Progress
 from vehicledyn.solve.lanes import CHOICES, LaneEngine, compile_lanes
 from vehicledyn.solve.platoon import Platoon, Stopped, march
+from vehicledyn.solve.rate_watch import RateWatch, Soundness
 from vehicledyn.solve.simulate import Solver, simulate
 
 _log = logging.getLogger(__name__)
@@ -134,6 +135,7 @@ def run_batch(
     channels: Sequence[int],
     single: bool = False,
     runner: Runner = simulate,
+    rates: RateWatch | None = None,
     finished: Finished | None = None,
     progress: Progress | None = None,
 ) -> BatchResult:
@@ -158,6 +160,9 @@ def run_batch(
     runner
         Integrates cases whose loops fail or come near to singular configurations, such as
         :func:`vehicledyn.run.watched.simulate_watched`, which changes the dependent coordinates.
+    rates
+        Tells how well constraints without loops determine the dependent rates, where a model has
+        such; cases in which they become weak are left to the runner as well.
     finished
         Told of cases as soon as they are done, a few at a time, in order. An interrupt
         (Ctrl-C, heeded within a fifth of a second) loses only those that are under way.
@@ -179,7 +184,7 @@ def run_batch(
     kind = np.float32 if single else np.float64
     samples = np.full((len(cases), plan.n_samples, len(channels)), np.nan, dtype=kind)
     parts = _in_turn if batch.engine is None or not hasattr(solver, "fixed_method") else _abreast
-    alone = Alone(batch.kernel, solver, plan, runner)
+    alone = Alone(batch.kernel, solver, plan, runner, rates)
     ends: list[CaseEnd] = []
     for part in parts(batch, cases, samples, alone):
         if isinstance(part, float):
@@ -209,6 +214,7 @@ def _abreast(batch: Batch, cases: Cases, samples: Samples, alone: Alone) -> Iter
     solver: Any = alone.solver
     plan = alone.plan
     per_interval = steps_per_interval(solver.step, plan.interval)
+    further = [] if alone.rates is None else list(alone.rates.channels)
     for first in range(0, len(cases), engine.lanes):
         group = cases.part(slice(first, first + engine.lanes))
         platoon = Platoon(
@@ -217,24 +223,41 @@ def _abreast(batch: Batch, cases: Cases, samples: Samples, alone: Alone) -> Iter
             plan.start,
             plan.interval,
             per_interval,
-            np.array(plan.channels, dtype=np.intc),
+            np.array([*plan.channels, *further], dtype=np.intc),
             engine.prepare(engine.spread(group.parameters)),
             engine.spread(group.states),
             engine.spread(group.unknowns),
             WEAK_PIVOT if alone.has_loops else 0.0,
         )
-        for part in march(platoon, samples[first : first + engine.lanes]):
+        room = samples[first : first + engine.lanes]
+        if further:
+            room = np.full((*room.shape[:2], len(platoon.channels)), np.nan)
+        for part in march(platoon, room):
             yield part * len(group)
+        if further:
+            samples[first : first + engine.lanes] = room[:, :, : len(plan.channels)]
         ends = []
         for lane in range(len(group)):
             stopped = platoon.stopped(lane)
-            if stopped is not None and (alone.has_loops or stopped.status is Status.EVENT):
+            if stopped is None:
+                is_left = _is_weak(alone, room[lane])
+            else:
+                is_left = alone.is_watched or stopped.status is Status.EVENT
+            if is_left:
                 samples[first + lane] = np.nan
                 ends.append(alone.run(group.part(slice(lane, lane + 1)), samples[first + lane]))
             else:
                 ends.append(_end_of(batch.kernel, stopped, plan))
         yield tuple(ends)
         yield 0.0
+
+
+def _is_weak(alone: Alone, samples: Samples) -> bool:
+    """Return whether dependent rates are ill determined at samples, the channels for it last."""
+    if alone.rates is None:
+        return False
+    values = samples[:, len(alone.plan.channels) :]
+    return not Soundness().holds(alone.rates.determinants(alone.plan.times, values)[:, None])
 
 
 def _end_of(kernel: Kernel, stopped: Stopped | None, plan: Plan) -> CaseEnd:

@@ -159,6 +159,7 @@ class Worker:
                 interval=work.interval,
                 channels=model.columns,
                 runner=model.run_watched,
+                rates=model.rates,
             )
         except InputError as error:
             for number in numbers:

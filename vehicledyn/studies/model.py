@@ -5,6 +5,7 @@ from __future__ import annotations
 import fnmatch
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -12,6 +13,7 @@ import numpy as np
 from vehicledyn.base.errors import InputError, VehicledynError, nearest_name
 from vehicledyn.manoeuvres.recording import Recording
 from vehicledyn.run.prepare import Derived, Point, Prepared, Progress, Vector, prepare
+from vehicledyn.run.rates import rates_watched
 from vehicledyn.run.road_subject import RoadSubject
 from vehicledyn.run.subject import Subject
 from vehicledyn.run.vehicle import build_subject, manoeuvre_of
@@ -20,6 +22,7 @@ from vehicledyn.scenario.load import LoadedScenario
 from vehicledyn.solve.batch import Batch, make_batch
 from vehicledyn.solve.fingerprint import fingerprint
 from vehicledyn.solve.kernel import Backend, Kernel
+from vehicledyn.solve.rate_watch import RateWatch
 from vehicledyn.solve.simulate import Solver
 from vehicledyn.solve.task import Statistics
 from vehicledyn.studies import scatter
@@ -119,6 +122,11 @@ class Model:
             watch=lambda: self.prepared.watch,
             **span,
         )
+
+    @cached_property
+    def rates(self) -> RateWatch | None:
+        """What tells of rates that constraints without loops determine, None without such."""
+        return rates_watched(self.prepared.equations, lambda: self.prepared.watch)
 
     def figures(self, case: Case, times: Vector, samples: Vector) -> list[Any]:
         """Return the key figures of a case from its samples (n_times, n_columns)."""
