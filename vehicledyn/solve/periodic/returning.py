@@ -49,6 +49,10 @@ _RETURNED, _SURELY = 1e-6, 3e-7
 """Distances to the begin, part of the scales, that count as none: where the trivial multiplier
 is 1, and else."""
 
+_MOVED = 1e-5
+"""Correction from which on an orbit that has returned is looked for more finely: where a multiplier
+is near 1, what is left of the gap tells little."""
+
 _ITERATIONS, _SLOW, _MOST_VAIN, _LOST = 16, 0.3, 2, 3.0
 """Iterations; reduction of the gap from which derivatives are found anew; iterations without
 progress, and gap, with which the search is given up."""
@@ -108,12 +112,16 @@ def returning(
             found = _tangents(field, orbit, path, mirror)
             last = _Search(Chain.of(found, size_of), guess, along)
             corrected = last.corrected(orbit, gap * scales / found.scales, stay=True)
-            if size < _SURELY or abs(found.trivial - 1.0) < _SHIFTED:
-                if mirror and not mirror.holds(field, orbit.states, orbit.parameter):
-                    raise BrokenMirrorError("an orbit is not its own image in a mirror any more")
-                return Closed(corrected, found, counted)
-            search, orbit, before, returned = None, corrected, size, _SURELY
-            continue
+            if size >= _SURELY and abs(found.trivial - 1.0) >= _SHIFTED:
+                search, orbit, before, returned = None, corrected, size, _SURELY
+                continue
+            if returned > _SURELY * _FINER and _moved(orbit, corrected, scales) > _MOVED:
+                search, orbit, before, returned = last, corrected, np.inf, returned * _FINER
+                error *= _FINER
+                continue
+            if mirror and not mirror.holds(field, orbit.states, orbit.parameter):
+                raise BrokenMirrorError("an orbit is not its own image in a mirror any more")
+            return Closed(corrected, found, counted)
         vain = 0 if size < 0.5 * best else vain + 1
         best = min(best, size)
         if vain > _MOST_VAIN or not size < _LOST:
@@ -127,6 +135,11 @@ def returning(
         if finer < error:
             error, before, best, vain = finer, np.inf, np.inf, 0
     raise NumericalError("the motion along a cycle does not return to its begin")
+
+
+def _moved(orbit: Orbit, corrected: Orbit, scales: Vector) -> float:
+    """Return by how much the first point of an orbit is corrected, part of the scales."""
+    return float((np.abs(corrected.states[0] - orbit.states[0]) / scales).max())
 
 
 def _finer(error: float, gap: float, *, is_slow: bool) -> float:
