@@ -26,7 +26,7 @@ ROWS = {
     "track": 11,
     "rail_assessment": 11,
     "rigid_wheelset": 6,
-    "limit_cycles": 8,
+    "limit_cycles": 9,
     "book": 21,
 }
 NEEDS_COMPILER = {
