@@ -31,9 +31,14 @@ def hunt(
         str, typer.Option("--parameter", "-p", metavar="NAME", help="What is varied.")
     ] = "speed",
     points: Annotated[
-        int,
-        typer.Option(min=2, max=10000, help="About as many cycles on each way through the range."),
-    ] = 60,
+        int | None,
+        typer.Option(
+            min=2,
+            max=10000,
+            help="About as many cycles on each way through the range; 60, fewer where cycles take "
+            "long, if left out.",
+        ),
+    ] = None,
     channels: Annotated[
         list[str] | None,
         typer.Option(

@@ -18,7 +18,8 @@ from vehicledyn.results.hunt_table import HuntTable, SimulatedRow, write_hunt
 from vehicledyn.results.linear_file import Quantity
 from vehicledyn.results.output import check_folder, check_output
 from vehicledyn.results.pictures import save_figures
-from vehicledyn.run.hunt_check import Check, default_seconds
+from vehicledyn.run.hunt_budget import FEWEST_CYCLES, Budget, budget_of
+from vehicledyn.run.hunt_check import Check
 from vehicledyn.run.hunt_legs import Legs
 from vehicledyn.run.hunt_report import HuntReport
 from vehicledyn.run.hunt_rows import CycleRows
@@ -28,7 +29,6 @@ from vehicledyn.run.hunt_start import (
     first_balance,
     moving_channels,
     parameter_index,
-    simulated_seconds,
     span_of,
     watched_channels,
 )
@@ -54,9 +54,8 @@ from vehicledyn.solve.periodic.settling import Ending
 Vector = NDArray[np.float64]
 
 DEGREE = 4
-_LEAST_CYCLES, _PASSES, _LEAST_FURTHER = 120, 3, 40
-"""Cycles that a branch may have at least, how often it may pass the range, and cycles that branches
-from simulated ones may have together at least."""
+_BALANCES, _FEWEST_BALANCES = 60, 20
+"""Values at which the equilibrium is looked for where no points are asked for, and at least."""
 
 _FURTHER_BRANCHES = 3
 """Branches that are begun at simulated cycles at most."""
@@ -207,8 +206,9 @@ class _Study:
     def _equilibria(self) -> None:
         s = self.settings
         state, unknowns = self.start
-        for k, value in enumerate(np.linspace(*self.span, max(s.points, 20))):
-            self.progress("following the equilibrium", k / max(s.points, 20))
+        count = max(s.points or _BALANCES, _FEWEST_BALANCES)
+        for k, value in enumerate(np.linspace(*self.span, count)):
+            self.progress("following the equilibrium", k / count)
             if self.balances:
                 state, unknowns = ahead(self.model, self.balances[-1], float(value))
             try:
@@ -245,11 +245,10 @@ class _Study:
     ) -> Branch:
         """Follow a branch of at most so many cycles; ``wide`` makes its steps wider."""
         low, high = self.span
-        points = self.settings.points
-        branch = Branch()
+        budget, branch = self._budget, Branch()
         self.branches.append(branch)
-        most = most or max(_PASSES * points, _LEAST_CYCLES)
-        limits = Limits(low, high, wide * (high - low) / points, points=most)
+        most = most or self._left()
+        limits = Limits(low, high, wide * (high - low) / budget.points, points=most)
         unit = self.prepared.equations.parameters[self.model.index].unit
 
         def told(point: CyclePoint) -> None:
@@ -271,8 +270,18 @@ class _Study:
         if branch.ending == "lost":
             self._ended("partial", 3, f"{name}: {branch.reason}")
         if branch.ending == "points":
-            self.messages.append(f"{name}: {branch.reason}; it goes on, raise --points")
+            self.messages.append(
+                f"{name}: {branch.reason}; it goes on: raise --points, {budget.points} here (a "
+                f"cycle takes about {max(1.0, budget.each):.0f} s at most)"
+            )
         return branch
+
+    def _left(self) -> int:
+        """Return how many cycles the next branch may have; each as many where points are asked."""
+        budget = self._budget
+        used = sum(len(branch.points) for branch in self.branches)
+        is_asked = self.settings.points is not None
+        return budget.cycles if is_asked else max(budget.cycles - used, FEWEST_CYCLES)
 
     def _reaches(self, branch: Branch, hopf: Hopf) -> bool:
         """Return whether a branch ended at a Hopf bifurcation."""
@@ -306,9 +315,12 @@ class _Study:
             return None
         kernel = self.prepared.kernel
         runner = Runner(kernel, self.model, self.watched[0])
-        allowed = simulated_seconds(self.settings) or default_seconds(kernel, self.balances)
-        levels = self.settings.levels
+        allowed, levels = self._budget.seconds, self.settings.levels
         return Check(runner, self.balances, self._legs, levels, allowed, self.progress)
+
+    @cached_property
+    def _budget(self) -> Budget:
+        return budget_of(self.settings, self.prepared.kernel, self.balances, self.hopfs)
 
     @cached_property
     def _rows(self) -> CycleRows:
@@ -325,7 +337,7 @@ class _Study:
         range.
         """
         joined, begun = len(self.branches), 0
-        left = max(self.settings.points, _LEAST_FURTHER)
+        left = self._budget.further
         for found in sorted(simulated, key=lambda settled: settled.spread):
             repeats = found.ending is not Ending.CUT and found.spread < _NEARLY
             if begun == _FURTHER_BRANCHES or left < _LEAST or not repeats:

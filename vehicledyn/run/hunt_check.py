@@ -5,42 +5,23 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 
-import numpy as np
-
 from vehicledyn.base.units import shown
 from vehicledyn.run.hunt_legs import Legs
 from vehicledyn.run.prepare import Progress
-from vehicledyn.solve.kernel import Kernel
 from vehicledyn.solve.periodic.critical import Balance, Hopf
 from vehicledyn.solve.periodic.cycle_points import Branch
 from vehicledyn.solve.periodic.lowering import balances_near, growth_begins, lower, steps
-from vehicledyn.solve.periodic.settled import STIFF, Runner, Settled
+from vehicledyn.solve.periodic.settled import Runner, Settled
 from vehicledyn.solve.periodic.settling import Ending
 
 _RESOLUTION = 2e-4
 """Part of the range to which values found by simulation are known."""
-
-_COMPUTED = 25.0
-"""Seconds of processor time that motions of the default length take at most, roughly."""
-
-_CALL, _OPERATION, _ITERATIONS, _STAGES = 5e-8, 1e-10, 8, 4
-"""Seconds that rates take, and one of their operations; how often loops are corrected, and how
-often rates are evaluated in a step."""
 
 _LOWERING = 0.8
 """Part of the motion that may be simulated while the parameter is lowered."""
 
 _MOVED = 0.03
 """Part of the way to the equilibrium by which cycles are disturbed that should stay."""
-
-
-def default_seconds(kernel: Kernel, balances: Sequence[Balance]) -> float:
-    """Return how many seconds of motion are simulated at most if nobody says [s]."""
-    operations = kernel.report.operations
-    each = operations["rates"] + _ITERATIONS * operations["blocks"]
-    fastest: float = float(np.median([np.abs(b.eigenvalues).max() for b in balances]))
-    evaluations = _STAGES * fastest / STIFF
-    return float(_COMPUTED / (evaluations * (_CALL + _OPERATION * each)))
 
 
 @dataclass

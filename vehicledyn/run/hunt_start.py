@@ -32,7 +32,8 @@ class HuntSettings:
     """What is asked of a study.
 
     ``parameter`` goes from ``first`` up to ``last``, numbers in SI or texts with unit;
-    ``points`` is about the number of cycles of a branch; ``channels`` are watched, the first
+    ``points`` is about the number of cycles of a branch, None for what suits the model;
+    ``channels`` are watched, the first
     one for the amplitude. ``amplitude`` is the size of the first cycle at a Hopf bifurcation
     and ``disturbance`` that with which simulations start, both of the position that moves
     most, in its unit. ``simulate`` asks for the check by simulation at ``levels`` values, in which
@@ -42,7 +43,7 @@ class HuntSettings:
     parameter: str
     first: float | str
     last: float | str
-    points: int = 60
+    points: int | None = None
     channels: tuple[str, ...] = ()
     amplitude: float = 1e-4
     disturbance: float = 1e-3
@@ -55,7 +56,7 @@ class HuntSettings:
 def check_settings(settings: HuntSettings) -> None:
     """Refuse numbers that make no study."""
     s = settings
-    if s.points < 2 or s.intervals < 5:
+    if (s.points is not None and s.points < 2) or s.intervals < 5:
         raise InputError("--points must be at least 2, and --intervals at least 5")
     if not (s.amplitude > 0.0 and s.disturbance > 0.0):
         raise InputError("--amplitude and --disturbance must be above zero")

@@ -23,6 +23,10 @@ _SMALL = 0.1
 """Part of the disturbance below which what it settles to is no motion."""
 
 
+_GROWING = 5
+"""Periods a window in which a small disturbance grows or not; nothing else has to decay first."""
+
+
 @dataclass(frozen=True)
 class Lowered:
     """The values between which a cycle dies: it lives at the first. None where it does not.
@@ -236,7 +240,7 @@ def _grows(runner: Runner, balance: Balance, size: float) -> bool:
     runner.begins(balance.value)
     runner.runs += 1
     start = runner.disturbed(balance, size)
-    window = partial(runner.window, balance.value, watched_state=start.moved)
+    window = partial(runner.window, balance.value, periods=_GROWING, watched_state=start.moved)
     first = window(start)
     second = window(
         replace(start, state=first.states[-1], unknowns=first.unknowns[-1], period=first.period)

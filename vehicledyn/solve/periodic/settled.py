@@ -143,7 +143,12 @@ class Runner:
             )
 
     def window(
-        self, value: float, start: Disturbed, *, watched_state: int | None = None
+        self,
+        value: float,
+        start: Disturbed,
+        *,
+        periods: int = WINDOW,
+        watched_state: int | None = None,
     ) -> Settled:
         """Return the end of a simulation over some periods; a state may be watched instead."""
         kernel = self.kernel.with_parameters(self.field.parameters(value))
@@ -154,7 +159,7 @@ class Runner:
             kernel,
             RungeKutta4(step=interval / steps),
             start=0.0,
-            stop=interval * SAMPLES * WINDOW,
+            stop=interval * SAMPLES * periods,
             state=start.state,
             unknowns=start.unknowns,
             interval=interval,
