@@ -140,3 +140,23 @@ def test_a_mesh_is_its_own_image(count):
     assert found[0] == 0.0 and found[middle] == 0.5 and found[-1] == 1.0
     assert (np.diff(found) > 0.0).all() and len(found) in (count + 1, count + 2)
     assert found[middle:] - 0.5 == pytest.approx(found[: middle + 1], abs=1e-15)
+
+
+def test_rounding_in_a_rate_that_is_none_breaks_no_mirror(compiled):
+    """A wheel that would turn evenly: its rate is the rounding of terms that cancel."""
+    t, x, v, w, m = symbols("t", "x", "v", "w", "mu")
+    turning = (w + 0.3 * x) - w - 0.3 * x + 1e-13 * (w - 1.0)
+    equations = build(
+        "turning", time=t, states=[(x, 0.0), (v, 0.0), (w, 1.0)],
+        rates=[v, -x + (m - x * x) * v, turning + 1e-16 * x], parameters=[(m, 0.0)],
+        outputs=[("x", x)],
+    )  # fmt: skip
+    model = field(equations, "mu")
+    orbit = sampled_orbit(
+        2.0 * math.pi, 0.0,
+        lambda s: np.column_stack(
+            [np.cos(2 * np.pi * s), -np.sin(2 * np.pi * s), np.ones_like(s)]
+        ),
+    )  # fmt: skip
+    mirror = mirror_of(model, orbit, [0.0])
+    assert mirror is not None and list(mirror.factors) == [-1.0, -1.0, 1.0]

@@ -37,6 +37,9 @@ _STILL, _ALIKE, _HOLDS = 1e-9, 1e-4, 1e-6
 """Parts of the scales by which a state may change in half a period and count as still, and miss
 its image; part of the rates by which these may miss theirs."""
 
+_SMALL = 1e-3
+"""Part of the largest rate that counts as the size of each."""
+
 _SIGNS = 1.0, -1.0
 
 
@@ -67,13 +70,19 @@ class Mirror:
         """Return the states (2 count, n) of an orbit from the first half of them."""
         return np.concatenate([half, self.image(half)])
 
-    def holds(self, field: AutonomousField, states: Vector, value: float) -> bool:
-        """Return whether the rates at the images of states (count, n) are those of the rates."""
+    def holds(
+        self, field: AutonomousField, states: Vector, value: float, *, scales: Vector
+    ) -> bool:
+        """Return whether the rates at the images of states (count, n) are those of the rates.
+
+        Of one that is small against others, in their scales, it is asked for in their size.
+        """
         none = np.zeros((len(states), 0))
         rates, of_images = (
             field.evaluate(own, none, value).rates for own in (states, self.image(states))
         )
         sizes = np.abs(rates).max(axis=0)
+        sizes = np.maximum(sizes, _SMALL * (sizes / scales).max() * scales)
         sizes = np.maximum(sizes, sizes[self.order])
         return bool((np.abs(of_images - self.image(rates)) <= _HOLDS * sizes).all())
 
@@ -108,8 +117,10 @@ def mirror_of(field: AutonomousField, orbit: Orbit, values: Sequence[float]) -> 
     tried = np.concatenate([states, states + beside * scales])
     for is_exchanged in (False, True):
         mirror = _images(states / scales, is_exchanged=is_exchanged)
+        if mirror is None:
+            continue
         with suppress(NumericalError):
-            if mirror and all(mirror.holds(field, tried, value) for value in values):
+            if all(mirror.holds(field, tried, value, scales=scales) for value in values):
                 return mirror
     return None
 

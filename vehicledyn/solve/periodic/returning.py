@@ -119,7 +119,8 @@ def returning(
                 search, orbit, before, returned = last, corrected, np.inf, returned * _FINER
                 error *= _FINER
                 continue
-            if mirror and not mirror.holds(field, orbit.states, orbit.parameter):
+            value = orbit.parameter
+            if mirror and not mirror.holds(field, orbit.states, value, scales=scales):
                 raise BrokenMirrorError("an orbit is not its own image in a mirror any more")
             return Closed(corrected, found, counted)
         vain = 0 if size < 0.5 * best else vain + 1
