@@ -201,6 +201,7 @@ def _run(command: list[str], limit: float) -> str:
         raise CompilationError(f"{command[0]} does not run: {error}") from None
     if done.returncode:
         lines = [line for line in done.stderr.splitlines() if line.strip()]
-        errors = [line for line in lines if "error" in line.lower()] or lines or ["no message"]
+        told = [line for line in lines if not line.startswith("collect2:")] or lines
+        errors = [line for line in told if "error" in line.lower()] or told or ["no message"]
         raise CompilationError(f"{command[0]} failed: {errors[0].strip()}")
     return done.stdout

@@ -143,7 +143,6 @@ def run_study(
             cluster = stack.enter_context(opened)
             cluster.warm_up()
         worker, model = facts_of(work, progress)
-        messages += [model.batch.remark] if model.batch.remark else []
         header = _header(study, work, model)
         _refuse_size(output, header)
         writer = stack.enter_context(StudyWriter(output, header, resume=resume))
