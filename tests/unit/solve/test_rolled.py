@@ -89,6 +89,19 @@ def test_code_does_not_grow_with_a_chain(chains):
     assert short == long > 200
 
 
+def test_a_chain_keeps_few_numbers_for_later(chains):
+    """Sine and cosine, a wrench and a gate of seven numbers a joint, in places used again."""
+    rooms, copied = [], []
+    for joints in (16, 48):
+        equations = derive(chains.build("chain", joints, chains.serial), formulation="articulated")
+        text = rates_of(kernel_source(equations, derive_functions(equations)))
+        rooms.append(int(re.findall(r"real s\[(\d+)\]", text)[-1]))
+        copied.append(len(re.findall(r"r0\[\d+\] = s\[", text)))
+    assert rooms[1] - rooms[0] <= 12 * 32
+    # Accelerations go where they belong, not first into places of their own.
+    assert max(copied) <= 2
+
+
 def test_results_do_not_depend_on_lanes(chains, needs_compiler):
     kernel = compile_kernel(derive(system("tree", chains)), backend="compiled")
     rng = np.random.default_rng(1)
