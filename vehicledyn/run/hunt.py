@@ -60,6 +60,9 @@ _BALANCES, _FEWEST_BALANCES = 60, 20
 _FURTHER_BRANCHES = 3
 """Branches that are begun at simulated cycles at most."""
 
+_MET = 2
+"""Cycles in a row on another branch with which a branch has come to it."""
+
 _LEAST, _WIDE, _NEARLY = 4, 2.0, 5e-3
 """Cycles left with which another is begun, how much wider its steps are, and the largest spread of
 a motion that nearly repeats."""
@@ -111,6 +114,14 @@ def find_limit_cycles(
         progress("drawing", None)
         save_figures(hunt_figures(table), plots, ("png", "svg"))
     return HuntReport(table, tuple(study.messages), study.exit_code)
+
+
+class _JoinedError(Exception):
+    """A branch comes to another one, of which the number is told."""
+
+    def __init__(self, number: int) -> None:
+        super().__init__()
+        self.number = number
 
 
 @dataclass
@@ -242,8 +253,12 @@ class _Study:
         upwards: bool = True,
         most: int | None = None,
         wide: float = 1.0,
+        known: Sequence[Branch] = (),
     ) -> Branch:
-        """Follow a branch of at most so many cycles; ``wide`` makes its steps wider."""
+        """Follow a branch of at most so many cycles; ``wide`` makes its steps wider.
+
+        It ends where two cycles in a row lie on a branch that is ``known``.
+        """
         low, high = self.span
         budget, branch = self._budget, Branch()
         self.branches.append(branch)
@@ -255,17 +270,26 @@ class _Study:
             where = shown(point.orbit.parameter, unit)
             what = f"following the limit cycles {place}, at {where}, of {most} cycles at most"
             self.progress(what, len(branch.points) / most)
+            met = [self._legs.meets(p, known) for p in branch.points[-_MET:]] if known else []
+            if len(met) == _MET and met[0] is not None and met[0] == met[1]:
+                raise _JoinedError(met[0] + 1)
 
-        follow_cycles(
-            self.model,
-            start,
-            direction,
-            limits,
-            branch=branch,
-            told=told,
-            upwards=upwards,
-        )
         name = f"branch {len(self.branches)}"
+        try:
+            follow_cycles(
+                self.model,
+                start,
+                direction,
+                limits,
+                branch=branch,
+                told=told,
+                upwards=upwards,
+            )
+        except _JoinedError as joined:
+            del branch.points[1 - _MET :]
+            branch.ending = "joined"
+            place = f"{self.model.parameter} = {branch.points[-1].orbit.parameter:.6g}"
+            self.messages.append(f"{name} joins branch {joined.number} near {place}")
         self.messages.extend(f"{name}: {remark}" for remark in branch.remarks)
         if branch.ending == "lost":
             self._ended("partial", 3, f"{name}: {branch.reason}")
@@ -354,7 +378,8 @@ class _Study:
                 )
             finally:
                 self.branches[:] = [branch for branch in self.branches if branch.points]
-        if joined and len(self.branches) > joined:
+        further = self.branches[joined:]
+        if joined and further and all(branch.ending != "joined" for branch in further):
             self.messages.append(
                 f"branches from {joined + 1} on are followed from simulated cycles; in this range "
                 "they are not found to be joined to those before"
@@ -367,14 +392,23 @@ class _Study:
         """
         s, above = self.settings, found.value < self.span[1]
         start = found.orbit(self.model, intervals=s.intervals, degree=DEGREE)
-        half = most // 2 if above else most
+        half, known = most // 2 if above else most, list(self.branches)
         down = self._follow(
-            start, None, "down from the simulated one", upwards=False, most=half, wide=_WIDE
+            start,
+            None,
+            "down from the simulated one",
+            upwards=False,
+            most=half,
+            wide=_WIDE,
+            known=known,
         )
         if above and down.points:
             first, half = down.points[0].orbit, most - len(down.points)
-            up = self._follow(first, None, "up from the simulated one", most=half, wide=_WIDE)
-            self.branches.remove(up)
+            up = self._follow(
+                first, None, "up from the simulated one", most=half, wide=_WIDE, known=known
+            )
+            self.branches[:] = [branch for branch in self.branches if branch is not up]
+            down.ending = "joined" if up.ending == "joined" else down.ending
             down.points[:0] = up.points[:0:-1]
         return len(down.points)
 

@@ -19,6 +19,9 @@ from vehicledyn.solve.periodic.settling import Ending
 _SAME, _SAME_PERIOD = 0.05, 0.02
 """Relative differences of amplitude and period within which a motion is one of a branch."""
 
+_ONE = 1e-3
+"""Relative differences within which cycles of two branches are the same one."""
+
 _BESIDE = 2e-3
 """Relative distance of values at which cycles count as neighbours, as beside a fold."""
 
@@ -87,6 +90,24 @@ class Legs:
         points = (p for branch in self._branches for p in branch.points)
         near = (p for p in points if abs(p.orbit.parameter - found.value) < beside)
         return any(self._leg((p,), found.value).holds(found) for p in near)
+
+    def meets(self, point: CyclePoint, branches: Sequence[Branch]) -> int | None:
+        """Return which of the first branches, from 0, a cycle of another one lies on, if on any."""
+        row = self._rows.row(0, point)
+        half = 0.5 * (float(row.greatest[0]) - float(row.smallest[0]))
+        middle = 0.5 * (float(row.greatest[0]) + float(row.smallest[0]))
+        for number, branch in enumerate(branches):
+            for pair in pairwise(branch.points):
+                if not _within(row.value, _range([p.orbit.parameter for p in pair]), 0.0):
+                    continue
+                leg = self._leg(pair, row.value)
+                if (
+                    _within(half, leg.amplitudes, _ONE * half)
+                    and _within(row.period, leg.periods, _ONE * row.period)
+                    and _within(abs(middle), _range(np.abs(leg.middles)), _ONE * half)
+                ):
+                    return number
+        return None
 
     def exact(self, leg: Leg, value: float) -> CyclePoint | None:
         """Return the cycle of a piece at a value, if it is found."""

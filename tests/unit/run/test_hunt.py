@@ -254,3 +254,14 @@ def test_angles_of_wheels_that_roll_are_no_channels():
     chosen = HuntSettings("speed", 10.0, 12.0, channels=("wheelset.spin",))
     with pytest.raises(InputError, match=r"--channel wheelset\.spin: .* set apart"):
         study(chosen, target)
+
+
+def test_a_branch_ends_where_it_comes_to_another(monkeypatch):
+    """Simulated cycles that are taken for new ones begin branches that lie on the first."""
+    monkeypatch.setattr(hunt.Legs, "is_known", lambda *_: False)
+    report = study(HuntSettings("speed", 62.0, 75.0, points=10, levels=4))
+    told = " ".join(report.messages)
+    assert "branch 2 joins branch 1 near speed = " in told
+    assert "not found to be joined" not in told
+    further = [row for row in report.table.cycles if row.branch > 1]
+    assert 0 < len(further) < 9
