@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vehicledyn.base.units import shown
+from vehicledyn.run.own_speed import at_speed, own_speed
 from vehicledyn.run.prepare import (
     Point,
     Prepared,
@@ -103,22 +104,28 @@ def find_equilibrium(
     NumericalError
         If there is no equilibrium; the message names what stays unbalanced.
     """
+    is_own = own_speed(target) is not None
+    target, speed = at_speed(target, speed)
     prepared = prepare(target, backend=backend, progress=progress)
     kind, wanted = "static", 0.0
-    if speed is not None:
+    if is_own:
+        wanted = speed or 0.0
+    elif speed is not None:
         kind, wanted = ("steady" if speed > 0.0 else "static"), speed
     elif isinstance(target, LoadedScenario) and prepared.subject.usual_start == "steady":
         kind, wanted = target.scenario.start or "steady", target.scenario.speed or 0.0
-    shown_speed = 0.0 if kind == "static" else wanted
+    moving = 0.0 if kind == "static" else wanted
     progress("finding the equilibrium", None)
-    start = nominal_point(prepared, shown_speed)
-    point = equilibrium_point(prepared, shown_speed, "steady" if shown_speed else "static")
-    if not shown_speed and prepared.subject.settling is None:
+    start = nominal_point(prepared, moving)
+    point = equilibrium_point(prepared, moving, "steady" if moving else "static")
+    is_still = not moving and prepared.subject.settling is None
+    if is_still:
         start, point = _still(prepared, start), _still(prepared, point)
     nominal, balanced = _channels(prepared, start), _channels(prepared, point)
     coordinates, forces = _tables(prepared, nominal, balanced)
+    told = 0.0 if is_still else wanted
     return EquilibriumReport(
-        prepared.equations.name, shown_speed, kind, point.residual, coordinates, forces
+        prepared.equations.name, told, kind, point.residual, coordinates, forces
     )
 
 

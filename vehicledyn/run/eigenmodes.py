@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -17,6 +17,7 @@ from vehicledyn.results.mode_table import ModeCase, ModeTable, write_modes
 from vehicledyn.results.output import check_folder, check_output
 from vehicledyn.results.pictures import save_figures
 from vehicledyn.run.mode_report import ModesAtSpeed, ModesReport
+from vehicledyn.run.own_speed import at_speed
 from vehicledyn.run.prepare import Prepared, Progress, prepare, reference_point
 from vehicledyn.run.steadiness import unsteadiness
 from vehicledyn.run.system_subject import SystemSubject
@@ -76,22 +77,23 @@ def find_modes(
     cases: list[ModeCase] = []
     table = ModeTable("", "", (), (), (), ())
     has_speed = True
-    for setting, variant in variants:
-        prepared = prepare(variant, backend=backend, progress=progress)
+    before: Target | None = None
+    for setting, variant, speed in _cases(variants, speeds):
+        if variant is not before:
+            prepared, before = prepare(variant, backend=backend, progress=progress), variant
         if speeds:
             _check_speed(prepared)
         own = _empty_table(prepared, variant)
         if found and own.states != table.states:
             raise InputError(f"--set {setting}: changes which states the model has")
         table = table if found else own
+        has_speed = _has_speed(prepared)
+        place = f" at {shown(speed, 'm/s')}" if has_speed else ""
+        progress(f"linearising{place}", None)
         scenario = variant if isinstance(variant, LoadedScenario) else None
-        for speed in speeds or [scenario.scenario.speed or 0.0 if scenario else 0.0]:
-            has_speed = _has_speed(prepared)
-            place = f" at {shown(speed, 'm/s')}" if has_speed else ""
-            progress(f"linearising{place}", None)
-            entry, linear = _modes_at(prepared, speed, scenario)
-            found.append(replace(entry, setting=setting))
-            cases.append(_case(table, found[-1], linear))
+        entry, linear = _modes_at(prepared, speed, scenario)
+        found.append(replace(entry, setting=setting))
+        cases.append(_case(table, found[-1], linear))
     whole = replace(table, cases=tuple(cases))
     if output is not None:
         write_modes(output, whole)
@@ -99,6 +101,19 @@ def find_modes(
         progress("drawing", None)
         save_figures(mode_figures(whole), plots, ("png", "svg"))
     return ModesReport(whole.model, found, whole, has_speed)
+
+
+def _cases(
+    variants: Sequence[tuple[str, Target]], speeds: Sequence[float]
+) -> Iterator[tuple[str, Target, float]]:
+    """Yield what is changed, the target and its speed of each case [m/s]."""
+    for setting, variant in variants:
+        own: Sequence[float | None] = [None]
+        for wanted in speeds or own:
+            target, speed = at_speed(variant, wanted)
+            if speed is None and isinstance(target, LoadedScenario):
+                speed = target.scenario.speed
+            yield setting, target, speed or 0.0
 
 
 def _has_speed(prepared: Prepared) -> bool:

@@ -143,7 +143,8 @@ class Check:
         self._tell_ending(Ending.WANDERS, "last but do not repeat")
         self._tell_ending(Ending.SLOW, "settle too slowly to wait for")
         self._tell_ending(Ending.CUT, "are cut short")
-        apart = [f"{s.value:.6g}" for s in self.found if not self.legs.is_known(s)]
+        settled = (s for s in self.found if s.ending is Ending.SETTLED)
+        apart = [f"{s.value:.6g}" for s in settled if not self.legs.is_known(s)]
         if apart:
             self.messages.append(
                 f"motions simulated at {self._name} = {', '.join(apart)} lie on no branch"

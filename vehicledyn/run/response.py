@@ -20,6 +20,7 @@ from vehicledyn.run.excite import Excited
 from vehicledyn.run.frequency_grid import FrequencyGrid
 from vehicledyn.run.held_speed import held_speed_point
 from vehicledyn.run.inputs import InputPart, ModelInput, hint
+from vehicledyn.run.own_speed import at_speed
 from vehicledyn.run.prepare import Point, Prepared, Progress, prepare
 from vehicledyn.run.response_report import ResponseReport
 from vehicledyn.run.steadiness import unsteadiness
@@ -129,6 +130,7 @@ def linearise_with_inputs(
 ) -> Linearised:
     """Return a model linearised about its reference motion, with derivatives by inputs."""
     taken: list[Excited] = []
+    target, speed = at_speed(target, speed)
 
     def excite(subject: Subject) -> Subject:
         excited = Excited(subject)

@@ -129,11 +129,15 @@ def examine_scenario(
 
 @dataclass(frozen=True)
 class LoadedModel:
-    """A model on its own: a vehicle of the catalogue with its parameters, or a system file."""
+    """A model on its own: a vehicle of the catalogue with its parameters, or a system file.
+
+    ``overrides`` are what changed the values of its file.
+    """
 
     name: str
     model_parameters: ParameterSet | None
     written: WrittenModel | None = None
+    overrides: tuple[str, ...] = ()
 
 
 def load_model(name: str, overrides: Sequence[str] = ()) -> LoadedModel:
@@ -169,7 +173,8 @@ def load_model(name: str, overrides: Sequence[str] = ()) -> LoadedModel:
         parameters, wrong = merge_parameters(model, data["parameters"], sources)
     if problems or wrong:
         raise refusal(problems + wrong, name)
-    return LoadedModel(name if written is None else written.name, parameters, written)
+    told = name if written is None else written.name
+    return LoadedModel(told, parameters, written, tuple(overrides))
 
 
 def is_system_file(path: Path) -> bool:

@@ -1,0 +1,47 @@
+"""The speed of a system that has a parameter for it: a target at another one is read anew."""
+
+from __future__ import annotations
+
+from vehicledyn.run.vehicle import Target, system_of
+from vehicledyn.scenario import LoadedModel, load_model, load_scenario
+
+_NAME = "speed"
+
+
+def at_speed(target: Target, speed: float | None) -> tuple[Target, float | None]:
+    """Return a target at a speed, and the speed it has.
+
+    Start rates and further parameters of a system may be calculated from its parameter "speed",
+    so the system is read again with that changed. Vehicles, and systems without such a parameter,
+    are returned as they are, with the speed as it is.
+
+    Parameters
+    ----------
+    target
+        A scenario or a model.
+    speed
+        Forward speed [m/s]; None for the target's own.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be read any more, or the parameter may not have this value.
+    """
+    own = own_speed(target)
+    if own is None:
+        return target, speed
+    if speed is None or speed == own:
+        return target, own
+    change = f"parameters.{_NAME}={speed!r} m/s"
+    if isinstance(target, LoadedModel):
+        assert target.written is not None
+        return load_model(str(target.written.path), (*target.overrides, change)), speed
+    return load_scenario(target.path, (*target.overrides, change)), speed
+
+
+def own_speed(target: Target) -> float | None:
+    """Return the parameter "speed" [m/s] of a system that drives no manoeuvre, None without one."""
+    written = system_of(target)
+    if written is None or written.is_vehicle or written.units.get(_NAME) != "m/s":
+        return None
+    return written.resolved.get(_NAME)
