@@ -296,7 +296,7 @@ class _Study:
         if branch.ending == "points":
             self.messages.append(
                 f"{name}: {branch.reason}; it goes on: raise --points, {budget.points} here (a "
-                f"cycle takes about {max(1.0, budget.each):.0f} s at most)"
+                f"cycle is expected to take {budget.each:.1g} s)"
             )
         return branch
 

@@ -24,7 +24,7 @@ _CALL, _OPERATION, _ITERATIONS, _STAGES = 5e-8, 1e-10, 8, 4
 """Seconds that rates take, and one of their operations; how often loops are corrected, and how
 often rates are evaluated in a step."""
 
-_CYCLE, _PERIODS = 0.1, 10.0
+_CYCLE, _PERIODS = 0.1, 16.0
 """Seconds that a cycle takes at least, and periods of simulated motion that cost as much."""
 
 FEWEST_CYCLES = 12
