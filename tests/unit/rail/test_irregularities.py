@@ -99,6 +99,37 @@ def test_rails_get_the_irregularities_with_their_signs():
     assert partial.left_vertical is partial.right_vertical
 
 
+def recorded(lines, folder):
+    text = "\n".join(["s [m], level [mm]", *(f"{s:.9g}, {level:.9g}" for s, level in lines)])
+    (folder / "record.csv").write_text(text)
+    wish = {"kind": "record", "file": "record.csv", "fade": 0.0}
+    return both_rails(read_part("irregularity", wish).shift(folder))
+
+
+def test_a_single_bump_leaves_the_rail_beside_it_flat(tmp_path):
+    """A spline through these lines sags by 5 m; a gap is bridged without an extremum."""
+    rail = recorded([(0, 0), (20, 0), (20.6, 30), (21.2, 0), (40, 0), (60, 6)], tmp_path)
+    level = {s: 1e3 * rail(float(s))[1] for s in (5, 10, 19, 20.3, 20.6, 20.9, 22, 30, 39)}
+    assert level[20.6] == pytest.approx(30.0, rel=5e-3), "the table has places beside it"
+    assert level[20.3] == level[20.9] == pytest.approx(15.0, rel=0.02)
+    for place in (5, 10, 19, 22, 30, 39):
+        assert level[place] == pytest.approx(0.0, abs=1e-3), place
+    climb = [1e3 * rail(s)[1] for s in np.linspace(40.0, 60.0, 81)]
+    assert (np.diff(climb) > -1e-6).all() and climb[40] == pytest.approx(3.0, abs=1.0)
+
+
+def test_distances_that_scatter_are_joined_by_a_spline(tmp_path):
+    def wave(s):
+        return 5.0 * np.sin(2.0 * np.pi * s / 3.0)
+
+    scatter = np.random.default_rng(3).uniform(-0.05, 0.05, 200)
+    places = 0.25 * np.arange(200) + scatter - scatter[0]
+    rail = recorded(zip(places, wave(places), strict=True), tmp_path)
+    inside = np.linspace(5.0, 44.0, 157)
+    found = np.array([1e3 * rail(s)[1] for s in inside])
+    assert found == pytest.approx(wave(inside), abs=0.02)
+
+
 @pytest.mark.parametrize(
     ("field", "value", "words"),
     [

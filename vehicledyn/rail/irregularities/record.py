@@ -13,7 +13,12 @@ from vehicledyn.base.registry import register
 from vehicledyn.rail.track_set import IrregularitySet
 
 if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
     from vehicledyn.rail.track_tables import TabledShift
+
+    Columns = dict[str, NDArray[np.float64]]
 
 LARGEST = 0.2
 """Irregularity beyond which the unit of a column is taken for a mistake [m]."""
@@ -21,6 +26,12 @@ LARGEST = 0.2
 _QUANTITIES = ("alignment", "level", "cross_level", "gauge")
 _COLUMNS = {"s": Column("m", required=True), **{name: Column("m") for name in _QUANTITIES}}
 _EVEN = 1e-6
+
+_GAP = 3.0
+"""Ratio of the largest distance of two lines to the smallest from which on a spline swings out."""
+
+_FINER = 4
+"""Places for each smallest distance of such lines."""
 
 
 @register("irregularity", "record")
@@ -30,7 +41,10 @@ class Record(IrregularitySet):
     The columns but s may be left out; every head states its unit, such as ``s [m], level [mm]``.
     Alignment is the shift of the track to the left, level upwards, cross level the height of the
     right rail over the left one, gauge the excess over the nominal one. Lines that are not at
-    equal distances are joined by a spline and taken at the closest distance of two.
+    equal distances are joined by a spline and taken at the closest distance of two. A spline
+    swings out where distances differ much, as beside a single bump: then they are joined by
+    cubics without an extremum between two lines (Fritsch, Carlson 1980, SIAM Journal on
+    Numerical Analysis 17, 238-246), which keep a flat rail flat.
     """
 
     names_files: ClassVar[bool] = True
@@ -61,10 +75,20 @@ class Record(IrregularitySet):
             raise refusal([columns.problem(len(s) - 1, "s", words)], str(path))
         step = float(steps.mean())
         if float(np.abs(steps - step).max()) > _EVEN * step:
-            from scipy.interpolate import CubicSpline
-
-            step = length / int(np.ceil(length / float(steps.min()) - 1e-9))
-            even = s[0] + step * np.arange(round(length / step) + 1)
-            values = {n: CubicSpline(s, v)(np.minimum(even, s[-1])) for n, v in values.items()}
+            step, values = _evened(s, values)
         scaled = {name: self.scale * v for name, v in values.items()}
         return rails_of(self.start, step, scaled, self.fade)
+
+
+def _evened(s: NDArray[np.float64], values: Columns) -> tuple[float, Columns]:
+    """Return a distance and the values at places that far apart [m]."""
+    import numpy as np
+    from scipy.interpolate import CubicSpline, PchipInterpolator
+
+    steps = np.diff(s)
+    has_gaps = float(steps.max()) > _GAP * float(steps.min())
+    closest = float(steps.min()) / (_FINER if has_gaps else 1)
+    count = int(np.ceil(float(s[-1] - s[0]) / closest - 1e-9))
+    even = np.linspace(s[0], s[-1], count + 1)
+    curve = PchipInterpolator if has_gaps else CubicSpline
+    return float(even[1] - even[0]), {n: curve(s, v)(even) for n, v in values.items()}
