@@ -64,6 +64,14 @@ def hunt(
             "minute computes if left out.",
         ),
     ] = None,
+    secondary: Annotated[
+        bool,
+        typer.Option(
+            "--secondary",
+            help="Follow cycles that lead off at branch points, more to one side than to the "
+            "other, too.",
+        ),
+    ] = False,
     overrides: Overrides = None,
     output: Annotated[
         Path | None, typer.Option("--output", "-o", help="Result file; NAME_hunt.h5.")
@@ -93,6 +101,7 @@ def hunt(
         disturbance=disturbance,
         simulate=not no_simulation,
         simulated=simulated,
+        secondary=secondary,
     )
     with show_progress(quiet=quiet) as progress:
         report = find_limit_cycles(

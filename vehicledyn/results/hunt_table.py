@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -33,6 +33,7 @@ FIGURE_MEANINGS = {
     "simulated_seconds": "motion simulated for these",
 }
 
+_ORIGIN = "origin_of_branch_"
 _SIMULATED = "value", "amplitude", "period", "spread", "seconds"
 
 
@@ -83,7 +84,8 @@ class HuntTable:
     """A hunting study: the parameter, what was watched, and what was found.
 
     ``locus_values`` (n,) and ``eigenvalues`` (n, n_states) belong to the equilibria;
-    ``simulated`` are motions that simulation came to; ``figures`` are the critical values by name.
+    ``simulated`` are motions that simulation came to; ``figures`` are the critical values by name;
+    ``origins`` tell by number where branches lead off others.
     """
 
     title: str
@@ -97,6 +99,7 @@ class HuntTable:
     figures: dict[str, float]
     status: str
     message: str
+    origins: dict[int, str] = field(default_factory=dict)
 
     def branch(self, number: int) -> list[CycleRow]:
         """Return the cycles of a branch, in its order."""
@@ -130,6 +133,7 @@ def write_hunt(path: Path, table: HuntTable) -> None:
         "status": table.status,
         "message": table.message,
         **{f"figure_{name}": value for name, value in table.figures.items()},
+        **{f"{_ORIGIN}{number}": words for number, words in table.origins.items()},
     }
     unit, name = table.parameter.unit, table.parameter.description or table.parameter.name
     with new_file(path, FORMAT, head) as file:
@@ -220,6 +224,11 @@ def read_hunt(path: Path) -> HuntTable:
             },
             str(file.attrs["status"]),
             str(file.attrs["message"]),
+            {
+                int(key.removeprefix(_ORIGIN)): str(words)
+                for key, words in file.attrs.items()
+                if key.startswith(_ORIGIN)
+            },
         )
 
 

@@ -23,6 +23,7 @@ from vehicledyn.run.hunt_check import Check
 from vehicledyn.run.hunt_legs import Legs
 from vehicledyn.run.hunt_report import HuntReport
 from vehicledyn.run.hunt_rows import CycleRows
+from vehicledyn.run.hunt_secondary import Secondary
 from vehicledyn.run.hunt_start import (
     HuntSettings,
     check_settings,
@@ -139,6 +140,7 @@ class _Study:
     balances: list[Balance] = field(default_factory=list)
     hopfs: list[Hopf] = field(default_factory=list)
     branches: list[Branch] = field(default_factory=list)
+    origins: dict[int, str] = field(default_factory=dict)
     figures: dict[str, float] = field(default_factory=dict)
     messages: list[str] = field(default_factory=list)
     exit_code: int = 0
@@ -171,6 +173,8 @@ class _Study:
         try:
             self._equilibria()
             self._cycles()
+            if self.settings.secondary:
+                self._secondary()
             if self.settings.simulate:
                 self._simulations()
         except KeyboardInterrupt:
@@ -212,6 +216,7 @@ class _Study:
             self.figures,
             self.status,
             "; ".join(self.messages),
+            self.origins,
         )
 
     def _equilibria(self) -> None:
@@ -254,10 +259,12 @@ class _Study:
         most: int | None = None,
         wide: float = 1.0,
         known: Sequence[Branch] = (),
+        joins: Callable[[Branch], int | None] | None = None,
     ) -> Branch:
         """Follow a branch of at most so many cycles; ``wide`` makes its steps wider.
 
-        It ends where two cycles in a row lie on a branch that is ``known``.
+        It ends where two cycles in a row lie on a branch that is ``known``, and where it ``joins``
+        one, of which that tells the number.
         """
         low, high = self.span
         budget, branch = self._budget, Branch()
@@ -273,6 +280,9 @@ class _Study:
             met = [self._legs.meets(p, known) for p in branch.points[-_MET:]] if known else []
             if len(met) == _MET and met[0] is not None and met[0] == met[1]:
                 raise _JoinedError(met[0] + 1)
+            number = joins(branch) if joins is not None else None
+            if number is not None:
+                raise _JoinedError(number)
 
         name = f"branch {len(self.branches)}"
         try:
@@ -299,6 +309,11 @@ class _Study:
                 f"cycle is expected to take {budget.each:.1g} s)"
             )
         return branch
+
+    def _secondary(self) -> None:
+        """Follow the branches of cycles that cease to be their own mirror image."""
+        args = self.model, self.span, self.branches, self.messages, self.origins
+        Secondary(*args, self._follow).examine(self._budget.further)
 
     def _left(self) -> int:
         """Return how many cycles the next branch may have; each as many where points are asked."""

@@ -47,6 +47,7 @@ class HuntReport:
             "parameter": vars(t.parameter),
             "channels": [vars(c) for c in t.channels],
             "figures": dict(t.figures),
+            "origins": [{"branch": k, "origin": words} for k, words in t.origins.items()],
             "equilibria": [
                 {"value": v, "real": e.real, "imaginary": e.imag}
                 for v, e in zip(t.locus_values, t.eigenvalues, strict=True)
@@ -78,6 +79,7 @@ class HuntReport:
         rows = t.branch(number)
         worst = max(abs(row.trivial - 1.0) for row in rows)
         head = f"branch {number}: {len(rows)} limit cycles, trivial multiplier 1 within {worst:.1g}"
+        head += f"; {t.origins[number]}" if number in t.origins else ""
         step = max(1, -(-len(rows) // _MOST_ROWS))
         chosen = [
             row for k, row in enumerate(rows) if row.kind or k % step == 0 or k == len(rows) - 1

@@ -38,6 +38,7 @@ class HuntSettings:
     and ``disturbance`` that with which simulations start, both of the position that moves
     most, in its unit. ``simulate`` asks for the check by simulation at ``levels`` values, in which
     at most ``simulated`` seconds of motion are simulated, None for what suits the model.
+    ``secondary`` asks for the branches that lead off where cycles cease to be their own image.
     """
 
     parameter: str
@@ -51,6 +52,7 @@ class HuntSettings:
     simulate: bool = True
     levels: int = 13
     simulated: float | str | None = None
+    secondary: bool = False
 
 
 def check_settings(settings: HuntSettings) -> None:

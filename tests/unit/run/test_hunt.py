@@ -265,3 +265,72 @@ def test_a_branch_ends_where_it_comes_to_another(monkeypatch):
     assert "not found to be joined" not in told
     further = [row for row in report.table.cycles if row.branch > 1]
     assert 0 < len(further) < 9
+
+
+LEANING = """\
+title: A balance wheel that swings more or less, beside which a small one begins to lean
+parameters: {push: 0.01 N*m*s/rad, scale: 1 rad, second: 1 s}
+gravity: [0, 0, 0]
+bodies:
+  wheel: {joints: [R3 angle], mass: 1 kg, inertia: [1, 1, 1]}
+  small: {joints: [R3 angle], mass: 1 kg, inertia: [1, 1, 1]}
+forces:
+  spring: {coordinate: wheel.angle, force: -1 N*m/rad * position}
+  air: {coordinate: wheel.angle, force: "(push - 0.1 N*m*s/rad * (position / scale)**2) * rate"}
+  hair: {coordinate: small.angle, force: -1 N*m*s/rad * rate}
+  link:
+    coordinate: small.angle
+    force: "0.02 N*m/rad * wheel.angle + 0.2 N*m/rad * position * ((wheel.angle / scale)**2
+      + (wheel.angle_rate * second / scale)**2 - 1 - (position / scale)**2)"
+"""
+
+
+def test_a_branch_leads_off_where_cycles_cease_to_be_their_own_image(tmp_path):
+    """Averaged, the wheel swings with amplitude² = 40 push; above 1 the other one leans.
+
+    It leans by w with w² = 40 push - 1, as its mirror image does to the other side.
+    """
+    path = tmp_path / "leaning.yaml"
+    path.write_text(LEANING, encoding="utf-8")
+    settings = HuntSettings(
+        "push", -0.01, 0.05, points=20, simulate=False, secondary=True, channels=("small.angle",)
+    )
+    report = study(settings, load_model(str(path)), tmp_path, plots=tmp_path / "plots")
+    (point,) = (row for row in report.table.cycles if row.kind == "branch_point")
+    assert point.branch == 1 and point.value == pytest.approx(0.025, rel=0.02)
+    rows = report.table.branch(2)
+    assert report.exit_code == 0 and len(rows) > 5 and all(row.stable for row in rows)
+    middles = np.array([0.5 * (row.smallest[0] + row.greatest[0]) for row in rows])
+    values = np.array([row.value for row in rows])
+    assert len(set(np.sign(middles))) == 1
+    assert middles**2 == pytest.approx(40.0 * (values - point.value), rel=0.05, abs=2e-3)
+    place = f"branch 1 at push = {point.value:.6g}"
+    origin = f"leads off {place}; its mirror image counts as the same branch"
+    assert read_hunt(tmp_path / "hunt.h5").origins == {2: origin}
+    assert report.as_dict()["origins"] == [{"branch": 2, "origin": origin}]
+    assert origin in report.as_text() and f"branch 2 {origin}" in report.messages
+
+
+def test_stopped_on_a_branch_that_leads_off(tmp_path, monkeypatch):
+    follow = hunt.follow_cycles
+
+    def cut(*args, told, **more):
+        def stop(point):
+            told(point)
+            if more["branch"] is not first and len(more["branch"].points) == 3:
+                raise KeyboardInterrupt
+
+        first = made[0] if made else more["branch"]
+        made.append(more["branch"])
+        return follow(*args, told=stop, **more)
+
+    made = []
+    monkeypatch.setattr(hunt, "follow_cycles", cut)
+    path = tmp_path / "leaning.yaml"
+    path.write_text(LEANING, encoding="utf-8")
+    settings = HuntSettings("push", -0.01, 0.05, points=8, simulate=False, secondary=True)
+    report = study(settings, load_model(str(path)), tmp_path)
+    kept = read_hunt(tmp_path / "hunt.h5")
+    assert report.exit_code == 130 and kept.status == "interrupted"
+    assert len(kept.branch(2)) == 3 and len(kept.branch(1)) > 8
+    assert list(kept.origins) == [2]
