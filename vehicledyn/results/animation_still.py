@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from pathlib import Path
+from textwrap import fill, wrap
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -30,6 +31,8 @@ Array = NDArray[np.float64]
 
 WIDTH, HEIGHT, RESOLUTION = 8.0, 4.5, 160
 _SKY, _LINE, _INK = "#e9eff4", "#b9c5cf", "#1c2630"
+_TITLE_WIDTH, _TEXT_WIDTH = 80, 115
+"""Letters of a line of the title and of the text below it that a picture is wide."""
 
 
 def draw_picture(scene: AnimatedScene, target: Path, *, time: float | None, view: str) -> Path:
@@ -109,9 +112,11 @@ def paint(figure: Figure, scene: AnimatedScene, time: float, view: str) -> None:
     )
     text: dict[str, Any] = {"transform": axes.transAxes, "color": _INK, "va": "top"}
     text["parse_math"] = False
-    axes.text(0.02, 0.965, scene.title, fontsize=11, weight="bold", **text)
+    title = wrap(scene.title, _TITLE_WIDTH)
+    axes.text(0.02, 0.965, "\n".join(title), fontsize=11, weight="bold", **text)
     state = "" if scene.is_whole else f" · {scene.state}"
-    axes.text(0.02, 0.905, f"{scene.model} · t = {time:.2f} s{state}", fontsize=8.5, **text)
+    told = fill(f"{scene.model} · t = {time:.2f} s{state}", _TEXT_WIDTH)
+    axes.text(0.02, 0.965 - 0.06 * max(1, len(title)), told, fontsize=8.5, **text)
 
 
 def _ground(scene: AnimatedScene, target: Array, extent: float) -> Iterator[Array]:

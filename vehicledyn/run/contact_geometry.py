@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from vehicledyn.base.errors import InputError
 from vehicledyn.rail.contact_fit import check_fit
 from vehicledyn.rail.contact_geometry import Touch, Wheel, place_rail
 from vehicledyn.rail.contact_geometry_wheelset import Standing, WheelsetOnTrack, stand
@@ -72,7 +73,13 @@ def find_contact_geometry(
     wheels = _opened(wish.wheels, "wheel", wish.smoothing)
     rails = _opened(wish.rails, "rail", wish.smoothing)
     wheelset = _placed(wish, wheels, rails)
-    check_fit(wheelset, wish.gauge)
+    try:
+        check_fit(wheelset, wish.gauge)
+    except InputError as error:
+        raise InputError(
+            f"{error}; --back-to-back {1e3 * wish.back_to_back:g} and --flange-back "
+            f"{1e3 * wish.flange_back:g} are taken: give what belongs to the gauge, in mm"
+        ) from None
     progress("finding contact points")
     standing, lost = standings(wheelset, wish.shifts, wish.yaw)
     table = _table(wish, wheelset, standing, lost, profiles=(*wheels, *rails), progress=progress)

@@ -25,6 +25,7 @@ from vehicledyn.results.animate import (
 from vehicledyn.results.animation import Span
 from vehicledyn.results.animation_moment import Moment
 from vehicledyn.results.animation_stage import Stage
+from vehicledyn.results.animation_still import figure_of
 from vehicledyn.results.columns import Columns, unpack
 
 UNSAFE = "</script><script>document.title='wrong'</script> @PACKED@ <!-- \u2028 \"'&"
@@ -121,6 +122,20 @@ def test_partial_and_spoilt_results_say_so(tmp_path):
     scene = content(tmp_path / "page.html")[0]["scenes"][0]
     assert (scene["whole"], scene["bad"]) == (False, 2.0)
     picture_of_result(path, tmp_path / "still.png", time=3.0, view="side")
+
+
+def test_long_titles_and_endings_stay_inside_of_pictures(car):
+    scene = read_scenes([car], span=Span(100), plots=False)[0]
+    state = (
+        "derailed at t = 2.1396012 s, 32.99 m along the track: " + 9 * "the wheel left its rail; "
+    )
+    figure = figure_of(
+        replace(scene, title=5 * "A tram in a curve ", state=state, is_whole=False), 1.0, "angle"
+    )
+    width, height = figure.canvas.get_width_height()
+    boxes = [t.get_window_extent() for t in figure.axes[0].texts]
+    assert len(boxes) == 2 and boxes[1].y1 < boxes[0].y0
+    assert all(b.x0 > 0.0 and b.x1 < width and b.y1 < height for b in boxes)
 
 
 def test_nothing_but_not_a_number(tmp_path):

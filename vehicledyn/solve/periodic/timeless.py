@@ -57,7 +57,7 @@ def timeless(equations: Equations, parameters: ArrayLike) -> Equations:
         if not apart <= _MOST * (1.0 + np.abs(seen[:, 0]).max(initial=0.0)):
             raise InputError(
                 f"model '{e.name}' depends on time: limit cycles are those of free motions; "
-                "hold drives and excitations still"
+                "hold drives and excitations still, and take a straight, even track"
             )
     given = [e.rate, e.residual, *([] if e.slopes is None else [e.slopes])]
     rate, residual, *slopes = casadi.substitute(given, [e.time], [casadi.SX(0.0)])
