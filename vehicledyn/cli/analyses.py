@@ -108,7 +108,7 @@ def read_target(target: str, overrides: list[str] | None) -> LoadedScenario | Lo
         return load_model(target, overrides or ())
     if Path(target).suffix == "" and not Path(target).exists():
         guess = nearest_name(target, kinds("model"))
-        hint = f"; did you mean '{guess}'?" if guess else ""
+        hint = f"; did you mean '{guess}'?" if guess else "."
         known = ", ".join(kinds("model"))
         raise InputError(f"'{target}' is neither a file nor a model{hint} Known models: {known}")
     if is_system_file(Path(target)):
