@@ -24,7 +24,9 @@ from vehicledyn.run.hunt_legs import Legs
 from vehicledyn.run.hunt_report import HuntReport
 from vehicledyn.run.hunt_rows import CycleRows
 from vehicledyn.run.hunt_secondary import Secondary
+from vehicledyn.run.hunt_simulated import FromSimulations
 from vehicledyn.run.hunt_start import (
+    DEGREE,
     HuntSettings,
     check_settings,
     first_balance,
@@ -50,23 +52,14 @@ from vehicledyn.solve.periodic.critical import (
 from vehicledyn.solve.periodic.cycle_points import Branch, CyclePoint, Limits
 from vehicledyn.solve.periodic.orbit import Orbit
 from vehicledyn.solve.periodic.settled import Runner, Settled, leading
-from vehicledyn.solve.periodic.settling import Ending
 
 Vector = NDArray[np.float64]
 
-DEGREE = 4
 _BALANCES, _FEWEST_BALANCES = 60, 20
 """Values at which the equilibrium is looked for where no points are asked for, and at least."""
 
-_FURTHER_BRANCHES = 3
-"""Branches that are begun at simulated cycles at most."""
-
 _MET = 2
 """Cycles in a row on another branch with which a branch has come to it."""
-
-_LEAST, _WIDE, _NEARLY = 4, 2.0, 5e-3
-"""Cycles left with which another is begun, how much wider its steps are, and the largest spread of
-a motion that nearly repeats."""
 
 
 def find_limit_cycles(
@@ -370,62 +363,16 @@ class _Study:
         return Legs(self.model, self._rows, self.branches)
 
     def _further_branches(self, simulated: Sequence[Settled]) -> None:
-        """Follow branches from simulated cycles that lie on none, to both sides.
-
-        Together they have at most about as many cycles as are asked for on one way through the
-        range.
-        """
-        joined, begun = len(self.branches), 0
-        left = self._budget.further
-        for found in sorted(simulated, key=lambda settled: settled.spread):
-            repeats = found.ending is not Ending.CUT and found.spread < _NEARLY
-            if begun == _FURTHER_BRANCHES or left < _LEAST or not repeats:
-                break
-            if self._legs.is_known(found):
-                continue
-            begun += 1
-            try:
-                left -= self._from_simulation(found, left)
-            except NumericalError as error:
-                self.messages.append(
-                    f"the motion simulated at {self.model.parameter} = {found.value:.6g} lies on "
-                    f"no branch, and no branch can be followed from it: {error}"
-                )
-            finally:
-                self.branches[:] = [branch for branch in self.branches if branch.points]
-        further = self.branches[joined:]
-        if joined and further and all(branch.ending != "joined" for branch in further):
-            self.messages.append(
-                f"branches from {joined + 1} on are followed from simulated cycles; in this range "
-                "they are not found to be joined to those before"
-            )
-
-    def _from_simulation(self, found: Settled, most: int) -> int:
-        """Follow the cycle that a simulation settled to, to both sides; return how many there are.
-
-        Each side gets half of the cycles that there may be at most, or what the other leaves.
-        """
-        s, above = self.settings, found.value < self.span[1]
-        start = found.orbit(self.model, intervals=s.intervals, degree=DEGREE)
-        half, known = most // 2 if above else most, list(self.branches)
-        down = self._follow(
-            start,
-            None,
-            "down from the simulated one",
-            upwards=False,
-            most=half,
-            wide=_WIDE,
-            known=known,
-        )
-        if above and down.points:
-            first, half = down.points[0].orbit, most - len(down.points)
-            up = self._follow(
-                first, None, "up from the simulated one", most=half, wide=_WIDE, known=known
-            )
-            self.branches[:] = [branch for branch in self.branches if branch is not up]
-            down.ending = "joined" if up.ending == "joined" else down.ending
-            down.points[:0] = up.points[:0:-1]
-        return len(down.points)
+        """Follow the cycles that simulations settled to and that lie on no branch."""
+        FromSimulations(
+            self.model,
+            self.span[1],
+            self.settings.intervals,
+            self.branches,
+            self.messages,
+            self._legs,
+            self._follow,
+        ).examine(simulated, self._budget.further)
 
     def _figures(self) -> None:
         """Note the critical values, and how far simulation and continuation differ."""

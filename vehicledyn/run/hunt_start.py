@@ -16,6 +16,9 @@ from vehicledyn.solve.periodic.autonomous import AutonomousField
 from vehicledyn.solve.periodic.critical import follow_balance
 from vehicledyn.solve.periodic.lowering import steps
 
+DEGREE = 4
+"""Degree of the polynomials of first cycles."""
+
 _MOST_CHANNELS = 8
 
 SPEED = "speed"

@@ -199,7 +199,7 @@ def test_a_motion_of_two_frequencies_is_told_and_does_not_take_for_ever(tmp_path
         return followed(runner, *args, **more)
 
     monkeypatch.setattr(settled.Runner, "window", counted)
-    monkeypatch.setattr(hunt._Study, "_from_simulation", lambda *_: None)
+    monkeypatch.setattr(hunt.FromSimulations, "examine", lambda *_: None)
     settings = HuntSettings("push", 0.04, 0.06, points=5, disturbance=0.5, levels=3)
     report = study(settings, load_model(str(path)))
     (told,) = (message for message in report.messages if "do not repeat" in message)
