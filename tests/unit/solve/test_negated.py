@@ -6,9 +6,10 @@ from itertools import product
 import casadi as ca
 import numpy as np
 import pytest
+from exact_programs import RULES, evaluated
 from solve_examples import build, symbols
 
-from vehicledyn.solve.instructions import CONST, INPUT, Instruction, read_function
+from vehicledyn.solve.instructions import INPUT, Instruction, read_function
 from vehicledyn.solve.kernel import compile_kernel
 from vehicledyn.solve.lanes import compile_lanes
 from vehicledyn.solve.lowering import fuse, lower
@@ -16,30 +17,6 @@ from vehicledyn.solve.negated import turn_negated
 from vehicledyn.solve.schedule import needed_values
 
 N_INPUT = 6
-RULES = {
-    "ADD": lambda a, b: a + b,
-    "SUB": lambda a, b: a - b,
-    "MUL": lambda a, b: a * b,
-    "SQ": lambda a: a * a,
-    "NEG": lambda a: -a,
-    "TWICE": lambda a: 2 * a,
-    "FMA": lambda a, b, c: a * b + c,
-    "FMS": lambda a, b, c: a * b - c,
-    "FNMA": lambda a, b, c: -a * b + c,
-    "FNMS": lambda a, b, c: -a * b - c,
-}
-
-
-def evaluated(values, results, given):
-    found = []
-    for item in values:
-        if item.operation == INPUT:
-            found.append(given[item.source[1]])
-        elif item.operation == CONST:
-            found.append(Fraction(item.number))
-        else:
-            found.append(RULES[item.operation](*(found[k] for k in item.operands)))
-    return [found[value] for _, _, value in results]
 
 
 def operations(values, results):

@@ -6,6 +6,7 @@ from fractions import Fraction
 import casadi as ca
 import numpy as np
 import pytest
+from exact_programs import evaluated
 
 from vehicledyn.solve.instructions import CONST, INPUT, read_function
 from vehicledyn.solve.lowering import fuse, lower
@@ -14,31 +15,10 @@ from vehicledyn.solve.sums import chain_products
 from vehicledyn.solve.tail import order_tail
 
 N_INPUT = 12
-RULES = {
-    "ADD": lambda a, b: a + b,
-    "SUB": lambda a, b: a - b,
-    "MUL": lambda a, b: a * b,
-    "SQ": lambda a: a * a,
-    "NEG": lambda a: -a,
-    "TWICE": lambda a: 2 * a,
-}
 
 
 def program_of(expressions, x):
     return read_function(ca.Function("sums", [x], [ca.vertcat(*expressions)]))
-
-
-def evaluated(values, results, given):
-    """Results in exact arithmetic, where the order of a sum does not matter."""
-    found = []
-    for item in values:
-        if item.operation == INPUT:
-            found.append(given[item.source[1]])
-        elif item.operation == CONST:
-            found.append(Fraction(item.number))
-        else:
-            found.append(RULES[item.operation](*(found[k] for k in item.operands)))
-    return [found[value] for _, _, value in results]
 
 
 def chained(program):

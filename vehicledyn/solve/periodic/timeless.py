@@ -53,8 +53,8 @@ def timeless(equations: Equations, parameters: ArrayLike) -> Equations:
         x, z = (s + kick * random.standard_normal(s.size) for s in (state, unknowns))
         seen = np.array(function.map(len(TIMES))(TIMES[None, :], x, z, values))
         with np.errstate(invalid="ignore"):
-            apart = np.abs(seen - seen[:, :1]).max(initial=0.0)
-        if not apart <= _MOST * (1.0 + np.abs(seen[:, 0]).max(initial=0.0)):
+            apart = np.abs(seen - seen[:, :1])
+        if not (apart <= _MOST * (1.0 + np.abs(seen[:, :1]))).all():
             raise InputError(
                 f"model '{e.name}' depends on time: limit cycles are those of free motions; "
                 "hold drives and excitations still, and take a straight, even track"
