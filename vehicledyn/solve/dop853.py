@@ -108,14 +108,15 @@ def first_size(rates: Rates, begin: Start, longest: float, tolerances: Tolerance
     """Return a size of the first step [s], from the change of the rates along a short way."""
     scale = tolerances.scale(np.abs(begin.state))
     state, rate = _mean_norm(begin.state / scale), _mean_norm(begin.rate / scale)
-    short = min(1e-6 if min(state, rate) < 1e-5 else 0.01 * state / rate, longest)
+    usual = min(state, rate) >= 1e-5 and 0.0 < state / rate < math.inf
+    short = min(0.01 * state / rate if usual else 1e-6, longest)
     ahead = rates(begin.time + short, begin.state + short * begin.rate)
     bend = _mean_norm((ahead - begin.rate) / scale) / short
     if max(rate, bend) <= 1e-15:
         guess = max(1e-6, 1e-3 * short)
     else:
         guess = math.pow(0.01 / max(rate, bend), 1.0 / _ORDER)
-    return min(100.0 * short, guess, longest) if math.isfinite(guess) else short
+    return min(100.0 * short, guess, longest) if 0.0 < guess < math.inf else short
 
 
 class Dop853:
@@ -185,12 +186,15 @@ def _fill_stage(rates: Rates, begin: Start, size: float, stages: Vector, k: int)
 
 
 def _error(stages: Vector, size: float, scale: Vector) -> float:
-    fifth = float(np.linalg.norm((FIFTH @ stages) / scale) ** 2)
-    third = float(np.linalg.norm((THIRD @ stages) / scale) ** 2)
-    if fifth == 0.0 and third == 0.0:
-        return 0.0
-    return abs(size) * fifth / math.sqrt((fifth + 0.01 * third) * scale.size)
+    with np.errstate(over="ignore", invalid="ignore"):
+        fifth = float(np.linalg.norm((FIFTH @ stages) / scale) ** 2)
+        third = float(np.linalg.norm((THIRD @ stages) / scale) ** 2)
+    both = (fifth + 0.01 * third) * scale.size
+    if not math.isfinite(both):
+        return math.inf
+    return abs(size) * fifth / math.sqrt(both) if both > 0.0 else 0.0
 
 
 def _mean_norm(values: Vector) -> float:
-    return float(np.linalg.norm(values)) / math.sqrt(values.size)
+    with np.errstate(over="ignore"):
+        return float(np.linalg.norm(values)) / math.sqrt(values.size)

@@ -19,6 +19,8 @@ _LOOKS = 8
 """Points at which a step is looked at for events."""
 _STALLED, _CRAWL = 100, 1e-3
 """Steps that must not together be shorter than this part of the longest."""
+_HOPELESS, _MOST_STEPS = 1000, 1e9
+"""Steps after which the rest of the run must not need more than so many at their mean size."""
 _WAYPOINTS = 8
 """Parts in which the unknowns are followed while too little of the past is known."""
 _PAST = 4
@@ -181,12 +183,26 @@ def _advance(solver: Any, rates: _Rates, task: Task) -> None:
 
 def _check_advance(task: Task, rates: _Rates, solver: Any, sizes: list[float]) -> None:
     """Raise NumericalError where many steps together come to almost nothing."""
+    if len(sizes) % _HOPELESS == 0:
+        _check_prospect(task, solver, sizes)
     if sum(sizes[-_STALLED:]) < _CRAWL * max(sizes):
         raise NumericalError(
             f"integration stopped at t = {solver.t:.9g} s: the last {_STALLED} steps together "
             f"advanced {sum(sizes[-_STALLED:]):.3g} s; "
             f"state '{steepest_state(task.kernel, solver.t, solver.y, rates.accepted)}' "
             "changes fastest there"
+        )
+
+
+def _check_prospect(task: Task, solver: Any, sizes: list[float]) -> None:
+    """Raise NumericalError where the rest of the run would need more steps than can be taken."""
+    mean = sum(sizes[-_HOPELESS:]) / _HOPELESS
+    missing = (task.time(task.n_intervals) - solver.t) / mean
+    if missing > _MOST_STEPS:
+        raise NumericalError(
+            f"integration stopped at t = {solver.t:.9g} s: the last {_HOPELESS} steps were "
+            f"{mean:.3g} s long on average, and the rest of the run would need {missing:.1e} of "
+            "them; loosen the tolerances, or look for a rate that jumps or shakes there"
         )
 
 

@@ -102,3 +102,13 @@ def test_run_fails_where_there_are_no_rates():
         solver.step()
     assert solver.status == "failed"
     assert solver.t == pytest.approx(0.5)
+
+
+def test_scales_far_below_the_states_leave_a_step_to_take():
+    """States 1e200 times as large as what is allowed give neither overflow nor division by 0."""
+    tolerances = Tolerances(1e-300, 1e-200)
+    size = first_size(rates, start(), 5.0, tolerances)
+    assert 0.0 < size <= 5.0
+    trial = try_step(rates, start(), 0.2 + size, tolerances)
+    assert trial.error > 1.0
+    assert 0.0 < next_size(trial, refused=False) < size

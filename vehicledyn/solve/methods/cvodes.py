@@ -5,8 +5,9 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from vehicledyn.base.errors import InputError
-from vehicledyn.base.parameters import ParameterSet, quantity
+from vehicledyn.base.parameters import ParameterSet
 from vehicledyn.base.registry import register
+from vehicledyn.solve.methods.tolerances import absolute_tolerance, relative_tolerance
 
 if TYPE_CHECKING:
     from vehicledyn.solve.task import Statistics, Task
@@ -22,12 +23,8 @@ class Cvodes(ParameterSet):
     Hindmarsh et al. (2005), ACM Trans. Math. Softw. 31(3), 363-396; through CasADi.
     """
 
-    relative_tolerance: float = quantity(
-        "1", "Local error allowed for each state, part of its value", gt=0, lt=1
-    )
-    absolute_tolerance: float = quantity(
-        "1", "Local error allowed for each state, in its own unit", gt=0
-    )
+    relative_tolerance: float = relative_tolerance()
+    absolute_tolerance: float = absolute_tolerance()
 
     def check(self, equations: Equations) -> None:
         """Raise InputError if the model has algebraic unknowns, which this method cannot treat."""

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from vehicledyn.base.parameters import ParameterSet, quantity
+from vehicledyn.base.parameters import ParameterSet
 from vehicledyn.base.registry import register
+from vehicledyn.solve.methods.tolerances import absolute_tolerance, relative_tolerance
 
 if TYPE_CHECKING:
     from vehicledyn.solve.task import Statistics, Task
@@ -21,12 +22,8 @@ class Idas(ParameterSet):
     loops as algebraic equations of index 1.
     """
 
-    relative_tolerance: float = quantity(
-        "1", "Local error allowed for each state, part of its value", gt=0, lt=1
-    )
-    absolute_tolerance: float = quantity(
-        "1", "Local error allowed for each state, in its own unit", gt=0
-    )
+    relative_tolerance: float = relative_tolerance()
+    absolute_tolerance: float = absolute_tolerance()
 
     def integrate(self, task: Task) -> Statistics:
         """Integrate a task."""

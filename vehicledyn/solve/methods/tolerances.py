@@ -1,0 +1,25 @@
+"""Tolerances of adaptive methods, which rounding bounds from below."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from vehicledyn.base.parameters import quantity
+
+SMALLEST_RELATIVE = 3e-14
+"""About a hundred units of rounding: what a step of several stages can hold [1]."""
+
+SMALLEST_ABSOLUTE = 1e-16
+"""About the rounding of a state of order one, in the state's own unit."""
+
+
+def relative_tolerance() -> Any:
+    """Declare the local error allowed for each state, as a part of its value."""
+    text = "Local error allowed for each state, part of its value"
+    return quantity("1", text, ge=SMALLEST_RELATIVE, lt=1)
+
+
+def absolute_tolerance() -> Any:
+    """Declare the local error allowed for each state in its own unit."""
+    text = "Local error allowed for each state, in its own unit"
+    return quantity("1", text, ge=SMALLEST_ABSOLUTE)
