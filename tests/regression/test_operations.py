@@ -19,10 +19,10 @@ STORED = read_yaml(HERE / "operations.yaml").data
 SLACK = 0.01  # versions of CasADi order sums differently
 
 
-def chains():
-    sys.path.insert(0, str(HERE.parents[1] / "benchmarks"))
+def imported(folder, name):
+    sys.path.insert(0, str(folder))
     try:
-        return importlib.import_module("chains")
+        return importlib.import_module(name)
     finally:
         sys.path.pop(0)
 
@@ -45,9 +45,11 @@ def system_of(name):
     if name.endswith(".yaml"):
         return written(name)
     kind, _, rest = name.partition(" ")
+    if kind == "arm":
+        return imported(HERE.parent / "validation", "test_arms_and_chains").ARMS[rest]()
     if kind == "model":
         return model(rest)
-    module = chains()
+    module = imported(HERE.parents[1] / "benchmarks", "chains")
     parent = module.binary if kind == "binary" else module.serial
     return module.build(name, int(name.split()[-1]), parent)
 

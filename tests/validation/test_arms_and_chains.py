@@ -62,7 +62,8 @@ def puma():
     bodies, parent = [], GROUND
     for k, link in enumerate(LINKS):
         angle = 0.5 * np.pi * link["twist"]
-        at = (link["length"], -link["offset"] * np.sin(angle), link["offset"] * np.cos(angle))
+        s, c = ops.sin(angle), ops.cos(angle)
+        at = (link["length"], -link["offset"] * s, link["offset"] * c)
         joints = (Turn(rotations.turn(1, angle)), Joint("R3", f"joint_{k + 1}"))
         six = {"mass": link["mass"] or 1e-3, "com": link["com"], "inertia": link["inertia"]}
         six["apparent_inertia"] = True  # as identified

@@ -9,6 +9,8 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Any, TypeAlias
 
+from vehicledyn.base import quarter_turns
+
 if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
@@ -24,17 +26,24 @@ Mat: TypeAlias = Any
 
 
 def sin(x: Scalar) -> Scalar:
-    """Return the sine of an angle [rad]."""
-    import casadi
-
-    return casadi.sin(x)
+    """Return the sine of an angle [rad]; of a number exact at whole quarter turns."""
+    return _turned("sin", quarter_turns.sine, x)
 
 
 def cos(x: Scalar) -> Scalar:
-    """Return the cosine of an angle [rad]."""
+    """Return the cosine of an angle [rad]; of a number exact at whole quarter turns."""
+    return _turned("cos", quarter_turns.cosine, x)
+
+
+def _turned(name: str, of_number: Callable[[float], float], x: Scalar) -> Scalar:
+    """Return a function of an angle: of a number or a constant expression by ``of_number``."""
     import casadi
 
-    return casadi.cos(x)
+    if isinstance(x, int | float):
+        return of_number(float(x))
+    if type(x) is casadi.SX and x.is_scalar() and x.is_constant():
+        return casadi.SX(of_number(float(x)))
+    return getattr(casadi, name)(x)
 
 
 def tan(x: Scalar) -> Scalar:

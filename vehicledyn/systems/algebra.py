@@ -8,6 +8,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
+from vehicledyn.base import quarter_turns
 from vehicledyn.base.units import Unit
 from vehicledyn.symbolic import ops
 
@@ -174,7 +175,9 @@ _OPERATORS: dict[str, Callable[..., Any]] = {
 
 NUMBERS: Algebra = {
     **_OPERATORS,
-    **{name: getattr(math, name) for name in ("sin", "cos", "tan", "asin", "acos", "atan")},
+    "sin": quarter_turns.sine,
+    "cos": quarter_turns.cosine,
+    **{name: getattr(math, name) for name in ("tan", "asin", "acos", "atan")},
     **{name: getattr(math, name) for name in ("atan2", "tanh", "exp", "log", "sqrt")},
     "**": _power,
     "abs": abs,

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
+from vehicledyn.base.units import to_si
 from vehicledyn.symbolic import ops, rotations
 
 
@@ -51,3 +52,30 @@ def test_columns_and_symmetric():
     assert numbers(rotations.symmetric((1.0, 2.0, 3.0), (4.0, 5.0, 6.0))) == pytest.approx(
         np.array(expected)
     )
+
+
+@pytest.mark.parametrize("quarters", [*range(-9, 10), 123, -4002])
+@pytest.mark.parametrize("axis", [1, 2, 3])
+def test_quarter_turns_are_exact(axis, quarters):
+    """Neither π/2 times a number nor degrees leave a residue in place of a zero."""
+    exact = np.linalg.matrix_power(np.rint(numbers(rotations.turn(axis, np.pi / 2))), quarters % 4)
+    for angle in (quarters * (np.pi / 2.0), to_si(f"{90 * quarters} deg", "rad")):
+        turned = rotations.turn(axis, angle)
+        assert numbers(turned).tolist() == exact.tolist()
+        assert sum(not turned[i, j].is_zero() for i in range(3) for j in range(3)) == 3
+        assert numbers(rotations.turn(axis, ops.scalar(angle))).tolist() == exact.tolist()
+
+
+@pytest.mark.parametrize("angle", [1e-300, -1e-17, np.pi / 2 + 1e-13, 2.0 * np.pi - 1e-12, 1.0])
+def test_other_angles_are_not_rounded(angle):
+    assert float(ops.sin(angle)) == np.sin(angle)
+    assert float(ops.cos(angle)) == np.cos(angle)
+    assert float(ops.sin(ops.scalar(angle))) == np.sin(angle)
+
+
+def test_symbols_stay_symbols():
+    """The residue belongs to numbers alone: a parameter may take any value later."""
+    angle = ops.symbol("angle")
+    found = ops.numeric([angle], rotations.turn(3, angle))
+    assert found(np.pi / 2)[0, 0] == np.cos(np.pi / 2)
+    assert np.isnan(float(ops.sin(float("nan"))))
