@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 from typing import Any, Protocol
 
@@ -12,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vehicledyn.base.errors import InputError, unknown_name
+from vehicledyn.base.shape_preserving import largest_swing
 from vehicledyn.base.units import parse_unit
 from vehicledyn.multibody.system import System
 from vehicledyn.results.reader import open_result
@@ -24,6 +26,8 @@ Array = NDArray[np.float64]
 DEGREE = 5
 """Of the curves through the points of a table: their fourth derivative is continuous."""
 _ROUNDING = 1e-9
+_SWING = 0.2
+"""Share of the range of the points around by which a smooth curve may leave that of two points."""
 
 
 class Motion(Protocol):
@@ -89,8 +93,6 @@ class TableMotion:
         InputError
             If a time lies outside the table.
         """
-        from scipy.interpolate import make_interp_spline
-
         first, last = float(self.times[0]), float(self.times[-1])
         slack = _ROUNDING * max(1.0, abs(last))
         if times.min() < first - slack or times.max() > last + slack:
@@ -98,9 +100,39 @@ class TableMotion:
                 f"{self.source}: the table goes from {first:g} s to {last:g} s, the motion is "
                 f"asked for from {times.min():g} s to {times.max():g} s"
             )
-        spline = make_interp_spline(self.times, self.values, k=DEGREE)
         inside = np.clip(times, first, last)
-        return tuple(np.asarray(spline(inside, nu=nu)) for nu in range(3))  # type: ignore[return-value]
+        return tuple(np.asarray(self._spline(inside, nu=nu)) for nu in range(3))  # type: ignore[return-value]
+
+    def check_swing(self) -> None:
+        """Refuse points between which the spline swings out, as beside a step in few points.
+
+        Raises
+        ------
+        InputError
+            If it does; with coordinate, times and values.
+        """
+        for k, name in enumerate(self.coordinates):
+            values = self.values[:, k]
+
+            def curve(times: Array, k: int = k) -> Array:
+                return np.asarray(self._spline(times)[:, k])
+
+            at, share = largest_swing(self.times, values, curve)
+            if share > _SWING:
+                begin, end = self.times[at : at + 2]
+                reached = curve(np.linspace(begin, end, 101))
+                raise InputError(
+                    f"{self.source}: {name}: the smooth curve through the points swings out to "
+                    f"{reached.min():.4g} and {reached.max():.4g} between {begin:g} s and {end:g} "
+                    f"s, where the points are {values[at]:.4g} and {values[at + 1]:.4g}; give "
+                    "more points, at even distances, where the motion changes quickly"
+                )
+
+    @cached_property
+    def _spline(self) -> Any:
+        from scipy.interpolate import make_interp_spline
+
+        return make_interp_spline(self.times, self.values, k=DEGREE)
 
 
 def read_table(path: Path, system: System, wanted: Sequence[str]) -> TableMotion:
@@ -142,7 +174,9 @@ def _checked(path: Path, names: tuple[str, ...], times: Array, values: Array) ->
         raise InputError(f"{path}: the times do not grow at {times[row]:g} s")
     if not np.isfinite(values).all():
         raise InputError(f"{path}: a value is no finite number")
-    return TableMotion(path, names, times, values)
+    motion = TableMotion(path, names, times, values)
+    motion.check_swing()
+    return motion
 
 
 def _read_csv(path: Path, units: dict[str, str]) -> tuple[list[str], Array]:

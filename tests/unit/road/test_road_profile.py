@@ -1,6 +1,7 @@
 """Roads from files: the height of the file, level beyond it, and what is no road."""
 
 import math
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -8,6 +9,7 @@ import pytest
 
 import vehicledyn.catalogue  # noqa: F401
 from vehicledyn.base.errors import InputError
+from vehicledyn.base.shape_preserving import excess, level_slopes
 from vehicledyn.road.surfaces.profile import ProfileRoad
 from vehicledyn.road.surfaces.sine import Sine
 from vehicledyn.run.memory import key_of_run
@@ -51,7 +53,7 @@ def test_sine_from_a_file_is_that_of_the_formula(tmp_path, even):
         ("x [m], z\n0, 0\n", "say the unit of the column"),
         ("x [m], z [s]\n0, 0\n", "does not measure a quantity in m"),
         ("x [m], y [m]\n0, 0\n", "no column named 'y'"),
-        ("x [m], z [m]\n0, 0\n1, 0\n", "4 points at least"),
+        ("x [m], z [m]\n0, 0\n", "2 points at least"),
         ("x [m], z [m]\n0, 0\n1, 0\n1, 0\n2, 0\n", "road.csv:4:1: x: the place is there twice"),
         ("x [m], z [m]\n0, 0\n2, 0\n1, 0\n3, 0\n", "road.csv:4:1: x: the places do not grow"),
         ("x [m], z [m]\n0, 0\n1, zero\n2, 0\n3, 0\n", "road.csv:3:4: z: 'zero' is no number"),
@@ -76,6 +78,50 @@ def test_missing_file_and_uneven_points_are_told(tmp_path):
     road = ProfileRoad(file=str(written(tmp_path, x, np.array([0.0, 0.1, 0.0, 0.1, 0.0, 0.1]))))
     with pytest.raises(InputError, match="too uneven"):
         road.height(0.0, 0.0)
+
+
+KERBS = {
+    "four points": ([0.0, 10.0, 10.05, 20.0], [0.0, 0.0, 0.08, 0.08]),
+    "a millimetre wide": ([0.0, 10.0, 10.001, 20.0], [0.0, 0.0, 0.08, 0.08]),
+    "two points": ([0.0, 0.05], [0.0, 0.08]),
+    "even": (np.arange(60) * 0.1, np.where(np.arange(60) < 30, 0.0, 0.08)),
+    "up and down": ([0.0, 3.0, 3.02, 5.0, 5.02, 30.0], [0.0, 0.0, 0.08, 0.08, -0.02, -0.02]),
+}
+
+
+@pytest.mark.parametrize("name", KERBS)
+def test_no_road_leaves_the_heights_of_its_points(tmp_path, name):
+    """A cubic spline through the first swings from -2.4 to 2.4 m, the second to 119 m."""
+    x, z = map(np.asarray, KERBS[name])
+    road = ProfileRoad(file=str(written(tmp_path, x, z)))
+    fine = [np.linspace(a, b, 400) for a, b in pairwise([-1.0, *x, x[-1] + 1.0])]
+    places = np.unique(np.concatenate(fine))
+    heights = np.array(road.height(places, 0.0))
+    assert heights.min() >= z.min() - 1e-9
+    assert heights.max() <= z.max() + 1e-9
+    assert np.interp(x, places, heights) == pytest.approx(z, abs=1e-6)
+    # The slope is continuous, as the search for the contact point needs it.
+    slopes = np.array(road.gradient(places, 0.0)[0])
+    risen = np.cumsum(0.5 * (slopes[1:] + slopes[:-1]) * np.diff(places)) + heights[0]
+    assert risen == pytest.approx(heights[1:], abs=1e-4)
+    step = min(np.diff(x)) * 1e-6
+    for place in x:
+        before, after = (float(road.gradient(place + s, 0.0)[0]) for s in (-step, step))
+        assert before == pytest.approx(after, abs=1e-4 * np.abs(slopes).max())
+
+
+def test_random_heights_keep_their_extremes_where_steps_are(tmp_path):
+    """Whatever the heights: no interval leaves its points farther than their bend explains."""
+    for seed in range(20):
+        rng = np.random.default_rng(seed)
+        x = np.cumsum(rng.choice([0.01, 0.1, 1.0, 5.0], 30))
+        z = np.repeat(rng.choice([0.0, 0.08, -0.05], 15), 2)
+        slopes = level_slopes(x, z)
+        inside = excess(x, z, slopes)
+        assert inside.max() <= 1e-12
+        steep = 3.0 * np.maximum(*(np.abs(np.pad(np.diff(z) / np.diff(x), side))
+                                   for side in ((1, 0), (0, 1))))  # fmt: skip
+        assert (np.abs(slopes) <= steep + 1e-12).all()
 
 
 def text_of_scenario():

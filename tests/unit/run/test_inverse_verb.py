@@ -143,6 +143,11 @@ def test_motions_that_cannot_be(motion, words, tmp_path):
         found(tmp_path, motion)
 
 
+STEP_IN_FEW_POINTS = "time,crank.angle\n" + "".join(
+    f"{time},{float(time > 0.3)}\n" for time in (0.0, 0.2, 0.3, 0.301, 0.4, 0.5, 0.6)
+)
+
+
 @pytest.mark.parametrize(
     ("text", "words"),
     [
@@ -155,6 +160,7 @@ def test_motions_that_cannot_be(motion, words, tmp_path):
         ("time,crank.angle\n0,1\n1,2\n", "2 rows; a smooth curve needs 6"),
         ("time,crank.angle\n" + "0,1\n" * 7, "the times do not grow"),
         ("time,crank.angle\n" + "".join(f"{k}e-2,1\n" for k in range(7)), "from 0 s to 0.06 s"),
+        (STEP_IN_FEW_POINTS, "crank.angle: the smooth curve through the points swings out to .* s"),
     ],
 )
 def test_tables_that_cannot_be(text, words, tmp_path):

@@ -17,13 +17,14 @@ from vehicledyn.road.surface import RoadSurface
 from vehicledyn.symbolic.ops import Scalar
 
 if TYPE_CHECKING:
+    from vehicledyn.base.shape_preserving import Vector
     from vehicledyn.symbolic.tables import CurveTable
 
 LARGEST_DEVIATION = 1e-6
 """Most that the curve may miss a point of the file by [m]."""
 
 MOST_CELLS = 2_000_000
-_FEWEST = 4
+_FEWEST = 2
 _HIGHEST = 10.0
 _COLUMNS = {"x": Column("m", required=True), "z": Column("m", required=True)}
 
@@ -33,10 +34,11 @@ class ProfileRoad(RoadSurface):
     """Ground z = h(x - start) through the points of a file, equal across the road.
 
     The file is a table with the columns x and z and their units, such as ``x [m], z [mm]``. A
-    cubic spline with continuous curvature goes through the points, level at both ends, from
-    where the ground stays as it is. Places at unequal distances are put on an even grid, which
-    misses no point by more than 1 µm. A disc touches the ground in one point only while its
-    radius stays below the smallest radius of curvature.
+    curve with continuous slope goes through the points, level at both ends, from where the
+    ground stays as it is: a cubic spline where the points resolve the curve, monotone cubics
+    where a spline would swing out, as beside a kerb in few points. Places at unequal distances
+    are put on an even grid, which misses no point by more than 1 µm. A disc touches the ground
+    in one point only while its radius stays below the smallest radius of curvature.
     """
 
     file: str = Field(description="Table of x and z, beside the file that names it")
@@ -106,21 +108,20 @@ def _problems(columns: Columns, x: list[float], z: list[float]) -> list[Problem]
 
 
 def _through(path: Path, x: object, z: object) -> CurveTable:
-    """Return the spline through points, on an even grid that is as fine as it must be."""
+    """Return the curve through points, on an even grid that is as fine as it must be."""
     import numpy as np
-    from scipy.interpolate import CubicSpline
+    from scipy.interpolate import CubicHermiteSpline
 
-    from vehicledyn.symbolic.tables import CurveTable
+    from vehicledyn.base.shape_preserving import level_slopes, limited_slopes
 
     places, heights = np.asarray(x, dtype=float), np.asarray(z, dtype=float)
-    spline = CubicSpline(places, heights, bc_type="clamped")
+    exact = CubicHermiteSpline(places, heights, level_slopes(places, heights))
     length, finest = places[-1] - places[0], np.diff(places).min()
     cells = max(_FEWEST, round(length / finest))
     while cells <= MOST_CELLS:
-        step = length / cells
-        knots = places[0] + step * np.arange(cells + 1)
-        even = CubicSpline(np.arange(cells + 1.0), spline(knots), bc_type="clamped")
-        curve = CurveTable("road profile", places[0], step, even.c[::-1].T)
+        knots = np.linspace(places[0], places[-1], cells + 1)
+        slopes = limited_slopes(knots, exact(knots), exact(knots, nu=1))
+        curve = _table(knots, exact(knots), slopes)
         if np.abs(curve.value(places) - heights).max() <= LARGEST_DEVIATION:
             return curve
         cells *= 2
@@ -128,3 +129,15 @@ def _through(path: Path, x: object, z: object) -> CurveTable:
         f"{path}: points {finest:g} m apart on {length:g} m are too uneven for an even grid; "
         "give heights at equal distances"
     )
+
+
+def _table(knots: Vector, values: Vector, slopes: Vector) -> CurveTable:
+    """Return the cubics of values and slopes at knots at equal distances."""
+    import numpy as np
+
+    from vehicledyn.symbolic.tables import CurveTable
+
+    step = float(knots[-1] - knots[0]) / (len(knots) - 1)
+    rises, first, last = np.diff(values), step * slopes[:-1], step * slopes[1:]
+    rows = [values[:-1], first, 3.0 * rises - 2.0 * first - last, first + last - 2.0 * rises]
+    return CurveTable("road profile", float(knots[0]), step, np.stack(rows, axis=1))
