@@ -43,7 +43,15 @@ def sweep(
     ] = None,
     scheduler: Annotated[
         str | None,
-        typer.Option(metavar="ADDRESS", help="Use the workers of the Dask scheduler there."),
+        typer.Option(
+            metavar="ADDRESS", help="Use the workers of the Dask scheduler there, tls://HOST:PORT."
+        ),
+    ] = None,
+    tls: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="FOLDER", help="Certificates for the scheduler: ca.pem, cert.pem, key.pem."
+        ),
     ] = None,
     lanes: Annotated[
         int | None, typer.Option(help="Cases side by side in each process: 1, 4 or 8.")
@@ -61,7 +69,10 @@ def sweep(
         raise InputError(f"--lanes {lanes}: choose 1, 4 or 8")
     if scheduler is not None and workers is not None:
         raise InputError("--scheduler has workers of its own; leave --workers out")
+    if (scheduler is None) != (tls is None):
+        raise InputError("--scheduler and --tls belong together; see docs/sweeps.md")
     loaded = read_study(study, overrides)
+    from vehicledyn.studies.cluster import ClusterAddress
     from vehicledyn.studies.sweep import run_study
 
     listen(quiet=quiet, verbose=verbose)
@@ -70,11 +81,11 @@ def sweep(
             loaded,
             output=output or Path(f"{study.stem}.h5"),
             workers=workers,
-            scheduler=scheduler,
             lanes=lanes,
             resume=resume,
             backend=backend.value,
             progress=progress,
+            cluster=ClusterAddress(scheduler, tls) if scheduler and tls else None,
         )
     for message in () if quiet and outcome.exit_code == 0 else outcome.messages:
         tell(message)

@@ -32,8 +32,10 @@ from vehicledyn.run.prepare import Progress
 from vehicledyn.solve.kernel import Backend
 from vehicledyn.studies import pool
 from vehicledyn.studies.block import Work, facts_of, work_of
+from vehicledyn.studies.cluster import ClusterAddress, open_cluster
 from vehicledyn.studies.load import LoadedStudy
 from vehicledyn.studies.model import Model
+from vehicledyn.studies.processes import own_processes
 
 EXIT_OK, EXIT_STOPPED, EXIT_FAILURES, EXIT_INTERRUPTED = 0, 3, 5, 130
 MOST_SHOWN = 20
@@ -90,11 +92,11 @@ def run_study(
     *,
     output: Path,
     workers: int | None,
-    scheduler: str | None,
     lanes: int | None,
     resume: bool,
     backend: Backend,
     progress: Progress,
+    cluster: ClusterAddress | None = None,
 ) -> SweepOutcome:
     """Compute the cases of a study that are not in its file yet.
 
@@ -106,8 +108,6 @@ def run_study(
         Result file.
     workers
         Processes; None for what the study says, else one a core.
-    scheduler
-        Address of a Dask scheduler whose workers compute instead.
     lanes
         Cases side by side in each process; None for what the study says or the processor can.
     resume
@@ -115,7 +115,9 @@ def run_study(
     backend
         "auto", "compiled" or "interpreted".
     progress
-        Told what is going on and the part done.
+        Called with what is going on and the part done.
+    cluster
+        The Dask scheduler whose workers compute instead of processes on this machine.
 
     Returns
     -------
@@ -129,30 +131,26 @@ def run_study(
     NumericalError
         If the equations cannot be set up.
     MissingPartError
-        If several processes are asked for and Dask is not installed.
+        If a cluster is asked for and Dask is not installed.
     """
     started = time.monotonic()
     _refuse_output(output, resume=resume)
     work = work_of(study, lanes=lanes or study.study.lanes, backend=backend)
-    count, messages = _processes(workers or study.study.workers, scheduler)
     with contextlib.ExitStack() as stack:
-        cluster = None
-        if count > 1 or scheduler is not None:
-            progress("starting the processes", None)
-            opened = pool.open_cluster(work, workers=count, scheduler=scheduler)
-            cluster = stack.enter_context(opened)
-            cluster.warm_up()
+        helpers = _helpers(stack, work, workers or study.study.workers, cluster, progress)
         worker, model = facts_of(work, progress)
+        computing = helpers or pool.Alone(worker)
         header = _header(study, work, model)
         _refuse_size(output, header)
         writer = stack.enter_context(StudyWriter(output, header, resume=resume))
-        run = _Run(work, header, writer, progress, max(1, cluster.workers()) if cluster else 1)
-        run.compute(cluster or pool.Alone(worker))
+        run = _Run(work, header, writer, progress, max(1, computing.workers()))
+        run.compute(computing)
     with open_study(output) as file:
         counts, failures = file.counts(), list(file.reasons(MOST_SHOWN))
     code = run.exit_code or (EXIT_FAILURES if counts["failed"] else EXIT_OK)
-    messages += [*run.messages, _told(run, count, cluster, time.monotonic() - started)]
     seconds = time.monotonic() - started
+    told = f"{run.computed} cases computed by {computing.description} in {seconds:.1f} s"
+    messages = [*run.messages, *computing.remarks(), told]
     return SweepOutcome(output, run.status, code, counts, failures, seconds, messages)
 
 
@@ -223,12 +221,24 @@ class _Run:
         self.progress(f"computing: {self._done} of {total} cases{failed}{left}", self._done / total)
 
 
-def _processes(workers: int | None, scheduler: str | None) -> tuple[int, list[str]]:
-    """Return how many processes compute, and what to say about it."""
-    wanted = workers or cores()
-    if wanted > 1 and workers is None and scheduler is None and not pool.dask_is_there():
-        return 1, ["one process computes; for all cores: pip install 'vehicledyn[sweep]'"]
-    return wanted, []
+def _helpers(
+    stack: contextlib.ExitStack,
+    work: Work,
+    workers: int | None,
+    cluster: ClusterAddress | None,
+    progress: Progress,
+) -> pool.Pool | None:
+    """Return who computes in place of this process, if anybody; they start at once."""
+    if cluster is not None:
+        progress("connecting to the cluster", None)
+        workers_there = stack.enter_context(open_cluster(work, cluster))
+        workers_there.warm_up()
+        return workers_there
+    count = min(workers or cores(), work.design.count)
+    if count == 1:
+        return None
+    progress("starting the processes", None)
+    return stack.enter_context(own_processes(work, count))
 
 
 def _refuse_output(output: Path, *, resume: bool) -> None:
@@ -274,11 +284,6 @@ def _refuse_size(output: Path, header: StudyHeader) -> None:
             f"{output}: {header.n_cases} cases need about {_size(header.total_bytes)}, {folder} "
             f"has {_size(free)} free; keep fewer channels, a longer interval or 'precision: single'"
         )
-
-
-def _told(run: _Run, count: int, cluster: pool.Cluster | None, seconds: float) -> str:
-    who = cluster.description if cluster else "one process"
-    return f"{run.computed} cases computed by {who} in {seconds:.1f} s"
 
 
 def _size(size: float) -> str:

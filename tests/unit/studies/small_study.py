@@ -37,7 +37,7 @@ def written(folder, text=STUDY, name="study.yaml"):
 
 
 def swept(path, output, *overrides, **changes):
-    options = {"workers": 1, "scheduler": None, "lanes": None, "resume": False, "backend": "auto"}
+    options = {"workers": 1, "lanes": None, "resume": False, "backend": "auto"}
     study = load_study(path, overrides)
     return run_study(study, output=output, progress=lambda *_: None, **options | changes)
 

@@ -18,8 +18,6 @@ from test_sweep import same
 import vehicledyn
 from vehicledyn.results.study_reader import open_study
 
-distributed = pytest.importorskip("distributed")
-
 LONG = STUDY.replace("duration: 0.2 s", "duration: 20 s").replace("number: 24", "number: 400")
 LONG = LONG.replace("interval: 20 ms", "interval: 1 s").replace("seed: 5", "seed: 5\n  # long")
 PATIENCE = 120.0
@@ -131,22 +129,39 @@ def test_a_killed_worker_is_replaced(folder):
     finally:
         end(process)
     assert process.returncode == 0, told
+    assert "1 worker process ended unexpectedly (signal 9, SIGKILL); its cases were" in told
     same(folder / "whole.h5", folder / "worker.h5")
 
 
+@pytest.fixture(scope="module")
+def certificates(tmp_path_factory):
+    """Return a folder with a certificate that trusts itself, made as docs/sweeps.md says."""
+    pytest.importorskip("distributed")
+    place = tmp_path_factory.mktemp("certificates")
+    page = (Path(__file__).parents[3] / "docs" / "sweeps.md").read_text(encoding="utf-8")
+    commands = re.findall(r"^(?:mkdir|openssl|cp) .*$", page, re.MULTILINE)
+    assert len(commands) == 3
+    subprocess.run(["sh", "-ec", "\n".join(commands)], cwd=place, check=True, capture_output=True)
+    return place / "certificates"
+
+
 @contextlib.contextmanager
-def cluster(folder, count):
+def cluster(folder, count, certificates):
     """A scheduler and workers as processes of their own, as on other machines."""
     with socket.socket() as free:
         free.bind(("127.0.0.1", 0))
-        address = f"tcp://127.0.0.1:{free.getsockname()[1]}"
+        address = f"tls://127.0.0.1:{free.getsockname()[1]}"
+    trust = [
+        *("--tls-ca-file", certificates / "ca.pem", "--tls-cert", certificates / "cert.pem"),
+        *("--tls-key", certificates / "key.pem"),
+    ]
     port = address.rpartition(":")[2]
     quiet = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL, "env": environment(folder)}
     module = [sys.executable, "-m", "distributed.cli.dask_scheduler"]
-    options = ["--host", "127.0.0.1", "--port", port, "--no-dashboard", "--dashboard-address", ":0"]
+    options = ["--host", "tls://127.0.0.1", "--port", port, "--no-dashboard", *trust]
     scheduler = subprocess.Popen([*module, *options], **quiet)
     module = [sys.executable, "-m", "distributed.cli.dask_worker", address]
-    options = ["--no-nanny", "--nthreads", "1", "--no-dashboard"]
+    options = ["--no-nanny", "--nthreads", "1", "--no-dashboard", *trust]
     workers = [subprocess.Popen([*module, *options], **quiet) for _ in range(count)]
     try:
         yield address, scheduler, workers
@@ -156,19 +171,31 @@ def cluster(folder, count):
             process.wait()
 
 
-def test_the_workers_of_a_cluster_give_the_same(folder):
-    with cluster(folder, 2) as (address, _, _):
-        done = command(
-            "sweep", "long.yaml", "-o", "cluster.h5", "--scheduler", address, folder=folder
-        )
+def test_the_workers_of_a_cluster_give_the_same(folder, certificates):
+    with cluster(folder, 2, certificates) as (address, _, _):
+        words = ["-o", "cluster.h5", "--scheduler", address, "--tls", certificates]
+        done = command("sweep", "long.yaml", *words, folder=folder)
     assert done.returncode == 0, done.stderr
     assert f"computed by the cluster at {address}" in done.stderr
     same(folder / "whole.h5", folder / "cluster.h5")
 
 
-def test_a_scheduler_that_goes_away_loses_nothing(folder):
-    with cluster(folder, 2) as (address, scheduler, _):
-        process = start(folder, "-o", "gone.h5", "--scheduler", address)
+def test_a_cluster_refuses_other_certificates(folder, certificates, tmp_path):
+    names = ["-keyout", tmp_path / "key.pem", "-out", tmp_path / "cert.pem"]
+    make = ["openssl", "req", "-x509", "-newkey", "rsa:2048", "-nodes", "-subj", "/CN=other"]
+    subprocess.run([*make, *names], check=True, capture_output=True)
+    shutil.copy(tmp_path / "cert.pem", tmp_path / "ca.pem")
+    with cluster(folder, 0, certificates) as (address, _, _):
+        words = ["-o", "other.h5", "--scheduler", address, "--tls", tmp_path]
+        done = command("sweep", "long.yaml", *words, folder=folder)
+    assert done.returncode == 2
+    assert "no scheduler answers there that trusts the certificates in" in done.stderr
+    assert not (folder / "other.h5").exists()
+
+
+def test_a_scheduler_that_goes_away_loses_nothing(folder, certificates):
+    with cluster(folder, 2, certificates) as (address, scheduler, _):
+        process = start(folder, "-o", "gone.h5", "--scheduler", address, "--tls", certificates)
         try:
             await_cases(process)
             scheduler.kill()
@@ -182,10 +209,9 @@ def test_a_scheduler_that_goes_away_loses_nothing(folder):
     finish(folder, "gone.h5", "--workers", "1")
 
 
-def test_no_scheduler_at_the_address(folder):
-    done = command(
-        "sweep", "long.yaml", "-o", "none.h5", "--scheduler", "tcp://127.0.0.1:9", folder=folder
-    )
+def test_no_scheduler_at_the_address(folder, certificates):
+    words = ["-o", "none.h5", "--scheduler", "tls://127.0.0.1:9", "--tls", certificates]
+    done = command("sweep", "long.yaml", *words, folder=folder)
     assert done.returncode == 2
-    assert "--scheduler tcp://127.0.0.1:9: no scheduler answers there" in done.stderr
+    assert "--scheduler tls://127.0.0.1:9: no scheduler answers there" in done.stderr
     assert not (folder / "none.h5").exists()

@@ -9,10 +9,7 @@ import pytest
 from ruamel.yaml import YAML
 from small_study import ROOT, command, environment
 
-from vehicledyn.base.errors import MissingPartError
 from vehicledyn.studies import load_study, study_schema
-from vehicledyn.studies.block import work_of
-from vehicledyn.studies.pool import open_cluster
 
 EXAMPLES = sorted((ROOT / "scenarios" / "studies").glob("*.yaml"))
 
@@ -65,7 +62,10 @@ def test_json_of_a_sweep(study):
     [
         (["--lanes", "3"], "--lanes 3: choose 1, 4 or 8"),
         (["--workers", "0"], "Invalid value for '--workers'"),
-        (["--workers", "2", "--scheduler", "tcp://x:1"], "--scheduler has workers of its own"),
+        (["--workers", "2", "--scheduler", "tls://x:1"], "--scheduler has workers of its own"),
+        (["--scheduler", "tls://x:1"], "--scheduler and --tls belong together"),
+        (["--tls", "."], "--scheduler and --tls belong together"),
+        (["--scheduler", "tcp://x:1", "--tls", "."], "write tls://HOST:PORT; without TLS anybody"),
         (["--set", "cases.number=0"], "must be at least 1, is 0"),
     ],
 )
@@ -74,22 +74,3 @@ def test_wrong_options(study, words, told):
     assert done.returncode == 2
     assert told in " ".join(done.stderr.split())
     assert not (study.parent / "study.h5").exists()
-
-
-def test_several_processes_need_dask(study, monkeypatch):
-    monkeypatch.setattr("vehicledyn.studies.pool.dask_is_there", lambda: False)
-    work = work_of(load_study(study), lanes=1, backend="auto")
-    opened = open_cluster(work, workers=2, scheduler=None)
-    with pytest.raises(MissingPartError, match=r"vehicledyn\[sweep\]") as caught:
-        opened.__enter__()
-    assert caught.value.exit_code == 4
-
-
-def test_one_process_computes_without_dask(study, tmp_path, monkeypatch):
-    from small_study import swept
-
-    monkeypatch.setattr("vehicledyn.studies.pool.dask_is_there", lambda: False)
-    monkeypatch.setattr("vehicledyn.studies.sweep.cores", lambda: 4)
-    outcome = swept(study, tmp_path / "out.h5", "cases.number=2", workers=None)
-    assert outcome.counts["done"] == 2
-    assert "for all cores: pip install 'vehicledyn[sweep]'" in outcome.messages[0]

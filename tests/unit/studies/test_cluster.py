@@ -1,13 +1,13 @@
-"""What becomes of cases whose workers die."""
+"""Dask clusters: only with TLS, and what becomes of cases whose workers die."""
 
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
-from vehicledyn.base.errors import InputError, NumericalError
+from vehicledyn.base.errors import InputError, MissingPartError, NumericalError
 from vehicledyn.results.study_layout import FAILED
-from vehicledyn.studies.pool import Cluster
+from vehicledyn.studies.cluster import Cluster, ClusterAddress, open_cluster
 
 distributed = pytest.importorskip("distributed")
 
@@ -80,3 +80,32 @@ def test_another_program_on_a_worker_ends_the_study(instant):
     client.submit = submit
     with pytest.raises(InputError, match="another vehicledyn"):
         Cluster(client, None, "workers").compute(iter([(0, 1)]), print)
+
+
+@pytest.mark.parametrize("address", ["tcp://127.0.0.1:8786", "127.0.0.1:8786", "inproc://x", ""])
+def test_addresses_without_tls_are_refused(address, tmp_path):
+    with pytest.raises(InputError, match="write tls://HOST:PORT; without TLS anybody"):
+        ClusterAddress(address, tmp_path)
+
+
+def test_keys_that_others_can_use_are_refused(tmp_path):
+    address = ClusterAddress("tls://127.0.0.1:9", tmp_path)
+    with pytest.raises(InputError, match=r"there is no file ca\.pem"):
+        address.security()
+    for name in ("ca.pem", "cert.pem", "key.pem"):
+        (tmp_path / name).write_text("secret", encoding="utf-8")
+        (tmp_path / name).chmod(0o600)
+    assert address.security().require_encryption
+    for name, mode in (("key.pem", 0o640), ("ca.pem", 0o620), ("cert.pem", 0o602)):
+        (tmp_path / name).chmod(mode)
+        with pytest.raises(InputError, match=rf"{name}: others can"):
+            address.security()
+        (tmp_path / name).chmod(0o600)
+
+
+def test_a_cluster_needs_dask(tmp_path, monkeypatch):
+    monkeypatch.setattr("vehicledyn.studies.cluster.find_spec", lambda _: None)
+    opened = open_cluster(None, ClusterAddress("tls://127.0.0.1:9", tmp_path))
+    with pytest.raises(MissingPartError, match=r"vehicledyn\[cluster\]") as caught:
+        opened.__enter__()
+    assert caught.value.exit_code == 4
