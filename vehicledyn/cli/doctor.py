@@ -32,6 +32,7 @@ class Examination:
     """Versions, compiler, cache and catalogues of an installation.
 
     ``compiler`` is None where CasADi's interpreter is used instead; ``compiler_remark`` says why.
+    ``cache_remark`` says why the cache is not used although it may be writable.
     """
 
     version: str
@@ -42,12 +43,14 @@ class Examination:
     compiler_remark: str
     cache_folder: str
     cache_writable: bool
+    cache_remark: str
     cached_kernels: int
     catalogues: dict[str, int]
 
     def as_text(self) -> str:
         """Return one line for each fact."""
         writable = "writable" if self.cache_writable else "NOT writable: nothing will be kept"
+        writable = self.cache_remark or writable
         facts = {
             "vehicledyn": self.version,
             "python": f"{self.python}, {self.platform}",
@@ -66,7 +69,7 @@ class Examination:
 
 def examine() -> Examination:
     """Return what this installation consists of; nothing heavy is loaded."""
-    from vehicledyn.solve.cache import cache_folder
+    from vehicledyn.solve.cache import cache_folder, distrust
     from vehicledyn.solve.compiler import library_suffix
 
     compiler, remark = _compiler()
@@ -81,6 +84,7 @@ def examine() -> Examination:
         compiler_remark=remark,
         cache_folder=str(folder),
         cache_writable=nearest.is_dir() and os.access(nearest, os.W_OK | os.X_OK),
+        cache_remark=distrust(),
         cached_kernels=len(list(folder.glob(f"*{library_suffix()}"))),
         catalogues=counts(),
     )

@@ -21,10 +21,11 @@ from pathlib import Path
 from typing import Any
 
 import vehicledyn
+from vehicledyn.base.ownership import writable_by_others
 from vehicledyn.base.registry import find
 from vehicledyn.run.named_files import named_files
 from vehicledyn.scenario import LoadedScenario
-from vehicledyn.solve.cache import cache_folder
+from vehicledyn.solve.cache import cache_folder, distrust
 from vehicledyn.solve.compiler import CompilationError, find_compiler
 
 MOST_ENTRIES = 200
@@ -68,7 +69,9 @@ def key_of_run(loaded: LoadedScenario) -> str | None:
 
 
 def recall(key: str) -> Memory | None:
-    """Return an entry, if there is a whole one."""
+    """Return an entry, if there is a whole one that nobody else can have written."""
+    if distrust() or writable_by_others(_path(key)):
+        return None
     try:
         content = json.loads(_path(key).read_text(encoding="utf-8"))
         return Memory(**content) if _checksum(content) == content.pop("checksum") else None
@@ -78,11 +81,13 @@ def recall(key: str) -> Memory | None:
 
 def remember(key: str, memory: Memory) -> None:
     """Write an entry whole or not at all; a folder that cannot be written is no error."""
+    if distrust():
+        return
     content = dict(vars(memory))
     try:
         text = json.dumps(content | {"checksum": _checksum(content)})
         target = _path(key)
-        target.parent.mkdir(parents=True, exist_ok=True)
+        target.parent.mkdir(parents=True, exist_ok=True, mode=0o700)
         with tempfile.NamedTemporaryFile(
             "w", dir=target.parent, suffix=".part", delete=False, encoding="utf-8"
         ) as file:

@@ -18,6 +18,7 @@ from pathlib import Path
 from typing import Any
 
 from vehicledyn.base.errors import InputError, MissingPartError, NumericalError, VehicledynError
+from vehicledyn.base.ownership import writable_by_others
 from vehicledyn.studies.block import Work, compute_remotely, set_up
 from vehicledyn.studies.pool import LIVES, Span, Spans, Take, divided
 
@@ -70,10 +71,11 @@ class ClusterAddress:
         path = self.certificates / name
         if not path.is_file():
             raise InputError(f"--tls {self.certificates}: there is no file {name}")
-        if hasattr(os, "geteuid"):
-            mode = path.stat().st_mode
-            if mode & 0o022 or (name == "key.pem" and mode & 0o077):
-                raise InputError(f"{path}: others can read or change this file; use chmod 600")
+        reason = writable_by_others(path)
+        if reason:
+            raise InputError(f"--tls {self.certificates}: {reason}")
+        if name == "key.pem" and hasattr(os, "geteuid") and path.stat().st_mode & 0o077:
+            raise InputError(f"{path}: others can read this key; run chmod 600 on it")
         return path
 
 

@@ -192,6 +192,18 @@ def test_doctor(tmp_path):
     assert "C compiler" in command("doctor", env=environment).stdout
 
 
+@pytest.mark.skipif(not hasattr(os, "geteuid"), reason="needs owners and modes")
+def test_doctor_shows_a_cache_that_others_can_write(tmp_path):
+    folder = tmp_path / "cache"
+    folder.mkdir()
+    folder.chmod(0o777)
+    environment = os.environ | {"VEHICLEDYN_CACHE": str(folder)}
+    told = command("doctor", env=environment).stdout
+    assert f"the cache folder is not used, since others can write to the folder {folder}" in told
+    facts = json.loads(command("doctor", "--json", env=environment).stdout)
+    assert "(mode 0777)" in facts["cache_remark"]
+
+
 def test_models_are_listed():
     assert "iltis" in json.loads(command("models", "list", "--json").stdout)
     assert command("models", "list").stdout.startswith("iltis")

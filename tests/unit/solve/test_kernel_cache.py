@@ -1,9 +1,12 @@
 """Finding compilers, keeping what they build, and what happens when either fails."""
 
 import ast
+import hashlib
+import os
 import shutil
 import subprocess
 import sys
+import time
 from pathlib import Path
 
 import numpy as np
@@ -60,8 +63,6 @@ def test_damaged_entry_is_rebuilt(folder, damage):
 
 
 def test_whole_entry_that_is_no_library_is_rebuilt(folder):
-    import hashlib
-
     compile_kernel(oscillator())
     (entry,) = folder.glob("*.so")
     key = entry.stem.partition("-")[0]
@@ -103,6 +104,93 @@ def test_folder_that_cannot_be_written(tmp_path, monkeypatch, needs_compiler):
     assert kernel.backend == "compiled"
     assert "cannot be used" in kernel.report.remark
     assert rates_of(kernel) == pytest.approx(RATES)
+
+
+EVIL = """
+#include <stdlib.h>
+__attribute__((constructor)) static void run(void) { system("touch '%s'"); }
+"""
+
+
+def planted(folder, tmp_path):
+    """Put a library that leaves a trace in place of the one entry, named by its own checksum."""
+    (entry,) = folder.glob("*.so")
+    trace, source = tmp_path / "trace", tmp_path / "evil.c"
+    source.write_text(EVIL % trace)
+    library = tmp_path / "evil.so"
+    compiler = find_compiler().command
+    subprocess.run([*compiler, "-shared", "-fPIC", "-o", library, source], check=True)
+    content = library.read_bytes()
+    name = f"{entry.stem.partition('-')[0]}-{hashlib.sha256(content).hexdigest()}.so"
+    entry.unlink()
+    target = folder / name
+    target.write_bytes(content)
+    return target, trace
+
+
+needs_owners = pytest.mark.skipif(not hasattr(os, "geteuid"), reason="needs owners and modes")
+
+
+@needs_owners
+@pytest.mark.parametrize("how", ["mode", "owner", "link"])
+def test_a_library_that_others_could_write_is_not_run(folder, tmp_path, how):
+    compile_kernel(oscillator())
+    target, trace = planted(folder, tmp_path)
+    if how == "mode":
+        target.chmod(0o666)
+    elif how == "owner":
+        if os.geteuid():
+            pytest.skip("only root gives files away")
+        os.chown(target, 54321, -1)
+    else:
+        target.replace(tmp_path / "elsewhere.so")
+        target.symlink_to(tmp_path / "elsewhere.so")
+    kernel = compile_kernel(oscillator())
+    assert not trace.exists()
+    assert not kernel.report.cached
+    assert kernel.report.remark.endswith("; the kernel is compiled again")
+    assert str(target) in kernel.report.remark
+    assert rates_of(kernel) == pytest.approx(RATES)
+    again = compile_kernel(oscillator())
+    assert (again.report.cached, again.report.remark) == (True, "")
+
+
+@needs_owners
+def test_a_folder_that_others_can_write_is_not_used(folder, tmp_path):
+    compile_kernel(oscillator())
+    target, trace = planted(folder, tmp_path)
+    folder.chmod(0o777)
+    kernel = compile_kernel(oscillator())
+    assert not trace.exists()
+    assert target.exists()
+    assert f"the cache folder is not used, since others can write to the folder {folder}" in (
+        kernel.report.remark
+    )
+    assert kernel.report.remark.endswith("; the kernel is compiled for this run only")
+    assert rates_of(kernel) == pytest.approx(RATES)
+    folder.chmod(0o700)
+    compile_kernel(oscillator())
+    assert trace.exists()  # the library would have run: in a private folder it is the user's own
+
+
+@needs_owners
+def test_what_is_kept_is_private(folder):
+    old = os.umask(0)
+    try:
+        compile_kernel(oscillator())
+    finally:
+        os.umask(old)
+    (entry,) = folder.glob("*.so")
+    assert [path.stat().st_mode & 0o777 for path in (folder, entry)] == [0o700, 0o700]
+    assert compile_kernel(oscillator()).report.cached
+
+
+def test_what_killed_builds_left_is_removed(folder):
+    for name, age in (("build-old", 2 * 86_400), ("build-new", 0)):
+        (folder / name).mkdir(parents=True)
+        os.utime(folder / name, (time.time() - age,) * 2)
+    compile_kernel(oscillator())
+    assert [path.name for path in folder.glob("build-*")] == ["build-new"]
 
 
 def test_cache_on_a_full_disk(folder, tmp_path, monkeypatch):

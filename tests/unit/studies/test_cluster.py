@@ -96,9 +96,9 @@ def test_keys_that_others_can_use_are_refused(tmp_path):
         (tmp_path / name).write_text("secret", encoding="utf-8")
         (tmp_path / name).chmod(0o600)
     assert address.security().require_encryption
-    for name, mode in (("key.pem", 0o640), ("ca.pem", 0o620), ("cert.pem", 0o602)):
+    for name, mode in (("key.pem", 0o604), ("ca.pem", 0o622), ("cert.pem", 0o602)):
         (tmp_path / name).chmod(mode)
-        with pytest.raises(InputError, match=rf"{name}: others can"):
+        with pytest.raises(InputError, match=r"others can (read|write)"):
             address.security()
         (tmp_path / name).chmod(0o600)
 
