@@ -16,9 +16,10 @@ from vehicledyn.symbolic.ops import Scalar
 class RoadOptions:
     """Parts that a scenario chooses for a road vehicle.
 
-    ``contact`` is "disc" or "vertical" (see :class:`vehicledyn.road.wheel.RoadWheel`).
-    ``free_wheels`` says whether the wheels turn freely or at the constant rate speed / unloaded
-    radius; ``speed`` is the forward speed at the start [m/s].
+    ``contact`` is "disc", "vertical" or "tangent_plane" (see
+    :class:`vehicledyn.road.wheel.RoadWheel`). ``free_wheels`` says whether the wheels turn freely
+    or at the constant rate speed / unloaded radius; ``speed`` is the forward speed at the start
+    [m/s].
     """
 
     front_tyre: Tyre

@@ -12,7 +12,7 @@ from vehicledyn.road.contact import (
     contact_on_plane,
     contact_residuals,
 )
-from vehicledyn.road.contact_below import contact_below
+from vehicledyn.road.contact_below import contact_below, contact_on_tangent_plane
 from vehicledyn.road.relaxation import Relaxation, TransientSlip, transient_slip
 from vehicledyn.road.slip import (
     SlipFloors,
@@ -30,6 +30,7 @@ from vehicledyn.symbolic.ops import Scalar, Vec
 DAMPING_ENGAGEMENT = 1e-3
 """Deflection over which the damping of the tyre fades in at touch-down [m]."""
 
+_BELOW = {"vertical": contact_below, "tangent_plane": contact_on_tangent_plane}
 _OFFSET = ("contact_offset_x", "contact_offset_y")
 _DEFLECTION = ("tyre.longitudinal_deflection", "tyre.lateral_deflection")
 
@@ -73,7 +74,8 @@ class RoadWheel(BasePart):
         Vertical stiffness k [N/m] and damping c [N s/m].
     contact
         "disc" for the geometric contact of a disc (:mod:`vehicledyn.road.contact`), "vertical"
-        for the rules of the Iltis benchmark (:mod:`vehicledyn.road.contact_below`).
+        for the rules of the Iltis benchmark, "tangent_plane" for the same with the contact
+        point in the ground's tangent plane (both :mod:`vehicledyn.road.contact_below`).
     relaxation
         Relaxation lengths; None for steady slip. Needed to stand still under load.
     floors
@@ -187,8 +189,8 @@ class RoadWheel(BasePart):
 
     def _contact(self, situation: Situation) -> Contact:
         centre, axis = self._pose(situation)
-        if self.contact == "vertical":
-            return contact_below(self.surface, centre, axis, self.radius)
+        if self.contact in _BELOW:
+            return _BELOW[self.contact](self.surface, centre, axis, self.radius)
         if self.surface.is_flat:
             return contact_on_plane(self.surface, centre, axis, self.radius)
         offset = self._offset(situation)

@@ -8,12 +8,16 @@ from reference_cases.comparison import Group, deviation
 from reference_cases.motions import drive
 
 STEERING = {"chassis.y": (1e-6, "m"), "benchmark.yaw": (1e-7, "rad")}
-BUMP = {"chassis.z": (2e-5, "m"), "benchmark.pitch": (2e-5, "rad")}
+BUMP = {
+    "chassis.z": (2e-6, "m"),
+    "benchmark.pitch": (2e-7, "rad"),
+    **{f"wheel_{w}.tyre.normal_force": (0.05, "N") for w in ("fl", "fr", "rl", "rr")},
+}
 CASES = [
     *(("iltis_ramp_steer", f"speed={v} m/s", "0.5 ms", STEERING) for v in (10, 20, 30)),
     *(("iltis_sine_steer", f"manoeuvre.amplitude={a} mm", "0.5 ms", STEERING) for a in (1, 2, 4)),
-    *(("iltis_bump_in_phase", f"speed={v} m/s", "0.05 ms", BUMP) for v in (5, 10)),
-    *(("iltis_bump_anti_phase", f"speed={v} m/s", "0.05 ms", BUMP) for v in (5, 10)),
+    *(("iltis_bump_in_phase", f"speed={v} m/s", "0.005 ms", BUMP) for v in (5, 10)),
+    *(("iltis_bump_anti_phase", f"speed={v} m/s", "0.005 ms", BUMP) for v in (5, 10)),
 ]
 
 

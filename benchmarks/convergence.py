@@ -1,0 +1,153 @@
+"""Measure how far scenarios are from convergence: ``python benchmarks/convergence.py [NAME ...]``.
+
+Each scenario runs at its own step and at a half and a quarter of it; methods with step-size
+control run with tolerances a tenth and a hundredth of their own. Printed are, per scenario, the
+channel that moves most in parts of its range, when it does, and what the run costs. ``--json``
+keeps the differences of all channels, ``--set`` changes scenarios as in ``vehicledyn run``.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import time
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+import vehicledyn.catalogue  # noqa: F401
+from vehicledyn.run.rerun import prepare_run
+from vehicledyn.run.watched import simulate_watched
+from vehicledyn.scenario import load_scenario
+
+SCENARIOS = Path(__file__).resolve().parents[1] / "scenarios"
+BAND = 0.01
+"""Part of its range that a channel may move by at half the step [1]."""
+NOISE = 1e-7
+"""Range below this part of the largest range of its unit that is rounding [1]."""
+RESIDUALS = "constraints."
+"""Channels that tell how well the constraints are met: rounding, whatever the step."""
+
+
+@dataclass(frozen=True)
+class Recorded:
+    """A run in memory."""
+
+    times: np.ndarray
+    names: list[str]
+    units: list[str]
+    values: np.ndarray
+    seconds: float
+
+
+def refined(solver, parts):
+    """Return the method with its step divided by ``parts``, or tolerances a tenth per halving."""
+    if hasattr(solver, "step"):
+        return solver.model_copy(update={"step": solver.step / parts})
+    share = 10.0 ** -np.log2(parts)
+    return solver.model_copy(
+        update={
+            name: max(getattr(solver, name) * share, 1e-13)
+            for name in ("relative_tolerance", "absolute_tolerance")
+        }
+    )
+
+
+def record(path, parts=1, changes=()):
+    """Return the run of a scenario with its step divided by ``parts``."""
+    loaded = load_scenario(path, overrides=list(changes))
+    prepared, start = prepare_run(loaded, backend="auto", progress=quiet)
+    s, e = loaded.scenario, prepared.equations
+    times, values = [], []
+
+    def take(t, x, z, y):
+        times.append(t.copy())
+        values.append(y.copy())
+
+    begun = time.process_time()
+    simulate_watched(
+        prepared.subject.system,
+        prepared.kernel,
+        refined(s.solver, parts),
+        start=0.0,
+        stop=s.duration,
+        state=start.state,
+        unknowns=start.unknowns,
+        interval=s.output.interval,
+        sink=take,
+        progress=quiet,
+        happened=lambda name, at: None,
+        watch=lambda: prepared.watch,
+    )
+    return Recorded(
+        np.concatenate(times),
+        [c.name for c in e.channels],
+        [c.unit for c in e.channels],
+        np.vstack(values),
+        time.process_time() - begun,
+    )
+
+
+def quiet(what, part):
+    """Show no progress."""
+
+
+def differences(coarse, fine):
+    """Return per channel how far it moves in parts of its range, and when it moves most [s]."""
+    n = min(len(coarse.times), len(fine.times))
+    spans, apart = np.ptp(fine.values, axis=0), np.abs(coarse.values[:n] - fine.values[:n])
+    largest = {}
+    for unit, span in zip(fine.units, spans, strict=True):
+        largest[unit] = max(largest.get(unit, 0.0), span)
+    found = {}
+    for k, (name, unit) in enumerate(zip(fine.names, fine.units, strict=True)):
+        scale = max(spans[k], NOISE * largest[unit])
+        if scale and not name.startswith(RESIDUALS):
+            at = int(np.argmax(apart[:, k]))
+            found[name] = (float(apart[at, k] / scale), float(coarse.times[at]))
+    return found
+
+
+def worst(found):
+    """Return the channel that moves most: name, part of its range, time."""
+    name = max(found, key=lambda key: found[key][0])
+    return name, *found[name]
+
+
+def paths(names):
+    """Return the scenarios of these names, all if there are none."""
+    known = [*sorted(SCENARIOS.glob("*.yaml")), *sorted((SCENARIOS / "systems").glob("*.yaml"))]
+    return [path for path in known if not names or path.stem in names]
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("names", nargs="*", help="scenarios, all if none")
+    parser.add_argument("--set", action="append", default=[], dest="changes", metavar="KEY=VALUE")
+    parser.add_argument("--json", type=Path, help="write the differences of all channels")
+    parser.add_argument("--parts", type=int, default=4, help="finest step, in parts of the own one")
+    chosen = parser.parse_args()
+    kept = {}
+    for path in paths(chosen.names):
+        try:
+            runs = [record(path, parts, chosen.changes) for parts in (1, 2, chosen.parts)]
+        except Exception as error:
+            print(f"{path.stem:32} {type(error).__name__}: {error}", flush=True)
+            continue
+        halves, quarters = differences(runs[0], runs[1]), differences(runs[0], runs[2])
+        kept[path.stem] = {"half": halves, "quarter": quarters}
+        count = sum(part > BAND for part, _ in halves.values())
+        print(
+            f"{path.stem:32} {runs[0].seconds:7.2f} s  "
+            f"half {worst(halves)[1]:8.1e} {worst(halves)[0]} at {worst(halves)[2]:.3f} s  "
+            f"quarter {worst(quarters)[1]:8.1e} {worst(quarters)[0]}  "
+            f"{count} of {len(halves)} channels above {BAND:.0%}",
+            flush=True,
+        )
+    if chosen.json:
+        chosen.json.write_text(json.dumps(kept, indent=1), encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main()
