@@ -13,6 +13,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from vehicledyn.base.errors import InputError, unknown_name
+from vehicledyn.base.files import read_regular
 from vehicledyn.base.problems import START, Mark, Problem, refusal
 from vehicledyn.base.units import parse_unit
 
@@ -201,14 +202,7 @@ def _cells(text: str, separator: str) -> list[tuple[int, str]]:
 
 
 def _lines(path: Path) -> list[str]:
-    try:
-        if path.stat().st_size > LARGEST_FILE:
-            raise InputError(f"{path}: is larger than {LARGEST_FILE // 10**6} MB: no table")
-        content = path.read_bytes()
-    except FileNotFoundError:
-        raise InputError(f"{path}: there is no such file") from None
-    except OSError as error:
-        raise InputError(f"{path}: cannot be read: {error.strerror}") from None
+    content = read_regular(path, LARGEST_FILE)
     if b"\0" in content:
         raise InputError(f"{path}: is not a text file; tables are text")
     return content.decode("utf-8-sig", errors="replace").splitlines()

@@ -5,6 +5,11 @@ from __future__ import annotations
 import difflib
 from collections.abc import Iterable
 
+_MOST_LISTED = 60
+_MOST_TRIED = 5_000
+_LONGEST = 200
+"""Letters of a name that are compared and shown."""
+
 
 class VehicledynError(Exception):
     """Base of every error this package raises on purpose.
@@ -45,7 +50,8 @@ class StoppedError(VehicledynError):
 
 def nearest_name(name: str, known: Iterable[str]) -> str | None:
     """Return the known name that looks most like ``name``, or None if nothing is close."""
-    matches = difflib.get_close_matches(name, list(known), n=1, cutoff=0.55)
+    likely = [other for other in known if abs(len(other) - len(name)) <= len(other)]
+    matches = difflib.get_close_matches(name[:_LONGEST], likely[:_MOST_TRIED], n=1, cutoff=0.55)
     return matches[0] if matches else None
 
 
@@ -58,4 +64,7 @@ def unknown_name(what: str, name: str, known: Iterable[str]) -> str:
     names = sorted(known)
     guess = nearest_name(name, names)
     hint = f"did you mean '{guess}'? " if guess else ""
-    return f"no {what} named '{name}'; {hint}Known: {', '.join(names) or 'none'}"
+    more = f" and {len(names) - _MOST_LISTED} more" if len(names) > _MOST_LISTED else ""
+    listed = ", ".join(names[:_MOST_LISTED]) or "none"
+    shown = name if len(name) <= _LONGEST else f"{name[:_LONGEST]}..."
+    return f"no {what} named '{shown}'; {hint}Known: {listed}{more}"

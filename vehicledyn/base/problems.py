@@ -18,6 +18,8 @@ class Mark(NamedTuple):
 
 
 START = Mark(1, 1)
+MOST_SHOWN = 20
+"""Problems that an error lists one by one."""
 
 
 class Problem(NamedTuple):
@@ -51,7 +53,12 @@ def dotted(place: Iterable[str | int]) -> str:
 
 
 def refusal(problems: Sequence[Problem], file: str) -> InputError:
-    """Return the error that lists all problems of a file, sorted by position, options last."""
+    """Return the error that lists the problems of a file, sorted by position, options last.
+
+    Of many it lists the first and says how many more there are.
+    """
     ordered = sorted(problems, key=lambda p: (p.mark is None, p.source != file, p.mark or START))
     count = "1 problem" if len(ordered) == 1 else f"{len(ordered)} problems"
-    return InputError("\n".join([*map(str, ordered), f"{count} in {file}"]))
+    hidden = len(ordered) - MOST_SHOWN
+    more = [f"... and {hidden} more"] if hidden > 0 else []
+    return InputError("\n".join([*map(str, ordered[:MOST_SHOWN]), *more, f"{count} in {file}"]))

@@ -16,6 +16,7 @@ from ruamel.yaml.error import MarkedYAMLError, YAMLStreamError
 from ruamel.yaml.nodes import MappingNode, Node, ScalarNode, SequenceNode
 from ruamel.yaml.reader import ReaderError
 
+from vehicledyn.base.files import UnreadableFileError, read_regular
 from vehicledyn.base.problems import START, Mark, Place, Problem, dotted, refusal
 
 LARGEST_FILE = 5_000_000
@@ -134,6 +135,7 @@ class _Builder:
         self.document = document
         self.constructor = reader.constructor
         self.count = 0
+        self.size = 0
         self.open: set[int] = set()
 
     def build(self, node: Node, place: Place) -> Any:
@@ -193,6 +195,9 @@ class _Builder:
 
     def _text(self, node: ScalarNode, place: Place) -> str:
         text = str(node.value)
+        self.size += len(text)
+        if self.size > LARGEST_FILE:
+            raise _syntax("aliases repeat too much text", self.document.name, _mark(node))
         if _NO_TEXT.search(text):
             self._note(_mark(node), place, "the text holds a character that no file can store")
         return text
@@ -203,18 +208,9 @@ class _Builder:
 
 def _read_bytes(path: Path) -> bytes:
     try:
-        with path.open("rb") as stream:
-            content = stream.read(LARGEST_FILE + 1)
-    except FileNotFoundError:
-        raise _unreadable("there is no such file", path) from None
-    except IsADirectoryError:
-        raise _unreadable("this is a folder, not a file", path) from None
-    except (OSError, ValueError) as error:
-        reason = error.strerror if isinstance(error, OSError) else None
-        raise _unreadable(f"cannot be read: {reason or error}", path) from None
-    if len(content) > LARGEST_FILE:
-        raise _unreadable(f"larger than {LARGEST_FILE // 1_000_000} MB; is this YAML?", path)
-    return content
+        return read_regular(path, LARGEST_FILE)
+    except UnreadableFileError as error:
+        raise refusal([Problem(str(path), START, "file", error.words)], str(path)) from None
 
 
 def _decode(content: bytes, name: str) -> str:
@@ -224,10 +220,6 @@ def _decode(content: bytes, name: str) -> str:
         before = content[: error.start].decode("utf-8", errors="replace")
         words = f"the byte 0x{content[error.start]:02x} is not UTF-8; save the file as UTF-8 text"
         raise _syntax(words, name, _mark_at(before, len(before))) from None
-
-
-def _unreadable(words: str, path: Path) -> Exception:
-    return refusal([Problem(str(path), START, "file", words)], str(path))
 
 
 def _syntax(words: str, name: str, mark: Mark) -> Exception:

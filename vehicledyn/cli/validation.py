@@ -9,8 +9,10 @@ from typing import Any
 
 import vehicledyn
 from vehicledyn.base.errors import InputError, MissingPartError
+from vehicledyn.base.files import read_regular
 from vehicledyn.cli.terminal import emit, show_progress
 
+_LARGEST_PROJECT = 1_000_000
 GENERATOR = Path("reports", "generate.py")
 REFERENCES = Path("tests", "validation", "reference_cases")
 
@@ -65,8 +67,8 @@ def _root(folder: Path | None) -> Path:
 def _is_clone(folder: Path) -> bool:
     """Return whether a folder is a clone of this program in this version, data and all."""
     try:
-        project = tomllib.loads((folder / "pyproject.toml").read_text(encoding="utf-8"))
-    except (OSError, ValueError):
+        project = tomllib.loads(read_regular(folder / "pyproject.toml", _LARGEST_PROJECT).decode())
+    except (InputError, ValueError):
         return False
     known = project.get("project", {})
     same = known.get("name") == "vehicledyn" and known.get("version") == vehicledyn.__version__

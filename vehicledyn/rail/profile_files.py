@@ -12,6 +12,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 from vehicledyn.base.errors import InputError
+from vehicledyn.base.files import read_regular
 from vehicledyn.rail.profile_columns import IN_HEADER, read_columns
 from vehicledyn.rail.profile_points import RawPoints, number_of, take_unit
 
@@ -159,13 +160,7 @@ def _read_miniprof(file: str, lines: list[str]) -> RawPoints:
 
 
 def _lines(path: Path) -> list[str]:
-    try:
-        if path.stat().st_size > LARGEST_FILE:
-            raise InputError(f"{path}: is larger than {LARGEST_FILE // 10**6} MB: no profile")
-        text = path.read_bytes()
-    except OSError as error:
-        raise InputError(f"{path}: cannot be read: {error.strerror}") from None
-    return _decoded(path, text).splitlines()
+    return _decoded(path, read_regular(path, LARGEST_FILE)).splitlines()
 
 
 def _decoded(path: Path, text: bytes) -> str:

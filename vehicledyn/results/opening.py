@@ -13,6 +13,7 @@ from pathlib import Path
 import h5py
 
 from vehicledyn.base.errors import InputError
+from vehicledyn.base.files import open_regular
 from vehicledyn.results import superblock
 from vehicledyn.results.output import is_being_written
 
@@ -23,7 +24,7 @@ def open_file(path: Path) -> h5py.File:
     Raises
     ------
     InputError
-        If there is no such file, or it is not HDF5 or cut off.
+        If there is no such file, it is no regular file, or it is not HDF5 or cut off.
     OSError
         If it is damaged otherwise.
     """
@@ -42,13 +43,8 @@ def is_concurrent(path: Path) -> bool:
     InputError
         If there is no such file, or it is not HDF5 or cut off.
     """
-    try:
-        with path.open("rb") as file:
-            start, size = file.read(superblock.SIZE), os.fstat(file.fileno()).st_size
-    except FileNotFoundError:
-        raise InputError(f"{path}: no such file") from None
-    except OSError as error:
-        raise InputError(f"{path}: cannot be read: {error.strerror}") from error
+    with open_regular(path) as file:
+        start, size = file.read(superblock.SIZE), os.fstat(file.fileno()).st_size
     if not start.startswith(superblock.SIGNATURE):
         raise InputError(f"{path}: is not an HDF5 file; give a result of 'vehicledyn run'")
     if not superblock.is_open_with_readers(start):

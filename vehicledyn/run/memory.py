@@ -21,6 +21,8 @@ from pathlib import Path
 from typing import Any
 
 import vehicledyn
+from vehicledyn.base.errors import InputError
+from vehicledyn.base.files import read_regular
 from vehicledyn.base.ownership import writable_by_others
 from vehicledyn.base.registry import find
 from vehicledyn.run.named_files import named_files
@@ -31,6 +33,7 @@ from vehicledyn.solve.compiler import CompilationError, find_compiler
 MOST_ENTRIES = 200
 """Entries that are kept, the youngest."""
 
+_LARGEST_ENTRY = 50_000_000
 _WITHOUT_EFFECT = ("title", "solver", "output")
 _log = logging.getLogger(__name__)
 
@@ -73,9 +76,9 @@ def recall(key: str) -> Memory | None:
     if distrust() or writable_by_others(_path(key)):
         return None
     try:
-        content = json.loads(_path(key).read_text(encoding="utf-8"))
+        content = json.loads(read_regular(_path(key), _LARGEST_ENTRY))
         return Memory(**content) if _checksum(content) == content.pop("checksum") else None
-    except (OSError, ValueError, KeyError, TypeError, AttributeError):
+    except (InputError, OSError, ValueError, KeyError, TypeError, AttributeError):
         return None
 
 

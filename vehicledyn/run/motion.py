@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vehicledyn.base.errors import InputError, unknown_name
+from vehicledyn.base.files import read_regular
 from vehicledyn.base.shape_preserving import largest_swing
 from vehicledyn.base.units import parse_unit
 from vehicledyn.multibody.system import System
@@ -23,6 +24,9 @@ from vehicledyn.systems.laws import TimeLaw
 from vehicledyn.systems.read import SystemModel
 
 Array = NDArray[np.float64]
+LARGEST_FILE = 50_000_000
+"""Bytes of the largest table that is read."""
+
 DEGREE = 5
 """Of the curves through the points of a table: their fourth derivative is continuous."""
 _ROUNDING = 1e-9
@@ -182,8 +186,8 @@ def _checked(path: Path, names: tuple[str, ...], times: Array, values: Array) ->
 def _read_csv(path: Path, units: dict[str, str]) -> tuple[list[str], Array]:
     """Return names and SI values of a table; every column must be known."""
     try:
-        text = path.read_text(encoding="utf-8")
-    except (OSError, UnicodeDecodeError) as error:
+        text = read_regular(path, LARGEST_FILE).decode("utf-8-sig")
+    except UnicodeDecodeError as error:
         raise InputError(f"{path}: cannot be read: {error}") from None
     lines = [
         (number, line)

@@ -8,6 +8,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
+from vehicledyn.base.files import TooLargeError, UnreadableFileError, read_regular
 from vehicledyn.scenario import LoadedScenario
 
 _YAML = (".yaml", ".yml")
@@ -15,6 +16,8 @@ _SUFFIX = re.compile(r"\.[A-Za-z0-9]{1,8}$")
 _QUOTED = re.compile(r"\"([^\"\n]+)\"|'([^'\n]+)'")
 _BARE = re.compile(r"[^\s\[\]{},\"']+")
 _LONGEST = 250
+LARGEST_FILE = 200_000_000
+"""Bytes of the largest file whose content counts; of larger ones size and time do."""
 
 
 def named_files(loaded: LoadedScenario) -> dict[str, str]:
@@ -48,8 +51,11 @@ def _may_be_file(name: str) -> bool:
 
 def _content(path: Path) -> bytes | None:
     try:
-        return path.read_bytes() if path.is_file() else None
-    except (OSError, ValueError):
+        return read_regular(path, LARGEST_FILE)
+    except TooLargeError:
+        facts = path.stat()
+        return f"{facts.st_size} {facts.st_mtime_ns}".encode()
+    except UnreadableFileError:
         return None
 
 

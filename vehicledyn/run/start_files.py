@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from vehicledyn.base.errors import InputError, unknown_name
+from vehicledyn.base.files import read_regular
 from vehicledyn.base.schema_line import FileKind, schema_line, schema_name
 from vehicledyn.scenario import scenario_schema
 from vehicledyn.systems.schema import system_schema
@@ -75,7 +76,7 @@ def _differs(path: Path, text: str) -> bool:
     if not path.exists() and not path.is_symlink():
         return False
     try:
-        same = path.suffix == ".json" and path.read_text(encoding="utf-8") == text
-    except (OSError, UnicodeDecodeError):
+        same = path.suffix == ".json" and read_regular(path, 4 * len(text)) == text.encode()
+    except InputError:
         return True
     return not same

@@ -9,6 +9,7 @@ from typing import Any
 
 from pydantic import ValidationError
 
+from vehicledyn.base.files import UnreadableFileError, check_regular
 from vehicledyn.base.parameters import ParameterSet, as_plain, units_of
 from vehicledyn.base.problems import START, Problem, refusal
 from vehicledyn.base.registry import find, kinds
@@ -211,8 +212,10 @@ def _read_written(
     if not is_file(model) or model in kinds("model"):
         return None, []
     file = _beside(path, str(model))
-    if not file.is_file():
-        return None, [sources.problem(("model",), f"there is no file {file}")]
+    try:
+        check_regular(file)
+    except UnreadableFileError as error:
+        return None, [sources.problem(("model",), str(error))]
     return read_model(file, data, sources)
 
 

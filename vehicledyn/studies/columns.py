@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import io
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
@@ -10,6 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from vehicledyn.base.errors import InputError
+from vehicledyn.base.files import open_regular
 from vehicledyn.base.problems import Mark, Place, Problem
 from vehicledyn.base.units import describe, parse_unit, to_si
 from vehicledyn.scenario.sources import Sources
@@ -17,6 +19,9 @@ from vehicledyn.studies.sets import CaseList, Grid, Study
 
 MOST_ROWS = 1_000_000
 MOST_VALUES = 1_000_000
+LARGEST_FILE = 200_000_000
+"""Bytes of the largest table that is read."""
+
 _FROM, _TO, _COUNT, _SCALE = "from", "to", "count", "scale"
 
 
@@ -154,7 +159,10 @@ def _table(path: Path) -> list[Written]:
         One line for each problem, with file and line.
     """
     try:
-        with path.open(encoding="utf-8-sig", newline="") as stream:
+        with (
+            open_regular(path, LARGEST_FILE) as file,
+            io.TextIOWrapper(file, encoding="utf-8-sig", newline="") as stream,
+        ):
             return _read_table(str(path), stream)
     except (OSError, UnicodeDecodeError, csv.Error) as error:
         reason = getattr(error, "strerror", None) or error

@@ -24,6 +24,11 @@ from vehicledyn.systems.expressions import read_expression
 from vehicledyn.systems.sets import Sections
 
 MOST_COPIES = 10_000
+MOST_VALUES = 1_000_000
+MOST_LETTERS = 20_000_000
+"""Values and letters of all texts that repetition makes, at most."""
+
+_MOST_PROBLEMS = 1_000
 SECTIONS = (*Sections.model_fields, "parameters")
 Index = dict[str, int | str]
 _BRACES = re.compile(r"\{([^{}]*)\}")
@@ -40,11 +45,25 @@ class Expansion:
     origins: dict[Place, Place] = field(default_factory=dict)
     problems: list[tuple[Place, str]] = field(default_factory=list)
     copies: int = 0
+    values: int = 0
+    letters: int = 0
 
     @property
     def overflows(self) -> bool:
-        """Whether the file asks for more copies than are made."""
-        return self.copies > MOST_COPIES
+        """Whether the file asks for more than is made."""
+        return bool(self._excess)
+
+    @property
+    def _excess(self) -> str:
+        for number, most, what in (
+            (self.copies, MOST_COPIES, "copies"),
+            (self.values, MOST_VALUES, "values"),
+            (self.letters, MOST_LETTERS, "letters"),
+            (len(self.problems), _MOST_PROBLEMS, "problems"),
+        ):
+            if number > most:
+                return f"makes more than {most} {what}"
+        return ""
 
     def place(self, place: Place) -> Place:
         """Return where in the file something of the expanded data stands."""
@@ -102,11 +121,12 @@ class Expansion:
             if self.overflows:
                 return
             self.copies += 1
-            if self.overflows:
-                self.problems.append((place, f"makes more than {MOST_COPIES} copies"))
-                return
             parts = {k: v for k, v in item.items() if k in known}
-            self._fill(target, at, parts, place, values)
+            if not self.overflows:
+                self._fill(target, at, parts, place, values)
+            if self.overflows:
+                self.problems.append((place, self._excess))
+                return
 
     def _mirror(
         self, target: dict[str, Any], at: Place, value: Any, place: Place, index: Index
@@ -162,6 +182,9 @@ class Expansion:
         return 0
 
     def _filled(self, value: Any, place: Place, index: Index) -> Any:
+        self.values += bool(index)
+        if self.overflows:
+            return None
         if isinstance(value, dict):
             return {
                 self._text(k, (*place, k), index): self._filled(v, (*place, k), index)
@@ -189,7 +212,9 @@ class Expansion:
                 return "0"
             return str(int(found))
 
-        return _BRACES.sub(worth, text)
+        filled = _BRACES.sub(worth, text)
+        self.letters += len(filled)
+        return filled
 
 
 def expand(data: dict[str, Any]) -> Expansion:

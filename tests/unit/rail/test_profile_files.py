@@ -364,7 +364,7 @@ def test_simpack_without_points(tmp_path):
 
 
 def test_missing_and_binary_files(tmp_path):
-    with pytest.raises(InputError, match="cannot be read: No such file"):
+    with pytest.raises(InputError, match="there is no such file"):
         open_profile(str(tmp_path / "none.csv"), "rail")
     (tmp_path / "b.csv").write_bytes(b"1 2\0\n")
     with pytest.raises(InputError, match="not a text file"):

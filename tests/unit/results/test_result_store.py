@@ -431,7 +431,7 @@ def test_unreadable_files(tmp_path, make_result):
             open_result(tmp_path / name)
     with pytest.raises(InputError, match="no such file"):
         open_result(tmp_path / "none.h5")
-    with pytest.raises(InputError, match="cannot be read"):
+    with pytest.raises(InputError, match="this is a folder"):
         open_result(tmp_path)
 
 

@@ -131,7 +131,7 @@ def test_what_was_found_before_a_dead_centre_is_kept(tmp_path):
         ("motion: {crank.angle: 1 m}\n", "this is in m, a quantity in rad is needed"),
         ("motion: {crank.angle: open('x')}\n", "motion.crank.angle: "),
         ("motion: {crank.angle: {kind: ramp}}\n", "motion.crank.angle.last: missing"),
-        ("motion: nothing.csv\n", "nothing.csv: cannot be read"),
+        ("motion: nothing.csv\n", "nothing.csv: there is no such file"),
         (
             "motion: {crank.angle: 1 rad, slider.height: 1 m}\n",
             r"has 1 independent coordinate\(s\), the motion of 2 is prescribed",

@@ -84,7 +84,7 @@ def test_rows_and_a_table_give_the_same_cases(tmp_path):
         ("  kind: grid\n  vary: {}\n", ["nothing varies"]),
         ("  kind: list\n  rows: []\n", ["no rows; a study without cases"]),
         ("  kind: list\n", ["either 'rows' or 'file'"]),
-        ("  kind: list\n  file: none.csv\n", ["none.csv: cannot be read"]),
+        ("  kind: list\n  file: none.csv\n", ["none.csv: there is no such file"]),
         (
             "  kind: list\n  rows: [{speed: 1}, {parameters.mass: 2 kg}]\n",
             ["not the keys of the first row: parameters.mass, speed"],

@@ -1,0 +1,204 @@
+"""Runs the program on one hostile input in a forked child, and says what it must never do.
+
+The parent has everything imported, so a case costs no start. Limits of the child make sure that
+no case outlives its ten seconds of processor time, hangs or fills the memory.
+"""
+
+import contextlib
+import os
+import re
+import resource
+import shutil
+import signal
+import sys
+import tempfile
+import traceback
+from dataclasses import dataclass, field
+from pathlib import Path
+
+PROCESSOR_SECONDS = 10
+WALL_SECONDS = 60
+MOST_MEMORY = 1 << 30
+MOST_TEXT = 200_000
+CODES = {0, 1, 2, 3, 4, 5}
+_ADDRESS_SPACE = 6 << 30
+_ESCAPED = 99
+
+
+@dataclass(frozen=True)
+class Case:
+    """Files by name, the command on them, and the outputs that it may leave."""
+
+    name: str
+    files: dict
+    command: list
+    outputs: tuple = ()
+
+
+@dataclass
+class Outcome:
+    """How a command ended: exit code or signal, text, processor time [s], memory [bytes]."""
+
+    case: Case
+    code: int | None
+    signal: int | None
+    text: str
+    seconds: float
+    memory: int
+    left: list = field(default_factory=list)
+    faults: list = field(default_factory=list)
+
+
+def run(case, keep=None):
+    """Run a case in a folder of its own and return what became of it."""
+    folder = Path(tempfile.mkdtemp(prefix="hostile-"))
+    try:
+        for name, content in case.files.items():
+            place = folder / name
+            place.parent.mkdir(parents=True, exist_ok=True)
+            if callable(content):
+                content(place)
+            else:
+                place.write_bytes(content)
+        before = _listed(folder)
+        outcome = _run_in(folder, case)
+        outcome.left = sorted(_listed(folder) - before)
+        outcome.faults = list(_faults(outcome, folder))
+        if outcome.faults and keep is not None:
+            _keep(outcome, folder, Path(keep))
+        return outcome
+    finally:
+        shutil.rmtree(folder, ignore_errors=True)
+
+
+def _listed(folder):
+    return {str(path.relative_to(folder)) for path in folder.rglob("*") if not path.is_dir()}
+
+
+def _run_in(folder, case):
+    sys.stdout.flush()
+    sys.stderr.flush()
+    with tempfile.TemporaryFile() as output:
+        number = os.fork()
+        if number == 0:
+            _be_child(folder, case, output)
+        _, status, usage = os.wait4(number, 0)
+        with contextlib.suppress(ProcessLookupError):
+            os.killpg(number, signal.SIGKILL)
+        output.seek(0)
+        text = output.read(4 * MOST_TEXT).decode("utf-8", "replace")
+    ended = os.WIFEXITED(status)
+    return Outcome(
+        case=case,
+        code=os.WEXITSTATUS(status) if ended else None,
+        signal=None if ended else os.WTERMSIG(status),
+        text=text,
+        seconds=usage.ru_utime + usage.ru_stime,
+        memory=usage.ru_maxrss * 1024,
+    )
+
+
+def _be_child(folder, case, output):
+    code = _ESCAPED
+    try:
+        os.setpgid(0, 0)
+        os.chdir(folder)
+        for stream in (1, 2):
+            os.dup2(output.fileno(), stream)
+        with open(os.devnull) as nothing:  # noqa: PTH123
+            os.dup2(nothing.fileno(), 0)
+        for name in ("SIGALRM", "SIGINT", "SIGXCPU"):
+            signal.signal(getattr(signal, name), signal.SIG_DFL)
+        signal.alarm(WALL_SECONDS)
+        seconds = PROCESSOR_SECONDS
+        resource.setrlimit(resource.RLIMIT_CPU, (seconds, seconds + 1))
+        resource.setrlimit(resource.RLIMIT_AS, (_ADDRESS_SPACE, _ADDRESS_SPACE))
+        resource.setrlimit(resource.RLIMIT_FSIZE, (1 << 30, 1 << 30))
+        resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
+        code = call(case.command)
+    except BaseException:
+        traceback.print_exc()
+    finally:
+        with contextlib.suppress(BaseException):
+            sys.stdout.flush()
+            sys.stderr.flush()
+        os._exit(code)
+
+
+def call(command):
+    """Call the program as its command line does; return the exit code."""
+    from vehicledyn.cli import main
+
+    sys.argv = ["vehicledyn", *command]
+    sys.stdout = open(1, "w", encoding="utf-8", closefd=False)  # noqa: SIM115
+    sys.stderr = open(2, "w", encoding="utf-8", closefd=False)  # noqa: SIM115
+    try:
+        main()
+    except SystemExit as end:
+        if isinstance(end.code, int) or end.code is None:
+            return end.code or 0
+        print(end.code, file=sys.stderr)  # noqa: T201
+        return 1
+
+
+def _faults(outcome, folder):
+    """Yield what the program promises not to do and did."""
+    text, code = outcome.text, outcome.code
+    if outcome.signal in (signal.SIGXCPU, signal.SIGKILL) and outcome.seconds > 0.9 * (
+        PROCESSOR_SECONDS
+    ):
+        yield f"more than {PROCESSOR_SECONDS} s of processor time"
+    elif outcome.signal == signal.SIGALRM:
+        yield f"hangs (no end after {WALL_SECONDS} s)"
+    elif outcome.signal is not None:
+        yield f"killed by signal {outcome.signal}"
+    elif code not in CODES:
+        yield f"exit code {code}: {_last_line(text)}"
+    if "Traceback (most recent call last)" in text and code != _ESCAPED:
+        yield "a traceback"
+    if outcome.memory > MOST_MEMORY:
+        yield f"{outcome.memory / 2**20:.0f} MiB of memory"
+    if len(text) > MOST_TEXT:
+        yield f"more than {MOST_TEXT} letters of output"
+    if code and not text.strip():
+        yield f"exit code {code} without a word"
+    if outcome.signal is None:
+        yield from _leftovers(outcome, folder)
+
+
+def _leftovers(outcome, folder):
+    for name in outcome.left:
+        if not any(
+            name == output or name.startswith(f"{output}/") for output in (outcome.case.outputs)
+        ):
+            yield f"leaves {re.sub('[0-9a-f]{6,}|_[a-z0-9_]{8}', '*', name)}"
+        elif outcome.code == 2 and name.endswith(".h5"):
+            yield from _taken_for_whole(folder / name)
+
+
+def _taken_for_whole(path):
+    """Yield whether a result that a refused command left is not marked as partial."""
+    import h5py
+
+    try:
+        with h5py.File(path, "r") as file:
+            status = file.attrs.get("status", None)
+            state = file["state"][0].decode() if "state" in file else None
+    except OSError:
+        return
+    if "ok" in (status, state):
+        yield f"exit code 2, but {path.name} looks whole"
+
+
+def _last_line(text):
+    lines = [line for line in text.splitlines() if line.strip()]
+    return lines[-1][:200] if lines else ""
+
+
+def _keep(outcome, folder, place):
+    target = place / re.sub(r"\W+", "_", outcome.case.name)
+    with contextlib.suppress(OSError, shutil.Error):
+        shutil.copytree(folder, target, dirs_exist_ok=True)
+        words = " ".join(map(repr, outcome.case.command))
+        story = f"{words}\n{outcome.faults}\n{outcome.text[-20000:]}"
+        (target / "STORY.txt").write_text(story, encoding="utf-8")
