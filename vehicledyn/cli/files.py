@@ -121,13 +121,21 @@ def compare(
 ) -> None:
     """Compare a result file with a reference; exit code 0 if equal within tolerance, else 1."""
     from vehicledyn.results.compare import compare_files
+    from vehicledyn.results.linear_compare import compare_linear, other_kinds
+    from vehicledyn.results.linear_results import is_linear
     from vehicledyn.results.study_compare import compare_studies
     from vehicledyn.results.study_reader import is_study_file
     from vehicledyn.results.tolerances import Tolerances
 
     by_channel = tolerance_of_channels(tolerances or [])
-    if is_study_file(result) and is_study_file(reference):
-        comparison = compare_studies(
+    if is_linear(reference) or other_kinds(result, reference):
+        compare_other = compare_linear
+    elif is_study_file(reference):
+        compare_other = compare_studies
+    else:
+        compare_other = None
+    if compare_other is not None:
+        comparison = compare_other(
             result,
             reference,
             tolerances=Tolerances(relative, absolute, by_channel),

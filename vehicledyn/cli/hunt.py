@@ -79,6 +79,10 @@ def hunt(
     plots: Annotated[
         Path | None, typer.Option(help="Folder of the figures; the result's name with _plots.")
     ] = None,
+    resume: Annotated[
+        bool,
+        typer.Option("--resume", help="Go on with a study that was killed or stopped."),
+    ] = False,
     no_plots: Annotated[bool, typer.Option("--no-plots", help="Draw nothing.")] = False,
     backend: BackendChoice = Backend.AUTO,
     as_json: Json = False,
@@ -111,6 +115,7 @@ def hunt(
             output=result,
             plots=folder,
             progress=progress,
+            resume=resume,
         )
     for message in report.messages:
         tell(message)

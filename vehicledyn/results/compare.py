@@ -17,7 +17,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vehicledyn.base.errors import InputError, nearest_name
-from vehicledyn.results.comparison import ChannelComparison, Comparison
+from vehicledyn.base.units import shown
+from vehicledyn.results.comparison import LISTED, ChannelComparison, Comparison
 from vehicledyn.results.grids import grid_difference, range_difference
 from vehicledyn.results.reader import Result, Series, open_result
 from vehicledyn.results.tolerances import Tolerances
@@ -217,5 +218,22 @@ def _notes(result: Result, reference: Result) -> list[str]:
     if result.model != reference.model:
         notes.append(f"model is {result.model}, in the reference {reference.model}")
     elif result.model_hash != reference.model_hash:
-        notes.append(f"model {result.model} has other equations than in the reference")
+        notes.append(_other_model(result, reference))
     return notes
+
+
+def _other_model(result: Result, reference: Result) -> str:
+    """Return by what a model of the same name differs, its equations or parameters."""
+    (ours, values), (theirs, wanted) = result.equations, reference.equations
+    if not (ours and theirs):
+        return f"model {result.model} has other equations or parameters than in the reference"
+    if ours != theirs:
+        return f"model {result.model} has other equations than in the reference"
+    changed = [name for name in wanted if values.get(name) != wanted[name]]
+    told = ", ".join(
+        f"{name} = {shown(*values[name])} (reference {shown(*wanted[name])})"
+        for name in changed[:LISTED]
+        if name in values
+    )
+    more = f" and {len(changed) - LISTED} more" if len(changed) > LISTED else ""
+    return f"model {result.model} has other parameters than in the reference: {told}{more}"

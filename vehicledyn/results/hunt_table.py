@@ -19,21 +19,27 @@ from vehicledyn.results.linear_file import (
     write_quantities,
     write_texts,
 )
+from vehicledyn.results.output import is_being_written
 
 FORMAT = "vehicledyn-hunt"
 SETTLED = "settled"
+RUNNING, INTERRUPTED = "running", "interrupted"
 FIGURE_MEANINGS = {
     "linear_critical": "linear critical value (an oscillation begins to grow)",
     "linear_critical_frequency": "its frequency",
-    "nonlinear_critical": "non-linear critical value (lowest stable limit cycle)",
-    "simulated_lowering": "the same by simulation, lowered step by step",
+    "oscillation_ceases": "above, an oscillation ceases to grow",
+    "oscillation_ceases_frequency": "its frequency",
+    "divergence_begins": "above, a motion grows without oscillation",
+    "divergence_ceases": "above, a motion ceases to grow without oscillation",
+    "nonlinear_critical": "lowest stable limit cycle found in this range",
+    "simulated_lowering": "lowest one by simulation, lowered step by step",
     "simulated_raising": "linear one by simulation, a small disturbance grows",
     "largest_difference_amplitude": "largest difference of amplitude, simulated",
     "largest_difference_period": "largest difference of period, simulated",
     "simulated_seconds": "motion simulated for these",
 }
 
-_ORIGIN = "origin_of_branch_"
+_ORIGIN, _MEANS = "origin_of_branch_", "means_of_"
 _SIMULATED = "value", "amplitude", "period", "spread", "seconds"
 
 
@@ -85,7 +91,9 @@ class HuntTable:
 
     ``locus_values`` (n,) and ``eigenvalues`` (n, n_states) belong to the equilibria;
     ``simulated`` are motions that simulation came to; ``figures`` are the critical values by name;
-    ``origins`` tell by number where branches lead off others.
+    ``origins`` tell by number where branches lead off others, ``means`` by name how figures were
+    found, ``identity`` is equal for studies that find the same. ``status`` is "ok", "partial",
+    "failed", "interrupted" or, while it is computed, "running".
     """
 
     title: str
@@ -100,6 +108,13 @@ class HuntTable:
     status: str
     message: str
     origins: dict[int, str] = field(default_factory=dict)
+    means: dict[str, str] = field(default_factory=dict)
+    identity: str = ""
+
+    @property
+    def is_finished(self) -> bool:
+        """Whether the study came to its end, complete or not."""
+        return self.status not in (RUNNING, INTERRUPTED)
 
     def branch(self, number: int) -> list[CycleRow]:
         """Return the cycles of a branch, in its order."""
@@ -119,8 +134,10 @@ class HuntTable:
         return sorted({row.branch for row in self.cycles})
 
 
-def write_hunt(path: Path, table: HuntTable) -> None:
-    """Write a study to a file.
+def write_hunt(path: Path, table: HuntTable, *, is_locked: bool = False) -> None:
+    """Write a study to a file, which keeps what it held until all is written.
+
+    ``is_locked`` says that the caller holds the lock of the file.
 
     Raises
     ------
@@ -132,11 +149,13 @@ def write_hunt(path: Path, table: HuntTable) -> None:
         "model": table.model,
         "status": table.status,
         "message": table.message,
+        "identity": table.identity,
         **{f"figure_{name}": value for name, value in table.figures.items()},
         **{f"{_ORIGIN}{number}": words for number, words in table.origins.items()},
+        **{f"{_MEANS}{name}": words for name, words in table.means.items()},
     }
     unit, name = table.parameter.unit, table.parameter.description or table.parameter.name
-    with new_file(path, FORMAT, head) as file:
+    with new_file(path, FORMAT, head, is_locked=is_locked) as file:
         write_quantities(file, "parameter", [table.parameter])
         channels = write_quantities(file, "channel", table.channels)
         write_numbers(file, "equilibrium_parameter", table.locus_values, (), (unit, name))
@@ -222,14 +241,27 @@ def read_hunt(path: Path) -> HuntTable:
                 for key, value in file.attrs.items()
                 if key.startswith(prefix)
             },
-            str(file.attrs["status"]),
-            str(file.attrs["message"]),
+            *_status(path, str(file.attrs["status"]), str(file.attrs["message"])),
             {
                 int(key.removeprefix(_ORIGIN)): str(words)
                 for key, words in file.attrs.items()
                 if key.startswith(_ORIGIN)
             },
+            {
+                key.removeprefix(_MEANS): str(words)
+                for key, words in file.attrs.items()
+                if key.startswith(_MEANS)
+            },
+            str(file.attrs.get("identity", "")),
         )
+
+
+def _status(path: Path, status: str, message: str) -> tuple[str, str]:
+    """Return status and message; what runs no more, and never said how it ended, was killed."""
+    if status != RUNNING or is_being_written(path.resolve()):
+        return status, message
+    words = "the program was ended from outside; 'hunt --resume' goes on with the same options"
+    return INTERRUPTED, "; ".join(filter(None, (message, words)))
 
 
 def _rows(values: list[Any]) -> Any:

@@ -9,7 +9,7 @@ The file is NetCDF-4 compatible HDF5::
     /states/value        (n_times, n_states), with /states/name and /states/units
     /events/at, name     instants [s] and names of events
     /summary/...         scalars or texts with units and long_name
-    /scenario/text, configuration, sources (JSON), notes (texts)
+    /scenario/text, configuration, sources, parameters (JSON), notes (texts)
     /solver, /versions   attributes
     /plots/descriptions  JSON
     /scene/...           static data such as cones
@@ -116,7 +116,9 @@ class ResultHeader:
     ``configuration`` is the resolved scenario and ``plots`` the plot descriptions, both
     plain data that JSON can hold; ``sources`` say of each part used its "part", what it "does"
     and its "source"; ``versions`` adds to the packages' own versions. ``axis``
-    describes the dataset "time" where the samples are not taken in time.
+    describes the dataset "time" where the samples are not taken in time. ``model_hash`` changes
+    with the equations and the parameters, ``equations_hash`` with the equations alone, and
+    ``parameters`` are value in SI and unit by name.
     """
 
     title: str
@@ -129,6 +131,8 @@ class ResultHeader:
     versions: Mapping[str, str] = field(default_factory=dict)
     sources: Sequence[Mapping[str, str]] = ()
     axis: Axis = field(default_factory=Axis)
+    equations_hash: str = ""
+    parameters: Mapping[str, tuple[float, str]] = field(default_factory=dict)
 
 
 def dataset_path(name: str) -> str:

@@ -271,6 +271,16 @@ class Result:
             return found
 
     @property
+    def equations(self) -> tuple[str, dict[str, tuple[float, str]]]:
+        """Digest of the equations alone, and parameters in SI with units; empty if unknown."""
+        with reading(self.path):
+            if "parameters" not in self._file["scenario"]:
+                return "", {}
+            found = self._json("scenario/parameters")
+            values = {str(n): (float(v), str(unit)) for n, (v, unit) in found["values"].items()}
+            return str(found["equations"]), values
+
+    @property
     def plots(self) -> list[dict[str, Any]]:
         """Descriptions of the plots this file asks for."""
         return self._records("plots/descriptions")

@@ -51,6 +51,8 @@ def write_header(file: h5py.File, header: ResultHeader) -> None:
     _write_text(file, "scenario/text", header.scenario_text)
     configuration = json.dumps(header.configuration, default=str, ensure_ascii=False)
     _write_text(file, "scenario/configuration", configuration)
+    parameters = {"equations": header.equations_hash, "values": dict(header.parameters)}
+    _write_text(file, "scenario/parameters", json.dumps(parameters, ensure_ascii=False))
     sources = [dict(source) for source in header.sources]
     _write_text(file, "scenario/sources", json.dumps(sources, ensure_ascii=False))
     plots = [dict(plot) for plot in header.plots]

@@ -2,64 +2,18 @@
 
 from __future__ import annotations
 
-import math
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
-from functools import cached_property, partial
 from pathlib import Path
 
-import numpy as np
-from numpy.typing import NDArray
-
-from vehicledyn.base.errors import NumericalError
-from vehicledyn.base.units import shown
 from vehicledyn.results.hunt_figures import hunt_figures
-from vehicledyn.results.hunt_table import HuntTable, SimulatedRow, write_hunt
-from vehicledyn.results.linear_file import Quantity
 from vehicledyn.results.output import check_folder, check_output
 from vehicledyn.results.pictures import save_figures
-from vehicledyn.run.hunt_budget import FEWEST_CYCLES, Budget, budget_of
-from vehicledyn.run.hunt_check import Check
-from vehicledyn.run.hunt_legs import Legs
 from vehicledyn.run.hunt_report import HuntReport
-from vehicledyn.run.hunt_rows import CycleRows
-from vehicledyn.run.hunt_secondary import Secondary
-from vehicledyn.run.hunt_simulated import FromSimulations
-from vehicledyn.run.hunt_start import (
-    DEGREE,
-    HuntSettings,
-    check_settings,
-    first_balance,
-    moving_channels,
-    parameter_index,
-    span_of,
-    watched_channels,
-)
-from vehicledyn.run.prepare import Prepared, Progress, prepare
+from vehicledyn.run.hunt_saving import Saving, finished, identity_of
+from vehicledyn.run.hunt_start import HuntSettings, check_settings
+from vehicledyn.run.hunt_study import Study
+from vehicledyn.run.prepare import Progress, prepare
 from vehicledyn.run.vehicle import Target
-from vehicledyn.scenario import LoadedScenario
 from vehicledyn.solve.kernel import Backend
-from vehicledyn.solve.periodic.autonomous import AutonomousField
-from vehicledyn.solve.periodic.branch import follow_cycles
-from vehicledyn.solve.periodic.collocation import Direction
-from vehicledyn.solve.periodic.critical import (
-    Balance,
-    Hopf,
-    ahead,
-    find_balance,
-    find_hopf,
-)
-from vehicledyn.solve.periodic.cycle_points import Branch, CyclePoint, Limits
-from vehicledyn.solve.periodic.orbit import Orbit
-from vehicledyn.solve.periodic.settled import Runner, Settled, leading
-
-Vector = NDArray[np.float64]
-
-_BALANCES, _FEWEST_BALANCES = 60, 20
-"""Values at which the equilibrium is looked for where no points are asked for, and at least."""
-
-_MET = 2
-"""Cycles in a row on another branch with which a branch has come to it."""
 
 
 def find_limit_cycles(
@@ -70,6 +24,7 @@ def find_limit_cycles(
     output: Path | None = None,
     plots: Path | None = None,
     progress: Progress,
+    resume: bool = False,
 ) -> HuntReport:
     """Return where a motion begins to oscillate and the limit cycles along a parameter.
 
@@ -85,6 +40,9 @@ def find_limit_cycles(
         Result file to write.
     plots
         Folder for the figures.
+    resume
+        Whether to go on with what a killed study left beside the output; the result is the same
+        as without the kill.
 
     Raises
     ------
@@ -99,301 +57,22 @@ def find_limit_cycles(
         check_folder(plots)
     check_settings(settings)
     prepared = prepare(target, backend=backend, progress=progress)
-    study = _Study.of(prepared, target, settings, progress)
-    study.examine()
-    table = study.table()
-    if output is not None:
-        write_hunt(output, table)
+    identity = "" if output is None else identity_of(prepared, settings)
+    before = finished(output, identity) if output is not None and resume else None
+    if before is not None:
+        words = f"{output}: is finished; nothing was left to do"
+        return HuntReport(before, (words,), 0 if before.status == "ok" else 3)
+    study = Study.of(prepared, target, settings, progress)
+    if output is None:
+        study.examine()
+        table = study.table()
+    else:
+        with Saving(output, identity, resume=resume) as saving:
+            study.keep_in(saving)
+            study.examine()
+            table = study.table()
+            saving.finish(table)
     if plots is not None:
         progress("drawing", None)
         save_figures(hunt_figures(table), plots, ("png", "svg"))
     return HuntReport(table, tuple(study.messages), study.exit_code)
-
-
-class _JoinedError(Exception):
-    """A branch comes to another one, of which the number is told."""
-
-    def __init__(self, number: int) -> None:
-        super().__init__()
-        self.number = number
-
-
-@dataclass
-class _Study:
-    """A study while it is made; what was found is kept whatever comes."""
-
-    prepared: Prepared
-    settings: HuntSettings
-    model: AutonomousField
-    title: str
-    watched: list[int]
-    progress: Progress
-    span: tuple[float, float]
-    start: tuple[Vector, Vector]
-    balances: list[Balance] = field(default_factory=list)
-    hopfs: list[Hopf] = field(default_factory=list)
-    branches: list[Branch] = field(default_factory=list)
-    origins: dict[int, str] = field(default_factory=dict)
-    figures: dict[str, float] = field(default_factory=dict)
-    messages: list[str] = field(default_factory=list)
-    exit_code: int = 0
-    status: str = "ok"
-
-    @staticmethod
-    def of(
-        prepared: Prepared, target: Target, settings: HuntSettings, progress: Progress
-    ) -> _Study:
-        """Return a study at its beginning: the equilibrium near the first value."""
-        index = parameter_index(prepared, settings.parameter)
-        span = span_of(prepared, index, settings)
-        scenario = target.scenario if isinstance(target, LoadedScenario) else None
-        progress("finding the equilibrium", None)
-        model, start = first_balance(prepared, index, span[0], scenario)
-        title = scenario.title if scenario else prepared.equations.name
-        return _Study(
-            prepared,
-            settings,
-            model,
-            title,
-            watched_channels(prepared, settings.channels, model),
-            progress,
-            span,
-            start,
-        )
-
-    def examine(self) -> None:
-        """Follow equilibria and cycles, and check them by simulation."""
-        try:
-            self._equilibria()
-            self._cycles()
-            if self.settings.secondary:
-                self._secondary()
-            if self.settings.simulate:
-                self._simulations()
-        except KeyboardInterrupt:
-            self._ended("interrupted", 130, "stopped by the user; what was found is kept")
-        except NumericalError as error:
-            if not self.balances:
-                raise NumericalError(
-                    f"{error}; a motion whose speed slowly falls is not steady either"
-                ) from None
-            self._ended("failed", 3, f"{error}; what was found is kept")
-        self._figures()
-
-    def table(self) -> HuntTable:
-        """Return everything that was found."""
-        e = self.prepared.equations
-        entry = e.parameters[self.model.index]
-        eigenvalues = [b.eigenvalues for b in self.balances]
-        check = vars(self).get("_check")
-        rows = [
-            self._rows.row(number, point)
-            for number, branch in enumerate(self.branches, 1)
-            for point in branch.points
-        ]
-        return HuntTable(
-            self.title,
-            e.name,
-            Quantity(entry.name, entry.unit, entry.description),
-            tuple(
-                Quantity(e.channels[k].name, e.channels[k].unit, e.channels[k].description)
-                for k in self.watched
-            ),
-            np.array([b.value for b in self.balances]),
-            np.array(eigenvalues, dtype=complex).reshape(len(eigenvalues), self.model.size),
-            tuple(rows),
-            tuple(
-                SimulatedRow(f.value, f.amplitude, f.period, f.spread, f.seconds, str(f.ending))
-                for f in (check.found if check is not None else ())
-            ),
-            self.figures,
-            self.status,
-            "; ".join(self.messages),
-            self.origins,
-        )
-
-    def _equilibria(self) -> None:
-        s = self.settings
-        state, unknowns = self.start
-        count = max(s.points or _BALANCES, _FEWEST_BALANCES)
-        for k, value in enumerate(np.linspace(*self.span, count)):
-            self.progress("following the equilibrium", k / count)
-            if self.balances:
-                state, unknowns = ahead(self.model, self.balances[-1], float(value))
-            try:
-                found = find_balance(self.model, float(value), state, unknowns)
-            except NumericalError as error:
-                if not self.balances:
-                    raise
-                self._ended("partial", 3, f"{error}; the equilibrium is followed up to there")
-                break
-            self.balances.append(found)
-        self.hopfs = find_hopf(self.model, self.balances)
-
-    def _cycles(self) -> None:
-        s = self.settings
-        if self.hopfs and not s.channels:
-            moving = moving_channels(self.prepared, self.model, self.hopfs[0].shape)
-            self.watched = moving or self.watched
-        for hopf in self.hopfs:
-            if any(self._reaches(branch, hopf) for branch in self.branches):
-                continue
-            index = leading(self.model, hopf.shape)
-            start = hopf.orbit(s.amplitude, index, intervals=s.intervals, degree=DEGREE)
-            self._follow(start, hopf.growing(start), f"from {hopf.balance.value:.6g}")
-
-    def _follow(
-        self,
-        start: Orbit,
-        direction: Direction | None,
-        place: str,
-        *,
-        upwards: bool = True,
-        most: int | None = None,
-        wide: float = 1.0,
-        known: Sequence[Branch] = (),
-        joins: Callable[[Branch], int | None] | None = None,
-    ) -> Branch:
-        """Follow a branch of at most so many cycles; ``wide`` makes its steps wider.
-
-        It ends where two cycles in a row lie on a branch that is ``known``, and where it ``joins``
-        one, of which that tells the number.
-        """
-        low, high = self.span
-        budget, branch = self._budget, Branch()
-        self.branches.append(branch)
-        most = most or self._left()
-        limits = Limits(low, high, wide * (high - low) / budget.points, points=most)
-        unit = self.prepared.equations.parameters[self.model.index].unit
-
-        def told(point: CyclePoint) -> None:
-            where = shown(point.orbit.parameter, unit)
-            what = f"following the limit cycles {place}, at {where}, of {most} cycles at most"
-            self.progress(what, len(branch.points) / most)
-            met = [self._legs.meets(p, known) for p in branch.points[-_MET:]] if known else []
-            if len(met) == _MET and met[0] is not None and met[0] == met[1]:
-                raise _JoinedError(met[0] + 1)
-            number = joins(branch) if joins is not None else None
-            if number is not None:
-                raise _JoinedError(number)
-
-        name = f"branch {len(self.branches)}"
-        try:
-            follow_cycles(
-                self.model,
-                start,
-                direction,
-                limits,
-                branch=branch,
-                told=told,
-                upwards=upwards,
-            )
-        except _JoinedError as joined:
-            del branch.points[1 - _MET :]
-            branch.ending = "joined"
-            place = f"{self.model.parameter} = {branch.points[-1].orbit.parameter:.6g}"
-            self.messages.append(f"{name} joins branch {joined.number} near {place}")
-        self.messages.extend(f"{name}: {remark}" for remark in branch.remarks)
-        if branch.ending == "lost":
-            self._ended("partial", 3, f"{name}: {branch.reason}")
-        if branch.ending == "points":
-            self.messages.append(
-                f"{name}: {branch.reason}; it goes on: raise --points, {budget.points} here (a "
-                f"cycle is expected to take {budget.each:.1g} s)"
-            )
-        return branch
-
-    def _secondary(self) -> None:
-        """Follow the branches of cycles that cease to be their own mirror image."""
-        args = self.model, self.span, self.branches, self.messages, self.origins
-        Secondary(*args, self._follow).examine(self._budget.further)
-
-    def _left(self) -> int:
-        """Return how many cycles the next branch may have; each as many where points are asked."""
-        budget = self._budget
-        used = sum(len(branch.points) for branch in self.branches)
-        is_asked = self.settings.points is not None
-        return budget.cycles if is_asked else max(budget.cycles - used, FEWEST_CYCLES)
-
-    def _reaches(self, branch: Branch, hopf: Hopf) -> bool:
-        """Return whether a branch ended at a Hopf bifurcation."""
-        if branch.ending != "equilibrium" or not branch.points:
-            return False
-        end = branch.points[-1].orbit.parameter
-        return abs(end - hopf.balance.value) < 1e-2 * (self.span[1] - self.span[0])
-
-    def _simulations(self) -> None:
-        s, check = self.settings, self._check
-        if check is None:
-            return
-        stages: list[Callable[[], None]] = [
-            partial(check.lower, s.disturbance, self.branches),
-            check.compare,
-            partial(self._further_branches, check.found),
-            check.keep,
-            check.compare,
-            partial(check.raise_, s.amplitude, self.hopfs),
-        ]
-        for stage in stages:
-            try:
-                stage()
-            except NumericalError as error:
-                self._ended("partial", 3, f"the check by simulation is not complete: {error}")
-
-    @cached_property
-    def _check(self) -> Check | None:
-        """The check by simulation; None where nothing oscillates."""
-        if not any(np.any(b.eigenvalues.imag != 0.0) for b in self.balances):
-            return None
-        kernel = self.prepared.kernel
-        runner = Runner(kernel, self.model, self.watched[0])
-        allowed, levels = self._budget.seconds, self.settings.levels
-        return Check(runner, self.balances, self._legs, levels, allowed, self.progress)
-
-    @cached_property
-    def _budget(self) -> Budget:
-        return budget_of(self.settings, self.prepared.kernel, self.balances, self.hopfs)
-
-    @cached_property
-    def _rows(self) -> CycleRows:
-        return CycleRows(self.prepared.kernel, self.model, self.watched)
-
-    @cached_property
-    def _legs(self) -> Legs:
-        return Legs(self.model, self._rows, self.branches)
-
-    def _further_branches(self, simulated: Sequence[Settled]) -> None:
-        """Follow the cycles that simulations settled to and that lie on no branch."""
-        FromSimulations(
-            self.model,
-            self.span[1],
-            self.settings.intervals,
-            self.branches,
-            self.messages,
-            self._legs,
-            self._follow,
-        ).examine(simulated, self._budget.further)
-
-    def _figures(self) -> None:
-        """Note the critical values, and how far simulation and continuation differ."""
-        begins = [h.balance.value for h in self.hopfs if h.begins]
-        if begins:
-            self.figures["linear_critical"] = min(begins)
-            self.figures["linear_critical_frequency"] = next(
-                h.frequency / (2.0 * math.pi) for h in self.hopfs if h.balance.value == min(begins)
-            )
-        folds = [p.orbit.parameter for b in self.branches for p in b.special if p.kind == "fold"]
-        stable = [p.orbit.parameter for b in self.branches for p in b.points if p.stable]
-        if stable:
-            lowest = min(stable)
-            nearest = min(folds, key=lambda v: abs(v - lowest), default=lowest)
-            self.figures["nonlinear_critical"] = min(lowest, nearest)
-        check = vars(self).get("_check")
-        if check is not None:
-            check.conclude()
-            self.figures |= check.figures
-            self.messages += check.messages
-
-    def _ended(self, status: str, exit_code: int, message: str) -> None:
-        self.status, self.exit_code = status, exit_code
-        self.messages.append(message)

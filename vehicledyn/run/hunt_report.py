@@ -31,7 +31,7 @@ class HuntReport:
             (words, self._value(key)) for key, words in FIGURE_MEANINGS.items() if key in t.figures
         ]
         lines += [f"  {words:56} {value}" for words, value in known]
-        if "linear_critical" not in t.figures:
+        if "linear_critical" not in t.figures and len(t.locus_values):
             lines.append("  no oscillation begins to grow in this range")
         for number in t.branches:
             lines += ["", *self._branch(number)]
@@ -47,6 +47,7 @@ class HuntReport:
             "parameter": vars(t.parameter),
             "channels": [vars(c) for c in t.channels],
             "figures": dict(t.figures),
+            "means": dict(t.means),
             "origins": [{"branch": k, "origin": words} for k, words in t.origins.items()],
             "equilibria": [
                 {"value": v, "real": e.real, "imaginary": e.imag}
@@ -58,7 +59,8 @@ class HuntReport:
 
     def _value(self, key: str) -> str:
         value, unit = self.table.figures[key], self.table.figure_unit(key)
-        return f"{100.0 * value:.3g} %" if unit == "1" else shown(value, unit)
+        means = f" ({self.table.means[key]})" if key in self.table.means else ""
+        return f"{100.0 * value:.3g} %" if unit == "1" else shown(value, unit) + means
 
     def _cycle(self, row: CycleRow) -> dict[str, Any]:
         return {

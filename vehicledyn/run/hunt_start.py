@@ -8,9 +8,11 @@ from dataclasses import dataclass
 
 from vehicledyn.base.errors import InputError, NumericalError, nearest_name, unknown_name
 from vehicledyn.base.units import to_si
-from vehicledyn.run.prepare import Prepared, reference_point
+from vehicledyn.run.parameter_starts import ParameterStarts
+from vehicledyn.run.prepare import Point, Prepared, reference_point
 from vehicledyn.run.system_subject import SystemSubject
-from vehicledyn.scenario import Scenario
+from vehicledyn.run.vehicle import Target
+from vehicledyn.scenario import LoadedScenario, Scenario
 from vehicledyn.solve.engine import Vector
 from vehicledyn.solve.periodic.autonomous import AutonomousField
 from vehicledyn.solve.periodic.critical import follow_balance
@@ -166,23 +168,26 @@ def moving_channels(prepared: Prepared, model: AutonomousField, shape: Vector) -
 
 
 def first_balance(
-    prepared: Prepared, index: int, first: float, scenario: Scenario | None
+    prepared: Prepared, index: int, first: float, target: Target
 ) -> tuple[AutonomousField, tuple[Vector, Vector]]:
     """Return the field and the equilibrium, states kept and unknowns, at the first value.
 
-    Start values of a file, as the rate of a wheel that rolls, belong to the file's own value of
-    the parameter. Where the search from there fails the equilibrium is followed from that value.
+    The start is that which the file gives at this value. Where the search from there fails the
+    equilibrium is followed from the file's own value.
     """
     name = prepared.equations.parameters[index].name
     own = float(prepared.kernel.parameters[index])
+    scenario = target.scenario if isinstance(target, LoadedScenario) else None
+    starts = ParameterStarts(prepared, target, name)
     try:
-        model, start = _balance_at(prepared, index, first, scenario)
+        at_first = prepared if first == own else starts.at(first)
+        model, start = balance_at(at_first, index, first, scenario)
     except NumericalError as error:
         reason = NumericalError(f"{name} = {first:.6g}: {error}")
         if own == first:
             raise reason from None
         try:
-            model, (state, unknowns) = _balance_at(prepared, index, own, scenario)
+            model, (state, unknowns) = balance_at(prepared, index, own, scenario)
             values = list(steps(own, first, _APPROACH))
             found = follow_balance(model, values, state, unknowns)[-1]
         except NumericalError:
@@ -191,7 +196,7 @@ def first_balance(
     return model, start
 
 
-def _balance_at(
+def balance_at(
     prepared: Prepared, index: int, value: float, scenario: Scenario | None
 ) -> tuple[AutonomousField, tuple[Vector, Vector]]:
     """Return the field and the equilibrium at a value, as searched from the start values."""
@@ -200,12 +205,23 @@ def _balance_at(
     values[index] = value
     prepared.kernel.set_parameters(values)
     model = AutonomousField(prepared.equations, name, values)
+    point = balanced_point(prepared, name, value, scenario, model)
+    return model, (model.reduced(point.state), point.unknowns)
+
+
+def balanced_point(
+    prepared: Prepared,
+    name: str,
+    value: float,
+    scenario: Scenario | None,
+    model: AutonomousField,
+) -> Point:
+    """Return the reference point of a system whose kernel has a parameter's value."""
     is_system = isinstance(prepared.subject, SystemSubject)
-    point = reference_point(
+    return reference_point(
         prepared,
-        value if name == "speed" else (scenario.speed or 0.0 if scenario else 0.0),
+        value if name == SPEED else (scenario.speed or 0.0 if scenario else 0.0),
         scenario.start if scenario else None,
         is_system=is_system,
         slopes=model if is_system else None,
     )
-    return model, (model.reduced(point.state), point.unknowns)

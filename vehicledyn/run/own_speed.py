@@ -1,4 +1,4 @@
-"""The speed of a system that has a parameter for it: a target at another one is read anew."""
+"""Reads a system again at another value of one of its parameters, such as its speed."""
 
 from __future__ import annotations
 
@@ -32,11 +32,32 @@ def at_speed(target: Target, speed: float | None) -> tuple[Target, float | None]
         return target, speed
     if speed is None or speed == own:
         return target, own
-    change = f"parameters.{_NAME}={speed!r} m/s"
+    return at_value(target, _NAME, speed, "m/s"), speed
+
+
+def at_value(target: Target, name: str, value: float, unit: str) -> Target:
+    """Return a target whose system is read again with another value of a parameter.
+
+    What its file calculates from the parameter follows: further parameters, start coordinates and
+    start rates.
+
+    Parameters
+    ----------
+    target
+        A scenario or a model that has a system file.
+    name, value, unit
+        The parameter, its value in SI, and its SI unit.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be read any more, or the parameter may not have this value.
+    """
+    change = f"parameters.{name}={float(value)!r}" + ("" if unit in ("", "1") else f" {unit}")
     if isinstance(target, LoadedModel):
         assert target.written is not None
-        return load_model(str(target.written.path), (*target.overrides, change)), speed
-    return load_scenario(target.path, (*target.overrides, change)), speed
+        return load_model(str(target.written.path), (*target.overrides, change))
+    return load_scenario(target.path, (*target.overrides, change))
 
 
 def own_speed(target: Target) -> float | None:

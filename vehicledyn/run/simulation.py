@@ -211,6 +211,8 @@ class _Run:
             title=s.title,
             model=s.model,
             model_hash=_model_hash(self.prepared),
+            equations_hash=_model_hash(self.prepared, parameters=False),
+            parameters={p.name: (float(p.value), p.unit) for p in e.parameters},
             scenario_text=self.loaded.text,
             configuration={
                 **self.loaded.resolved,
@@ -353,12 +355,12 @@ def _plot_channels(plot: dict[str, Any]) -> set[str]:
     return {channel for panel in plot["panels"] for channel in panel["channels"]}
 
 
-def _model_hash(prepared: Prepared) -> str:
-    """Return a digest of the structure, the parameter values and the tables of the model."""
+def _model_hash(prepared: Prepared, *, parameters: bool = True) -> str:
+    """Return a digest of the structure, the tables and, if asked, the parameters of the model."""
     e = prepared.equations
     facts = {
         "structure": e.structure,
-        "parameters": {p.name: p.value for p in e.parameters},
+        "parameters": {p.name: p.value if parameters else p.unit for p in e.parameters},
         "channels": [c.name for c in e.channels],
         **({"tables": [(t.name, t.digest) for t in e.tables]} if e.tables else {}),
     }

@@ -10,7 +10,7 @@ from vehicledyn.manoeuvres.recording import Recording
 from vehicledyn.multibody.parts import Part
 from vehicledyn.multibody.system import GROUND, Joint, System
 from vehicledyn.run.subject import Vector, start_values
-from vehicledyn.solve.periodic.autonomous import mattering_states
+from vehicledyn.solve.periodic.invariance import mattering_states
 from vehicledyn.symbolic.equations import Channel, Equations
 
 if TYPE_CHECKING:

@@ -12,6 +12,7 @@ import numpy as np
 
 from vehicledyn.base.errors import InputError, VehicledynError, nearest_name
 from vehicledyn.manoeuvres.recording import Recording
+from vehicledyn.run.parameter_starts import starting_at
 from vehicledyn.run.prepare import Derived, Point, Prepared, Progress, Vector, prepare
 from vehicledyn.run.rates import rates_watched
 from vehicledyn.run.road_subject import RoadSubject
@@ -28,7 +29,7 @@ from vehicledyn.solve.task import Statistics
 from vehicledyn.studies import scatter
 from vehicledyn.studies.axes import Axis
 from vehicledyn.studies.load import Recipe, leaves
-from vehicledyn.studies.starts import Reference, find_reference, start_of, starting_at
+from vehicledyn.studies.starts import Reference, find_reference, start_of
 from vehicledyn.symbolic.equations import Channel, Equations
 
 _PROBES = (101, 102)

@@ -11,7 +11,7 @@ Broyden (1965), Mathematics of Computation 19(92), 577-593: the "good" update.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -170,29 +170,3 @@ def _moving(prepared: Prepared, point: Point, speed: float, found: list[int] | N
         prepared.kernel, subject.given_rates, subject.balance_time, state, point.unknowns
     )
     return Point(state, point.unknowns, point.residual)
-
-
-def starting_at(equations: Equations, before: Subject, subject: Subject) -> Equations:
-    """Return equations whose states start where the joints of a subject do.
-
-    Only what differs from the subject the equations were made of, ``before``, is changed.
-    """
-    old, new = _starts(before), _starts(subject)
-    changed = {name: value for name, value in new.items() if old.get(name) != value}
-    if not changed:
-        return equations
-    states = tuple(
-        replace(s, start=changed[s.name]) if s.name in changed else s for s in equations.states
-    )
-    unknowns = tuple(
-        replace(u, start=changed[u.name]) if u.name in changed else u for u in equations.unknowns
-    )
-    return replace(equations, states=states, unknowns=unknowns)
-
-
-def _starts(subject: Subject) -> dict[str, float]:
-    found = {}
-    for joint in subject.system.joints():
-        found[joint.name] = float(joint.start)
-        found[f"{joint.name}_rate"] = float(joint.start_rate)
-    return found

@@ -238,8 +238,23 @@ def test_one_flipped_channel_length_is_not_overlooked(reference, make_result):
 
 def test_another_model_is_noted(reference, make_result):
     path = make_result(model_hash="fedc")
-    assert "other equations" in compare_files(path, reference).as_text()
+    assert "other equations or parameters" in compare_files(path, reference).as_text()
     assert "model is bicycle" in compare_files(make_result(model="bicycle"), reference).as_text()
+
+
+def test_other_parameters_are_no_other_equations(make_result):
+    """The note names them, with both values."""
+    given = {"equations_hash": "same", "parameters": {"mass": (1200.0, "kg"), "gap": (0.1, "m")}}
+    reference = make_result("reference.h5", **given)
+    heavy = given | {
+        "model_hash": "fedc",
+        "parameters": {"mass": (1300.0, "kg"), "gap": (0.1, "m")},
+    }
+    (note,) = compare_files(make_result(**heavy), reference).notes
+    assert "other parameters than in the reference: mass = 1300 kg (reference 1200 kg)" in note
+    assert "equations" not in note and "gap" not in note
+    (note,) = compare_files(make_result(**(heavy | {"equations_hash": "x"})), reference).notes
+    assert "other equations than" in note
 
 
 def test_json_is_strict(make_result):

@@ -8,7 +8,7 @@ import pytest
 import vehicledyn.catalogue  # noqa: F401
 from vehicledyn.base.errors import InputError, NumericalError
 from vehicledyn.results.hunt_table import read_hunt
-from vehicledyn.run import hunt
+from vehicledyn.run import hunt_study
 from vehicledyn.run.hunt import find_limit_cycles
 from vehicledyn.run.hunt_start import HuntSettings
 from vehicledyn.scenario import load_model
@@ -69,7 +69,7 @@ def test_a_range_without_oscillation(tmp_path):
 )
 def test_what_was_found_is_kept(tmp_path, monkeypatch, error, code, status):
     """Ctrl-C on the way, or a branch that is lost, leaves the cycles before in the file."""
-    follow = hunt.follow_cycles
+    follow = hunt_study.follow_cycles
 
     def cut(model, start, direction, limits, *, branch, told, upwards):
         def stop(point):
@@ -84,7 +84,7 @@ def test_what_was_found_is_kept(tmp_path, monkeypatch, error, code, status):
         branch.ending, branch.reason = "lost", "lost near speed = 61: it does not converge"
         return found
 
-    monkeypatch.setattr(hunt, "follow_cycles", cut)
+    monkeypatch.setattr(hunt_study, "follow_cycles", cut)
     settings = HuntSettings("speed", 50.0, 70.0, points=8, simulate=False)
     report = study(settings, tmp_path=tmp_path, plots=tmp_path / "plots")
     assert report.exit_code == code
@@ -145,13 +145,13 @@ forces:
 
 
 def test_a_simulated_cycle_on_no_branch_begins_one(tmp_path):
-    """Averaged, 10 push = A³/3 - 1.15 A² + 0.6 A with A = amplitude²: folds at A = 0.3 and 2.
+    """Averaged, 10 push = A³/3 - 2.1 A² + 3.2 A with A = amplitude²: folds at A = 1 and 3.2.
 
-    In the range the branch from the Hopf bifurcation at 0 does not reach its fold at 0.00855.
+    The branch from the Hopf bifurcation at 0 folds at 0.143, farther off than it is followed.
     """
     path = tmp_path / "balance.yaml"
-    path.write_text(APART, encoding="utf-8")
-    settings = HuntSettings("push", -0.09, 0.005, points=20, disturbance=2.0)
+    path.write_text(APART.replace("2.4", "12.8").replace("9.2", "16.8"), encoding="utf-8")
+    settings = HuntSettings("push", -0.04, 0.005, points=20, disturbance=2.0)
     report = study(settings, load_model(str(path)))
     figures, rows = report.table.figures, report.table.cycles
     assert report.exit_code == 0
@@ -159,8 +159,8 @@ def test_a_simulated_cycle_on_no_branch_begins_one(tmp_path):
     assert {row.branch for row in rows} == {1, 2}
     assert max(row.amplitude[0] ** 2 for row in rows if row.branch == 1) < 0.3
     (fold,) = (row for row in rows if row.kind == "fold")
-    assert fold.branch == 2 and fold.amplitude[0] ** 2 == pytest.approx(2.0, rel=0.03)
-    assert fold.value == pytest.approx(-0.0733, rel=0.02)
+    assert fold.branch == 2 and fold.amplitude[0] ** 2 == pytest.approx(3.2, rel=0.03)
+    assert fold.value == pytest.approx(-0.0341, rel=0.02)
     assert figures["nonlinear_critical"] == pytest.approx(fold.value, abs=1e-6)
     assert figures["simulated_lowering"] == pytest.approx(fold.value, rel=5e-3)
     assert figures["largest_difference_amplitude"] < 0.005
@@ -168,7 +168,38 @@ def test_a_simulated_cycle_on_no_branch_begins_one(tmp_path):
     assert "lie on no branch" not in " ".join(report.messages)
     at_the_top = [row.amplitude**2 for row in report.table.simulated if row.value == 0.005]
     assert len(at_the_top) == 2, "the small stable cycle is simulated, too"
-    assert min(at_the_top) < 0.3 and max(at_the_top) > 2.0
+    assert min(at_the_top) < 0.3 and max(at_the_top) > 3.2
+
+
+@pytest.mark.parametrize(
+    ("first", "last", "lowest", "means"),
+    [
+        (-0.08, 0.03, -0.0733, "fold of branch 1"),
+        (-0.05, 0.006, -0.05, "branch 1 reaches the lower end of the range with stable cycles"),
+    ],
+)
+def test_a_branch_that_leaves_the_range_is_followed_outside(tmp_path, first, last, lowest, means):
+    """Both folds, at 0.00855 and -0.0733, lie outside the narrow range."""
+    path = tmp_path / "balance.yaml"
+    path.write_text(APART, encoding="utf-8")
+    settings = HuntSettings("push", first, last, points=20, simulate=False)
+    report = study(settings, load_model(str(path)), tmp_path=tmp_path)
+    table = read_hunt(tmp_path / "hunt.h5")
+    folds = [row.value for row in table.cycles if row.kind == "fold"]
+    assert sorted(folds) == pytest.approx([-0.0733, 0.00855], abs=5e-4)
+    assert table.figures["nonlinear_critical"] == pytest.approx(lowest, abs=5e-4)
+    assert table.means["nonlinear_critical"] == means and means in report.as_text()
+    assert table.cycles[-1].value == last and table.cycles[-1].stable
+    told = "; ".join(report.messages)
+    for edge in (first, last):
+        words = f"leaves the range at push = {edge:g} and comes back into it at {edge:g}"
+        assert (words in told) is (first == -0.05)
+
+
+def test_what_does_not_come_back_is_left_out():
+    report = study(HuntSettings("speed", 50.0, 65.0, points=15, simulate=False))
+    assert report.exit_code == 0 and "has not come back up to" in "; ".join(report.messages)
+    assert all(50.0 <= row.value <= 65.0 for row in report.table.cycles)
 
 
 TWO_FREQUENCIES = """\
@@ -199,7 +230,7 @@ def test_a_motion_of_two_frequencies_is_told_and_does_not_take_for_ever(tmp_path
         return followed(runner, *args, **more)
 
     monkeypatch.setattr(settled.Runner, "window", counted)
-    monkeypatch.setattr(hunt.FromSimulations, "examine", lambda *_: None)
+    monkeypatch.setattr(hunt_study.FromSimulations, "examine", lambda *_: None)
     settings = HuntSettings("push", 0.04, 0.06, points=5, disturbance=0.5, levels=3)
     report = study(settings, load_model(str(path)))
     (told,) = (message for message in report.messages if "do not repeat" in message)
@@ -258,7 +289,7 @@ def test_angles_of_wheels_that_roll_are_no_channels():
 
 def test_a_branch_ends_where_it_comes_to_another(monkeypatch):
     """Simulated cycles that are taken for new ones begin branches that lie on the first."""
-    monkeypatch.setattr(hunt.Legs, "is_known", lambda *_: False)
+    monkeypatch.setattr(hunt_study.Legs, "is_known", lambda *_: False)
     report = study(HuntSettings("speed", 62.0, 75.0, points=10, levels=4))
     told = " ".join(report.messages)
     assert "branch 2 joins branch 1 near speed = " in told
@@ -312,7 +343,7 @@ def test_a_branch_leads_off_where_cycles_cease_to_be_their_own_image(tmp_path):
 
 
 def test_stopped_on_a_branch_that_leads_off(tmp_path, monkeypatch):
-    follow = hunt.follow_cycles
+    follow = hunt_study.follow_cycles
 
     def cut(*args, told, **more):
         def stop(point):
@@ -325,7 +356,7 @@ def test_stopped_on_a_branch_that_leads_off(tmp_path, monkeypatch):
         return follow(*args, told=stop, **more)
 
     made = []
-    monkeypatch.setattr(hunt, "follow_cycles", cut)
+    monkeypatch.setattr(hunt_study, "follow_cycles", cut)
     path = tmp_path / "leaning.yaml"
     path.write_text(LEANING, encoding="utf-8")
     settings = HuntSettings("push", -0.01, 0.05, points=8, simulate=False, secondary=True)

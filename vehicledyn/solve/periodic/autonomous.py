@@ -17,6 +17,8 @@ from vehicledyn.solve.functions import operations_in
 from vehicledyn.solve.interpreted import BufferedFunction
 from vehicledyn.solve.path_code import Path, PathCode
 from vehicledyn.solve.path_tangents import PathTangents
+from vehicledyn.solve.periodic.invariance import states_of_motion
+from vehicledyn.solve.periodic.memory import Memory
 from vehicledyn.solve.periodic.timeless import timeless
 from vehicledyn.solve.point_slopes import Carried, PointCode
 from vehicledyn.symbolic import ops
@@ -53,12 +55,14 @@ class AutonomousField:
     """The states that matter of some equations, with one free parameter.
 
     States that no rate depends on (a path travelled, an angle of rotation) follow the others
-    and are set apart; ``kept`` are the others. ``values`` are the parameters in SI.
+    and are set apart; ``kept`` are the others. ``values`` are the parameters in SI; a ``memory``
+    keeps the results of steps along branches and of simulations.
     """
 
     equations: Equations
     parameter: str
     values: Vector
+    memory: Memory | None = None
     kept: list[int] = field(init=False)
     index: int = field(init=False)
 
@@ -77,7 +81,7 @@ class AutonomousField:
         if self.parameter not in names:
             raise InputError(unknown_name("parameter", self.parameter, names))
         self.index = names.index(self.parameter)
-        self.kept = mattering_states(e)
+        self.kept = states_of_motion(e, self.values)
         if not self.kept:
             raise InputError(f"model '{e.name}' has no states that influence its motion")
         self._base = np.array([s.start for s in e.states])
@@ -97,6 +101,14 @@ class AutonomousField:
     def names(self) -> list[str]:
         """Names of the states kept."""
         return [self.equations.states[k].name for k in self.kept]
+
+    @cached_property
+    def depends_on_parameter(self) -> bool:
+        """Whether rates or residuals contain the free parameter."""
+        import casadi
+
+        entry = self.equations.parameter[self.index]
+        return bool(casadi.which_depends(self._whole, entry, 1, False)[0])
 
     def parameters(self, value: float) -> Vector:
         """Return all parameters with a value of the free one."""
@@ -298,19 +310,3 @@ class AutonomousField:
         by = ops.jacobian(whole, casadi.vertcat(chosen, e.algebraic, e.parameter[self.index]))
         results = casadi.cse([whole, casadi.densify(by)])
         return casadi.Function("slopes", [chosen, e.algebraic, e.parameter], results)
-
-
-def mattering_states(e: Equations) -> list[int]:
-    """Return the states that rates of other kept states, or residuals, depend on."""
-    import casadi
-
-    pattern = casadi.jacobian_sparsity(casadi.vertcat(e.rate, e.residual), e.state)
-    depends = np.array(casadi.DM(pattern, 1.0).full(), dtype=bool)
-    n = len(e.states)
-    kept = list(range(n))
-    searching = True
-    while searching:
-        rows = [*kept, *range(n, depends.shape[0])]
-        left = [k for k in kept if depends[rows, k].any()]
-        searching, kept = len(left) < len(kept), left
-    return kept

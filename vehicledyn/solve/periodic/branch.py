@@ -10,13 +10,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
 from vehicledyn.base.errors import NumericalError
 from vehicledyn.solve.periodic.autonomous import AutonomousField
-from vehicledyn.solve.periodic.collocation import Direction
+from vehicledyn.solve.periodic.collocation import Direction, dot
 from vehicledyn.solve.periodic.cycle_points import (
     Branch,
     CyclePoint,
@@ -28,6 +28,7 @@ from vehicledyn.solve.periodic.cycle_points import (
 from vehicledyn.solve.periodic.cycles_at import cycle_beside
 from vehicledyn.solve.periodic.orbit import Orbit
 from vehicledyn.solve.periodic.orbit_steps import Steps
+from vehicledyn.solve.periodic.outside import Outside
 from vehicledyn.solve.periodic.special_points import SpecialPoints
 
 Told = Callable[["CyclePoint"], None]
@@ -37,11 +38,18 @@ _SHARP, _TO_AND_FRO, _SHARPLY = math.pi / 3.0, math.pi / 4.0, 2e-3
 """Largest turn of the direction in a step, and largest angle by which its chord may turn more
 [rad]; steps from which on they count."""
 
+_ASIDE = 4.0
+"""Distance of a point, part of the step, from which on it is none of the same leg: on an arc that
+turns by less than the angle above it is half as far."""
+
 _EASY, _HARD = 4, 7
 _CHORD = 7, 11
 """Iterations of a step that may grow and of one that must shrink, with derivatives kept."""
 
 _SHRUNK = 0.5
+
+_WIDE = 2.0
+"""How much wider steps are outside the range."""
 
 
 def follow_cycles(
@@ -96,6 +104,7 @@ class _Tracer:
     told: Told
     step: float = _FIRST
     first_size: float = 0.0
+    outside: Outside = field(default_factory=Outside)
 
     @property
     def limits(self) -> Limits:
@@ -119,22 +128,50 @@ class _Tracer:
 
     def run(self) -> None:
         """Follow the branch to its end."""
-        while len(self.branch.points) < self.limits.points:
+        while len(self.branch.points) - self.outside.count < self.limits.points:
             base = next(p for p in reversed(self.branch.points) if not p.kind)
             point, size = self._next(base)
             if point is None:
-                return
+                break
+            edge = self._passed_edge(base, point)
+            passes = edge is not None
             for found in self.special.along(base, point, size):
-                if self._is_inside(found):
+                if self._is_inside(found) or (self.limits.outer and not passes):
                     self._add(found)
-            if not self._is_inside(point):
-                self._finish_range(point)
-                return
+            if edge is not None:
+                self._add_edge(edge, point)
+                if not self._is_inside(point) and self.limits.outer is None:
+                    self._end("range", f"{self.parameter} reaches {edge:.6g}")
+                    break
+                self.outside.pass_edge(edge)
+            if not self.limits.reaches(point.orbit.parameter) or self.outside.is_long(self.limits):
+                self._end("range", f"{self.parameter} reaches {self.outside.edges[-1]:.6g}")
+                break
             self._add(point)
+            self.outside.count += not self._is_inside(point)
             if np.ptp(point.orbit.states, axis=0).max() < _SHRUNK * self.first_size:
                 self._end("equilibrium", "the cycle shrinks to an equilibrium")
-                return
-        self._end("points", f"{self.limits.points} points are found")
+                break
+        else:
+            self._end("points", f"{self.limits.points} points are found")
+        self._tell_outside()
+
+    def _passed_edge(self, base: CyclePoint, point: CyclePoint) -> float | None:
+        """Return the end of the range that lies between two points, None where there is none."""
+        if self._is_inside(base) is self._is_inside(point):
+            return None
+        beyond = base if self._is_inside(point) else point
+        return min(max(beyond.orbit.parameter, self.limits.low), self.limits.high)
+
+    def _tell_outside(self) -> None:
+        """Say where the branch was outside the range; leave out what does not lead back."""
+        tail = self.branch.drop_tail(self.limits)
+        remark = self.outside.told(self.parameter, tail, self.branch)
+        if remark:
+            self.branch.remarks.append(remark)
+        if tail and self.branch.ending in ("lost", "equilibrium"):
+            edge = self.outside.edges[-1]
+            self._end("range", f"{self.parameter} reaches {edge:.6g}")
 
     def _next(self, base: CyclePoint) -> tuple[CyclePoint | None, float]:
         """Return the next point and the step to it; None where the branch is lost."""
@@ -150,7 +187,7 @@ class _Tracer:
                     continue
                 point, self.step = behind
                 return point, size
-            if size > _SHARPLY and self._is_sharp(base, point):
+            if size > _SHARPLY and (self._is_far(base, point, size) or self._is_sharp(base, point)):
                 self.step = 0.5 * size
                 continue
             easy, hard = _CHORD if point.passages is not None else (_EASY, _HARD)
@@ -166,8 +203,15 @@ class _Tracer:
 
     def _limited(self, base: CyclePoint) -> float:
         slope = abs(base.tangent.parameter)
-        largest = self.limits.parameter_step / slope if slope else np.inf
+        wide = 1.0 if self._is_inside(base) else _WIDE
+        largest = wide * self.limits.parameter_step / slope if slope else np.inf
         return float(min(self.step, largest))
+
+    def _is_far(self, before: CyclePoint, after: CyclePoint, size: float) -> bool:
+        """Return whether a point is so far beside a step that it lies on another leg."""
+        orbit = before.orbit
+        chord = between(orbit, after.orbit.moved(orbit.mesh))
+        return bool(dot(orbit, chord, chord, self.steps.scales(orbit)) > (_ASIDE * size) ** 2)
 
     def _is_sharp(self, before: CyclePoint, after: CyclePoint) -> bool:
         """Return whether the branch may do more between two points than turn smoothly.
@@ -184,24 +228,23 @@ class _Tracer:
         )
         return bool(turn > _SHARP or sum(ends) - turn > _TO_AND_FRO)
 
-    def _finish_range(self, point: CyclePoint) -> None:
-        """Add the orbit on the edge of the range and end the branch."""
-        edge = min(max(point.orbit.parameter, self.limits.low), self.limits.high)
+    def _add_edge(self, edge: float, point: CyclePoint) -> None:
+        """Add the orbit on the edge of the range, between the last point and the next."""
         before = self.branch.points[-1]
         reach = point.orbit.parameter - before.orbit.parameter
-        if abs(edge - before.orbit.parameter) > 1e-9 * abs(reach):
-            near = min((before, point), key=lambda p: abs(p.orbit.parameter - edge))
-            try:
-                self._add(cycle_beside(self.steps.model, near, edge))
-            except NumericalError as error:
-                self.branch.remarks.append(
-                    f"no cycle is found at {self.parameter} = {edge:.6g}, where the range "
-                    f"ends ({error}); the last one told is at {before.orbit.parameter:.6g}"
-                )
-        self._end("range", f"{self.parameter} reaches {edge:.6g}")
+        if abs(edge - before.orbit.parameter) <= 1e-9 * abs(reach):
+            return
+        near = min((before, point), key=lambda p: abs(p.orbit.parameter - edge))
+        try:
+            self._add(cycle_beside(self.steps.model, near, edge))
+        except NumericalError as error:
+            self.branch.remarks.append(
+                f"no cycle is found at {self.parameter} = {edge:.6g}, where the range "
+                f"ends ({error}); the last one told is at {before.orbit.parameter:.6g}"
+            )
 
     def _is_inside(self, point: CyclePoint) -> bool:
-        return self.limits.low <= point.orbit.parameter <= self.limits.high
+        return self.limits.holds(point.orbit.parameter)
 
     def _add(self, point: CyclePoint) -> None:
         self.branch.points.append(point)

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import partial
 from itertools import pairwise
 
 import numpy as np
@@ -19,6 +20,12 @@ _ITERATIONS, _BISECTIONS = 40, 60
 _FOUND = 1e-12
 _TURNING = 1e-6
 """Least imaginary part of an oscillation, part of the largest eigenvalue."""
+
+_ZERO = 1e-7
+"""Magnitude of eigenvalues that are zero but for rounding, part of the largest."""
+
+_RANK, _ROUNDS = 1e-10, 8
+"""Singular value that counts as zero once the matrix is balanced, and rounds of balancing."""
 
 _PURE = 1e-5
 """Largest real part at a Hopf bifurcation, part of the magnitude."""
@@ -130,24 +137,101 @@ def ahead(field: AutonomousField, balance: Balance, value: float) -> tuple[Vecto
     return balance.state + step, balance.unknowns - unknowns
 
 
-def find_hopf(field: AutonomousField, balances: Sequence[Balance]) -> list[Hopf]:
-    """Return the Hopf bifurcations between successive equilibria, in their order."""
+Equilibria = Callable[[float, Vector, Vector], Balance]
+"""Returns the equilibrium at a value near states and unknowns."""
+
+
+def neutral_directions(field: AutonomousField, balance: Balance) -> Vector:
+    """Return directions of states in which an equilibrium stays one, shape (n_kept, n_neutral).
+
+    Such is the rolling speed of a vehicle that nothing drives or slows.
+    """
+    matrix = field.evaluate(balance.state[None], balance.unknowns[None], balance.value).by_state[0]
+    columns = np.ones(len(matrix))
+    with np.errstate(divide="ignore"):
+        for _ in range(_ROUNDS):
+            rows = 1.0 / np.sqrt(np.abs(matrix).max(axis=1))
+            matrix = matrix * np.where(np.isfinite(rows), rows, 1.0)[:, None]
+            own = 1.0 / np.sqrt(np.abs(matrix).max(axis=0))
+            own = np.where(np.isfinite(own), own, 1.0)
+            matrix, columns = matrix * own, columns * own
+    _, values, right = np.linalg.svd(matrix)
+    left = values <= _RANK * values.max(initial=np.finfo(float).tiny)
+    return np.asarray(np.linalg.qr(columns[:, None] * right[left].T)[0])
+
+
+@dataclass(frozen=True)
+class Divergence:
+    """A real eigenvalue passes zero; ``begins`` where the parameter rises into the growth."""
+
+    value: float
+    begins: bool
+
+
+def find_hopf(
+    field: AutonomousField, balances: Sequence[Balance], at: Equilibria | None = None
+) -> list[Hopf]:
+    """Return the Hopf bifurcations between successive equilibria, in their order.
+
+    ``at`` finds equilibria between them; by default those near their means.
+    """
+    find = at or partial(find_balance, field)
     found: list[Hopf] = []
     for before, after in pairwise(balances):
-        found += _between(field, before, after, 6)
+        found += _between(field, find, before, after, 6)
     return found
 
 
-def _between(field: AutonomousField, low: Balance, high: Balance, depth: int) -> list[Hopf]:
+def find_divergence(
+    field: AutonomousField, balances: Sequence[Balance], at: Equilibria | None = None
+) -> list[Divergence]:
+    """Return where real eigenvalues pass zero between successive equilibria, in their order.
+
+    Eigenvalues that are zero at all of them, of neutral directions, do not count.
+    """
+    if not balances:
+        return []
+    find = at or partial(find_balance, field)
+    largest = max(float(np.abs(b.eigenvalues).max(initial=0.0)) for b in balances)
+    zeros = min(int((np.abs(b.eigenvalues) <= _ZERO * largest).sum()) for b in balances)
+    found = []
+    for before, after in pairwise(balances):
+        low, high = before, after
+        first, last = _growing(low, zeros), _growing(high, zeros)
+        if (last - first) % 2 == 0:
+            continue
+        for _ in range(_BISECTIONS):
+            middle = _midway(find, low, high)
+            if middle.value in (low.value, high.value):
+                break
+            is_low = (_growing(middle, zeros) - first) % 2 == 0
+            low, high = (middle, high) if is_low else (low, middle)
+        found.append(Divergence(low.value, last > first))
+    return found
+
+
+def _growing(balance: Balance, zeros: int) -> int:
+    """Return the number of real eigenvalues above zero, the smallest ones left out."""
+    order = np.argsort(np.abs(balance.eigenvalues))[zeros:]
+    values = balance.eigenvalues[order]
+    return int(((values.imag == 0.0) & (values.real > 0.0)).sum())
+
+
+def _between(
+    field: AutonomousField, find: Equilibria, low: Balance, high: Balance, depth: int
+) -> list[Hopf]:
     change = high.growing_pairs - low.growing_pairs
     if not change:
         return []
     if abs(change) > 1 and depth:
-        middle = _midway(field, low, high)
-        return [*_between(field, low, middle, depth - 1), *_between(field, middle, high, depth - 1)]
+        middle = _midway(find, low, high)
+        return [
+            *_between(field, find, low, middle, depth - 1),
+            *_between(field, find, middle, high, depth - 1),
+        ]
     first = low.growing_pairs
     for _ in range(_BISECTIONS):
-        middle = _midway(field, low, high)
+        middle = _midway(find, low, high)
         if middle.value in (low.value, high.value):
             break
         low, high = (middle, high) if middle.growing_pairs == first else (low, middle)
@@ -155,9 +239,8 @@ def _between(field: AutonomousField, low: Balance, high: Balance, depth: int) ->
     return [hopf] if hopf else []
 
 
-def _midway(field: AutonomousField, low: Balance, high: Balance) -> Balance:
-    return find_balance(
-        field,
+def _midway(find: Equilibria, low: Balance, high: Balance) -> Balance:
+    return find(
         0.5 * (low.value + high.value),
         0.5 * (low.state + high.state),
         0.5 * (low.unknowns + high.unknowns),

@@ -22,7 +22,8 @@ class Limits:
     """Where a branch ends and how finely it is followed.
 
     ``low`` and ``high`` bound the parameter, ``parameter_step`` is the largest step of it,
-    ``points`` the largest number of points, ``intervals`` that of mesh intervals.
+    ``points`` the largest number of points, ``intervals`` that of mesh intervals. A branch that
+    leaves the range is followed as far as ``outer``, in case it comes back; None to end it there.
     """
 
     low: float
@@ -30,6 +31,16 @@ class Limits:
     parameter_step: float
     points: int = 400
     intervals: int = 320
+    outer: tuple[float, float] | None = None
+
+    def holds(self, value: float) -> bool:
+        """Return whether the range holds a value of the parameter."""
+        return self.low <= value <= self.high
+
+    def reaches(self, value: float) -> bool:
+        """Return whether a branch is followed as far as a value."""
+        low, high = self.outer or (self.low, self.high)
+        return low <= value <= high
 
 
 @dataclass(frozen=True)
@@ -63,7 +74,7 @@ class Branch:
 
     ``ending`` is "range" (the parameter left it), "equilibrium" (the orbit shrank to one),
     "points" or "lost"; ``reason`` says it in words. ``remarks`` tell special points that are
-    known roughly only.
+    known roughly only, and ways outside the range.
     """
 
     points: list[CyclePoint] = field(default_factory=list)
@@ -75,6 +86,15 @@ class Branch:
     def special(self) -> list[CyclePoint]:
         """Folds and bifurcations."""
         return [point for point in self.points if point.kind]
+
+    def drop_tail(self, limits: Limits) -> list[CyclePoint]:
+        """Remove the points behind the last one in a range, and return them."""
+        count = len(self.points)
+        while count and not limits.holds(self.points[count - 1].orbit.parameter):
+            count -= 1
+        tail = self.points[count:]
+        del self.points[count:]
+        return tail
 
 
 def point_of(

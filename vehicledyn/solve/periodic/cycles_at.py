@@ -53,6 +53,15 @@ def cycle_beside(model: AutonomousField, near: CyclePoint, value: float) -> Cycl
     NumericalError
         If it is not found.
     """
+    if model.memory is None:
+        return _beside(model, near, value)
+    found: CyclePoint = model.memory.recall_or_raise(
+        "cycle_beside", (near, value), lambda: _beside(model, near, value)
+    )
+    return found
+
+
+def _beside(model: AutonomousField, near: CyclePoint, value: float) -> CyclePoint:
     guess = _guess(near, value)
     exact = _shot(model, guess, near) if model.is_carried else None
     if exact is None:

@@ -54,6 +54,13 @@ class Mirror:
     order: NDArray[np.intp]
     factors: Vector
 
+    def equals(self, other: Mirror | None) -> bool:
+        """Return whether another mirror is the same map."""
+        return other is not None and all(
+            np.array_equal(own, its)
+            for own, its in ((self.order, other.order), (self.factors, other.factors))
+        )
+
     def scaled(self, scales: Vector) -> Mirror:
         """Return the same for states that count in sizes, shape (n,)."""
         return Mirror(self.order, self.factors * scales[self.order] / scales)

@@ -6,10 +6,11 @@ collocation, on a mesh that gets finer until the motion itself closes the orbit.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import Any, TypeVar
 
 import numpy as np
 
@@ -45,6 +46,8 @@ from vehicledyn.solve.periodic.monodromy import Passages
 from vehicledyn.solve.periodic.orbit import Orbit, adapted_mesh
 from vehicledyn.solve.periodic.returning import returning
 from vehicledyn.solve.periodic.shooting import Closed, closed, direction_of
+
+T = TypeVar("T")
 
 _REMESHED, _ALIGNED = 10, 1e-7
 _REMESHED_AFTER = 10
@@ -89,6 +92,58 @@ class Steps:
 
     def first(self, start: Orbit, direction: Direction) -> CyclePoint:
         """Return the orbit on the plane through a guess across a direction."""
+        return self._recalled(self._first, start, direction)
+
+    def first_at(self, start: Orbit, side: float) -> CyclePoint:
+        """Return the orbit at the parameter of a guess; the branch goes on to a side of it.
+
+        A simulated one, with contacts that begin and end, is closed by shooting; what is less
+        near by collocation.
+        """
+        return self._recalled(self._first_at, start, side)
+
+    def ahead_of(self, base: CyclePoint, size: float) -> CyclePoint:
+        """Return the point at a distance along the branch."""
+        return self._recalled(self._ahead_of, base, size)
+
+    def behind_corner_of(self, base: CyclePoint, size: float) -> tuple[CyclePoint, float] | None:
+        """Return a point behind a corner within a step and the way there; None without corner."""
+        return self._recalled(self._behind_corner_of, base, size)
+
+    def between(self, points: Mapping[float, CyclePoint], place: float) -> CyclePoint:
+        """Return a point on a step that has been made, from those known at some places on it.
+
+        Among these are the begin of the step, at zero, and its end. The point lies on the plane at
+        its place across the chord of the whole step, and is looked for between its neighbours.
+        """
+        return self._recalled(self._between, points, place)
+
+    def _recalled(self, step: Callable[..., T], *given: Any) -> T:
+        """Return the result of a step, from the memory of the model if it has one.
+
+        The mesh and the mirror that the step leaves behind are recalled with it.
+        """
+        memory = self.model.memory
+        if memory is None:
+            return step(*given)
+
+        def compute() -> tuple[Any, ...]:
+            result, error = None, ""
+            try:
+                result = step(*given)
+            except NumericalError as failed:
+                error = str(failed)
+            return result, error, self.age, self.intervals, self.mirror
+
+        before = self.limits, self.age, self.intervals, self.mirror
+        result, error, self.age, self.intervals, self.mirror = memory.recall(
+            step.__name__, (before, given), compute
+        )
+        if error:
+            raise NumericalError(error)
+        return result  # type: ignore[no-any-return]
+
+    def _first(self, start: Orbit, direction: Direction) -> CyclePoint:
         scales = self.scales(start)
         along = direction.times(1.0 / np.sqrt(dot(start, direction, direction, scales)))
         if self.model.is_carried:
@@ -98,12 +153,7 @@ class Steps:
         exact = closed(self.model, found.orbit, parameter_scale=scales.parameter)
         return self._point(found, exact, scales, along)
 
-    def first_at(self, start: Orbit, side: float) -> CyclePoint:
-        """Return the orbit at the parameter of a guess; the branch goes on to a side of it.
-
-        A simulated one, with contacts that begin and end, is closed by shooting; what is less
-        near by collocation.
-        """
+    def _first_at(self, start: Orbit, side: float) -> CyclePoint:
         scales = self.scales(start)
         if self.model.is_carried:
             with suppress(NumericalError):
@@ -112,8 +162,7 @@ class Steps:
         along = Direction(np.zeros_like(found.orbit.states), 0.0, side)
         return self._point(found, exact, scales, along)
 
-    def ahead_of(self, base: CyclePoint, size: float) -> CyclePoint:
-        """Return the point at a distance along the branch."""
+    def _ahead_of(self, base: CyclePoint, size: float) -> CyclePoint:
         scales = self.scales(base.orbit)
         if self.model.is_carried:
             try:
@@ -127,8 +176,7 @@ class Steps:
         found, exact, along = self._corrected(guess, scales, tangent)
         return self._point(found, exact, self.scales(found.orbit), along or tangent)
 
-    def behind_corner_of(self, base: CyclePoint, size: float) -> tuple[CyclePoint, float] | None:
-        """Return a point behind a corner within a step and the way there; None without corner."""
+    def _behind_corner_of(self, base: CyclePoint, size: float) -> tuple[CyclePoint, float] | None:
         if size > _CORNERED or not base.sense:
             return None
         scales = self.scales(base.orbit)
@@ -139,16 +187,11 @@ class Steps:
         corner = min(size, corner_between(base, point, scales))
         return replace(point, corner=corner), way
 
-    def between(self, points: Mapping[float, CyclePoint], place: float) -> CyclePoint:
-        """Return a point on a step that has been made, from those known at some places on it.
-
-        Among these are the begin of the step, at zero, and its end. The point lies on the plane at
-        its place across the chord of the whole step, and is looked for between its neighbours.
-        """
+    def _between(self, points: Mapping[float, CyclePoint], place: float) -> CyclePoint:
         last = max(points)
         base, after = points[0.0], points[last]
         if base.passages is None and after.passages is None:
-            return self.ahead_of(base, place)
+            return self._ahead_of(base, place)
         mesh, scale = base.orbit.mesh, self.parameter_scale
         chord = between(base.orbit, after.orbit.moved(mesh))
         low = max(own for own in points if own < place)

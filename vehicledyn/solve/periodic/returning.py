@@ -99,7 +99,9 @@ def returning(
         If the orbit is not found.
     """
     size_of = parameter_scale or 0.0
-    is_near = near is not None and near.mirror is mirror
+    is_near = near is not None and (
+        near.mirror is None if mirror is None else mirror.equals(near.mirror)
+    )
     search = _Search(Chain.of(near, size_of), guess, along) if near and is_near else None
     scales = guess.scales() if near is None else near.scales
     orbit, before, best, vain, error = guess, np.inf, np.inf, 0, _NEAR_STEP

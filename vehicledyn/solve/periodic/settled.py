@@ -8,6 +8,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 
@@ -151,6 +152,19 @@ class Runner:
         watched_state: int | None = None,
     ) -> Settled:
         """Return the end of a simulation over some periods; a state may be watched instead."""
+        memory = self.field.memory
+        compute = partial(self._window, value, start, periods, watched_state)
+        if memory is None:
+            found = compute()
+        else:
+            given = value, start, periods, watched_state, self.channel
+            found = memory.recall_or_raise("window", given, compute)
+        self.spent += found.seconds
+        return found
+
+    def _window(
+        self, value: float, start: Disturbed, periods: int, watched_state: int | None
+    ) -> Settled:
         kernel = self.kernel.with_parameters(self.field.parameters(value))
         interval = start.period / SAMPLES
         steps = max(1, math.ceil(interval * start.rate / STIFF))
@@ -168,7 +182,6 @@ class Runner:
         times, states, others, outputs = (
             np.concatenate([part[k] for part in parts]) for k in range(4)
         )
-        self.spent += float(times[-1])
         watched = outputs[:, self.channel] if watched_state is None else states[:, watched_state]
         found = _period_of(times, watched) or start.period
         last = np.searchsorted(times, times[-1] - 1.05 * found)

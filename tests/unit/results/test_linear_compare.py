@@ -1,0 +1,111 @@
+"""Comparing files of hunting studies, modes and responses."""
+
+import sys
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from vehicledyn.cli import main
+from vehicledyn.results.hunt_table import CycleRow, HuntTable, SimulatedRow, write_hunt
+from vehicledyn.results.linear_compare import compare_linear
+from vehicledyn.results.linear_file import Quantity
+from vehicledyn.results.response_table import ResponseTable, write_response
+from vehicledyn.results.tolerances import Tolerances
+
+SPEED, SHIFT = Quantity("speed", "m/s", "Speed"), Quantity("y", "m", "Lateral shift")
+
+
+def cycle(value, size):
+    motion = size * np.sin(np.linspace(0.0, 2.0 * np.pi, 11))[:, None]
+    return CycleRow(
+        1, value, 0.16, True, "", 1.0, np.array([1.0, 0.5 + 0.1j]), np.array([-size]),
+        np.array([size]), motion,
+    )  # fmt: skip
+
+
+def study(**changes):
+    table = HuntTable(
+        "A wheelset", "wheelset", SPEED, (SHIFT,), np.array([50.0, 60.0]),
+        np.array([[-1.0 + 39j, -1.0 - 39j], [0.2 + 39.5j, 0.2 - 39.5j]]),
+        (cycle(55.0, 0.006), cycle(60.0, 0.008)), (SimulatedRow(60.0, 0.008, 0.16),),
+        {"linear_critical": 59.2, "nonlinear_critical": 54.1}, "ok", "",
+    )  # fmt: skip
+    return replace(table, **changes)
+
+
+@pytest.fixture
+def reference(tmp_path):
+    write_hunt(tmp_path / "reference.h5", study())
+    return tmp_path / "reference.h5"
+
+
+def compared(path, reference, table, relative=1e-6, **more):
+    write_hunt(path, table)
+    return compare_linear(path, reference, tolerances=Tolerances(relative), **more)
+
+
+def test_equal_studies(reference, tmp_path):
+    found = compared(tmp_path / "hunt.h5", reference, study(), relative=0.0)
+    assert found.exit_code == 0 and len(found.channels) > 8
+
+
+def test_each_number_counts(reference, tmp_path):
+    path = tmp_path / "hunt.h5"
+    figures = {"linear_critical": 59.3, "nonlinear_critical": 54.1}
+    found = compared(path, reference, study(figures=figures))
+    assert [c.name for c in found.failed] == ["figures.linear_critical"]
+    assert compared(path, reference, study(figures=figures), relative=2e-3).exit_code == 0
+    moved = np.array(study().eigenvalues)
+    moved[1, 0] += 1e-3j
+    found = compared(path, reference, study(eigenvalues=moved))
+    assert [c.name for c in found.failed] == ["eigenvalue"]
+    assert found.failed[0].difference == pytest.approx(1e-3)
+
+
+def test_other_numbers_of_cycles_and_other_endings(reference, tmp_path):
+    path = tmp_path / "hunt.h5"
+    found = compared(path, reference, study(cycles=study().cycles[:1]))
+    assert found.exit_code == 1 and "holds 1 numbers, in the reference 2" in found.as_text()
+    found = compared(path, reference, study(status="partial"))
+    assert found.exit_code == 1 and "partial, the reference is ok" in found.as_text()
+    found = compared(path, reference, study(status="running"))
+    assert found.exit_code == 2 and "--resume" in found.as_text()
+
+
+def test_only_what_is_chosen(reference, tmp_path):
+    path = tmp_path / "hunt.h5"
+    other = study(cycles=study().cycles[:1])
+    assert compared(path, reference, other, channels=["figures.*"]).exit_code == 0
+    assert compared(path, reference, other, channels=["nothing"]).exit_code == 2
+
+
+@pytest.fixture
+def verb(tmp_path, monkeypatch, capsys):
+    """Return a function that compares two files of the folder: exit code and output."""
+
+    def compare(*names):
+        paths = [str(tmp_path / name) for name in names]
+        monkeypatch.setattr(sys, "argv", ["vehicledyn", "compare", *paths])
+        with pytest.raises(SystemExit) as ended:
+            main()
+        return ended.value.code or 0, capsys.readouterr().out
+
+    return compare
+
+
+def test_the_verb_compares_every_kind(reference, tmp_path, make_result, verb):
+    response = ResponseTable(
+        "A car", "car", 20.0, np.array([1.0, 2.0]), (SPEED,), (SHIFT,),
+        np.array([[[1.0 + 1j]], [[np.nan]]]), np.array([[1.0]]),
+    )  # fmt: skip
+    write_response(tmp_path / "response.h5", response)
+    changed = replace(response, response=response.response * 1.01)
+    write_response(tmp_path / "changed.h5", changed)
+    assert verb("reference.h5", "reference.h5")[0] == 0
+    assert verb("response.h5", "response.h5")[0] == 0
+    assert verb("changed.h5", "response.h5")[0] == 1
+    make_result("run.h5")
+    for name, kind in (("response.h5", "frequency responses"), ("run.h5", "a run")):
+        code, told = verb(name, "reference.h5")
+        assert code == 2 and f"holds {kind}, the reference a hunting study" in told
