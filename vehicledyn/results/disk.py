@@ -8,6 +8,7 @@ the disk holds what a kill at that instant would leave.
 
 from __future__ import annotations
 
+import contextlib
 import os
 from pathlib import Path
 
@@ -58,6 +59,13 @@ class Container:
             self._disk.close()
         self._check()
 
+    def abandon(self) -> None:
+        """Close the file without writing to the disk, which holds what was flushed."""
+        self._disk.detach()
+        with contextlib.suppress(OSError, RuntimeError):
+            self.file.close()
+        self._disk.close()
+
     def _check(self) -> None:
         if self.failure is not None:
             raise self.failure
@@ -70,6 +78,11 @@ class _SteadyFile:
         self._file = path.open("w+b" if new else "r+b", buffering=0)
         self.error: OSError | None = None
         self._kept: list[tuple[int, bytes]] = []
+        self._detached = False
+
+    def detach(self) -> None:
+        """Keep in memory what is written from now on."""
+        self._detached = True
 
     def seek(self, offset: int, whence: int = os.SEEK_SET) -> int:
         """Move to an offset and return it."""
@@ -87,7 +100,7 @@ class _SteadyFile:
         """Fill the buffer and return how many bytes there were."""
         start = self.tell()
         count = self._file.readinto(buffer) or 0
-        if self.error is None:
+        if self._reaches_disk:
             return count
         view = memoryview(buffer).cast("B")
         view[count:] = bytes(len(view) - count)
@@ -105,18 +118,18 @@ class _SteadyFile:
             rest = memoryview(first + bytes(rest[superblock.SIZE :]))
         whole = bytes(rest)
         try:
-            while rest and self.error is None:
+            while rest and self._reaches_disk:
                 rest = rest[self._file.write(rest) or 0 :]
         except OSError as error:
             self.error = error
-        if self.error is not None:
+        if not self._reaches_disk:
             self._kept.append((start, whole))
         return len(data)
 
     def truncate(self, size: int) -> int:
         """Set the size of the file, unless a write has failed."""
         try:
-            if self.error is None:
+            if self._reaches_disk:
                 self._file.truncate(size)
         except OSError as error:
             self.error = error
@@ -128,3 +141,7 @@ class _SteadyFile:
     def close(self) -> None:
         """Close the file."""
         self._file.close()
+
+    @property
+    def _reaches_disk(self) -> bool:
+        return self.error is None and not self._detached

@@ -14,6 +14,7 @@ The file is NetCDF-4 compatible HDF5::
     /plots/descriptions  JSON
     /scene/...           static data such as cones
     /animation/...       shapes and poses of bodies, see :mod:`vehicledyn.results.animation`
+    /checksums/row, crc  checksums of the samples, see :mod:`vehicledyn.results.row_sums`
 """
 
 from __future__ import annotations
@@ -31,6 +32,7 @@ from vehicledyn.base.errors import InputError
 FORMAT = "vehicledyn-result"
 FORMAT_VERSION = 1
 STATUSES = ("running", "ok", "derailed", "lifted", "failed", "interrupted")
+CHECKSUMS = "checksums"
 RESERVED = (
     "time",
     "states",
@@ -42,6 +44,7 @@ RESERVED = (
     "plots",
     "scene",
     "animation",
+    CHECKSUMS,
 )
 
 

@@ -18,9 +18,12 @@ import numpy as np
 
 import vehicledyn
 from vehicledyn.base.errors import InputError
+from vehicledyn.results.damage import reading
+from vehicledyn.results.disk import Container
 from vehicledyn.results.layout import clean_text
 from vehicledyn.results.opening import open_file
 from vehicledyn.results.output import check_output, write_failed
+from vehicledyn.results.seal import seal
 from vehicledyn.results.sections import write_attributes
 
 FORMAT_VERSION = 1
@@ -51,7 +54,9 @@ def new_file(
     target = path.resolve() if is_locked else check_output(path)
     scratch = target.with_name(f".{target.name}.new")
     try:
-        with h5py.File(scratch, "w", libver=("v110", "v110")) as file:
+        container = Container(scratch, new=True)
+        with contextlib.closing(container):
+            file = container.file
             head = {
                 "format": kind,
                 "format_version": FORMAT_VERSION,
@@ -60,6 +65,7 @@ def new_file(
             }
             write_attributes(file, head | attributes)
             yield file
+        seal(scratch)
         scratch.replace(target)
     except (OSError, RuntimeError) as error:
         raise write_failed(target, error) from error
@@ -79,14 +85,12 @@ def old_file(path: Path, kind: str) -> Iterator[h5py.File]:
     found = format_of(path)
     if found != kind:
         raise InputError(f"{path}: holds no {kind} data (its format is '{found or 'unknown'}')")
-    try:
-        with h5py.File(path, "r") as file:
-            if int(file.attrs["format_version"]) > FORMAT_VERSION:
-                raise InputError(f"{path}: is of a newer version; update vehicledyn")
-            yield file
-    except (OSError, KeyError, RuntimeError, ValueError, TypeError) as error:
-        detail = str(error).strip("\"'")
-        raise InputError(f"{path}: is damaged ({detail}); compute it again") from error
+    with reading(path, advice="compute it again"):
+        file = open_file(Path(path))
+    with file, reading(path, file, "compute it again"):
+        if int(file.attrs["format_version"]) > FORMAT_VERSION:
+            raise InputError(f"{path}: is of a newer version; update vehicledyn")
+        yield file
 
 
 def format_of(path: Path) -> str:

@@ -7,18 +7,43 @@ is damaged, for minutes.
 
 from __future__ import annotations
 
+import contextlib
 import os
+from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 import h5py
 
 from vehicledyn.base.errors import InputError
 from vehicledyn.base.files import open_regular
 from vehicledyn.results import superblock
+from vehicledyn.results.guard import GuardedFile
 from vehicledyn.results.output import is_being_written
+from vehicledyn.results.seal import DamagedError
 
 
-def open_file(path: Path) -> h5py.File:
+class OpenFile(h5py.File):  # type: ignore[misc]
+    """An HDF5 file open for reading whose damage is noticed.
+
+    Attributes
+    ----------
+    guard
+        What checks the bytes; None for a file that a living process writes.
+    is_finished
+        Whether the writer has closed it.
+    """
+
+    guard: GuardedFile | None
+    is_finished: bool
+
+    def check(self) -> None:
+        """Raise DamagedError if bytes that were read are not those that were written."""
+        if self.guard is not None:
+            self.guard.check()
+
+
+def open_file(path: Path) -> OpenFile:
     """Open a file for reading.
 
     Raises
@@ -28,14 +53,20 @@ def open_file(path: Path) -> h5py.File:
     OSError
         If it is damaged otherwise.
     """
-    if not is_concurrent(path):
-        return h5py.File(path, "r")
-    if is_being_written(path.resolve()):
-        return h5py.File(path, "r", swmr=True)
-    return h5py.File(_LeftFile(path), "r")
+    if is_open_for_writing(path) and is_being_written(path.resolve()):
+        file = OpenFile(path, "r", swmr=True)
+        file.guard, file.is_finished = None, False
+        return file
+    guard = GuardedFile(path)
+    try:
+        file = OpenFile(guard, "r")
+    except (OSError, RuntimeError) as error:
+        raise _cause(guard, error) from error
+    file.guard, file.is_finished = guard, guard.is_finished
+    return file
 
 
-def is_concurrent(path: Path) -> bool:
+def is_open_for_writing(path: Path) -> bool:
     """Return whether the file was opened for writing with readers and never closed.
 
     Raises
@@ -54,51 +85,29 @@ def is_concurrent(path: Path) -> bool:
     return True
 
 
-class _LeftFile:
-    """File object for h5py of a file that was never closed, its first bytes as if it had been."""
+@contextlib.contextmanager
+def noticing_damage(file: Any) -> Iterator[None]:
+    """Raise DamagedError for damage that was read meanwhile, also where HDF5 saw nothing.
 
-    def __init__(self, path: Path) -> None:
-        self._number = os.open(path, os.O_RDONLY | getattr(os, "O_BINARY", 0))
-        self._size = os.fstat(self._number).st_size
-        self._start = superblock.as_closed(self._bytes(superblock.SIZE, 0), self._size)
-        self._place = 0
+    What HDF5 complains of is explained by damage that was found before, if there is any.
+    """
+    guard = getattr(file, "guard", None)
+    if guard is None:
+        yield
+        return
+    try:
+        yield
+    except Exception as error:
+        cause = _cause(guard, error)
+        if cause is error:
+            raise
+        raise cause from error
+    guard.check()
 
-    def __del__(self) -> None:
-        """Close the file with the last reference, which HDF5 has."""
-        if hasattr(self, "_number"):
-            os.close(self._number)
 
-    def seek(self, offset: int, whence: int = os.SEEK_SET) -> int:
-        """Move to an offset and return it."""
-        base = {os.SEEK_SET: 0, os.SEEK_CUR: self._place, os.SEEK_END: self._size}[whence]
-        self._place = base + offset
-        return self._place
-
-    def tell(self) -> int:
-        """Return the offset."""
-        return self._place
-
-    def read(self, size: int = -1) -> bytes:
-        """Return bytes from the offset on."""
-        count = self._size - self._place if size < 0 else size
-        data = self._bytes(max(count, 0), self._place)
-        if self._place < superblock.SIZE:
-            head = self._start[self._place : self._place + len(data)]
-            data = head + data[len(head) :]
-        self._place += len(data)
-        return data
-
-    def readinto(self, buffer: bytearray | memoryview) -> int:
-        """Fill the buffer and return how many bytes there were."""
-        view = memoryview(buffer).cast("B")
-        data = self.read(len(view))
-        view[: len(data)] = data
-        return len(data)
-
-    def _bytes(self, count: int, offset: int) -> bytes:
-        os.lseek(self._number, offset, os.SEEK_SET)
-        parts = []
-        while count > 0 and (part := os.read(self._number, count)):
-            parts.append(part)
-            count -= len(part)
-        return b"".join(parts)
+def _cause(guard: GuardedFile, error: Exception) -> Exception:
+    try:
+        guard.check()
+    except DamagedError as damage:
+        return damage
+    return guard.suspicion or error

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import contextlib
 import json
-from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from types import TracebackType
@@ -16,6 +15,7 @@ from numpy.typing import NDArray
 
 from vehicledyn.base.errors import InputError, unknown_name
 from vehicledyn.results.animation import GROUP, Animation, Span, read_animation, read_rows
+from vehicledyn.results.damage import reading, rows_in_words
 from vehicledyn.results.layout import (
     FORMAT,
     FORMAT_VERSION,
@@ -25,8 +25,10 @@ from vehicledyn.results.layout import (
     SummaryEntry,
     dataset_path,
 )
-from vehicledyn.results.opening import is_concurrent, open_file
+from vehicledyn.results.opening import OpenFile, open_file
 from vehicledyn.results.output import is_being_written
+from vehicledyn.results.row_sums import check_rows
+from vehicledyn.results.seal import DamagedError
 from vehicledyn.results.thinning import ColumnRange, column_range, promises_too_much, thinned
 
 if TYPE_CHECKING:
@@ -68,11 +70,10 @@ def open_result(path: str | Path, most: int | None = None) -> Result:
         If there is no such file, or it is not HDF5, damaged, of another or a newer format.
     """
     place = Path(path)
-    concurrent = is_concurrent(place)
     with reading(place):
         file = open_file(place)
     try:
-        return Result(place, file, closed=not concurrent, most=most)
+        return Result(place, file, most=most)
     except InputError:
         file.close()
         raise
@@ -99,12 +100,12 @@ class Result:
         Whether the samples were taken in time.
     """
 
-    def __init__(
-        self, path: Path, file: h5py.File, *, closed: bool, most: int | None = None
-    ) -> None:
+    def __init__(self, path: Path, file: OpenFile, *, most: int | None = None) -> None:
         self.path = path
         self._file = file
-        with reading(path):
+        self._sound: set[str] = set()
+        closed = file.is_finished
+        with self._reading():
             self._check_format()
             self.title = str(file.attrs["title"])
             self.model = str(file.attrs["model"])
@@ -116,6 +117,7 @@ class Result:
             self.channels = tuple(str(name) for name in file.attrs["channels"])
             self.samples = int(file["time"].shape[0])
             self._refuse_promises()
+            self._check_sums("time")
             self._thinning = thinned(self.samples, most)
             self.block = self._thinning.block
             self.time = self._thinning.times(file["time"])
@@ -162,22 +164,24 @@ class Result:
             If the file has no such channel; the nearest name is suggested.
         """
         self.require(name)
-        with reading(self.path):
+        with self._reading():
             dataset = self._file[dataset_path(name)]
+            self._check_sums(name)
             values = self._thinning.values(dataset) if rows is None else read_rows(dataset, rows)
         return Series(name, values, *self.facts(name))
 
     def facts(self, name: str) -> tuple[str, str, str]:
         """Return unit, meaning and frame of a channel."""
         self.require(name)
-        with reading(self.path):
+        with self._reading():
             known = self._file[dataset_path(name)].attrs
             return str(known["units"]), str(known["long_name"]), str(known.get("frame", ""))
 
     def range(self, name: str) -> ColumnRange:
         """Return the range of a channel over all samples, thinned or not."""
         self.require(name)
-        with reading(self.path):
+        with self._reading():
+            self._check_sums(name)
             return column_range(self._file[dataset_path(name)], self.samples)
 
     def require(self, name: str) -> None:
@@ -188,17 +192,18 @@ class Result:
     @property
     def units(self) -> dict[str, str]:
         """SI units of the channels, by name."""
-        with reading(self.path):
+        with self._reading():
             file = self._file
             return {n: str(file[dataset_path(n)].attrs["units"]) for n in self.channels}
 
     @property
     def states(self) -> StateTable:
         """States and algebraic unknowns at the times of the samples, for a restart."""
-        with reading(self.path):
+        with self._reading():
             group = self._file["states"]
             if "value" not in group:
                 return StateTable((), (), np.empty((self.samples, 0)))
+            self._check_sums("states/value")
             return StateTable(
                 names=_texts(group["name"]),
                 units=_texts(group["units"]),
@@ -208,13 +213,13 @@ class Result:
     @property
     def state_names(self) -> tuple[str, ...]:
         """Names of states and algebraic unknowns."""
-        with reading(self.path):
+        with self._reading():
             return _texts(self._file["states/name"]) if "states/name" in self._file else ()
 
     @property
     def events(self) -> tuple[EventRecord, ...]:
         """Events in the order in which they happened."""
-        with reading(self.path):
+        with self._reading():
             group = self._file["events"]
             if "at" not in group:
                 return ()
@@ -227,7 +232,7 @@ class Result:
     @property
     def summary(self) -> dict[str, SummaryEntry]:
         """Entries of the summary by name; empty for a run that was killed."""
-        with reading(self.path):
+        with self._reading():
             group = self._file["summary"]
             names = [str(name) for name in group.attrs.get("entries", ())]
             return {name: _entry(name, group[dataset_path(name)[1:]]) for name in names}
@@ -250,21 +255,21 @@ class Result:
     @property
     def sources(self) -> list[dict[str, str]]:
         """Parts that were used, what they do and where they come from; empty in older files."""
-        with reading(self.path):
+        with self._reading():
             known = "scenario/sources" in self._file
         return self._records("scenario/sources") if known else []
 
     @property
     def notes(self) -> tuple[str, ...]:
         """What the run told its user, such as warnings."""
-        with reading(self.path):
+        with self._reading():
             group = self._file["scenario"]
             return _texts(group["notes"]) if "notes" in group else ()
 
     @property
     def configuration(self) -> dict[str, Any]:
         """The resolved scenario."""
-        with reading(self.path):
+        with self._reading():
             found = self._json("scenario/configuration")
             if not isinstance(found, dict):
                 raise ValueError("its configuration is none")
@@ -288,7 +293,7 @@ class Result:
     @property
     def scene(self) -> dict[str, SceneItem]:
         """Static data by name, such as the cones of a course."""
-        with reading(self.path):
+        with self._reading():
             return {
                 name: _scene_item(item)
                 for name, item in self._file["scene"].items()
@@ -298,12 +303,12 @@ class Result:
     @property
     def pictures(self) -> int:
         """Number of pictures for an animation."""
-        with reading(self.path):
+        with self._reading():
             return int(self._file[GROUP]["time"].shape[0]) if GROUP in self._file else 0
 
     def animation(self, span: Span) -> Animation | None:
         """Return shapes and some poses of the bodies, None where there are none."""
-        with reading(self.path):
+        with self._reading():
             return read_animation(self._file[GROUP], span) if GROUP in self._file else None
 
     def as_frame(self) -> pandas.DataFrame:
@@ -327,6 +332,25 @@ class Result:
         trace: TracebackType | None,
     ) -> None:
         self.close()
+
+    def _reading(self) -> contextlib.AbstractContextManager[None]:
+        return reading(self.path, self._file)
+
+    def _check_sums(self, name: str) -> None:
+        """Compare a column with its checksums, once, unless every byte is checked anyway."""
+        guard = self._file.guard
+        if guard is None or guard.is_sealed or name in self._sound:
+            return
+        number = {"time": 0, "states/value": -1}.get(name)
+        if number is None:
+            number = 1 + self.channels.index(name)
+        dataset = self._file[dataset_path(name)]
+        try:
+            check_rows(self._file, number, dataset, self.samples)
+        except DamagedError as error:
+            words = rows_in_words(self._file, name, error.first, error.last)
+            raise DamagedError(f"{error} of {words}") from error
+        self._sound.add(name)
 
     def _check_format(self) -> None:
         if self._file.attrs.get("format") != FORMAT:
@@ -371,15 +395,15 @@ class Result:
                 )
 
     def _attributes(self, place: str) -> dict[str, Any]:
-        with reading(self.path):
+        with self._reading():
             return {name: _plain(value) for name, value in self._file[place].attrs.items()}
 
     def _text(self, place: str) -> str:
-        with reading(self.path):
+        with self._reading():
             return str(self._file[place].asstr()[()])
 
     def _records(self, place: str) -> list[dict[str, Any]]:
-        with reading(self.path):
+        with self._reading():
             found = self._json(place)
             if not isinstance(found, list) or not all(isinstance(item, dict) for item in found):
                 raise ValueError(f"{place} is no list of records")
@@ -387,24 +411,8 @@ class Result:
 
     def _json(self, place: str) -> Any:
         text = self._text(place)
-        with reading(self.path):
+        with self._reading():
             return json.loads(text)
-
-
-_BROKEN = (OSError, LookupError, RuntimeError, ValueError, TypeError, AttributeError)
-"""What h5py and numpy raise on files that do not hold what they should."""
-
-
-@contextlib.contextmanager
-def reading(path: Path) -> Iterator[None]:
-    """Turn what h5py raises on broken files into one clear message."""
-    try:
-        yield
-    except BlockingIOError as error:
-        raise InputError(f"{path}: another program is writing this file; try later") from error
-    except _BROKEN as error:
-        detail = str(error).strip("\"'")
-        raise InputError(f"{path}: is damaged ({detail}); run it again") from error
 
 
 def _texts(dataset: h5py.Dataset) -> tuple[str, ...]:

@@ -14,9 +14,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vehicledyn.base.errors import InputError, unknown_name
-from vehicledyn.results.opening import open_file
+from vehicledyn.results.case_sums import check_cases
+from vehicledyn.results.damage import reading
+from vehicledyn.results.opening import OpenFile, open_file
 from vehicledyn.results.output import is_being_written
-from vehicledyn.results.reader import reading
 from vehicledyn.results.study_layout import (
     DONE,
     ENDED,
@@ -31,6 +32,8 @@ from vehicledyn.results.study_layout import (
 )
 
 Floats = NDArray[np.float64]
+
+_ADVICE = "compute it again"
 
 
 @dataclass(frozen=True)
@@ -87,9 +90,9 @@ class StudyFile:
         What the file holds of each case, figures by name.
     """
 
-    def __init__(self, path: Path, file: h5py.File) -> None:
+    def __init__(self, path: Path, file: OpenFile) -> None:
         self.path, self._file = path, file
-        with reading(path):
+        with reading(path, file, _ADVICE):
             if file.attrs.get("format") != FORMAT:
                 raise InputError(f"{path}: is no file of 'vehicledyn sweep'")
             if int(file.attrs["format_version"]) > FORMAT_VERSION:
@@ -111,6 +114,8 @@ class StudyFile:
                 for number, (name, unit, meaning) in enumerate(zip(*found, strict=True))
             ]
             self.figures = {c.name: c for c in sorted(columns, key=lambda c: c.name)}
+            if file.guard is not None and not file.guard.is_sealed:
+                check_cases(file)
 
     @property
     def is_whole(self) -> bool:
@@ -126,7 +131,7 @@ class StudyFile:
 
     def case_status(self) -> NDArray[np.int8]:
         """Return the status of every case, shape (n_cases,)."""
-        with reading(self.path):
+        with reading(self.path, self._file, _ADVICE):
             return np.asarray(self._file["cases/status"][()])
 
     def counts(self) -> dict[str, int]:
@@ -144,24 +149,24 @@ class StudyFile:
 
     def values(self, first: int = 0, stop: int | None = None) -> Floats:
         """Return values of the axes of some cases, shape (n, n_axes): SI, or numbers of choices."""
-        with reading(self.path):
+        with reading(self.path, self._file, _ADVICE):
             return np.asarray(self._file["cases/values"][first:stop])
 
     def axis(self, column: int) -> Floats:
         """Return what an axis is in every case, shape (n_cases,)."""
-        with reading(self.path):
+        with reading(self.path, self._file, _ADVICE):
             return np.asarray(self._file["cases/values"][:, column])
 
     def figure(self, name: str) -> Floats:
         """Return a key figure of every case, shape (n_cases,); what has none is not a number."""
         column = self._figure(name).column
-        with reading(self.path):
+        with reading(self.path, self._file, _ADVICE):
             return np.asarray(self._file["figures/value"][:, column])
 
     def figure_texts(self, name: str) -> list[str]:
         """Return a key figure of every case as texts, empty where it is a number or missing."""
         column = self._figure(name).column
-        with reading(self.path):
+        with reading(self.path, self._file, _ADVICE):
             return _texts(self._file["figures/text"][:, column])
 
     def samples(self, case: int, every: int = 1, most: int | None = None) -> NDArray[Any]:
@@ -169,7 +174,7 @@ class StudyFile:
 
         If asked for, only one of ``every`` so many samples, and the first ``most`` channels.
         """
-        with reading(self.path):
+        with reading(self.path, self._file, _ADVICE):
             if "samples" not in self._file:
                 return np.empty((len(self.times[::every]), 0))
             return np.asarray(self._file["samples"][case, ::every, :most])
@@ -179,20 +184,20 @@ class StudyFile:
         names = [channel.name for channel in self.channels]
         if name not in names:
             raise InputError(f"{self.path}: {unknown_name('channel', name, names)}")
-        with reading(self.path):
+        with reading(self.path, self._file, _ADVICE):
             return np.asarray(self._file["samples"][cases, :, names.index(name)])
 
     def reasons(self, most: int | None = None) -> Iterator[tuple[int, float, str]]:
         """Yield number, time [s] and reason of the cases that failed, at most so many."""
         failed = np.flatnonzero(self.case_status() == FAILED)[:most]
-        with reading(self.path):
+        with reading(self.path, self._file, _ADVICE):
             times, reasons = self._file["cases/end_time"], self._file["cases/reason"]
             for case in failed.tolist():
                 yield case, float(times[case]), bytes(reasons[case]).decode()
 
     def text(self, name: str) -> str:
         """Return the text of the "study" or the "scenario"."""
-        with reading(self.path):
+        with reading(self.path, self._file, _ADVICE):
             return str(self._file[f"{name}/text"].asstr()[()])
 
     def close(self) -> None:

@@ -6,7 +6,6 @@ computed again. The file is open for readers all the time and keeps its place on
 
 from __future__ import annotations
 
-import contextlib
 import json
 from collections.abc import Iterator, Sequence
 from datetime import UTC, datetime
@@ -20,8 +19,10 @@ from numpy.typing import NDArray
 import vehicledyn
 from vehicledyn.base.errors import InputError
 from vehicledyn.base.signals import undisturbed
-from vehicledyn.results import superblock
+from vehicledyn.results import case_sums, superblock
 from vehicledyn.results.disk import Container
+from vehicledyn.results.finishing import Reserve, finish
+from vehicledyn.results.journal import reopen
 from vehicledyn.results.layout import clean_text
 from vehicledyn.results.output import OutputLock, check_output, write_failed
 from vehicledyn.results.sections import write_attributes
@@ -77,9 +78,11 @@ class StudyWriter:
             )
         self._lock = OutputLock(self.path)
         self._container: Container | None = None
+        self._reserve: Reserve | None = None
         self._figures: dict[str, int] = {}
         try:
             with undisturbed():
+                self._reserve = Reserve(self.path.parent)
                 self._open(path) if going_on else self._create()
         except (OSError, RuntimeError) as error:
             raise self._failed(error) from error
@@ -111,6 +114,7 @@ class StudyWriter:
             for number, reason in block.reasons.items():
                 cases["reason"][block.first + number] = fitted(reason, REASON_BYTES)
             self._write_figures(block)
+            file[case_sums.DATASET][rows] = case_sums.sums_in(file, rows.start, rows.stop)
             self._container_flush()
             cases["status"][rows] = block.status
             self._container_flush()
@@ -124,7 +128,11 @@ class StudyWriter:
             return
         try:
             self._say(status, message)
-            self._container.close()
+            self._container.flush()
+            self._container.abandon()
+            if self._reserve is not None:
+                self._reserve.release()
+            finish(self.path, _change_nothing)
         except (OSError, RuntimeError) as error:
             raise self._failed(error) from error
         self._release()
@@ -159,6 +167,7 @@ class StudyWriter:
 
     def _open(self, named: Path) -> None:
         self._compare(named)
+        reopen(self.path)
         with self.path.open("r+b") as file:
             start = superblock.as_closed(file.read(superblock.SIZE), self.path.stat().st_size)
             file.seek(0)
@@ -228,9 +237,10 @@ class StudyWriter:
 
     def _release(self) -> None:
         if self._container is not None:
-            with contextlib.suppress(OSError, RuntimeError):
-                self._container.close()
+            self._container.abandon()
         self._container = None
+        if self._reserve is not None:
+            self._reserve.release()
         self._lock.release()
 
 
@@ -252,6 +262,10 @@ def pending(status: NDArray[np.int8], chunk: int, most: int) -> Iterator[tuple[i
         edges = np.flatnonzero(waits[1:] != waits[:-1])
         for first, stop in zip(edges[::2].tolist(), edges[1::2].tolist(), strict=True):
             yield begin + first, begin + stop
+
+
+def _change_nothing(file: h5py.File) -> None:
+    """Leave a file as it is: closing and sealing it is enough."""
 
 
 def _write_header(file: h5py.File, header: StudyHeader) -> None:
@@ -306,6 +320,7 @@ def _create_cases(file: h5py.File, header: StudyHeader) -> None:
     group.create_dataset("values", (n, width), "f8", chunks=(min(n, 512), width), fillvalue=np.nan)
     group.create_dataset("status", (n,), "i1", chunks=(rows,))
     group.create_dataset("end_time", (n,), "f8", chunks=(rows,), fillvalue=np.nan)
+    group.create_dataset("crc", (n,), "u4", chunks=(rows,))
     group.create_dataset("reason", (n,), f"S{REASON_BYTES}", chunks=(min(n, _REASON_ROWS),))
 
 

@@ -59,6 +59,11 @@ def end_of(start: bytes) -> int:
     return int(struct.unpack_from("<Q", start, _END_AT)[0])
 
 
+def has_tail(start: bytes, size: int) -> bool:
+    """Return whether a file of a size [bytes] goes on behind the end that its superblock knows."""
+    return len(start) == SIZE and start[_VERSION_AT] >= 3 and end_of(start) < size
+
+
 def lookup3(data: bytes) -> int:
     """Return Jenkins' 32-bit hash of some bytes, with initial value zero.
 

@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import contextlib
-import shutil
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from types import TracebackType
 from typing import Any, NamedTuple, Self
@@ -26,7 +25,9 @@ from vehicledyn.results.animation import (
 )
 from vehicledyn.results.animation_stage import Stage
 from vehicledyn.results.disk import Container
+from vehicledyn.results.finishing import Reserve, finish
 from vehicledyn.results.layout import (
+    CHECKSUMS,
     STATUSES,
     Described,
     EventRecord,
@@ -35,8 +36,10 @@ from vehicledyn.results.layout import (
     SummaryEntry,
     check_names,
     clean_text,
+    dataset_path,
 )
 from vehicledyn.results.output import OutputLock, check_output, write_failed
+from vehicledyn.results.row_sums import RowSums
 
 LARGEST_CHUNK = 4096  # samples
 FLUSH_INTERVAL = 0.5  # s of wall time
@@ -55,8 +58,11 @@ class ResultWriter:
 
     The file appears under its name at once, with status ``running``, and replaces an older
     one. It is readable at any time, also after the process was killed. :meth:`close` gives
-    it its final status in one atomic step. Leaving the ``with`` block by an error closes it
-    as failed, by Ctrl-C as interrupted.
+    it its final status in one atomic step and seals it with checksums. Leaving the ``with``
+    block by an error closes it as failed, by Ctrl-C as interrupted.
+
+    A little space on the disk is kept for the end: after the disk has filled up, the file can
+    still be closed, with its summary.
 
     Parameters
     ----------
@@ -95,7 +101,8 @@ class ResultWriter:
         check_names(channel.name for channel in channels)
         self.path = check_output(path)
         self.samples = 0
-        self._chunk = min(max(expected_samples, 1), LARGEST_CHUNK)
+        self._expected = max(expected_samples, 1)
+        self._chunk = min(self._expected, LARGEST_CHUNK)
         self._widths = (len(channels), len(states))
         self._buffer: list[_Block] = []
         self._stage = stage
@@ -105,14 +112,19 @@ class ResultWriter:
         self._scratch = self.path.with_name(f".{self.path.name}.new")
         self._lock = OutputLock(self.path)
         self._container: Container | None = None
+        self._reserve: Reserve | None = None
+        self._full: InputError | None = None
         try:
             with undisturbed():
+                self._reserve = Reserve(self.path.parent)
                 self._container = Container(self._scratch, new=True)
                 self._create(self._container.file, channels, states, header)
                 self._container.flush()
                 self._scratch.replace(self.path)
         except (OSError, RuntimeError) as error:
-            raise self._failed(error) from error
+            failed = self._failed(error)
+            self._release()
+            raise failed from error
         self._flushed_at = time.monotonic()
 
     def append(self, times: Floats, channels: Floats, states: Floats | None = None) -> None:
@@ -130,8 +142,11 @@ class ResultWriter:
         Raises
         ------
         InputError
-            If the file cannot be written any further; what was written stays readable.
+            If the file cannot be written any further; what was written stays readable, and
+            the file can be closed.
         """
+        if self._full is not None:
+            raise self._full
         if self._container is None:
             raise ValueError(f"{self.path} is closed")
         self._buffer.append(self._checked(times, channels, states))
@@ -177,31 +192,32 @@ class ResultWriter:
         Raises
         ------
         InputError
-            If the file cannot be written; what was written before stays readable.
+            If not all samples could be written; the file is closed all the same, as failed,
+            unless there is no space even for that.
         """
         if status not in STATUSES[1:]:
             raise ValueError(f"'{status}' is no final status; use one of {STATUSES[1:]}")
         if self._container is None:
             return
-        self._flush(self._container)
-        try:
-            self._container.close()
-            # A copy is finished and put in place, so that no moment leaves a broken file.
-            shutil.copyfile(self.path, self._scratch)
-            self._container = finished = Container(self._scratch, new=False)
-            finished.file.attrs["status"] = status
-            finished.file.attrs["status_message"] = clean_text(message)
-            sections.write_attributes(finished.file["solver"], solver or {})
-            sections.write_summary(finished.file["summary"], summary)
-            sections.write_events(finished.file["events"], events)
-            if surroundings is not None and GROUP in finished.file:
-                write_surroundings(finished.file[GROUP], surroundings)
-            sections.write_notes(finished.file["scenario"], notes)
-            finished.close()
-            self._scratch.replace(self.path)
-        except (OSError, RuntimeError) as error:
-            raise self._failed(error) from error
-        self._release()
+        with contextlib.suppress(InputError):
+            self._flush(self._container)
+        if self._full is not None:
+            status, message, surroundings = "failed", str(self._full), None
+
+        def change(file: h5py.File) -> None:
+            self._cut(file)
+            file.attrs["status"] = status
+            file.attrs["status_message"] = clean_text(message)
+            sections.write_attributes(file["solver"], solver or {})
+            sections.write_summary(file["summary"], summary)
+            sections.write_events(file["events"], events)
+            if surroundings is not None and GROUP in file:
+                write_surroundings(file[GROUP], surroundings)
+            sections.write_notes(file["scenario"], notes)
+
+        self._finish(change)
+        if self._full is not None:
+            raise self._full
 
     def __enter__(self) -> Self:
         return self
@@ -240,6 +256,9 @@ class ResultWriter:
             file.create_group(group, track_order=True)
         if self._stage is not None:
             self._pictures = PictureDatasets(file, self._stage, self._expected_pictures)
+        blocks = -(-self._expected // self._chunk)
+        columns = 1 + len(channels) + (self._states is not None)
+        self._sums = RowSums(file, columns, blocks)
         file.swmr_mode = True
 
     def _checked(self, times: Floats, channels: Floats, states: Floats | None) -> _Block:
@@ -257,39 +276,86 @@ class ResultWriter:
 
     @undisturbed()
     def _flush(self, container: Container) -> None:
-        """Write the buffer; the times come last, so that they never promise missing values."""
-        if not self._buffer:
+        """Write the buffer, and of it what fits if the disk is full.
+
+        No part reaches over the end of a chunk, since the next needs new space.
+        """
+        if not self._buffer or self._full is not None:
             return
         block = _Block(*(np.concatenate(part) for part in zip(*self._buffer, strict=True)))
-        try:
-            columns = np.ascontiguousarray(block.channels.T)
-            for dataset, values in zip(self._channels, columns, strict=True):
-                sections.extend(dataset, self.samples, values)
-            if self._states is not None:
-                sections.extend(self._states, self.samples, np.ascontiguousarray(block.states))
-            for pictures in self._waiting:
-                self._pictures.extend(pictures)
-            container.flush()
-            sections.extend(self._time, self.samples, block.times)
-            container.flush()
-        except (OSError, RuntimeError) as error:
-            raise self._failed(error) from error
-        self.samples += len(block.times)
         self._buffer.clear()
-        self._waiting.clear()
+        try:
+            start = 0
+            while start < len(block.times):
+                stop = start + self._chunk - self.samples % self._chunk
+                self._write(container, _Block(*(part[start:stop] for part in block)))
+                start = stop
+            if self._waiting:
+                self._write_pictures(container)
+        except (OSError, RuntimeError) as error:
+            self._full = self._failed(error)
+            raise self._full from error
         self._flushed_at = time.monotonic()
+
+    def _write(self, container: Container, block: _Block) -> None:
+        """Write samples; the times come last, so that they never promise missing values."""
+        columns = np.ascontiguousarray(block.channels.T)
+        for dataset, values in zip(self._channels, columns, strict=True):
+            sections.extend(dataset, self.samples, values)
+        tables = [] if self._states is None else [np.ascontiguousarray(block.states)]
+        for table in tables:
+            sections.extend(self._states, self.samples, table)
+        stop = self.samples + len(block.times)
+        self._sums.extend(stop, [block.times, *columns, *tables])
+        container.flush()
+        sections.extend(self._time, self.samples, block.times)
+        container.flush()
+        self.samples = stop
+
+    def _write_pictures(self, container: Container) -> None:
+        for pictures in self._waiting:
+            self._pictures.extend(pictures)
+        container.flush()
+        self._waiting.clear()
+
+    def _cut(self, file: h5py.File) -> None:
+        """Cut off what a full disk kept from being a whole sample."""
+        group, names = file[CHECKSUMS], file.attrs["channels"]
+        count = int(np.searchsorted(group["row"][()], self.samples, side="right"))
+        columns = [file[dataset_path(str(name))] for name in ("time", *names)]
+        if "value" in file["states"]:
+            columns.append(file["states/value"])
+        for dataset, length in (
+            *((dataset, self.samples) for dataset in columns),
+            (group["row"], count),
+            (group["crc"], count),
+        ):
+            if dataset.shape[0] > length:
+                dataset.resize(length, axis=0)
+
+    def _finish(self, change: Callable[[h5py.File], None]) -> None:
+        try:
+            if self._container is not None:
+                self._container.abandon()
+            if self._reserve is not None:
+                self._reserve.release()
+            finish(self.path, change)
+        except (OSError, RuntimeError) as error:
+            raise (self._full or self._failed(error)) from error
+        finally:
+            self._release()
 
     def _failed(self, error: Exception) -> InputError:
         cause = self._container.failure if self._container is not None else None
-        self._release()
         reached = f" at t = {self._last_time:.6g} s" if np.isfinite(self._last_time) else ""
         return write_failed(self.path, cause or error, reached)
 
     def _release(self) -> None:
         """Let go of files and lock, whatever state they are in."""
         if self._container is not None:
-            with contextlib.suppress(OSError, RuntimeError):
-                self._container.close()
+            self._container.abandon()
         self._container = None
+        if self._reserve is not None:
+            self._reserve.release()
         self._scratch.unlink(missing_ok=True)
         self._lock.release()

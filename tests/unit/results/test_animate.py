@@ -299,6 +299,7 @@ def test_long_results_are_thinned_in_bounded_memory(tmp_path):
     write_car(path, count=2000)
     rows = 2_000_000
     with h5py.File(path, "a") as file:
+        del file["checksums"]
         file["time"].resize(rows, axis=0)
         file["time"][:] = np.linspace(0.0, DURATION, rows)
         for name in file.attrs["channels"]:

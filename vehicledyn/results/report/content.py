@@ -63,10 +63,10 @@ def read_content(path: Path) -> Content:
         If there is no such file, or it is not of this program, damaged, or of a newer version.
     """
     from vehicledyn.results.linear_results import is_linear
-    from vehicledyn.results.opening import is_concurrent
+    from vehicledyn.results.opening import is_open_for_writing
     from vehicledyn.results.study_reader import is_study_file
 
-    is_concurrent(path)  # tells what is not there or not HDF5
+    is_open_for_writing(path)  # says what is not there or not HDF5
     if is_study_file(path):
         from vehicledyn.results.report.study_content import study_content
 
@@ -108,7 +108,8 @@ def words(name: str) -> str:
 def _refuse_giants(path: Path) -> None:
     import h5py
 
-    from vehicledyn.results.reader import reading
+    from vehicledyn.results.damage import reading
+    from vehicledyn.results.opening import open_file
     from vehicledyn.results.thinning import promises_too_much
 
     sizes = []
@@ -119,7 +120,7 @@ def _refuse_giants(path: Path) -> None:
                 raise InputError(f"{path}: is damaged: {name} is not in the file; compute it again")
             sizes.append(item.size * item.dtype.itemsize)
 
-    with reading(path), h5py.File(path, "r") as file:
+    with reading(path), open_file(path) as file, reading(path, file):
         file.visititems(measure)
     if sum(sizes) > LARGEST_TABLE:
         raise InputError(f"{path}: holds {sum(sizes):.3g} bytes, too many for a page")
