@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -14,7 +14,11 @@ from vehicledyn.base.units import to_si
 from vehicledyn.cli.options import Json
 from vehicledyn.cli.terminal import emit_report, show_progress
 
+if TYPE_CHECKING:
+    from vehicledyn.rail.profile_reading import ProfileReading
+
 _METRE = 1e3
+_LONGEST_WAVE, _NEAREST_BACK, _FURTHEST_BACK = 0.1, 0.02, 0.15
 
 
 def add_verbs(app: typer.Typer) -> None:
@@ -67,6 +71,13 @@ def profiles(
     smoothing: Annotated[
         str, typer.Option(help="Wavelength of which smoothing of files leaves half; 0 for none.")
     ] = "0",
+    defects: Annotated[
+        str, typer.Option(help="Outliers and gaps of files: refuse, mend or keep.")
+    ] = "refuse",
+    tape_circle: Annotated[
+        str | None,
+        typer.Option("--tape-circle", help="Tape circle from the back of the flange in files."),
+    ] = None,
     output: Annotated[
         Path | None, typer.Option("--output", "-o", help="Result file (HDF5) to write.")
     ] = None,
@@ -83,12 +94,10 @@ def profiles(
         "gauge_depth": _positive("--gauge-depth", gauge_depth),
         "back_to_back": _positive("--back-to-back", back_to_back),
         "flange_back": _length("--flange-back", flange_back),
-        "smoothing": _length("--smoothing", smoothing),
     }
+    reading = _reading(smoothing, defects, tape_circle)
     if min(radii) <= 0.0:
         raise InputError("--radius: must be above zero")
-    if values["smoothing"] < 0.0:
-        raise InputError(f"--smoothing {smoothing}: must not be negative")
     wanted = _lengths("--shift", shifts)
     found = [a for a in _lengths("--amplitude", amplitudes) if a > 0.0]
     angle = _angle(inclination)
@@ -103,6 +112,7 @@ def profiles(
         inclination=angle,
         yaw=turn,
         curvature=curvature,
+        reading=reading,
         shifts=wanted,
         amplitudes=found,
         **values,
@@ -110,6 +120,25 @@ def profiles(
     with show_progress() as progress:
         report = find_contact_geometry(wish, output=output, plots=plots, progress=progress)
     emit_report(report, as_json=as_json)
+
+
+def _reading(smoothing: str, defects: str, tape_circle: str | None) -> ProfileReading:
+    from typing import get_args
+
+    from vehicledyn.rail.profile_reading import Defects, ProfileReading
+
+    wavelength = _length("--smoothing", smoothing)
+    if not 0.0 <= wavelength <= _LONGEST_WAVE:
+        words = "must not be negative" if wavelength < 0.0 else "must be 100 mm or less"
+        raise InputError(f"--smoothing {smoothing}: {words}")
+    if defects not in get_args(Defects):
+        raise InputError(f"--defects {defects}: choose {', '.join(get_args(Defects))}")
+    back = None if tape_circle is None else _length("--tape-circle", tape_circle)
+    if back is not None and not _NEAREST_BACK < back < _FURTHEST_BACK:
+        raise InputError(f"--tape-circle {tape_circle}: must be between 20 and 150 mm")
+    return ProfileReading.model_validate(
+        {"smoothing": wavelength, "defects": defects, "tape_circle": back}
+    )
 
 
 def _length(option: str, text: str) -> float:

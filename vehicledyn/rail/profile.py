@@ -24,10 +24,26 @@ _EDGE = 1e-9
 
 
 @dataclass(frozen=True)
+class Measured:
+    """What a profile was made of, in its axes.
+
+    ``points`` are those that the curve follows, shape (n, 2), ``distance`` how far each lies
+    from it along the normal, shape (n,), ``outliers`` those left out, shape (k, 2), ``bridges``
+    the y of both ends of each gap that was bridged, shape (m, 2) [m].
+    """
+
+    points: Floats
+    distance: Floats
+    outliers: Floats
+    bridges: Floats
+
+
+@dataclass(frozen=True)
 class Profile:
     """A profile made of pieces in the order of y.
 
-    ``notes`` say how a file was read: unit, axes, what was cut off, smoothing.
+    ``notes`` say how a file was read: unit, axes, what was cut off, smoothing; ``measured`` is
+    what it was made of, if from a file.
     """
 
     name: str
@@ -35,6 +51,7 @@ class Profile:
     pieces: tuple[Piece, ...]
     source: str = ""
     notes: tuple[str, ...] = field(default=())
+    measured: Measured | None = field(default=None, compare=False)
 
     @property
     def begin(self) -> float:

@@ -1,4 +1,4 @@
-"""Profiles from files: two columns as text or CSV, Simpack .prw/.prr, MiniProf .whl/.ban.
+"""Profiles from files: two columns as text or CSV, Simpack .prw/.prr, MiniProf.
 
 What a file does not state is found from the shape, and said in the notes of the profile: the
 flange of a wheel reaches beyond its tread, a rail is highest in its middle. Lengths are
@@ -7,18 +7,16 @@ millimetres unless the file says otherwise.
 
 from __future__ import annotations
 
-import re
 from collections.abc import Callable
 from pathlib import Path
 
 from vehicledyn.base.errors import InputError
 from vehicledyn.base.files import read_regular
-from vehicledyn.rail.profile_columns import IN_HEADER, read_columns
-from vehicledyn.rail.profile_points import RawPoints, number_of, take_unit
+from vehicledyn.rail.profile_columns import read_columns
+from vehicledyn.rail.profile_miniprof import is_miniprof, read_miniprof
+from vehicledyn.rail.profile_points import RawPoints
 
 LARGEST_FILE = 20_000_000
-
-_SPLIT = re.compile(r"[,;\s]+")
 
 
 def read_points(path: Path) -> RawPoints:
@@ -44,10 +42,8 @@ def _reader(path: Path, lines: list[str]) -> Callable[[str, list[str]], RawPoint
     lower = [line.strip().lower() for line in lines]
     if path.suffix.lower() in (".prw", ".prr") or "point.begin" in lower:
         return _read_simpack
-    is_miniprof = path.suffix.lower() in (".whl", ".ban") or any(
-        line.startswith(("columndef", "xypoints")) for line in lower
-    )
-    return _read_miniprof if is_miniprof else read_columns
+    known = path.suffix.lower() in (".whl", ".ban", ".mpt")
+    return read_miniprof if known or is_miniprof(lower) else read_columns
 
 
 def _read_simpack(file: str, lines: list[str]) -> RawPoints:
@@ -120,43 +116,6 @@ def _setting(points: RawPoints, values: dict[str, str], key: str) -> float:
         return float(values.get(key, _SIMPACK[key]))
     except ValueError:
         raise points.refused(1, 1, f"{key}: '{values[key]}' is not a number") from None
-
-
-def _read_miniprof(file: str, lines: list[str]) -> RawPoints:
-    """Read a MiniProf profile: lines NAME=VALUE, then columns in the order of ``ColumnDef``.
-
-    ``XOffset`` and ``YOffset`` are added.
-    """
-    points = RawPoints(file, notes=["MiniProf profile"])
-    columns = ["x", "y"]
-    offsets = {"xoffset": 0.0, "yoffset": 0.0}
-    for number, line in enumerate(lines, 1):
-        text = line.strip().strip('"')
-        key, equals, value = text.partition("=")
-        key = key.strip().lower()
-        if equals:
-            if key == "columndef":
-                columns = [name.strip().lower() for name in value.split(",")]
-            elif key in ("unit", "units"):
-                take_unit(points, IN_HEADER.search(value))
-            elif key in offsets:
-                offset = number_of(value)
-                if offset is None:
-                    raise points.refused(number, 1, f"{key}: '{value.strip()}' is not a number")
-                offsets[key] = offset
-            continue
-        texts = _SPLIT.split(text)
-        if number_of(texts[0]) is None:
-            continue
-        if not {"x", "y"} <= set(columns):
-            raise points.refused(number, 1, "ColumnDef: names no columns X and Y")
-        if len(texts) < len(columns):
-            raise points.refused(number, 1, f"expected {len(columns)} numbers, as ColumnDef says")
-        points.add(number, [texts[columns.index("x")], texts[columns.index("y")]])
-    if any(offsets.values()):
-        points.shift(offsets["xoffset"], offsets["yoffset"])
-        points.notes.append("XOffset and YOffset of the file added")
-    return points
 
 
 def _lines(path: Path) -> list[str]:

@@ -20,6 +20,7 @@ class RawPoints:
     """Points as a file has them: two coordinates and their line.
 
     ``unit`` is that of the lengths in metres; ``stated_unit`` is false where none is given.
+    ``tape_circle`` is its distance from the back of a wheel's flange, where the file says so [m].
     """
 
     file: str
@@ -29,6 +30,7 @@ class RawPoints:
     unit: float = MILLIMETRE
     stated_unit: bool = False
     notes: list[str] = field(default_factory=list)
+    tape_circle: float | None = None
 
     def add(self, line: int, texts: list[str]) -> None:
         """Add a point; an InputError says which text is no number."""

@@ -5,14 +5,17 @@ See :mod:`vehicledyn.rail.profile` for the axes. What was turned, mirrored or cu
 
 from __future__ import annotations
 
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
+from vehicledyn.rail.profile_mending import mended
 from vehicledyn.rail.profile_names import Kind
+from vehicledyn.rail.profile_order import put_in_order
 from vehicledyn.rail.profile_pieces import Floats
 from vehicledyn.rail.profile_points import RawPoints
+from vehicledyn.rail.profile_reading import ProfileReading
 
 FEWEST, MOST = 10, 20_000
 NARROWEST, WIDEST = 0.02, 0.5
@@ -23,39 +26,69 @@ _RIM, _RIM_WIDTH = 8e-3, 35e-3
 _TREAD, _TREAD_WIDTH, _TREAD_SLOPE = (15e-3, 45e-3), 40e-3, 0.25
 _BACK = 4e-3
 _SAME = 1e-8
-_SWAPPED = 2  # segments apart: two points in the wrong order, no loop
+_AT_BACK = 6e-3
+"""Distance of the first point from y = 0 up to which y is counted from a flange's back [m]."""
+
 _USUAL = {"wheel": (0.09, 0.2), "rail": (0.05, 0.2)}
 _SUFFIXES = {".prw": "wheel", ".whl": "wheel", ".prr": "rail", ".ban": "rail"}
 _UNITS = {1.0: "m", 1e-3: "mm", 1e-2: "cm", 1e-6: "µm", 0.0254: "inch"}
 
 
-def in_our_axes(points: RawPoints, kind: Kind) -> tuple[Floats, Floats, list[str]]:
-    """Return y and z of a profile, y increasing or folded at the ends only, and notes [m].
+@dataclass(frozen=True)
+class Measurement:
+    """Points of a profile in the axes used here, and what became of those of the file.
+
+    ``y`` and ``z`` of shape (n,), y increasing; ``outliers`` are the points left out, shape
+    (k, 2), ``bridges`` the y of both ends of each bridged gap, shape (m, 2) [m].
+    """
+
+    y: Floats
+    z: Floats
+    outliers: Floats
+    bridges: Floats
+    notes: list[str]
+
+    def turned(self, *, y: float = 1.0, z: float = 1.0, shift: float = 0.0) -> Measurement:
+        """Return it with y and z times 1 or -1 and then y shifted."""
+        way = slice(None, None, int(y))
+        return replace(
+            self,
+            y=y * self.y[way] + shift,
+            z=z * self.z[way],
+            outliers=self.outliers * (y, z) + (shift, 0.0),
+            bridges=y * self.bridges + shift,
+        )
+
+
+def in_our_axes(points: RawPoints, kind: Kind, reading: ProfileReading) -> Measurement:
+    """Return the points of a profile in the axes used here.
 
     Raises
     ------
     InputError
         If there are too few points, two are equal, they are unsorted, the profile crosses itself
         or is too small or too large to be one, as with metres for millimetres, columns are
-        exchanged, or wheel and rail.
+        exchanged, or wheel and rail; if it has defects that are to be refused.
     """
     _check_kind(points, kind)
     y, z = points.unit * np.array(points.first), points.unit * np.array(points.second)
     unit = _UNITS.get(points.unit, f"{points.unit:g} m")
     notes = [*points.notes, f"lengths in {unit}" + ("" if points.stated_unit else ", assumed")]
     _check_points(points, y, z, unit, kind)
-    lines = np.array(points.lines)
+    repaired = mended(points, np.column_stack([y, z]), reading.defects)
+    (y, z), lines = repaired.points.T, repaired.lines
     if y[-1] < y[0]:
         y, z, lines = y[::-1], z[::-1], lines[::-1]
         notes.append("points run in the direction of falling y")
-    _check_order(points, y, z, lines)
-    y, z, cut = _visible(y, z)
-    if cut:
-        notes.append(f"{cut} points cut off at the ends, where the profile folds back")
+    y, z, lines, said = put_in_order(points, y, z, lines)
     if len(y) < FEWEST:
         raise points.refused(int(lines[0]), 1, f"{len(y)} usable points; give at least {FEWEST}")
-    y, z, said = (_wheel_axes if kind == "wheel" else _rail_axes)(points, y, z)
-    return y, z, [*notes, *said]
+    notes += [*said, *repaired.notes]
+    found = Measurement(y, z, repaired.outliers, repaired.bridges, notes)
+    if kind == "rail":
+        return _rail_axes(points, found)
+    tape_circle = points.tape_circle if reading.tape_circle is None else reading.tape_circle
+    return _wheel_axes(points, found, tape_circle)
 
 
 def _check_kind(points: RawPoints, kind: Kind) -> None:
@@ -98,26 +131,6 @@ def _check_points(points: RawPoints, y: Floats, z: Floats, unit: str, kind: Kind
         raise points.refused(points.lines[k + 1], 1, message)
 
 
-def _check_order(points: RawPoints, y: Floats, z: Floats, lines: NDArray[np.int_]) -> None:
-    """Refuse a profile that crosses itself, or turns back elsewhere than at its ends."""
-    crossing = _first_crossing(y, z)
-    if crossing is not None and crossing[1] - crossing[0] > _SWAPPED:
-        message = (
-            f"the profile crosses itself: a loop with the part at line {lines[crossing[0]]}; "
-            "remove it, or sort the points"
-        )
-        raise points.refused(int(lines[crossing[1]]), 1, message)
-    first, last = _ends(y)
-    back = np.flatnonzero(np.diff(y[first : last + 1]) <= 0.0)
-    if first > last or len(back):
-        k = first + int(back[0]) + 1 if len(back) else first
-        message = (
-            f"unsorted: y goes back from {y[k - 1] / points.unit:g} to {y[k] / points.unit:g}; "
-            "give the points in their order along the profile"
-        )
-        raise points.refused(int(lines[k]), 1, message)
-
-
 def _check_columns(points: RawPoints, y: Floats, z: Floats) -> None:
     """Refuse points of which only the second column is in order: y is, z rises and falls."""
     if not _in_order(y) and _in_order(z):
@@ -133,40 +146,9 @@ def _in_order(values: Floats) -> bool:
     return bool((steps > 0.0).all() or (steps < 0.0).all())
 
 
-def _first_crossing(y: Floats, z: Floats) -> tuple[int, int] | None:
-    """Return two segments, not neighbours, that cross, or None."""
-    begin, end = np.column_stack([y[:-1], z[:-1]]), np.column_stack([y[1:], z[1:]])
-    low, high = np.minimum(begin[:, 0], end[:, 0]), np.maximum(begin[:, 0], end[:, 0])
-    for k in range(len(begin) - 2):
-        later = np.flatnonzero((low[k + 2 :] <= high[k]) & (high[k + 2 :] >= low[k])) + k + 2
-        for other in later:
-            if _cross(begin[k], end[k], begin[other], end[other]):
-                return k, int(other)
-    return None
-
-
-def _cross(a: Floats, b: Floats, c: Floats, d: Floats) -> bool:
-    def side(p: Floats, q: Floats, r: Floats) -> float:
-        return float((q[0] - p[0]) * (r[1] - p[1]) - (q[1] - p[1]) * (r[0] - p[0]))
-
-    return side(a, b, c) * side(a, b, d) <= 0.0 and side(c, d, a) * side(c, d, b) <= 0.0
-
-
-def _ends(y: Floats) -> tuple[int, int]:
-    """Return where y is smallest and largest, next to the rest of the profile if upright there."""
-    return len(y) - 1 - int(np.argmin(y[::-1])), int(np.argmax(y))
-
-
-def _visible(y: Floats, z: Floats) -> tuple[Floats, Floats, int]:
-    """Return the points between smallest and largest y, and how many were cut off."""
-    first, last = _ends(y)
-    kept = slice(first, last + 1)
-    return y[kept], z[kept], len(y) - (last + 1 - first)
-
-
-def _wheel_axes(points: RawPoints, y: Floats, z: Floats) -> tuple[Floats, Floats, list[str]]:
+def _wheel_axes(points: RawPoints, found: Measurement, tape_circle: float | None) -> Measurement:
     """Turn a wheel's points so that the flange is at negative y and positive z."""
-    notes = []
+    y, z = found.y, found.z
     middle = float(np.median(z))
     ends = np.array([z[0], z[-1]]) - middle
     if np.ptp(y) < _USUAL["wheel"][0] and ends.prod() > 0.0 and np.abs(ends).min() > _SHOULDER:
@@ -174,26 +156,46 @@ def _wheel_axes(points: RawPoints, y: Floats, z: Floats) -> tuple[Floats, Floats
         raise points.refused(points.lines[0], 1, message)
     tallest = int(np.argmax(np.abs(z - middle)))
     if abs(z[tallest] - middle) < _FLANGE:
-        notes.append("no flange found: y taken as outwards, z as the increase of the radius")
+        found.notes.append("no flange found: y taken as outwards, z as the increase of the radius")
     else:
         if z[tallest] < middle:
-            z = -z
-            notes.append("z turned: it pointed away from the rail")
+            found = found.turned(z=-1.0)
+            found.notes.append("z turned: it pointed away from the rail")
         if y[tallest] > 0.5 * (y[0] + y[-1]):
-            y, z = -y[::-1], z[::-1]
-            notes.append("y turned: the flange was on the positive side")
-    if not y[0] < 0.0 < y[-1]:
+            found = found.turned(y=-1.0)
+            found.notes.append("y turned: the flange was on the positive side")
+        found = _from_tape_circle(points, found, tape_circle)
+    if not found.y[0] < 0.0 < found.y[-1]:
         message = (
-            f"y runs from {1e3 * y[0]:g} to {1e3 * y[-1]:g} mm; y = 0 must be the tape circle, "
-            "inside the profile"
+            f"y runs from {1e3 * found.y[0]:g} to {1e3 * found.y[-1]:g} mm; y = 0 must be the tape "
+            "circle, inside the profile"
         )
         raise points.refused(points.lines[0], 1, message)
-    return y, z, notes
+    return found
 
 
-def _rail_axes(points: RawPoints, y: Floats, z: Floats) -> tuple[Floats, Floats, list[str]]:
+def _from_tape_circle(
+    points: RawPoints, found: Measurement, tape_circle: float | None
+) -> Measurement:
+    """Count y from the tape circle where the file counts it from the back of the flange."""
+    tip = float(found.y[np.argmax(found.z)])
+    if tip < 0.0 or abs(found.y[0]) > _AT_BACK:
+        return found
+    if tape_circle is None:
+        message = (
+            "y is counted from the back of the flange, and the file does not say where the tape "
+            "circle is; say so by tape_circle, such as 70 mm"
+        )
+        raise points.refused(points.lines[0], 1, message)
+    found.notes.append(
+        f"y counted from the back of the flange, the tape circle at {1e3 * tape_circle:g} mm"
+    )
+    return found.turned(shift=-tape_circle)
+
+
+def _rail_axes(points: RawPoints, found: Measurement) -> Measurement:
     """Turn a rail's points so that the crown is up and at z = 0."""
-    notes = []
+    y, z = found.y, found.z
     if _has_flange(y, z) or _has_flange(y, -z):
         message = (
             "a narrow rim with a tread beside it, as the flange of a wheel; a rail's profile is "
@@ -201,23 +203,23 @@ def _rail_axes(points: RawPoints, y: Floats, z: Floats) -> tuple[Floats, Floats,
         )
         raise points.refused(points.lines[0], 1, message)
     if 0.5 * (z[0] + z[-1]) > float(np.median(z)):
-        z = -z
-        notes.append("z turned: it pointed down")
+        found = found.turned(z=-1.0)
+        found.notes.append("z turned: it pointed down")
     if not y[0] < 0.0 < y[-1]:
         message = (
             f"y runs from {1e3 * y[0]:g} to {1e3 * y[-1]:g} mm; y = 0 must be the axis of the "
             "rail, inside the profile"
         )
         raise points.refused(points.lines[0], 1, message)
-    top = float(y[np.argmax(z)])
+    top = float(y[np.argmax(found.z)])
     if abs(top) > _HEAD:
         message = (
             f"highest at y = {1e3 * top:.4g} mm, beyond the head of a rail; y = 0 must be the axis "
             "of the rail, or is this a wheel's profile?"
         )
         raise points.refused(points.lines[0], 1, message)
-    notes.append("y taken as outwards: the gauge side is at negative y")
-    return y, z, notes
+    found.notes.append("y taken as outwards: the gauge side is at negative y")
+    return found
 
 
 def _has_flange(y: Floats, z: Floats) -> bool:

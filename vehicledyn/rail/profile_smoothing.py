@@ -21,18 +21,29 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from vehicledyn.base.errors import InputError
 from vehicledyn.rail.profile import STEEPEST
 from vehicledyn.rail.profile_pieces import Floats, Table, table
 
 _FINEST = 2e-5
+_FEWEST = 4
 
 
 class Smoothed(NamedTuple):
-    """A smooth profile and how far the points lie from it: largest and root mean square [m]."""
+    """A smooth profile and how far the points lie from it along the normal, shape (n,) [m]."""
 
     table: Table
-    largest: float
-    rms: float
+    distance: Floats
+
+    @property
+    def largest(self) -> float:
+        """Largest distance of a point [m]."""
+        return float(np.max(np.abs(self.distance)))
+
+    @property
+    def rms(self) -> float:
+        """Root mean square of the distances [m]."""
+        return float(np.sqrt(np.mean(self.distance**2)))
 
 
 def smoothed(y: Floats, z: Floats, wavelength: float) -> Smoothed:
@@ -44,6 +55,11 @@ def smoothed(y: Floats, z: Floats, wavelength: float) -> Smoothed:
         Points in their order, y increasing, shape (n,) [m].
     wavelength
         Wavelength L of which half is left; zero for a curve through all points [m].
+
+    Raises
+    ------
+    InputError
+        If no part of the curve is a function of y.
     """
     length = np.concatenate([[0.0], np.cumsum(np.hypot(np.diff(y), np.diff(z)))])
     points = np.column_stack([y, z])
@@ -51,23 +67,29 @@ def smoothed(y: Floats, z: Floats, wavelength: float) -> Smoothed:
     count = max(2, min(len(y) * 8, int(length[-1] / _FINEST)))
     places = np.unique(np.concatenate([length, np.linspace(0.0, length[-1], count)]))
     position, rate, change = _evaluate(length, values, bends, places)
-    slope = rate[:, 1] / rate[:, 0]
-    bend = (change[:, 1] * rate[:, 0] - rate[:, 1] * change[:, 0]) / rate[:, 0] ** 3
-    usable = _run_around_flattest(rate[:, 0] > np.abs(rate[:, 1]) / (2.0 * STEEPEST), slope)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        slope = rate[:, 1] / rate[:, 0]
+        bend = (change[:, 1] * rate[:, 0] - rate[:, 1] * change[:, 0]) / rate[:, 0] ** 3
+    steep = rate[:, 0] <= np.abs(rate[:, 1]) / (2.0 * STEEPEST)
+    usable = _widest_run(~steep, position[:, 0])
+    if usable.stop - usable.start < _FEWEST:
+        raise InputError("the curve through the points is steeper than 85 degrees everywhere")
     curve = table(position[usable, 0], position[usable, 1], slope[usable], bend[usable])
     # Along the normal: what is moved along the profile does not show.
     rates = _evaluate(length, values, bends, length)[1]
     moved = points - values
     across = (rates[:, 0] * moved[:, 1] - rates[:, 1] * moved[:, 0]) / np.hypot(*rates.T)
-    return Smoothed(curve, float(np.max(np.abs(across))), float(np.sqrt(np.mean(across**2))))
+    return Smoothed(curve, across)
 
 
-def _run_around_flattest(usable: NDArray[np.bool_], slope: Floats) -> slice:
-    """Return the run of true values that holds the place of least slope."""
-    middle = int(np.argmin(np.where(usable, np.abs(slope), np.inf)))
-    refused = np.flatnonzero(~usable)
-    before, after = refused[refused < middle], refused[refused > middle]
-    return slice(int(before[-1]) + 1 if len(before) else 0, int(after[0]) if len(after) else None)
+def _widest_run(usable: NDArray[np.bool_], y: Floats) -> slice:
+    """Return the run of true values that covers the most of y."""
+    edges = np.flatnonzero(np.diff(np.concatenate([[0], usable.astype(int), [0]])))
+    runs = edges.reshape(-1, 2)
+    if not len(runs):
+        return slice(0, 0)
+    first, last = runs[int(np.argmax(y[runs[:, 1] - 1] - y[runs[:, 0]]))]
+    return slice(int(first), int(last))
 
 
 def _spline(length: Floats, points: Floats, wavelength: float) -> tuple[Floats, Floats]:

@@ -106,7 +106,7 @@ class RailWheels:
         from vehicledyn.rail.profile_open import open_profile
 
         track = self.track
-        profile = open_profile(track.rail, "rail")
+        profile = open_profile(track.rail, "rail", track.rail_reading)
         rail = place_rail(profile, track.inclination, track.gauge, track.gauge_depth)
         return Wheel(self.profile, self.radius_number, rail.origin[0]), rail
 

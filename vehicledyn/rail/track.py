@@ -14,6 +14,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal, Protocol
 
+from vehicledyn.rail.profile_reading import AS_IT_IS, ProfileReading
 from vehicledyn.symbolic import ops, rotations
 from vehicledyn.symbolic.ops import Mat, Scalar, Vec
 
@@ -135,6 +136,8 @@ class Track:
         Widening and irregularities, which add up.
     base
         Distance of the rail heads, across which cant is a difference of heights [m].
+    rail_reading
+        How the points of a file become the rails' profile.
     """
 
     gauge: float
@@ -144,6 +147,7 @@ class Track:
     line: CentreLine = StraightLine()
     shifts: tuple[RailShift, ...] = ()
     base: float = 1.5
+    rail_reading: ProfileReading = AS_IT_IS
 
     @property
     def is_straight(self) -> bool:

@@ -14,6 +14,7 @@ from vehicledyn.base.errors import InputError
 from vehicledyn.base.parameters import ParameterSet, part, quantity
 from vehicledyn.base.slopes import slope_of
 from vehicledyn.rail.profile_names import STANDARD, is_name
+from vehicledyn.rail.profile_reading import AS_IT_IS, ProfileReading
 from vehicledyn.rail.track import CentreLine, RailShift, Track
 
 if TYPE_CHECKING:
@@ -76,6 +77,9 @@ class TrackSet(TrackChoice):
         description="Profile of the rails: a name such as 60E1, or a file",
         json_schema_extra={"type": ["string", "number"]},  # YAML takes 60E1 for a number
     )
+    rail_reading: ProfileReading = Field(
+        default=AS_IT_IS, description="How the points of a file become the rails' profile"
+    )
     cant_base: float | None = quantity(
         "m",
         "Distance over which cant is measured; gauge and 65 mm if left out",
@@ -122,7 +126,8 @@ class TrackSet(TrackChoice):
         if isinstance(rough, IrregularitySet):
             shifts = (*shifts, rough.shift(folder))
         lean = math.atan(self.inclination)
-        return Track(self.gauge, self.gauge_depth, lean, rail, line, shifts, self.base)
+        reading = self.rail_reading
+        return Track(self.gauge, self.gauge_depth, lean, rail, line, shifts, self.base, reading)
 
 
 class IrregularitySet(ParameterSet):

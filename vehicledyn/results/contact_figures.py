@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from vehicledyn.results.contact_table import SIDES, ContactTable
+from vehicledyn.results.measured_figure import draw_measured
 from vehicledyn.results.plot_style import BLUE, VERMILION, WIDTH, axis_label, plain
 
 if TYPE_CHECKING:
@@ -22,6 +23,8 @@ def contact_figures(table: ContactTable) -> Iterator[tuple[str, Figure]]:
     """Give the figures of a table with their names, drawn on demand."""
     yield "contact", _draw_contact(table)
     yield "geometry", _draw_geometry(table)
+    if table.measured:
+        yield "measured", draw_measured(table.title, table.measured)
 
 
 def _draw_contact(table: ContactTable) -> Figure:

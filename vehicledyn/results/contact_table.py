@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, field, fields
 from pathlib import Path
 from typing import Any
 
@@ -56,6 +56,28 @@ class ContactCurves:
     conicity_with_roll: Any
 
 
+@dataclass(frozen=True)
+class MeasuredProfile:
+    """What a profile from a file was made of, in its own axes.
+
+    ``points`` are those that the curve follows, shape (n, 2), ``distance`` how far each lies
+    from it, shape (n,), ``outliers`` those left out, shape (k, 2), ``bridges`` the lateral
+    coordinates of both ends of each bridged gap, shape (m, 2) [m].
+    """
+
+    points: Any
+    distance: Any
+    outliers: Any
+    bridges: Any
+
+
+_MEASURED = {
+    "points": ("m", "Lateral coordinate and height of the points used"),
+    "distance": ("m", "Distance of the points from the curve"),
+    "outliers": ("m", "Lateral coordinate and height of the points left out"),
+    "bridges": ("m", "Lateral coordinates of both ends of bridged gaps"),
+}
+
 COLUMNS = {
     "place": ("m", "Lateral coordinate on the wheel, outwards from the tape circle"),
     "rail_place": ("m", "Lateral coordinate on the rail's profile, outwards from its axis"),
@@ -79,7 +101,7 @@ class ContactTable:
     ``conicity_harmonic`` and ``conicity_regression`` by linearisation, without roll. ``jumps``
     hold shift, side, place before and after. ``curves`` are as close as pictures need.
     ``outlines`` are the profiles as placed at no shift, lateral distance from the middle of the
-    track and height, each of shape (n, 2) [m].
+    track and height, each of shape (n, 2) [m]. ``measured`` are the profiles from files.
     """
 
     title: str
@@ -100,6 +122,7 @@ class ContactTable:
     curves: ContactCurves
     outlines: dict[str, Any]
     notes: tuple[str, ...]
+    measured: dict[str, MeasuredProfile] = field(default_factory=dict)
 
 
 _HEAD = {"title", "wheel", "rail", "format", "format_version", "created", "vehicledyn_version"}
@@ -147,6 +170,7 @@ def write_contacts(path: Path, table: ContactTable) -> None:
         outlines = file.create_group("outlines")
         for name, points in table.outlines.items():
             write_numbers(outlines, name, points, (), ("m", "Lateral distance and height"))
+        _write_measured(file.create_group("measured"), table.measured)
         write_texts(file, "notes", table.notes)
 
 
@@ -176,8 +200,23 @@ def read_contacts(path: Path) -> ContactTable:
             jumps=_read_jumps(file["jumps"]),
             outlines={name: np.asarray(d[()]) for name, d in file["outlines"].items()},
             notes=tuple(read_texts(file, "notes")),
+            measured=_read_measured(file["measured"]) if "measured" in file else {},
             **arrays,
         )
+
+
+def _write_measured(group: Any, profiles: dict[str, MeasuredProfile]) -> None:
+    for name, profile in profiles.items():
+        inner = group.create_group(name)
+        for part, words in _MEASURED.items():
+            write_numbers(inner, part, getattr(profile, part), (), words)
+
+
+def _read_measured(group: Any) -> dict[str, MeasuredProfile]:
+    return {
+        name: MeasuredProfile(**{part: np.asarray(inner[part][()]) for part in _MEASURED})
+        for name, inner in group.items()
+    }
 
 
 _CURVES = {

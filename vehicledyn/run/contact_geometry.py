@@ -16,7 +16,14 @@ from vehicledyn.rail.contact_geometry_wheelset import Standing, WheelsetOnTrack,
 from vehicledyn.rail.profile import Profile
 from vehicledyn.rail.profile_names import Kind
 from vehicledyn.rail.profile_open import open_profile
-from vehicledyn.results.contact_table import SIDES, ContactColumns, ContactTable, write_contacts
+from vehicledyn.rail.profile_reading import AS_IT_IS, ProfileReading
+from vehicledyn.results.contact_table import (
+    SIDES,
+    ContactColumns,
+    ContactTable,
+    MeasuredProfile,
+    write_contacts,
+)
 from vehicledyn.run.contact_conicity import conicities
 from vehicledyn.run.contact_curves import amplitude_grid, close_standings, curves, standings
 from vehicledyn.run.contact_report import ContactReport
@@ -43,7 +50,7 @@ class ContactWish:
     flange_back: float = 0.07
     yaw: float = 0.0
     curvature: float = 0.0
-    smoothing: float = 0.0
+    reading: ProfileReading = AS_IT_IS
     shifts: Sequence[float] = tuple(1e-3 * k for k in range(-8, 9))
     amplitudes: Sequence[float] = tuple(1e-3 * k for k in range(1, 8))
 
@@ -70,8 +77,8 @@ def find_contact_geometry(
         If a profile cannot be read or the wheelset does not fit the gauge.
     """
     progress("reading profiles")
-    wheels = _opened(wish.wheels, "wheel", wish.smoothing)
-    rails = _opened(wish.rails, "rail", wish.smoothing)
+    wheels = _opened(wish.wheels, "wheel", wish.reading)
+    rails = _opened(wish.rails, "rail", wish.reading)
     wheelset = _placed(wish, wheels, rails)
     try:
         check_fit(wheelset, wish.gauge)
@@ -91,9 +98,9 @@ def find_contact_geometry(
     return ContactReport(table, output, plots)
 
 
-def _opened(texts: Sequence[str], kind: Kind, smoothing: float) -> list[Profile]:
+def _opened(texts: Sequence[str], kind: Kind, reading: ProfileReading) -> list[Profile]:
     """Return the profiles of both sides, one and the same where they are named alike."""
-    known = {text: open_profile(text, kind, smoothing) for text in dict.fromkeys(texts)}
+    known = {text: open_profile(text, kind, reading) for text in dict.fromkeys(texts)}
     return [known[text] for text in texts]
 
 
@@ -142,7 +149,7 @@ def _table(
             "radius_right": wish.radii[1],
             "yaw": wish.yaw,
             "curvature": wish.curvature,
-            "smoothing": wish.smoothing,
+            "smoothing": wish.reading.smoothing,
         },
         shift=np.array([s.lateral for s in standing]),
         roll=np.array([s.roll for s in standing]),
@@ -156,8 +163,44 @@ def _table(
             wheelset, close, grid, {name: v[len(amplitudes) :] for name, v in cones.items()}
         ),
         outlines=_outlines(wheelset, wish),
-        notes=(*notes, *lost, *said),
+        notes=(*notes, *_on_bridges(columns, profiles), *lost, *said),
+        measured=_measured(profiles),
     )
+
+
+def _measured(profiles: Sequence[Profile]) -> dict[str, MeasuredProfile]:
+    """Return the profiles from files by their place, one and the same once."""
+    names = ("left_wheel", "right_wheel", "left_rail", "right_rail")
+    found: dict[str, MeasuredProfile] = {}
+    drawn: list[Profile] = []
+    for name, profile in zip(names, profiles, strict=True):
+        given = profile.measured
+        if given is None or any(profile is other for other in drawn):
+            continue
+        drawn.append(profile)
+        parts = (given.points, given.distance, given.outliers, given.bridges)
+        found[name] = MeasuredProfile(*parts)
+    return found
+
+
+def _on_bridges(columns: ContactColumns, profiles: Sequence[Profile]) -> list[str]:
+    """Return where contact lies on a stretch of a profile that was not measured."""
+    said = []
+    for k, side in enumerate(SIDES):
+        touching = (
+            (profiles[k], columns.place, "wheel"),
+            (profiles[k + 2], columns.rail_place, "rail"),
+        )
+        for profile, places, what in touching:
+            for begin, end in [] if profile.measured is None else np.sort(profile.measured.bridges):
+                inside = (places[:, k, 0] > begin) & (places[:, k, 0] < end)
+                if inside.any():
+                    said.append(
+                        f"{int(inside.sum())} of {len(inside)} contacts of the {side} {what} lie "
+                        f"on a bridged gap, y = {1e3 * begin:.4g} to {1e3 * end:.4g} mm: nothing "
+                        "was measured there"
+                    )
+    return said
 
 
 def _columns(wheelset: WheelsetOnTrack, standing: list[Standing]) -> ContactColumns:

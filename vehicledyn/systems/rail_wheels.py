@@ -10,6 +10,7 @@ from pydantic import Field, field_validator
 from vehicledyn.base.errors import InputError
 from vehicledyn.base.parameters import ParameterSet
 from vehicledyn.rail.profile_names import check_name, is_name
+from vehicledyn.rail.profile_reading import AS_IT_IS, ProfileReading
 from vehicledyn.systems.fields import Scalar, SystemSet, measured, reference
 
 if TYPE_CHECKING:
@@ -31,6 +32,9 @@ class RailWheelSet(SystemSet):
         "m", "Distance of the tape circle from the body's origin along the axle, outwards"
     )
     profile: str = Field(description="Profile of the wheels: a name such as S1002, or a file")
+    profile_reading: ProfileReading = Field(
+        default=AS_IT_IS, description="How the points of a file become the wheels' profile"
+    )
 
     @field_validator("wheels")
     @classmethod
@@ -83,7 +87,8 @@ class RailWheelSet(SystemSet):
         from vehicledyn.rail.profile_open import open_profile
 
         is_file = not is_name(self.profile) and bool(Path(self.profile).suffix)
-        return open_profile(str(folder / self.profile) if is_file else self.profile, "wheel")
+        text = str(folder / self.profile) if is_file else self.profile
+        return open_profile(text, "wheel", self.profile_reading)
 
 
 def missing_choices(creep: ParameterSet | None, contact: ParameterSet | None) -> list[str]:

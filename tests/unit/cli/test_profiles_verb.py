@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 from vehicledyn.base.errors import InputError
+from vehicledyn.rail.named_profiles import named_profile
 from vehicledyn.results.contact_figures import contact_figures
 from vehicledyn.results.contact_table import read_contacts
 from vehicledyn.run.contact_geometry import ContactWish, find_contact_geometry
@@ -73,6 +74,9 @@ def test_options_reach_the_geometry(tmp_path):
         (("S1002", "60E1", "--shift", "3:1:2"), "--shift 3:1:2: must rise"),
         (("S1002", "60E1", "--curve-radius", "300"), "write its unit: '300 m'"),
         (("S1002", "60E1", "--smoothing", "-1"), "--smoothing -1: must not be negative"),
+        (("S1002", "60E1", "--smoothing", "200"), "--smoothing 200: must be 100 mm or less"),
+        (("S1002", "60E1", "--defects", "men"), "--defects men: choose refuse, mend, keep"),
+        (("S1002", "60E1", "--tape-circle", "7"), "--tape-circle 7: must be between 20 and 150"),
     ],
 )
 def test_refusals(arguments, told, tmp_path):
@@ -81,6 +85,31 @@ def test_refusals(arguments, told, tmp_path):
     assert told in done.stderr
     assert "Traceback" not in done.stderr
     assert not (tmp_path / "r.h5").exists()
+
+
+def test_what_was_mended_is_drawn_and_kept_in_the_file(tmp_path):
+    """The result file holds the points, so that the picture can be drawn again."""
+    profile = named_profile("S1002", "wheel")
+    y = np.arange(-0.068, 0.058, 2.5e-4)
+    y = y[(y < 0.03) | (y > 0.045)]
+    z = profile.height(y)
+    z[300] += 5e-4
+    text = "".join(f"{1e3 * a:.4f} {1e3 * b:.4f}\n" for a, b in zip(y, z, strict=True))
+    (tmp_path / "worn.txt").write_text(text)
+    asked = ("worn.txt", "60E1", "--shift", "0", "--amplitude", "3", "-o", "r.h5", "--plots", "p")
+    refused = command(*asked, folder=tmp_path)
+    assert refused.returncode == 2
+    assert "worn.txt:301:1: an outlier in line 301 at (" in refused.stderr
+    assert "a gap of 15" in refused.stderr
+    assert not (tmp_path / "r.h5").exists()
+    done = command(*asked, "--defects", "mend", folder=tmp_path)
+    assert done.returncode == 0, done.stderr
+    assert "left out: an outlier in line 301" in done.stdout
+    assert (tmp_path / "p" / "measured.png").stat().st_size > 10_000
+    (measured,) = read_contacts(tmp_path / "r.h5").measured.values()
+    assert measured.outliers == pytest.approx(np.array([[y[300], z[300]]]), abs=2e-6)
+    assert sorted(measured.bridges[0]) == pytest.approx([0.03, 0.045], abs=3e-4)
+    assert measured.distance.shape == measured.points.shape[:1]
 
 
 def test_shifts_beyond_the_rail_are_told():
