@@ -83,8 +83,14 @@ class CentreLine(Protocol):
     def frame(self, s: Scalar) -> TrackFrame:
         """Return the frame at an arc coordinate [m]."""
 
-    def angles(self, s: Scalar) -> tuple[Scalar, Scalar, Scalar]:
-        """Return yaw, pitch and roll of the frame, R = Rz Ry Rx [rad]."""
+    def curvature(self, s: Scalar) -> Scalar:
+        """Return the curvature seen from above, positive to the left [1/m]."""
+
+    def riding(self, s: Scalar) -> tuple[Scalar, ...]:
+        """Return x, y, z [m], yaw, pitch and roll [rad] of a frame with smooth accelerations.
+
+        It follows that of the track, R = Rz Ry Rx, and rounds its kinks.
+        """
 
 
 class RailShift(Protocol):
@@ -111,9 +117,13 @@ class StraightLine:
         nothing = ops.vector(0.0, 0.0, 0.0)
         return TrackFrame(ops.vector(s, 0.0, 0.0), rotations.identity(), 1.0, nothing)
 
-    def angles(self, s: Scalar) -> tuple[Scalar, Scalar, Scalar]:
-        """Return no turn."""
-        return 0.0, 0.0, 0.0
+    def curvature(self, s: Scalar) -> Scalar:
+        """Return zero [1/m]."""
+        return 0.0
+
+    def riding(self, s: Scalar) -> tuple[Scalar, ...]:
+        """Return the coordinates of the frame of the world, moved along x."""
+        return s, 0.0, 0.0, 0.0, 0.0, 0.0
 
 
 @dataclass(frozen=True)

@@ -107,6 +107,14 @@ class Alignment:
         heading = self.heading(places)
         return np.stack([half * (np.cos(heading) @ _WEIGHTS), half * (np.sin(heading) @ _WEIGHTS)])
 
+    def plan(self, s: Array) -> Array:
+        """Return x and y at sorted chainages, zero at chainage zero, shape (2, n) [m]."""
+        ends = np.union1d(np.append(s, 0.0), self.kinks)
+        moved = np.cumsum(self.advance(ends[:-1], ends[1:]), axis=1)
+        moved = np.concatenate([np.zeros((2, 1)), moved], axis=1)
+        origin = moved[:, [int(np.searchsorted(ends, 0.0))]]
+        return np.asarray((moved - origin)[:, np.searchsorted(ends, s)])
+
     def _level_places(self) -> list[float]:
         """Return where the cant changes its sign within a piece, so that the low rail changes."""
         found = []

@@ -19,8 +19,8 @@ JOINTS = ("T1", "T2", "T3", "R3", "R2", "R1")
 class TrackFollower(BasePart):
     """Drive the six coordinates of a frame along the centre line of a track.
 
-    Rates and accelerations follow by differentiation. Where the curvature of the track jumps, or
-    a ramp of cant or gradient begins, accelerations jump without an impulse.
+    Rates and accelerations follow by differentiation. The frame rounds the kinks of the design,
+    so that what is described relative to it feels no impulse that it should not.
 
     Parameters
     ----------
@@ -64,12 +64,11 @@ class TrackFollower(BasePart):
             (Channel(f"{self.name}.speed", "m/s", f"Rate of the arc coordinate {of}"), rate),
         ]
         if not self.track.is_straight:
-            bend = self.track.frame(s).curvature
-            words = f"Curvature {of}, positive to the left"
+            bend = self.track.line.curvature(s)
+            words = f"Curvature of the track, seen from above, at the track frame of {self.body}"
             channels.append((Channel(f"{self.name}.curvature", "1/m", words), bend))
         return tuple(Output(channel, value) for channel, value in channels)
 
     def _place(self, time: Scalar) -> list[Scalar]:
         s = ops.scalar(self.law(time))
-        position, angles = self.track.frame(s).position, self.track.line.angles(s)
-        return [*(position[k] for k in range(3)), *(ops.scalar(angle) for angle in angles)]
+        return [ops.scalar(value) for value in self.track.line.riding(s)]

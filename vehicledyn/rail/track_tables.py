@@ -9,6 +9,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from vehicledyn.rail.riding_line import RidingLine, riding_line
 from vehicledyn.rail.track import Side, TrackFrame
 from vehicledyn.rail.track_alignment import Alignment
 from vehicledyn.symbolic import ops, rotations
@@ -72,6 +73,8 @@ class CurvedLine:
         Chainage of the end of the design [m].
     tightest
         Largest curvature of the design [1/m].
+    smooth
+        The frame that vehicles are described in.
     """
 
     abscissa: Abscissa
@@ -83,6 +86,7 @@ class CurvedLine:
     error: float
     length: float
     tightest: float
+    smooth: RidingLine
 
     @property
     def is_straight(self) -> bool:
@@ -114,11 +118,14 @@ class CurvedLine:
         place = ops.vector(self.x.value(t), self.y.value(t), _value(self.height, t))
         return TrackFrame(place, rotation, stretch, turning)
 
-    def angles(self, s: Scalar) -> tuple[Scalar, Scalar, Scalar]:
-        """Return yaw, pitch and roll of the frame [rad]."""
+    def curvature(self, s: Scalar) -> Scalar:
+        """Return the curvature seen from above, positive to the left [1/m]."""
         t, rate = self.abscissa.at(s)
-        pitch = 0.0 if self.height is None else -ops.atan(self.height.slope(t) * rate)
-        return self.heading.value(t), pitch, _value(self.roll, t)
+        return self.heading.slope(t) * rate
+
+    def riding(self, s: Scalar) -> tuple[Scalar, ...]:
+        """Return x, y, z [m], yaw, pitch and roll [rad] of the frame that rides along."""
+        return self.smooth.coordinates(s)
 
 
 @dataclass(frozen=True)
@@ -208,11 +215,7 @@ class Grid:
     @cached_property
     def plan(self) -> Array:
         """Plan of the knots, x and y, shape (2, n_knots) [m]."""
-        ends = np.union1d(self.knots, self.alignment.kinks)
-        moved = np.cumsum(self.alignment.advance(ends[:-1], ends[1:]), axis=1)
-        moved = np.concatenate([np.zeros((2, 1)), moved], axis=1)
-        origin = moved[:, [int(np.searchsorted(ends, 0.0))]]
-        return np.asarray((moved - origin)[:, np.searchsorted(ends, self.knots)])
+        return self.alignment.plan(self.knots)
 
     def hermite(self, name: str, values: Array, before: Array, after: Array) -> CurveTable:
         """Return cubics through values; slopes on either side of each knot, a unit of s."""
@@ -313,8 +316,9 @@ class Grid:
         plan = (t["x"], t["y"], t["heading"])
         design = self.alignment
         return CurvedLine(
-            self.abscissa, *plan, level, lean, self.error, design.length, _tightest(design)
-        )
+            self.abscissa, *plan, level, lean, self.error, design.length, _tightest(design),
+            riding_line(design),
+        )  # fmt: skip
 
     def widening(self) -> TabledShift | None:
         """Return the gauge widening, None if there is none."""

@@ -48,6 +48,9 @@ EXAMPLES = {
         ],
     },
 }
+SHARPEST = 1.0 / 150.0
+"""Largest jump of a rate of the examples, curvature or twist [1/m]."""
+
 PLACES = (-7.0, 0.3, 41.7, 60.01, 93.3, 149.9, 500.0)
 
 
@@ -60,8 +63,8 @@ def track_of(kind, folder):
 
 def frame_function(track):
     s = ops.symbol("s")
-    frame, yaw_pitch_roll = track.frame(s), ca.vertcat(*track.line.angles(s))
-    outputs = [frame.position, frame.rotation, ca.SX(frame.stretch), frame.turning, yaw_pitch_roll]
+    frame = track.frame(s)
+    outputs = [frame.position, frame.rotation, ca.SX(frame.stretch), frame.turning]
     function = ca.Function("frame", [s], [ca.densify(o) for o in outputs])
     return lambda value: [np.array(o).squeeze() for o in function(value)]
 
@@ -70,20 +73,40 @@ def frame_function(track):
 def test_the_frame_follows_its_curve(kind, tmp_path):
     at, step = frame_function(track_of(kind, tmp_path)), 1e-4
     for s in PLACES:
-        _, rotation, stretch, turning, angles = at(s)
+        _, rotation, stretch, turning = at(s)
         ahead, behind = at(s + step), at(s - step)
         tangent = (ahead[0] - behind[0]) / (2.0 * step)
         assert tangent == pytest.approx(stretch * rotation[:, 0], abs=1e-7)
         spin = rotation.T @ (ahead[1] - behind[1]) / (2.0 * step)
         assert [spin[2, 1], spin[0, 2], spin[1, 0]] == pytest.approx(turning, abs=1e-7)
         assert rotation.T @ rotation == pytest.approx(np.eye(3), abs=1e-13)
-        yaw, pitch, roll = (float(a) for a in angles)
-        cy, sy, cp, sp = np.cos(yaw), np.sin(yaw), np.cos(pitch), np.sin(pitch)
-        about_z = np.array([[cy, -sy, 0], [sy, cy, 0], [0, 0, 1]])
-        about_y = np.array([[cp, 0, sp], [0, 1, 0], [-sp, 0, cp]])
-        cr, sr = np.cos(roll), np.sin(roll)
-        about_x = np.array([[1, 0, 0], [0, cr, -sr], [0, sr, cr]])
-        assert about_z @ about_y @ about_x == pytest.approx(rotation, abs=1e-13)
+
+
+@pytest.mark.parametrize("kind", kinds("track"))
+def test_the_riding_frame_is_smooth_and_never_far_from_that_of_the_track(kind, tmp_path):
+    track, s = track_of(kind, tmp_path), ops.symbol("s")
+    riding = ca.vertcat(*(ops.scalar(c) for c in track.line.riding(s)))
+    frame = track.frame(s)
+    bends = ca.jacobian(ca.jacobian(riding, s), s)
+    function = ca.Function("both", [s], [riding, bends, frame.position, frame.rotation])
+    step, before = 0.01, None
+    for place in np.arange(-5.0, 230.0, step):
+        coordinates, bend, position, rotation = (np.array(o).squeeze() for o in function(place))
+        yaw, pitch, roll = coordinates[3:]
+        assert coordinates[:3] == pytest.approx(position, abs=2e-3)
+        assert turned(yaw, pitch, roll) == pytest.approx(rotation, abs=6e-3)
+        if before is not None:
+            assert bend == pytest.approx(before, abs=4.0 * step * SHARPEST)
+        before = bend
+
+
+def turned(yaw, pitch, roll):
+    cy, sy, cp, sp = np.cos(yaw), np.sin(yaw), np.cos(pitch), np.sin(pitch)
+    about_z = np.array([[cy, -sy, 0], [sy, cy, 0], [0, 0, 1]])
+    about_y = np.array([[cp, 0, sp], [0, 1, 0], [-sp, 0, cp]])
+    cr, sr = np.cos(roll), np.sin(roll)
+    about_x = np.array([[1, 0, 0], [0, cr, -sr], [0, sr, cr]])
+    return about_z @ about_y @ about_x
 
 
 @pytest.mark.parametrize("kind", kinds("track"))
