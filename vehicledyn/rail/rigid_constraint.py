@@ -11,6 +11,7 @@ from vehicledyn.multibody.constraints import BaseConstraint, Geometry
 from vehicledyn.multibody.cuts import Residual
 from vehicledyn.multibody.kinematics import Kinematics
 from vehicledyn.rail.rigid_touch import Touch, TouchingWheel, touch_at
+from vehicledyn.rail.running import rail_place
 from vehicledyn.rail.track import Side, Track, TrackFrame
 from vehicledyn.symbolic import ops
 from vehicledyn.symbolic.ops import Scalar, Vec
@@ -135,12 +136,17 @@ class TouchConstraint(BaseConstraint):
         It is that at the contact coordinate, or at another place on the wheel [m].
         """
         carrier = self.carrier
-        frame = carrier.frame(kinematics)
+        frame, beside = carrier.frame(kinematics), carrier.place(kinematics)
+        rail = rail_place(carrier.track, self.side, carrier.arc(kinematics))
+        across = beside[1] + self.wheel.side * self.wheel.half_distance
+        length = frame.stretch - frame.curvature * across
+        climb = rail.vertical_slope + frame.turning[0] * across
         return touch_at(
             self.wheel,
-            frame.place(kinematics.position(carrier.body)),
+            beside,
             frame.rotation.T @ carrier.axle(kinematics),
             kinematics.coordinate(self.contact) if place is None else place,
             curvature=frame.curvature,
-            shift=carrier.track.rail_shift(self.side, carrier.arc(kinematics)),
+            shift=(rail.lateral, rail.vertical),
+            slopes=(rail.lateral_slope / length, climb / length),
         )

@@ -11,6 +11,8 @@ positive. Its surface touches the rail, whose height z_r(y) is the same all alon
 where n has no part along the track, which gives ψ in closed form, where it has no part along the
 outline of the rail, and where the gap P_z - z_r(P_y) is zero. On a curve the rail runs along a
 circle: at P_x it is κ P_x²/2 further to the left and turned by κ P_x, which shifts ψ a little.
+Where twist or irregularities slope the rail, the contact and its normal lean ahead with it; what
+that lifts the wheel is of second order in the slope and left out.
 
 Vectors are in the track frame at the middle of the axle, x forward, y to the left, z up (ISO
 8855).
@@ -103,6 +105,7 @@ def touch_at(
     *,
     curvature: Scalar = 0.0,
     shift: tuple[Scalar, Scalar] = (0.0, 0.0),
+    slopes: tuple[Scalar, Scalar] = (0.0, 0.0),
 ) -> Touch:
     """Return the point of a wheel at a place of its outline that may touch the rail.
 
@@ -118,6 +121,8 @@ def touch_at(
         κ of the track, positive to the left; a plain zero costs nothing [1/m].
     shift
         Displacement of the rail from its design place, to the left and upwards [m].
+    slopes
+        How far the rail runs to the left and upwards a unit of its length [1].
     """
     outline = item.wheel.at(place)
     radius = item.radius + outline.height
@@ -135,9 +140,10 @@ def touch_at(
     heading = curvature * point[0]
     rail = item.rail.at(item.side * (point[1] - 0.5 * heading * point[0] - shift[0]))
     leaning = item.side * rail.slope
-    upward = ops.vector(leaning * heading, -leaning, 1.0)
+    climb = slopes[1] - leaning * slopes[0]
+    upward = ops.vector(leaning * heading - climb, -leaning, 1.0)
     return Touch(
-        point=point,
+        point=point + ops.vector(radius * climb, 0.0, 0.0),
         gap=point[2] - rail.height - shift[1],
         tangency=item.side * (normal[1] - heading * normal[0]) + rail.slope * normal[2],
         rolling_radius=radius,

@@ -59,7 +59,8 @@ class Running:
             0.0 if ops.is_structurally_zero(ops.scalar(bend)) else sign * bend,
             self.rate,
             self.frame.stretch,
-            (sign * self.rate * rail.lateral_slope, self.rate * rail.vertical_slope),
+            (sign * rail.lateral_slope, rail.vertical_slope),
+            sign * self.frame.turning[0],
         )
 
 
@@ -91,8 +92,11 @@ class Seen:
         Curvature of the track, positive when it bends to this side [1/m].
     rate, stretch
         Rate of the arc coordinate [m/s] and length in space a unit of it [1].
-    rail_rate
-        How fast the rail under the wheel moves outwards and up as the wheel runs on [m/s].
+    rail_slopes
+        How far the rail, displaced from its design place, runs outwards and up a unit of s [1].
+    twist
+        How far the design place of a rail runs up a unit of s and a unit of its lateral place
+        [1/m].
     """
 
     sign: float
@@ -104,29 +108,37 @@ class Seen:
     curvature: Scalar
     rate: Scalar
     stretch: Scalar
-    rail_rate: tuple[Scalar, Scalar]
+    rail_slopes: tuple[Scalar, Scalar]
+    twist: Scalar
 
     @property
     def numbers(self) -> list[Scalar]:
         """All that the motion is but the sign, one by one."""
         velocity, spin = ([v[k] for k in range(3)] for v in (self.velocity, self.angular_velocity))
         way = (self.curvature, self.rate, self.stretch)
-        return [self.lateral, self.height, *self.axle, *velocity, *spin, *way, *self.rail_rate]
+        rail = (*self.rail_slopes, self.twist)
+        return [self.lateral, self.height, *self.axle, *velocity, *spin, *way, *rail]
 
     @staticmethod
     def of(numbers: Sequence[Scalar], sign: float) -> Seen:
         """Return the motion of these numbers."""
         lateral, height, ex, ey, ez, *others = numbers
         velocity, spin = ops.vector(*others[:3]), ops.vector(*others[3:6])
-        curvature, rate, stretch, outwards, upwards = others[6:]
+        curvature, rate, stretch, outwards, upwards, twist = others[6:]
         axle, rail = (ex, ey, ez), (outwards, upwards)
         return Seen(
-            sign, lateral, height, axle, velocity, spin, curvature, rate, stretch, rail
+            sign, lateral, height, axle, velocity, spin, curvature, rate, stretch, rail, twist
         )  # fmt: skip
 
     def speed_at(self, y: Scalar) -> Scalar:
         """Return the speed at which a contact travels at a lateral place [m/s]."""
         return self.rate * (self.stretch - self.curvature * y)
+
+    def slopes_at(self, y: Scalar) -> tuple[Scalar, Scalar]:
+        """Return how far the rail runs outwards and up a unit of its length, at a place [1]."""
+        length = self.stretch - self.curvature * y
+        outwards, upwards = self.rail_slopes
+        return outwards / length, (upwards + self.twist * y) / length
 
     def polar(self, vector: Vec) -> Vec:
         """Return a place, velocity or force turned into the other axes; it is its own inverse."""
@@ -169,26 +181,32 @@ def running(
         to_track @ rotation[:, 1],
         velocity,
         to_track @ rotation @ kinematics.angular_velocity(body),
-        {side: _rail_place(track, side, s) for side in sides},
+        {side: rail_place(track, side, s) for side in sides},
     )
 
 
-def moving_rails(track: Track) -> tuple[bool, bool]:
-    """Return whether a rail of either side moves outwards, and up, as a wheel runs on."""
+def sloping_rails(track: Track) -> tuple[bool, bool, bool]:
+    """Return whether rails slope outwards and up from their design, and whether it is twisted."""
+    twist = ops.scalar(track.frame(ops.symbol("s")).turning[0])
+    return *_displaced(track), not ops.is_structurally_zero(twist)
+
+
+def _displaced(track: Track) -> tuple[bool, bool]:
     if track.is_perfect:
         return False, False
     sides: tuple[Side, Side] = ("left", "right")
-    places = [_rail_place(track, side, ops.symbol("s")) for side in sides]
+    places = [rail_place(track, side, ops.symbol("s")) for side in sides]
     slopes = [(place.lateral_slope, place.vertical_slope) for place in places]
     across, up = zip(*slopes, strict=True)
-    return _any_moves(across), _any_moves(up)
+    return _any_slope(across), _any_slope(up)
 
 
-def _any_moves(slopes: Sequence[Scalar]) -> bool:
+def _any_slope(slopes: Sequence[Scalar]) -> bool:
     return not all(ops.is_structurally_zero(ops.scalar(slope)) for slope in slopes)
 
 
-def _rail_place(track: Track, side: Side, s: Scalar) -> RailPlace:
+def rail_place(track: Track, side: Side, s: Scalar) -> RailPlace:
+    """Return how a rail is displaced at an arc coordinate [m]."""
     if track.is_perfect:
         return RailPlace(0.0, 0.0)
     free = ops.symbol("s")

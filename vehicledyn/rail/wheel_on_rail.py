@@ -16,7 +16,7 @@ from vehicledyn.rail.creepage import Creepages, creepages
 from vehicledyn.rail.elastic_contact import Axle, ElasticContact, ElasticPatch
 from vehicledyn.rail.rail_contact import RailWheels
 from vehicledyn.rail.rail_shapes import rail_wheel_shapes
-from vehicledyn.rail.running import TRACK_POSITION, Running, Seen, moving_rails, running
+from vehicledyn.rail.running import TRACK_POSITION, Running, Seen, running, sloping_rails
 from vehicledyn.rail.track import Side
 from vehicledyn.symbolic import ops
 from vehicledyn.symbolic.equations import Channel, Variable
@@ -28,14 +28,15 @@ from vehicledyn.symbolic.shared import shared
 class PatchForces:
     """One contact with what acts there, seen from the wheel's own side.
 
-    ``normal_force`` N is never negative [N]; ``force`` is the whole force on the wheel, ``moment``
-    that about the normal, as vectors.
+    ``normal_force`` N is never negative [N]; ``arm`` leads from the body's origin to the contact
+    [m]; ``force`` is the whole force on the wheel, ``moment`` that about the normal, as vectors.
     """
 
     patch: ElasticPatch
     creepages: Creepages
     normal_force: Scalar
     creep_forces: CreepForces
+    arm: Vec
     force: Vec
     moment: Vec
 
@@ -64,13 +65,7 @@ class WheelForces:
 
     def torque(self) -> Vec:
         """Return the torque on the body about its origin, in the axes of the track [N m]."""
-        arms = [
-            ops.vector(p.patch.x, p.patch.y - self.seen.lateral, p.patch.z - self.seen.height)
-            for p in self.patches
-        ]
-        torques = [
-            ops.cross(arm, p.force) + p.moment for arm, p in zip(arms, self.patches, strict=True)
-        ]
+        torques = [ops.cross(p.arm, p.force) + p.moment for p in self.patches]
         return self.seen.axial(_total(torques))
 
 
@@ -183,8 +178,10 @@ class ElasticWheels(BasePart):
 
     def _at(self, seen: Seen, patch: ElasticPatch) -> PatchForces:
         """Return what acts at one contact."""
-        along, across, normal = _axes(patch)
-        arm = ops.vector(patch.x, patch.y - seen.lateral, patch.z - seen.height)
+        slopes = seen.slopes_at(patch.y)
+        along, across, normal = _axes(patch, slopes)
+        ahead = patch.x + patch.radius * _ahead(patch, slopes)
+        arm = ops.vector(ahead, patch.y - seen.lateral, patch.z - seen.height)
         sliding = seen.velocity + ops.cross(seen.angular_velocity, arm)
         speed = seen.speed_at(patch.y)
         creep = creepages(
@@ -192,8 +189,7 @@ class ElasticWheels(BasePart):
             ops.dot(seen.angular_velocity, normal),
             speed,
         )
-        outwards, upwards = seen.rail_rate
-        closing = outwards * normal[1] + upwards * normal[2] - ops.dot(sliding, normal)
+        closing = -ops.dot(sliding, normal)
         load = patch.force * ops.maximum(1.0 + self.damping * closing, 0.0)
         contact = CreepContact(
             creep.longitudinal,
@@ -207,7 +203,9 @@ class ElasticWheels(BasePart):
         )
         tangential = self.wheels.creep.forces(contact)
         force = normal * load + along * tangential.longitudinal + across * tangential.lateral
-        return PatchForces(patch, creep, load, tangential, force, normal * tangential.spin_moment)
+        return PatchForces(
+            patch, creep, load, tangential, arm, force, normal * tangential.spin_moment
+        )
 
     def _running(self, situation: Situation) -> Running:
         wheels = self.wheels
@@ -250,8 +248,8 @@ class ElasticWheels(BasePart):
             acting = [*(force[k] for k in range(3)), *(torque[k] for k in range(3))]
             return [*acting, *(row[3] for row in rows)]
 
-        moves = moving_rails(self.wheels.track)
-        kept = [k for k, is_moving in zip(_RAIL_RATE, moves, strict=True) if is_moving]
+        slopes = sloping_rails(self.wheels.track)
+        kept = [k for k, is_there in zip(_SLOPES, slopes, strict=True) if is_there]
         numbers = [*seen.numbers, *self._quantities()]
         return shared("wheel_on_rail", numbers, build, kept, built), rows
 
@@ -288,8 +286,8 @@ class ElasticWheels(BasePart):
         )
 
 
-_SEEN, _RAIL_RATE = 16, (14, 15)
-"""Numbers that a motion seen from one side consists of, and which of them are the rail's rates."""
+_SEEN, _SLOPES = 17, (14, 15, 16)
+"""Numbers that a motion seen from one side consists of, and which of them are the rail's slopes."""
 
 
 def _numbers_of(creep: CreepLaw) -> list[str]:
@@ -332,13 +330,26 @@ def _contact_rows(at: PatchForces) -> Iterator[tuple[str, str, str, Scalar, bool
     yield "rolling_radius", "m", "Radius at the contact", patch.radius, False
 
 
-def _axes(patch: ElasticPatch) -> tuple[Vec, Vec, Vec]:
-    """Return the axes of a contact: along the rail, across it outwards, and out of the rail."""
-    (cosine, sine), heading = patch.tangent, patch.heading
-    along = ops.vector(1.0, heading, 0.0)
-    across = ops.vector(-heading * cosine, cosine, sine)
-    normal = ops.vector(heading * sine, -sine, cosine)
+def _axes(patch: ElasticPatch, slopes: tuple[Scalar, Scalar]) -> tuple[Vec, Vec, Vec]:
+    """Return the axes of a contact: along the rail, across it outwards, and out of the rail.
+
+    They are square to each other to first order in the heading and the slopes of the rail.
+    """
+    (cosine, sine), (outwards, upwards) = patch.tangent, slopes
+    heading = patch.heading + outwards
+    along = ops.vector(1.0, heading, upwards)
+    across = ops.vector(-heading * cosine - upwards * sine, cosine, sine)
+    normal = ops.vector(heading * sine - upwards * cosine, -sine, cosine)
     return along, across, normal
+
+
+def _ahead(patch: ElasticPatch, slopes: tuple[Scalar, Scalar]) -> Scalar:
+    """Return the angle about the axle by which the slope of its rail moves a contact ahead [rad].
+
+    There the normal of the wheel, which meets its axle, is square to the rail again.
+    """
+    (cosine, sine), (outwards, upwards) = patch.tangent, slopes
+    return upwards - outwards * sine / cosine
 
 
 def _total(vectors: list[Vec]) -> Vec:
