@@ -51,6 +51,8 @@ class RailWheels:
     nearest
         Distance of the nearest other axle of the vehicle along the track, zero where there is
         none [m].
+    nominal
+        Lateral place of the body's origin from which its shift counts, to the left [m].
     """
 
     name: str
@@ -65,6 +67,7 @@ class RailWheels:
     guide: Callable[[Scalar], Scalar] | None = None
     first_place: float = 0.0
     nearest: float = 0.0
+    nominal: Scalar = 0.0
 
     @property
     def finds_its_place(self) -> bool:

@@ -33,6 +33,7 @@ from vehicledyn.rail.rolling_contact import (
     contact_motion,
     rolling_contact,
 )
+from vehicledyn.rail.running import LATERAL_SHIFT, design_rows
 from vehicledyn.rail.track import Side, Track
 from vehicledyn.symbolic import ops
 from vehicledyn.symbolic.equations import Channel, Variable
@@ -82,6 +83,8 @@ class RigidRailWheels(BasePart):
         Where the rails run.
     law, material
         Creep law, and what wheels and rails are made of.
+    nominal
+        Lateral place of the body's origin from which its shift counts, to the left [m].
     """
 
     rolls_on_rails: ClassVar[bool] = True
@@ -91,6 +94,7 @@ class RigidRailWheels(BasePart):
     track: Track
     law: CreepLaw
     material: Material
+    nominal: Scalar = 0.0
 
     def bodies(self) -> tuple[Body, ...]:
         """Return the massless bodies of the contact coordinates."""
@@ -142,9 +146,10 @@ class RigidRailWheels(BasePart):
         attack = ops.atan2(-axle[0], axle[1])
         speed = self.track.progress(frame, place, velocity)
         rows: list[_Row] = [
-            ("lateral_shift", "m", "Place of the axle left of the track's middle", place[1]),
+            ("lateral_shift", "m", LATERAL_SHIFT, place[1] - self.nominal),
             ("angle_of_attack", "rad", "Yaw angle of the axle to the track", attack),
             ("track_speed", "m/s", "Rate of the place along the track", speed),
+            *design_rows(self.track, carrier.arc(kinematics)),
         ]
         if self.track.is_straight:  # elsewhere it is a coordinate, which has its channel
             along = carrier.arc(kinematics)

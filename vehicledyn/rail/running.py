@@ -13,6 +13,8 @@ from vehicledyn.symbolic.ops import Scalar, Vec
 TRACK_POSITION = "track_position"
 """Name of the state that holds the arc coordinate where the track is curved."""
 
+LATERAL_SHIFT = "Place of the axle to the left of its nominal one, of a wheelset the track's middle"
+
 
 @dataclass(frozen=True)
 class Running:
@@ -183,6 +185,17 @@ def running(
         to_track @ rotation @ kinematics.angular_velocity(body),
         {side: rail_place(track, side, s) for side in sides},
     )
+
+
+def design_rows(track: Track, s: Scalar) -> list[tuple[str, str, str, Scalar]]:
+    """Return name, unit, description and value of what a track that bends is at a place."""
+    if track.is_straight:
+        return []
+    bend, cant = track.line.curvature(s), -track.base * track.frame(s).rotation[2, 1]
+    return [
+        ("curvature", "1/m", "Curvature of the track at the axle, seen from above", bend),
+        ("cant", "m", "Height of the right rail over the left one at the axle", cant),
+    ]
 
 
 def sloping_rails(track: Track) -> tuple[bool, bool, bool]:

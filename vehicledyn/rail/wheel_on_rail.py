@@ -16,7 +16,15 @@ from vehicledyn.rail.creepage import Creepages, creepages
 from vehicledyn.rail.elastic_contact import Axle, ElasticContact, ElasticPatch
 from vehicledyn.rail.rail_contact import RailWheels
 from vehicledyn.rail.rail_shapes import rail_wheel_shapes
-from vehicledyn.rail.running import TRACK_POSITION, Running, Seen, running, sloping_rails
+from vehicledyn.rail.running import (
+    LATERAL_SHIFT,
+    TRACK_POSITION,
+    Running,
+    Seen,
+    design_rows,
+    running,
+    sloping_rails,
+)
 from vehicledyn.rail.track import Side
 from vehicledyn.symbolic import ops
 from vehicledyn.symbolic.equations import Channel, Variable
@@ -124,12 +132,12 @@ class ElasticWheels(BasePart):
         """Return the channels of the body, of each wheel and of each contact."""
         motion = self._running(situation)
         rows: list[_Row] = [
-            ("lateral_shift", "m", "Place of the axle to the left of the track's middle",
-             motion.place[1], "track"),
+            ("lateral_shift", "m", LATERAL_SHIFT, motion.place[1] - self.wheels.nominal, "track"),
             ("angle_of_attack", "rad", "Yaw angle of the axle to the track",
              ops.atan2(-motion.axle[0], motion.axle[1]), "track"),
             ("track_position", "m", "Place along the track", motion.position, ""),
             ("track_speed", "m/s", "Rate of the place along the track", motion.rate, ""),
+            *((*row, "") for row in design_rows(self.wheels.track, motion.position)),
         ]  # fmt: skip
         if not self.wheels.finds_its_place:
             rows = [row for row in rows if row[0] != TRACK_POSITION]  # a state has its channel

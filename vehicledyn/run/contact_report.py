@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from vehicledyn.base.slopes import slope_text
 from vehicledyn.results.contact_table import SIDES, ContactColumns, ContactTable
 
 TOUCHING = 1e-6
@@ -36,7 +37,7 @@ class ContactReport:
         table = self.table
         settings = table.settings
         lines = [
-            f"{table.title}, inclination {settings['inclination']:.5g} rad, back to back "
+            f"{table.title}, rails inclined {slope_text(settings['inclination'])}, back to back "
             f"{1e3 * settings['back_to_back']:g} mm, yaw {1e3 * settings['yaw']:g} mrad",
             *table.notes,
             "",

@@ -11,6 +11,7 @@ import numpy as np
 
 from vehicledyn.base.errors import InputError
 from vehicledyn.base.problems import START, Problem, refusal
+from vehicledyn.base.slopes import slope_text
 from vehicledyn.base.yaml import read_yaml
 from vehicledyn.rail.track import Track
 from vehicledyn.rail.track_set import TrackChoice
@@ -158,7 +159,7 @@ def _table(path: Path, track: Track, kind: str, places: Any, speed: float | None
     flat = [*(frame.position[k] for k in range(3)), ops.scalar(frame.stretch)]
     flat += [frame.rotation[1, 0], frame.rotation[0, 0], frame.rotation[2, 0], frame.rotation[2, 1]]
     evaluate = ops.numeric(
-        [s], ops.column([*flat, frame.rotation[2, 2], frame.turning[2], *shifts])
+        [s], ops.column([*flat, frame.rotation[2, 2], track.line.curvature(s), *shifts])
     )
     rows = np.array([evaluate(place).ravel() for place in places]).T
     x, y, z, _, sine, cosine, climb, across, up, bend, *rails = rows
@@ -173,7 +174,7 @@ def _table(path: Path, track: Track, kind: str, places: Any, speed: float | None
         "heading": TrackColumn(
             "deg", np.degrees(np.unwrap(np.arctan2(sine, cosine))), "Heading, to the left"
         ),
-        "curvature": TrackColumn("1/km", 1e3 * bend, "Curvature in the plane of the rails"),
+        "curvature": TrackColumn("1/km", 1e3 * bend, "Curvature, seen from above"),
         "cant": TrackColumn("mm", 1e3 * cant, "Height of the right rail over the left one"),
         "gradient": TrackColumn("permil", 1e3 * climb / rise, "Slope of the centre line"),
         "left_lateral": TrackColumn("mm", 1e3 * rails[0], "Left rail, shift to the left"),
@@ -182,8 +183,7 @@ def _table(path: Path, track: Track, kind: str, places: Any, speed: float | None
         "right_vertical": TrackColumn("mm", 1e3 * rails[3], "Right rail, shift upwards"),
     }
     if speed is not None:
-        level = bend / np.cos(roll)
-        lacking = np.sign(bend) * (track.base * speed**2 * level / GRAVITY - cant)
+        lacking = np.sign(bend) * (track.base * speed**2 * bend / GRAVITY - cant)
         columns["cant_deficiency"] = TrackColumn(
             "mm", 1e3 * lacking, f"Cant that a curve lacks at {3.6 * speed:g} km/h"
         )
@@ -195,8 +195,7 @@ def _title(path: Path) -> str:
 
 
 def _facts(track: Track, kind: str) -> list[str]:
-    slope = math.tan(track.inclination)
-    lean = f"inclined 1:{1.0 / slope:g}" if slope > 0.0 else "upright"
+    lean = f"inclined {slope_text(track.inclination)}" if track.inclination else "upright"
     facts = [
         f"{kind}, gauge {1e3 * track.gauge:g} mm, rails {track.rail} {lean}, cant over "
         f"{1e3 * track.base:g} mm"

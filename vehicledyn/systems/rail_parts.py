@@ -8,7 +8,7 @@ from vehicledyn.base.errors import InputError
 from vehicledyn.multibody.parts import Part
 from vehicledyn.rail.rail_contact import RailWheels
 from vehicledyn.rail.track_follower import TrackFollower
-from vehicledyn.systems.rail_places import first_place, guide, nearest_axle
+from vehicledyn.systems.rail_places import first_place, guide, nearest_axle, nominal_lateral
 from vehicledyn.systems.rail_wheels import missing_choices
 from vehicledyn.systems.track_frame import TrackFrameSet
 from vehicledyn.systems.values import Values
@@ -67,6 +67,7 @@ def rail_wheel_parts(values: Values) -> list[Part]:
                 guide=guide(values, item.body),
                 first_place=first_place(values, item.body),
                 nearest=nearest_axle(values, item.body),
+                nominal=nominal_lateral(values, item.body) if len(item.wheels) == 1 else 0.0,
             )
             wheels.check_fit(tape_circle)
             parts.append(entered.part(wheels))

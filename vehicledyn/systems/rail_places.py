@@ -43,6 +43,15 @@ def first_place(values: Values, name: str) -> float:
     return place
 
 
+def nominal_lateral(values: Values, name: str) -> Any:
+    """Return how far to the left of the track a body is before anything moves it [m]."""
+    file, place = values.model.file, 0.0
+    while name in file.bodies:
+        body = file.bodies[name]
+        place, name = place + values.value(body.at)[1], body.parent
+    return place
+
+
 def nearest_axle(values: Values, name: str) -> float:
     """Return how far along the track the nearest other axle with wheels on rails is at the start.
 

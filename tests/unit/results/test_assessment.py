@@ -17,6 +17,7 @@ from vehicledyn.results.assessment.running_safety import (
     assess_wheel,
     nadal_limit,
     static_load,
+    static_samples,
     track_shift_limit,
 )
 from vehicledyn.results.assessment.signals import (
@@ -248,11 +249,43 @@ def test_static_loads_are_those_on_straight_track():
     bent = 0.1 * TIME[-1] < TIME
     samples = even_samples(TIME, {"w.left.Q": np.where(bent, 3e4, 2e4)})
     curvature = np.where(bent, 0.05, 0.0)
-    assert static_load(samples, ("w.left",), curvature) == 2e4
-    assert static_load(samples, ("w.left",), None) == 3e4
-    assert static_load(samples, ("w.left",), np.full_like(TIME, 0.05)) == 3e4
-    late = even_samples(TIME, samples.channels, begin=0.5 * TIME[-1])
-    assert static_load(late, ("w.left",), curvature) == 2e4
+
+    def load(samples, curvature):
+        return static_load(samples, ("w.left",), static_samples(samples, "w", curvature))
+
+    assert load(samples, curvature) == 2e4
+    assert load(samples, None) == 3e4
+    assert load(samples, np.full_like(TIME, 0.05)) == 3e4
+    assert load(even_samples(TIME, samples.channels, begin=0.5 * TIME[-1]), curvature) == 2e4
+
+
+def test_each_axle_takes_its_static_load_where_itself_is_on_straight_and_level_track():
+    """The runner is in a curve for most of the run; the last axle enters it at the end."""
+    late, ramped = 0.9 * TIME[-1] < TIME, 0.3 * TIME[-1] > TIME
+    channels = {
+        "runner.track_frame.curvature": np.where(0.1 * TIME[-1] < TIME, 0.05, 0.0),
+        "last.left.Q": np.where(late, 3e4, np.where(ramped, 2.5e4, 2e4)),
+        "last.left.Y": 0.0 * TIME,
+        "last.curvature": np.where(late, 0.05, 0.0),
+        "last.cant": np.where(ramped, 0.05, 0.0),
+        "never.left.Q": 0.0 * TIME + 1e4,
+        "never.left.Y": 0.0 * TIME,
+        "never.curvature": 0.0 * TIME + 0.05,
+    }
+    units = {
+        name: "1/m" if name.endswith("curvature") else "m" if name.endswith("cant") else "N"
+        for name in channels
+    }
+    found = assess(TIME, channels, units)
+    assert {wheel.name: wheel.static for wheel in found.wheels} == {
+        "last.left": pytest.approx(2e4),
+        "never.left": pytest.approx(1e4),
+    }
+    told = [remark for remark in found.remarks if "static loads" in remark]
+    assert told == [
+        "static loads of never are medians of the section, as these axles are never on straight, "
+        "level track: let the run begin there"
+    ]
 
 
 def test_limits():

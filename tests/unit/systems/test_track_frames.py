@@ -16,7 +16,9 @@ from vehicledyn.scenario import load_scenario
 from vehicledyn.symbolic import ops
 from vehicledyn.symbolic.counting import count_operations
 from vehicledyn.systems.construct import build_system
+from vehicledyn.systems.rail_places import nominal_lateral
 from vehicledyn.systems.read import read_system
+from vehicledyn.systems.values import RoadChoice, Values
 
 RIDER = """\
 title: A mass on springs rides along a track
@@ -188,3 +190,14 @@ def test_wheels_that_no_frame_guides_know_where_they_start(write):
     target = build_subject(load_scenario(write(text)))
     states = {state.name: state.start for state in derive(target.system).states}
     assert states["wheels.track_position"] == pytest.approx(15.0, abs=1e-3)
+
+
+@pytest.mark.parametrize(("wheel", "nominal"), [("front_large_left", 0.75), ("truck", 0.0)])
+def test_shifts_of_single_wheels_count_from_where_the_file_has_them(wheel, nominal):
+    system = Path(__file__).parents[3] / "systems" / "tram2000.yaml"
+    model, _ = read_system(system)
+    values = Values(model, RoadChoice())
+    place = ops.scalar(nominal_lateral(values, wheel))
+    symbols = ops.column([entry.symbol for entry in values.table.entries])
+    numbers = np.array([entry.value for entry in values.table.entries])
+    assert ops.numeric([symbols], place)(numbers).item() == pytest.approx(nominal)

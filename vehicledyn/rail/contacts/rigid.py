@@ -50,4 +50,5 @@ class Rigid(RailContact):
             wheels.track,
             wheels.creep,
             Material(self.youngs_modulus, self.poissons_ratio),
+            wheels.nominal,
         )

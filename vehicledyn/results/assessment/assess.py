@@ -34,6 +34,7 @@ from vehicledyn.results.assessment.running_safety import (
     assess_axle,
     assess_wheel,
     static_load,
+    static_samples,
 )
 from vehicledyn.results.assessment.running_safety import WINDOW as WAY
 from vehicledyn.results.assessment.signals import Floats, Samples, even_samples
@@ -155,9 +156,13 @@ def _assess_safety(
         distance = None
     bends = [samples.channels[name] for name in subjects.bends if name in samples.channels]
     curvature = bends[0] if bends else None
+    curved: list[str] = []
     for axle, all_wheels in subjects.axles.items():
         wheels = tuple(wheel for wheel in all_wheels if _has(samples, wheel, "Y", "Q"))
-        static = static_load(samples, wheels, curvature) if wheels else 0.0
+        even = static_samples(samples, axle, curvature)
+        static = static_load(samples, wheels, even) if wheels else 0.0
+        if even is None and _bends(samples, axle, curvature):
+            curved.append(axle)
         if static <= 0.0:
             if wheels:
                 found.remarks.append(f"{axle} carries no load: its forces are left out")
@@ -175,10 +180,20 @@ def _assess_safety(
             found.axles.extend([] if total is None else [total])
             sways = assess_stability(axle, samples, distance, static, wheels)
             found.stability.extend([] if sways is None else [sways])
+    if curved:
+        found.remarks.append(
+            f"static loads of {', '.join(curved)} are medians of the section, as these axles are "
+            "never on straight, level track: let the run begin there"
+        )
     if found.axles and not found.stability:
         found.remarks.append(
             f"instability is left out: {found.way:.3g} m are shorter than a window of {STRETCH:g} m"
         )
+
+
+def _bends(samples: Samples, axle: str, curvature: Floats | None) -> bool:
+    bend = samples.channels.get(f"{axle}.curvature", curvature)
+    return bend is not None and bool(np.any(bend))
 
 
 def _assess_ride(found: Assessment, subjects: Subjects, samples: Samples) -> None:

@@ -16,6 +16,7 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from vehicledyn.base.errors import InputError
 from vehicledyn.results.assessment.signals import (
@@ -37,6 +38,8 @@ YQ_LIMIT = 0.8
 
 _STRAIGHT = 1e-5
 """Curvature below which a track counts as straight [1/m]."""
+_LEVEL = 1e-3
+"""Cant below which a track counts as level [m]."""
 _LONG_ENOUGH = 0.2
 """Time on straight track that tells the static load [s]."""
 _LIFTED = 0.01
@@ -122,7 +125,34 @@ def track_shift_limit(static: float, factor: float = 1.0) -> float:
     return factor * (1e4 + 2.0 * static / 3.0)
 
 
-def static_load(samples: Samples, wheels: tuple[str, ...], curvature: Floats | None) -> float:
+def static_samples(
+    samples: Samples, axle: str, curvature: Floats | None
+) -> NDArray[np.bool_] | None:
+    """Return which samples of a run show an axle's static load, None if too few do.
+
+    They are those in which the axle itself is on straight, level track, be they outside the
+    section: in curves and on ramps the load of a wheel is another.
+
+    Parameters
+    ----------
+    samples
+        Channels of the run.
+    axle
+        Its name; "axle.curvature" and "axle.cant" are used where they are known.
+    curvature
+        Of the track where the vehicle is, for axles that do not know it [1/m]; None if unknown.
+    """
+    bend = samples.channels.get(f"{axle}.curvature", curvature)
+    if bend is None:
+        return None
+    even = np.abs(bend) < _STRAIGHT
+    cant = samples.channels.get(f"{axle}.cant")
+    if cant is not None:
+        even &= np.abs(cant) < _LEVEL
+    return even if np.count_nonzero(even) * samples.step >= _LONG_ENOUGH else None
+
+
+def static_load(samples: Samples, wheels: tuple[str, ...], even: NDArray[np.bool_] | None) -> float:
     """Return the static load Q₀ of each wheel of an axle: the mean of their median loads [N].
 
     Parameters
@@ -131,16 +161,11 @@ def static_load(samples: Samples, wheels: tuple[str, ...], curvature: Floats | N
         Channels of the run.
     wheels
         Those of the axle.
-    curvature
-        Of the track, shape as the run's time [1/m]. The medians are those on straight track,
-        where the run has any, be it outside the section: in a curve the load of a wheel that is
-        alone on its axle is another. None if unknown.
+    even
+        Samples to take, shape as the run's time; those of the section if absent.
     """
-    loads = [samples.channels[f"{wheel}.Q"] for wheel in wheels]
-    straight = None if curvature is None else np.abs(curvature) < _STRAIGHT
-    if straight is None or np.count_nonzero(straight) * samples.step < _LONG_ENOUGH:
-        return float(np.mean([np.median(load[samples.kept]) for load in loads]))
-    return float(np.mean([np.median(load[straight]) for load in loads]))
+    kept = samples.kept if even is None else even
+    return float(np.mean([np.median(samples.channels[f"{wheel}.Q"][kept]) for wheel in wheels]))
 
 
 def assess_wheel(

@@ -21,7 +21,7 @@ class Subjects:
     ``axles`` holds the wheels of each body that has any; ``sensors`` the accelerometers, of which
     ``floors`` tell the roll rate too; ``worn`` the wheels whose wear number is known; ``ways``
     channels that may tell the distance run, in m, and ``speeds`` in m/s; ``bends`` those of the
-    curvature of the track, in 1/m.
+    curvature of the track, in 1/m, of frames before axles, and ``cants`` of its cant at axles.
     """
 
     axles: Mapping[str, tuple[str, ...]]
@@ -31,6 +31,7 @@ class Subjects:
     ways: tuple[str, ...]
     speeds: tuple[str, ...]
     bends: tuple[str, ...]
+    cants: tuple[str, ...]
 
     @property
     def wheels(self) -> tuple[str, ...]:
@@ -51,6 +52,7 @@ class Subjects:
             *self.ways,
             *self.speeds,
             *self.bends,
+            *self.cants,
         ]
 
 
@@ -62,6 +64,7 @@ def find_subjects(units: Mapping[str, str]) -> Subjects:
         if match is not None and f"{match[1]}.{match[2]}.Y" in units:
             axles[match[1]] = (*axles.get(match[1], ()), f"{match[1]}.{match[2]}")
     wheels = [wheel for both in axles.values() for wheel in both]
+    bends = _ending(units, (_BEND,), "1/m")
     sensors = {
         name.rpartition(".")[0]: None
         for name, unit in units.items()
@@ -76,7 +79,8 @@ def find_subjects(units: Mapping[str, str]) -> Subjects:
         worn=tuple(wheel for wheel in wheels if f"{wheel}.wear_number" in units),
         ways=_ending(units, _WAYS, "m"),
         speeds=_ending(units, (_SPEED,), "m/s"),
-        bends=_ending(units, (_BEND,), "1/m"),
+        bends=tuple(sorted(bends, key=lambda name: name.removesuffix(f".{_BEND}") in axles)),
+        cants=tuple(f"{axle}.cant" for axle in axles if units.get(f"{axle}.cant") == "m"),
     )
 
 

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
+from vehicledyn.base.slopes import slope_text
 from vehicledyn.results import contact_table, hunt_table, mode_table, response_table
 from vehicledyn.results.linear_file import format_of
 from vehicledyn.results.linear_results import describe_linear, linear_figures
@@ -165,7 +166,9 @@ def _setting(name: str, value: float) -> str:
     """Return a setting of the contact with its unit."""
     if name == "curvature":
         return reading(value, "1/m")
-    return reading(value, "rad") if name in ("inclination", "yaw") else f"{1e3 * value:.6g}\u00a0mm"
+    if name == "inclination":
+        return slope_text(value)
+    return reading(value, "rad") if name == "yaw" else f"{1e3 * value:.6g}\u00a0mm"
 
 
 def _cycles(table: hunt_table.HuntTable) -> Parts:
