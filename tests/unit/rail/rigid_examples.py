@@ -36,8 +36,8 @@ class Circle:
         turning = ops.vector(0.0, 0.0, 1.0 / self.radius)
         return TrackFrame(place, rotations.turn(3, angle), 1.0, turning)
 
-    def angles(self, s):
-        return s / self.radius, 0.0, 0.0
+    def curvature(self, s):
+        return 1.0 / self.radius
 
 
 def round_rail(rail):
