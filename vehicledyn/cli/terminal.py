@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import Any, Protocol
 
 from vehicledyn.base.errors import InputError, StoppedError
+from vehicledyn.base.whole_file import write_whole
 
 _PIPE_CLOSED = 141
 _REFRESH = 0.1
@@ -75,7 +76,7 @@ def write_text(path: Path, text: str) -> None:
         If the file cannot be written.
     """
     try:
-        path.write_text(f"{text}\n", encoding="utf-8")
+        write_whole(path, f"{text}\n")
     except OSError as error:
         raise InputError(
             f"{path}: cannot be written: {error.strerror}; choose another file"

@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from vehicledyn.base.errors import InputError
+from vehicledyn.base.whole_file import write_whole
 from vehicledyn.export import c, matlab, python
 from vehicledyn.export.document import Start, write_document
 from vehicledyn.export.languages import MATLAB, PYTHON, C, safe_name
@@ -81,7 +82,7 @@ def write_text(file: Path, text: str) -> Path:
     """
     try:
         file.parent.mkdir(parents=True, exist_ok=True)
-        file.write_text(text, encoding="utf-8")
+        write_whole(file, text)
     except OSError as error:
         raise InputError(f"{file}: cannot be written: {error.strerror}") from None
     return file

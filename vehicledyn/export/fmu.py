@@ -18,6 +18,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from vehicledyn.base.errors import InputError
+from vehicledyn.base.whole_file import whole_file
 from vehicledyn.export.document import Start, start_of
 from vehicledyn.export.fmi_description import Experiment, build_description, model_description
 from vehicledyn.export.languages import safe_name
@@ -153,7 +154,10 @@ def _binary_name(identifier: str) -> str:
 def _write(path: Path, files: dict[str, bytes]) -> None:
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
-        with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as archive:
+        with (
+            whole_file(path) as place,
+            zipfile.ZipFile(place, "w", zipfile.ZIP_DEFLATED) as archive,
+        ):
             for name, data in files.items():
                 entry = zipfile.ZipInfo(name, _EPOCH)
                 entry.compress_type = zipfile.ZIP_DEFLATED

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from pathlib import Path
+from subprocess import CalledProcessError
 
 import numpy as np
 
 from vehicledyn.base.errors import InputError, MissingPartError
-from vehicledyn.base.signals import undisturbed
+from vehicledyn.base.whole_file import whole_file
 from vehicledyn.results.animation_scene import AnimatedScene
 from vehicledyn.results.animation_still import RESOLUTION, figure_of, paint
 from vehicledyn.results.output import write_failed
@@ -65,19 +66,16 @@ def draw_film(
     begin, end = float(scene.time[0]), float(scene.time[-1])
     times = np.arange(begin, end + 1e-9, speed / rate)
     writer = animation.writers[name](fps=rate)
-    partial = target.with_name(f".{target.stem}.part{ending}")
     try:
-        with mpl.rc_context(STYLE):
+        with mpl.rc_context(STYLE), whole_file(target) as partial:
             figure = figure_of(scene, begin, view)
             with writer.saving(figure, str(partial), dpi=RESOLUTION / 2):
                 for number, time in enumerate(times):
                     progress("drawing the film", number / len(times))
                     paint(figure, scene, float(time), view)
                     writer.grab_frame()
-            with undisturbed():
-                partial.replace(target)
+    except CalledProcessError as error:
+        raise write_failed(target, OSError(f"{name} failed")) from error
     except OSError as error:
         raise write_failed(target, error) from error
-    finally:
-        partial.unlink(missing_ok=True)
     return len(times)

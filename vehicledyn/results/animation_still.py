@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vehicledyn.base.errors import InputError
+from vehicledyn.base.whole_file import whole_file
 from vehicledyn.results.animation_camera import FIELD, Camera
 from vehicledyn.results.animation_moment import bounds_of
 from vehicledyn.results.animation_scene import AnimatedScene
@@ -51,7 +52,8 @@ def draw_picture(scene: AnimatedScene, target: Path, *, time: float | None, view
     with mpl.rc_context(STYLE):
         figure = figure_of(scene, moment, view)
         try:
-            figure.savefig(target, format=kind, dpi=RESOLUTION, metadata=METADATA[kind])
+            with whole_file(target) as place:
+                figure.savefig(place, format=kind, dpi=RESOLUTION, metadata=METADATA[kind])
         except OSError as error:
             raise write_failed(target, error) from error
     return target

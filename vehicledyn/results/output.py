@@ -5,6 +5,7 @@ from __future__ import annotations
 import errno
 import os
 import re
+import shutil
 from pathlib import Path
 from typing import IO
 
@@ -86,6 +87,14 @@ def write_failed(path: Path, error: Exception, where: str = "") -> InputError:
     full = getattr(error, "errno", None) in (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
     advice = "free some space or choose" if full else "choose"
     return InputError(f"{path}: cannot be written{where}: {text}; {advice} another output with -o")
+
+
+def free_space(folder: Path) -> int:
+    """Return the space that is free on the disk of a folder [bytes], 0 if it is not known."""
+    try:
+        return shutil.disk_usage(folder).free
+    except OSError:
+        return 0
 
 
 class OutputLock:

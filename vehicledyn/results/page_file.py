@@ -6,6 +6,7 @@ import os
 from pathlib import Path
 
 from vehicledyn.base.errors import InputError
+from vehicledyn.base.whole_file import write_whole
 from vehicledyn.results.output import write_failed
 
 _HEAD = 2048  # bytes
@@ -47,14 +48,10 @@ def write_page(target: Path, text: str) -> None:
     InputError
         If it cannot be written.
     """
-    scratch = target.with_name(f".{target.name}.new")
     try:
-        scratch.write_text(text, encoding="utf-8", errors="replace")
-        scratch.replace(target)
+        write_whole(target, text, errors="replace")
     except OSError as error:
         raise write_failed(target, error) from error
-    finally:
-        scratch.unlink(missing_ok=True)
 
 
 def _is_of_kind(target: Path, kind: str) -> bool:

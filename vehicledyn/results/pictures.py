@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from vehicledyn.base.errors import InputError, unknown_name
+from vehicledyn.base.whole_file import whole_file
 from vehicledyn.results.output import write_failed
 from vehicledyn.results.plot_style import STYLE
 
@@ -68,8 +69,8 @@ def settle(figure: Figure) -> None:
 def save(figure: Figure, target: Path, kind: str) -> Path:
     """Save a figure and return where; an InputError says why it cannot be written."""
     try:
-        with signs_may_be_missing():
-            figure.savefig(target, format=kind, metadata=METADATA[kind])
+        with signs_may_be_missing(), whole_file(target) as place:
+            figure.savefig(place, format=kind, metadata=METADATA[kind])
     except OSError as error:
         raise write_failed(target, error) from error
     return target

@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from vehicledyn.base.whole_file import whole_file
 from vehicledyn.results.output import write_failed
 
 Array = NDArray[np.float64]
@@ -57,7 +58,7 @@ def write_track(table: TrackTable, path: Path) -> None:
         If the file cannot be written.
     """
     try:
-        with path.open("w", encoding="utf-8", newline="") as stream:
+        with whole_file(path) as place, place.open("w", encoding="utf-8", newline="") as stream:
             for line in (table.title, *table.facts):
                 stream.write(f"# {line}\n")
             writer = csv.writer(stream, lineterminator="\n")

@@ -38,10 +38,12 @@ from vehicledyn.results.layout import (
     clean_text,
     dataset_path,
 )
-from vehicledyn.results.output import OutputLock, check_output, write_failed
+from vehicledyn.results.output import OutputLock, check_output, free_space, write_failed
 from vehicledyn.results.row_sums import RowSums
 
-LARGEST_CHUNK = 4096  # samples
+LARGEST_CHUNK = 1024  # samples
+LARGEST_BUFFER = 4096  # samples
+AMPLE = 1 << 26  # bytes
 FLUSH_INTERVAL = 0.5  # s of wall time
 
 Floats = NDArray[np.float64]
@@ -103,6 +105,7 @@ class ResultWriter:
         self.samples = 0
         self._expected = max(expected_samples, 1)
         self._chunk = min(self._expected, LARGEST_CHUNK)
+        self._most = min(self._expected, LARGEST_BUFFER)
         self._widths = (len(channels), len(states))
         self._buffer: list[_Block] = []
         self._stage = stage
@@ -151,7 +154,7 @@ class ResultWriter:
             raise ValueError(f"{self.path} is closed")
         self._buffer.append(self._checked(times, channels, states))
         overdue = time.monotonic() - self._flushed_at >= FLUSH_INTERVAL
-        if overdue or sum(len(block.times) for block in self._buffer) > self._chunk:
+        if overdue or sum(len(block.times) for block in self._buffer) > self._most:
             self._flush(self._container)
 
     def append_pictures(self, pictures: Pictures) -> None:
@@ -278,16 +281,17 @@ class ResultWriter:
     def _flush(self, container: Container) -> None:
         """Write the buffer, and of it what fits if the disk is full.
 
-        No part reaches over the end of a chunk, since the next needs new space.
+        Where little space is left no part reaches over the end of a chunk, as the next needs more.
         """
         if not self._buffer or self._full is not None:
             return
         block = _Block(*(np.concatenate(part) for part in zip(*self._buffer, strict=True)))
         self._buffer.clear()
         try:
-            start = 0
+            start, ample = 0, self._has_space(len(block.times))
             while start < len(block.times):
-                stop = start + self._chunk - self.samples % self._chunk
+                inside = self._chunk - self.samples % self._chunk
+                stop = len(block.times) if ample else start + inside
                 self._write(container, _Block(*(part[start:stop] for part in block)))
                 start = stop
             if self._waiting:
@@ -296,6 +300,11 @@ class ResultWriter:
             self._full = self._failed(error)
             raise self._full from error
         self._flushed_at = time.monotonic()
+
+    def _has_space(self, rows: int) -> bool:
+        """Return whether the disk surely takes so many samples."""
+        wanted = 8 * (rows + self._chunk) * (1 + sum(self._widths))
+        return free_space(self.path.parent) > 2 * wanted + AMPLE
 
     def _write(self, container: Container, block: _Block) -> None:
         """Write samples; the times come last, so that they never promise missing values."""

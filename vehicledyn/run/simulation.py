@@ -122,22 +122,24 @@ def run_scenario(
     messages = [_kernel_message(prepared), *notes, *run.messages]
     if plots is not None and run.samples and described:
         progress("drawing the figures", None)
-        messages.append(_draw(output, plots))
+        message, code = _draw(output, plots)
+        messages.append(message)
+        run.exit_code = run.exit_code or code
     return RunOutcome(
         output, run.status, run.exit_code, {e.name: _shown(e) for e in run.summary}, messages
     )
 
 
-def _draw(output: Path, folder: Path) -> str:
-    """Draw the figures and say so; an interrupt or an error leaves the result whole."""
+def _draw(output: Path, folder: Path) -> tuple[str, int]:
+    """Draw the figures; return a message and exit code. A failure leaves the result whole."""
     from vehicledyn.results.plots import draw_plots
 
     try:
-        return f"{len(draw_plots(output, folder))} figures in {folder}"
+        return f"{len(draw_plots(output, folder))} figures in {folder}", EXIT_OK
     except KeyboardInterrupt:
-        return f"stopped while drawing; the result {output} is whole"
+        return f"stopped while drawing; the result {output} is whole", EXIT_INTERRUPTED
     except InputError as error:
-        return f"no figures: {error}"
+        return f"the result {output} is whole, but not its figures: {error}", error.exit_code
 
 
 @dataclass
@@ -166,6 +168,7 @@ class _Run:
         s = self.loaded.scenario
         statistics: Statistics | None = None
         message = ""
+        unwritten: InputError | None = None
         with self._writer(output) as writer:
             try:
                 statistics = simulate_watched(
@@ -188,6 +191,8 @@ class _Run:
             except KeyboardInterrupt:
                 self.status, self.exit_code = "interrupted", EXIT_INTERRUPTED
                 message = f"stopped by the user at t = {self._end():g} s"
+            except InputError as error:
+                self.status, message, unwritten = "failed", str(error), error
             ending = self._ending(statistics)
             self._summarise()
             self._leave(statistics)
@@ -200,6 +205,8 @@ class _Run:
                 surroundings=surroundings_of(self.prepared, self.recorder),
                 notes=self.notes,
             )
+        if unwritten is not None:
+            raise unwritten
         if ending:
             self.messages.append(ending)
         if message:

@@ -11,6 +11,7 @@ from typing import Any
 from vehicledyn.base.errors import InputError, unknown_name
 from vehicledyn.base.files import read_regular
 from vehicledyn.base.schema_line import FileKind, schema_line, schema_name
+from vehicledyn.base.whole_file import write_whole
 from vehicledyn.scenario import scenario_schema
 from vehicledyn.systems.schema import system_schema
 
@@ -46,7 +47,7 @@ def write_start(folder: Path, kind: str) -> list[Path]:
     try:
         folder.mkdir(parents=True, exist_ok=True)
         for path, text in texts.items():
-            path.write_text(text, encoding="utf-8")
+            write_whole(path, text)
     except OSError as error:
         raise InputError(f"{folder}: cannot be written to: {error.strerror}") from None
     return list(texts)

@@ -1,0 +1,59 @@
+"""Files that are written whole or not at all, whatever happens meanwhile."""
+
+from __future__ import annotations
+
+import itertools
+import os
+import stat
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+from vehicledyn.base.signals import undisturbed
+
+_numbers = itertools.count()
+
+
+@contextmanager
+def whole_file(target: Path) -> Iterator[Path]:
+    """Give a place to write a file at, which takes its name when all is written.
+
+    A file that has the name stays until then, and for good after an error. What is no regular
+    file, such as a pipe, is written to directly.
+
+    Raises
+    ------
+    OSError
+        If the file cannot be written.
+    """
+    if _is_special(target):
+        yield target
+        return
+    place = target.resolve()
+    name = f".{os.getpid()}-{next(_numbers)}.new{place.suffix}"
+    scratch = place.with_name(name)
+    try:
+        yield scratch
+        with undisturbed():
+            scratch.replace(place)
+    finally:
+        scratch.unlink(missing_ok=True)
+
+
+def write_whole(target: Path, text: str, errors: str = "strict") -> None:
+    """Write a text file in UTF-8, whole or not at all.
+
+    Raises
+    ------
+    OSError
+        If the file cannot be written.
+    """
+    with whole_file(target) as place:
+        place.write_text(text, encoding="utf-8", errors=errors)
+
+
+def _is_special(target: Path) -> bool:
+    try:
+        return not stat.S_ISREG(target.stat().st_mode)
+    except OSError:
+        return False
