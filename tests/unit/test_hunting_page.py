@@ -101,3 +101,13 @@ def test_links_of_the_page_lead_to_files():
     links = re.findall(r"\]\(([^)#:]+)\)", PAGE)
     assert links
     assert [link for link in links if not (ROOT / "docs" / link).exists()] == []
+
+
+def test_the_bicycle_of_the_page(said):
+    """The numbers of the text are those of the file."""
+    folder, printed = said
+    figures = read_hunt(folder / "bicycle.h5").figures
+    for key in ("oscillation_ceases", "divergence_begins"):
+        assert f"{figures[key]:.3f} m/s" in PAGE
+    (command,) = (line for line in printed if "bicycle.yaml" in line)
+    assert "above, an oscillation ceases to grow" in printed[command]

@@ -65,13 +65,13 @@ def hunt(
         ),
     ] = None,
     secondary: Annotated[
-        bool,
+        bool | None,
         typer.Option(
-            "--secondary",
+            "--secondary/--no-secondary",
             help="Follow cycles that lead off at branch points, more to one side than to the "
-            "other, too.",
+            "other; if not given, where no stable cycle is found.",
         ),
-    ] = False,
+    ] = None,
     overrides: Overrides = None,
     output: Annotated[
         Path | None, typer.Option("--output", "-o", help="Result file; NAME_hunt.h5.")

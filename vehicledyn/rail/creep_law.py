@@ -87,6 +87,11 @@ class CreepLaw(ParameterSet):
         "1", "Part of Kalker's coefficients that is there, 1 on clean rails", default=1.0, gt=0
     )
 
+    @property
+    def bends_at_rest(self) -> str:
+        """Why forces are not linear in small creepages, in words; empty where they are."""
+        return ""
+
     @abstractmethod
     def forces(self, contact: CreepContact) -> CreepForces:
         """Return the forces on the wheel in steady rolling."""

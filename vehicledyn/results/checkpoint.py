@@ -19,7 +19,7 @@ from vehicledyn.results.output import write_failed
 KEY_BYTES = 32
 """Length of a key."""
 
-LARGEST = 2**31
+LARGEST = 2**30
 """Size from which on no more results are kept [bytes]; a resumed computation makes them again."""
 
 _MAGIC = b"vehicledyn-checkpoint 1\n"
@@ -52,19 +52,26 @@ class Checkpoint:
     def __init__(self, output: Path, identity: str, *, resume: bool) -> None:
         self.path = checkpoint_path(output)
         self._places: dict[bytes, tuple[int, int]] = {}
+        self._is_full = False
         begin = _MAGIC + identity.encode() + b"\n"
         if self.path.exists() and not self.path.is_file():
             raise InputError(f"{self.path}: is not a regular file; remove it or choose another -o")
         going_on = resume and self.path.exists() and self.path.stat().st_size >= len(begin)
         try:
             self._file: BinaryIO = self.path.open("r+b" if going_on else "w+b", buffering=0)
+        except OSError as error:
+            raise write_failed(self.path, error) from error
+        try:
             if going_on:
                 self._read(begin)
             else:
                 self._file.write(begin)
-            self._known = len(self._places)
-        except OSError as error:
-            raise write_failed(self.path, error) from error
+        except BaseException as error:
+            self._file.close()
+            if isinstance(error, OSError):
+                raise write_failed(self.path, error) from error
+            raise
+        self._known = len(self._places)
 
     @property
     def is_recalling(self) -> bool:
@@ -80,23 +87,21 @@ class Checkpoint:
         return self._file.read(place[1])
 
     def put(self, key: bytes, data: bytes) -> None:
-        """Keep a result.
-
-        Raises
-        ------
-        InputError
-            If it cannot be written.
-        """
+        """Keep a result; where it cannot be written, on a full disk, no more are kept."""
+        if self._is_full:
+            return
         head = _HEAD.pack(key, len(data), zlib.crc32(data, zlib.crc32(key)))
+        begin = self._file.seek(0, os.SEEK_END)
         try:
-            begin = self._file.seek(0, os.SEEK_END)
-            if begin + len(data) > LARGEST:
-                return
-            rest = memoryview(head + data)
+            self._is_full = begin + len(data) > LARGEST
+            rest = memoryview(b"" if self._is_full else head + data)
             while rest:
                 rest = rest[self._file.write(rest) or 0 :]
-        except OSError as error:
-            raise write_failed(self.path, error) from error
+        except OSError:
+            self._is_full = True
+            self._file.truncate(begin)
+        if self._is_full:
+            return
         self._places[key] = begin + len(head), len(data)
 
     def close(self) -> None:

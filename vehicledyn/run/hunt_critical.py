@@ -11,6 +11,10 @@ from vehicledyn.solve.periodic.cycle_points import Branch
 _EDGE = 1e-9
 """Part of the range within which a value is that of its end."""
 
+_APART = 5e-3
+"""Distance of the smallest cycle from its Hopf bifurcation, part of the range, that is worth a
+remark."""
+
 _KINDS = {
     "fold": "fold",
     "torus": "torus bifurcation",
@@ -64,3 +68,23 @@ def lowest_stable(
         return value, f"{name} reaches the lower end of the range with stable cycles"
     place = {0: "first", len(points) - 1: "last"}.get(k, "lowest")
     return value, f"{place} cycle of {name}"
+
+
+def far_from(
+    hopf: Hopf, branch: Branch, number: int, *, amplitude: float, span: tuple[float, float]
+) -> str:
+    """Return a remark where the smallest cycle lies far from its Hopf bifurcation, else nothing.
+
+    Smooth equations have it at a distance of the order of the amplitude squared. Where a law bends
+    at rest the linear critical value holds for still smaller oscillations only.
+    """
+    if not branch.points:
+        return ""
+    begin, first = hopf.balance.value, branch.points[0].orbit.parameter
+    if abs(first - begin) <= _APART * (span[1] - span[0]):
+        return ""
+    return (
+        f"branch {number} begins at {first:.6g} with an amplitude of {amplitude:g}, far from the "
+        f"Hopf bifurcation at {begin:.6g}: the equations are not linear even in so small a motion, "
+        "and the linear critical value holds for still smaller ones only"
+    )

@@ -15,7 +15,7 @@ from vehicledyn.results.hunt_table import HuntTable, SimulatedRow
 from vehicledyn.results.linear_file import Quantity
 from vehicledyn.run.hunt_budget import FEWEST_CYCLES, Budget, budget_of
 from vehicledyn.run.hunt_check import Check
-from vehicledyn.run.hunt_critical import lowest_stable, of_equilibria
+from vehicledyn.run.hunt_critical import far_from, lowest_stable, of_equilibria
 from vehicledyn.run.hunt_equilibria import Equilibria
 from vehicledyn.run.hunt_legs import Legs
 from vehicledyn.run.hunt_rows import CycleRows
@@ -33,6 +33,7 @@ from vehicledyn.run.hunt_start import (
 )
 from vehicledyn.run.parameter_starts import ParameterStarts
 from vehicledyn.run.prepare import Prepared, Progress
+from vehicledyn.run.sources import laws_that_bend
 from vehicledyn.run.vehicle import Target
 from vehicledyn.scenario import LoadedScenario
 from vehicledyn.solve.periodic.autonomous import AutonomousField
@@ -49,6 +50,8 @@ Vector = NDArray[np.float64]
 
 _VALUES, _FEWEST_VALUES = 60, 20
 """Values at which the equilibrium is looked for where no points are asked for, and at least."""
+
+_NO_LAW = "look for play, dry friction or another law that bends at rest"
 
 _MET = 2
 """Cycles in a row on another branch with which a branch has come to it."""
@@ -208,8 +211,13 @@ class Study:
                 continue
             index = leading(self.model, hopf.shape)
             start = hopf.orbit(s.amplitude, index, intervals=s.intervals, degree=DEGREE)
-            self._follow(start, hopf.growing(start), f"from {hopf.balance.value:.6g}")
-        if self.settings.secondary:
+            branch = self._follow(start, hopf.growing(start), f"from {hopf.balance.value:.6g}")
+            number = self.branches.index(branch) + 1
+            remark = far_from(hopf, branch, number, amplitude=s.amplitude, span=self.span)
+            if remark:
+                laws = laws_that_bend(self.equilibria.starts.target) or [_NO_LAW]
+                self.messages.append("; ".join([remark, *laws]))
+        if s.secondary or (s.secondary is None and self._lacks_stable_cycles()):
             self._secondary()
 
     def _follow(
@@ -278,6 +286,13 @@ class Study:
         """Follow the branches of cycles that cease to be their own mirror image."""
         args = self.model, self.span, self.branches, self.messages, self.origins
         Secondary(*args, self._follow).examine(self._budget.further)
+
+    def _lacks_stable_cycles(self) -> bool:
+        """Return whether oscillations grow somewhere and no stable cycle is found there."""
+        return any(
+            balance.growing_pairs and not any(leg.stable for leg in self._legs.at(balance.value))
+            for balance in self.balances
+        )
 
     def _left(self) -> int:
         """Return how many cycles the next branch may have; each as many where points are asked."""

@@ -10,7 +10,7 @@ from typing import Any
 
 from vehicledyn.base.parameters import ParameterSet
 from vehicledyn.base.registry import find, kinds
-from vehicledyn.run.vehicle import system_of
+from vehicledyn.run.vehicle import Target, system_of
 from vehicledyn.scenario import LoadedScenario
 
 _REFERENCES = re.compile(r"^References\n-+\n(.*?)(?=\n\n\S|\Z)", re.MULTILINE | re.DOTALL)
@@ -45,6 +45,21 @@ def sources_of(loaded: LoadedScenario) -> list[dict[str, str]]:
         does = inspect.cleandoc(entry.__doc__ or "").partition("\n")[0]
         found.append(_record(family, kind, _ROLE.sub(r"\1", does), _source(entry)))
     return found
+
+
+def laws_that_bend(target: Target) -> list[str]:
+    """Return the laws of a target whose forces are not linear in small motions, and why."""
+    written = system_of(target)
+    roots: list[ParameterSet] = [target.scenario] if isinstance(target, LoadedScenario) else []
+    if written is not None and not (roots and target.scenario.creep):
+        roots.append(written.file)
+    found = [
+        f"{part.family} '{part.kind}': {part.bends_at_rest}"
+        for root in roots
+        for part in _parts(root)
+        if getattr(part, "bends_at_rest", "")
+    ]
+    return list(dict.fromkeys(found))
 
 
 def _record(family: str, kind: str, does: str, source: str) -> dict[str, str]:

@@ -273,6 +273,41 @@ def test_polach_has_a_slope_at_zero_creep(spin):
         assert moved == pytest.approx(np.array(slope) @ creep, abs=2e-3 * np.linalg.norm(moved))
 
 
+def askew(used, size, spin=0.0):
+    """Return by what part forces of creepages askew miss the sum of those along and across."""
+    shape = {"a": 3e-3, "b": 6e-3}
+    still, x, y = (
+        vector(used, *felt, spin, **shape)[:2] for felt in ((0, 0), (size, 0), (0, size))
+    )
+    missed = 0.0
+    for angle in np.linspace(0.0, 2.0 * math.pi, 16, endpoint=False):
+        c, s = math.cos(angle), math.sin(angle)
+        whole = vector(used, size * c, size * s, spin, **shape)[:2] - still
+        summed = (x - still) * c + (y - still) * s
+        missed = max(missed, np.abs(whole - summed).max() / np.abs(whole).max())
+    return missed
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_a_law_that_is_not_linear_in_small_creepages_says_so(kind):
+    used = law(kind)
+    assert bool(askew(used, 1e-5) > 1e-2) is bool(used.bends_at_rest)
+
+
+@pytest.mark.parametrize("spin", [0.0, 0.05])
+def test_polach_is_linear_below_a_creepage_that_is_given(spin):
+    """There it is Kalker's theory, some 10 % from the law's own formula; far above it is that."""
+    smooth = law("polach", linear_below=1e-4)
+    assert askew(law("polach"), 2e-6, spin) > 0.09 > 0.01 > askew(smooth, 2e-6, spin)
+    felt = (4e-6, 3e-6)
+    linear = kalker_forces(contact(*felt, 0.0))
+    wanted = [float(linear.longitudinal), float(linear.lateral)]
+    assert vector(smooth, *felt, 0.0)[:2] == pytest.approx(wanted, rel=5e-3)
+    assert vector(smooth, 2.4e-3, 1.8e-3, spin) == pytest.approx(
+        vector("polach", 2.4e-3, 1.8e-3, spin), rel=2e-4
+    )
+
+
 def test_polach_opposes_spin_by_its_side_force():
     small = vector("polach", 0.0, 0.0, 1e-4)[1]
     kalker = kalker_forces(contact(0.0, 0.0, 1e-4))

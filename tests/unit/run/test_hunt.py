@@ -11,6 +11,7 @@ from vehicledyn.results.hunt_table import read_hunt
 from vehicledyn.run import hunt_study
 from vehicledyn.run.hunt import find_limit_cycles
 from vehicledyn.run.hunt_start import HuntSettings
+from vehicledyn.run.sources import laws_that_bend
 from vehicledyn.scenario import load_model
 from vehicledyn.solve.periodic import settled
 
@@ -365,3 +366,36 @@ def test_stopped_on_a_branch_that_leads_off(tmp_path, monkeypatch):
     assert report.exit_code == 130 and kept.status == "interrupted"
     assert len(kept.branch(2)) == 3 and len(kept.branch(1)) > 8
     assert list(kept.origins) == [2]
+
+
+BENDS = """\
+title: A balance wheel whose air resists as soon as it swings by more than a millionth
+parameters: {push: 0.01 N*m*s/rad, resistance: 0.05 N*m*s/rad, small: 1e-6 rad, scale: 1 rad}
+gravity: [0, 0, 0]
+bodies:
+  wheel: {joints: [R3 angle], mass: 1 kg, inertia: [1, 1, 1]}
+forces:
+  spring: {coordinate: wheel.angle, force: -1 N*m/rad * position}
+  air:
+    coordinate: wheel.angle
+    force: "(push - resistance * (position**2 / (position**2 + small**2)
+      + (position / scale)**2)) * rate"
+"""
+
+
+def test_equations_that_bend_at_rest_are_named(tmp_path):
+    """Above the millionth the equilibrium's Hopf bifurcation, at 0, tells nothing of cycles."""
+    path = tmp_path / "balance.yaml"
+    path.write_text(BENDS, encoding="utf-8")
+    settings = HuntSettings("push", -0.02, 0.08, points=10, simulate=False)
+    report = study(settings, load_model(str(path)))
+    assert report.table.figures["linear_critical"] == pytest.approx(0.0, abs=1e-9)
+    assert report.table.cycles[0].value > 0.04
+    assert "not linear even in so small a motion" in "; ".join(report.messages)
+
+
+def test_laws_that_bend_at_rest_are_known():
+    systems = WHEELSET.parent
+    (law,) = laws_that_bend(load_model(str(systems / "shifted_wheelset.yaml")))
+    assert law.startswith("creep 'polach'") and "linear_below" in law
+    assert not laws_that_bend(load_model(str(systems / "rail_wheelset.yaml")))

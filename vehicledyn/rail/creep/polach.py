@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import math
 
+from pydantic import Field
+
 from vehicledyn.base.parameters import quantity
 from vehicledyn.base.registry import register
 from vehicledyn.rail.creep_law import (
@@ -18,7 +20,10 @@ from vehicledyn.symbolic import ops
 from vehicledyn.symbolic.ops import Scalar
 
 CREEP_FLOOR = 1e-7
-"""Creepage below which each direction has the stiffness of the linear theory [1]."""
+"""Creepage that keeps magnitudes off zero, for division [1]."""
+
+LINEAR_BELOW = 1e-7
+"""Creepage below which each direction has the stiffness of the linear theory, if not given [1]."""
 
 
 @register("creep", "polach")
@@ -44,7 +49,9 @@ class Polach(CreepLaw):
 
     C depends on the direction of creep, however small, so that F has no slope at zero creep. Here
     F_x has C_x² = ((C11 ξ)² + (C22 η)² + s_0² C11²)/(s² + s_0²), F_y the same with C22 at the end:
-    below the floor s_0 the slopes are those of the linear theory, far above it nothing changes.
+    below s_0 = linear_below the slopes are those of the linear theory, far above it nothing
+    changes. Between s_0 and sliding, forces do not superpose: those of a creepage askew differ by
+    up to a tenth from the sum of those of its components, at any size.
     Where s_yC passes from one of its values to the other, at η = -φ a/2, slopes change abruptly.
 
     References
@@ -64,6 +71,21 @@ class Polach(CreepLaw):
         "1", "A, friction at infinite sliding speed over that at none", default=1.0, gt=0, le=1
     )
     friction_decay: float = quantity("s/m", "B, decay of friction with speed", default=0.0, ge=0)
+    linear_below: float = Field(
+        default=LINEAR_BELOW,
+        gt=0,
+        le=1e-2,
+        description="Creepage below which forces are those of the linear theory [1]",
+    )
+
+    @property
+    def bends_at_rest(self) -> str:
+        """Why its forces are not linear in small creepages."""
+        return (
+            "its stiffness depends on the direction of creepage, however small, down to "
+            f"{self.linear_below:g}; with a larger 'linear_below', such as 1e-4, it is that of the "
+            "linear theory below it"
+        )
 
     def forces(self, contact: CreepContact) -> CreepForces:
         """Return the forces; the spin moment is zero."""
@@ -77,7 +99,7 @@ class Polach(CreepLaw):
         whole = ops.sqrt(xi * xi + across * across)
         kalker = creep_coefficients(contact.axis_ratio, contact.poissons_ratio)
         stiffness = self.stiffness_factor * contact.shear_modulus * contact.area_scale / floor
-        along, aside = (stiffness * c * whole for c in _joined(kalker, xi, eta))
+        along, aside = (stiffness * c * whole for c in _joined(kalker, xi, eta, self.linear_below))
         side = _spin_part(contact, stiffness * kalker.lateral_spin * across)
         x = -limit * self._creep_part(along) * xi / whole
         y = -limit * (self._creep_part(aside) * eta + side * contact.spin) / whole
@@ -98,10 +120,12 @@ class Polach(CreepLaw):
         )
 
 
-def _joined(kalker: CreepCoefficients, xi: Scalar, eta: Scalar) -> tuple[Scalar, Scalar]:
+def _joined(
+    kalker: CreepCoefficients, xi: Scalar, eta: Scalar, floor: float
+) -> tuple[Scalar, Scalar]:
     """Return C of the forces along and across, between C11 and C22 as the creepage points."""
     x, y = kalker.longitudinal * xi, kalker.lateral * eta
-    square = CREEP_FLOOR * CREEP_FLOOR
+    square = floor * floor
     rest = 1.0 / (xi * xi + eta * eta + square)
     mixed = x * x + y * y
     along, across = (
