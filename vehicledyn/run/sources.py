@@ -50,8 +50,9 @@ def sources_of(loaded: LoadedScenario) -> list[dict[str, str]]:
 def laws_that_bend(target: Target) -> list[str]:
     """Return the laws of a target whose forces are not linear in small motions, and why."""
     written = system_of(target)
-    roots: list[ParameterSet] = [target.scenario] if isinstance(target, LoadedScenario) else []
-    if written is not None and not (roots and target.scenario.creep):
+    scenario = target.scenario if isinstance(target, LoadedScenario) else None
+    roots: list[ParameterSet] = [] if scenario is None else [scenario]
+    if written is not None and (scenario is None or scenario.creep is None):
         roots.append(written.file)
     found = [
         f"{part.family} '{part.kind}': {part.bends_at_rest}"
