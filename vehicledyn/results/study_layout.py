@@ -12,7 +12,7 @@ The file is HDF5; only what its status calls done counts::
     /cases/values        (n_cases, n_axes) in SI; the number of a choice
     /cases/status        (n_cases,), see STATUS_NAMES
     /cases/end_time      (n_cases,) [s]
-    /cases/reason        (n_cases,) why a case failed or which event ended it
+    /cases/reason        (n_cases,) why a case failed or is inaccurate, which event ended it
     /figures/name, units, long_name, value (n_cases, n_figures), text (n_cases, n_figures)
     /study/text, /scenario/text
 """
@@ -32,6 +32,9 @@ FORMAT_VERSION = 1
 PENDING, DONE, FAILED, ENDED = 0, 1, 2, 3
 STATUS_NAMES = ("pending", "done", "failed", "ended by an event")
 RUNNING, OK, INTERRUPTED, STOPPED = "running", "ok", "interrupted", "failed"
+
+ACCURACY = "accuracy"
+"""Name of the figure, a text, that says how accurate a case with a fixed step is."""
 
 REASON_BYTES = 240
 TEXT_BYTES = 40

@@ -19,6 +19,7 @@ from vehicledyn.manoeuvres.recording import Recording
 from vehicledyn.results.layout import EventRecord, ResultHeader, SummaryEntry
 from vehicledyn.results.output import check_folder, check_output
 from vehicledyn.results.writer import ResultWriter
+from vehicledyn.run.judgement import judged_by
 from vehicledyn.run.moved_starts import moved_starts
 from vehicledyn.run.pictures import Recorder, surroundings_of
 from vehicledyn.run.places import wrong_output
@@ -184,7 +185,9 @@ class _Run:
                     progress=progress,
                     happened=lambda name, t: self.events.append(EventRecord(t, name)),
                     watch=lambda: self.prepared.watch,
+                    judged=judged_by(self.prepared.subject, self.prepared.equations),
                 )
+                self._warn(statistics)
             except NumericalError as error:
                 self.status, self.exit_code = "failed", EXIT_FAILED
                 message = "; ".join(filter(None, (str(error), self._cause())))
@@ -260,6 +263,12 @@ class _Run:
         recording = Recording(np.concatenate(self._times), columns, units)
         self.summary = self.prepared.subject.summarise(recording)
 
+    def _warn(self, statistics: Statistics) -> None:
+        """Say in the output and in the file where the step was too long."""
+        accuracy = statistics.accuracy
+        if accuracy is not None and accuracy.warning:
+            self.notes.append(f"warning: {accuracy.warning}")
+
     def _cause(self) -> str:
         """Return what the last sample tells of the cause of a failure, if anything."""
         return "" if self._last is None else hardly_resisted(self.prepared, *self._last)
@@ -315,6 +324,8 @@ class _Run:
         }
         if statistics is not None:
             values = {f.name: getattr(statistics, f.name) for f in fields(statistics)}
+            accuracy = values.pop("accuracy")
+            values |= {} if accuracy is None else accuracy.as_attributes()
             known.update({k: v for k, v in values.items() if v is not None})
         return known
 

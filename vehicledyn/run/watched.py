@@ -24,6 +24,8 @@ from vehicledyn.base.errors import NumericalError
 from vehicledyn.multibody.system import System
 from vehicledyn.run.passage import FINE_TOLERANCE, TOLERANCE, Passage, Sample
 from vehicledyn.run.pivots import LEVERAGE, WIDE_ZONE, ZONE, Crossing, Degrading, PivotLog
+from vehicledyn.solve.accuracy import worst_of
+from vehicledyn.solve.judged import Judged
 from vehicledyn.solve.kernel import Backend, Kernel, Progress, compile_kernel
 from vehicledyn.solve.simulate import Solver, simulate
 from vehicledyn.solve.task import Happened, Sink, Statistics
@@ -54,13 +56,15 @@ def simulate_watched(
     progress: Progress,
     happened: Happened,
     watch: Callable[[], PartitionWatch] | None = None,
+    judged: Judged | None = None,
 ) -> Statistics:
     """Integrate as :func:`~vehicledyn.solve.simulate.simulate` does, through bad partitions.
 
     The samples are those of the kernel's own equations throughout: states and unknowns in their
     order, channels by name; a channel that a later partition lacks is not a number. ``happened``
     is told "partition.changed" when the partition changes. A passage looks for no events.
-    ``watch`` makes the watch of the system when it is needed, if the caller knows a quick way.
+    ``watch`` makes the watch of the system when it is needed, if the caller knows a quick way;
+    ``judged`` is what the accuracy is judged by, see ``simulate``.
 
     Raises
     ------
@@ -83,9 +87,12 @@ def simulate_watched(
             sink=sink,
             progress=progress,
             happened=happened,
+            judged=judged,
         )
     make_watch = watch or (lambda: _watch_of(system))
-    run = _Run(system, kernel, solver, start, stop, interval, sink, progress, happened, make_watch)
+    run = _Run(
+        system, kernel, solver, start, stop, interval, sink, progress, happened, make_watch, judged
+    )
     return run.go(np.asarray(state, dtype=float), np.asarray(unknowns, dtype=float))
 
 
@@ -109,6 +116,7 @@ class _Run:
     progress: Progress
     happened: Happened
     make_watch: Callable[[], PartitionWatch]
+    judged: Judged | None = None
 
     def __post_init__(self) -> None:
         self._known: dict[tuple[str, ...], Kernel] = {}
@@ -185,6 +193,19 @@ class _Run:
             sink=self._log.take,
             progress=self._tell,
             happened=self.happened,
+            judged=self._judged(is_whole=index == 0 and last is None),
+        )
+
+    def _judged(self, *, is_whole: bool) -> Judged | None:
+        """Return what a piece is judged by: key figures only where it is the whole run."""
+        if self.judged is None:
+            return None
+        first, now = self._first.channels, self.kernel.equations.channels
+        places = {channel.name: k for k, channel in enumerate(now)}
+        names = [first[k].name for k in self.judged.channels]
+        channels = [places[name] for name in names if name in places]
+        return replace(
+            self.judged, channels=channels, figures=self.judged.figures if is_whole else None
         )
 
     def _tell(self, what: str, part: float | None) -> None:
@@ -382,6 +403,7 @@ class _Run:
             last,
             **totals,
             largest_residual=max(part.largest_residual for part in self._parts),
+            accuracy=worst_of([part.accuracy for part in self._parts]),
             wall_seconds=time.perf_counter() - self._started,
         )
 

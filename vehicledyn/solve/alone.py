@@ -12,6 +12,7 @@ import numpy as np
 from vehicledyn.base.errors import NumericalError
 from vehicledyn.solve.cases import CaseEnd, Cases, Plan, Samples
 from vehicledyn.solve.engine import Vector
+from vehicledyn.solve.judged import Judged
 from vehicledyn.solve.kernel import Kernel
 from vehicledyn.solve.rate_watch import RateWatch, Soundness
 from vehicledyn.solve.simulate import Solver, simulate
@@ -19,6 +20,10 @@ from vehicledyn.solve.task import Statistics
 
 Runner: TypeAlias = Callable[..., Statistics]
 """Integrates one case, called as :func:`vehicledyn.solve.simulate.simulate`."""
+
+
+Judging: TypeAlias = Callable[[int], Judged]
+"""Gives what the accuracy of a case is judged by, from its number."""
 
 
 class _Weak(Exception):  # noqa: N818
@@ -33,7 +38,8 @@ class Alone:
     solver: Solver
     plan: Plan
     runner: Runner
-    rates: RateWatch | None = None
+    rates: RateWatch | None
+    judged: Judging
 
     @property
     def is_watched(self) -> bool:
@@ -45,20 +51,21 @@ class Alone:
         """Whether the model has loops whose dependent coordinates may have to change."""
         return bool(self.kernel.equations.structure.get("loops"))
 
-    def run(self, case: Cases, room: Samples) -> CaseEnd:
-        """Run a case; where its partition fails or becomes weak, again with the runner.
+    def run(self, cases: Cases, number: int, room: Samples) -> CaseEnd:
+        """Run a case, by number; where its partition fails or is weak, again with the runner.
 
         The first try is that of a lane, so that a case is the same with and without lanes.
         """
+        case, judged = cases.part(slice(number, number + 1)), self.judged(number)
         if self.runner is simulate or not self.is_watched:
-            return self._run(self.runner, case, room, watched=False)
+            return self._run(self.runner, case, room, judged, watched=False)
         if hasattr(self.solver, "fixed_method"):
             with contextlib.suppress(_Weak):
-                end = self._run(simulate, case, room, watched=True)
+                end = self._run(simulate, case, room, judged, watched=True)
                 if not end.failed:
                     return end
             room[:] = np.nan
-        return self._run(self.runner, case, room, watched=False)
+        return self._run(self.runner, case, room, judged, watched=False)
 
     def _of_rates(self, times: Vector, outputs: Vector) -> Vector:
         """Return the determinants of rates by all channels at some times, one column or none."""
@@ -66,7 +73,9 @@ class Alone:
             return np.zeros((len(times), 0))
         return self.rates.determinants(times, outputs[:, self.rates.channels])[:, None]
 
-    def _run(self, runner: Runner, case: Cases, room: Samples, *, watched: bool) -> CaseEnd:
+    def _run(
+        self, runner: Runner, case: Cases, room: Samples, judged: Judged, *, watched: bool
+    ) -> CaseEnd:
         plan, kernel = self.plan, self.kernel.with_parameters(case.parameters[0])
         last, count = plan.start, 0
         soundness = Soundness() if watched else None
@@ -90,7 +99,8 @@ class Alone:
                 unknowns=case.unknowns[0],
                 interval=plan.interval,
                 sink=keep,
+                judged=judged,
             )
         except NumericalError as error:
             return CaseEnd(last, count, str(error))
-        return CaseEnd(last, count, ended_by=done.ended_by or "")
+        return CaseEnd(last, count, ended_by=done.ended_by or "", accuracy=done.accuracy)

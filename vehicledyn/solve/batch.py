@@ -18,16 +18,21 @@ from typing import Any, TypeAlias
 import numpy as np
 
 from vehicledyn.base.errors import InputError
-from vehicledyn.solve.alone import Alone, Runner
+from vehicledyn.solve.accuracy import Accuracy
+from vehicledyn.solve.alone import Alone, Judging, Runner
 from vehicledyn.solve.cases import CaseEnd, Cases, Plan, Samples
 from vehicledyn.solve.compiler import CompilationError, suitable_lanes
 from vehicledyn.solve.engine import WEAK_PIVOT, Status, Vector
 from vehicledyn.solve.fixed_step import steps_per_interval
+from vehicledyn.solve.judged import Judged
 from vehicledyn.solve.kernel import Kernel, Progress
+from vehicledyn.solve.lane_accuracy import lane_watch
 from vehicledyn.solve.lanes import CHOICES, LaneEngine, compile_lanes
 from vehicledyn.solve.platoon import Platoon, Stopped, march
+from vehicledyn.solve.ranges import watched_channels
 from vehicledyn.solve.rate_watch import RateWatch, Soundness
 from vehicledyn.solve.simulate import Solver, simulate
+from vehicledyn.solve.windows import Grid
 
 _log = logging.getLogger(__name__)
 
@@ -136,6 +141,7 @@ def run_batch(
     single: bool = False,
     runner: Runner = simulate,
     rates: RateWatch | None = None,
+    judged: Judging | None = None,
     finished: Finished | None = None,
     progress: Progress | None = None,
 ) -> BatchResult:
@@ -163,6 +169,9 @@ def run_batch(
     rates
         Tells how well constraints without loops determine the dependent rates, where a model has
         such; cases in which they become weak are left to the runner as well.
+    judged
+        Gives what the accuracy of a case, by number, is judged by; the channels that are kept if
+        left out.
     finished
         Told of cases as soon as they are done, a few at a time, in order. An interrupt
         (Ctrl-C, heeded within a fifth of a second) loses only those that are under way.
@@ -184,7 +193,7 @@ def run_batch(
     kind = np.float32 if single else np.float64
     samples = np.full((len(cases), plan.n_samples, len(channels)), np.nan, dtype=kind)
     parts = _in_turn if batch.engine is None or not hasattr(solver, "fixed_method") else _abreast
-    alone = Alone(batch.kernel, solver, plan, runner, rates)
+    alone = Alone(batch.kernel, solver, plan, runner, rates, judged or _by_channels(batch, plan))
     ends: list[CaseEnd] = []
     for part in parts(batch, cases, samples, alone):
         if isinstance(part, float):
@@ -204,7 +213,7 @@ Part: TypeAlias = float | tuple[CaseEnd, ...]
 
 def _in_turn(batch: Batch, cases: Cases, samples: Samples, alone: Alone) -> Iterator[Part]:
     for index in range(len(cases)):
-        yield (alone.run(cases.part(slice(index, index + 1)), samples[index]),)
+        yield (alone.run(cases, index, samples[index]),)
         yield 0.0
 
 
@@ -232,22 +241,27 @@ def _abreast(batch: Batch, cases: Cases, samples: Samples, alone: Alone) -> Iter
         room = samples[first : first + engine.lanes]
         if further:
             room = np.full((*room.shape[:2], len(platoon.channels)), np.nan)
-        for part in march(platoon, room):
+        grid = Grid(
+            solver.fixed_method, plan.start, plan.interval, per_interval, plan.n_samples - 1
+        )
+        watch = lane_watch(batch.kernel, grid, alone.judged(first), plan.channels)
+        for part in march(platoon, room, watch):
             yield part * len(group)
         if further:
             samples[first : first + engine.lanes] = room[:, :, : len(plan.channels)]
         ends = []
         for lane in range(len(group)):
-            stopped = platoon.stopped(lane)
+            stopped, accuracy = platoon.stopped(lane), None
             if stopped is None:
-                is_left = _is_weak(alone, room[lane])
+                accuracy = watch.accuracy(lane, room[lane])
+                is_left = accuracy is None or _is_weak(alone, room[lane])
             else:
                 is_left = alone.is_watched or stopped.status is Status.EVENT
             if is_left:
                 samples[first + lane] = np.nan
-                ends.append(alone.run(group.part(slice(lane, lane + 1)), samples[first + lane]))
+                ends.append(alone.run(cases, first + lane, samples[first + lane]))
             else:
-                ends.append(_end_of(batch.kernel, stopped, plan))
+                ends.append(_end_of(batch.kernel, stopped, plan, accuracy))
         yield tuple(ends)
         yield 0.0
 
@@ -260,9 +274,18 @@ def _is_weak(alone: Alone, samples: Samples) -> bool:
     return not Soundness().holds(alone.rates.determinants(alone.plan.times, values)[:, None])
 
 
-def _end_of(kernel: Kernel, stopped: Stopped | None, plan: Plan) -> CaseEnd:
+def _by_channels(batch: Batch, plan: Plan) -> Judging:
+    """Return that all cases are judged by the channels that are kept."""
+    known = set(watched_channels(batch.kernel.equations))
+    judged = Judged([k for k in plan.channels if k in known], by_itself=False)
+    return lambda _: judged
+
+
+def _end_of(
+    kernel: Kernel, stopped: Stopped | None, plan: Plan, accuracy: Accuracy | None
+) -> CaseEnd:
     if stopped is None:
-        return CaseEnd(float(plan.times[-1]), plan.n_samples)
+        return CaseEnd(float(plan.times[-1]), plan.n_samples, accuracy=accuracy)
     last = float(plan.times[max(0, stopped.samples - 1)])
     message = kernel.failure(stopped.status, stopped.time, stopped.ledger)
     return CaseEnd(last, stopped.samples, message)

@@ -9,6 +9,7 @@ from typing import Any, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
+from vehicledyn.solve.accuracy import Accuracy
 from vehicledyn.solve.engine import Vector
 
 Samples: TypeAlias = NDArray[Any]
@@ -42,12 +43,14 @@ class CaseEnd:
 
     ``samples`` is the number of good samples, ``time`` that of the last of them [s].
     ``ended_by`` is the name of the terminal event that ended it early; that is no failure.
+    ``accuracy`` is what the watch of a fixed step found, where it could look.
     """
 
     time: float
     samples: int
     message: str = ""
     ended_by: str = ""
+    accuracy: Accuracy | None = None
 
     @property
     def failed(self) -> bool:

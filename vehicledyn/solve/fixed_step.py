@@ -7,9 +7,12 @@ from collections.abc import Callable
 from dataclasses import replace
 
 from vehicledyn.base.errors import InputError, NumericalError
-from vehicledyn.solve.engine import Count, Figure, March, Method, Rows, Status
+from vehicledyn.solve.accuracy import AccuracyWatch
+from vehicledyn.solve.engine import Count, Figure, March, Method, Rows, Status, Vector
 from vehicledyn.solve.events import Point
+from vehicledyn.solve.judged import Judged
 from vehicledyn.solve.task import SampleBuffer, Statistics, Task
+from vehicledyn.solve.windows import Grid
 
 _CHUNK_SECONDS = 0.08
 _FIRST_CHUNK = 16
@@ -23,8 +26,10 @@ ends at rest.
 """
 
 
-def run_fixed(task: Task, name: str, method: int, step: float) -> Statistics:
-    """Integrate a task with a fixed step.
+def run_fixed(
+    task: Task, name: str, method: int, step: float, *, watched: bool = True
+) -> Statistics:
+    """Integrate a task with a fixed step, and judge how accurate it was.
 
     Parameters
     ----------
@@ -36,8 +41,16 @@ def run_fixed(task: Task, name: str, method: int, step: float) -> Statistics:
         The method inside the kernel.
     step
         Step size [s]; a whole number of steps must make one sampling interval.
+    watched
+        Whether the accuracy is judged.
+
+    Raises
+    ------
+    NumericalError
+        If the run cannot go on, or has diverged.
     """
     per_interval = steps_per_interval(step, task.interval)
+    watch = _watch_of(task, method, per_interval) if watched else None
     SampleBuffer(task, task.state, task.unknowns).flush()
     march = March(
         method,
@@ -63,12 +76,34 @@ def run_fixed(task: Task, name: str, method: int, step: float) -> Statistics:
             _take_step_with_events(task, march)
             taken += 1
         elif status is not Status.SOLVED:
-            raise NumericalError(task.kernel.failure(status, march.time(march.step), march.ledger))
+            reason = task.kernel.failure(status, march.time(march.step), march.ledger)
+            raise NumericalError(reason + ("" if watch is None else watch.hint()))
         steps, remaining = steps + taken, remaining - taken
         seconds = max(time.perf_counter() - started, 1e-6)
         size = max(1, min(_GROWTH * size, int(taken * _CHUNK_SECONDS / seconds)))
     actual = task.interval / per_interval
-    return task.statistics(name, steps=steps, sizes=(actual, actual))
+    found = None if watch is None else watch.conclude(ended_early=bool(task.watch.ended_by))
+    if found is not None and found.verdict == "diverged":
+        raise NumericalError(f"the integration diverged: {found.warning}")
+    return task.statistics(name, steps=steps, sizes=(actual, actual), accuracy=found)
+
+
+def _watch_of(task: Task, method: int, per_interval: int) -> AccuracyWatch:
+    """Return a watch that sees the samples of a task before its sink does."""
+    grid = Grid(method, task.start, task.interval, per_interval, task.n_intervals)
+    judged = task.judged or Judged.usual(task.kernel.equations)
+    watch = AccuracyWatch(task.kernel, grid, judged)
+    sink = task.sink
+
+    def look(times: Vector, states: Vector, unknowns: Vector, outputs: Vector) -> None:
+        sound = watch.take(times, states, unknowns, outputs)
+        if sound:
+            sink(*[part[:sound] for part in (times, states, unknowns, outputs)])
+        if sound < len(times):
+            raise NumericalError(watch.divergence(float(times[sound]), states[sound]))
+
+    task.sink = look
+    return watch
 
 
 def _settle(task: Task, march: March, rows: Rows) -> None:

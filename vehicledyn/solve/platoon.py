@@ -5,13 +5,16 @@ from __future__ import annotations
 import time
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from vehicledyn.solve.engine import Count, Figure, Ledger, Status, Vector
 from vehicledyn.solve.lanes import Fate, LaneEngine
+
+if TYPE_CHECKING:
+    from vehicledyn.solve.lane_accuracy import LaneWatch
 
 _CHUNK_SECONDS, _FIRST_CHUNK, _GROWTH, _MOST_NUMBERS = 0.08, 16, 8, 1_000_000
 
@@ -109,7 +112,9 @@ class Platoon:
         return [len(self.channels), self.channels.ctypes.data, samples.ctypes.data, stride]
 
 
-def march(platoon: Platoon, samples: NDArray[Any]) -> Iterator[float]:
+def march(
+    platoon: Platoon, samples: NDArray[Any], watch: LaneWatch | None = None
+) -> Iterator[float]:
     """Run a platoon to its end in chunks of a tenth of a second, telling the part done.
 
     Parameters
@@ -119,6 +124,8 @@ def march(platoon: Platoon, samples: NDArray[Any]) -> Iterator[float]:
     samples
         Room for their samples, shape (n_cases, n_samples, n_channels), at most as many cases
         as lanes; what is not reached becomes not a number.
+    watch
+        Looks at the state at some samples, to judge the accuracy.
     """
     lanes, per_interval, width = platoon.engine.lanes, platoon.per_interval, samples.shape[2]
     whole = (samples.shape[1] - 1) * per_interval
@@ -127,8 +134,12 @@ def march(platoon: Platoon, samples: NDArray[Any]) -> Iterator[float]:
     room = np.full((lanes, 1, width), np.nan)
     going, size = platoon.begin(room), _FIRST_CHUNK
     samples[:, :1] = room[: len(samples)]
+    if watch is not None:
+        watch.look(platoon)
     while going and platoon.step < whole:
         size = min(size, whole - platoon.step, most)
+        if watch is not None:
+            size = min(size, watch.steps_to_go(platoon))
         first = platoon.step // per_interval + 1
         last = (platoon.step + size) // per_interval
         room = np.full((lanes, last + 1 - first, width), np.nan)
@@ -136,5 +147,7 @@ def march(platoon: Platoon, samples: NDArray[Any]) -> Iterator[float]:
         going = platoon.advance(size, room)
         seconds = max(time.perf_counter() - started, 1e-6)
         samples[:, first : last + 1] = room[: len(samples)]
+        if watch is not None:
+            watch.look(platoon)
         size = max(1, min(_GROWTH * size, int(size * _CHUNK_SECONDS / seconds)))
         yield platoon.step / whole

@@ -6,6 +6,7 @@ import math
 from typing import Any, Protocol
 
 from vehicledyn.base.errors import InputError
+from vehicledyn.solve.judged import Judged
 from vehicledyn.solve.kernel import Kernel, Progress
 from vehicledyn.solve.task import Happened, Sink, Statistics, Task
 
@@ -29,6 +30,7 @@ def simulate(
     sink: Sink,
     progress: Progress | None = None,
     happened: Happened | None = None,
+    judged: Judged | None = None,
 ) -> Statistics:
     """Integrate from ``start`` to ``stop`` and hand samples to a sink.
 
@@ -55,6 +57,8 @@ def simulate(
         Told name and time [s] of each event when it happens. A terminal event ends the
         integration, with a last sample at its time; a sample at the time of an event shows
         the state after its reset.
+    judged
+        What the accuracy of a run with a fixed step is judged by; all channels if left out.
 
     Raises
     ------
@@ -82,6 +86,7 @@ def simulate(
         sink=sink,
         progress=progress or _silent,
         happened=happened or _tell_nobody,
+        judged=judged,
     )
     return solver.integrate(task)
 

@@ -5,13 +5,17 @@ from __future__ import annotations
 import time
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from typing import TypeAlias
+from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
 
 from vehicledyn.solve.engine import Count, Figure, Ledger, Rows, Vector
 from vehicledyn.solve.events import EventWatch, Point
 from vehicledyn.solve.kernel import Kernel, Progress
+
+if TYPE_CHECKING:
+    from vehicledyn.solve.accuracy import Accuracy
+    from vehicledyn.solve.judged import Judged
 
 Sink: TypeAlias = Callable[[Vector, Vector, Vector, Vector], None]
 """Takes times (n,), states, unknowns and outputs (n, ...) of samples, in order."""
@@ -29,7 +33,8 @@ class Statistics:
     ``evaluations`` of the rates, ``newton_iterations`` of all blocks together, step sizes [s]
     where the method tells them, ``largest_residual`` of the blocks at the samples, in the
     residual's unit. ``events`` is the number of events that happened, ``ended_by`` the
-    name of the terminal event that ended the run early.
+    name of the terminal event that ended the run early. ``accuracy`` is what the watch of a method
+    with a fixed step found.
     """
 
     method: str
@@ -44,6 +49,7 @@ class Statistics:
     largest_step: float | None = None
     events: int = 0
     ended_by: str | None = None
+    accuracy: Accuracy | None = None
 
 
 @dataclass
@@ -51,7 +57,8 @@ class Task:
     """One integration: where it starts, when it is sampled, and where the samples go.
 
     Sample number k is taken at ``start + k * interval``; ``state`` and ``unknowns`` are those
-    of sample 0, consistent.
+    of sample 0, consistent. ``judged`` is what the accuracy is judged by, all channels where it
+    is None.
     """
 
     kernel: Kernel
@@ -63,6 +70,7 @@ class Task:
     sink: Sink
     progress: Progress
     happened: Happened
+    judged: Judged | None = None
     delivered: int = 0
     ledger: Ledger = field(default_factory=Ledger)
     started: float = field(default_factory=time.perf_counter)
@@ -122,6 +130,7 @@ class Task:
         *,
         steps: int,
         sizes: tuple[float, float] | None = None,
+        accuracy: Accuracy | None = None,
     ) -> Statistics:
         """Return the statistics, from the ledger and what the method adds."""
         return Statistics(
@@ -137,6 +146,7 @@ class Task:
             largest_step=sizes[1] if sizes else None,
             events=self.watch.count,
             ended_by=self.watch.ended_by or None,
+            accuracy=accuracy,
         )
 
 

@@ -15,7 +15,8 @@ from numpy.typing import NDArray
 
 import vehicledyn
 from vehicledyn.base.errors import InputError, VehicledynError
-from vehicledyn.results.study_layout import DONE, ENDED, StudyBlock, StudyFigure
+from vehicledyn.results.study_layout import ACCURACY, DONE, ENDED, StudyBlock, StudyFigure
+from vehicledyn.solve.accuracy import Accuracy
 from vehicledyn.solve.batch import Cases, Samples, run_batch
 from vehicledyn.solve.kernel import Backend
 from vehicledyn.studies.axes import Design
@@ -160,6 +161,7 @@ class Worker:
                 channels=model.columns,
                 runner=model.run_watched,
                 rates=model.rates,
+                judged=lambda number: model.judged(cases[number]),
             )
         except InputError as error:
             for number in numbers:
@@ -176,12 +178,30 @@ class Worker:
             block.end_time[number] = end.time
             if end.ended_by:
                 block.reasons[number] = f"event '{end.ended_by}' at t = {end.time:.9g} s"
+            entries = []
             if work.figures and end.samples:
                 reached = slice(0, end.samples)
                 entries = model.figures(case, result.times[reached], result.samples[row][reached])
-                block.figures[number] = [
-                    StudyFigure(e.name, e.value, e.unit, e.description) for e in entries
-                ]
+            block.figures[number] = [
+                StudyFigure(e.name, e.value, e.unit, e.description) for e in entries
+            ]
+            _note_accuracy(block, number, end.accuracy)
+
+
+def _note_accuracy(block: StudyBlock, number: int, accuracy: Accuracy | None) -> None:
+    """Add what the watch found to the figures of a case, and its warning to the reasons."""
+    if accuracy is None:
+        return
+    found = [
+        StudyFigure(ACCURACY, accuracy.verdict, "", "Verdict of the accuracy watch"),
+        StudyFigure("estimated_error", accuracy.error, "1", "Error of the worst key figure"),
+    ]
+    if accuracy.step is not None:
+        found.append(StudyFigure("recommended_step", accuracy.step, "s", "Step to take instead"))
+    block.figures[number] += found
+    if accuracy.warning:
+        told = block.reasons.get(number)
+        block.reasons[number] = "; ".join(filter(None, (told, accuracy.warning)))
 
 
 def _kept(samples: Samples, count: int, single: bool) -> Samples:

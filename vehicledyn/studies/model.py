@@ -12,6 +12,7 @@ import numpy as np
 
 from vehicledyn.base.errors import InputError, VehicledynError, nearest_name
 from vehicledyn.manoeuvres.recording import Recording
+from vehicledyn.run.judgement import judged_by
 from vehicledyn.run.parameter_starts import starting_at
 from vehicledyn.run.prepare import Derived, Point, Prepared, Progress, Vector, prepare
 from vehicledyn.run.rates import rates_watched
@@ -22,7 +23,9 @@ from vehicledyn.run.watched import simulate_watched
 from vehicledyn.scenario.load import LoadedScenario
 from vehicledyn.solve.batch import Batch, make_batch
 from vehicledyn.solve.fingerprint import fingerprint
+from vehicledyn.solve.judged import Judged
 from vehicledyn.solve.kernel import Backend, Kernel
+from vehicledyn.solve.ranges import watched_channels
 from vehicledyn.solve.rate_watch import RateWatch
 from vehicledyn.solve.simulate import Solver
 from vehicledyn.solve.task import Statistics
@@ -123,6 +126,13 @@ class Model:
             watch=lambda: self.prepared.watch,
             **span,
         )
+
+    def judged(self, case: Case) -> Judged:
+        """Return what the accuracy of a case is judged by: its key figures, or what is kept."""
+        if self.needed:
+            return judged_by(case.subject, self.prepared.equations, by_itself=False)
+        known = set(watched_channels(self.prepared.equations))
+        return Judged([k for k in self.kept if k in known], by_itself=False)
 
     @cached_property
     def rates(self) -> RateWatch | None:

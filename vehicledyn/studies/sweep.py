@@ -16,6 +16,7 @@ from vehicledyn.base.errors import InputError, NumericalError
 from vehicledyn.base.processors import cores
 from vehicledyn.results.output import check_output
 from vehicledyn.results.study_layout import (
+    ACCURACY,
     FAILED,
     INTERRUPTED,
     OK,
@@ -26,7 +27,7 @@ from vehicledyn.results.study_layout import (
     StudyChannel,
     StudyHeader,
 )
-from vehicledyn.results.study_reader import open_study
+from vehicledyn.results.study_reader import StudyFile, open_study
 from vehicledyn.results.study_writer import StudyWriter, pending
 from vehicledyn.run.prepare import Progress
 from vehicledyn.solve.kernel import Backend
@@ -147,10 +148,11 @@ def run_study(
         run.compute(computing)
     with open_study(output) as file:
         counts, failures = file.counts(), list(file.reasons(MOST_SHOWN))
+        warned = _warned(file)
     code = run.exit_code or (EXIT_FAILURES if counts["failed"] else EXIT_OK)
     seconds = time.monotonic() - started
     told = f"{run.computed} cases computed by {computing.description} in {seconds:.1f} s"
-    messages = [*run.messages, *computing.remarks(), told]
+    messages = [*run.messages, *warned, *computing.remarks(), told]
     return SweepOutcome(output, run.status, code, counts, failures, seconds, messages)
 
 
@@ -219,6 +221,20 @@ class _Run:
             left = f", {_clock(seconds)} left"
         failed = f", {self._failed} failed" if self._failed else ""
         self.progress(f"computing: {self._done} of {total} cases{failed}{left}", self._done / total)
+
+
+def _warned(file: StudyFile) -> list[str]:
+    """Return a warning about cases whose step is too long, if there are any."""
+    if ACCURACY not in file.figures:
+        return []
+    found = [k for k, text in enumerate(file.figure_texts(ACCURACY)) if text == "inaccurate"]
+    if not found:
+        return []
+    shown = ", ".join(map(str, found[:MOST_SHOWN])) + (", ..." if len(found) > MOST_SHOWN else "")
+    return [
+        f"warning: the step is too long in {len(found)} of {file.n_cases} cases ({shown}); the "
+        "figures 'estimated_error' and 'recommended_step' say how much and what to take"
+    ]
 
 
 def _helpers(

@@ -206,9 +206,9 @@ def test_only_cases_with_events_leave_their_lanes(lanes, monkeypatch):
     cases.states[:, 0], cases.states[4, 1] = heights, 3.0
     left, run = [], Alone.run
 
-    def told(alone, case, room):
-        left.append(float(case.states[0, 0]))
-        return run(alone, case, room)
+    def told(alone, cases, number, room):
+        left.append(float(cases.states[number, 0]))
+        return run(alone, cases, number, room)
 
     one = run_batch(make_batch(kernel, lanes=1), METHODS[0], cases, channels=[0], **SPAN)
     monkeypatch.setattr(Alone, "run", told)

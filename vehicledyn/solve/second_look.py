@@ -1,0 +1,185 @@
+"""A run with half the step, or a part of it: how far key figures move, or extremes and means."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from vehicledyn.base.errors import NumericalError
+from vehicledyn.solve.engine import Method, Vector
+from vehicledyn.solve.judged import Sizes, figure_errors
+from vehicledyn.solve.ranges import Ranges
+from vehicledyn.solve.windows import Place, operations_of_step, order_of
+
+if TYPE_CHECKING:
+    from vehicledyn.solve.accuracy import AccuracyWatch
+
+_CHEAP = 2.5e9
+"""Operations of a whole run with half the step that are always worth their price."""
+
+_PART, _LEAST = 0.05, 200
+"""Part of an expensive run that is taken again, and the fewest steps of that part."""
+
+_FINEST = 256
+"""Most parts of a step when the early end of a run is looked at again."""
+
+Samples = list[tuple[Vector, Vector]]
+
+
+@dataclass(frozen=True)
+class Moved:
+    """How far half the step leads: error of the worst figure or channel, and steps it took.
+
+    ``goes_on`` says that half the step does not end where the run ended.
+    """
+
+    error: float
+    worst: str
+    extra_steps: int
+    goes_on: bool = False
+
+
+@dataclass
+class _Again:
+    """A part of a run taken again: ranges of its channels, and samples where they are wanted."""
+
+    ranges: Ranges
+    samples: Samples = field(default_factory=list)
+    steps: int = 0
+    got_through: bool = False
+    failed: bool = False
+
+
+def look_again(
+    watch: AccuracyWatch, places: list[Place], errors: Vector, *, ended_early: bool
+) -> Moved:
+    """Return how far a run moves with half its step.
+
+    Parameters
+    ----------
+    watch
+        The run, what it is judged by, and its ranges.
+    places
+        Where its windows begin.
+    errors
+        What they found, shape (n_windows, n_channels).
+    ended_early
+        Whether an event ended the run before its time.
+    """
+    taken, grid = max(1, watch.taken - 1), watch.grid
+    better = _better_way(watch, ended_early=ended_early)
+    power = 2.0 ** order_of(grid.method)
+    factor = power / (power - 1.0) if better.method == grid.method else 1.0
+    if _is_cheap(watch, better, taken):
+        half = _again(watch, watch.places[0], taken, better)
+        if ended_early and half.got_through:
+            return Moved(np.inf, "", half.steps, goes_on=True)
+        error, name = _figures_moved(watch, half) or _ranges_moved(watch, watch.ranges, half)
+        return Moved(factor * error, name, half.steps)
+    count = min(taken, max(int(_PART * taken), -(-_LEAST // grid.per_interval)))
+    largest = np.where([place.index <= taken - count for place in places], errors.max(axis=1), -1.0)
+    place = places[int(np.argmax(largest))]
+    whole, half = (_again(watch, place, count, way) for way in (_Way(grid.method, 1), better))
+    error, name = _ranges_moved(watch, whole.ranges, half)
+    usual = errors.mean(axis=0)
+    if usual.max() > factor * error:
+        error, name = float(usual.max()) / factor, _named(watch, int(np.argmax(usual)))
+    return Moved(factor * error, name, whole.steps + half.steps)
+
+
+def ends_without_reason(watch: AccuracyWatch) -> bool:
+    """Return whether the event that ended a run early fails to come with a finer step.
+
+    Only the last part of the run is taken again, and one interval behind it: a twelfth on average.
+    """
+    before = next(p for p in reversed(watch.places) if p.index < max(1, watch.taken - 2))
+    count = max(1, watch.taken - 1 - before.index) + 1
+    return _again(watch, before, count, _better_way(watch, ended_early=True)).got_through
+
+
+@dataclass(frozen=True)
+class _Way:
+    """How a part of a run is taken again: the method, and the steps in one of the run's."""
+
+    method: int
+    divided: int
+
+
+def _better_way(watch: AccuracyWatch, *, ended_early: bool) -> _Way:
+    """Return a more accurate way: half the step, or a method of higher order.
+
+    What ended a run early is taken again with a step that is known to be stable.
+    """
+    method, step = watch.grid.method, watch.grid.step
+    if ended_early:
+        stable = watch.stable_step()
+        most = _FINEST if stable is None else math.ceil(step / stable)
+        return _Way(method, max(2, min(_FINEST, most)))
+    if method == Method.SYMPLECTIC_EULER:
+        return _Way(Method.RK4, 1)
+    return _Way(method, 2)
+
+
+def _is_cheap(watch: AccuracyWatch, way: _Way, count: int) -> bool:
+    steps = way.divided * count * watch.grid.per_interval
+    operations = steps * operations_of_step(watch.kernel, way.method)
+    return watch.kernel.backend == "compiled" and operations <= _CHEAP
+
+
+def _again(watch: AccuracyWatch, place: Place, count: int, way: _Way) -> _Again:
+    """Take some intervals again from a place."""
+    from vehicledyn.solve.fixed_step import run_fixed
+    from vehicledyn.solve.task import Task
+
+    kernel, grid, channels = watch.kernel, watch.grid, watch.judged.channels
+    again = _Again(Ranges.of(kernel.equations, channels))
+
+    def take(times: Vector, states: Vector, unknowns: Vector, outputs: Vector) -> None:
+        values = outputs[:, channels]
+        again.ranges.take(values)
+        if watch.history is not None:
+            again.samples.append((times.copy(), values))
+
+    own = (place.state.copy(), place.unknowns.copy())
+    task = Task(kernel, place.time, grid.interval, count, *own, take, _silent, _silent)
+    with np.errstate(all="ignore"):
+        try:
+            done = run_fixed(task, "", way.method, grid.step / way.divided, watched=False)
+            again.got_through, again.steps = done.ended_by is None, done.steps
+        except NumericalError:
+            again.failed = True
+    return again
+
+
+def _figures_moved(watch: AccuracyWatch, half: _Again) -> tuple[float, str] | None:
+    """Return the error of the worst key figure, or None where there are none to compare."""
+    make = watch.judged.figures
+    if make is None or watch.history is None or half.failed:
+        return None
+    with np.errstate(all="ignore"):
+        own, other = (
+            make(*(np.concatenate(parts) for parts in zip(*samples, strict=True)))
+            for samples in (watch.history, half.samples)
+        )
+    sizes = Sizes.of(watch.kernel.equations, watch.judged.channels, half.ranges)
+    errors = figure_errors(own, other, sizes)
+    worst = max(errors, key=lambda name: errors[name], default=None)
+    return None if worst is None else (errors[worst], f"'{worst}'")
+
+
+def _ranges_moved(watch: AccuracyWatch, whole: Ranges, half: _Again) -> tuple[float, str]:
+    """Return the error of the worst channel's extremes and mean."""
+    distance = whole.distance(half.ranges, watch.ranges.scales())
+    worst = int(np.argmax(distance))
+    return (np.inf if half.failed else float(distance[worst])), _named(watch, worst)
+
+
+def _named(watch: AccuracyWatch, number: int) -> str:
+    return f"'{watch.kernel.equations.channels[watch.judged.channels[number]].name}'"
+
+
+def _silent(*_: object) -> None:
+    """Tell nobody."""
