@@ -21,7 +21,7 @@ from vehicledyn.solve.judged import Judged
 from vehicledyn.solve.kernel import Kernel
 from vehicledyn.solve.proposed_step import dividing_step, proposed_step
 from vehicledyn.solve.ranges import Ranges
-from vehicledyn.solve.second_look import Moved, ends_without_reason, look_again
+from vehicledyn.solve.second_look import Moved, ends_without_reason, look_again, settled_step
 from vehicledyn.solve.windows import (
     STEPS,
     Grid,
@@ -38,7 +38,7 @@ MOST_BOUND = 0.04
 _MOVED = 0.04
 """What a second look may find without a warning."""
 
-_AIM, _ASYMPTOTIC = 0.01, 0.5
+_AIM, _ASYMPTOTIC = 0.01, 0.2
 """Error that the recommended step is to have, and the largest from which it can be foretold."""
 
 _SHARE, _LEAST_WINDOWS, _MOST_WINDOWS = 0.01, 2, 16
@@ -210,7 +210,8 @@ class AccuracyWatch:
             return Accuracy("accurate", moved.error, moved.worst, None, spent)
         diverged = moved.goes_on or self._diverged(errors)
         verdict = "diverged" if diverged else "inaccurate"
-        return Accuracy(verdict, moved.error, moved.worst, self._recommended(moved), spent)
+        step, more = self._recommended(moved)
+        return Accuracy(verdict, moved.error, moved.worst, step, spent + more)
 
     def _diverged(self, errors: Vector) -> bool:
         """Return whether a channel grew out of all proportion, by errors of the last window."""
@@ -218,16 +219,24 @@ class AccuracyWatch:
             growth = self.ranges.scales() / self.early.scales()
         return bool(((growth > _GROWN) & (errors[-1] > _ERRING)).any())
 
-    def _recommended(self, moved: Moved) -> float:
-        """Return the step to take [s]: stable at the start, and accurate by the method's order."""
-        stable = self.stable_step()
-        longest = 0.5 * self.grid.step
+    def _recommended(self, moved: Moved) -> tuple[float, int]:
+        """Return the step to take [s], and the steps it took to find it.
+
+        By the method's order where the error is small enough for that; else the longest halved
+        step that is found to be accurate, or what the motion at the start needs.
+        """
+        longest, spent = 0.5 * self.grid.step, 0
         if moved.error < _ASYMPTOTIC:
             order = order_of(self.grid.method)
             longest = min(longest, self.grid.step * (_AIM / moved.error) ** (1.0 / order))
-        elif stable is not None:
-            longest = min(longest, stable)
-        return dividing_step(longest, self.grid.interval)
+            return dividing_step(longest, self.grid.interval), spent
+        step = None
+        if not moved.goes_on:
+            step, spent = settled_step(self, _AIM)
+        if step is None:
+            stable = self.stable_step()
+            step = dividing_step(min(longest, stable or longest), self.grid.interval)
+        return step, spent
 
     def stable_step(self) -> float | None:
         """Return the step that suits the motion at the start [s], None where it is not known."""

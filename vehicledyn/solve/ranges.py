@@ -77,17 +77,17 @@ class Ranges:
     def distance(self, other: Ranges, span: Vector) -> Vector:
         """Return how far extremes and means lie from those of another run, shape (n_channels,).
 
-        As a part of the extreme or of a tenth of the range ``span``, whichever is larger, and of
-        the range where the extreme is beyond it.
+        As a part of the extreme or of a tenth of the range ``span``, whichever is larger; a
+        mean counts as a part of itself or of the whole range.
         """
         with np.errstate(all="ignore"):
             pairs = [(self.low, other.low), (self.high, other.high)]
             parts = [
-                np.abs(own - theirs) / np.clip(np.abs(theirs), 0.1 * span, span)
+                np.abs(own - theirs) / np.maximum(np.abs(theirs), 0.1 * span)
                 for own, theirs in pairs
             ]
             means = self.total / max(1, self.count), other.total / max(1, other.count)
-            parts.append(np.abs(means[0] - means[1]) / span)
+            parts.append(np.abs(means[0] - means[1]) / np.maximum(np.abs(means[1]), span))
             worst = np.nan_to_num(np.maximum.reduce(parts), nan=np.inf, posinf=np.inf)
         same = np.isnan(self.total) & np.isnan(other.total)
         return np.where(same | ~self.matters, 0.0, worst)

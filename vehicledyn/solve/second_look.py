@@ -23,6 +23,9 @@ _CHEAP = 2.5e9
 _PART, _LEAST = 0.05, 200
 """Part of an expensive run that is taken again, and the fewest steps of that part."""
 
+_MOST_HALVINGS = 10
+"""How often a step is halved to find one that is short enough."""
+
 _FINEST = 256
 """Most parts of a step when the early end of a run is looked at again."""
 
@@ -77,13 +80,14 @@ def look_again(
         half = _again(watch, watch.places[0], taken, better)
         if ended_early and half.got_through:
             return Moved(np.inf, "", half.steps, goes_on=True)
-        error, name = _figures_moved(watch, half) or _ranges_moved(watch, watch.ranges, half)
+        own = _Again(watch.ranges, watch.history or [])
+        error, name = _apart(watch, own, half)
         return Moved(factor * error, name, half.steps)
     count = min(taken, max(int(_PART * taken), -(-_LEAST // grid.per_interval)))
     largest = np.where([place.index <= taken - count for place in places], errors.max(axis=1), -1.0)
     place = places[int(np.argmax(largest))]
     whole, half = (_again(watch, place, count, way) for way in (_Way(grid.method, 1), better))
-    error, name = _ranges_moved(watch, whole.ranges, half)
+    error, name = _ranges_apart(watch, whole, half)
     usual = errors.mean(axis=0)
     if usual.max() > factor * error:
         error, name = float(usual.max()) / factor, _named(watch, int(np.argmax(usual)))
@@ -98,6 +102,25 @@ def ends_without_reason(watch: AccuracyWatch) -> bool:
     before = next(p for p in reversed(watch.places) if p.index < max(1, watch.taken - 2))
     count = max(1, watch.taken - 1 - before.index) + 1
     return _again(watch, before, count, _better_way(watch, ended_early=True)).got_through
+
+
+def settled_step(watch: AccuracyWatch, allowed: float) -> tuple[float | None, int]:
+    """Return the longest of the halved steps that half of it does not contradict [s].
+
+    None where that cannot be found cheaply; and the steps it took.
+    """
+    taken, grid, spent = max(1, watch.taken - 1), watch.grid, 0
+    before: _Again | None = None
+    for halvings in range(1, _MOST_HALVINGS + 1):
+        way = _Way(grid.method, 2**halvings)
+        if not _is_cheap(watch, way, taken):
+            break
+        again = _again(watch, watch.places[0], taken, way)
+        spent += again.steps
+        if before is not None and _apart(watch, before, again)[0] <= allowed:
+            return 2.0 * grid.step / way.divided, spent
+        before = again
+    return None, spent
 
 
 @dataclass(frozen=True)
@@ -154,27 +177,31 @@ def _again(watch: AccuracyWatch, place: Place, count: int, way: _Way) -> _Again:
     return again
 
 
-def _figures_moved(watch: AccuracyWatch, half: _Again) -> tuple[float, str] | None:
-    """Return the error of the worst key figure, or None where there are none to compare."""
+def _apart(watch: AccuracyWatch, own: _Again, other: _Again) -> tuple[float, str]:
+    """Return the error of the worst key figure, or channel where there are no figures."""
     make = watch.judged.figures
-    if make is None or watch.history is None or half.failed:
-        return None
+    if make is None or watch.history is None or own.failed or other.failed:
+        return _ranges_apart(watch, own, other)
     with np.errstate(all="ignore"):
-        own, other = (
-            make(*(np.concatenate(parts) for parts in zip(*samples, strict=True)))
-            for samples in (watch.history, half.samples)
-        )
-    sizes = Sizes.of(watch.kernel.equations, watch.judged.channels, half.ranges)
-    errors = figure_errors(own, other, sizes)
-    worst = max(errors, key=lambda name: errors[name], default=None)
-    return None if worst is None else (errors[worst], f"'{worst}'")
+        figures = [
+            make(*(np.concatenate(parts) for parts in zip(*again.samples, strict=True)))
+            for again in (own, other)
+        ]
+    sizes = Sizes.of(watch.kernel.equations, watch.judged.channels, other.ranges)
+    errors = figure_errors(figures[0], figures[1], sizes)
+    if not errors:
+        return _ranges_apart(watch, own, other)
+    worst = max(errors, key=lambda name: errors[name])
+    return errors[worst], f"'{worst}'"
 
 
-def _ranges_moved(watch: AccuracyWatch, whole: Ranges, half: _Again) -> tuple[float, str]:
+def _ranges_apart(watch: AccuracyWatch, own: _Again, other: _Again) -> tuple[float, str]:
     """Return the error of the worst channel's extremes and mean."""
-    distance = whole.distance(half.ranges, watch.ranges.scales())
+    if own.failed or other.failed:
+        return np.inf, _named(watch, 0)
+    distance = own.ranges.distance(other.ranges, watch.ranges.scales())
     worst = int(np.argmax(distance))
-    return (np.inf if half.failed else float(distance[worst])), _named(watch, worst)
+    return float(distance[worst]), _named(watch, worst)
 
 
 def _named(watch: AccuracyWatch, number: int) -> str:

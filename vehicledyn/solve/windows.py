@@ -98,7 +98,8 @@ def two_ends_apart(one: Vector | None, other: Vector | None) -> Vector | None:
     with np.errstate(all="ignore"):
         distance = np.abs(one - other)
     same = np.isnan(one) & np.isnan(other)
-    return np.where(same, 0.0, np.where(np.isnan(distance), np.inf, distance))
+    apart: Vector = np.where(same, 0.0, np.where(np.isnan(distance), np.inf, distance))
+    return apart
 
 
 def _outputs(kernel: Kernel, grid: Grid, place: Place, divided: int) -> Vector | None:

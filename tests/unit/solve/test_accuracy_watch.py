@@ -66,7 +66,7 @@ def swinging(stiffness=400.0):
 )
 def test_verdicts_on_an_oscillator(solver, verdict, backend):
     """x = cos 20 t and its energy over 10 s, whose extremes and means are known."""
-    statistics, (times, states, outputs) = watched(
+    statistics, (_, _, outputs) = watched(
         swinging(), solver, stop=10.0, interval=0.1, backend=backend
     )
     energy = outputs[:, 0] / outputs[0, 0]
