@@ -26,7 +26,7 @@ def judged_by(subject: Subject, equations: Equations, *, by_itself: bool = True)
     names = subject.channels(equations)
     units = {channel.name: channel.unit for channel in equations.channels}
     judgeable = {known[k] for k in watched_channels(equations)}
-    if not any(name in judgeable and not name.startswith("energy.") for name in names):
+    if not judgeable.intersection(names):
         coordinates = {state.name for state in equations.states}
         names = [*names, *(n for n in known if n in coordinates and n not in names)]
     numbers = [known.index(name) for name in names]

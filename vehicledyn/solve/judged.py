@@ -69,7 +69,7 @@ class Sizes:
         known = self.ranges.get(name.rpartition(".")[0])
         if known is not None and np.isfinite(known):
             return known
-        return max(abs(value), _NOISE * self.units.get(unit, 0.0), 1e-9)
+        return max(abs(value), _NOISE * self.units.get(unit, 0.0), 1e-6)
 
 
 def figure_errors(

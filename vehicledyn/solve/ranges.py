@@ -16,13 +16,20 @@ _FLOOR, _OWN_FLOOR = 1e-6, 1e-2
 its own: what hardly varies, such as an energy that is conserved, is judged by its size."""
 
 
+_NOISE, _NOISE_OF_FORCES = 1e-6, 1e-3
+"""Smallest range that counts, in SI units: what symmetry makes zero is rounding."""
+
+
 def watched_channels(equations: Equations) -> list[int]:
-    """Return the channels that can be judged: all but errors of constraints, and powers."""
+    """Return the channels that can be judged: all but energies, powers and errors of constraints.
+
+    These are there to check the computation itself.
+    """
     return [k for k, c in enumerate(equations.channels) if _can_be_judged(c.name)]
 
 
 def _can_be_judged(name: str) -> bool:
-    return not name.startswith(("constraints.", "power."))
+    return not name.startswith(("constraints.", "energy.", "power."))
 
 
 @dataclass
@@ -33,6 +40,7 @@ class Ranges:
     high: Vector
     total: Vector
     units: NDArray[np.intp]
+    noise: Vector
     matters: NDArray[np.bool_]
     count: int = 0
 
@@ -44,7 +52,10 @@ class Ranges:
         codes = np.array([known.index(unit) for unit in units], dtype=np.intp)
         n = len(units)
         matters = np.array([_can_be_judged(equations.channels[k].name) for k in channels], bool)
-        return Ranges(np.full(n, np.inf), np.full(n, -np.inf), np.zeros(n), codes, matters)
+        noise = np.array(
+            [_NOISE_OF_FORCES if u.startswith(("N", "J", "W")) else _NOISE for u in units]
+        )
+        return Ranges(np.full(n, np.inf), np.full(n, -np.inf), np.zeros(n), codes, noise, matters)
 
     def take(self, values: Vector) -> None:
         """Go on by samples, shape (n_samples, n_channels); what is no number does not count."""
@@ -72,7 +83,7 @@ class Ranges:
         largest = np.zeros(self.units.max(initial=0) + 1)
         np.maximum.at(largest, self.units, self.largest())
         floor = np.maximum(_FLOOR * largest[self.units], _OWN_FLOOR * self.largest())
-        return np.where(self.matters, np.maximum(np.maximum(span, floor), 1e-30), np.inf)
+        return np.where(self.matters, np.maximum(np.maximum(span, floor), self.noise), np.inf)
 
     def distance(self, other: Ranges, span: Vector) -> Vector:
         """Return how far extremes and means lie from those of another run, shape (n_channels,).

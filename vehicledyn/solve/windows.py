@@ -93,8 +93,9 @@ def two_ends_apart(one: Vector | None, other: Vector | None) -> Vector | None:
     if one is None and other is None:
         return None
     if one is None or other is None:
-        known = np.asarray(other if one is None else one)
-        return np.full(known.shape, np.inf)
+        known = other if one is None else one
+        nowhere: Vector = np.full(0 if known is None else len(known), np.inf)
+        return nowhere
     with np.errstate(all="ignore"):
         distance = np.abs(one - other)
     same = np.isnan(one) & np.isnan(other)
