@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Sequence
 from typing import NamedTuple
 
@@ -18,6 +19,7 @@ class Mark(NamedTuple):
 
 
 START = Mark(1, 1)
+_COUNT = re.compile(r"\d+ problems? in .*")
 MOST_SHOWN = 20
 """Problems that an error lists one by one."""
 
@@ -52,13 +54,24 @@ def dotted(place: Iterable[str | int]) -> str:
     return text
 
 
+def counted(count: int, file: str) -> str:
+    """Return the line that ends the list of a file's problems."""
+    return f"1 problem in {file}" if count == 1 else f"{count} problems in {file}"
+
+
+def is_count(line: str) -> bool:
+    """Return whether a line ends the list of a file's problems."""
+    return _COUNT.fullmatch(line) is not None
+
+
 def refusal(problems: Sequence[Problem], file: str) -> InputError:
     """Return the error that lists the problems of a file, sorted by position, options last.
 
     Of many it lists the first and says how many more there are.
     """
     ordered = sorted(problems, key=lambda p: (p.mark is None, p.source != file, p.mark or START))
-    count = "1 problem" if len(ordered) == 1 else f"{len(ordered)} problems"
     hidden = len(ordered) - MOST_SHOWN
     more = [f"... and {hidden} more"] if hidden > 0 else []
-    return InputError("\n".join([*map(str, ordered[:MOST_SHOWN]), *more, f"{count} in {file}"]))
+    return InputError(
+        "\n".join([*map(str, ordered[:MOST_SHOWN]), *more, counted(len(ordered), file)])
+    )

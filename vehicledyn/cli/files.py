@@ -53,7 +53,11 @@ def _read_as(data: Any, path: Path, overrides: list[str]) -> None:
     elif _is_track(data):
         from vehicledyn.rail.tracks.file import read_track
 
-        read_track(path).track(path.parent)
+        chosen = read_track(path)
+        chosen.track(path.parent)
+        wrong = chosen.problems_beside(path.parent)
+        if wrong:
+            raise InputError("\n".join(wrong))
     elif is_system_file(path):
         load_model(str(path), overrides)
     else:

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from enum import StrEnum
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from vehicledyn.base.errors import InputError
+from vehicledyn.base.problems import counted, is_count
 from vehicledyn.cli.analyses import read_target
 from vehicledyn.cli.options import (
     Backend,
@@ -21,6 +22,17 @@ from vehicledyn.cli.options import (
     speeds_in_si,
 )
 from vehicledyn.cli.terminal import emit_report, show_progress
+
+if TYPE_CHECKING:
+    from vehicledyn.scenario import LoadedModel, LoadedScenario
+
+
+class StartKind(StrEnum):
+    """Where a motion starts, see the field ``start`` of scenarios."""
+
+    NOMINAL = "nominal"
+    STATIC = "static"
+    STEADY = "steady"
 
 
 class Spacing(StrEnum):
@@ -54,6 +66,13 @@ def eig(
             help="Change a value; one key given several times makes as many cases.",
         ),
     ] = None,
+    start: Annotated[
+        StartKind | None,
+        typer.Option(
+            help="Point to linearise about; straight running of a vehicle, the scenario's start "
+            "or equilibrium of a system if absent."
+        ),
+    ] = None,
     backend: BackendChoice = Backend.AUTO,
     output: Annotated[
         Path | None,
@@ -69,7 +88,7 @@ def eig(
     """Find eigenmodes about straight running, or about a start or equilibrium of a system."""
     speeds = [value for text in speed or [] for value in speeds_in_si(text)]
     cases = cases_of(overrides or [])
-    targets = [(setting, read_target(target, changes)) for setting, changes in cases]
+    targets = _targets(target, cases)
     from vehicledyn.run import find_modes
 
     is_result = output is not None and output.suffix in (".h5", ".hdf5", ".nc")
@@ -77,12 +96,29 @@ def eig(
         report = find_modes(
             targets if len(targets) > 1 else targets[0][1],
             speeds=speeds,
+            start=None if start is None else start.value,
             backend=backend.value,
             progress=progress,
             output=output if is_result else None,
             plots=plots,
         )
     emit_report(report, as_json=as_json, file=None if is_result else output)
+
+
+def _targets(
+    target: str, cases: list[tuple[str, list[str]]]
+) -> list[tuple[str, LoadedScenario | LoadedModel]]:
+    """Return the target with the changes of each case; problems of all cases are one error."""
+    found, problems = [], []
+    for setting, changes in cases:
+        try:
+            found.append((setting, read_target(target, changes)))
+        except InputError as error:
+            problems += [line for line in str(error).splitlines() if not is_count(line)]
+    if problems:
+        told = list(dict.fromkeys(problems))
+        raise InputError("\n".join([*told, counted(len(told), target)]))
+    return found
 
 
 def cases_of(overrides: list[str]) -> list[tuple[str, list[str]]]:

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vehicledyn.base.errors import InputError
-from vehicledyn.base.problems import Mark, Problem, refusal
+from vehicledyn.base.problems import MOST_SHOWN, Mark, Problem, refusal
 from vehicledyn.rail.profile_defects import MOST_OUTLIERS, find_defects
 from vehicledyn.rail.profile_defects import Defects as Found
 from vehicledyn.rail.profile_pieces import Floats
@@ -18,7 +18,7 @@ from vehicledyn.rail.profile_reading import Defects
 _WINDOW, _FEWEST = 3e-3, 6
 """Length and number of the points beside a gap from which its bridge takes its direction."""
 
-_SHOWN = 20
+_SHOWN = MOST_SHOWN - 2
 _MILLI = 1e3
 
 

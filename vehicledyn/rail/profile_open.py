@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import lru_cache
 from pathlib import Path
 
 import numpy as np
@@ -52,6 +53,16 @@ def read_profile(path: Path, kind: Kind, reading: ProfileReading = AS_IT_IS) -> 
     InputError
         If it cannot be read or is no profile; the text names file and line.
     """
+    try:
+        facts = path.stat()
+    except (OSError, ValueError):
+        return _read(path, kind, reading, 0, 0)  # which says what is wrong
+    return _read(path, kind, reading, facts.st_mtime_ns, facts.st_size)
+
+
+@lru_cache(maxsize=16)
+def _read(path: Path, kind: Kind, reading: ProfileReading, changed: int, size: int) -> Profile:
+    """Return the profile in a file that was changed at a time and has a size."""
     found = in_our_axes(read_points(path), kind, reading)
     curve = _curve(path, found, reading.smoothing)
     notes = [*found.notes, *_on_smoothing(curve, found.y, found.z, reading.smoothing)]

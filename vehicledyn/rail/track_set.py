@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import re
 from abc import abstractmethod
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar, Literal
@@ -12,16 +11,14 @@ from pydantic import Field, field_validator
 
 from vehicledyn.base.errors import InputError
 from vehicledyn.base.parameters import ParameterSet, part, quantity
+from vehicledyn.base.problems import is_count
 from vehicledyn.base.slopes import slope_of
-from vehicledyn.rail.profile_names import STANDARD, is_name
+from vehicledyn.rail.profile_names import STANDARD, file_problems, is_name
 from vehicledyn.rail.profile_reading import AS_IT_IS, ProfileReading
 from vehicledyn.rail.track import CentreLine, RailShift, Track
 
 if TYPE_CHECKING:
     from vehicledyn.rail.track_alignment import Alignment
-
-_COUNT = re.compile(r"\d+ problems? in .*")
-"""The line that ends what is told of a file."""
 
 HEAD_WIDTH = 0.065
 """Width of a rail's head, which gives 1500 mm on standard gauge (EN 13803) [m]."""
@@ -51,12 +48,18 @@ class TrackChoice(ParameterSet):
         """Return what is wrong with the files that it names, one line each."""
         rough = getattr(self, "irregularities", None)
         if not self.names_files and not getattr(rough, "names_files", False):
-            return []
+            return self.rail_problems(folder)
         try:
-            self.track(folder)
+            track = self.track(folder)
         except InputError as error:
             lines = str(error).splitlines()
-            return [line for line in lines if not _COUNT.fullmatch(line)]
+            wrong = [line for line in lines if not is_count(line)]
+            return wrong + self.rail_problems(folder)
+        found = file_problems(track.rail, "rail", track.rail_reading)
+        return [f"rail: {line}" for line in found]
+
+    def rail_problems(self, folder: Path) -> list[str]:
+        """Return what is wrong with the profile of its rails, one line each."""
         return []
 
 
@@ -110,6 +113,19 @@ class TrackSet(TrackChoice):
             return value
         return next((name for name in STANDARD if _number(name) == value), value)
 
+    def rail_problems(self, folder: Path) -> list[str]:
+        """Return what is wrong with the profile of its rails, one line each."""
+        found = file_problems(self._rail(folder), "rail", self.rail_reading)
+        return [f"rail: {line}" for line in found]
+
+    def _rail(self, folder: Path) -> str:
+        """Return the name of the rails' profile, of a file with its folder."""
+        is_file = not is_name(self.rail) and bool(Path(self.rail).suffix)
+        beside = folder / self.rail
+        return (
+            str(beside) if is_file or (beside.is_file() and not is_name(self.rail)) else self.rail
+        )
+
     def on(self, folder: Path, line: CentreLine, *shifts: RailShift) -> Track:
         """Return the track of these rails along a centre line, with its irregularities.
 
@@ -120,8 +136,7 @@ class TrackSet(TrackChoice):
         line, shifts
             Centre line, and displacements that belong to the design.
         """
-        beside = folder / self.rail
-        rail = str(beside) if not is_name(self.rail) and beside.is_file() else self.rail
+        rail = self._rail(folder)
         rough = self.irregularities
         if isinstance(rough, IrregularitySet):
             shifts = (*shifts, rough.shift(folder))

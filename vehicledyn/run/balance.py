@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -18,6 +18,7 @@ from vehicledyn.run.prepare import (
     nominal_point,
     prepare,
 )
+from vehicledyn.run.stability import Stability, stability_of
 from vehicledyn.run.vehicle import Target
 from vehicledyn.scenario import LoadedScenario
 from vehicledyn.solve.kernel import Backend
@@ -46,6 +47,7 @@ class EquilibriumReport:
     residual: float
     coordinates: list[Row]
     forces: list[Row]
+    stability: Stability = field(default_factory=Stability)
 
     def as_text(self) -> str:
         """Return the report as a table."""
@@ -54,6 +56,7 @@ class EquilibriumReport:
             head += f" at {shown(self.speed, 'm/s')}"
         lines = [
             f"{head}, largest unbalanced acceleration {self.residual:.1e}",
+            self.stability.as_text(),
             "",
             f"{'coordinate':34} {'nominal':>16} {'equilibrium':>16} {'change':>16}",
         ]
@@ -80,6 +83,7 @@ class EquilibriumReport:
             "speed": self.speed,
             "kind": self.kind,
             "residual": self.residual,
+            "stability": self.stability.as_dict(),
             "coordinates": table(self.coordinates),
             "forces": table(self.forces),
         }
@@ -122,10 +126,12 @@ def find_equilibrium(
     if is_still:
         start, point = _still(prepared, start), _still(prepared, point)
     nominal, balanced = _channels(prepared, start), _channels(prepared, point)
+    progress("finding its stability", None)
+    stability = stability_of(prepared, point)
     coordinates, forces = _tables(prepared, nominal, balanced)
     told = 0.0 if is_still else wanted
     return EquilibriumReport(
-        prepared.equations.name, told, kind, point.residual, coordinates, forces
+        prepared.equations.name, told, kind, point.residual, coordinates, forces, stability
     )
 
 

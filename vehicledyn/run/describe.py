@@ -11,7 +11,7 @@ from vehicledyn.run.prepare import Progress, prepare
 from vehicledyn.run.vehicle import Target, build_subject
 from vehicledyn.scenario import LoadedModel
 from vehicledyn.solve.kernel import Backend, KernelReport
-from vehicledyn.symbolic.equations import Equations
+from vehicledyn.symbolic.equations import Equations, ParameterValue
 from vehicledyn.systems.python_systems import system_as_yaml
 from vehicledyn.systems.read import SystemModel
 from vehicledyn.systems.write import model_as_yaml
@@ -51,6 +51,8 @@ class ModelReport:
             ),
             *_listed("forces of constraints that are not unique", s["undetermined"]),
             *_listed("parts", s["parts"]),
+            *_table("parameters", [_parameter_row(p) for p in self.equations.parameters]),
+            *_table("channels", [(c.name, c.unit, c.description) for c in self.equations.channels]),
             f"operations ({self.kernel})",
             *(f"  {name:12} {count}" for name, count in self.report.operations.items()),
         ]
@@ -102,6 +104,20 @@ def _body_line(body: dict[str, Any]) -> str:
     joints = ", ".join(body["joints"]) or "fixed"
     massless = " (massless)" if body["massless"] else ""
     return f"  {body['name']}{massless} on {body['parent']}: {joints}"
+
+
+def _parameter_row(parameter: ParameterValue) -> tuple[str, str, str]:
+    unit = "" if parameter.unit == "1" else f" {parameter.unit}"
+    return parameter.name, f"{parameter.value:.8g}{unit}", parameter.description
+
+
+def _table(title: str, rows: list[tuple[str, str, str]]) -> list[str]:
+    """Return a title and lines of three columns, empty where there is nothing."""
+    if not rows:
+        return []
+    name, value = (max(len(row[k]) for row in rows) for k in (0, 1))
+    lines = [f"  {row[0]:{name}}  {row[1]:{value}}  {row[2]}".rstrip() for row in rows]
+    return [title, *lines, ""]
 
 
 def _listed(title: str, names: list[str], separator: str = ", ") -> list[str]:

@@ -18,7 +18,14 @@ from vehicledyn.results.output import check_folder, check_output
 from vehicledyn.results.pictures import save_figures
 from vehicledyn.run.mode_report import ModesAtSpeed, ModesReport
 from vehicledyn.run.own_speed import at_speed
-from vehicledyn.run.prepare import Prepared, Progress, prepare, reference_point
+from vehicledyn.run.prepare import (
+    Prepared,
+    Progress,
+    Start,
+    prepare,
+    reference_point,
+    start_point,
+)
 from vehicledyn.run.steadiness import unsteadiness
 from vehicledyn.run.system_subject import SystemSubject
 from vehicledyn.run.vehicle import Target
@@ -37,6 +44,7 @@ def find_modes(
     target: Target | Sequence[tuple[str, Target]],
     *,
     speeds: Sequence[float],
+    start: Start | None = None,
     backend: Backend,
     progress: Progress,
     output: Path | None = None,
@@ -54,6 +62,9 @@ def find_modes(
         changed; each goes through all speeds.
     speeds
         Forward speeds [m/s]; empty for the scenario's own.
+    start
+        Point to linearise about, see :func:`vehicledyn.run.prepare.start_point`; None for the
+        usual one.
     backend, progress
         As for a run.
     output
@@ -91,7 +102,7 @@ def find_modes(
         place = f" at {shown(speed, 'm/s')}" if has_speed else ""
         progress(f"linearising{place}", None)
         scenario = variant if isinstance(variant, LoadedScenario) else None
-        entry, linear = _modes_at(prepared, speed, scenario)
+        entry, linear = _modes_at(prepared, speed, start, scenario)
         found.append(replace(entry, setting=setting))
         cases.append(_case(table, found[-1], linear))
     whole = replace(table, cases=tuple(cases))
@@ -132,12 +143,15 @@ def _check_speed(prepared: Prepared) -> None:
 
 
 def _modes_at(
-    prepared: Prepared, speed: float, scenario: LoadedScenario | None
+    prepared: Prepared, speed: float, wanted: Start | None, scenario: LoadedScenario | None
 ) -> tuple[ModesAtSpeed, Linearisation]:
     """Return the modes about the reference motion at a speed."""
     is_system = isinstance(prepared.subject, SystemSubject)
-    start = scenario.scenario.start if scenario else None
-    point = reference_point(prepared, speed, start, is_system=is_system)
+    if wanted is None:
+        start = scenario.scenario.start if scenario else None
+        point = reference_point(prepared, speed, start, is_system=is_system)
+    else:
+        point = start_point(prepared, speed, _checked(prepared, wanted, speed))
     linear = linearise(
         prepared.equations,
         prepared.kernel.parameters,
@@ -146,8 +160,17 @@ def _modes_at(
         point.unknowns,
         derivatives=prepared.derivatives,
     )
-    remark = unsteadiness(prepared, point) if is_system else ""
+    remark = unsteadiness(prepared, point) if is_system or wanted not in (None, "steady") else ""
     return ModesAtSpeed(speed, eigenmodes(linear.matrix, linear.names), "", remark), linear
+
+
+def _checked(prepared: Prepared, wanted: Start, speed: float) -> Start:
+    """Return a start that the subject can have; a vehicle that stands is steady at rest."""
+    if wanted != "steady":
+        return wanted
+    if isinstance(prepared.subject, SystemSubject):
+        raise InputError("--start steady: is for vehicles; take 'nominal' or 'static'")
+    return "steady" if speed > 0.0 else "static"
 
 
 def _empty_table(prepared: Prepared, target: Target) -> ModeTable:

@@ -15,7 +15,7 @@ STABLE = 1e-6
 """Real part above which a mode counts as growing [1/s]."""
 
 _HEAD = f"{'eigenvalue [1/s]':>34} {'undamped':>12} {'damping':>9}  shape"
-_NEAR_ZERO = 1e-4
+NEAR_ZERO = 1e-4
 """A free motion has this eigenvalue at most where the speed slowly falls [1/s]."""
 
 _TOLD = 4
@@ -72,7 +72,7 @@ class ModesReport:
         }
 
     def _lines(self, entry: ModesAtSpeed, case: ModeCase) -> str:
-        zeros = sum(1 for m in entry.modes if abs(m.eigenvalue) < _NEAR_ZERO)
+        zeros = sum(1 for m in entry.modes if abs(m.eigenvalue) < NEAR_ZERO)
         verdict = f"{len(entry.unstable)} unstable" if entry.unstable else "all others stable"
         place = self.model
         if entry.speed or (self.has_speed and not entry.setting):

@@ -6,15 +6,21 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from vehicledyn.base.parameters import ParameterSet
+from vehicledyn.base.problems import Place
 
 
-def beside(parts: ParameterSet, folder: Path) -> Iterator[tuple[str, str]]:
-    """Yield what is wrong with files that parts name: the part's field, and one line of it.
+def beside(parts: ParameterSet, folder: Path) -> Iterator[tuple[Place, str]]:
+    """Yield what is wrong with files that parts name: the part's place, and one line of it.
 
     A part that names files has the method ``problems_beside``, which takes the folder of the file
-    that holds it and returns the lines.
+    that holds it and returns the lines. Parts may be fields, or entries of fields by name.
     """
     for name in type(parts).model_fields:
-        look = getattr(getattr(parts, name), "problems_beside", None)
-        for line in look(folder) if callable(look) else ():
-            yield name, line
+        field = getattr(parts, name)
+        entries = (
+            {(name, key): item for key, item in field.items()} if isinstance(field, dict) else {}
+        )
+        for place, part in (entries or {(name,): field}).items():
+            look = getattr(part, "problems_beside", None)
+            for line in look(folder) if callable(look) else ():
+                yield place, line

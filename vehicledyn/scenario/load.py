@@ -11,7 +11,7 @@ from pydantic import ValidationError
 
 from vehicledyn.base.files import UnreadableFileError, check_regular
 from vehicledyn.base.parameters import ParameterSet, as_plain, units_of
-from vehicledyn.base.problems import START, Problem, refusal
+from vehicledyn.base.problems import START, Place, Problem, refusal
 from vehicledyn.base.registry import find, kinds
 from vehicledyn.base.units import describe
 from vehicledyn.base.wording import UNKNOWN_KEY
@@ -109,8 +109,8 @@ def examine_scenario(
     problems += _unless_told(problems, unsuitable(data, written, sources))
     problems += check_times(data, scenario, sources)
     if scenario is not None:
-        told = beside(scenario, path.parent)
-        problems += [sources.problem((name,), words) for name, words in told]
+        told = [*beside(scenario, path.parent), *_motion_beside(scenario, path.parent)]
+        problems += [sources.problem(place, words) for place, words in told]
     if problems or scenario is None or (parameters is None and written is None):
         return None, problems
     resolved, units = as_plain(scenario), units_of(scenario)
@@ -217,6 +217,17 @@ def _read_written(
     except UnreadableFileError as error:
         return None, [sources.problem(("model",), str(error))]
     return read_model(file, data, sources)
+
+
+def _motion_beside(scenario: Scenario, folder: Path) -> list[tuple[Place, str]]:
+    """Return what is wrong with the file of a motion, if the scenario names one."""
+    if not isinstance(scenario.motion, str):
+        return []
+    try:
+        check_regular(folder / scenario.motion)
+    except UnreadableFileError as error:
+        return [(("motion",), str(error))]
+    return []
 
 
 def _check_top(document: Document) -> list[Problem]:

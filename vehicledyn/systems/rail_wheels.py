@@ -9,7 +9,7 @@ from pydantic import Field, field_validator
 
 from vehicledyn.base.errors import InputError
 from vehicledyn.base.parameters import ParameterSet
-from vehicledyn.rail.profile_names import check_name, is_name
+from vehicledyn.rail.profile_names import check_name, file_problems, is_name
 from vehicledyn.rail.profile_reading import AS_IT_IS, ProfileReading
 from vehicledyn.systems.fields import Scalar, SystemSet, measured, reference
 
@@ -76,6 +76,11 @@ class RailWheelSet(SystemSet):
                 f"0 to {1e3 * _WIDEST_HEAD:g} mm carry a wheel"
             )
 
+    def problems_beside(self, folder: Path) -> list[str]:
+        """Return what is wrong with the file of its profile, one line each."""
+        found = file_problems(self._text(folder), "wheel", self.profile_reading)
+        return [f"profile: {line}" for line in found]
+
     def open(self, folder: Path) -> Profile:
         """Return the profile; files are looked for in a folder.
 
@@ -86,9 +91,12 @@ class RailWheelSet(SystemSet):
         """
         from vehicledyn.rail.profile_open import open_profile
 
+        return open_profile(self._text(folder), "wheel", self.profile_reading)
+
+    def _text(self, folder: Path) -> str:
+        """Return the name of the profile, of a file with its folder."""
         is_file = not is_name(self.profile) and bool(Path(self.profile).suffix)
-        text = str(folder / self.profile) if is_file else self.profile
-        return open_profile(text, "wheel", self.profile_reading)
+        return str(folder / self.profile) if is_file else self.profile
 
 
 def missing_choices(creep: ParameterSet | None, contact: ParameterSet | None) -> list[str]:

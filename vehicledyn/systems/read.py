@@ -173,8 +173,8 @@ class _Reading:
 
     def look_beside(self, file: SystemFile, folder: Path) -> None:
         """Note what is wrong with the files that the parts of the file name."""
-        for name, words in beside(file, folder):
-            self._tell_one((name,), words)
+        for place, words in beside(file, folder):
+            self._tell_one(place, words)
 
     def motion(self, coordinates: dict[str, Coordinate]) -> dict[str, TimeLaw]:
         """Return the laws of the motion that a scenario prescribes."""
