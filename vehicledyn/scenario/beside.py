@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 from vehicledyn.base.parameters import ParameterSet
 from vehicledyn.base.problems import Place
@@ -17,10 +18,9 @@ def beside(parts: ParameterSet, folder: Path) -> Iterator[tuple[Place, str]]:
     """
     for name in type(parts).model_fields:
         field = getattr(parts, name)
-        entries = (
-            {(name, key): item for key, item in field.items()} if isinstance(field, dict) else {}
-        )
-        for place, part in (entries or {(name,): field}).items():
+        entries = field.items() if isinstance(field, dict) else ()
+        named: list[tuple[Place, Any]] = [((name, key), item) for key, item in entries]
+        for place, part in named or [((name,), field)]:
             look = getattr(part, "problems_beside", None)
             for line in look(folder) if callable(look) else ():
                 yield place, line
