@@ -29,6 +29,7 @@ from vehicledyn.run.resisted import (
     hardly_resisted,
     redundant_constraints,
 )
+from vehicledyn.run.singular_turns import SingularTurns
 from vehicledyn.run.sources import sources_of
 from vehicledyn.run.standing_wheels import standing_wheels
 from vehicledyn.run.track_places import track_place
@@ -118,7 +119,10 @@ def run_scenario(
     if loaded.scenario.start in (None, "nominal"):
         notes.extend(moved_starts(prepared, start))
     notes.extend(standing_wheels(prepared, start))
-    run = _Run(loaded, prepared, kept, _needed_channels(prepared), described, recorder, notes)
+    turns = SingularTurns.of(prepared.subject.system, prepared.equations)
+    run = _Run(
+        loaded, prepared, kept, _needed_channels(prepared), described, recorder, notes, turns
+    )
     run.simulate(start, output, progress)
     messages = [_kernel_message(prepared), *notes, *run.messages]
     if plots is not None and run.samples and described:
@@ -154,6 +158,7 @@ class _Run:
     plots: list[dict[str, Any]]
     recorder: Recorder | None
     notes: list[str]
+    turns: SingularTurns
     status: str = "ok"
     exit_code: int = EXIT_OK
     samples: int = 0
@@ -199,6 +204,7 @@ class _Run:
             ending = self._ending(statistics)
             self._summarise()
             self._leave(statistics)
+            self._tell_of_turns()
             writer.close(
                 self.status,
                 message or ending,
@@ -249,9 +255,16 @@ class _Run:
         self._values.append(y[:, self.needed].copy())
         self.samples += len(t)
         self._last = (float(t[-1]), x[-1].copy(), z[-1].copy())
+        self.turns.take(t, x, z)
         if self.recorder is not None:
             writer.append_pictures(self.recorder.take(t, y))
         writer.append(t, y[:, self.kept], np.hstack([x, z]))
+
+    def _tell_of_turns(self) -> None:
+        """Note bodies whose angles came near to where they are singular."""
+        self.notes.extend(self.turns.remarks())
+        for item in self.turns.came_near():
+            self.events.append(EventRecord(item.time, f"{item.body}.singular_angles"))
 
     def _summarise(self) -> None:
         if not self.samples:
