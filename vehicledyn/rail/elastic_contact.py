@@ -30,7 +30,9 @@ that this one is tested against.
 from __future__ import annotations
 
 import itertools
-from dataclasses import dataclass
+from collections.abc import Hashable
+from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 
@@ -151,6 +153,8 @@ class ElasticContact:
         Largest lateral coordinate of the profile [m].
     gauge_face, field_edge
         Where the surface of the rail begins and ends, from the middle of the track [m].
+    functions
+        Functions of its forces, by what they were built for; equal wheels share them.
     """
 
     grid: WheelGrid
@@ -161,6 +165,7 @@ class ElasticContact:
     last: float
     gauge_face: float
     field_edge: float
+    functions: dict[Hashable, Any] = field(default_factory=dict, compare=False, repr=False)
 
     @staticmethod
     def of(wheel: Wheel, rail: Rail, attack: float = 0.0) -> ElasticContact:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from functools import cached_property
 from typing import Any, ClassVar
 
 from vehicledyn.base.parameters import field_unit
@@ -261,10 +260,15 @@ class ElasticWheels(BasePart):
         numbers = [*seen.numbers, *self._quantities()]
         return shared("wheel_on_rail", numbers, build, kept, built), rows
 
-    @cached_property
+    @property
     def _built(self) -> tuple[dict[tuple[float | None, ...], Any], list[_WheelRow]]:
-        """The equations that were built, and the channels among them."""
-        return {}, []
+        """The equations that were built for such wheels, and the channels among them."""
+        creep = self.wheels.creep
+        quantities = set(_numbers_of(creep))
+        rest = [(n, getattr(creep, n)) for n in type(creep).model_fields if n not in quantities]
+        kept: tuple[dict[tuple[float | None, ...], Any], list[_WheelRow]]
+        kept = self.contact.functions.setdefault((type(creep), repr(rest)), ({}, []))
+        return kept
 
     def _quantities(self) -> list[Scalar]:
         """Return all quantities of the wheels and their contact that may be symbols."""

@@ -19,6 +19,7 @@ from vehicledyn.results.pictures import save_figures
 from vehicledyn.run.mode_report import ModesAtSpeed, ModesReport
 from vehicledyn.run.own_speed import at_speed
 from vehicledyn.run.prepare import (
+    Derived,
     Prepared,
     Progress,
     Start,
@@ -27,6 +28,7 @@ from vehicledyn.run.prepare import (
     start_point,
 )
 from vehicledyn.run.steadiness import unsteadiness
+from vehicledyn.run.subject import Subject
 from vehicledyn.run.system_subject import SystemSubject
 from vehicledyn.run.vehicle import Target
 from vehicledyn.scenario import LoadedScenario
@@ -91,14 +93,18 @@ def find_modes(
     before: Target | None = None
     for setting, variant, speed in _cases(variants, speeds):
         if variant is not before:
-            prepared, before = prepare(variant, backend=backend, progress=progress), variant
-        if speeds:
-            _check_speed(prepared)
+            prepared = prepare(
+                variant,
+                backend=backend,
+                progress=progress,
+                check=_check_speed if speeds else None,
+            )
+            before = variant
         own = _empty_table(prepared, variant)
         if found and own.states != table.states:
             raise InputError(f"--set {setting}: changes which states the model has")
         table = table if found else own
-        has_speed = _has_speed(prepared)
+        has_speed = _has_speed(prepared.subject)
         place = f" at {shown(speed, 'm/s')}" if has_speed else ""
         progress(f"linearising{place}", None)
         scenario = variant if isinstance(variant, LoadedScenario) else None
@@ -127,17 +133,16 @@ def _cases(
             yield setting, target, speed or 0.0
 
 
-def _has_speed(prepared: Prepared) -> bool:
+def _has_speed(subject: Subject) -> bool:
     """Return whether a speed says something: of a vehicle, or of a system with such wheels."""
-    subject = prepared.subject
     return not isinstance(subject, SystemSubject) or bool(subject.parameters_at(1.0))
 
 
-def _check_speed(prepared: Prepared) -> None:
+def _check_speed(derived: Derived) -> None:
     """Raise InputError if a speed says nothing about a system."""
-    if not _has_speed(prepared):
+    if not _has_speed(derived.subject):
         raise InputError(
-            f"--speed: nothing in '{prepared.equations.name}' depends on a speed of this name; "
+            f"--speed: nothing in '{derived.subject.system.name}' depends on a speed of this name; "
             "set the parameter or the start rate that says how fast it moves, with --set"
         )
 

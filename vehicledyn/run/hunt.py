@@ -7,6 +7,7 @@ from pathlib import Path
 from vehicledyn.results.hunt_figures import hunt_figures
 from vehicledyn.results.output import check_folder, check_output
 from vehicledyn.results.pictures import save_figures
+from vehicledyn.run.hunt_refusals import check_subject
 from vehicledyn.run.hunt_report import HuntReport
 from vehicledyn.run.hunt_saving import Saving, finished, identity_of
 from vehicledyn.run.hunt_start import HuntSettings, check_settings
@@ -56,7 +57,12 @@ def find_limit_cycles(
     if plots is not None:
         check_folder(plots)
     check_settings(settings)
-    prepared = prepare(target, backend=backend, progress=progress)
+    prepared = prepare(
+        target,
+        backend=backend,
+        progress=progress,
+        check=lambda derived: check_subject(derived, settings),
+    )
     identity = "" if output is None else identity_of(prepared, settings)
     before = finished(output, identity) if output is not None and resume else None
     if before is not None:

@@ -84,22 +84,20 @@ def simulated_seconds(settings: HuntSettings) -> float | None:
     return seconds
 
 
-def parameter_index(prepared: Prepared, name: str) -> int:
-    """Return the place of a parameter; refuse a name that there is not."""
-    names = [p.name for p in prepared.equations.parameters]
+def parameter_index(names: Sequence[str], name: str, model: str) -> int:
+    """Return the place of a parameter among all of a model; refuse a name that there is not."""
     if name in names:
-        return names.index(name)
+        return list(names).index(name)
     guess = nearest_name(name, names)
     hint = f"; did you mean '{guess}'?" if guess else ""
     raise InputError(
-        f"--parameter {name}: '{prepared.equations.name}' has no parameter of this name{hint} "
+        f"--parameter {name}: '{model}' has no parameter of this name{hint} "
         "(a speed is one only where the model prescribes it); 'models show' lists them"
     )
 
 
-def span_of(prepared: Prepared, index: int, settings: HuntSettings) -> tuple[float, float]:
-    """Return the range in SI."""
-    unit = prepared.equations.parameters[index].unit
+def span_of(unit: str, settings: HuntSettings) -> tuple[float, float]:
+    """Return the range of a parameter of a unit, in SI."""
     values = []
     for option, given in (("--from", settings.first), ("--to", settings.last)):
         try:

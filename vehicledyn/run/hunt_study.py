@@ -91,8 +91,10 @@ class Study:
     @staticmethod
     def of(prepared: Prepared, target: Target, settings: HuntSettings, progress: Progress) -> Study:
         """Return a study at its beginning: the equilibrium near the first value."""
-        index = parameter_index(prepared, settings.parameter)
-        span = span_of(prepared, index, settings)
+        parameters = prepared.equations.parameters
+        names = [p.name for p in parameters]
+        index = parameter_index(names, settings.parameter, prepared.equations.name)
+        span = span_of(parameters[index].unit, settings)
         progress("finding the equilibrium", None)
         model, start = first_balance(prepared, index, span[0], target)
         title = prepared.equations.name

@@ -63,6 +63,10 @@ class Derived:
             return equations_of(self.derivation)
 
 
+Check = Callable[[Derived], object]
+"""Refuses what cannot be done with something derived; asking for its equations derives them."""
+
+
 @dataclass
 class Prepared:
     """A subject with its equations and kernel; the rest is made when first needed.
@@ -137,14 +141,32 @@ def prepare(
     backend: Backend,
     progress: Progress,
     change: Callable[[Subject], Subject] | None = None,
+    check: Check | None = None,
 ) -> Prepared:
-    """Return the derived and compiled system of a scenario or model, changed if that is asked."""
+    """Return the derived and compiled system of a scenario or model.
+
+    Parameters
+    ----------
+    target
+        A scenario or a model.
+    backend
+        "auto", "compiled" or "interpreted".
+    progress
+        Told what is going on and the part done.
+    change
+        Returns a changed subject, before its equations are derived.
+    check
+        Raises InputError for what cannot be done with the subject; looks at no more than it
+        needs of it, so that a refusal does not wait for a derivation or a compiler.
+    """
     progress("deriving the equations of motion", None)
     with undisturbed(), told_with_places(target):
         subject = build_subject(target)
         if change is not None:
             subject = change(subject)
     derived = Derived(target, subject)
+    if check is not None:
+        check(derived)
     kernel = compile_kernel(derived.equations, backend=backend, progress=progress)
     return Prepared(subject, derived.equations, kernel, derived)
 

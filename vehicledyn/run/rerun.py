@@ -12,7 +12,7 @@ import vehicledyn
 from vehicledyn.run.memory import Memory, key_of_run, recall, remember
 from vehicledyn.run.pictures import look_of
 from vehicledyn.run.places import told_with_places
-from vehicledyn.run.prepare import Derived, Point, Prepared, Progress, prepare, start_point
+from vehicledyn.run.prepare import Check, Derived, Point, Prepared, Progress, prepare, start_point
 from vehicledyn.run.resisted import refuse_idle_start, refuse_rigid_loops
 from vehicledyn.run.vehicle import build_subject
 from vehicledyn.scenario import LoadedScenario
@@ -21,12 +21,13 @@ from vehicledyn.symbolic.remembered import equations_from, facts_of
 
 
 def prepare_run(
-    loaded: LoadedScenario, *, backend: Backend, progress: Progress
+    loaded: LoadedScenario, *, backend: Backend, progress: Progress, check: Check | None = None
 ) -> tuple[Prepared, Point]:
     """Return what a scenario runs and the point it starts from.
 
     Where both are remembered, nothing is derived until something is asked for that only the
-    derivation knows. Compiled runs that gave no warning are remembered.
+    derivation knows. Compiled runs that gave no warning are remembered. ``check`` is that of
+    :func:`~vehicledyn.run.prepare.prepare`, which what is remembered does without.
     """
     key = None if backend == "interpreted" else key_of_run(loaded)
     memory = None if key is None else recall(key)
@@ -34,7 +35,7 @@ def prepare_run(
     if found is not None:
         return found
     with _warnings() as told:
-        prepared = prepare(loaded, backend=backend, progress=progress)
+        prepared = prepare(loaded, backend=backend, progress=progress, check=check)
         progress("finding the point to start from", None)
         with told_with_places(loaded):
             refuse_rigid_loops(prepared)

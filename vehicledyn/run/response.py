@@ -21,7 +21,7 @@ from vehicledyn.run.frequency_grid import FrequencyGrid
 from vehicledyn.run.held_speed import held_speed_point
 from vehicledyn.run.inputs import InputPart, ModelInput, hint
 from vehicledyn.run.own_speed import at_speed
-from vehicledyn.run.prepare import Point, Prepared, Progress, prepare
+from vehicledyn.run.prepare import Derived, Point, Prepared, Progress, prepare
 from vehicledyn.run.response_report import ResponseReport
 from vehicledyn.run.steadiness import unsteadiness
 from vehicledyn.run.subject import Subject
@@ -99,7 +99,9 @@ def find_response(
         check_output(output)
     if plots is not None:
         check_folder(plots)
-    model = linearise_with_inputs(target, inputs=inputs, speed=speed, progress=progress)
+    model = linearise_with_inputs(
+        target, inputs=inputs, speed=speed, progress=progress, outputs=outputs
+    )
     chosen = _rows(model.prepared, outputs)
     progress("computing the response", None)
     system = transfer_system(model, chosen)
@@ -126,30 +128,42 @@ def find_response(
 
 
 def linearise_with_inputs(
-    target: Target, *, inputs: Sequence[str], speed: float | None, progress: Progress
+    target: Target,
+    *,
+    inputs: Sequence[str],
+    speed: float | None,
+    progress: Progress,
+    outputs: Sequence[str] = (),
 ) -> Linearised:
-    """Return a model linearised about its reference motion, with derivatives by inputs."""
+    """Return a model linearised about its reference motion, with derivatives by inputs.
+
+    Inputs, then ``outputs`` that there are not, are refused before anything takes long.
+    """
     taken: list[Excited] = []
     target, speed = at_speed(target, speed)
+    scenario = target.scenario if isinstance(target, LoadedScenario) else None
+    wanted = speed if speed is not None else (scenario.speed or 0.0 if scenario else 0.0)
 
     def excite(subject: Subject) -> Subject:
         excited = Excited(subject)
         for name in dict.fromkeys(inputs):
             excited.add(name)
+        _check_moving(excited, wanted)
         excited.add_thrust()
         taken.append(excited)
         return excited.subject
 
-    prepared = prepare(target, backend="interpreted", progress=progress, change=excite)
+    prepared = prepare(
+        target,
+        backend="interpreted",
+        progress=progress,
+        change=excite,
+        check=lambda derived: _rows(derived, outputs),
+    )
     found = taken[0].inputs
     names = list(dict.fromkeys(n for i in found for p in i.parts for n in p.parameters))
     derivatives = Derivatives(prepared.equations, names)
     prepared = prepared.with_derivatives(derivatives)
-    scenario = target.scenario if isinstance(target, LoadedScenario) else None
-    wanted = speed if speed is not None else (scenario.speed or 0.0 if scenario else 0.0)
-    for item in found:
-        if wanted <= 0.0 and any(part.wheel for part in item.parts):
-            raise InputError(f"--input {item.name}: a road is run over at a speed; give --speed")
     progress("finding the reference motion", None)
     point = held_speed_point(prepared, wanted, scenario.start if scenario else None)
     linear = linearise(
@@ -220,7 +234,14 @@ def _check_parameters(model: Linearised) -> None:
                 )
 
 
-def _rows(prepared: Prepared, outputs: Sequence[str]) -> list[int]:
+def _check_moving(excited: Excited, speed: float) -> None:
+    """Refuse roads as inputs of a vehicle that stands."""
+    for item in excited.inputs:
+        if speed <= 0.0 and any(part.wheel for part in item.parts):
+            raise InputError(f"--input {item.name}: a road is run over at a speed; give --speed")
+
+
+def _rows(prepared: Derived | Prepared, outputs: Sequence[str]) -> list[int]:
     names = {channel.name: k for k, channel in enumerate(prepared.equations.channels)}
     for name in outputs:
         if name not in names:

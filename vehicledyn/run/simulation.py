@@ -7,6 +7,7 @@ import hashlib
 import json
 from collections.abc import Sequence
 from dataclasses import dataclass, field, fields
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -23,7 +24,7 @@ from vehicledyn.run.judgement import judged_by
 from vehicledyn.run.moved_starts import moved_starts
 from vehicledyn.run.pictures import Recorder, surroundings_of
 from vehicledyn.run.places import wrong_output
-from vehicledyn.run.prepare import Point, Prepared, Progress
+from vehicledyn.run.prepare import Derived, Point, Prepared, Progress
 from vehicledyn.run.rerun import prepare_run
 from vehicledyn.run.resisted import (
     hardly_resisted,
@@ -104,13 +105,10 @@ def run_scenario(
     check_output(output)
     if plots is not None:
         check_folder(plots)
-    prepared, start = prepare_run(loaded, backend=backend, progress=progress)
-    kept = _kept_channels(loaded, prepared)
-    described = _plots(loaded, prepared, kept)
-    # Only methods that cannot treat every model have a check.
-    check = getattr(loaded.scenario.solver, "check", None)
-    if check is not None:
-        check(prepared.equations)
+    prepared, start = prepare_run(
+        loaded, backend=backend, progress=progress, check=partial(_written_channels, loaded)
+    )
+    kept, described = _written_channels(loaded, prepared)
     recorder = None
     if loaded.scenario.output.animation:
         names = [channel.name for channel in prepared.equations.channels]
@@ -343,7 +341,20 @@ class _Run:
         return known
 
 
-def _kept_channels(loaded: LoadedScenario, prepared: Prepared) -> list[int]:
+def _written_channels(
+    loaded: LoadedScenario, derived: Derived | Prepared
+) -> tuple[list[int], list[dict[str, Any]]]:
+    """Return channels and figures to write; refuse unknown ones, and what the solver cannot do."""
+    kept = _kept_channels(loaded, derived)
+    described = _plots(loaded, derived, kept)
+    # Only methods that cannot treat every model have a check.
+    check = getattr(loaded.scenario.solver, "check", None)
+    if check is not None:
+        check(derived.equations)
+    return kept, described
+
+
+def _kept_channels(loaded: LoadedScenario, prepared: Derived | Prepared) -> list[int]:
     """Return the channels to write; an unknown pattern is an error before the run."""
     names = [c.name for c in prepared.equations.channels]
     patterns = loaded.scenario.output.channels
@@ -366,7 +377,9 @@ def _needed_channels(prepared: Prepared) -> list[int]:
     return [names.index(n) for n in prepared.subject.channels(prepared.equations)]
 
 
-def _plots(loaded: LoadedScenario, prepared: Prepared, kept: Sequence[int]) -> list[dict[str, Any]]:
+def _plots(
+    loaded: LoadedScenario, prepared: Derived | Prepared, kept: Sequence[int]
+) -> list[dict[str, Any]]:
     """Return the figures asked for, those whose channels are kept."""
     described = prepared.subject.plots(prepared.equations)
     names = {prepared.equations.channels[k].name for k in kept}

@@ -44,7 +44,7 @@ class Elastic(RailContact):
 
     def part(self, wheels: RailWheels) -> Part:
         """Return the part."""
-        from vehicledyn.rail.elastic_contact import ElasticContact
+        from vehicledyn.rail.known_contacts import contact_of
         from vehicledyn.rail.wheel_grid import largest_attack
         from vehicledyn.rail.wheel_on_rail import ElasticWheels
 
@@ -55,7 +55,7 @@ class Elastic(RailContact):
         return ElasticWheels(
             wheels.name,
             wheels,
-            ElasticContact.of(*wheels.geometry(), attack),
+            contact_of(*wheels.geometry(), attack),
             effective_modulus=modulus / (2.0 * (1.0 - nu * nu)),
             shear_modulus=modulus / (2.0 * (1.0 + nu)),
             poissons_ratio=nu,
