@@ -10,6 +10,10 @@ from numpy.typing import NDArray
 Vector = NDArray[np.float64]
 
 
+_WINDOW, _MARGIN = 1 << 15, 64
+"""Samples whose slopes are found together, and those beyond them that count."""
+
+
 def spline_integral(places: Vector, values: Vector) -> Vector:
     """Return the integral of a cubic spline from the first place to each, shape (n,).
 
@@ -27,10 +31,25 @@ def spline_integral(places: Vector, values: Vector) -> Vector:
     ----------
     de Boor (1978), A Practical Guide to Splines, chapter IV.
     """
-    steps, rises = np.diff(places), np.diff(values)
-    slopes = _slopes(steps, rises / steps)
+    steps = np.diff(places)
+    slopes = _windowed_slopes(steps, np.diff(values) / steps)
     parts = 0.5 * steps * (values[:-1] + values[1:]) + steps**2 / 12.0 * -np.diff(slopes)
     return np.concatenate([[0.0], np.cumsum(parts)])
+
+
+def _windowed_slopes(steps: Vector, secants: Vector) -> Vector:
+    """Return the slopes at the samples, found window by window so that memory stays bounded.
+
+    What a slope owes to samples far away falls by a factor of about four a sample.
+    """
+    count = len(steps) + 1
+    found = np.empty(count)
+    for first in range(0, count, _WINDOW):
+        last = min(first + _WINDOW, count)
+        begin, end = max(0, first - _MARGIN), min(count, last + _MARGIN)
+        slopes = _slopes(steps[begin : end - 1], secants[begin : end - 1])
+        found[first:last] = slopes[first - begin : last - begin]
+    return found
 
 
 def _slopes(steps: Vector, secants: Vector) -> Vector:

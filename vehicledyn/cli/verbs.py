@@ -117,6 +117,10 @@ def run(
         Path | None, typer.Option(help="Folder of the figures; the result's name with _plots.")
     ] = None,
     no_plots: Annotated[bool, typer.Option("--no-plots", help="Draw nothing.")] = False,
+    restart: Annotated[
+        Path | None,
+        typer.Option(metavar="RESULT", help="Result, partial or whole, to go on from."),
+    ] = None,
     backend: BackendChoice = Backend.AUTO,
     as_json: Json = False,
     quiet: Quiet = False,
@@ -131,7 +135,12 @@ def run(
     folder = None if no_plots else plots or result.parent / f"{result.stem}_plots"
     with show_progress(quiet=quiet, verbose=verbose) as progress:
         outcome = run_scenario(
-            loaded, output=result, backend=backend.value, plots=folder, progress=progress
+            loaded,
+            output=result,
+            backend=backend.value,
+            plots=folder,
+            progress=progress,
+            restart=restart,
         )
     for message in () if quiet and outcome.exit_code == 0 else outcome.messages:
         tell(message)

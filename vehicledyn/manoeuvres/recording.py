@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
@@ -18,5 +19,5 @@ class Recording:
     """
 
     time: NDArray[np.float64]
-    channels: dict[str, NDArray[np.float64]]
+    channels: Mapping[str, NDArray[np.float64]]
     units: dict[str, str] = field(default_factory=dict)

@@ -28,6 +28,9 @@ class Container:
         File on the disk.
     new
         Whether to make a new file, or to change one that exists.
+    cache
+        Memory for the chunks of each dataset [bytes]; HDF5's own choice times some hundred
+        channels is more than a gigabyte.
 
     Raises
     ------
@@ -35,10 +38,14 @@ class Container:
         If it cannot be opened; from :meth:`flush` and :meth:`close`, if a write failed.
     """
 
-    def __init__(self, path: Path, *, new: bool) -> None:
+    def __init__(self, path: Path, *, new: bool, cache: int = 1 << 23) -> None:
         self._disk = _SteadyFile(path, new=new)
         self.file = h5py.File(
-            self._disk, "w" if new else "r+", libver=LIBRARY_VERSIONS, track_order=new
+            self._disk,
+            "w" if new else "r+",
+            libver=LIBRARY_VERSIONS,
+            track_order=new,
+            rdcc_nbytes=cache,
         )
 
     @property

@@ -14,6 +14,7 @@ The file is NetCDF-4 compatible HDF5::
     /plots/descriptions  JSON
     /scene/...           static data such as cones
     /animation/...       shapes and poses of bodies, see :mod:`vehicledyn.results.animation`
+    /restart/...         what a continued run needs, see :mod:`vehicledyn.results.history`
     /checksums/row, crc  checksums of the samples, see :mod:`vehicledyn.results.row_sums`
 """
 
@@ -33,6 +34,7 @@ FORMAT = "vehicledyn-result"
 FORMAT_VERSION = 1
 STATUSES = ("running", "ok", "derailed", "lifted", "failed", "interrupted")
 CHECKSUMS = "checksums"
+RESTART = "restart"
 RESERVED = (
     "time",
     "states",
@@ -45,6 +47,7 @@ RESERVED = (
     "scene",
     "animation",
     CHECKSUMS,
+    RESTART,
 )
 
 

@@ -59,7 +59,7 @@ def open_file(path: Path) -> OpenFile:
         return file
     guard = GuardedFile(path)
     try:
-        file = OpenFile(guard, "r")
+        file = OpenFile(guard, "r", rdcc_nbytes=1 << 20)
     except (OSError, RuntimeError) as error:
         raise _cause(guard, error) from error
     file.guard, file.is_finished = guard, guard.is_finished

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from vehicledyn.base.errors import InputError, unknown_name
 from vehicledyn.results.animation import GROUP, Animation, Span, read_animation, read_rows
 from vehicledyn.results.damage import reading, rows_in_words
+from vehicledyn.results.history import History, read_events, read_history
 from vehicledyn.results.layout import (
     FORMAT,
     FORMAT_VERSION,
@@ -209,6 +210,32 @@ class Result:
                 units=_texts(group["units"]),
                 values=np.asarray(group["value"][: self.samples], dtype=float),
             )
+
+    @property
+    def history(self) -> History | None:
+        """What the method goes on with in a continued run, from a sample that the file has."""
+        if not len(self.time):
+            return None
+        with self._reading():
+            return read_history(self._file, float(self._file["time"][self.samples - 1]))
+
+    @property
+    def events_so_far(self) -> tuple[EventRecord, ...]:
+        """Events, also of a run that was killed."""
+        with self._reading():
+            return self.events or tuple(read_events(self._file))
+
+    def rows(self, start: int, stop: int) -> tuple[Floats, Floats, Floats]:
+        """Return times, channels and states of some samples, (n,) and (n, ...)."""
+        with self._reading():
+            for name in ("time", *self.channels, "states/value"):
+                self._check_sums(name)
+            part = slice(start, stop)
+            columns = [self._file[dataset_path(name)][part] for name in self.channels]
+            states = self._file["states/value"][part] if self.state_names else None
+            times = np.asarray(self._file["time"][part], dtype=float)
+            table = np.array(columns, dtype=float).reshape(len(columns), len(times)).T
+            return times, table, np.empty((len(times), 0)) if states is None else states
 
     @property
     def state_names(self) -> tuple[str, ...]:

@@ -26,6 +26,7 @@ from vehicledyn.results.animation import (
 from vehicledyn.results.animation_stage import Stage
 from vehicledyn.results.disk import Container
 from vehicledyn.results.finishing import Reserve, finish
+from vehicledyn.results.history import History, HistoryDatasets
 from vehicledyn.results.layout import (
     CHECKSUMS,
     STATUSES,
@@ -44,6 +45,7 @@ from vehicledyn.results.row_sums import RowSums
 LARGEST_CHUNK = 1024  # samples
 LARGEST_BUFFER = 4096  # samples
 AMPLE = 1 << 26  # bytes
+CACHE = 1 << 16  # bytes of a dataset
 FLUSH_INTERVAL = 0.5  # s of wall time
 
 Floats = NDArray[np.float64]
@@ -82,6 +84,10 @@ class ResultWriter:
         What an animation shows, if :meth:`append_pictures` is to be used.
     expected_pictures
         How many pictures will come, if known.
+    history
+        How many numbers :meth:`note` is given at most; none if 0.
+    hidden
+        Whether the file gets its name only by :meth:`appear`; an older one stays until then.
 
     Raises
     ------
@@ -99,6 +105,8 @@ class ResultWriter:
         expected_samples: int = 1024,
         stage: Stage | None = None,
         expected_pictures: int = 1024,
+        history: int = 0,
+        hidden: bool = False,
     ) -> None:
         check_names(channel.name for channel in channels)
         self.path = check_output(path)
@@ -111,6 +119,9 @@ class ResultWriter:
         self._stage = stage
         self._expected_pictures = expected_pictures
         self._waiting: list[Pictures] = []
+        self._numbers = history
+        self._noted: list[History] = []
+        self._events: list[EventRecord] = []
         self._last_time = -np.inf
         self._scratch = self.path.with_name(f".{self.path.name}.new")
         self._lock = OutputLock(self.path)
@@ -120,15 +131,21 @@ class ResultWriter:
         try:
             with undisturbed():
                 self._reserve = Reserve(self.path.parent)
-                self._container = Container(self._scratch, new=True)
+                self._container = Container(self._scratch, new=True, cache=CACHE)
                 self._create(self._container.file, channels, states, header)
                 self._container.flush()
-                self._scratch.replace(self.path)
+                if not hidden:
+                    self.appear()
         except (OSError, RuntimeError) as error:
             failed = self._failed(error)
             self._release()
             raise failed from error
         self._flushed_at = time.monotonic()
+
+    def appear(self) -> None:
+        """Give the file its name."""
+        if self._scratch.exists():
+            self._scratch.replace(self.path)
 
     def append(self, times: Floats, channels: Floats, states: Floats | None = None) -> None:
         """Add samples; they reach the file with the next append after half a second, or at the end.
@@ -160,6 +177,26 @@ class ResultWriter:
     def append_pictures(self, pictures: Pictures) -> None:
         """Add poses of the bodies of the stage; they reach the file with the samples."""
         self._waiting.append(pictures)
+
+    def note(self, history: History) -> None:
+        """Keep what the method goes on with from a sample that was appended."""
+        self._noted.append(history)
+
+    def happened(self, event: EventRecord) -> None:
+        """Keep an event, for the case that the run does not come to its end."""
+        self._events.append(event)
+
+    def column(self, name: str) -> Floats:
+        """Return a channel, or "time", as it was written so far, shape (samples,)."""
+        if self._container is None:
+            raise ValueError(f"{self.path} is closed")
+        return np.asarray(self._container.file[dataset_path(name)][: self.samples], dtype=float)
+
+    def flush(self) -> None:
+        """Write what is waiting; a failure is kept for :meth:`close`."""
+        if self._container is not None:
+            with contextlib.suppress(InputError):
+                self._flush(self._container)
 
     @undisturbed()
     def close(
@@ -202,8 +239,7 @@ class ResultWriter:
             raise ValueError(f"'{status}' is no final status; use one of {STATUSES[1:]}")
         if self._container is None:
             return
-        with contextlib.suppress(InputError):
-            self._flush(self._container)
+        self.flush()
         if self._full is not None:
             status, message, surroundings = "failed", str(self._full), None
 
@@ -214,6 +250,9 @@ class ResultWriter:
             sections.write_attributes(file["solver"], solver or {})
             sections.write_summary(file["summary"], summary)
             sections.write_events(file["events"], events)
+            history = self._history(self._last_time)
+            if history is not None and self._numbers and self._full is None:
+                self._kept.write_last(file, history)
             if surroundings is not None and GROUP in file:
                 write_surroundings(file[GROUP], surroundings)
             sections.write_notes(file["scenario"], notes)
@@ -261,6 +300,8 @@ class ResultWriter:
             self._pictures = PictureDatasets(file, self._stage, self._expected_pictures)
         blocks = -(-self._expected // self._chunk)
         columns = 1 + len(channels) + (self._states is not None)
+        if self._numbers:
+            self._kept = HistoryDatasets(file, self._numbers)
         self._sums = RowSums(file, columns, blocks)
         file.swmr_mode = True
 
@@ -318,8 +359,26 @@ class ResultWriter:
         self._sums.extend(stop, [block.times, *columns, *tables])
         container.flush()
         sections.extend(self._time, self.samples, block.times)
+        self._write_history(float(block.times[-1]))
         container.flush()
         self.samples = stop
+
+    def _write_history(self, time: float) -> None:
+        """Write what is known for a continued run up to the time of the last sample [s]."""
+        if not self._numbers:
+            return
+        if self._events:
+            self._kept.add_events(self._events)
+            self._events.clear()
+        history = self._history(time)
+        if history is not None:
+            self._kept.write(history)
+
+    def _history(self, time: float) -> History | None:
+        """Return the last of what was noted up to a time [s], and forget what is older."""
+        found = [history for history in self._noted if history.time <= time]
+        self._noted = self._noted[len(found) :]
+        return found[-1] if found else None
 
     def _write_pictures(self, container: Container) -> None:
         for pictures in self._waiting:

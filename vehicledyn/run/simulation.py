@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-import fnmatch
-import hashlib
 import json
-from collections.abc import Sequence
+from collections.abc import Iterator
+from contextlib import closing, contextmanager
 from dataclasses import dataclass, field, fields
 from functools import partial
 from pathlib import Path
@@ -14,28 +13,32 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from vehicledyn.base.errors import InputError, NumericalError, nearest_name, unknown_name
+from vehicledyn.base.errors import InputError, NumericalError
 from vehicledyn.base.units import shown
-from vehicledyn.manoeuvres.recording import Recording
+from vehicledyn.results.history import History
 from vehicledyn.results.layout import EventRecord, ResultHeader, SummaryEntry
 from vehicledyn.results.output import check_folder, check_output
 from vehicledyn.results.writer import ResultWriter
 from vehicledyn.run.judgement import judged_by
+from vehicledyn.run.model_hash import model_hash
 from vehicledyn.run.moved_starts import moved_starts
 from vehicledyn.run.pictures import Recorder, surroundings_of
-from vehicledyn.run.places import wrong_output
-from vehicledyn.run.prepare import Derived, Point, Prepared, Progress
+from vehicledyn.run.prepare import Point, Prepared, Progress
 from vehicledyn.run.rerun import prepare_run
 from vehicledyn.run.resisted import (
     hardly_resisted,
     redundant_constraints,
 )
+from vehicledyn.run.restart import SINGULAR_ANGLES, Restart, open_restart
+from vehicledyn.run.run_recording import RunRecording
 from vehicledyn.run.singular_turns import SingularTurns
 from vehicledyn.run.sources import sources_of
 from vehicledyn.run.standing_wheels import standing_wheels
 from vehicledyn.run.track_places import track_place
+from vehicledyn.run.wanted_outputs import needed_channels, written_channels
 from vehicledyn.run.watched import simulate_watched
 from vehicledyn.scenario import LoadedScenario
+from vehicledyn.solve.course import Course, most_numbers
 from vehicledyn.solve.kernel import Backend
 from vehicledyn.solve.task import Statistics
 from vehicledyn.symbolic.equations import Event
@@ -73,6 +76,7 @@ def run_scenario(
     backend: Backend,
     plots: Path | None,
     progress: Progress,
+    restart: Path | None = None,
 ) -> RunOutcome:
     """Simulate a scenario and write its result file and figures.
 
@@ -88,6 +92,8 @@ def run_scenario(
         Folder for the figures, None for no figures.
     progress
         Told what is going on and the part done.
+    restart
+        Result, partial or whole, of the same equations and parameters to go on from.
 
     Returns
     -------
@@ -98,7 +104,8 @@ def run_scenario(
     Raises
     ------
     InputError
-        If the scenario lacks a part that what it runs needs, or the output cannot be written.
+        If the scenario lacks a part that what it runs needs, the output cannot be written, or
+        what is to be gone on from does not fit.
     NumericalError
         If the loops cannot be assembled or there is no equilibrium to start from.
     """
@@ -106,9 +113,9 @@ def run_scenario(
     if plots is not None:
         check_folder(plots)
     prepared, start = prepare_run(
-        loaded, backend=backend, progress=progress, check=partial(_written_channels, loaded)
+        loaded, backend=backend, progress=progress, check=partial(written_channels, loaded)
     )
-    kept, described = _written_channels(loaded, prepared)
+    kept, described = written_channels(loaded, prepared)
     recorder = None
     if loaded.scenario.output.animation:
         names = [channel.name for channel in prepared.equations.channels]
@@ -118,10 +125,9 @@ def run_scenario(
         notes.extend(moved_starts(prepared, start))
     notes.extend(standing_wheels(prepared, start))
     turns = SingularTurns.of(prepared.subject.system, prepared.equations)
-    run = _Run(
-        loaded, prepared, kept, _needed_channels(prepared), described, recorder, notes, turns
-    )
-    run.simulate(start, output, progress)
+    run = _Run(loaded, prepared, kept, needed_channels(prepared), described, recorder, notes, turns)
+    with _opened(restart, loaded, prepared, kept) as known:
+        run.simulate(start, output, progress, known)
     messages = [_kernel_message(prepared), *notes, *run.messages]
     if plots is not None and run.samples and described:
         progress("drawing the figures", None)
@@ -131,6 +137,19 @@ def run_scenario(
     return RunOutcome(
         output, run.status, run.exit_code, {e.name: _shown(e) for e in run.summary}, messages
     )
+
+
+@contextmanager
+def _opened(
+    path: Path | None, loaded: LoadedScenario, prepared: Prepared, kept: list[int]
+) -> Iterator[Restart | None]:
+    if path is None:
+        yield None
+        return
+    names = [prepared.equations.channels[k].name for k in kept]
+    known = open_restart(path, loaded, prepared, names, model_hash(prepared))
+    with known.result:
+        yield known
 
 
 def _draw(output: Path, folder: Path) -> tuple[str, int]:
@@ -163,32 +182,43 @@ class _Run:
     messages: list[str] = field(default_factory=list)
     summary: list[SummaryEntry] = field(default_factory=list)
     events: list[EventRecord] = field(default_factory=list)
-    _times: list[Matrix] = field(default_factory=list)
-    _values: list[Matrix] = field(default_factory=list)
     _last: tuple[float, Matrix, Matrix] | None = None
 
-    def simulate(self, start: Point, output: Path, progress: Progress) -> None:
+    def __post_init__(self) -> None:
+        channels = self.prepared.equations.channels
+        names, units = [c.name for c in channels], [c.unit for c in channels]
+        self._recording = RunRecording(names, units, self.kept, self.needed)
+
+    def simulate(
+        self, start: Point, output: Path, progress: Progress, known: Restart | None = None
+    ) -> None:
         """Integrate and write the result; an error or Ctrl-C closes the file as partial."""
         s = self.loaded.scenario
         statistics: Statistics | None = None
         message = ""
         unwritten: InputError | None = None
-        with self._writer(output) as writer:
+        with self._writer(output, hidden=known is not None) as writer, closing(self._recording):
             try:
+                if known is not None:
+                    self._take_known(writer, known)
                 statistics = simulate_watched(
                     self.prepared.subject.system,
                     self.prepared.kernel,
                     s.solver,  # type: ignore[arg-type]
                     start=0.0,
                     stop=s.duration,
-                    state=start.state,
-                    unknowns=start.unknowns,
+                    state=start.state if known is None else known.state,
+                    unknowns=start.unknowns if known is None else known.unknowns,
                     interval=s.output.interval,
                     sink=lambda t, x, z, y: self._take(writer, t, x, z, y),
                     progress=progress,
-                    happened=lambda name, t: self.events.append(EventRecord(t, name)),
+                    happened=lambda name, t: self._happened(writer, EventRecord(t, name)),
                     watch=lambda: self.prepared.watch,
                     judged=judged_by(self.prepared.subject, self.prepared.equations),
+                    course=Course(
+                        lambda t, numbers: writer.note(History(t, numbers)),
+                        None if known is None else known.beginning,
+                    ),
                 )
                 self._warn(statistics)
             except NumericalError as error:
@@ -200,7 +230,7 @@ class _Run:
             except InputError as error:
                 self.status, message, unwritten = "failed", str(error), error
             ending = self._ending(statistics)
-            self._summarise()
+            self._summarise(writer)
             self._leave(statistics)
             self._tell_of_turns()
             writer.close(
@@ -219,13 +249,27 @@ class _Run:
         if message:
             self.messages.append(f"{message}; the partial result is kept in {output}")
 
-    def _writer(self, output: Path) -> ResultWriter:
+    def _take_known(self, writer: ResultWriter, known: Restart) -> None:
+        """Take over the samples and events of the result that is gone on from."""
+        self.notes.append(known.remark)
+        for times, states, unknowns, outputs in known.blocks(self.prepared, self.kept):
+            self._take(writer, times, states, unknowns, outputs)
+        for event in known.events:
+            self._happened(writer, event)
+        writer.flush()
+        writer.appear()
+
+    def _happened(self, writer: ResultWriter, event: EventRecord) -> None:
+        self.events.append(event)
+        writer.happened(event)
+
+    def _writer(self, output: Path, *, hidden: bool) -> ResultWriter:
         e, s = self.prepared.equations, self.loaded.scenario
         header = ResultHeader(
             title=s.title,
             model=s.model,
-            model_hash=_model_hash(self.prepared),
-            equations_hash=_model_hash(self.prepared, parameters=False),
+            model_hash=model_hash(self.prepared),
+            equations_hash=model_hash(self.prepared, parameters=False),
             parameters={p.name: (float(p.value), p.unit) for p in e.parameters},
             scenario_text=self.loaded.text,
             configuration={
@@ -245,12 +289,13 @@ class _Run:
             expected_samples=round(s.duration / s.output.interval) + 1,
             stage=None if self.recorder is None else self.recorder.stage,
             expected_pictures=0 if self.recorder is None else self.recorder.expected(s.duration),
+            history=most_numbers(len(e.states), len(e.unknowns), len(e.events)),
+            hidden=hidden,
         )
 
     def _take(self, writer: ResultWriter, t: Matrix, x: Matrix, z: Matrix, y: Matrix) -> None:
         # Collected first: an interrupt waits for the file, which then holds them too.
-        self._times.append(t.copy())
-        self._values.append(y[:, self.needed].copy())
+        self._recording.add(y)
         self.samples += len(t)
         self._last = (float(t[-1]), x[-1].copy(), z[-1].copy())
         self.turns.take(t, x, z)
@@ -262,17 +307,12 @@ class _Run:
         """Note bodies whose angles came near to where they are singular."""
         self.notes.extend(self.turns.remarks())
         for item in self.turns.came_near():
-            self.events.append(EventRecord(item.time, f"{item.body}.singular_angles"))
+            self.events.append(EventRecord(item.time, f"{item.body}.{SINGULAR_ANGLES}"))
 
-    def _summarise(self) -> None:
-        if not self.samples:
-            return
-        values = np.vstack(self._values)
-        needed = [self.prepared.equations.channels[k] for k in self.needed]
-        columns = {channel.name: values[:, k] for k, channel in enumerate(needed)}
-        units = {channel.name: channel.unit for channel in needed}
-        recording = Recording(np.concatenate(self._times), columns, units)
-        self.summary = self.prepared.subject.summarise(recording)
+    def _summarise(self, writer: ResultWriter) -> None:
+        writer.flush()
+        if writer.samples:
+            self.summary = self.prepared.subject.summarise(self._recording.of(writer))
 
     def _warn(self, statistics: Statistics) -> None:
         """Say in the output and in the file where the step was too long."""
@@ -285,7 +325,7 @@ class _Run:
         return "" if self._last is None else hardly_resisted(self.prepared, *self._last)
 
     def _end(self) -> float:
-        return float(self._times[-1][-1]) if self._times else 0.0
+        return 0.0 if self._last is None else self._last[0]
 
     def _ending(self, statistics: Statistics | None) -> str:
         """Return which event ended the run before its time, if one did."""
@@ -341,83 +381,11 @@ class _Run:
         return known
 
 
-def _written_channels(
-    loaded: LoadedScenario, derived: Derived | Prepared
-) -> tuple[list[int], list[dict[str, Any]]]:
-    """Return channels and figures to write; refuse unknown ones, and what the solver cannot do."""
-    kept = _kept_channels(loaded, derived)
-    described = _plots(loaded, derived, kept)
-    # Only methods that cannot treat every model have a check.
-    check = getattr(loaded.scenario.solver, "check", None)
-    if check is not None:
-        check(derived.equations)
-    return kept, described
-
-
-def _kept_channels(loaded: LoadedScenario, prepared: Derived | Prepared) -> list[int]:
-    """Return the channels to write; an unknown pattern is an error before the run."""
-    names = [c.name for c in prepared.equations.channels]
-    patterns = loaded.scenario.output.channels
-    if patterns is None:
-        return list(range(len(names)))
-    problems = []
-    for pattern in patterns:
-        if not fnmatch.filter(names, pattern):
-            guess = nearest_name(pattern, names)
-            hint = f"; did you mean '{guess}'?" if guess else ""
-            problems.append((pattern, f"'{pattern}' matches no channel{hint}"))
-    if problems:
-        raise wrong_output(loaded, "channels", problems)
-    return [k for k, n in enumerate(names) if any(fnmatch.fnmatchcase(n, p) for p in patterns)]
-
-
-def _needed_channels(prepared: Prepared) -> list[int]:
-    """Return the channels the summary is made from, kept or not."""
-    names = [c.name for c in prepared.equations.channels]
-    return [names.index(n) for n in prepared.subject.channels(prepared.equations)]
-
-
-def _plots(
-    loaded: LoadedScenario, prepared: Derived | Prepared, kept: Sequence[int]
-) -> list[dict[str, Any]]:
-    """Return the figures asked for, those whose channels are kept."""
-    described = prepared.subject.plots(prepared.equations)
-    names = {prepared.equations.channels[k].name for k in kept}
-    wanted = loaded.scenario.output.plots
-    known = [str(plot["name"]) for plot in described]
-    for name in wanted or ():
-        if name not in known:
-            problem = (name, unknown_name("plot", name, known))
-            raise wrong_output(loaded, "plots", [problem])
-    chosen = [p for p in described if wanted is None or p["name"] in wanted]
-    return [plot for plot in chosen if _plot_channels(plot) <= names]
-
-
-def _plot_channels(plot: dict[str, Any]) -> set[str]:
-    if plot["kind"] == "path":
-        return {plot["x"], plot["y"], plot.get("heading") or plot["x"]}
-    return {channel for panel in plot["panels"] for channel in panel["channels"]}
-
-
-def _model_hash(prepared: Prepared, *, parameters: bool = True) -> str:
-    """Return a digest of the structure, the tables and, if asked, the parameters of the model."""
-    e = prepared.equations
-    facts = {
-        "structure": e.structure,
-        "parameters": {p.name: p.value if parameters else p.unit for p in e.parameters},
-        "channels": [c.name for c in e.channels],
-        **({"tables": [(t.name, t.digest) for t in e.tables]} if e.tables else {}),
-    }
-    text = json.dumps(facts, sort_keys=True, default=str)
-    return hashlib.sha256(text.encode()).hexdigest()
-
-
 def _kernel_message(prepared: Prepared) -> str:
     report = prepared.kernel.report
     total = report.operations.get("rates", 0)
     origin = "cached" if report.cached else f"built in {_built(prepared):.1f} s"
-    text = f"kernel: {prepared.kernel.description}, {total} operations a right-hand side, {origin}"
-    return text
+    return f"kernel: {prepared.kernel.description}, {total} operations a right-hand side, {origin}"
 
 
 def _built(prepared: Prepared) -> float:

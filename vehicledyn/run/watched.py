@@ -25,6 +25,7 @@ from vehicledyn.multibody.system import System
 from vehicledyn.run.passage import FINE_TOLERANCE, TOLERANCE, Passage, Sample
 from vehicledyn.run.pivots import LEVERAGE, WIDE_ZONE, ZONE, Crossing, Degrading, PivotLog
 from vehicledyn.solve.accuracy import worst_of
+from vehicledyn.solve.course import Course
 from vehicledyn.solve.judged import Judged
 from vehicledyn.solve.kernel import Backend, Kernel, Progress, compile_kernel
 from vehicledyn.solve.simulate import Solver, simulate
@@ -57,6 +58,7 @@ def simulate_watched(
     happened: Happened,
     watch: Callable[[], PartitionWatch] | None = None,
     judged: Judged | None = None,
+    course: Course | None = None,
 ) -> Statistics:
     """Integrate as :func:`~vehicledyn.solve.simulate.simulate` does, through bad partitions.
 
@@ -64,7 +66,8 @@ def simulate_watched(
     order, channels by name; a channel that a later partition lacks is not a number. ``happened``
     is told "partition.changed" when the partition changes. A passage looks for no events.
     ``watch`` makes the watch of the system when it is needed, if the caller knows a quick way;
-    ``judged`` is what the accuracy is judged by, see ``simulate``.
+    ``judged`` is what the accuracy is judged by, see ``simulate``; ``course`` is as there too, up
+    to the first change of the partition.
 
     Raises
     ------
@@ -88,10 +91,22 @@ def simulate_watched(
             progress=progress,
             happened=happened,
             judged=judged,
+            course=course,
         )
     make_watch = watch or (lambda: _watch_of(system))
     run = _Run(
-        system, kernel, solver, start, stop, interval, sink, progress, happened, make_watch, judged
+        system,
+        kernel,
+        solver,
+        start,
+        stop,
+        interval,
+        sink,
+        progress,
+        happened,
+        make_watch,
+        judged,
+        course,
     )
     return run.go(np.asarray(state, dtype=float), np.asarray(unknowns, dtype=float))
 
@@ -117,6 +132,7 @@ class _Run:
     happened: Happened
     make_watch: Callable[[], PartitionWatch]
     judged: Judged | None = None
+    course: Course | None = None
 
     def __post_init__(self) -> None:
         self._known: dict[tuple[str, ...], Kernel] = {}
@@ -194,6 +210,8 @@ class _Run:
             progress=self._tell,
             happened=self.happened,
             judged=self._judged(is_whole=index == 0 and last is None),
+            # Behind a change or a passage nothing is noted: a continued run comes to it again.
+            course=self.course if index == 0 and last is None else None,
         )
 
     def _judged(self, *, is_whole: bool) -> Judged | None:

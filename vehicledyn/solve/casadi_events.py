@@ -37,7 +37,7 @@ def run_casadi_with_events(
     """Integrate a task with an integrator of CasADi, from event to event."""
     buffer = SampleBuffer(task, task.state, task.unknowns)
     stretches = _Stretches(task, plugin, options)
-    point, aligned = Point(task.start, task.state, task.unknowns), True
+    point, aligned = Point(task.begin, task.state, task.unknowns), True
     try:
         while buffer.next_index <= task.n_intervals and not task.watch.ended_by:
             left = task.n_intervals + 1 - buffer.next_index
@@ -45,7 +45,7 @@ def run_casadi_with_events(
             point, aligned = _go_on(stretches, task, point, n_intervals, buffer)
     finally:
         buffer.flush()
-    if task.watch.ended_by and point.time > task.start:
+    if task.watch.ended_by and point.time > task.begin:
         task.deliver_point(point)
     return task.statistics(plugin, steps=stretches.steps)
 

@@ -40,7 +40,10 @@ def run_casadi(
         return run_casadi_with_events(task, plugin, options)
     buffer = SampleBuffer(task, task.state, task.unknowns)
     integrators = _Integrators(task, plugin, options)
-    state, unknowns, index = task.state, task.unknowns, 0
+    state, unknowns, index = task.state, task.unknowns, max(0, task.delivered - 1)
+    if task.beginning is not None and task.beginning.history is not None:
+        index = int(task.beginning.history[0])
+        state, unknowns = np.split(task.beginning.history[1:], [state.size])
     try:
         while index < task.n_intervals:
             size = min(chunk, task.n_intervals - index)
@@ -53,6 +56,9 @@ def run_casadi(
             for row in range(size):
                 buffer.add(states[row], guesses[row])
             state, unknowns, index = states[-1], guesses[-1], index + size
+            if task.course is not None:
+                history = np.concatenate([[index], state, unknowns])
+                task.course.note(task.time(index), history)
     finally:
         buffer.flush()
     return task.statistics(plugin, steps=integrators.steps)

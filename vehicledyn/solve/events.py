@@ -83,6 +83,16 @@ class EventWatch:
             self._end_beyond(start.time, values)
 
     @property
+    def memory(self) -> Vector:
+        """What is known beyond the sides: count, and when events were last crossed [s]."""
+        return np.array([self.count, self._blind_until, *self._recent.ravel()])
+
+    def recall(self, memory: Vector) -> None:
+        """Set what :attr:`memory` returned."""
+        self.count, self._blind_until = int(memory[0]), float(memory[1])
+        self._recent = memory[2:].reshape(self._recent.shape).copy()
+
+    @property
     def active(self) -> bool:
         """Whether there is anything to watch."""
         return bool(self._events)

@@ -68,7 +68,7 @@ def run_explicit(
     try:
         if task.n_intervals:
             rates.check_start()
-            solver = begin(Point(task.start, task.state, task.unknowns))
+            solver = begin(Point(task.begin, task.state, task.unknowns))
             while buffer.next_index <= task.n_intervals and not task.watch.ended_by:
                 _advance(solver, rates, task)
                 sizes.append(solver.step_size)
@@ -99,7 +99,7 @@ class _Rates:
 
     def __init__(self, task: Task) -> None:
         self._task = task
-        self._past = [(task.start, task.unknowns.copy())]
+        self._past = [(task.begin, task.unknowns.copy())]
         self._end = task.state.copy()
         self.accepted = task.unknowns.copy()
         self.latest = task.unknowns.copy()
@@ -156,13 +156,13 @@ class _Rates:
 
     def check_start(self) -> None:
         """Raise NumericalError if the rates at the start are no finite numbers."""
-        rates = self(self._task.start, self._task.state)
+        rates = self(self._task.begin, self._task.state)
         if not np.isfinite(rates).all():
             where = int(np.flatnonzero(~np.isfinite(rates))[0])
             name = self._task.kernel.equations.states[where].name
             raise NumericalError(
                 self.trouble
-                or f"the rate of state '{name}' is no finite number at t = {self._task.start:g} s"
+                or f"the rate of state '{name}' is no finite number at t = {self._task.begin:g} s"
             )
 
 

@@ -8,6 +8,7 @@ from dataclasses import replace
 
 from vehicledyn.base.errors import InputError, NumericalError
 from vehicledyn.solve.accuracy import AccuracyWatch
+from vehicledyn.solve.course import go_on_from, history_of
 from vehicledyn.solve.engine import Count, Figure, March, Method, Rows, Status, Vector
 from vehicledyn.solve.events import Point
 from vehicledyn.solve.judged import Judged
@@ -61,7 +62,11 @@ def run_fixed(
         task.unknowns,
         sides=task.watch.sides,
     )
-    size, remaining = _FIRST_CHUNK, task.n_intervals * per_interval
+    if task.beginning is not None:
+        march.step = (task.delivered - 1) * per_interval
+        if task.beginning.history is not None:
+            go_on_from(task.beginning.history, march, task.watch)
+    size, remaining = _FIRST_CHUNK, task.n_intervals * per_interval - march.step
     rows = task.rows(task.n_intervals + 1)
     steps = 0
     while remaining and not task.watch.ended_by:
@@ -72,6 +77,7 @@ def run_fixed(
         finally:
             taken = int(march.ledger.counts[Count.STEPS])
             _settle(task, march, rows)
+            task.note(history_of(march, task.watch))
         if status is Status.EVENT:
             _take_step_with_events(task, march)
             taken += 1
@@ -89,8 +95,12 @@ def run_fixed(
 
 
 def _watch_of(task: Task, method: int, per_interval: int) -> AccuracyWatch:
-    """Return a watch that sees the samples of a task before its sink does."""
-    grid = Grid(method, task.start, task.interval, per_interval, task.n_intervals)
+    """Return a watch that sees the samples of a task before its sink does.
+
+    Of a continued run it judges what is new.
+    """
+    first = task.delivered
+    grid = Grid(method, task.time(first), task.interval, per_interval, task.n_intervals - first)
     judged = task.judged or Judged.usual(task.kernel.equations)
     watch = AccuracyWatch(task.kernel, grid, judged)
     sink = task.sink

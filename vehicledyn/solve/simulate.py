@@ -5,7 +5,10 @@ from __future__ import annotations
 import math
 from typing import Any, Protocol
 
+import numpy as np
+
 from vehicledyn.base.errors import InputError
+from vehicledyn.solve.course import Course
 from vehicledyn.solve.judged import Judged
 from vehicledyn.solve.kernel import Kernel, Progress
 from vehicledyn.solve.task import Happened, Sink, Statistics, Task
@@ -31,6 +34,7 @@ def simulate(
     progress: Progress | None = None,
     happened: Happened | None = None,
     judged: Judged | None = None,
+    course: Course | None = None,
 ) -> Statistics:
     """Integrate from ``start`` to ``stop`` and hand samples to a sink.
 
@@ -60,6 +64,10 @@ def simulate(
     judged
         What the accuracy of a run with a fixed step is judged by; all channels if left out.
 
+    course
+        Notes what the run could be continued with. A continued run has the same start and stop;
+        its state and unknowns are those at its beginning, and it delivers what follows.
+
     Raises
     ------
     InputError
@@ -75,7 +83,10 @@ def simulate(
     if stop < start:
         raise InputError(f"the simulation stops at {stop:g} s, before its start at {start:g} s")
     n_intervals = math.floor((stop - start) / interval * (1.0 + 1e-12) + 1e-9)
-    consistent = kernel.solve_unknowns(start, state, unknowns)
+    is_continued = course is not None and course.beginning is not None
+    # Solving what was solved would move the last digits.
+    known = np.array(unknowns, dtype=float)
+    consistent = known if is_continued else kernel.solve_unknowns(start, state, unknowns)
     task = Task(
         kernel=kernel,
         start=start,
@@ -87,6 +98,7 @@ def simulate(
         progress=progress or _silent,
         happened=happened or _tell_nobody,
         judged=judged,
+        course=course,
     )
     return solver.integrate(task)
 

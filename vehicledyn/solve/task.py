@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
 
+from vehicledyn.solve.course import Beginning, Course
 from vehicledyn.solve.engine import Count, Figure, Ledger, Rows, Vector
 from vehicledyn.solve.events import EventWatch, Point
 from vehicledyn.solve.kernel import Kernel, Progress
@@ -57,8 +58,8 @@ class Task:
     """One integration: where it starts, when it is sampled, and where the samples go.
 
     Sample number k is taken at ``start + k * interval``; ``state`` and ``unknowns`` are those
-    of sample 0, consistent. ``judged`` is what the accuracy is judged by, all channels where it
-    is None.
+    of sample 0, consistent, or of the beginning of a continued run. ``judged`` is what the accuracy
+    is judged by, all channels where it is None.
     """
 
     kernel: Kernel
@@ -71,6 +72,7 @@ class Task:
     progress: Progress
     happened: Happened
     judged: Judged | None = None
+    course: Course | None = None
     delivered: int = 0
     ledger: Ledger = field(default_factory=Ledger)
     started: float = field(default_factory=time.perf_counter)
@@ -78,8 +80,25 @@ class Task:
 
     def __post_init__(self) -> None:
         """Watch the events from the start on."""
-        start = Point(self.start, self.state, self.unknowns)
+        if self.beginning is not None:
+            self.delivered = round((self.beginning.time - self.start) / self.interval) + 1
+        start = Point(self.begin, self.state, self.unknowns)
         self.watch = EventWatch(self.kernel, start, self.ledger, self.happened)
+
+    @property
+    def beginning(self) -> Beginning | None:
+        """Where a continued run begins; None for one from its start."""
+        return None if self.course is None else self.course.beginning
+
+    @property
+    def begin(self) -> float:
+        """Time of ``state`` and ``unknowns`` [s]."""
+        return self.start if self.beginning is None else self.time(self.delivered - 1)
+
+    def note(self, history: Vector) -> None:
+        """Note what the method needs to go on from about the last sample."""
+        if self.course is not None and self.delivered:
+            self.course.note(self.time(self.delivered - 1), history)
 
     @property
     def finished(self) -> bool:
@@ -154,13 +173,14 @@ class SampleBuffer:
     """Collects samples found one at a time, and hands them on every tenth of a second."""
 
     def __init__(self, task: Task, state: Vector, unknowns: Vector) -> None:
-        """Start at sample 0 with these values."""
+        """Start at sample 0 with these values, or behind the beginning of a continued run."""
         self._task = task
         self._rows = task.rows(task.n_intervals + 1)
         self._count = 0
         self._flushed = time.perf_counter()
         self._unknowns = unknowns
-        self.add(state, unknowns)
+        if task.beginning is None:
+            self.add(state, unknowns)
 
     @property
     def next_index(self) -> int:
