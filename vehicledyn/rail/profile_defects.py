@@ -31,6 +31,7 @@ _LONGEST, _SPACINGS = 4.5e-3, 3.0
 """Longest run, and in spacings where these are wider: beyond it the profile itself bends."""
 
 _PASSES = 50
+_TINY = 1e-24
 
 Places = NDArray[np.int_]
 
@@ -179,7 +180,7 @@ def _missed(points: Floats, length: int) -> tuple[Floats, Floats]:
         [np.zeros((count, 1)), np.cumsum(np.hypot(*np.diff(near, axis=1).transpose(2, 0, 1)), 1)],
         axis=1,
     )
-    scale = along[:, -1:]
+    scale = np.maximum(along[:, -1:], _TINY)
     powers = (along / scale)[:, :, None] ** np.arange(4)
     weights = np.linalg.pinv(powers) @ near
     rest = near - powers @ weights
@@ -190,7 +191,8 @@ def _missed(points: Floats, length: int) -> tuple[Floats, Floats]:
     chord = near[rows, on_left] - near[rows, on_left - 1]
     run = points[first[:, None] + np.arange(length)]
     to_run = run - near[rows, on_left - 1][:, None, :]
-    share = (to_run * chord[:, None, :]).sum(axis=2) / (chord**2).sum(axis=1)[:, None]
+    squared = np.maximum((chord**2).sum(axis=1), _TINY)
+    share = (to_run * chord[:, None, :]).sum(axis=2) / squared[:, None]
     at = begin + np.clip(share, 0.0, 1.0) * (end - begin)
     reached = (at[:, :, None] ** np.arange(4)) @ weights
     rate = (np.arange(1, 4) * at[:, :, None] ** np.arange(3)) @ weights[:, 1:]

@@ -125,7 +125,8 @@ def _stretches(raw: RawPoints, points: Floats, found: Found) -> list[tuple[int, 
 def _bridge(points: Floats, at: int) -> Floats:
     """Return points between two, along a cubic that goes on as the points beside the gap do."""
     before, behind = points[: at + 1][::-1], points[at + 1 :]
-    (first, leaving), (last, arriving) = _end(before), _end(behind)
+    across = points[at + 1] - points[at]
+    (first, leaving), (last, arriving) = _end(before, across), _end(behind, -across)
     length = float(np.hypot(*(last - first)))
     spacing = float(np.median(np.hypot(*np.diff(points, axis=0).T)))
     count = max(round(length / spacing) - 1, 1)
@@ -136,10 +137,15 @@ def _bridge(points: Floats, at: int) -> Floats:
     return np.asarray(ends + length * u * rest * (rest * leaving + u * arriving))
 
 
-def _end(points: Floats) -> tuple[Floats, Floats]:
-    """Return the end of a curve that begins at the gap, and its direction into the gap."""
+def _end(points: Floats, across: Floats) -> tuple[Floats, Floats]:
+    """Return the end of a curve that begins at the gap, and its direction into the gap.
+
+    Of too few points the direction is that to the other side, ``across``.
+    """
+    if len(points) < _FEWEST // 2:
+        return points[0], across / np.hypot(*across)
     along = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(points, axis=0).T))])
     count = min(len(points), max(_FEWEST, int(np.searchsorted(along, _WINDOW))))
-    weights = np.polynomial.polynomial.polyfit(along[:count], points[:count], min(2, count - 1))
+    weights = np.polynomial.polynomial.polyfit(along[:count], points[:count], 2)
     direction = -weights[1]
     return weights[0], direction / np.hypot(*direction)

@@ -226,6 +226,38 @@ def test_most_points_as_outliers_are_no_profile(tmp_path):
         read_profile(written(tmp_path, rows(points)), "wheel", MEND)
 
 
+def test_two_sweeps_that_do_not_meet_at_the_tip_of_the_flange(tmp_path):
+    """Older instruments measure both sides of the flange on their own: the seam is outliers."""
+    points = FROM_BACK.copy()
+    tip = int(np.argmax(points[:, 1]))
+    seam = np.array([[-0.3, -0.25], [-0.1, -0.35], [0.1, -0.3], [0.3, -0.4], [0.45, -0.3]])
+    points[tip : tip + 5] = points[tip] + 1e-3 * seam
+    path = written(tmp_path, "#MINIWHEELPROF\nx\n\n" + rows(noisy(points, 3e-6)), "w.whl")
+    with pytest.raises(InputError, match="outliers, the first in line"):
+        read_profile(path, "wheel", ProfileReading(tape_circle=0.07))
+    reading = ProfileReading(tape_circle=0.07, smoothing=4e-3, defects="mend")
+    profile = read_profile(path, "wheel", reading)
+    assert profile.height(TREAD) == pytest.approx(WHEEL.height(TREAD), abs=2e-5)
+    crest = np.linspace(-0.06, -0.05, 50)
+    assert profile.height(crest) == pytest.approx(WHEEL.height(crest), abs=5e-5)
+
+
+@pytest.mark.parametrize(
+    "extra",
+    [
+        [(60.0, -3.0), (60.0, -3.2), (60.0, -3.0), (61.0, -3.0)],  # back to the same place
+        [(100.0, -3.0)],  # one point beyond a gap at the end
+    ],
+)
+def test_odd_ends_are_no_errors_of_the_program(tmp_path, extra):
+    text = rows(POINTS[1e-3]) + "".join(f"{y} {z}\n" for y, z in extra)
+    for defects in ("refuse", "mend", "keep"):
+        try:
+            read_profile(written(tmp_path, text), "wheel", ProfileReading(defects=defects))
+        except InputError as error:
+            assert "wheel.txt" in str(error)
+
+
 @pytest.mark.parametrize("size", [5e-4, 2e-3, 5e-3])
 def test_kept_outliers_end_in_a_curve_or_a_message(tmp_path, size):
     """Steep spikes left no usable part: a ValueError without a word."""
