@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vehicledyn.base.units import shown
-from vehicledyn.run.own_speed import at_speed, own_speed
+from vehicledyn.run.own_speed import at_speed, own_speed, refuse_idle_speed
 from vehicledyn.run.prepare import (
     Point,
     Prepared,
@@ -110,7 +110,8 @@ def find_equilibrium(
     """
     is_own = own_speed(target) is not None
     target, speed = at_speed(target, speed)
-    prepared = prepare(target, backend=backend, progress=progress)
+    check = refuse_idle_speed if speed else None
+    prepared = prepare(target, backend=backend, progress=progress, check=check)
     kind, wanted = "static", 0.0
     if is_own:
         wanted = speed or 0.0

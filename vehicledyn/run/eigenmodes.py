@@ -17,9 +17,8 @@ from vehicledyn.results.mode_table import ModeCase, ModeTable, write_modes
 from vehicledyn.results.output import check_folder, check_output
 from vehicledyn.results.pictures import save_figures
 from vehicledyn.run.mode_report import ModesAtSpeed, ModesReport
-from vehicledyn.run.own_speed import at_speed
+from vehicledyn.run.own_speed import at_speed, refuse_idle_speed, speed_matters
 from vehicledyn.run.prepare import (
-    Derived,
     Prepared,
     Progress,
     Start,
@@ -28,7 +27,6 @@ from vehicledyn.run.prepare import (
     start_point,
 )
 from vehicledyn.run.steadiness import unsteadiness
-from vehicledyn.run.subject import Subject
 from vehicledyn.run.system_subject import SystemSubject
 from vehicledyn.run.vehicle import Target
 from vehicledyn.scenario import LoadedScenario
@@ -97,14 +95,14 @@ def find_modes(
                 variant,
                 backend=backend,
                 progress=progress,
-                check=_check_speed if speeds else None,
+                check=refuse_idle_speed if speeds else None,
             )
             before = variant
         own = _empty_table(prepared, variant)
         if found and own.states != table.states:
             raise InputError(f"--set {setting}: changes which states the model has")
         table = table if found else own
-        has_speed = _has_speed(prepared.subject)
+        has_speed = speed_matters(prepared.subject)
         place = f" at {shown(speed, 'm/s')}" if has_speed else ""
         progress(f"linearising{place}", None)
         scenario = variant if isinstance(variant, LoadedScenario) else None
@@ -131,20 +129,6 @@ def _cases(
             if speed is None and isinstance(target, LoadedScenario):
                 speed = target.scenario.speed
             yield setting, target, speed or 0.0
-
-
-def _has_speed(subject: Subject) -> bool:
-    """Return whether a speed says something: of a vehicle, or of a system with such wheels."""
-    return not isinstance(subject, SystemSubject) or bool(subject.parameters_at(1.0))
-
-
-def _check_speed(derived: Derived) -> None:
-    """Raise InputError if a speed says nothing about a system."""
-    if not _has_speed(derived.subject):
-        raise InputError(
-            f"--speed: nothing in '{derived.subject.system.name}' depends on a speed of this name; "
-            "set the parameter or the start rate that says how fast it moves, with --set"
-        )
 
 
 def _modes_at(

@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+from vehicledyn.base.errors import InputError
+from vehicledyn.run.prepare import Derived
+from vehicledyn.run.subject import Subject
+from vehicledyn.run.system_subject import SystemSubject
 from vehicledyn.run.vehicle import Target, system_of
 from vehicledyn.scenario import LoadedModel, load_model, load_scenario
 
@@ -66,3 +70,17 @@ def own_speed(target: Target) -> float | None:
     if written is None or written.is_vehicle or written.units.get(_NAME) != "m/s":
         return None
     return written.resolved.get(_NAME)
+
+
+def speed_matters(subject: Subject) -> bool:
+    """Return whether a speed says something: of a vehicle, or of a system with such wheels."""
+    return not isinstance(subject, SystemSubject) or bool(subject.parameters_at(1.0))
+
+
+def refuse_idle_speed(derived: Derived) -> None:
+    """Raise InputError if a speed that was given says nothing about a system."""
+    if not speed_matters(derived.subject):
+        raise InputError(
+            f"--speed: nothing in '{derived.subject.system.name}' depends on a speed of this name; "
+            "set the parameter or the start rate that says how fast it moves, with --set"
+        )

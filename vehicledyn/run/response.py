@@ -20,7 +20,7 @@ from vehicledyn.run.excite import Excited
 from vehicledyn.run.frequency_grid import FrequencyGrid
 from vehicledyn.run.held_speed import held_speed_point
 from vehicledyn.run.inputs import InputPart, ModelInput, hint
-from vehicledyn.run.own_speed import at_speed
+from vehicledyn.run.own_speed import at_speed, refuse_idle_speed
 from vehicledyn.run.prepare import Derived, Point, Prepared, Progress, prepare
 from vehicledyn.run.response_report import ResponseReport
 from vehicledyn.run.steadiness import unsteadiness
@@ -153,12 +153,17 @@ def linearise_with_inputs(
         taken.append(excited)
         return excited.subject
 
+    def check(derived: Derived) -> None:
+        if speed:
+            refuse_idle_speed(derived)
+        _rows(derived, outputs)
+
     prepared = prepare(
         target,
         backend="interpreted",
         progress=progress,
         change=excite,
-        check=lambda derived: _rows(derived, outputs),
+        check=check,
     )
     found = taken[0].inputs
     names = list(dict.fromkeys(n for i in found for p in i.parts for n in p.parameters))

@@ -325,7 +325,7 @@ def test_a_branch_leads_off_where_cycles_cease_to_be_their_own_image(tmp_path):
     path = tmp_path / "leaning.yaml"
     path.write_text(LEANING, encoding="utf-8")
     settings = HuntSettings(
-        "push", -0.01, 0.05, points=20, simulate=False, secondary=True, channels=("small.angle",)
+        "push", -0.01, 0.05, points=20, simulate=False, channels=("small.angle",)
     )
     report = study(settings, load_model(str(path)), tmp_path, plots=tmp_path / "plots")
     (point,) = (row for row in report.table.cycles if row.kind == "branch_point")
@@ -341,6 +341,14 @@ def test_a_branch_leads_off_where_cycles_cease_to_be_their_own_image(tmp_path):
     assert read_hunt(tmp_path / "hunt.h5").origins == {2: origin}
     assert report.as_dict()["origins"] == [{"branch": 2, "origin": origin}]
     assert origin in report.as_text() and f"branch 2 {origin}" in report.messages
+
+
+def test_branches_that_lead_off_may_be_left_out(tmp_path):
+    path = tmp_path / "leaning.yaml"
+    path.write_text(LEANING, encoding="utf-8")
+    settings = HuntSettings("push", -0.01, 0.05, points=8, simulate=False, secondary=False)
+    report = study(settings, load_model(str(path)))
+    assert {row.branch for row in report.table.cycles} == {1}
 
 
 def test_stopped_on_a_branch_that_leads_off(tmp_path, monkeypatch):

@@ -7,9 +7,11 @@ import pytest
 
 import vehicledyn.catalogue  # noqa: F401
 from vehicledyn.base.errors import InputError, NumericalError
+from vehicledyn.run.balance import find_equilibrium
 from vehicledyn.run.eigenmodes import find_modes
 from vehicledyn.run.hunt import find_limit_cycles
 from vehicledyn.run.hunt_start import HuntSettings
+from vehicledyn.run.response import linearise_with_inputs
 from vehicledyn.scenario import load_model
 
 SYSTEMS = Path(__file__).parents[3] / "systems"
@@ -66,6 +68,20 @@ def test_eigenvalues_are_those_of_each_speed():
         assert len(found) >= 3
         for eigenvalue in found:
             assert np.abs(expected - eigenvalue).min() < 1e-8
+
+
+@pytest.mark.parametrize("verb", ["equilibrium", "eig", "response"])
+def test_a_speed_that_is_none_of_the_system_is_refused(verb):
+    """The bicycle's speed is its parameter forward_speed; at another one nothing would change."""
+    target = load_model(str(SYSTEMS / "bicycle.yaml"))
+    told = {"backend": "interpreted", "progress": lambda *_: None}
+    with pytest.raises(InputError, match="--speed: nothing in 'bicycle' depends on a speed"):
+        if verb == "equilibrium":
+            find_equilibrium(target, speed=3.0, **told)
+        elif verb == "eig":
+            find_modes(target, speeds=(3.0,), **told)
+        else:
+            linearise_with_inputs(target, inputs=(), speed=3.0, progress=told["progress"])
 
 
 def test_a_parameter_of_the_start_alone_is_refused(tmp_path):
