@@ -144,11 +144,12 @@ class _Tracer:
                     self._end("range", f"{self.parameter} reaches {edge:.6g}")
                     break
                 self.outside.pass_edge(edge)
-            if not self.limits.reaches(point.orbit.parameter) or self.outside.is_long(self.limits):
-                self._end("range", f"{self.parameter} reaches {self.outside.edges[-1]:.6g}")
-                break
+            if not self._is_inside(point):
+                if self.outside.ends_before(point, self.limits):
+                    self._end("range", f"{self.parameter} reaches {self.outside.edges[-1]:.6g}")
+                    break
+                self.outside.count += 1
             self._add(point)
-            self.outside.count += not self._is_inside(point)
             if np.ptp(point.orbit.states, axis=0).max() < _SHRUNK * self.first_size:
                 self._end("equilibrium", "the cycle shrinks to an equilibrium")
                 break

@@ -29,19 +29,21 @@ class Outside:
     """Where a branch left the range and came back, while it is followed.
 
     ``edges`` are the ends of the range in the order it passed them, ``count`` the number of its
-    points outside.
+    points outside; ``is_cut`` says that it has as many as it may have.
     """
 
     edges: list[float] = field(default_factory=list)
     count: int = 0
+    is_cut: bool = False
 
     def pass_edge(self, edge: float) -> None:
         """Note that the branch passes an end of the range."""
         self.edges.append(edge)
 
-    def is_long(self, limits: Limits) -> bool:
-        """Return whether the branch has as many points outside as it may have."""
-        return self.count >= max(_FEWEST, limits.points // _PART)
+    def ends_before(self, point: CyclePoint, limits: Limits) -> bool:
+        """Return whether the branch ends before a point outside: too far, or one too many."""
+        self.is_cut = self.count >= max(_FEWEST, limits.points // _PART)
+        return self.is_cut or not limits.reaches(point.orbit.parameter)
 
     def told(self, parameter: str, tail: Sequence[CyclePoint], branch: Branch) -> str:
         """Return where the branch left the range, and whether it came back; empty if it did not.
@@ -71,10 +73,11 @@ class Outside:
             return start
         values = [p.orbit.parameter for p in tail]
         farthest = max(values, key=lambda v: abs(v - edge))
+        why = f" after {self.count} cycles outside" if self.is_cut else ""
         how = {
             "lost": f"is lost outside, near {values[-1]:.6g}",
             "equilibrium": f"ends outside, in an equilibrium at {values[-1]:.6g}",
-        }.get(branch.ending, f"has not come back up to {farthest:.6g}, where it is left")
+        }.get(branch.ending, f"has not come back up to {farthest:.6g}, where it is left{why}")
         stable = [p.orbit.parameter for p in tail if p.stable]
         lowest = f"; stable cycles outside reach down to {min(stable):.6g}" if stable else ""
         return f"{start} and {how}{lowest if stable and min(stable) < edge else ''}"
