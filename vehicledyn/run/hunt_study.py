@@ -213,8 +213,14 @@ class Study:
                 continue
             index = leading(self.model, hopf.shape)
             start = hopf.orbit(s.amplitude, index, intervals=s.intervals, degree=DEGREE)
-            branch = self._follow(start, hopf.growing(start), f"from {hopf.balance.value:.6g}")
-            number = self.branches.index(branch) + 1
+            place = f"from {hopf.balance.value:.6g}"
+            try:
+                branch = self._follow(start, hopf.growing(start), place)
+            except NumericalError as error:
+                self.branches[:] = [branch for branch in self.branches if branch.points]
+                self._ended("partial", 3, f"no branch of cycles is found {place} on: {error}")
+                continue
+            number = len(self.branches)
             remark = far_from(hopf, branch, number, amplitude=s.amplitude, span=self.span)
             if remark:
                 laws = laws_that_bend(self.equilibria.starts.target) or [_NO_LAW]

@@ -402,6 +402,49 @@ def test_equations_that_bend_at_rest_are_named(tmp_path):
     assert "not linear even in so small a motion" in "; ".join(report.messages)
 
 
+TWO = """\
+title: Two balance wheels, of which the second begins to swing later
+parameters: {push: 0.01 N*m*s/rad, delay: 0.02 N*m*s/rad, scale: 1 rad}
+gravity: [0, 0, 0]
+bodies:
+  first: {joints: [R3 angle], mass: 1 kg, inertia: [1, 1, 1]}
+  second: {joints: [R3 angle], mass: 1 kg, inertia: [1, 1, 1]}
+forces:
+  spring: {coordinate: first.angle, force: -1 N*m/rad * position}
+  hair: {coordinate: second.angle, force: -2 N*m/rad * position}
+  air:
+    coordinate: first.angle
+    force: "(push - 0.1 N*m*s/rad * (position / scale)**2) * rate"
+  breath:
+    coordinate: second.angle
+    force: "(push - delay - 0.1 N*m*s/rad * (position / scale)**2) * rate"
+"""
+
+
+@pytest.mark.parametrize("lost", [None, 0, 1])
+def test_each_hopf_bifurcation_has_its_branch(tmp_path, monkeypatch, lost):
+    """One whose first cycle is not found is named, and the others are followed all the same."""
+    follow, begun = hunt_study.follow_cycles, []
+
+    def begin(*args, **more):
+        begun.append(args)
+        if len(begun) - 1 == lost:
+            raise NumericalError("not found")
+        return follow(*args, **more)
+
+    monkeypatch.setattr(hunt_study, "follow_cycles", begin)
+    path = tmp_path / "two.yaml"
+    path.write_text(TWO, encoding="utf-8")
+    settings = HuntSettings("push", -0.01, 0.04, points=5, simulate=False)
+    report = study(settings, load_model(str(path)))
+    begins = [report.table.branch(number)[0].value for number in report.table.branches]
+    wanted = [value for k, value in enumerate((0.0, 0.02)) if k != lost]
+    assert begins == pytest.approx(wanted, abs=1e-5)
+    assert report.exit_code == (0 if lost is None else 3)
+    told = "; ".join(report.messages)
+    assert ("no branch of cycles is found from" in told) is (lost is not None)
+
+
 def test_laws_that_bend_at_rest_are_known():
     systems = WHEELSET.parent
     (law,) = laws_that_bend(load_model(str(systems / "shifted_wheelset.yaml")))

@@ -82,9 +82,9 @@ class Polach(CreepLaw):
     def bends_at_rest(self) -> str:
         """Why its forces are not linear in small creepages."""
         return (
-            "its stiffness depends on the direction of creepage, however small, down to "
-            f"{self.linear_below:g}; with a larger 'linear_below', such as 1e-4, it is that of the "
-            "linear theory below it"
+            "its stiffness depends on the direction of creepage down to creepages of "
+            f"{self.linear_below:g}, below which it is that of the linear theory; 'linear_below' "
+            "of the law changes that limit"
         )
 
     def forces(self, contact: CreepContact) -> CreepForces:
