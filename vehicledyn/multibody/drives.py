@@ -16,7 +16,8 @@ class TimeLaw(BasePart):
 
     ``law`` takes the time [s] and returns the coordinate [m or rad]. Where the law has a
     corner, the acceleration there is the one of either side, without an impulse: give laws
-    with continuous rate wherever inertia hangs on the coordinate.
+    with continuous rate wherever inertia hangs on the coordinate; runs of systems say where
+    there are corners.
     """
 
     coordinate: str

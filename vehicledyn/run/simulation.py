@@ -20,6 +20,7 @@ from vehicledyn.results.layout import EventRecord, ResultHeader, SummaryEntry
 from vehicledyn.results.output import check_folder, check_output
 from vehicledyn.results.writer import ResultWriter
 from vehicledyn.run.judgement import judged_by
+from vehicledyn.run.kinked_drives import kinked_drives
 from vehicledyn.run.model_hash import model_hash
 from vehicledyn.run.moved_starts import moved_starts
 from vehicledyn.run.pictures import Recorder, surroundings_of
@@ -124,6 +125,7 @@ def run_scenario(
     if loaded.scenario.start in (None, "nominal"):
         notes.extend(moved_starts(prepared, start))
     notes.extend(standing_wheels(prepared, start))
+    notes.extend(kinked_drives(prepared.subject, loaded.scenario.duration))
     turns = SingularTurns.of(prepared.subject.system, prepared.equations)
     run = _Run(loaded, prepared, kept, needed_channels(prepared), described, recorder, notes, turns)
     with _opened(restart, loaded, prepared, kept) as known:
