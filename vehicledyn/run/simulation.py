@@ -19,6 +19,7 @@ from vehicledyn.results.history import History
 from vehicledyn.results.layout import EventRecord, ResultHeader, SummaryEntry
 from vehicledyn.results.output import check_folder, check_output
 from vehicledyn.results.writer import ResultWriter
+from vehicledyn.run.chosen_step import leaves_step, with_step
 from vehicledyn.run.judgement import judged_by
 from vehicledyn.run.kinked_drives import kinked_drives
 from vehicledyn.run.model_hash import model_hash
@@ -121,13 +122,19 @@ def run_scenario(
     if loaded.scenario.output.animation:
         names = [channel.name for channel in prepared.equations.channels]
         recorder = Recorder.of(prepared.look, names, loaded.scenario.output.interval)
+    solver = with_step(
+        loaded.scenario.solver, prepared.kernel, start, loaded.scenario.output.interval
+    )
     notes = redundant_constraints(prepared)
+    if leaves_step(loaded.scenario.solver):
+        notes.append(f"step: {shown(solver.step, 's')}, chosen from the motion at the start")
     if loaded.scenario.start in (None, "nominal"):
         notes.extend(moved_starts(prepared, start))
     notes.extend(standing_wheels(prepared, start))
     notes.extend(kinked_drives(prepared.subject, loaded.scenario.duration))
     turns = SingularTurns.of(prepared.subject.system, prepared.equations)
-    run = _Run(loaded, prepared, kept, needed_channels(prepared), described, recorder, notes, turns)
+    needed = needed_channels(prepared)
+    run = _Run(loaded, prepared, kept, needed, described, recorder, notes, turns, solver)
     with _opened(restart, loaded, prepared, kept) as known:
         run.simulate(start, output, progress, known)
     messages = [_kernel_message(prepared), *notes, *run.messages]
@@ -178,6 +185,7 @@ class _Run:
     recorder: Recorder | None
     notes: list[str]
     turns: SingularTurns
+    solver: Any
     status: str = "ok"
     exit_code: int = EXIT_OK
     samples: int = 0
@@ -206,7 +214,7 @@ class _Run:
                 statistics = simulate_watched(
                     self.prepared.subject.system,
                     self.prepared.kernel,
-                    s.solver,  # type: ignore[arg-type]
+                    self.solver,
                     start=0.0,
                     stop=s.duration,
                     state=start.state if known is None else known.state,

@@ -189,6 +189,8 @@ def run_batch(
         If sizes or times make no sense, or the step does not divide the interval.
     """
     _check_cases(batch.kernel, cases)
+    if getattr(solver, "step", 0.0) is None:
+        raise InputError("a batch needs solver.step: its cases take their steps together")
     plan = Plan(start, interval, _count_samples(start, stop, interval), list(channels))
     kind = np.float32 if single else np.float64
     samples = np.full((len(cases), plan.n_samples, len(channels)), np.nan, dtype=kind)

@@ -12,6 +12,7 @@ from vehicledyn.solve.course import go_on_from, history_of
 from vehicledyn.solve.engine import Count, Figure, March, Method, Rows, Status, Vector
 from vehicledyn.solve.events import Point
 from vehicledyn.solve.judged import Judged
+from vehicledyn.solve.proposed_step import proposed_step
 from vehicledyn.solve.task import SampleBuffer, Statistics, Task
 from vehicledyn.solve.windows import Grid
 
@@ -28,7 +29,7 @@ ends at rest.
 
 
 def run_fixed(
-    task: Task, name: str, method: int, step: float, *, watched: bool = True
+    task: Task, name: str, method: int, step: float | None, *, watched: bool = True
 ) -> Statistics:
     """Integrate a task with a fixed step, and judge how accurate it was.
 
@@ -41,7 +42,8 @@ def run_fixed(
     method
         The method inside the kernel.
     step
-        Step size [s]; a whole number of steps must make one sampling interval.
+        Step size [s]; a whole number of steps must make one sampling interval. None for what
+        the motion at the start needs.
     watched
         Whether the accuracy is judged.
 
@@ -50,6 +52,9 @@ def run_fixed(
     NumericalError
         If the run cannot go on, or has diverged.
     """
+    if step is None:
+        point = (task.start, task.state, task.unknowns)
+        step = proposed_step(task.kernel, method, point, task.interval)
     per_interval = steps_per_interval(step, task.interval)
     watch = _watch_of(task, method, per_interval) if watched else None
     SampleBuffer(task, task.state, task.unknowns).flush()

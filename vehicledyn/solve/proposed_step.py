@@ -11,8 +11,8 @@ from vehicledyn.base.errors import NumericalError
 from vehicledyn.solve.engine import Ledger, Method, Vector
 from vehicledyn.solve.kernel import Kernel
 
-_REACH = {Method.RK4: 1.0, Method.SYMPLECTIC_EULER: 0.3}
-"""Largest |λ| h. RK4 is stable up to 2.6, and at 1 a cycle is off by a part in a hundred; the
+_REACH = {Method.RK4: 0.5, Method.SYMPLECTIC_EULER: 0.3}
+"""Largest |λ| h. RK4 is stable up to 2.6; the margin is for motions that stiffen. The
 semi-implicit method of order one is off by |λ| h / 2, which only slow motions must keep to."""
 
 _DECAY, _TURN = 0.4, 0.7

@@ -121,8 +121,9 @@ def _outputs(kernel: Kernel, grid: Grid, place: Place, divided: int) -> Vector |
     if status is Status.EVENT:
         return None
     if status is not Status.SOLVED or not march.ledger.counts[Count.SAMPLES]:
-        return np.full(len(e.channels), np.inf)
-    return rows.outputs[0]
+        rows.outputs[0] = np.inf
+    found: Vector = rows.outputs[0]
+    return found
 
 
 def operations_of_step(kernel: Kernel, method: int) -> float:

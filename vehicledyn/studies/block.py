@@ -149,7 +149,7 @@ class Worker:
         try:
             result = run_batch(
                 model.batch,
-                model.loaded.scenario.solver,  # type: ignore[arg-type]
+                model.solver,
                 Cases(
                     np.array([case.parameters for case in cases]),
                     np.array([case.start.state for case in cases]),
@@ -163,7 +163,7 @@ class Worker:
                 rates=model.rates,
                 judged=lambda number: model.judged(cases[number]),
             )
-        except InputError as error:
+        except VehicledynError as error:
             for number in numbers:
                 block.fail(number, 0.0, str(error))
             return

@@ -12,9 +12,18 @@ import numpy as np
 
 from vehicledyn.base.errors import InputError, VehicledynError, nearest_name
 from vehicledyn.manoeuvres.recording import Recording
+from vehicledyn.run.chosen_step import leaves_step, with_step
 from vehicledyn.run.judgement import judged_by
 from vehicledyn.run.parameter_starts import starting_at
-from vehicledyn.run.prepare import Derived, Point, Prepared, Progress, Vector, prepare
+from vehicledyn.run.prepare import (
+    Derived,
+    Point,
+    Prepared,
+    Progress,
+    Vector,
+    prepare,
+    start_point,
+)
 from vehicledyn.run.rates import rates_watched
 from vehicledyn.run.road_subject import RoadSubject
 from vehicledyn.run.subject import Subject
@@ -126,6 +135,16 @@ class Model:
             watch=lambda: self.prepared.watch,
             **span,
         )
+
+    @cached_property
+    def solver(self) -> Any:
+        """Settings of the method, with the step that suits the start where none is given."""
+        scenario = self.loaded.scenario
+        if not leaves_step(scenario.solver):
+            return scenario.solver
+        start = start_point(self.prepared, scenario.speed or 0.0, scenario.start)
+        kernel, interval = self.prepared.kernel, scenario.output.interval
+        return with_step(scenario.solver, kernel, start, interval)
 
     def judged(self, case: Case) -> Judged:
         """Return what the accuracy of a case is judged by: its key figures, or what is kept."""

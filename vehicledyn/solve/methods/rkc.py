@@ -6,8 +6,9 @@ from typing import TYPE_CHECKING
 
 from pydantic import Field
 
-from vehicledyn.base.parameters import ParameterSet, quantity
+from vehicledyn.base.parameters import ParameterSet
 from vehicledyn.base.registry import register
+from vehicledyn.solve.methods.tolerances import fixed_step
 
 if TYPE_CHECKING:
     from vehicledyn.solve.task import Statistics, Task
@@ -25,7 +26,7 @@ class RungeKuttaChebyshev(ParameterSet):
     Computational and Applied Mathematics 88, 315-326.
     """
 
-    step: float = quantity("s", "Step size; divides the sampling interval", gt=0)
+    step: float | None = fixed_step()
     stages: int = Field(description="Stages of a step", ge=2, le=50)
 
     @property

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from vehicledyn.base.parameters import ParameterSet, quantity
+from vehicledyn.base.parameters import ParameterSet
 from vehicledyn.base.registry import register
+from vehicledyn.solve.methods.tolerances import fixed_step
 
 if TYPE_CHECKING:
     from vehicledyn.solve.engine import Method
@@ -19,7 +20,7 @@ class SymplecticEuler(ParameterSet):
     Hairer, Lubich, Wanner (2006), Geometric Numerical Integration, section I.1.2.
     """
 
-    step: float = quantity("s", "Step size; divides the sampling interval", gt=0)
+    step: float | None = fixed_step()
 
     @property
     def fixed_method(self) -> Method:

@@ -1,4 +1,4 @@
-"""Tolerances of adaptive methods, which rounding bounds from below."""
+"""Settings that methods share: tolerances, which rounding bounds from below, and fixed steps."""
 
 from __future__ import annotations
 
@@ -23,3 +23,9 @@ def absolute_tolerance() -> Any:
     """Declare the local error allowed for each state in its own unit."""
     text = "Local error allowed for each state, in its own unit"
     return quantity("1", text, ge=SMALLEST_ABSOLUTE)
+
+
+def fixed_step() -> Any:
+    """Declare the step of a method, which may be left to the program."""
+    text = "Step size; divides the sampling interval; chosen from the model's start if left out"
+    return quantity("s", text, default=None, gt=0)
