@@ -32,7 +32,10 @@ from vehicledyn.base.errors import InputError
 
 FORMAT = "vehicledyn-result"
 FORMAT_VERSION = 1
-STATUSES = ("running", "ok", "derailed", "lifted", "failed", "interrupted")
+ENDED = ("ok", "derailed", "lifted", "overturned", "sunk")
+"""Statuses of runs that ended by themselves: as planned, or where their model no longer holds."""
+
+STATUSES = ("running", *ENDED, "failed", "interrupted")
 CHECKSUMS = "checksums"
 RESTART = "restart"
 RESERVED = (

@@ -18,6 +18,7 @@ from vehicledyn.results.animation import GROUP, Animation, Span, read_animation,
 from vehicledyn.results.damage import reading, rows_in_words
 from vehicledyn.results.history import History, read_events, read_history
 from vehicledyn.results.layout import (
+    ENDED,
     FORMAT,
     FORMAT_VERSION,
     STATUSES,
@@ -88,7 +89,7 @@ class Result:
     path
         The file.
     status
-        running, ok, derailed, lifted, failed or interrupted; a killed run stays at running.
+        running, failed, interrupted, or one of ``ENDED``; a killed run stays at running.
     status_message
         Why the run ended, if not as planned.
     channels
@@ -136,7 +137,7 @@ class Result:
     @property
     def has_ended(self) -> bool:
         """Whether the run came to an end of its own: planned, or as a wheel left its rail."""
-        return self.status in ("ok", "derailed", "lifted")
+        return self.status in ENDED
 
     @property
     def state_of_run(self) -> str:

@@ -48,7 +48,13 @@ from vehicledyn.symbolic.equations import Event
 Matrix = NDArray[np.float64]
 EXIT_OK, EXIT_NEGATIVE, EXIT_FAILED, EXIT_INTERRUPTED = 0, 1, 3, 130
 
-_DID = {"derailed": "left its rail", "lifted": "lifted off its rail"}
+_DID = {
+    "derailed": "left its rail",
+    "lifted": "lifted off its rail",
+    "overturned": "rolled over",
+    "sunk": "went through the road",
+}
+_OF_WHEELS = ("derailed", "lifted")
 
 
 @dataclass(frozen=True)
@@ -361,7 +367,8 @@ class _Run:
         self.status, self.exit_code = event.outcome, EXIT_NEGATIVE
         wheel, place = event.name.rpartition(".")[0], self._place(event.name)
         name, did = event.outcome, _DID[event.outcome]
-        self.summary.append(SummaryEntry(f"{name}_wheel", wheel, "", f"Wheel that {did}"))
+        key, what = ("wheel", "Wheel") if name in _OF_WHEELS else ("body", "Vehicle by its body")
+        self.summary.append(SummaryEntry(f"{name}_{key}", wheel, "", f"{what} that {did}"))
         self.summary.append(SummaryEntry(f"{name}_at_time", self._end(), "s", f"When it {did}"))
         if place is not None:
             text = f"Where on the track it {did}"

@@ -10,6 +10,7 @@ from vehicledyn.base.registry import find
 from vehicledyn.manoeuvres.manoeuvre import RoadManoeuvre
 from vehicledyn.manoeuvres.straight import Straight
 from vehicledyn.rail.track_set import TrackChoice
+from vehicledyn.road.limits import limited
 from vehicledyn.road.surface import RoadSurface
 from vehicledyn.road.vehicle import RoadOptions, RoadVehicle
 from vehicledyn.run.road_subject import RoadSubject
@@ -62,7 +63,7 @@ def manoeuvre_of(target: Target) -> RoadManoeuvre:
 
 
 def build_vehicle(target: Target) -> RoadVehicle:
-    """Return the vehicle with its tyres on its road, steered by its manoeuvre.
+    """Return the vehicle with its tyres on its road, steered by its manoeuvre, with its limits.
 
     Raises
     ------
@@ -73,7 +74,7 @@ def build_vehicle(target: Target) -> RoadVehicle:
     if written is not None:
         from vehicledyn.systems import construct
 
-        return manoeuvre_of(target).fit(construct.build_vehicle(written, _choice(target)))
+        return limited(manoeuvre_of(target).fit(construct.build_vehicle(written, _choice(target))))
     if isinstance(target, LoadedModel):
         model = find("model", target.name)
         options: RoadOptions = model.standard_options()
@@ -81,7 +82,7 @@ def build_vehicle(target: Target) -> RoadVehicle:
         model = find("model", target.scenario.model)
         options = _options(target)
     vehicle: RoadVehicle = model.build(target.model_parameters, options)
-    return manoeuvre_of(target).fit(vehicle)
+    return limited(manoeuvre_of(target).fit(vehicle))
 
 
 def _options(loaded: LoadedScenario) -> RoadOptions:

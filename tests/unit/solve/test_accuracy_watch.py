@@ -215,8 +215,8 @@ def test_eigenvalues_and_proposed_step():
     point = (0.0, np.array([1.0, 0.0]), np.zeros(0))
     values = eigenvalues(kernel, *point)
     assert sorted(values.imag) == pytest.approx([-20.0, 20.0], abs=1e-6)
-    assert longest_step(values, Method.RK4) == pytest.approx(0.05)
-    assert proposed_step(kernel, Method.RK4, point, 0.1) == pytest.approx(0.05)
+    assert longest_step(values, Method.RK4) == pytest.approx(0.025)
+    assert proposed_step(kernel, Method.RK4, point, 0.1) == pytest.approx(0.025)
     assert longest_step(np.array([-1000.0 + 0j]), Method.CHEBYSHEV + 10) == pytest.approx(0.04)
     assert longest_step(np.zeros(3, dtype=complex), Method.RK4) == np.inf
 
