@@ -1,0 +1,257 @@
+"""Measure the accuracy watch: ``python benchmarks/accuracy_watch.py [--number 100] [--seed 1]``.
+
+Scenarios that come with the program run with random methods and steps, from a half of their own
+step to two hundred times it. The truth is a run with RK4 or ``rkc`` at a quarter and an eighth of their step.
+Printed are, per run, how far its worst key figure is off, what the watch says and what it
+costs; and in the end how many bad runs (more than 5 % off, or ended early) it finds, how many good
+ones (less than 1 % off) it warns of, and what it says of those between. ``--cost`` measures the
+processor time of runs with and without the watch, which take turns.
+"""
+
+from __future__ import annotations
+
+import argparse
+import statistics
+import time
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+from unittest.mock import patch
+
+import numpy as np
+
+import vehicledyn.catalogue  # noqa: F401
+from vehicledyn.base.errors import NumericalError
+from vehicledyn.base.registry import find
+from vehicledyn.run.judgement import judged_by
+from vehicledyn.run.rerun import prepare_run
+from vehicledyn.run.watched import simulate_watched
+from vehicledyn.scenario import load_scenario
+from vehicledyn.solve.judged import Sizes, figure_errors
+from vehicledyn.solve.ranges import Ranges
+
+SCENARIOS = Path(__file__).resolve().parents[1] / "scenarios"
+NAMES = (
+    "bogie_hunting",
+    "iltis_bump_anti_phase",
+    "iltis_ramp_steer",
+    "iltis_sine_steer",
+    "iltis_slalom",
+    "iltis_standstill",
+    "wheelset_limit_cycle",
+    "systems/bicycle",
+    "systems/cooperrider_classic",
+    "systems/double_pendulum",
+    "systems/double_spring_mass",
+    "systems/double_wishbone_suspension",
+    "systems/five_link_suspension",
+    "systems/four_bar",
+    "systems/jeep",
+    "systems/jeep_suspension",
+    "systems/macpherson_suspension",
+    "systems/merry_go_round",
+    "systems/parallelogram",
+    "systems/quarter_car",
+    "systems/radial_wheelset",
+    "systems/radiation_counter",
+    "systems/rail_wheelset",
+    "systems/roller_pendulum",
+    "systems/rolling_disk",
+    "systems/simple_wheelset",
+    "systems/slider_crank",
+    "systems/small_car",
+    "systems/small_cart_2",
+    "systems/tricycle",
+)
+BAD, GOOD = 0.05, 0.01
+"""Errors of a key figure from which a run is bad, and up to which it is good."""
+FINE = 4
+"""Steps of the truth in the step of a scenario, or in a tenth of its sampling interval."""
+
+
+@dataclass(frozen=True)
+class Finding:
+    """What is true of a run, and what the watch said: "accurate", "inaccurate" or "failed"."""
+
+    error: float
+    worst: str
+    verdict: str
+    told: str
+    extra: float
+
+
+@cache
+def prepared(name):
+    """Return the scenario with its equations and start."""
+    loaded = load_scenario(SCENARIOS / f"{name}.yaml")
+    return loaded, *prepare_run(loaded, backend="auto", progress=quiet)
+
+
+def own_step(loaded):
+    """Return the step of a scenario, or a tenth of its sampling interval [s]."""
+    return getattr(loaded.scenario.solver, "step", None) or loaded.scenario.output.interval / 10.0
+
+
+def record(name, solver, interval):
+    """Run a scenario; return statistics or the reason of a failure, its times and channels."""
+    loaded, made, start = prepared(name)
+    judged = judged_by(made.subject, made.equations)
+    times, values = [], []
+
+    def take(t, x, z, y):
+        times.append(t.copy())
+        values.append(y[:, judged.channels])
+
+    with np.errstate(all="ignore"):
+        try:
+            outcome = simulate_watched(
+                made.subject.system,
+                made.kernel,
+                solver,
+                start=0.0,
+                stop=loaded.scenario.duration,
+                state=start.state,
+                unknowns=start.unknowns,
+                interval=interval,
+                sink=take,
+                progress=quiet,
+                happened=quiet,
+                watch=lambda: made.watch,
+                judged=judged,
+            )
+        except NumericalError as error:
+            outcome = str(error)
+        figures = judged.figures(np.concatenate(times), np.vstack(values))
+    ranges = Ranges.of(made.equations, judged.channels)
+    ranges.take(np.vstack(values))
+    return outcome, figures, ranges
+
+
+@cache
+def truth(name, interval):
+    """Return figures and sizes of a fine run, None where half its step leads elsewhere."""
+    loaded, made, _ = prepared(name)
+    solver = loaded.scenario.solver
+    kind = "rkc" if solver.kind == "rkc" else "rk4"
+    more = {"stages": solver.stages} if kind == "rkc" else {}
+    count = np.ceil(interval / own_step(loaded) * FINE)
+    channels = judged_by(made.subject, made.equations).channels
+    found = []
+    for divided in (1, 2):
+        step = interval / (divided * count)
+        outcome, figures, ranges = record(name, find("solver", kind)(step=step, **more), interval)
+        found.append((figures, Sizes.of(made.equations, channels, ranges)))
+    errors = figure_errors(found[0][0], *found[1])
+    settled = not isinstance(outcome, str) and max(errors.values(), default=0.0) < 0.5 * GOOD
+    return found[1] if settled and outcome.ended_by is None and errors else None
+
+
+def judge(name, solver, interval):
+    """Return how a run is off and what the watch says, None where the truth is not known."""
+    known = truth(name, interval)
+    if known is None:
+        return None
+    outcome, figures, _ = record(name, solver, interval)
+    errors = figure_errors(figures, *known)
+    worst = max(errors, key=errors.get)
+    if isinstance(outcome, str):
+        return Finding(errors[worst], worst, "failed", outcome, 0.0)
+    said = outcome.accuracy
+    error = np.inf if outcome.ended_by else errors[worst]
+    told = said.warning or f"{said.error:.1e} {said.worst}"
+    return Finding(error, worst, said.verdict, told, said.extra_steps / outcome.steps)
+
+
+def draw(random):
+    """Return a scenario, a method with a step, and the sampling interval [s]."""
+    name = NAMES[random.integers(len(NAMES))]
+    loaded, _, _ = prepared(name)
+    s = loaded.scenario
+    wanted = own_step(loaded) * 10.0 ** random.uniform(-0.3, 2.3)
+    whole = round(s.duration / s.output.interval)
+    multiples = [m for m in range(1, whole // 20) if whole % m == 0]
+    times = min(multiples, key=lambda m: abs(np.log(m * s.output.interval / max(wanted, 1e-9))))
+    interval = s.output.interval * (times if wanted > s.output.interval else 1)
+    step = interval / max(1, round(interval / wanted))
+    if s.solver.kind == "rkc":
+        return name, find("solver", "rkc")(step=step, stages=s.solver.stages), interval
+    kind = ("rk4", "rk4", "symplectic_euler")[random.integers(3)]
+    return name, find("solver", kind)(step=step), interval
+
+
+def campaign(number, seed):
+    """Run and print so many combinations; return the findings."""
+    random, found = np.random.default_rng(seed), []
+    while len(found) < number:
+        name, solver, interval = draw(random)
+        finding = judge(name, solver, interval)
+        if finding is None:
+            continue
+        found.append(finding)
+        print(
+            f"{name.split('/')[-1]:26s} {solver.kind[:5]:5s} {solver.step * 1e3:9.4f} ms  "
+            f"{class_of(finding):4s} {finding.error:8.1e} {finding.worst[:28]:28s} "
+            f"{finding.verdict:10s} {finding.extra:6.3f}  {finding.told[:90]}",
+            flush=True,
+        )
+    return found
+
+
+def class_of(finding):
+    """Return "bad", "good", or "grey" for what lies between."""
+    if not finding.error <= BAD:
+        return "bad"
+    return "good" if finding.error < GOOD else "grey"
+
+
+def summary(found):
+    """Return lines that count the findings."""
+    lines = []
+    for name in ("bad", "grey", "good"):
+        chosen = [finding for finding in found if class_of(finding) == name]
+        warned = sum(finding.verdict != "accurate" for finding in chosen)
+        lines.append(f"{name}: {len(chosen)} runs, {warned} warned of or failed")
+    return lines
+
+
+def cost(repetitions):
+    """Print the processor time of runs with and without the watch."""
+    for name in NAMES:
+        loaded, _, _ = prepared(name)
+        if not hasattr(loaded.scenario.solver, "fixed_method"):
+            continue
+        spent = {True: [], False: []}
+        for _ in range(repetitions):
+            for watched in (True, False):
+                blind = patch("vehicledyn.solve.fixed_step._watch_of", lambda *_: None)
+                begun = time.process_time()
+                with patch("time.tzset", time.tzset) if watched else blind:
+                    record(name, loaded.scenario.solver, loaded.scenario.output.interval)
+                spent[watched].append(time.process_time() - begun)
+        seen, unseen = (statistics.median(spent[key]) for key in (True, False))
+        print(
+            f"{name.split('/')[-1]:26s} {unseen * 1e3:8.1f} ms without, {seen * 1e3:8.1f} ms with: "
+            f"{(seen - unseen) * 1e3:6.2f} ms, {100.0 * (seen / unseen - 1.0):5.1f} %",
+            flush=True,
+        )
+
+
+def quiet(*_):
+    """Tell nobody."""
+
+
+def main():
+    """Run the campaign, or measure what the watch costs."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--number", type=int, default=100)
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--cost", type=int, metavar="REPETITIONS", default=0)
+    arguments = parser.parse_args()
+    if arguments.cost:
+        cost(arguments.cost)
+        return
+    print("\n".join(summary(campaign(arguments.number, arguments.seed))))
+
+
+if __name__ == "__main__":
+    main()
