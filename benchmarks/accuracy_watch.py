@@ -1,7 +1,7 @@
 """Measure the accuracy watch: ``python benchmarks/accuracy_watch.py [--number 100] [--seed 1]``.
 
 Scenarios that come with the program run with random methods and steps, from a half of their own
-step to two hundred times it. The truth is a run with RK4 or ``rkc`` at a quarter and an eighth of their step.
+step to two hundred times it. The truth is a run with RK4 or ``rkc`` at an eighth of their step.
 Printed are, per run, how far its worst key figure is off, what the watch says and what it
 costs; and in the end how many bad runs (more than 5 % off, or ended early) it finds, how many good
 ones (less than 1 % off) it warns of, and what it says of those between. ``--cost`` measures the
