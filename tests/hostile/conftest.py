@@ -1,5 +1,8 @@
-"""Everything is imported before the first fork, so that a case costs milliseconds."""
-
+import pytest
 import warm
 
-warm.up()
+
+@pytest.fixture(scope="session", autouse=True)
+def warmed():
+    """Everything is imported before the first fork, so that a case costs milliseconds."""
+    warm.up()

@@ -13,6 +13,7 @@ import signal
 import sys
 import tempfile
 import traceback
+import warnings
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -75,13 +76,15 @@ def _listed(folder):
     return {str(path.relative_to(folder)) for path in folder.rglob("*") if not path.is_dir()}
 
 
-def _run_in(folder, case):
+def _run_in(folder, case, limited=True):
     sys.stdout.flush()
     sys.stderr.flush()
     with tempfile.TemporaryFile() as output:
-        number = os.fork()
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", DeprecationWarning)  # threads of the test runner
+            number = os.fork()
         if number == 0:
-            _be_child(folder, case, output)
+            _be_child(folder, case, output, limited)
         _, status, usage = os.wait4(number, 0)
         with contextlib.suppress(ProcessLookupError):
             os.killpg(number, signal.SIGKILL)
@@ -98,7 +101,7 @@ def _run_in(folder, case):
     )
 
 
-def _be_child(folder, case, output):
+def _be_child(folder, case, output, limited):
     code = _ESCAPED
     try:
         os.setpgid(0, 0)
@@ -109,12 +112,11 @@ def _be_child(folder, case, output):
             os.dup2(nothing.fileno(), 0)
         for name in ("SIGALRM", "SIGINT", "SIGXCPU"):
             signal.signal(getattr(signal, name), signal.SIG_DFL)
-        signal.alarm(WALL_SECONDS)
-        seconds = PROCESSOR_SECONDS
-        resource.setrlimit(resource.RLIMIT_CPU, (seconds, seconds + 1))
-        resource.setrlimit(resource.RLIMIT_AS, (_ADDRESS_SPACE, _ADDRESS_SPACE))
-        resource.setrlimit(resource.RLIMIT_FSIZE, (1 << 30, 1 << 30))
-        resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
+        os.environ["VEHICLEDYN_CC"] = "none"
+        os.environ.pop("VEHICLEDYN_TRACEBACK", None)
+        _be_a_program()
+        if limited:
+            _limit()
         code = call(case.command)
     except BaseException:
         traceback.print_exc()
@@ -125,13 +127,30 @@ def _be_child(folder, case, output):
         os._exit(code)
 
 
+def _be_a_program():
+    """Undo what a test runner does to standard streams and warnings."""
+    sys.stdout = open(1, "w", encoding="utf-8", closefd=False)  # noqa: SIM115
+    sys.stderr = open(2, "w", encoding="utf-8", closefd=False)  # noqa: SIM115
+    warnings.resetwarnings()
+    for kind in (DeprecationWarning, PendingDeprecationWarning, ImportWarning, ResourceWarning):
+        warnings.simplefilter("ignore", kind)
+    warnings.showwarning = lambda *facts: sys.stderr.write(warnings.formatwarning(*facts[:4]))
+
+
+def _limit():
+    signal.alarm(WALL_SECONDS)
+    seconds = PROCESSOR_SECONDS
+    resource.setrlimit(resource.RLIMIT_CPU, (seconds, seconds + 1))
+    resource.setrlimit(resource.RLIMIT_AS, (_ADDRESS_SPACE, _ADDRESS_SPACE))
+    resource.setrlimit(resource.RLIMIT_FSIZE, (1 << 30, 1 << 30))
+    resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
+
+
 def call(command):
     """Call the program as its command line does; return the exit code."""
     from vehicledyn.cli import main
 
     sys.argv = ["vehicledyn", *command]
-    sys.stdout = open(1, "w", encoding="utf-8", closefd=False)  # noqa: SIM115
-    sys.stderr = open(2, "w", encoding="utf-8", closefd=False)  # noqa: SIM115
     try:
         main()
     except SystemExit as end:
@@ -156,6 +175,10 @@ def _faults(outcome, folder):
         yield f"exit code {code}: {_last_line(text)}"
     if "Traceback (most recent call last)" in text and code != _ESCAPED:
         yield "a traceback"
+    if re.search(r"\w+Warning: ", text):
+        yield f"a warning of Python's: {re.search('.*Warning: .*', text)[0][:200]}"
+    if re.search("^out of memory$", text, re.MULTILINE):
+        yield "out of memory"
     if outcome.memory > MOST_MEMORY:
         yield f"{outcome.memory / 2**20:.0f} MiB of memory"
     if len(text) > MOST_TEXT:

@@ -18,7 +18,7 @@ from vehicledyn.rail.profile_points import RawPoints
 from vehicledyn.rail.profile_reading import ProfileReading
 
 FEWEST, MOST = 10, 20_000
-NARROWEST, WIDEST = 0.02, 0.5
+NARROWEST, WIDEST, TALLEST = 0.02, 0.5, 0.3
 _FLANGE = 0.01
 _SHOULDER = 5e-3
 _HEAD = 0.04
@@ -124,6 +124,12 @@ def _check_points(points: RawPoints, y: Floats, z: Floats, unit: str, kind: Kind
         hint = f"; {hint}" if hint else ""
         message = f"the profile is {1e3 * width:.6g} mm wide, read in {unit}{hint}"
         raise points.refused(points.lines[0], 1, message)
+    height = float(np.ptp(z))
+    if height > TALLEST:
+        message = (
+            f"the profile is {1e3 * height:.6g} mm high, read in {unit}; are both columns in it?"
+        )
+        raise points.refused(points.lines[int(np.argmax(np.abs(z)))], 1, message)
     near = np.hypot(np.diff(y), np.diff(z)) < _SAME
     if near.any():
         k = int(np.argmax(near))

@@ -12,6 +12,9 @@ from vehicledyn.base.problems import Problem, refusal
 
 Array = NDArray[np.float64]
 
+FARTHEST = 1e7
+"""Chainage that no track has, from a beginning far away either [m]."""
+
 WIDEST_GAP = 5.0
 """Distance of two lines, by the usual one, beyond which something is missing in between."""
 
@@ -55,6 +58,10 @@ def read_along(
 def _order(columns: Columns, s: Array) -> list[Problem]:
     if len(s) < 2:
         return [columns.problem(0, "s", "a track needs two lines at least")]
+    if (np.abs(s) > FARTHEST).any():
+        row = int(np.argmax(np.abs(s)))
+        words = f"{s[row]:g} m is farther than a track begins or ends, {FARTHEST:g} m"
+        return [columns.problem(row, "s", f"{words}; is the unit in the head right?")]
     steps = np.diff(s)
     if not (steps > 0.0).all():
         row = int(np.flatnonzero(~(steps > 0.0))[0]) + 1

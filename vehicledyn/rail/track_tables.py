@@ -9,6 +9,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from vehicledyn.base.errors import InputError
 from vehicledyn.rail.riding_line import RidingLine, riding_line
 from vehicledyn.rail.track import Side, TrackFrame
 from vehicledyn.rail.track_alignment import Alignment
@@ -22,6 +23,9 @@ WANTED_ERROR = 1e-8
 """Distance of the interpolated centre line from the exact one that is aimed at [m]."""
 
 MOST_CELLS = 200_000
+LONGEST = 200_000.0
+"""Length of a track, of which each cell of the widest holds a part [m]."""
+
 _WIDEST_CELL = 1.0
 _COMMON = 1e-3
 _CLOSE = 1e-3
@@ -157,8 +161,18 @@ def centre_line(alignment: Alignment) -> tuple[CurvedLine, TabledShift | None]:
 
     All kinks of the design lie at knots, where places and slopes are exact. The cells are made
     shorter until the error in between is small.
+
+    Raises
+    ------
+    InputError
+        If the design is too long for tables.
     """
-    grid = Grid(alignment, _first_width(alignment))
+    if alignment.length > LONGEST:
+        raise InputError(
+            f"a track of {alignment.length:g} m is too long, {LONGEST:g} m at most; is the unit of "
+            "its lengths right?"
+        )
+    grid = Grid(alignment, max(_first_width(alignment), alignment.length / MOST_CELLS))
     while grid.error > WANTED_ERROR and 2 * grid.count <= MOST_CELLS:
         grid = Grid(alignment, 0.5 * grid.width)
     return grid.line(), grid.widening()

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from vehicledyn.results.consistency import Sizes
 from vehicledyn.results.linear_file import (
     new_file,
     old_file,
@@ -184,10 +185,18 @@ def read_contacts(path: Path) -> ContactTable:
     """
     with old_file(path, FORMAT) as file:
         settings = {name: float(v) for name, v in file.attrs.items() if name not in _HEAD}
-        columns = {f.name: np.asarray(file["contact"][f.name][()]) for f in fields(ContactColumns)}
+        sizes = Sizes()
+        by_axis = {"shift": ("shift", *_BY_SHIFT), "amplitude": ("amplitude", *_BY_AMPLITUDE)}
         arrays: dict[str, Any] = {
-            name: np.asarray(file[name][()])
-            for name in ("shift", "amplitude", *_BY_SHIFT, *_BY_AMPLITUDE)
+            name: sizes.fit(name, file[name][()], f"{axis}s", gaps=name != axis)
+            for axis, names in by_axis.items()
+            for name in names
+        }
+        if not len(arrays["shift"]):
+            raise ValueError("it holds no shift")
+        columns = {
+            f.name: sizes.fit(f.name, file["contact"][f.name][()], "shifts", 2, "points", gaps=True)
+            for f in fields(ContactColumns)
         }
         contacts = ContactColumns(**columns)
         return ContactTable(
@@ -198,7 +207,7 @@ def read_contacts(path: Path) -> ContactTable:
             contacts=contacts,
             curves=_read_curves(file, arrays, contacts),
             jumps=_read_jumps(file["jumps"]),
-            outlines={name: np.asarray(d[()]) for name, d in file["outlines"].items()},
+            outlines=_read_outlines(file["outlines"]),
             notes=tuple(read_texts(file, "notes")),
             measured=_read_measured(file["measured"]) if "measured" in file else {},
             **arrays,
@@ -236,11 +245,40 @@ def _write_curves(group: Any, curves: ContactCurves) -> None:
         write_numbers(group, name, getattr(curves, name), (scale,), words)
 
 
+_CURVE_AXES: dict[str, tuple[str | int, ...]] = {
+    "shift": ("shifts",),
+    "place": ("shifts", 2),
+    "angle": ("shifts", 2),
+    "radius_difference": ("shifts",),
+    "amplitude": ("amplitudes",),
+    "conicity": ("amplitudes",),
+    "conicity_with_roll": ("amplitudes",),
+}
+
+
+def _read_outlines(group: Any) -> dict[str, Any]:
+    outlines = {
+        name: Sizes().fit(name, points[()], "points", 2, gaps=True)
+        for name, points in group.items()
+    }
+    for side in SIDES:
+        for part in ("wheel", "rail", "wheel_begin"):
+            if not len(outlines[f"{side}_{part}"]):
+                raise ValueError(f"the outline {side}_{part} has no points")
+    return outlines
+
+
 def _read_curves(file: Any, arrays: dict[str, Any], contacts: ContactColumns) -> ContactCurves:
     """Return the curves of a file; those of its table if it was written without."""
     if "curves" in file:
         group = file["curves"]
-        return ContactCurves(**{f.name: group[f.name][()] for f in fields(ContactCurves)})
+        sizes = Sizes()
+        return ContactCurves(
+            **{
+                name: sizes.fit(name, group[name][()], *axes, gaps=True)
+                for name, axes in _CURVE_AXES.items()
+            }
+        )
     known = {f.name: arrays[f.name] for f in fields(ContactCurves) if f.name in arrays}
     return ContactCurves(place=contacts.place[:, :, 0], angle=contacts.angle[:, :, 0], **known)
 

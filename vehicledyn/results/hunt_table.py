@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from vehicledyn.results.consistency import Sizes, require_known
 from vehicledyn.results.linear_file import (
     Quantity,
     new_file,
@@ -23,6 +24,9 @@ from vehicledyn.results.output import is_being_written
 
 FORMAT = "vehicledyn-hunt"
 SETTLED = "settled"
+KINDS = ("", "fold", "period_doubling", "torus", "branch_point")
+"""What a limit cycle may be besides one."""
+
 RUNNING, INTERRUPTED = "running", "interrupted"
 FIGURE_MEANINGS = {
     "linear_critical": "linear critical value (an oscillation begins to grow)",
@@ -196,14 +200,28 @@ def read_hunt(path: Path) -> HuntTable:
         If the file cannot be read or holds something else.
     """
     with old_file(path, FORMAT) as file:
+        parameter, channels = read_quantities(file, "parameter"), read_quantities(file, "channel")
+        sizes = Sizes({"channels": len(channels)})
+        if len(parameter) != 1:
+            raise ValueError("it has no single parameter")
         columns = {
-            name: np.asarray(file[f"cycle_{name}"][()])
+            name: sizes.fit(name, file[f"cycle_{name}"][()], "cycles", gaps=name == "trivial")
             for name in ("parameter", "branch", "period", "stable", "trivial")
         }
         kinds = read_texts(file, "cycle_kind")
+        require_known("cycle_kind", kinds, KINDS)
+        sizes.count("cycle_kind", kinds, "cycles")
         multipliers = read_complex(file, "cycle_multiplier")
-        smallest, greatest = file["cycle_smallest"][()], file["cycle_greatest"][()]
-        motion = file["cycle_motion"][()]
+        sizes.fit("cycle_multiplier", multipliers, "cycles", "multipliers", gaps=True)
+        smallest, greatest = (
+            sizes.fit(name, file[name][()], "cycles", "channels")
+            for name in ("cycle_smallest", "cycle_greatest")
+        )
+        motion = sizes.fit("cycle_motion", file["cycle_motion"][()], "cycles", "phases", "channels")
+        locus = sizes.fit("equilibrium_parameter", file["equilibrium_parameter"][()], "equilibria")
+        eigenvalues = read_complex(file, "eigenvalue")
+        if len(locus):
+            sizes.fit("eigenvalue", eigenvalues, "equilibria", "states")
         cycles = tuple(
             CycleRow(
                 int(columns["branch"][k]),
@@ -223,10 +241,10 @@ def read_hunt(path: Path) -> HuntTable:
         return HuntTable(
             str(file.attrs["title"]),
             str(file.attrs["model"]),
-            read_quantities(file, "parameter")[0],
-            read_quantities(file, "channel"),
-            np.asarray(file["equilibrium_parameter"][()]),
-            read_complex(file, "eigenvalue"),
+            parameter[0],
+            channels,
+            locus,
+            eigenvalues,
             cycles,
             tuple(
                 SimulatedRow(**dict(zip(_SIMULATED, numbers, strict=True)), ending=ending)

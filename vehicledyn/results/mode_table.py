@@ -10,6 +10,7 @@ from typing import Any
 import h5py
 import numpy as np
 
+from vehicledyn.results.consistency import Sizes, require_known
 from vehicledyn.results.linear_file import (
     Quantity,
     new_file,
@@ -23,6 +24,7 @@ from vehicledyn.results.linear_file import (
 )
 
 FORMAT = "vehicledyn-modes"
+KINDS = ("free", "drift", "aperiodic", "oscillation")
 
 
 @dataclass(frozen=True)
@@ -125,14 +127,30 @@ def read_modes(path: Path) -> ModeTable:
     """
     with old_file(path, FORMAT) as file:
         groups = [file[f"case_{number}"] for number in range(1, int(file.attrs["cases"]) + 1)]
-        return ModeTable(
+        states, channels = read_quantities(file, "state"), read_quantities(file, "channel")
+        table = ModeTable(
             str(file.attrs["title"]),
             str(file.attrs["model"]),
-            read_quantities(file, "state"),
-            read_quantities(file, "channel"),
+            states,
+            channels,
             tuple(read_texts(file, "coordinates")),
-            tuple(_read_case(group) for group in groups),
+            tuple(_read_case(group, len(states), len(channels)) for group in groups),
         )
+        _check(table)
+        return table
+
+
+def _check(table: ModeTable) -> None:
+    """Raise ValueError for what no program of ours writes."""
+    if not table.cases:
+        raise ValueError("it holds no case")
+    names = [channel.name for channel in table.channels]
+    require_known("coordinates", table.coordinates, names)
+    if len(set(names)) < len(names):
+        raise ValueError("two channels have one name")
+    columns = table.columns(table.coordinates)
+    for case in table.cases:
+        Sizes().fit("channel_shape", case.channel_shape[:, columns], "modes", "coordinates")
 
 
 def _write_case(
@@ -158,13 +176,18 @@ def _write_case(
         write_numbers(group, name, values, scales, words)
 
 
-def _read_case(group: h5py.Group) -> ModeCase:
+def _read_case(group: h5py.Group, n_states: int, n_channels: int) -> ModeCase:
+    sizes = Sizes({"states": n_states, "channels": n_channels})
+    kinds = tuple(read_texts(group, "kind"))
+    require_known("kind", kinds, KINDS)
+    sizes.count("kind", kinds, "modes")
+    by_state, channel_shape = ("modes", "states"), read_complex(group, "channel_shape")
     return ModeCase(
         float(group.attrs["speed"]),
         str(group.attrs["setting"]),
-        read_complex(group, "eigenvalue"),
-        tuple(read_texts(group, "kind")),
-        read_complex(group, "state_shape"),
-        read_complex(group, "channel_shape"),
-        np.asarray(group["participation"][()]),
+        sizes.fit("eigenvalue", read_complex(group, "eigenvalue"), "modes"),
+        kinds,
+        sizes.fit("state_shape", read_complex(group, "state_shape"), *by_state),
+        sizes.fit("channel_shape", channel_shape, "modes", "channels", gaps=True),
+        sizes.fit("participation", group["participation"][()], *by_state),
     )

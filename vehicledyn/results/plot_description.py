@@ -20,12 +20,16 @@ A path seen from above, with the cones and the body's outline where the file's s
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
 from vehicledyn.base.errors import InputError, unknown_name
 from vehicledyn.base.units import parse_unit
+
+_LONGEST = 100
+_FILE_NAME = re.compile(rf"[^./\\\x00-\x1f\x7f][^/\\\x00-\x1f\x7f]{{0,{_LONGEST - 1}}}")
 
 
 @dataclass(frozen=True)
@@ -105,13 +109,14 @@ def unit_factor(unit: str, shown: str) -> float:
 
 def _read_plot(description: Mapping[str, Any]) -> Plot:
     name = str(description.get("name", ""))
-    if not name or "/" in name or name.startswith("."):
-        raise InputError(f"a plot is named '{name}'; give it a name that a file can have")
+    if not _FILE_NAME.fullmatch(name):
+        shown = name[:_LONGEST].encode("unicode_escape").decode()
+        raise InputError(f"a plot is named '{shown}'; give it a name that a file can have")
     try:
         kind = description["kind"]
         title = str(description.get("title") or name)
         if kind == "time":
-            panels = tuple(_read_panel(panel) for panel in description["panels"])
+            panels = tuple(_read_panel(name, panel) for panel in _list(name, description["panels"]))
             if not panels:
                 raise InputError(f"plot '{name}' has no panels")
             x, x_unit = (str(description.get(key) or "") for key in ("x", "x_unit"))
@@ -130,9 +135,17 @@ def _read_plot(description: Mapping[str, Any]) -> Plot:
     raise InputError(f"plot '{name}': {unknown_name('kind', str(kind), ('time', 'path'))}")
 
 
-def _read_panel(panel: Mapping[str, Any]) -> Panel:
-    channels = tuple(str(channel) for channel in panel["channels"])
-    labels = tuple(str(label) for label in panel.get("labels") or channels)
+def _list(plot: str, value: Any) -> list[Any]:
+    if not isinstance(value, list | tuple):
+        raise InputError(f"plot '{plot}': a list is needed of panels, channels and labels")
+    return list(value)
+
+
+def _read_panel(plot: str, panel: Any) -> Panel:
+    if not isinstance(panel, Mapping):
+        raise InputError(f"plot '{plot}': a panel is no mapping")
+    channels = tuple(str(channel) for channel in _list(plot, panel["channels"]))
+    labels = tuple(str(label) for label in _list(plot, panel.get("labels") or channels))
     if len(labels) != len(channels):
         raise InputError(
             f"panel '{panel['label']}' has {len(labels)} labels for {len(channels)} channels"

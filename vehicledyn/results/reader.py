@@ -424,7 +424,7 @@ class Result:
 
     def _attributes(self, place: str) -> dict[str, Any]:
         with self._reading():
-            return {name: _plain(value) for name, value in self._file[place].attrs.items()}
+            return {name: _fact(name, value) for name, value in self._file[place].attrs.items()}
 
     def _text(self, place: str) -> str:
         with self._reading():
@@ -467,6 +467,14 @@ def _scene_item(dataset: h5py.Dataset) -> SceneItem:
         description=str(dataset.attrs["long_name"]),
         attributes={k: _plain(v) for k, v in dataset.attrs.items() if k not in own},
     )
+
+
+def _fact(name: str, value: Any) -> float | int | bool | str:
+    """Return a number or text; raise ValueError for what is neither."""
+    found = _plain(value)
+    if not isinstance(found, float | int | bool | str):
+        raise ValueError(f"its fact '{name}' is neither number nor text")
+    return found
 
 
 def _plain(value: Any) -> Any:

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from vehicledyn.results.consistency import Sizes
 from vehicledyn.results.linear_file import (
     Quantity,
     new_file,
@@ -103,13 +104,18 @@ def read_response(path: Path) -> ResponseTable:
         If the file cannot be read or holds something else.
     """
     with old_file(path, FORMAT) as file:
+        inputs, outputs = read_quantities(file, "input"), read_quantities(file, "output")
+        sizes = Sizes({"inputs": len(inputs), "outputs": len(outputs)})
+        response = read_complex(file, "response")
+        if not len(file["frequency"]):
+            raise ValueError("it holds no frequency")
         return ResponseTable(
             str(file.attrs["title"]),
             str(file.attrs["model"]),
             float(file.attrs["speed"]),
-            np.asarray(file["frequency"][()]),
-            read_quantities(file, "input"),
-            read_quantities(file, "output"),
-            read_complex(file, "response"),
-            np.asarray(file["static_gain"][()]),
+            sizes.fit("frequency", file["frequency"][()], "frequencies"),
+            inputs,
+            outputs,
+            sizes.fit("response", response, "frequencies", "inputs", "outputs", gaps=True),
+            sizes.fit("static_gain", file["static_gain"][()], "inputs", "outputs", gaps=True),
         )

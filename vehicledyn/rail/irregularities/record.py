@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, ClassVar
 from pydantic import Field
 
 from vehicledyn.base.columns import Column
+from vehicledyn.base.errors import InputError
 from vehicledyn.base.parameters import quantity
 from vehicledyn.base.registry import register
 from vehicledyn.rail.track_set import IrregularitySet
@@ -27,6 +28,7 @@ _QUANTITIES = ("alignment", "level", "cross_level", "gauge")
 _COLUMNS = {"s": Column("m", required=True), **{name: Column("m") for name in _QUANTITIES}}
 _EVEN = 1e-6
 
+MOST_VALUES = 2_000_000
 _GAP = 3.0
 """Ratio of the largest distance of two lines to the smallest from which on a spline swings out."""
 
@@ -75,7 +77,11 @@ class Record(IrregularitySet):
             raise refusal([columns.problem(len(s) - 1, "s", words)], str(path))
         step = float(steps.mean())
         if float(np.abs(steps - step).max()) > _EVEN * step:
-            step, values = _evened(s, values)
+            try:
+                step, values = _evened(s, values)
+            except InputError as error:
+                row = int(np.argmin(steps)) + 1
+                raise refusal([columns.problem(row, "s", str(error))], str(path)) from None
         scaled = {name: self.scale * v for name, v in values.items()}
         return rails_of(self.start, step, scaled, self.fade)
 
@@ -89,6 +95,11 @@ def _evened(s: NDArray[np.float64], values: Columns) -> tuple[float, Columns]:
     has_gaps = float(steps.max()) > _GAP * float(steps.min())
     closest = float(steps.min()) / (_FINER if has_gaps else 1)
     count = int(np.ceil(float(s[-1] - s[0]) / closest - 1e-9))
+    if count > MOST_VALUES:
+        raise InputError(
+            f"lines {closest:g} m apart on {float(s[-1] - s[0]):g} m are too uneven; "
+            "give values at equal distances"
+        )
     even = np.linspace(s[0], s[-1], count + 1)
     curve = PchipInterpolator if has_gaps else CubicSpline
     return float(even[1] - even[0]), {n: curve(s, v)(even) for n, v in values.items()}

@@ -26,6 +26,7 @@ LARGEST_DEVIATION = 1e-6
 MOST_CELLS = 2_000_000
 _FEWEST = 2
 _HIGHEST = 10.0
+_FARTHEST = 1e6
 _COLUMNS = {"x": Column("m", required=True), "z": Column("m", required=True)}
 
 
@@ -102,6 +103,10 @@ def _problems(columns: Columns, x: list[float], z: list[float]) -> list[Problem]
             same = x[row] == x[row - 1]
             words = "the place is there twice" if same else "the places do not grow; sort them by x"
             return [columns.problem(row, "x", words)]
+    far = [row for row, place in enumerate(x) if abs(place) > _FARTHEST]
+    if far:
+        words = f"farther than {_FARTHEST:g} m; is the unit in the head right?"
+        return [columns.problem(far[0], "x", words)]
     steep = [row for row, height in enumerate(z) if abs(height - z[0]) > _HIGHEST]
     words = f"{_HIGHEST:g} m away from the first height; is the unit in the head right?"
     return [columns.problem(row, "z", f"more than {words}") for row in steep[:1]]

@@ -1,0 +1,103 @@
+"""The campaign: so many cases of each kind, over some processes, and a table of what happened."""
+
+import multiprocessing
+import random
+from collections import Counter, defaultdict
+from dataclasses import dataclass, field
+
+import harness
+import result_cases
+import table_cases
+import warm
+import yaml_cases
+
+KINDS = {
+    "scenario": yaml_cases.scenario,
+    "system": yaml_cases.system,
+    "study": yaml_cases.study,
+    "option": yaml_cases.option,
+    "expression": yaml_cases.expression,
+    "profile": table_cases.profile,
+    "track": table_cases.track,
+    "road": table_cases.road,
+    "motion": table_cases.motion,
+    "cases": table_cases.cases_table,
+    "result": result_cases.result,
+}
+WEIGHTS = {"scenario": 3, "system": 3, "option": 2, "result": 4}
+
+
+@dataclass
+class Table:
+    """Exit codes, the longest time and the most memory by kind, and what failed."""
+
+    codes: dict = field(default_factory=lambda: defaultdict(Counter))
+    seconds: dict = field(default_factory=lambda: defaultdict(float))
+    memory: dict = field(default_factory=lambda: defaultdict(int))
+    failures: list = field(default_factory=list)
+
+    def enter(self, kind, number, code, signal, seconds, memory, faults):
+        self.codes[kind][f"signal {signal}" if signal else str(code)] += 1
+        self.seconds[kind] = max(self.seconds[kind], seconds)
+        self.memory[kind] = max(self.memory[kind], memory)
+        if faults:
+            self.failures.append((kind, number, "; ".join(faults)))
+
+    def as_text(self, wall):
+        total = sum(counter.total() for counter in self.codes.values())
+        lines = [f"{total} cases in {wall:.0f} s, {len(self.failures)} failed"]
+        for kind, codes in self.codes.items():
+            shown = ", ".join(f"{code}: {count}" for code, count in sorted(codes.items()))
+            lines.append(
+                f"  {kind:10} {codes.total():6} cases, at most {self.seconds[kind]:5.2f} s and "
+                f"{self.memory[kind] / 2**20:4.0f} MiB; exit codes {shown}"
+            )
+        lines += [f"FAILED {kind} {number}: {words}" for kind, number, words in self.failures]
+        return "\n".join(lines)
+
+
+def case_of(kind, number):
+    """Return a case, which follows from its kind and number alone."""
+    return KINDS[kind](random.Random(f"{kind} {number}"), f"{kind} {number}")
+
+
+def shares(number, kinds=None):
+    """Return how many cases each kind gets."""
+    chosen = kinds or list(KINDS)
+    whole = sum(WEIGHTS.get(kind, 1) for kind in chosen)
+    return {kind: max(1, number * WEIGHTS.get(kind, 1) // whole) for kind in chosen}
+
+
+def attack(number, *, first=0, kinds=None, processes=2, keep=None, tell=None):
+    """Run a campaign and return its table."""
+    warm.up()
+    counts = shares(number, kinds)
+    if "result" in counts:
+        result_cases.seeds()
+    numbered = [(kind, k) for kind, count in counts.items() for k in range(first, first + count)]
+    random.Random(1).shuffle(numbered)
+    table = Table()
+    context = multiprocessing.get_context("fork")
+    with context.Pool(processes, initializer=_begin, initargs=(keep,)) as pool:
+        for found in pool.imap_unordered(_attack_one, numbered, chunksize=4):
+            table.enter(*found)
+            if tell is not None and found[-1]:
+                tell(f"FAILED {found[0]} {found[1]}: {'; '.join(found[-1])}")
+    table.failures.sort()
+    return table
+
+
+_KEEP = []
+
+
+def _begin(keep):
+    _KEEP.append(keep)
+
+
+def _attack_one(item):
+    kind, number = item
+    outcome = harness.run(case_of(kind, number), keep=_KEEP[0])
+    return (
+        kind, number, outcome.code, outcome.signal, outcome.seconds, outcome.memory,
+        outcome.faults,
+    )  # fmt: skip

@@ -1,0 +1,57 @@
+"""A thousand spoilt inputs of every kind: refused or computed, and nothing else.
+
+``python tests/hostile --number 100000 --processes 8`` does the same at length.
+"""
+
+import campaign
+import harness
+import pytest
+
+NUMBER = 1000
+
+
+@pytest.mark.hostile
+@pytest.mark.parametrize("kind", campaign.KINDS)
+def test_the_program_holds(kind):
+    failed = []
+    for number in range(campaign.shares(NUMBER)[kind]):
+        outcome = harness.run(campaign.case_of(kind, number))
+        if outcome.faults:
+            failed.append(f"{kind} {number}: {'; '.join(outcome.faults)}")
+    assert failed == []
+
+
+def test_cases_follow_from_their_numbers():
+    for kind in campaign.KINDS:
+        if kind != "result":  # whose seeds hold the time at which they were computed
+            first, again = campaign.case_of(kind, 7), campaign.case_of(kind, 7)
+            assert (first.command, first.files) == (again.command, again.files)
+            other = campaign.case_of(kind, 8)
+            assert (other.command, other.files) != (first.command, first.files)
+
+
+@pytest.mark.parametrize(
+    ("program", "fault"),
+    [
+        ("import os; os.kill(os.getpid(), 11)", "killed by signal 11"),
+        ("raise SystemExit(70)", "exit code 70"),
+        ("raise ValueError('no')", "exit code 99"),
+        ("raise SystemExit(2)", "exit code 2 without a word"),
+        ("print('x' * 300_000)", "letters of output"),
+        ("import pathlib; pathlib.Path('rest.tmp').write_text('')", "leaves rest.tmp"),
+        ("import warnings; warnings.warn('no')", "a warning of Python's"),
+        ("x = b'1' * (200 << 20); del x", "MiB of memory"),
+    ],
+)
+def test_the_harness_sees_faults(monkeypatch, program, fault):
+    def call(_):
+        try:
+            exec(program)
+        except SystemExit as end:
+            return end.code
+        return 0
+
+    monkeypatch.setattr(harness, "call", call)
+    monkeypatch.setattr(harness, "MOST_MEMORY", 300 << 20)
+    outcome = harness.run(harness.Case("fault", {}, []))
+    assert any(fault in found for found in outcome.faults), outcome

@@ -1,0 +1,144 @@
+"""Inputs that the program once answered with a bug, a hang or a lack of memory."""
+
+import io
+import json
+
+import pytest
+import result_cases
+import table_cases
+import yaml_cases
+from harness import Case, run
+
+MEASURED = "s [m], curvature [1/km], cant [mm]\n"
+RECORD = "s [m], level [mm], cross_level [mm]\n"
+ROAD = "x [m], z [mm]\n"
+
+
+def refused(case, words):
+    outcome = run(case)
+    assert (outcome.code, outcome.faults) == (2, []), outcome
+    assert words in outcome.text
+
+
+@pytest.mark.parametrize(
+    ("rows", "words"),
+    [
+        ("0,0,0\n1e301,0,0\n", "s.csv:3:1: s: 1e+301 m is farther than a track begins or ends"),
+        ("-1e308,0,0\n1e308,1,0\n", "s.csv:2:1: s: "),
+        ("0,0,0\n1e9,0,0\n", "s.csv:3:1: s: "),
+        ("0,0,0\n1e6,1,0\n2e6,0,0\n", "a track of 2e+06 m is too long, 200000 m at most"),
+    ],
+)
+def test_tracks_beyond_all_bounds(rows, words):
+    track = f"kind: measured\nfile: s.csv\n{table_cases.HEAD}"
+    files = {"t.yaml": track.encode(), "s.csv": (MEASURED + rows).encode()}
+    refused(Case("track", files, ["track", "t.yaml"]), words)
+
+
+@pytest.mark.parametrize("rows", ["0,0,0\n1e-12,1,0\n1000,0,0\n", "0,0,0\n1e-5,1,0\n100000,0,0\n"])
+def test_records_that_no_even_grid_holds(rows):
+    track = table_cases.OF_TABLES["rough.csv"].replace("fade: 2 m", "fade: 0 m")
+    files = {"t.yaml": track.encode(), "rough.csv": (RECORD + rows).encode()}
+    refused(Case("record", files, ["track", "t.yaml"]), "are too uneven; give values at equal")
+
+
+@pytest.mark.parametrize("rows", ["0,0\n1e301,1\n", "-1e301,0\n1e301,1\n"])
+def test_roads_beyond_all_bounds(rows):
+    flat = yaml_cases.scenario_texts()["scenarios/iltis_ramp_steer.yaml"]
+    text = flat.replace("kind: flat", "kind: profile\n  file: r.csv")
+    files = {"a.yaml": text.encode(), "r.csv": (ROAD + rows).encode()}
+    refused(Case("road", files, ["run", "a.yaml"]), "x: farther than 1e+06 m")
+
+
+@pytest.mark.parametrize("factor", [20.0, 1e3, 1e6])
+@pytest.mark.parametrize("name", ["s1002.csv", "60e1.csv"])
+def test_profiles_a_thousand_times_too_high(name, factor):
+    lines = table_cases.profiles()[name].splitlines()[1:]
+    pairs = [line.split(",") for line in lines]
+    text = "# unit: mm\n" + "".join(f"{y}, {float(z) * factor!r}\n" for y, z in pairs)
+    pair = [name, "60E1"] if name == "s1002.csv" else ["S1002", name]
+    refused(Case("profile", {name: text.encode()}, ["profiles", *pair]), "mm high, read in mm")
+
+
+def changed(name, change):
+    """Return a whole result without checksums that a function has changed."""
+    import h5py
+
+    box = io.BytesIO(result_cases._unsealed(result_cases.seeds()[name]))
+    with h5py.File(box, "r+") as file:
+        change(file)
+    return box.getvalue()
+
+
+def facts_that_are_lists(file):
+    file["solver"].attrs["method"] = [1, 2, 3]
+
+
+def plot_named(name, panels=None):
+    def change(file):
+        channel = file.attrs["channels"][0]
+        usual = [{"label": "a", "unit": "rad", "channels": [channel]}]
+        plot = {"name": name, "kind": "time", "title": "x", "panels": panels or usual}
+        del file["plots/descriptions"]
+        file["plots"].create_dataset("descriptions", data=json.dumps([plot]))
+
+    return change
+
+
+@pytest.mark.parametrize(
+    ("change", "verb", "words"),
+    [
+        (facts_that_are_lists, "info", "its fact 'method' is neither number nor text"),
+        (plot_named("a\0b"), "plot", r"a plot is named 'a\x00b'"),
+        (plot_named("a" * 5000), "plot", "give it a name that a file can have"),
+        (plot_named("../a"), "plot", "give it a name that a file can have"),
+        (plot_named("a", [3]), "plot", "plot 'a': a panel is no mapping"),
+        (plot_named("a", [3]), "report", "plot 'a': a panel is no mapping"),
+        (plot_named("a", 3), "animate", "plot 'a': a list is needed"),
+        (plot_named("a", [{"label": "a", "unit": "1", "channels": 5}]), "plot", "a list is needed"),
+    ],
+)
+def test_runs_that_say_what_none_says(change, verb, words):
+    refused(Case(verb, {"run.h5": changed("run.h5", change)}, [verb, "run.h5"]), words)
+
+
+def set_value(place, value, row=...):
+    def change(file):
+        item = file[place][()]
+        item[row] = value
+        file[place][...] = item
+
+    return change
+
+
+def cut(place):
+    def change(file):
+        old = file[place][()]
+        del file[place]
+        file.create_dataset(place, data=old[: len(old) // 2])
+
+    return change
+
+
+@pytest.mark.parametrize(
+    ("name", "change", "words"),
+    [
+        ("modes.h5", set_value("coordinates", b"nobody", 0), "'nobody' is unknown"),
+        ("modes.h5", set_value("case_1/state_shape_real", float("inf")), "no finite numbers"),
+        ("modes.h5", set_value("case_1/channel_shape_imag", 1e308), "no finite numbers"),
+        ("modes.h5", set_value("case_1/eigenvalue_real", float("nan")), "no finite numbers"),
+        ("modes.h5", set_value("case_1/kind", b"strange", 0), "'strange' is unknown"),
+        ("modes.h5", cut("case_1/participation"), "participation has 1 modes, not 2"),
+        ("response.h5", cut("frequency"), "response has 20 frequencies, not 10"),
+        ("contact.h5", cut("shift"), "has 3 shifts, not 1"),
+        ("contact.h5", cut("curves/place"), "place has "),
+        ("hunt.h5", cut("cycle_period"), "period has "),
+        ("hunt.h5", cut("equilibrium_parameter"), "eigenvalue has "),
+    ],
+)
+@pytest.mark.parametrize("verb", ["info", "plot", "report"])
+def test_tables_that_do_not_fit_together(name, change, words, verb):
+    outcome = run(Case(name, {name: changed(name, change)}, [verb, name]))
+    assert (outcome.code, outcome.faults) == (2, []), outcome
+    assert f"{name}: is damaged (" in outcome.text
+    assert words in outcome.text
