@@ -113,6 +113,22 @@ def test_many_four_bars_pass_at_once():
 R, L, J, M = 0.3, 0.8, 0.05, 1.7
 
 
+@pytest.mark.parametrize(("angle", "rate"), [(1.3, 6.0), (1.8, -8.0)])
+def test_a_loop_that_first_moves_away_from_its_singular_configuration(angle, rate):
+    """Its determinant grows at the start and passes zero before the first sample."""
+    start = {"upright_0.angle": angle, "upright_0.angle_rate": rate}
+    motion = Motion(four_bars(1), rk4(0.05), 0.5, 0.5, **start)
+    inertia, pull = 2 / 3 + 1, 9.81 * 2
+
+    def pendulum(time, x):
+        return [x[1], -pull / inertia * np.cos(x[0])]
+
+    exact = solve_ivp(pendulum, (0, 0.5), [angle, rate], method="DOP853", rtol=1e-13, atol=1e-13).y[
+        0, -1
+    ]
+    assert motion.channel["upright_1.angle"][-1] == pytest.approx(exact, abs=POSITION)
+
+
 def slider_crank(angle, role):
     """A crank that turns freely and carries a slider on; ``role`` is that of the crank's angle."""
     crank_joint = Joint("R3", "crank.angle", angle, role, 4.0)

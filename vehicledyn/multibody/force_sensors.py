@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 from vehicledyn.base.errors import InputError
 from vehicledyn.multibody.dynamics import JointWrench
 from vehicledyn.multibody.kinematics import Kinematics
-from vehicledyn.multibody.parts import BasePart, Output, Situation
+from vehicledyn.multibody.parts import BasePart, ForcesUnknownError, Output, Situation
 from vehicledyn.symbolic import ops
 from vehicledyn.symbolic.equations import Channel
 from vehicledyn.symbolic.ops import Mat, Scalar, Vec
@@ -90,7 +90,7 @@ class ConstraintForceSensor(BasePart):
 
 def _forces(name: str, situation: Situation) -> TransmittedForces:
     if situation.forces is None:
-        raise InputError(f"sensor '{name}': forces are known to outputs only")
+        raise ForcesUnknownError(f"sensor '{name}': forces are known to outputs only")
     return situation.forces
 
 

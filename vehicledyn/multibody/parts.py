@@ -10,6 +10,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Protocol
 
+from vehicledyn.base.errors import InputError
 from vehicledyn.base.shapes import Shape
 from vehicledyn.multibody.kinematics import Kinematics
 from vehicledyn.symbolic.equations import Channel, Direction, Variable
@@ -45,6 +46,10 @@ class Clock:
 
     time: Scalar
     states: dict[str, Scalar]
+
+
+class ForcesUnknownError(InputError):
+    """A channel needs forces of joints or constraints where only positions are known."""
 
 
 @dataclass(frozen=True)

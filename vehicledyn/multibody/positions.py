@@ -11,7 +11,7 @@ from vehicledyn.multibody.configuration import Place
 from vehicledyn.multibody.gaps import Gaps, rows_of_system
 from vehicledyn.multibody.kinematics import Kinematics
 from vehicledyn.multibody.loops import Moment, guesses, start_values
-from vehicledyn.multibody.parts import Output
+from vehicledyn.multibody.parts import ForcesUnknownError, Output
 from vehicledyn.multibody.system import System
 from vehicledyn.multibody.tree import Tree, unfold
 from vehicledyn.multibody.unknowns import Symbols, declare, locked, motions
@@ -46,6 +46,8 @@ class Positions:
         too is shown at rest.
     speeds
         Channels that are linear in the rates: velocities of points and bodies.
+    without_channels
+        Names of the sensors that have no channels here, since they show forces.
     """
 
     def __init__(self, system: System) -> None:
@@ -74,6 +76,7 @@ class Positions:
         )
         seen = _Seen.of(system, tree, symbols)
         self.channels, self.speeds = seen.channels, seen.speeds
+        self.without_channels = seen.without_channels
         q = symbols.coordinate_column
         self._values = ops.numeric([q], seen.values)
         self._slopes = ops.numeric([q], ops.jacobian(seen.values, q))
@@ -113,6 +116,7 @@ class _Seen:
     values: Scalar
     speeds: tuple[Channel, ...]
     speed_slopes: Scalar
+    without_channels: tuple[str, ...]
 
     @classmethod
     def of(cls, system: System, tree: Tree, symbols: Symbols) -> _Seen:
@@ -130,7 +134,8 @@ class _Seen:
         speed_slopes = []
         moving = ops.stacked(rates, unsteady)
         still = ops.column([0.0] * moving.shape[0])
-        for channel, expression in _outputs(system, symbols, kinematics):
+        outputs, without = _outputs(system, symbols, kinematics)
+        for channel, expression in outputs:
             given = ops.substitute(expression, known, numbers)
             at_rest = ops.substitute(given, moving, still)
             if ops.depends_on(at_rest, q):
@@ -147,20 +152,28 @@ class _Seen:
             ops.column([output.expression for output in found]),
             tuple(speeds),
             ops.stacked(ops.jacobian(ops.column([]), q), *speed_slopes),
+            tuple(without),
         )
 
 
 def _outputs(
     system: System, symbols: Symbols, kinematics: Kinematics
-) -> list[tuple[Channel, Scalar]]:
-    """Return the channels of all parts but of those with unknowns of their own."""
-    found = []
+) -> tuple[list[tuple[Channel, Scalar]], list[str]]:
+    """Return the channels of all parts, and the names of those that show forces.
+
+    Left out are these, which a motion without forces cannot have, and parts with unknowns.
+    """
+    found, without = [], []
     for part in system.parts:
         if part.unknowns() or part.reactions():
             continue
-        for output in part.outputs(symbols.situation(part, kinematics)):
-            found.append((output.channel, ops.scalar(output.expression)))
-    return found
+        try:
+            outputs = part.outputs(symbols.situation(part, kinematics))
+        except ForcesUnknownError:
+            without.append(part.name)
+            continue
+        found += [(output.channel, ops.scalar(output.expression)) for output in outputs]
+    return found, without
 
 
 def _given(system: System, symbols: Symbols) -> tuple[Scalar, Scalar]:

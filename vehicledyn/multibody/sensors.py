@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from vehicledyn.multibody.parts import BasePart, Output, Situation
+from vehicledyn.multibody.parts import BasePart, ForcesUnknownError, Output, Situation
 from vehicledyn.symbolic import ops, rotations
 from vehicledyn.symbolic.equations import Channel
 from vehicledyn.symbolic.ops import Scalar
@@ -88,7 +88,7 @@ class FloorSensor(BasePart):
     def outputs(self, situation: Situation) -> tuple[Output, ...]:
         """Return the three accelerations and the roll rate."""
         if situation.forces is None:
-            raise TypeError(f"{self.name}: gravity is known to outputs only")
+            raise ForcesUnknownError(f"sensor '{self.name}': gravity is known to outputs only")
         kinematics, gravity = situation.kinematics, situation.forces.gravity
         to_body = kinematics.rotation(self.body).T
         felt = to_body @ (kinematics.acceleration(self.body, self.point) - gravity)

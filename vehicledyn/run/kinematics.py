@@ -94,7 +94,17 @@ def sweep_kinematics(
     book = _Book(machine, _wheels(system, positions))
     shown = book.shown(wish.columns)
     swept = run_sweep(machine, drives, together=wish.together, told=progress)
-    return _Files(target, system.name, output, plots).write(book, swept, shown)
+    files = _Files(target, system.name, output, plots, _left_out(positions))
+    return files.write(book, swept, shown)
+
+
+def _left_out(positions: Positions) -> list[str]:
+    """Return a note on the sensors that have no channels, if there are any."""
+    names = positions.without_channels
+    if not names:
+        return []
+    listed = ", ".join(f"'{name}'" for name in names)
+    return [f"left out: {listed}, since a motion along a path knows no forces"]
 
 
 def _wheels(system: System, positions: Positions) -> list[WheelColumns]:
@@ -250,6 +260,7 @@ class _Files:
     model: str
     output: Path
     plots: Path | None
+    notes: list[str]
 
     def write(self, book: _Book, swept: Sweep, shown: tuple[int, ...]) -> KinematicsReport:
         """Write result and figures; return the report."""
@@ -263,8 +274,8 @@ class _Files:
             expected_samples=max(1, len(table)),
         ) as writer:
             writer.append(np.arange(len(table), dtype=float), table)
-            writer.close(status, message, summary=list(_summary(book, swept)))
-        messages = [f.words for f in swept.failures]
+            writer.close(status, message, summary=list(_summary(book, swept)), notes=self.notes)
+        messages = [*self.notes, *(f.words for f in swept.failures)]
         if message:
             messages.append(f"{status}; the partial result is kept in {self.output}")
         if self.plots is not None and len(table) > 1 and plots:

@@ -27,6 +27,10 @@ after every few steps that are refused, as rounding sets a limit."""
 _GAP = 0.47
 """Middle of the widest gap between the stages of the pair of order 8, as a part of its step."""
 _MOST_TRIES, _PATIENCE = 60, 6
+_STRIDES = 90
+"""Steps at most in which a passage looks for a singular configuration that is not yet ahead."""
+_NEARER = 0.5
+"""Part of the first determinant below which a block has come near to being singular."""
 _APPROACHES = 5
 _PROBE = 1e-7
 
@@ -75,20 +79,24 @@ class Passage:
         NumericalError
             If it is not passed before the time ``until``.
         """
-        refused, far = 0, np.abs(self._pivots(self.time, self._y)[list(crossing)])
-        for _ in range(_MOST_TRIES):
-            wait = self._time_to(crossing)
+        first, refused, met = self._weak(crossing), 0, False
+        stride = (until - self.time) / _STRIDES
+        for _ in range(_MOST_TRIES + _STRIDES):
+            here, wait = self._weak(crossing), self._time_to(crossing)
+            nearer = np.abs(here) < _NEARER * np.abs(first)
+            met = met or bool((here * first < 0.0).any() or nearer.any())
+            is_far = wait <= 0.0 and bool((np.abs(here) >= np.abs(first)).all())
+            if is_far and (met or self.time >= until):
+                return self.time
+            # A pivot may grow for a while before it falls to zero within the same interval.
+            if wait <= 0.0 or (not met and wait > until - self.time):
+                self.advance(self.time + (0.2 * (until - self.time) if met else stride))
+                continue
             self._tolerance = self._aim * 10.0 ** (refused // _PATIENCE)
-            refused += wait > 0.0
-            if wait > 0.0 and self._jump(wait / _GAP):
+            refused += 1
+            if self._jump(wait / _GAP):
                 return self.time
-            if (
-                wait <= 0.0
-                and (np.abs(self._pivots(self.time, self._y)[list(crossing)]) >= far).all()
-            ):
-                return self.time
-            ahead = 0.2 * (until - self.time)
-            self.advance(self.time + (min(0.15 * wait, ahead) if wait > 0.0 else ahead))
+            self.advance(self.time + min(0.15 * wait, max(0.2 * (until - self.time), 0.0)))
         raise NumericalError("the singular configuration is not passed")
 
     def approach(self, crossing: Sequence[int]) -> Iterator[Sample]:
@@ -142,6 +150,10 @@ class Passage:
         waits = np.divide(-here, slope, out=np.full(here.size, -1.0), where=slope != 0.0)
         coming = waits[waits > 0.0]
         return float(coming.min()) if coming.size else -1.0
+
+    def _weak(self, crossing: Sequence[int]) -> Vector:
+        """Return the determinants of some blocks here."""
+        return self._pivots(self.time, self._y)[list(crossing)]
 
     def _pivots(self, time: float, y: Vector) -> Vector:
         return self._kernel.pivots([time], y[None, : self._n], y[None, self._n :]).ravel()

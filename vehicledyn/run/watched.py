@@ -240,9 +240,8 @@ class _Run:
         passage = Passage(self.kernel, begin, self._tolerance)
         try:
             behind = passage.go(crossing=crossing.blocks, until=crossing.until)
-            first, last = self._index(begin.time) + 1, self._index(behind)
-            if self._time(last) > self._end:
-                last = self._index(self._end)
+            first = self._index(begin.time) + 1
+            last = max(first, min(self._index(behind), self._index(self._end)))
             if self._time(last) > behind:
                 passage.advance(self._time(last))
             samples = [passage.sample(self._time(k)) for k in range(first, last + 1)]

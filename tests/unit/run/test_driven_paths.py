@@ -191,3 +191,40 @@ def test_mirrored_wheels_stand_alike(tmp_path):
     for name in ("toe_angle", "camber", "half_track", "contact_x", "contact_z"):
         assert seen[f"wheel_right.{name}"] == pytest.approx(seen[f"wheel_left.{name}"], abs=1e-14)
     assert seen["wheel_right.steer_angle"] == pytest.approx(-seen["wheel_left.steer_angle"])
+
+
+def test_sensors_of_forces_are_left_out(tmp_path):
+    """A path without forces has no channels for them, and the report says which are missing."""
+    system = tmp_path / "hoist.yaml"
+    system.write_text(HOIST, encoding="utf-8")
+    output = tmp_path / "hoist.h5"
+    wish = Wish({"drum.angle": "0:1 rad:2"})
+    target = load_model(str(system))
+    report = sweep_kinematics(target, wish, output=output, plots=None, progress=lambda *_: None)
+    note = "left out: 'bearing', 'holds', 'floor', since a motion along a path knows no forces"
+    assert report.messages == [note]
+    names = [c.name for c in report.channels]
+    height = report.table[:, names.index("load.height")]
+    assert height == pytest.approx([-1.0, -0.9, -0.8], abs=1e-12)
+    assert not any(name.startswith(("bearing", "holds", "floor")) for name in names)
+
+
+HOIST = """
+title: A load hangs on a drum
+bodies:
+  drum: {joints: [R2 angle], mass: 20 kg, inertia: [0.4, 0.4, 0.4]}
+  load: {joints: [{kind: T3, name: height, start: -1 m}], mass: 50 kg}
+  arm: {joints: [R2 swing], mass: 1 kg, inertia: [1, 1, 1]}
+constraints:
+  rope: {kind: rack, sliding: load.height, turning: drum.angle, radius: 0.2 m, offset: -1 m}
+cuts:
+  stay:
+    kind: rod
+    a: {body: ground, point: [0, 0, 0]}
+    b: {body: arm, point: [0, 0, 0.5 m]}
+    length: 0.5 m
+sensors:
+  bearing: {kind: reaction, body: drum, axes: parent, shows: [force]}
+  holds: {kind: constraint_force, constraint: stay, body: arm}
+  floor: {kind: floor, body: load}
+"""
