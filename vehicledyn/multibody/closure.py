@@ -6,7 +6,7 @@ solved block by block with pivots chosen at assembly.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from vehicledyn.multibody.partition import Partition
 from vehicledyn.symbolic import ops
@@ -98,6 +98,37 @@ class Closure:
             {position[c]: v for c, v in self.jacobian[row].items() if c in position}
             for row, _ in self.partition.pairs
         ]
+
+
+@dataclass(frozen=True)
+class MultiplierClosure:
+    """Stands for the closure where no coordinate is dependent.
+
+    ``jacobian``, ``rate`` and ``quadratic`` are those of all rows, see :class:`Closure`;
+    ``found`` are the multipliers by row.
+    """
+
+    partition: Partition
+    jacobian: Rows
+    rate: list[Scalar]
+    quadratic: list[Scalar]
+    found: dict[int, Scalar] = field(default_factory=dict)
+
+    def dependent_rates(self, rates: dict[int, Scalar]) -> dict[int, Scalar]:
+        """Return nothing: the rates of all coordinates are states."""
+        return {}
+
+    def dependent_accelerations(self, accelerations: dict[int, Scalar]) -> dict[int, Scalar]:
+        """Return nothing: all accelerations are solved for together."""
+        return {}
+
+    def influence(self, independent: list[int]) -> dict[int, dict[int, Scalar]]:
+        """Return nothing: no coordinate follows from others."""
+        return {}
+
+    def multipliers(self, forces: dict[int, Scalar]) -> dict[int, Scalar]:
+        """Return the multiplier of each kept row."""
+        return dict(self.found)
 
 
 def _transposed_order(partition: Partition) -> list[tuple[int, int]]:

@@ -6,9 +6,11 @@ from dataclasses import dataclass, field, replace
 
 from vehicledyn.base.errors import InputError
 from vehicledyn.base.wording import lower_first
+from vehicledyn.multibody.closure import MultiplierClosure
 from vehicledyn.multibody.impacts import Impacts
 from vehicledyn.multibody.loops import Loops
-from vehicledyn.multibody.observation import Exerted, Solved, exerted, observe
+from vehicledyn.multibody.multipliers import Multipliers, Projection
+from vehicledyn.multibody.observation import Exerted, Solved, drifts, exerted, observe
 from vehicledyn.multibody.part_events import collect_events
 from vehicledyn.multibody.parts import Motion, Output, Part
 from vehicledyn.multibody.system import Joint, System
@@ -63,13 +65,15 @@ def collect(
     roles: Roles,
     solved: Solved,
     moved: dict[str, Motion],
+    multipliers: Multipliers | None = None,
+    projection: Projection | None = None,
 ) -> Equations:
     """Return the equations of a solved system.
 
     States are the independent coordinates, their rates, the coordinates whose rates alone are
     dependent, and the parts' states; unknowns are the dependent coordinates in the order of
     solution, the parts' unknowns and, in one block, the forces of constraints that loads depend
-    on.
+    on. With ``multipliers`` the states are those that ``projection`` puts onto the constraints.
 
     Raises
     ------
@@ -77,6 +81,12 @@ def collect(
         If two parts give a channel of the same name.
     """
     joints = symbols.joints
+    finished = _Finish(symbols, moved, projection)
+    at, rates = (
+        (symbols.coordinates, symbols.rates)
+        if projection is None
+        else (projection.coordinates, projection.rates)
+    )
     part_states = [(p, v) for p in system.parts for v in p.states()]
     part_unknowns = [(p, v) for p in system.parts for v in p.unknowns()]
     reactions = [(p, v) for p in system.parts for v in p.reactions()]
@@ -84,8 +94,8 @@ def collect(
     dependent = [joints[k] for k in roles.dependent]
     following = [joints[k] for k in roles.following]
     state = [
-        *(symbols.coordinates[j.name] for j in independent),
-        *(symbols.rates[j.name] for j in independent),
+        *(at[j.name] for j in independent),
+        *(rates[j.name] for j in independent),
         *(symbols.coordinates[j.name] for j in following),
         *(symbols.states[p.name][v.name] for p, v in part_states),
     ]
@@ -104,14 +114,15 @@ def collect(
     kept = [loops.constraints[row].residual.expression for row, _ in loops.positions.pairs]
     forces = exerted(system, symbols, loops, solved)
     implicit = _reaction_residuals(system, symbols, solved, forces)
-    outputs = observe(system, symbols, loops, solved, forces)
+    outputs = [*observe(system, symbols, loops, solved, forces), *drifts(projection)]
     _check_unique(outputs)
     states = (
         *_coordinate_states(independent, loops),
         *(_coordinate(j, loops.start[j.name]) for j in following),
         *_part_variables(part_states),
     )
-    impacts = Impacts(symbols, loops, solved, roles.independent)
+    respond = None if multipliers is None else multipliers.impulse_response
+    impacts = Impacts(symbols, loops, solved, roles.independent, respond)
     unknowns = (
         *(_coordinate(j, loops.start[j.name]) for j in dependent),
         *_part_variables(part_unknowns),
@@ -132,10 +143,10 @@ def collect(
         state=ops.column(state),
         algebraic=ops.column(algebraic),
         parameter=ops.column([e.symbol for e in system.table.entries]),
-        rate=_put_motions(ops.column(rate), symbols, moved),
-        residual=_put_motions(ops.column([*kept, *contact, *implicit]), symbols, moved),
-        output=_put_motions(ops.column([o.expression for o in outputs]), symbols, moved),
-        event=_put_motions(ops.column(found.functions), symbols, moved),
+        rate=finished(ops.column(rate)),
+        residual=finished(ops.column([*kept, *contact, *implicit])),
+        output=finished(ops.column([o.expression for o in outputs])),
+        event=finished(ops.column(found.functions)),
         states=states,
         unknowns=unknowns,
         parameters=tuple(
@@ -150,9 +161,9 @@ def collect(
         positions=tuple(range(n)),
         events=tuple(found.events),
         velocities=tuple(range(n, 2 * n)),
-        slopes=_put_motions(_slopes(loops, contact, implicit, unknowns=algebraic), symbols, moved),
-        reset=_put_motions(ops.column(found.new_values), symbols, moved),
-        structure=_structure(system, symbols, loops, roles),
+        slopes=finished(_slopes(loops, contact, implicit, unknowns=algebraic)),
+        reset=finished(ops.column(found.new_values)),
+        structure=_structure(system, symbols, loops, roles, multipliers),
     )
     return with_tables(equations)
 
@@ -215,11 +226,22 @@ def _slopes(
     )
 
 
-def _put_motions(expression: Scalar, symbols: Symbols, moved: dict[str, Motion]) -> Scalar:
-    """Return an expression with the driven coordinates and rates replaced by their motions."""
-    old = [symbols.coordinates[n] for n in moved] + [symbols.rates[n] for n in moved]
-    new = [m.position for m in moved.values()] + [m.velocity for m in moved.values()]
-    return ops.substitute(expression, ops.column(old), ops.column(new))
+@dataclass(frozen=True)
+class _Finish:
+    """Writes expressions of coordinates and rates as those of the states and of time."""
+
+    symbols: Symbols
+    moved: dict[str, Motion]
+    projection: Projection | None
+
+    def __call__(self, expression: Scalar) -> Scalar:
+        """Return an expression, its driven coordinates and rates replaced by their motions."""
+        s, moved = self.symbols, self.moved
+        if self.projection is not None:
+            expression = self.projection.applied(expression)
+        old = [s.coordinates[n] for n in moved] + [s.rates[n] for n in moved]
+        new = [m.position for m in moved.values()] + [m.velocity for m in moved.values()]
+        return ops.substitute(expression, ops.column(old), ops.column(new))
 
 
 def _coordinate(joint: Joint, start: float) -> Variable:
@@ -274,10 +296,19 @@ def _check_unique(outputs: list[Output]) -> None:
         seen.add(output.channel.name)
 
 
-def _structure(system: System, symbols: Symbols, loops: Loops, roles: Roles) -> dict[str, object]:
+def _structure(
+    system: System,
+    symbols: Symbols,
+    loops: Loops,
+    roles: Roles,
+    multipliers: Multipliers | None,
+) -> dict[str, object]:
     """Return facts for people: bodies, coordinates by role, cuts, redundant constraints."""
     name = [j.name for j in symbols.joints]
     partition = loops.closure.partition
+    bears = (
+        len(loops.closure.multipliers({})) if isinstance(loops.closure, MultiplierClosure) else 0
+    )
     return {
         "bodies": [
             {
@@ -306,5 +337,7 @@ def _structure(system: System, symbols: Symbols, loops: Loops, roles: Roles) -> 
         ],
         "undetermined": [loops.constraints[row].label for row in sorted(loops.undetermined)],
         "parts": [part.name for part in system.parts],
-        "degrees_of_freedom": len(roles.independent),
+        "degrees_of_freedom": len(roles.independent) - bears,
+        "constraint_method": "multipliers" if bears else "partitioning",
+        "sparse_solves": multipliers is not None and multipliers.solves_sparsely,
     }

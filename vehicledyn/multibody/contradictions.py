@@ -125,6 +125,8 @@ def rigid_loops(system: System, place: Place, q: Array) -> tuple[RigidLoop, ...]
             continue
         if not columns and any(loop_joints(system, name) for name in names):
             continue  # A cut that its joints leave closed anyway, as a second hinge in line.
+        if len(rows) < len(columns):
+            continue
         if _rank(slopes[np.ix_(rows, columns)]) == len(columns):
             found.append(RigidLoop(names, tuple(place.joints[c].name for c in columns)))
     return tuple(found)

@@ -32,7 +32,9 @@ class MovingResidual:
     quadratic: Scalar
 
 
-def moving_residuals(cut: Cut, kinematics: Kinematics) -> list[MovingResidual]:
+def moving_residuals(
+    cut: Cut, kinematics: Kinematics, known: dict[int, Kinematics]
+) -> list[MovingResidual]:
     """Return the residuals of a cut with their derivatives.
 
     Parameters
@@ -41,9 +43,11 @@ def moving_residuals(cut: Cut, kinematics: Kinematics) -> list[MovingResidual]:
         A cut between two bodies.
     kinematics
         Kinematics of the tree at symbolic coordinates and rates.
+    known
+        The same as seen from a common ancestor, for each that another cut of the tree has had.
     """
     seen = cut.residuals(kinematics.between(cut.body_a, cut.body_b))
-    places = _Places(kinematics, *kinematics.datum(cut.body_a, cut.body_b))
+    places = _Places(kinematics, *kinematics.datum(cut.body_a, cut.body_b), known)
     looked = cut.residuals(places)
     return [_moving(plain, r, places) for plain, r in zip(seen, looked, strict=True)]
 
@@ -71,11 +75,19 @@ def _moving(plain: Residual, residual: Residual, places: _Places) -> MovingResid
 class _Places:
     """Positions and rotations in the axes of an ancestor, as symbols that stand for them."""
 
-    def __init__(self, kinematics: Kinematics, ancestor: int, datum: int | None) -> None:
+    def __init__(
+        self,
+        kinematics: Kinematics,
+        ancestor: int,
+        datum: int | None,
+        known: dict[int, Kinematics],
+    ) -> None:
         self._ancestor, self._datum = ancestor, datum
-        tree = kinematics.tree
-        at_rest = {link.joint.name: 0.0 for link in tree.links if link.joint is not None}
-        self._kinematics = kinematics.with_accelerations(at_rest).relative_to(ancestor)
+        if ancestor not in known:
+            links = kinematics.tree.links
+            at_rest = {link.joint.name: 0.0 for link in links if link.joint is not None}
+            known[ancestor] = kinematics.with_accelerations(at_rest).relative_to(ancestor)
+        self._kinematics = known[ancestor]
         self._columns: list[_Column] = []
 
     def position(self, body: str, point: Sequence[Scalar]) -> Vec:

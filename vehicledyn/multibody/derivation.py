@@ -10,11 +10,12 @@ import numpy as np
 from vehicledyn.base.errors import InputError
 from vehicledyn.multibody.barycentric import augmented_inertias
 from vehicledyn.multibody.bodycheck import check_bodies
-from vehicledyn.multibody.closure import Closure
+from vehicledyn.multibody.closure import Closure, MultiplierClosure
 from vehicledyn.multibody.collect import Roles, collect, roles_of
 from vehicledyn.multibody.forward import Formulation, TreeProblem, solve_tree
 from vehicledyn.multibody.kinematics import Kinematics
 from vehicledyn.multibody.loops import Loops, Moment, close
+from vehicledyn.multibody.multipliers import Multipliers, Projection, multipliers_of
 from vehicledyn.multibody.observation import Solved
 from vehicledyn.multibody.parts import Loads, Motion
 from vehicledyn.multibody.resistance import Resistance, refuse_idle
@@ -82,6 +83,8 @@ class Derivation:
     roles: Roles
     solved: Solved
     resistance: Resistance
+    multipliers: Multipliers | None = None
+    projection: Projection | None = None
 
 
 def solve_motion(
@@ -99,21 +102,38 @@ def solve_motion(
         )
     moved = motions(system, symbols)
     loops = close(system, tree, symbols, moved, moment)
+    multipliers = multipliers_of(system, symbols, loops)
+    projection = None
+    if multipliers is not None:
+        loops, projection = multipliers.closed(), multipliers.projection()
     roles = roles_of(symbols, loops)
     resistance = Resistance(system, tree, symbols, loops.closure, roles.independent)
-    if moment is None:
+    if moment is None and multipliers is None:
         start = np.array([loops.start[j.name] for j in symbols.joints])
         refuse_idle(system, resistance.anywhere(0.0, start))
     motion = _motion(system, symbols, roles, loops)
-    solved = _dynamics(system, symbols, roles, loops.closure, motion, formulation=formulation)
-    return Derivation(system, tree, symbols, moved, loops, roles, solved, resistance)
+    if multipliers is None:
+        solved = _dynamics(system, symbols, roles, loops.closure, motion, formulation=formulation)
+    else:
+        solved, found = _by_multipliers(system, symbols, roles, multipliers, motion)
+        loops = multipliers.closed(found)
+    return Derivation(
+        system, tree, symbols, moved, loops, roles, solved, resistance, multipliers, projection
+    )
 
 
 def equations_of(derivation: Derivation) -> Equations:
     """Return the equations of a solved system, in the order of states and channels."""
     d = derivation
     return collect(
-        d.system, d.symbols, loops=d.loops, roles=d.roles, solved=d.solved, moved=d.moved
+        d.system,
+        d.symbols,
+        loops=d.loops,
+        roles=d.roles,
+        solved=d.solved,
+        moved=d.moved,
+        multipliers=d.multipliers,
+        projection=d.projection,
     )
 
 
@@ -147,7 +167,7 @@ def _dynamics(
     system: System,
     symbols: Symbols,
     roles: Roles,
-    closure: Closure,
+    closure: Closure | MultiplierClosure,
     motion: _MotionState,
     *,
     formulation: Formulation,
@@ -159,17 +179,7 @@ def _dynamics(
     known = {k: at_rest[names[k]] for k in roles.driven}
     for k, value in closure.dependent_accelerations(known).items():
         at_rest[names[k]] = value
-    gravity = ops.vector(*system.gravity)
-    wrenches = [w for load in motion.loads.values() for w in load.wrenches]
-    joint_forces = _joint_forces(symbols, motion.loads)
-    problem = TreeProblem(
-        motion.kinematics.with_accelerations(at_rest),
-        augmented_inertias(motion.kinematics.tree),
-        wrenches,
-        joint_forces,
-        gravity,
-        [names[k] for k in (*roles.independent, *roles.dependent, *roles.following)],
-    )
+    problem = _problem(system, symbols, roles, motion, at_rest)
     influence = {
         names[u]: {names[v]: entry for v, entry in row.items()}
         for u, row in closure.influence(roles.independent).items()
@@ -183,14 +193,51 @@ def _dynamics(
     for u, row in influence.items():
         for v, entry in row.items():
             accelerations[u] = accelerations[u] + entry * solved[v]
+    return _solved(problem, motion, accelerations)
+
+
+def _by_multipliers(
+    system: System,
+    symbols: Symbols,
+    roles: Roles,
+    multipliers: Multipliers,
+    motion: _MotionState,
+) -> tuple[Solved, dict[int, Scalar]]:
+    """Solve the equations of motion for all accelerations and multipliers together."""
+    given = _given_accelerations(symbols, roles, motion.loads)
+    problem = _problem(system, symbols, roles, motion, given)
+    found, forces = multipliers.accelerations(problem, given)
+    return _solved(problem, motion, {**given, **found}), forces
+
+
+def _problem(
+    system: System,
+    symbols: Symbols,
+    roles: Roles,
+    motion: _MotionState,
+    accelerations: dict[str, Scalar],
+) -> TreeProblem:
+    """Return the tree at some accelerations, with what acts on it."""
+    names = [j.name for j in symbols.joints]
+    return TreeProblem(
+        motion.kinematics.with_accelerations(accelerations),
+        augmented_inertias(motion.kinematics.tree),
+        [w for load in motion.loads.values() for w in load.wrenches],
+        _joint_forces(symbols, motion.loads),
+        ops.vector(*system.gravity),
+        [names[k] for k in (*roles.independent, *roles.dependent, *roles.following)],
+    )
+
+
+def _solved(problem: TreeProblem, motion: _MotionState, accelerations: dict[str, Scalar]) -> Solved:
     return Solved(
         motion.kinematics.with_accelerations(accelerations),
         accelerations,
-        wrenches,
-        joint_forces,
+        list(problem.wrenches),
+        problem.joint_forces,
         motion.rates,
         motion.loads,
-        gravity,
+        problem.gravity,
     )
 
 
@@ -208,7 +255,9 @@ def _given_accelerations(
     return given
 
 
-def _with_rates(closure: Closure, symbols: Symbols, rates: dict[str, Scalar]) -> Closure:
+def _with_rates(
+    closure: Closure | MultiplierClosure, symbols: Symbols, rates: dict[str, Scalar]
+) -> Closure | MultiplierClosure:
     """Replace the rates in the quadratic term by their closed expressions."""
     old = symbols.rate_column
     new = ops.column([rates[j.name] for j in symbols.joints])

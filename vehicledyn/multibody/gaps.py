@@ -6,6 +6,7 @@ Holonomic rows h(q, t) come first, then the non-holonomic ones B q̇ + b.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -56,9 +57,10 @@ def rows_of_system(system: System, bare: Kinematics, time: Scalar) -> list[Row]:
     """
     tree = bare.tree
     rows = []
+    from_ancestor: dict[int, Kinematics] = {}
     for cut in system.cuts:
         frame = tree.link_name(tree.common_ancestor(cut.body_a, cut.body_b))
-        for moving in moving_residuals(cut, bare):
+        for moving in moving_residuals(cut, bare, from_ancestor):
             rows.append(Row(cut.name, moving.residual, frame, moving=moving))
     geometry, movement = Geometry(time, bare), Movement(time, bare)
     for constraint in system.constraints:
@@ -121,7 +123,7 @@ class Gaps:
         """Name of the cut or constraint of each holonomic row."""
         return [row.cut for row in self.rows[: self.holonomic]]
 
-    @property
+    @cached_property
     def structure(self) -> list[set[int]]:
         """Columns of the structural nonzeros of each row."""
         return [set(row) for row in ops.rows_of(self._jacobian)]

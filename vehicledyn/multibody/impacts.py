@@ -16,7 +16,7 @@ T̂ᵀ M T̂ (w⁺ - w⁻) = T̂ᵀ M (v⁻ - v̂).
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 
 from vehicledyn.base.errors import InputError, unknown_name
@@ -42,12 +42,19 @@ class Impacts:
     """The jumps of the independent rates of a solved system."""
 
     def __init__(
-        self, symbols: Symbols, loops: Loops, solved: Solved, independent: Sequence[int]
+        self,
+        symbols: Symbols,
+        loops: Loops,
+        solved: Solved,
+        independent: Sequence[int],
+        respond: Callable[[dict[int, Scalar]], list[Scalar]] | None = None,
     ) -> None:
         """Keep what is needed; ``independent`` are indices of coordinates.
 
-        Nothing is derived before the first impact.
+        ``respond`` gives the jumps of the independent rates by a unit impulse along a gradient,
+        where constraints hold them together. Nothing is derived before the first impact.
         """
+        self._respond = respond
         self._symbols, self._loops, self._solved = symbols, loops, solved
         self._independent = list(independent)
         self._rows: tuple[Rows, dict[int, dict[int, Scalar]]] | None = None
@@ -148,13 +155,8 @@ class Impacts:
 
     def _jumps(self, demands: Sequence[Demand]) -> list[Scalar]:
         """Return w⁺ - w⁻ of the independent rates."""
-        mass, spread = self._reduced()
         count = len(self._independent)
-        reach = [self._along(demand.gradient, spread) for demand in demands]
-        answers = [
-            solve_symmetric(mass, [row.get(k, ops.scalar(0.0)) for k in range(count)])
-            for row in reach
-        ]
+        reach, answers = self._answers(demands)
         size = range(len(demands))
         yielding: Rows = [
             {
@@ -168,6 +170,20 @@ class Impacts:
             sum((answers[i][k] * impulses[i] for i in size), start=ops.scalar(0.0))
             for k in range(count)
         ]
+
+    def _answers(
+        self, demands: Sequence[Demand]
+    ) -> tuple[list[dict[int, Scalar]], list[list[Scalar]]]:
+        """Return the demands over the independent rates, and the jumps by their unit impulses."""
+        if self._respond is not None:
+            place = {k: i for i, k in enumerate(self._independent)}
+            gradients = [{k: v for k, v in d.gradient.items() if k in place} for d in demands]
+            reach = [{place[k]: v for k, v in row.items()} for row in gradients]
+            return reach, [self._respond(row) for row in gradients]
+        mass, spread = self._reduced()
+        reach = [self._along(demand.gradient, spread) for demand in demands]
+        sides = [[row.get(k, ops.scalar(0.0)) for k in range(len(mass))] for row in reach]
+        return reach, [solve_symmetric(mass, side) for side in sides]
 
     def _along(
         self, gradient: dict[int, Scalar], spread: dict[int, dict[int, Scalar]]

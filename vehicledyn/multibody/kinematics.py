@@ -52,7 +52,8 @@ class Kinematics:
         self._qdd = accelerations
         self._ground = ops.vector(0.0, 0.0, 0.0) if ground is None else ground
         self._base = _GROUND
-        self._cache: dict[tuple[str, int], object] = {}
+        self._placed: dict[tuple[str, int], object] = {}
+        self._moving: dict[tuple[str, int], object] = {}
 
     def with_accelerations(self, accelerations: dict[str, Scalar]) -> Kinematics:
         """Return the same kinematics with the accelerations of all coordinates known."""
@@ -78,7 +79,10 @@ class Kinematics:
         Names are those under which it is kept: rotation, arm, turn, omega, alpha, beta,
         acceleration; the ground is link -1.
         """
-        self._cache |= {(name, link): value for name, value in known.items()}
+        # What is placed may be shared with other motions of the same position.
+        self._placed = dict(self._placed)
+        for name, value in known.items():
+            self._kept(name)[name, link] = value
 
     def relative_to(self, link: int) -> Kinematics:
         """Return the kinematics of what hangs on a link as if that link were at rest."""
@@ -99,8 +103,13 @@ class Kinematics:
     ) -> Kinematics:
         other = Kinematics(self.tree, self._q, self._qd, accelerations, ground)
         other._base = self._base
-        other._cache = {k: v for k, v in self._cache.items() if k[0] not in forget}
+        other._placed = self._placed
+        if not forget >= _MOVING:
+            other._moving = {k: v for k, v in self._moving.items() if k[0] not in forget}
         return other
+
+    def _kept(self, what: str) -> dict[tuple[str, int], object]:
+        return self._moving if what in _MOVING else self._placed
 
     # -- by body, in world axes ------------------------------------------------------------
 
@@ -335,7 +344,7 @@ class Kinematics:
         """Return a link between two whose motion relative to it is known, else the parent."""
         between = self.tree.links[link].parent
         while between != ancestor:
-            if (f"rotation in {between}", link) in self._cache:
+            if (f"rotation in {between}", link) in self._placed:
                 return between
             between = self.tree.links[between].parent
         return self.tree.links[link].parent
@@ -346,7 +355,7 @@ class Kinematics:
 
     def evaluated(self) -> dict[tuple[str, int], Scalar]:
         """Return what has been evaluated so far, by what it is and the link it belongs to."""
-        return dict(self._cache)
+        return {**self._placed, **self._moving}
 
     def _acceleration(self, name: str) -> Scalar:
         if self._qdd is None:
@@ -354,10 +363,10 @@ class Kinematics:
         return self._qdd[name]
 
     def _once(self, what: str, link: int, build: Callable[[], T]) -> T:
-        key = (what, link)
-        if key not in self._cache:
-            self._cache[key] = build()
-        return self._cache[key]  # type: ignore[return-value]
+        key, kept = (what, link), self._kept(what)
+        if key not in kept:
+            kept[key] = build()
+        return kept[key]  # type: ignore[return-value]
 
 
 class Relative:

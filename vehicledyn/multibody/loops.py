@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vehicledyn.multibody.assembly import NotAssembledError
-from vehicledyn.multibody.closure import Closure
+from vehicledyn.multibody.closure import Closure, MultiplierClosure
 from vehicledyn.multibody.configuration import (
     Guess,
     Place,
@@ -54,7 +54,7 @@ class Loops:
 
     constraints: list[Row]
     positions: Partition
-    closure: Closure
+    closure: Closure | MultiplierClosure
     start: dict[str, float]
     kinematics: Kinematics
     gaps: Gaps

@@ -6,10 +6,11 @@ from dataclasses import dataclass
 
 from vehicledyn.base.wording import lower_first
 from vehicledyn.multibody import inertia
-from vehicledyn.multibody.closure import Closure
+from vehicledyn.multibody.closure import Closure, MultiplierClosure
 from vehicledyn.multibody.dynamics import inverse_dynamics
 from vehicledyn.multibody.kinematics import Kinematics
 from vehicledyn.multibody.loops import Loops
+from vehicledyn.multibody.multipliers import Projection
 from vehicledyn.multibody.parts import Loads, Output, Wrench
 from vehicledyn.multibody.reactions import TransmittedForces
 from vehicledyn.multibody.system import System
@@ -135,7 +136,7 @@ def _cut_forces(loops: Loops, multipliers: dict[int, Scalar]) -> list[Output]:
 
 def _drive_forces(
     symbols: Symbols,
-    closure: Closure,
+    closure: Closure | MultiplierClosure,
     needed: dict[str, Scalar],
     multipliers: dict[int, Scalar],
 ) -> dict[str, Scalar]:
@@ -183,6 +184,25 @@ def _constraint_errors(symbols: Symbols, loops: Loops, solved: Solved) -> list[O
         Output(
             Channel("constraints.velocity_error", "m/s", "Largest opening speed of a loop cut"),
             velocity,
+        ),
+    ]
+
+
+def drifts(projection: Projection | None) -> list[Output]:
+    """Return how far the states have drifted off the constraints that they are put onto."""
+    if projection is None:
+        return []
+    text = "before they are projected onto them"
+    return [
+        Output(
+            Channel("constraints.position_drift", "m", f"Largest gap of the states, {text}"),
+            ops.scalar(projection.gap),
+        ),
+        Output(
+            Channel(
+                "constraints.velocity_drift", "m/s", f"Largest opening speed of the states, {text}"
+            ),
+            ops.scalar(projection.opening),
         ),
     ]
 

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.linalg import qr
 
 from vehicledyn.base.errors import InputError
 from vehicledyn.symbolic.elimination import triangular_blocks
@@ -138,6 +139,15 @@ def best_pairs(
         for candidates in groups:
             work.eliminate(list(rows), candidates)
     return work.pairs
+
+
+def independent_rows(jacobian: Array) -> list[int]:
+    """Return rows that are linearly independent and span all, by pivoted QR of the scaled rows."""
+    lengths = np.linalg.norm(jacobian, axis=1, keepdims=True)
+    scaled = jacobian / np.where(lengths > RANK_TOLERANCE, lengths, np.inf)
+    triangle, order = qr(scaled.T, mode="r", pivoting=True)
+    rank = int(np.sum(np.abs(np.diag(triangle)) > RANK_TOLERANCE))
+    return sorted(int(k) for k in order[:rank])
 
 
 class _Elimination:

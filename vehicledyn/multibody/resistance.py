@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vehicledyn.base.errors import InputError
-from vehicledyn.multibody.closure import Closure
+from vehicledyn.multibody.closure import Closure, MultiplierClosure
 from vehicledyn.multibody.inertia import matrix_of
 from vehicledyn.multibody.kinematics import Kinematics
 from vehicledyn.multibody.system import Joint, System
@@ -55,7 +55,12 @@ class Resistance:
     """
 
     def __init__(
-        self, system: System, tree: Tree, symbols: Symbols, closure: Closure, free: Sequence[int]
+        self,
+        system: System,
+        tree: Tree,
+        symbols: Symbols,
+        closure: Closure | MultiplierClosure,
+        free: Sequence[int],
     ) -> None:
         """Take kinematics and constraints; ``free`` are the independent coordinates."""
         self._links, self.joints, self._free = tree.links, symbols.joints, list(free)

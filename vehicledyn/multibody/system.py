@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
+from typing import Literal, TypeAlias
 
 from vehicledyn.base.errors import InputError, unknown_name
 from vehicledyn.multibody import ground
@@ -16,6 +17,12 @@ from vehicledyn.symbolic.parameters import ParameterTable
 GROUND = ground.GROUND
 JOINT_KINDS = ("T1", "T2", "T3", "R1", "R2", "R3")
 ROLES = ("auto", "independent", "dependent", "driven")
+
+ConstraintMethod: TypeAlias = Literal["auto", "partitioning", "multipliers"]
+"""How constraints are treated: by dependent coordinates, with multipliers, or what serves."""
+
+MOST_ENTANGLED = 9
+"""Entangled constraints up to which partitioning serves well."""
 
 
 @dataclass(frozen=True)
@@ -105,7 +112,10 @@ class System:
     """A multibody system: parameters, bodies (parents first), cuts, parts and gravity.
 
     ``gravity`` is the acceleration vector of free fall in world axes, 3 scalars [m/s²];
-    ``constraints`` are those that are no cuts of a loop.
+    ``constraints`` are those that are no cuts of a loop. ``constraint_method`` says how they
+    are treated: by "partitioning" into independent and dependent coordinates, or with
+    "multipliers" and projection; "auto" takes multipliers where many coordinates depend on each
+    other.
     """
 
     name: str
@@ -116,6 +126,7 @@ class System:
     gravity: Sequence[Scalar] = (0.0, 0.0, -9.81)
     notes: dict[str, str] = field(default_factory=dict)
     constraints: tuple[Constraint, ...] = ()
+    constraint_method: ConstraintMethod = "auto"
 
     def with_parts(self, *parts: Part) -> System:
         """Return the system with more parts."""

@@ -4,17 +4,22 @@ from __future__ import annotations
 
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
 from vehicledyn.multibody import partition
+from vehicledyn.multibody.coupling import most_entangled
 from vehicledyn.multibody.gaps import Gaps, rows_of_system
 from vehicledyn.multibody.system import Joint, System
 from vehicledyn.multibody.tree import unfold
 from vehicledyn.multibody.unknowns import declare
 
 Array = NDArray[np.float64]
+
+REGULAR = 1e-3
+"""Least singular value of constraints of length one that counts as regular [1]."""
 
 
 @dataclass(frozen=True)
@@ -45,6 +50,7 @@ class PartitionWatch:
         self._gaps = gaps
         self._bound = [k for k, joint in enumerate(joints) if joint.name in bound]
         self._rows: dict[tuple[int, ...], list[int]] = {}
+        self._independent: list[int] | None = None
 
     @staticmethod
     def of(system: System) -> PartitionWatch:
@@ -57,6 +63,35 @@ class PartitionWatch:
     def names(self) -> list[str]:
         """The coordinates."""
         return [joint.name for joint in self._joints]
+
+    @cached_property
+    def most_entangled(self) -> int:
+        """The largest number of constraints that no single coordinate links together."""
+        fixed = {k for k, joint in enumerate(self._joints) if joint.role == "driven"}
+        return most_entangled(self._gaps.structure, fixed)
+
+    @property
+    def cuts_of_rows(self) -> list[str]:
+        """Name of the cut or constraint of each of the rows of :meth:`independent_rows`."""
+        return [self._gaps.rows[row].cut for row in self._independent or ()]
+
+    def independent_rows(self, time: float, values: dict[str, float]) -> Array:
+        """Return the Jacobian of rows that are independent, by all coordinates but driven ones.
+
+        Which rows are is decided when first asked.
+        """
+        _, jacobian, moving = self._at(time, values)
+        if self._independent is None:
+            self._independent = partition.independent_rows(jacobian[:, moving])
+        return np.asarray(jacobian[np.ix_(self._independent, moving)])
+
+    def is_regular(self, time: float, values: dict[str, float]) -> bool:
+        """Return whether the constraints are far from depending on each other."""
+        rows = self.independent_rows(time, values)
+        lengths = np.linalg.norm(rows, axis=1, keepdims=True)
+        if not len(rows) or not np.isfinite(rows).all() or not lengths.all():
+            return False
+        return bool(np.linalg.svd(rows / lengths, compute_uv=False)[-1] > REGULAR)
 
     def leverage(self, time: float, values: dict[str, float], dependent: list[str]) -> float:
         """Return the largest rate that a unit independent rate gives a dependent one."""

@@ -212,6 +212,11 @@ class PivotLog:
         near = np.flatnonzero(share < WEAK_PIVOT)
         return self._crossing(near, self.latest.time + ahead) if near.size else None
 
+    def back_to_sound(self) -> Sample | None:
+        """Forget the samples that are held back; return the last that has been handed on."""
+        self._held, self._sound = [], 0
+        return self._anchor
+
     def release(self) -> None:
         """Hand on all samples."""
         held, self._held, self._sound = self._held, [], 0

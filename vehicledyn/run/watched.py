@@ -20,16 +20,16 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from vehicledyn.base.errors import NumericalError
-from vehicledyn.multibody.system import System
+from vehicledyn.base.errors import InputError, NumericalError
+from vehicledyn.multibody.system import MOST_ENTANGLED, System
 from vehicledyn.run.passage import FINE_TOLERANCE, TOLERANCE, Passage, Sample
 from vehicledyn.run.pivots import LEVERAGE, WIDE_ZONE, ZONE, Crossing, Degrading, PivotLog
-from vehicledyn.solve.accuracy import worst_of
+from vehicledyn.run.projected import ProjectedRun
 from vehicledyn.solve.course import Course
 from vehicledyn.solve.judged import Judged
 from vehicledyn.solve.kernel import Backend, Kernel, Progress, compile_kernel
 from vehicledyn.solve.simulate import Solver, simulate
-from vehicledyn.solve.task import Happened, Sink, Statistics
+from vehicledyn.solve.task import Happened, Sink, Statistics, joined
 
 if TYPE_CHECKING:
     from vehicledyn.multibody.watch import Comparison, PartitionWatch
@@ -64,7 +64,8 @@ def simulate_watched(
 
     The samples are those of the kernel's own equations throughout: states and unknowns in their
     order, channels by name; a channel that a later partition lacks is not a number. ``happened``
-    is told "partition.changed" when the partition changes. A passage looks for no events.
+    is told "partition.changed" when the partition changes, and "constraint_method.changed" where
+    the run goes on with multipliers since no partition lasts. A passage looks for no events.
     ``watch`` makes the watch of the system when it is needed, if the caller knows a quick way;
     ``judged`` is what the accuracy is judged by, see ``simulate``; ``course`` is as there too, up
     to the first change of the partition.
@@ -78,6 +79,26 @@ def simulate_watched(
         coordinate.
     """
     e = kernel.equations
+    make_watch = watch or (lambda: _watch_of(system))
+    if e.structure.get("constraint_method") == "multipliers":
+        beginning = None if course is None else course.beginning
+        with_multipliers = ProjectedRun(
+            kernel,
+            solver,
+            start if beginning is None else beginning.time,
+            stop,
+            interval,
+            sink,
+            progress,
+            happened,
+            make_watch,
+            None if judged is None else replace(judged, figures=None),
+        )
+        return with_multipliers.go(
+            np.asarray(state, dtype=float),
+            np.asarray(unknowns, dtype=float),
+            skip=beginning is not None,
+        )
     if not e.structure.get("loops") and not e.structure.get("rate_dependent"):
         return simulate(
             kernel,
@@ -93,7 +114,6 @@ def simulate_watched(
             judged=judged,
             course=course,
         )
-    make_watch = watch or (lambda: _watch_of(system))
     run = _Run(
         system,
         kernel,
@@ -154,8 +174,62 @@ class _Run:
         """Run to the end; whatever stops it, the samples found are handed on."""
         try:
             return self._go(state, unknowns)
+        except Degrading as degrading:
+            error = self._lasts_no_longer(degrading.sample, degrading.comparison)
+            return self._with_multipliers(degrading.sample, error)
+        except NumericalError as error:
+            return self._with_multipliers(self._log.back_to_sound(), error)
         finally:
             self._log.release()
+
+    def _with_multipliers(self, sample: Sample | None, error: NumericalError) -> Statistics:
+        """Go on with multipliers where no partition lasts, but no constraint depends on others.
+
+        Raises the error where that is not so, or leads no further.
+        """
+        from vehicledyn.multibody.derivation import derive
+        from vehicledyn.multibody.loops import Moment
+        from vehicledyn.multibody.watch import freed
+
+        if sample is None or self.system.constraint_method != "auto":
+            raise error
+        if not self._watch.is_regular(sample.time, self._values(sample)):
+            raise error
+        values, parameters = self._values(sample), self.kernel.parameters
+        system = replace(freed(self.system, values, parameters), constraint_method="multipliers")
+        states = {s.name: values[s.name] for s in self._first.states if s.name in values}
+        self.progress("deriving the equations with multipliers", None)
+        try:
+            equations = derive(system, moment=Moment(sample.time, states))
+        except InputError:
+            raise error from None
+        kernel = compile_kernel(equations, backend=_backend(self.kernel))
+        known = {**values, **_by_name(self.kernel, sample)}
+        self.kernel = kernel.with_parameters(parameters)
+        state = np.array([known[s.name] for s in equations.states])
+        guess = np.array([known[u.name] for u in equations.unknowns])
+        self.happened("constraint_method.changed", sample.time)
+        _log.info("t = %.6g s: constraints are treated with multipliers from now on", sample.time)
+        run = ProjectedRun(
+            self.kernel,
+            self.solver,
+            sample.time,
+            self._end,
+            self.interval,
+            self._forward_rows,
+            self.progress,
+            self.happened,
+            lambda: self._watch,
+        )
+        try:
+            self._parts.append(run.go(state, guess, skip=True))
+        except NumericalError:
+            raise error from None
+        return self._statistics()
+
+    def _forward_rows(self, times: Vector, x: Vector, z: Vector, y: Vector) -> None:
+        rows = zip(times, x, z, y, strict=True)
+        self._forward([Sample(float(time), *parts) for time, *parts in rows])
 
     def _go(self, state: Vector, unknowns: Vector) -> Statistics:
         index, resumed = 0, False
@@ -167,6 +241,8 @@ class _Run:
             except Crossing as crossing:
                 index, state, unknowns = self._pass(crossing, index)
             except Degrading as degrading:
+                if self._changes_to_multipliers:
+                    raise
                 index, state, unknowns = self._change(degrading.sample, degrading.comparison)
             except NumericalError as error:
                 index, state, unknowns = self._rescue(error, index)
@@ -342,19 +418,17 @@ class _Run:
         from vehicledyn.multibody.watch import freed
 
         if sample.time <= self._changed_at:
-            raise NumericalError(
-                f"no partition of the coordinates lasts at t = {sample.time:.9g} s; "
-                f"'{found.worst}' is not determined"
-            )
+            raise self._lasts_no_longer(sample, found)
         self._changed_at = sample.time
         values = self._values(sample)
         parameters = self.kernel.parameters
         if found.best not in self._known:
             self.progress("deriving the equations with other dependent coordinates", None)
             system = freed(self.system, values, parameters)
+            system = replace(system, constraint_method="partitioning")
             states = {s.name: values[s.name] for s in self._first.states if s.name in values}
             equations = derive(system, moment=Moment(sample.time, states))
-            backend: Backend = "compiled" if self.kernel.backend == "compiled" else "interpreted"
+            backend = _backend(self.kernel)
             self._known[found.best] = compile_kernel(equations, backend=backend)
         old, new = self.kernel, self._known[found.best].with_parameters(parameters)
         known = {**values, **_by_name(old, sample)}
@@ -380,6 +454,19 @@ class _Run:
         if crossing is None:
             raise error
         return self._pass(crossing, index)
+
+    @property
+    def _changes_to_multipliers(self) -> bool:
+        """Whether a bad partition is left for multipliers, as many constraints are coupled."""
+        return (
+            self.system.constraint_method == "auto" and self._watch.most_entangled > MOST_ENTANGLED
+        )
+
+    def _lasts_no_longer(self, sample: Sample, found: Comparison) -> NumericalError:
+        return NumericalError(
+            f"no partition of the coordinates lasts at t = {sample.time:.9g} s; "
+            f"'{found.worst}' is not determined"
+        )
 
     # -- samples -----------------------------------------------------------------------------
 
@@ -412,17 +499,8 @@ class _Run:
 
     def _statistics(self) -> Statistics:
         """Return the statistics of all pieces together, their time with that between them."""
-        last = self._parts[-1]
-        sums = ("samples", "steps", "evaluations", "newton_iterations", "events")
-        totals = {key: sum(getattr(part, key) for part in self._parts) for key in sums}
-        totals["samples"] = self._forwarded
-        return replace(
-            last,
-            **totals,
-            largest_residual=max(part.largest_residual for part in self._parts),
-            accuracy=worst_of([part.accuracy for part in self._parts]),
-            wall_seconds=time.perf_counter() - self._started,
-        )
+        seconds = time.perf_counter() - self._started
+        return replace(joined(self._parts), samples=self._forwarded, wall_seconds=seconds)
 
 
 def looks_per_interval(solver: Solver, interval: float) -> int:
@@ -436,6 +514,10 @@ def looks_per_interval(solver: Solver, interval: float) -> int:
         return max(1, math.ceil(interval / _LOOK))
     count = max(1, round(interval / step))
     return next(k for k in range(max(1, count // _STEPS_PER_LOOK), 0, -1) if count % k == 0)
+
+
+def _backend(kernel: Kernel) -> Backend:
+    return "compiled" if kernel.backend == "compiled" else "interpreted"
 
 
 def _by_name(kernel: Kernel, sample: Sample) -> dict[str, float]:

@@ -273,6 +273,13 @@ def compile_kernel(
     _check_blocks(equations.blocks, len(equations.unknowns))
     if backend == "interpreted":
         return _interpreted(equations, "", tell)
+    if equations.structure.get("sparse_solves"):
+        if backend == "compiled":
+            raise InputError(
+                f"model '{equations.name}' has so many entangled constraints that they are solved "
+                "by sparse elimination, which is not compiled; take the kernel 'auto'"
+            )
+        return _interpreted(equations, "", tell)
     try:
         return _compiled(equations, find_compiler(), tell)
     except CompilationError as error:

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
-from dataclasses import dataclass, field
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
@@ -51,6 +51,17 @@ class Statistics:
     events: int = 0
     ended_by: str | None = None
     accuracy: Accuracy | None = None
+
+
+def joined(parts: Sequence[Statistics]) -> Statistics:
+    """Return the statistics of consecutive parts of one run together."""
+    from vehicledyn.solve.accuracy import worst_of
+
+    sums = ("samples", "steps", "evaluations", "newton_iterations", "events", "wall_seconds")
+    totals = {key: sum(getattr(part, key) for part in parts) for key in sums}
+    largest = max(part.largest_residual for part in parts)
+    accuracy = worst_of([part.accuracy for part in parts])
+    return replace(parts[-1], **totals, largest_residual=largest, accuracy=accuracy)
 
 
 @dataclass

@@ -134,6 +134,7 @@ def _system(values: Values) -> System:
         ),
         parts=tuple(parts),
         gravity=values.value(file.gravity),
+        constraint_method=file.constraint_method,
     )
 
 

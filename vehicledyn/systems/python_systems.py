@@ -39,6 +39,8 @@ class _Writer:
             "gravity": self._numbers(self.system.gravity),
             "bodies": {body.name: self._body(body) for body in self.system.bodies},
         }
+        if self.system.constraint_method != "auto":
+            data["constraint_method"] = self.system.constraint_method
         sections: dict[str, dict[str, Any]] = {"cuts": {}, "drives": {}, "sensors": {}}
         for cut in self.system.cuts:
             self._cut(cut, sections["cuts"])

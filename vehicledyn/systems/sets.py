@@ -283,6 +283,11 @@ class SystemFile(Sections):
         default=_STANDARD_GRAVITY,
         nature="polar",
     )
+    constraint_method: Literal["auto", "partitioning", "multipliers"] = Field(
+        default="auto",
+        description="How cuts and constraints are treated: by partitioning into independent and "
+        "dependent coordinates, with multipliers and projection, or what serves better",
+    )
     road: ParameterSet | None = part(
         "road", "Surface under the wheels, if the scenario does not choose it", default=None
     )

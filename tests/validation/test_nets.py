@@ -1,0 +1,195 @@
+"""Nets of rods: regular constraints that no partition serves for long, and multipliers do."""
+
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+import pytest
+from nets import LENGTH, MASS, name, net, places
+from scipy.integrate import solve_ivp
+from test_closed_forms import four_bars
+
+from vehicledyn.base.errors import NumericalError
+from vehicledyn.base.registry import find
+from vehicledyn.multibody import derive
+from vehicledyn.run.watched import simulate_watched
+from vehicledyn.solve.kernel import compile_kernel
+
+pytestmark = pytest.mark.validation
+GRAVITY = 9.81
+
+
+@cache
+def kernel_of(make):
+    system = make()
+    return system, compile_kernel(derive(system), backend="interpreted")
+
+
+class Run:
+    """Samples of a run by channel, and the events of its constraint method."""
+
+    def __init__(self, make, duration, interval, step=1e-3):
+        system, kernel = kernel_of(make)
+        e = kernel.equations
+        found, self.happened = [], []
+        self.method = e.structure["constraint_method"]
+        self.statistics = simulate_watched(
+            system,
+            kernel,
+            find("solver", "rk4")(step=step),
+            start=0.0,
+            stop=duration,
+            state=np.array([s.start for s in e.states]),
+            unknowns=np.array([u.start for u in e.unknowns]),
+            interval=interval,
+            sink=lambda *parts: found.append(parts),
+            progress=lambda what, part: None,
+            happened=lambda what, time: self.happened.append(what),
+        )
+        self.time = np.concatenate([part[0] for part in found])
+        outputs = np.concatenate([part[3] for part in found])
+        names = [c.name for c in e.channels]
+        self.channel = dict(zip(names, outputs.T, strict=True))
+        self.names = names
+
+    @property
+    def energy(self):
+        return self.channel["energy.kinetic"] + self.channel["energy.gravity"]
+
+    def place(self, key):
+        """Return where a point is; pinned ones have no channels."""
+        if f"{name(key)}.x" not in self.channel:
+            return np.outer(places(3, 3, 0.05)[key], np.ones(len(self.time)))
+        return np.array([self.channel[f"{name(key)}.{axis}"] for axis in "xyz"])
+
+    def velocity(self, key):
+        return np.array([self.channel[f"{name(key)}.{axis}_rate"] for axis in "xyz"])
+
+
+def pinned_3():
+    return net(3, 3, pinned=((0, 0), (0, 2)))
+
+
+def hanging_3():
+    return net(3, 3, pinned=((0, 0),))
+
+
+def pinned_6():
+    return net(6, 6, pinned=((0, 0), (0, 5)))
+
+
+def spin(place):
+    return np.cross([0.3, 1.0, 0.5], place)
+
+
+def free_4():
+    return net(4, 4, rates=spin)
+
+
+def pinned_2():
+    return net(2, 2, pinned=((0, 0),))
+
+
+def pinned_2_by_multipliers():
+    return net(2, 2, pinned=((0, 0),), method="multipliers")
+
+
+@pytest.mark.parametrize("make", [pinned_3, hanging_3])
+@pytest.mark.parametrize("interval", [1e-3, 1e-2, 0.1])
+def test_nine_points_and_twelve_rods_swing(make, interval):
+    """The energy stays, whatever the output interval."""
+    run = Run(make, 0.8, interval)
+    assert run.method == "multipliers"
+    assert run.time == pytest.approx(np.arange(len(run.time)) * interval, abs=1e-12)
+    assert np.abs(run.energy - run.energy[0]).max() < 1e-5 * run.channel["energy.kinetic"].max()
+    assert run.channel["constraints.position_error"].max() < 1e-12
+    assert run.channel["constraints.velocity_error"].max() < 1e-12
+    assert run.channel["constraints.position_drift"].max() < 1e-7
+
+
+def test_energy_error_falls_with_the_order_of_the_method():
+    errors = [np.ptp(Run(pinned_3, 0.8, 0.1, step).energy) for step in (4e-3, 2e-3)]
+    assert errors[0] > 12.0 * errors[1]
+
+
+def test_a_net_of_six_by_six_points():
+    run = Run(pinned_6, 0.3, 0.01)
+    assert np.abs(run.energy - run.energy[0]).max() < 1e-6 * run.channel["energy.kinetic"].max()
+    length = np.linalg.norm(run.place((2, 3)) - run.place((2, 4)), axis=0)
+    assert np.ptp(length) < 1e-11
+
+
+def test_a_free_net_keeps_its_momenta():
+    """It falls as one mass; angular momentum about the centre of mass and energy stay."""
+    run = Run(free_4, 0.5, 0.01)
+    keys = [(i, j) for i in range(4) for j in range(4)]
+    places = np.array([run.place(key) for key in keys])
+    speeds = np.array([run.velocity(key) for key in keys])
+    centre, drift = places.mean(axis=0), speeds.mean(axis=0)
+    fall = centre[2, 0] + drift[2, 0] * run.time - 0.5 * GRAVITY * run.time**2
+    assert centre[2] == pytest.approx(fall, abs=1e-11)
+    assert centre[0] == pytest.approx(centre[0, 0] + drift[0, 0] * run.time, abs=1e-11)
+    about = np.cross(places - centre, MASS * (speeds - drift), axis=1).sum(axis=0)
+    assert np.abs(about - about[:, :1]).max() < 1e-10 * np.abs(about).max()
+    assert np.abs(run.energy - run.energy[0]).max() < 1e-9 * run.energy[0]
+
+
+def test_rod_forces_balance_the_points():
+    """Each point accelerates as gravity and the axial forces of its rods make it."""
+    run = Run(pinned_3, 0.4, 0.1)
+    system, kernel = kernel_of(pinned_3)
+    e = kernel.equations
+    sums = {(i, j): np.zeros(3) for i in range(3) for j in range(3)}
+    for cut in system.cuts:
+        a, b = (tuple(map(int, body[1:].split("_"))) for body in (cut.body_a, cut.body_b))
+        along = run.place(b)[:, -1] - run.place(a)[:, -1]
+        pull = run.channel[f"{cut.name}.axial_force"][-1] * along / np.linalg.norm(along)
+        sums[a] += pull
+        sums[b] -= pull
+    state = np.array([run.channel[s.name][-1] for s in e.states])
+    rates = dict(zip((s.name for s in e.states), kernel.rates(0.4, state, []), strict=True))
+    for key, force in sums.items():
+        if key in ((0, 0), (0, 2)):
+            continue
+        found = [rates[f"{name(key)}.{axis}_rate"] for axis in "xyz"]
+        assert MASS * np.array(found) == pytest.approx(force - [0, 0, MASS * GRAVITY], abs=1e-8)
+
+
+@pytest.mark.parametrize("interval", [1e-3, 1e-2])
+def test_four_points_by_both_methods(interval):
+    """The partition changes as the net swings; both ways lead to the same place."""
+    partitioned, projected = (
+        Run(make, 0.5, interval) for make in (pinned_2, pinned_2_by_multipliers)
+    )
+    assert (partitioned.method, projected.method) == ("partitioning", "multipliers")
+    end = partitioned.place((1, 1))[:, -1]
+    assert end == pytest.approx(projected.place((1, 1))[:, -1], abs=2e-5)
+
+
+def one_rod():
+    return net(2, 1, pinned=((0, 0),), bend=0.0, method="multipliers")
+
+
+def test_a_pendulum_of_one_rod_is_the_mathematical_one():
+    run = Run(one_rod, 1.0, 0.1)
+    exact = solve_ivp(
+        lambda t, x: [x[1], -GRAVITY / LENGTH * np.sin(x[0])],
+        (0, 1),
+        [np.pi / 2, 0],
+        method="DOP853",
+        rtol=1e-12,
+        atol=1e-12,
+    ).y[0, -1]
+    assert run.place((1, 0))[:, -1] == pytest.approx(
+        [LENGTH * np.sin(exact), 0.0, -LENGTH * np.cos(exact)], abs=1e-7
+    )
+
+
+def parallelogram():
+    return replace(four_bars(1), constraint_method="multipliers")
+
+
+def test_a_true_singularity_is_named():
+    """Bars in one line: the constraints lose their rank, and the run says where."""
+    with pytest.raises(NumericalError, match="lose their rank"):
+        Run(parallelogram, 3.0, 0.1)
