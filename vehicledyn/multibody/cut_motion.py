@@ -33,7 +33,7 @@ class MovingResidual:
 
 
 def moving_residuals(
-    cut: Cut, kinematics: Kinematics, known: dict[int, Kinematics]
+    cut: Cut, kinematics: Kinematics, known: dict[int, Kinematics] | None = None
 ) -> list[MovingResidual]:
     """Return the residuals of a cut with their derivatives.
 
@@ -47,7 +47,9 @@ def moving_residuals(
         The same as seen from a common ancestor, for each that another cut of the tree has had.
     """
     seen = cut.residuals(kinematics.between(cut.body_a, cut.body_b))
-    places = _Places(kinematics, *kinematics.datum(cut.body_a, cut.body_b), known)
+    places = _Places(
+        kinematics, *kinematics.datum(cut.body_a, cut.body_b), {} if known is None else known
+    )
     looked = cut.residuals(places)
     return [_moving(plain, r, places) for plain, r in zip(seen, looked, strict=True)]
 

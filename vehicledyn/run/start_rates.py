@@ -42,18 +42,23 @@ def start_rates(
     e = kernel.equations
     names = [e.states[k].name.removesuffix("_rate") for k in e.velocities]
     channels = {c.name: k for k, c in enumerate(e.channels)}
-    following = [n for n in given if n not in names and f"{n}_rate" in channels]
+    # With multipliers the rates of all coordinates are states, and the constraints change them.
+    all_free = e.structure.get("constraint_method") == "multipliers"
+    following = [n for n in given if (all_free or n not in names) and f"{n}_rate" in channels]
     if not following:
         return state
     rows = [channels[f"{name}_rate"] for name in following]
     wanted = np.array([given[name] for name in following])
-    free = [k for k, name in zip(e.velocities, names, strict=True) if name not in given]
+    free = [(k, name) for k, name in zip(e.velocities, names, strict=True)]
+    free = [k for k, name in free if all_free or name not in given]
     found = state.copy()
-    found[free] = 0.0
 
     def rates() -> Vector:
         return np.array(kernel.outputs(time, found, unknowns))[rows]
 
+    if all_free and np.all(np.abs(rates() - wanted) <= _AGREE * (1.0 + np.abs(wanted))):
+        return found
+    found[free] = 0.0
     base, slopes = rates(), np.zeros((len(rows), len(free)))
     for column, index in enumerate(free):
         found[index] = 1.0
