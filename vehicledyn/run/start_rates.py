@@ -49,8 +49,8 @@ def start_rates(
         return state
     rows = [channels[f"{name}_rate"] for name in following]
     wanted = np.array([given[name] for name in following])
-    free = [(k, name) for k, name in zip(e.velocities, names, strict=True)]
-    free = [k for k, name in free if all_free or name not in given]
+    pairs = zip(e.velocities, names, strict=True)
+    free = [k for k, name in pairs if all_free or name not in given]
     found = state.copy()
 
     def rates() -> Vector:
