@@ -24,8 +24,8 @@ from vehicledyn.scenario import load_scenario
 SCENARIOS = Path(__file__).resolve().parents[1] / "scenarios"
 BAND = 0.01
 """Part of its range that a channel may move by at half the step [1]."""
-NOISE = 1e-7
-"""Range below this part of the largest range of its unit that is rounding [1]."""
+NOISE = 1e-9
+"""Range below this part of the largest value of its unit that is rounding [1]."""
 RESIDUALS = "constraints."
 """Channels that tell how well the constraints are met: rounding, whatever the step."""
 
@@ -98,8 +98,8 @@ def differences(coarse, fine):
     n = min(len(coarse.times), len(fine.times))
     spans, apart = np.ptp(fine.values, axis=0), np.abs(coarse.values[:n] - fine.values[:n])
     largest = {}
-    for unit, span in zip(fine.units, spans, strict=True):
-        largest[unit] = max(largest.get(unit, 0.0), span)
+    for unit, value in zip(fine.units, np.abs(fine.values).max(axis=0), strict=True):
+        largest[unit] = max(largest.get(unit, 0.0), value)
     found = {}
     for k, (name, unit) in enumerate(zip(fine.names, fine.units, strict=True)):
         scale = max(spans[k], NOISE * largest[unit])
