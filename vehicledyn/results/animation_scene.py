@@ -19,7 +19,8 @@ from vehicledyn.base.quaternions import continuous, rotated
 from vehicledyn.results.animation import Animation, Pictures, Span
 from vehicledyn.results.arrangement import arranged
 from vehicledyn.results.plot_description import TimePlot, read_plots
-from vehicledyn.results.reader import Result, Series
+from vehicledyn.results.reader import Result
+from vehicledyn.results.values import Series
 
 Array = NDArray[np.float64]
 Plain = Mapping[str, Any]

@@ -1,7 +1,7 @@
 """Checksums of the cases of a study, written with each block of them.
 
 The CRC-32 sum of a case is that of the values of its axes, its end time and reason, its key
-figures with their columns, and its samples.
+figures with their names, and its samples.
 """
 
 from __future__ import annotations
@@ -25,8 +25,9 @@ _AT_ONCE = 1 << 22  # bytes of samples
 def sums_in(file: h5py.File, first: int, stop: int) -> NDArray[np.uint32]:
     """Return the checksums of some cases as they are in the file, shape (stop - first,)."""
     rows = slice(first, stop)
+    parts: dict[str, Any] = {"names": file["figures/name"][()]}
     names = ("cases/values", "cases/end_time", "cases/reason", "figures/value", "figures/text")
-    parts: dict[str, Any] = {name: file[name][rows] for name in names}
+    parts |= {name: file[name][rows] for name in names}
     parts["samples"] = file["samples"][rows] if "samples" in file else np.empty((stop - first, 0))
     return np.array([_sum(parts, row) for row in range(stop - first)], dtype=np.uint32)
 
@@ -63,6 +64,6 @@ def _sum(parts: Mapping[str, Any], row: int) -> int:
     numbers, texts = parts["figures/value"][row], parts["figures/text"][row]
     for values, known in ((numbers, ~np.isnan(numbers)), (texts, texts != b"")):
         columns = np.flatnonzero(known)
-        found = zlib.crc32(columns.astype("<i4").tobytes(), found)
+        found = zlib.crc32(np.ascontiguousarray(parts["names"][columns]).tobytes(), found)
         found = zlib.crc32(np.ascontiguousarray(values[columns]).tobytes(), found)
     return found

@@ -20,8 +20,9 @@ from vehicledyn.base.errors import InputError, nearest_name
 from vehicledyn.base.units import shown
 from vehicledyn.results.comparison import LISTED, ChannelComparison, Comparison
 from vehicledyn.results.grids import grid_difference, range_difference
-from vehicledyn.results.reader import Result, Series, open_result
+from vehicledyn.results.reader import Result, open_result
 from vehicledyn.results.tolerances import Tolerances
+from vehicledyn.results.values import Series
 
 Floats = NDArray[np.float64]
 

@@ -4,12 +4,10 @@ from __future__ import annotations
 
 import contextlib
 import json
-from dataclasses import dataclass
 from pathlib import Path
 from types import TracebackType
 from typing import TYPE_CHECKING, Any, Self
 
-import h5py
 import numpy as np
 from numpy.typing import NDArray
 
@@ -31,32 +29,15 @@ from vehicledyn.results.opening import OpenFile, open_file
 from vehicledyn.results.output import is_being_written
 from vehicledyn.results.row_sums import check_rows
 from vehicledyn.results.seal import DamagedError
-from vehicledyn.results.thinning import ColumnRange, column_range, promises_too_much, thinned
+from vehicledyn.results.soundness import check_lengths, check_times, refuse_promises
+from vehicledyn.results.text_sums import check_texts
+from vehicledyn.results.thinning import ColumnRange, column_range, thinned
+from vehicledyn.results.values import Series, StateTable, entry, fact, scene_item, texts
 
 if TYPE_CHECKING:
     import pandas
 
 Floats = NDArray[np.float64]
-
-
-@dataclass(frozen=True)
-class Series:
-    """One channel: SI values of shape (n_times,), with unit, meaning and frame."""
-
-    name: str
-    values: Floats
-    unit: str
-    description: str
-    frame: str
-
-
-@dataclass(frozen=True)
-class StateTable:
-    """States and algebraic unknowns by column; ``values`` has shape (n_times, n_states)."""
-
-    names: tuple[str, ...]
-    units: tuple[str, ...]
-    values: Floats
 
 
 def open_result(path: str | Path, most: int | None = None) -> Result:
@@ -109,6 +90,8 @@ class Result:
         closed = file.is_finished
         with self._reading():
             self._check_format()
+            if file.guard is not None and not file.is_finished:
+                check_texts(file)
             self.title = str(file.attrs["title"])
             self.model = str(file.attrs["model"])
             self.model_hash = str(file.attrs["model_hash"])
@@ -118,14 +101,14 @@ class Result:
             self.status_message = str(file.attrs["status_message"])
             self.channels = tuple(str(name) for name in file.attrs["channels"])
             self.samples = int(file["time"].shape[0])
-            self._refuse_promises()
+            refuse_promises(path, file, self.channels)
             self._check_sums("time")
             self._thinning = thinned(self.samples, most)
             self.block = self._thinning.block
             self.time = self._thinning.times(file["time"])
             self.is_timed = str(file["time"].attrs.get("units", "s")) == "s"
-            self._check_lengths(closed)
-            self._check_times(closed)
+            check_lengths(path, file, self.channels, closed=closed)
+            check_times(path, self.time, closed=closed)
         if self.status not in STATUSES:
             raise InputError(f"{path}: status '{self.status}' is unknown; the file is damaged")
 
@@ -207,8 +190,8 @@ class Result:
                 return StateTable((), (), np.empty((self.samples, 0)))
             self._check_sums("states/value")
             return StateTable(
-                names=_texts(group["name"]),
-                units=_texts(group["units"]),
+                names=texts(group["name"]),
+                units=texts(group["units"]),
                 values=np.asarray(group["value"][: self.samples], dtype=float),
             )
 
@@ -242,7 +225,7 @@ class Result:
     def state_names(self) -> tuple[str, ...]:
         """Names of states and algebraic unknowns."""
         with self._reading():
-            return _texts(self._file["states/name"]) if "states/name" in self._file else ()
+            return texts(self._file["states/name"]) if "states/name" in self._file else ()
 
     @property
     def events(self) -> tuple[EventRecord, ...]:
@@ -254,7 +237,7 @@ class Result:
             instants = group["at"][()].tolist()
             return tuple(
                 EventRecord(at, name)
-                for at, name in zip(instants, _texts(group["name"]), strict=True)
+                for at, name in zip(instants, texts(group["name"]), strict=True)
             )
 
     @property
@@ -263,7 +246,7 @@ class Result:
         with self._reading():
             group = self._file["summary"]
             names = [str(name) for name in group.attrs.get("entries", ())]
-            return {name: _entry(name, group[dataset_path(name)[1:]]) for name in names}
+            return {name: entry(name, group[dataset_path(name)[1:]]) for name in names}
 
     @property
     def solver(self) -> dict[str, Any]:
@@ -292,7 +275,7 @@ class Result:
         """What the run told its user, such as warnings."""
         with self._reading():
             group = self._file["scenario"]
-            return _texts(group["notes"]) if "notes" in group else ()
+            return texts(group["notes"]) if "notes" in group else ()
 
     @property
     def configuration(self) -> dict[str, Any]:
@@ -323,7 +306,7 @@ class Result:
         """Static data by name, such as the cones of a course."""
         with self._reading():
             return {
-                name: _scene_item(item)
+                name: scene_item(item)
                 for name, item in self._file["scene"].items()
                 if item.attrs.get("CLASS") != b"DIMENSION_SCALE"
             }
@@ -390,41 +373,9 @@ class Result:
                 f"{FORMAT_VERSION}; update vehicledyn"
             )
 
-    def _check_lengths(self, closed: bool) -> None:
-        for name in self.channels:
-            length = self._file[dataset_path(name)].shape[0]
-            if length < self.samples or (closed and length != self.samples):
-                raise InputError(
-                    f"{self.path}: is damaged: {length} samples of {name}, "
-                    f"but {self.samples} of time; run it again"
-                )
-
-    def _check_times(self, closed: bool) -> None:
-        wrong = ~np.isfinite(self.time)
-        if closed:
-            wrong[1:] |= self.time[1:] < self.time[:-1]
-        if wrong.any():
-            place = int(np.argmax(wrong))
-            raise InputError(
-                f"{self.path}: is damaged: its time number {place + 1} is "
-                f"{self.time[place]:.6g}, which does not follow the one before; run it again"
-            )
-
-    def _refuse_promises(self) -> None:
-        """Refuse what are no columns, or say to hold far more than they do, before reading."""
-        for name in ("time", *self.channels):
-            column = self._file[dataset_path(name)]
-            if len(column.shape) != 1 or column.dtype.kind not in "fiu":
-                raise InputError(f"{self.path}: is damaged: {name} is no column of numbers")
-            if promises_too_much(column):
-                raise InputError(
-                    f"{self.path}: is damaged: says to hold {self.samples} samples, but they "
-                    "are not in the file; run it again"
-                )
-
     def _attributes(self, place: str) -> dict[str, Any]:
         with self._reading():
-            return {name: _fact(name, value) for name, value in self._file[place].attrs.items()}
+            return {name: fact(name, value) for name, value in self._file[place].attrs.items()}
 
     def _text(self, place: str) -> str:
         with self._reading():
@@ -441,41 +392,3 @@ class Result:
         text = self._text(place)
         with self._reading():
             return json.loads(text)
-
-
-def _texts(dataset: h5py.Dataset) -> tuple[str, ...]:
-    return tuple(str(text) for text in dataset.asstr()[()])
-
-
-def _entry(name: str, dataset: h5py.Dataset) -> SummaryEntry:
-    unit, meaning = str(dataset.attrs["units"]), str(dataset.attrs["long_name"])
-    return SummaryEntry(name, _scalar(dataset), unit, meaning)
-
-
-def _scalar(dataset: h5py.Dataset) -> float | int | bool | str:
-    if h5py.check_string_dtype(dataset.dtype) is not None:
-        return str(dataset.asstr()[()])
-    value: float | int = dataset[()].item()
-    return bool(value) if dataset.attrs.get("dtype") == "bool" else value
-
-
-def _scene_item(dataset: h5py.Dataset) -> SceneItem:
-    own = {"units", "long_name", "DIMENSION_LIST"}
-    return SceneItem(
-        values=np.asarray(dataset[()], dtype=float),
-        unit=str(dataset.attrs["units"]),
-        description=str(dataset.attrs["long_name"]),
-        attributes={k: _plain(v) for k, v in dataset.attrs.items() if k not in own},
-    )
-
-
-def _fact(name: str, value: Any) -> float | int | bool | str:
-    """Return a number or text; raise ValueError for what is neither."""
-    found = _plain(value)
-    if not isinstance(found, float | int | bool | str):
-        raise ValueError(f"its fact '{name}' is neither number nor text")
-    return found
-
-
-def _plain(value: Any) -> Any:
-    return value.item() if isinstance(value, np.generic) else value

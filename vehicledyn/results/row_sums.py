@@ -15,7 +15,7 @@ import h5py
 import numpy as np
 from numpy.typing import NDArray
 
-from vehicledyn.results.layout import CHECKSUMS
+from vehicledyn.results.layout import CHECKSUMS, dataset_path
 from vehicledyn.results.seal import DamagedError
 
 _MOST_BLOCKS = 64  # in a chunk
@@ -79,6 +79,19 @@ def check_rows(file: h5py.File, column: int, dataset: h5py.Dataset, length: int)
         if stop < first or _sum(dataset, first, int(stop)) != expected:
             raise DamagedError("wrong checksum", first, int(stop))
         first = int(stop)
+
+
+def cut_samples(file: h5py.File, samples: int) -> None:
+    """Cut off what a full disk kept from being a whole sample."""
+    group, names = file[CHECKSUMS], file.attrs["channels"]
+    count = int(np.searchsorted(group["row"][()], samples, side="right"))
+    columns = [file[dataset_path(str(name))] for name in ("time", *names)]
+    if "value" in file["states"]:
+        columns.append(file["states/value"])
+    lengths = [(dataset, samples) for dataset in columns]
+    for dataset, length in (*lengths, (group["row"], count), (group["crc"], count)):
+        if dataset.shape[0] > length:
+            dataset.resize(length, axis=0)
 
 
 def _sum(dataset: h5py.Dataset, first: int, stop: int) -> int:

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from vehicledyn.results.layout import EventRecord, ResultHeader, SceneItem, SummaryEntry
 from vehicledyn.results.output import check_output
-from vehicledyn.results.reader import Result, Series, StateTable, open_result
+from vehicledyn.results.reader import Result, open_result
+from vehicledyn.results.values import Series, StateTable
 from vehicledyn.results.writer import ResultWriter
 
 __all__ = [

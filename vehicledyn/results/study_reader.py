@@ -30,6 +30,7 @@ from vehicledyn.results.study_layout import (
     StudyAxis,
     StudyChannel,
 )
+from vehicledyn.results.text_sums import check_texts
 
 Floats = NDArray[np.float64]
 
@@ -116,6 +117,8 @@ class StudyFile:
             self.figures = {c.name: c for c in sorted(columns, key=lambda c: c.name)}
             if file.guard is not None and not file.guard.is_sealed:
                 check_cases(file)
+                if not file.is_finished:
+                    check_texts(file)
 
     @property
     def is_whole(self) -> bool:

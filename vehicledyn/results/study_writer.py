@@ -40,6 +40,7 @@ from vehicledyn.results.study_layout import (
     StudyHeader,
     fitted,
 )
+from vehicledyn.results.text_sums import write_text_sum
 
 _COLUMN_ROWS = 4096
 _REASON_ROWS = 64
@@ -158,6 +159,7 @@ class StudyWriter:
         try:
             self._container = Container(scratch, new=True)
             _write_header(self._file, self.header)
+            write_text_sum(self._file)
             self._file.swmr_mode = True
             self._say(RUNNING, "")
             self._container.flush()

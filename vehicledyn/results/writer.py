@@ -7,7 +7,7 @@ import time
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from types import TracebackType
-from typing import Any, NamedTuple, Self
+from typing import Any, Self
 
 import h5py
 import numpy as np
@@ -24,11 +24,11 @@ from vehicledyn.results.animation import (
     write_surroundings,
 )
 from vehicledyn.results.animation_stage import Stage
+from vehicledyn.results.blocks import Block, checked_block
 from vehicledyn.results.disk import Container
 from vehicledyn.results.finishing import Reserve, finish
 from vehicledyn.results.history import History, HistoryDatasets
 from vehicledyn.results.layout import (
-    CHECKSUMS,
     STATUSES,
     Described,
     EventRecord,
@@ -40,7 +40,8 @@ from vehicledyn.results.layout import (
     dataset_path,
 )
 from vehicledyn.results.output import OutputLock, check_output, free_space, write_failed
-from vehicledyn.results.row_sums import RowSums
+from vehicledyn.results.row_sums import RowSums, cut_samples
+from vehicledyn.results.text_sums import write_text_sum
 
 LARGEST_CHUNK = 1024  # samples
 LARGEST_BUFFER = 4096  # samples
@@ -49,12 +50,6 @@ CACHE = 1 << 16  # bytes of a dataset
 FLUSH_INTERVAL = 0.5  # s of wall time
 
 Floats = NDArray[np.float64]
-
-
-class _Block(NamedTuple):
-    times: Floats
-    channels: Floats
-    states: Floats
 
 
 class ResultWriter:
@@ -115,7 +110,7 @@ class ResultWriter:
         self._chunk = min(self._expected, LARGEST_CHUNK)
         self._most = min(self._expected, LARGEST_BUFFER)
         self._widths = (len(channels), len(states))
-        self._buffer: list[_Block] = []
+        self._buffer: list[Block] = []
         self._stage = stage
         self._expected_pictures = expected_pictures
         self._waiting: list[Pictures] = []
@@ -169,7 +164,9 @@ class ResultWriter:
             raise self._full
         if self._container is None:
             raise ValueError(f"{self.path} is closed")
-        self._buffer.append(self._checked(times, channels, states))
+        block = checked_block(times, channels, states, self._widths, self._last_time)
+        self._last_time = block.times[-1] if len(block.times) else self._last_time
+        self._buffer.append(block)
         overdue = time.monotonic() - self._flushed_at >= FLUSH_INTERVAL
         if overdue or sum(len(block.times) for block in self._buffer) > self._most:
             self._flush(self._container)
@@ -244,7 +241,7 @@ class ResultWriter:
             status, message, surroundings = "failed", str(self._full), None
 
         def change(file: h5py.File) -> None:
-            self._cut(file)
+            cut_samples(file, self.samples)
             file.attrs["status"] = status
             file.attrs["status_message"] = clean_text(message)
             sections.write_attributes(file["solver"], solver or {})
@@ -303,20 +300,8 @@ class ResultWriter:
         if self._numbers:
             self._kept = HistoryDatasets(file, self._numbers)
         self._sums = RowSums(file, columns, blocks)
+        write_text_sum(file)
         file.swmr_mode = True
-
-    def _checked(self, times: Floats, channels: Floats, states: Floats | None) -> _Block:
-        instants = np.array(times, dtype=float)
-        table = np.array(channels, dtype=float)
-        further = np.empty((len(instants), 0)) if states is None else np.array(states, dtype=float)
-        for values, width in zip((table, further), self._widths, strict=True):
-            if values.shape != (len(instants), width):
-                raise ValueError(f"shape {values.shape}, expected {(len(instants), width)}")
-        steps = np.diff(instants, prepend=self._last_time)
-        if np.any(steps < 0.0):
-            raise ValueError("time runs backwards")
-        self._last_time = instants[-1] if len(instants) else self._last_time
-        return _Block(instants, table, further)
 
     @undisturbed()
     def _flush(self, container: Container) -> None:
@@ -326,14 +311,14 @@ class ResultWriter:
         """
         if not self._buffer or self._full is not None:
             return
-        block = _Block(*(np.concatenate(part) for part in zip(*self._buffer, strict=True)))
+        block = Block(*(np.concatenate(part) for part in zip(*self._buffer, strict=True)))
         self._buffer.clear()
         try:
             start, ample = 0, self._has_space(len(block.times))
             while start < len(block.times):
                 inside = self._chunk - self.samples % self._chunk
                 stop = len(block.times) if ample else start + inside
-                self._write(container, _Block(*(part[start:stop] for part in block)))
+                self._write(container, Block(*(part[start:stop] for part in block)))
                 start = stop
             if self._waiting:
                 self._write_pictures(container)
@@ -347,7 +332,7 @@ class ResultWriter:
         wanted = 8 * (rows + self._chunk) * (1 + sum(self._widths))
         return free_space(self.path.parent) > 2 * wanted + AMPLE
 
-    def _write(self, container: Container, block: _Block) -> None:
+    def _write(self, container: Container, block: Block) -> None:
         """Write samples; the times come last, so that they never promise missing values."""
         columns = np.ascontiguousarray(block.channels.T)
         for dataset, values in zip(self._channels, columns, strict=True):
@@ -385,21 +370,6 @@ class ResultWriter:
             self._pictures.extend(pictures)
         container.flush()
         self._waiting.clear()
-
-    def _cut(self, file: h5py.File) -> None:
-        """Cut off what a full disk kept from being a whole sample."""
-        group, names = file[CHECKSUMS], file.attrs["channels"]
-        count = int(np.searchsorted(group["row"][()], self.samples, side="right"))
-        columns = [file[dataset_path(str(name))] for name in ("time", *names)]
-        if "value" in file["states"]:
-            columns.append(file["states/value"])
-        for dataset, length in (
-            *((dataset, self.samples) for dataset in columns),
-            (group["row"], count),
-            (group["crc"], count),
-        ):
-            if dataset.shape[0] > length:
-                dataset.resize(length, axis=0)
 
     def _finish(self, change: Callable[[h5py.File], None]) -> None:
         try:

@@ -221,3 +221,23 @@ def test_finishing_without_space_changes_nothing(unfinished, monkeypatch):
         with pytest.raises(OSError, match="No space"):
             finish(unfinished, change)
         assert unfinished.read_bytes() == before
+
+
+def test_a_wrong_name_in_a_killed_run_is_found(tmp_path):
+    path, copy = tmp_path / "running.h5", tmp_path / "left.h5"
+    writer = ResultWriter(path, channels=[Quantity("body.height", "m")], header=header())
+    writer.append(np.arange(3.0), np.zeros((3, 1)))
+    writer._flush(writer._container)
+    data = path.read_bytes()
+    writer.close()
+    places = [m.start() for m in re.finditer(rb"body\.height|Nine cones", data)]
+    assert places
+    for place in places:
+        broken = bytearray(data)
+        broken[place + 2] ^= 1
+        copy.write_bytes(broken)
+        with pytest.raises(InputError, match=r"is damaged"):
+            open_result(copy)
+    copy.write_bytes(data)
+    with open_result(copy) as result:
+        assert result.channels == ("body.height",)

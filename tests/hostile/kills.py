@@ -1,0 +1,232 @@
+"""Kills commands at random times and says what must not have been lost, or be taken for whole.
+
+By hand: ``python tests/hostile/kills.py 200``.
+"""
+
+import contextlib
+import os
+import shutil
+import signal
+import sys
+import tempfile
+import time
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+from damage import SCENARIO, STUDY, SYSTEMS
+from harness import call
+
+LOST = 1.0  # s
+SLOW = 2.5  # how much slower a busy machine may be
+
+
+@dataclass(frozen=True)
+class Victim:
+    """A command, the file it writes, and how it goes on with what a kill left."""
+
+    name: str
+    command: list
+    output: str
+    go_on: list = field(default_factory=list)
+
+
+VICTIMS = [
+    Victim(
+        "run", ["run", "long.yaml", "--no-plots", "-q", "-o", "r.h5"], "r.h5",
+        ["--restart", "r.h5"],
+    ),
+    Victim("sweep", ["sweep", "study.yaml", "-q", "-o", "s.h5"], "s.h5", ["--resume"]),
+    Victim(
+        "hunt",
+        ["hunt", str(SYSTEMS / "simple_wheelset.yaml"), "--from", "50 m/s", "--to", "70 m/s",
+         "--points", "12", "--no-simulation", "--no-plots", "-o", "h.h5"], "h.h5", ["--resume"],
+    ),
+    Victim("report", ["report", "short.h5", "-o", "p.html"], "p.html"),
+    Victim("animate", ["animate", "short.h5", "-o", "a.html"], "a.html"),
+    Victim("plot", ["plot", "short.h5", "-o", "figures"], "figures"),
+    Victim("eig", ["eig", str(SYSTEMS / "quarter_car.yaml"), "-o", "m.h5"], "m.h5"),
+    Victim(
+        "response",
+        ["response", str(SYSTEMS / "quarter_car.yaml"), "--input", "road.height",
+         "--output", "body.height", "-o", "f.h5"], "f.h5",
+    ),
+    Victim(
+        "kinematics",
+        ["kinematics", str(SYSTEMS / "four_bar.yaml"), "--drive",
+         "crank.angle=-60 deg:300 deg:400", "--no-plots", "-o", "k.h5"], "k.h5",
+    ),
+]  # fmt: skip
+
+
+class Campaign:
+    """Commands in folders of their own, killed after a part of the time that they take."""
+
+    def __init__(self, folder, seed=14):
+        self._folder, self._random = Path(folder), np.random.default_rng(seed)
+        self._seconds, self._whole = {}, {}
+        shutil.copy(SYSTEMS / "double_pendulum.yaml", self._folder)
+        texts = {
+            "short.yaml": SCENARIO,
+            "long.yaml": SCENARIO.replace("3 s", "300 s"),
+            "study.yaml": STUDY.replace("number: 24", "number: 400").replace("0.2 s", "2 s"),
+        }
+        for name, text in texts.items():
+            (self._folder / name).write_text(text, encoding="utf-8")
+        start(self._folder, ["run", "short.yaml", "--no-plots", "-q", "-o", "short.h5"]).wait()
+
+    def kill(self, victim, *, go_on):
+        """Kill a command once; return what is wrong with what it left."""
+        if victim.name not in self._seconds:
+            self._measure(victim)
+        folder = self._copy()
+        process = start(folder, victim.command)
+        time.sleep(self._random.uniform(0.0, self._seconds[victim.name]))
+        at = time.time()
+        process.kill()
+        faults = list(self._faults(victim, folder, at))
+        if go_on and victim.go_on and not faults:
+            faults += self._gone_on(victim, folder)
+        shutil.rmtree(folder, ignore_errors=True)
+        return faults
+
+    def _copy(self):
+        folder = Path(tempfile.mkdtemp(dir=self._folder))
+        for path in self._folder.iterdir():
+            if path.is_file():
+                shutil.copy(path, folder)
+        return folder
+
+    def _measure(self, victim):
+        for _ in range(2):  # the first time it is compiled
+            folder = self._copy()
+            begin = time.time()
+            code = start(folder, victim.command).wait()
+            self._seconds[victim.name] = time.time() - begin
+            assert code in (0, 1), (victim.name, code)
+        self._whole[victim.name] = folder / victim.output
+
+    def _faults(self, victim, folder, at):
+        path = folder / victim.output
+        before = {"long.yaml", "short.yaml", "study.yaml", "short.h5", "double_pendulum.yaml"}
+        others = {p.name for p in folder.iterdir() if not p.name.startswith(".")} - before
+        extra = {victim.output, f"{victim.output}.checkpoint"}
+        if others - extra:
+            yield f"leaves {sorted(others - extra)}"
+        if not path.exists():
+            return
+        for file in [path] if path.is_file() else path.iterdir():
+            if file.name.startswith("."):
+                continue
+            if file.stat().st_size == 0:
+                yield f"{file.name} is empty"
+            elif (
+                file.suffix == ".html" and not file.read_text("utf-8").rstrip().endswith("html>")
+            ) or (file.suffix == ".png" and not file.read_bytes().endswith(b"IEND\xaeB`\x82")):
+                yield f"{file.name} is cut off"
+        if path.suffix == ".h5":
+            yield from self._faults_of_result(victim, path, at)
+
+    def _faults_of_result(self, victim, path, at):
+        from vehicledyn.base.errors import InputError
+        from vehicledyn.results.store import open_result
+        from vehicledyn.results.study_reader import open_study
+
+        code = start(path.parent, ["info", path.name]).wait()
+        if code:
+            yield f"info leaves with {code}"
+        try:
+            if victim.name == "run":
+                with open_result(path) as result, open_result(self._whole["run"]) as whole:
+                    count = len(result.time)
+                    lost = at - path.stat().st_mtime
+                    if not result.is_whole and count and lost > SLOW * LOST:
+                        yield f"the last {lost:.1f} s are lost"
+                    if result.is_whole and count != len(whole.time):
+                        yield "is taken for whole"
+                    for name in result.channels:
+                        known = whole.channel(name).values[:count]
+                        if not np.array_equal(result.channel(name).values, known):
+                            yield f"{name} is wrong"
+            elif victim.name == "sweep":
+                with open_study(path) as study:
+                    if study.is_whole and study.counts()["pending"]:
+                        yield "is taken for whole"
+        except InputError as error:
+            yield str(error)
+
+    def _gone_on(self, victim, folder):
+        path = folder / victim.output
+        if not path.exists():
+            return
+        from vehicledyn.results.store import open_result
+
+        if victim.name == "run":
+            with open_result(path) as result:
+                if result.is_whole or not len(result.time):
+                    return
+        code = start(folder, [*victim.command, *victim.go_on]).wait()
+        if code not in (0, 1):
+            yield f"cannot be gone on with: exit code {code}"
+            return
+        shutil.copy(self._whole[victim.name], folder / "whole.h5")
+        if victim.name == "hunt":
+            return
+        with contextlib.suppress(FileNotFoundError):
+            code = start(folder, ["compare", path.name, "whole.h5"]).wait()
+        if code:
+            yield "differs from a run in one piece"
+
+
+class start:  # noqa: N801
+    """A forked process that calls the program; it and its children end together."""
+
+    def __init__(self, folder, command):
+        sys.stdout.flush()
+        sys.stderr.flush()
+        self.number = os.fork()
+        if self.number == 0:
+            code = 99
+            try:
+                os.setpgid(0, 0)
+                os.chdir(folder)
+                nothing = os.open(os.devnull, os.O_RDWR)
+                for stream in range(3):
+                    os.dup2(nothing, stream)
+                code = call(command)
+            finally:
+                os._exit(code)
+        with contextlib.suppress(OSError):
+            os.setpgid(self.number, self.number)
+
+    def wait(self):
+        """Return the exit code."""
+        _, status = os.waitpid(self.number, 0)
+        return os.waitstatus_to_exitcode(status)
+
+    def kill(self):
+        """Kill the process and its children."""
+        with contextlib.suppress(ProcessLookupError):
+            os.killpg(self.number, signal.SIGKILL)
+        os.waitpid(self.number, 0)
+
+
+def main():
+    """Kill the commands in turn as often as asked for, and print what went wrong."""
+    import warm
+
+    warm.up()
+    count, bad = int(sys.argv[1]), 0
+    with tempfile.TemporaryDirectory() as folder:
+        campaign = Campaign(folder)
+        for number in range(count):
+            victim = VICTIMS[number % len(VICTIMS)]
+            for fault in campaign.kill(victim, go_on=number % 3 == 0):
+                bad += 1
+                print(f"kill {number}, {victim.name}: {fault}", flush=True)  # noqa: T201
+    print(f"{count} kills, {bad} faults")  # noqa: T201
+    sys.exit(bad > 0)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,31 @@
+"""Killed commands lose nothing but the last second, and leave nothing that looks whole.
+
+By hand with more of them: ``python tests/hostile/kills.py 200``.
+"""
+
+import pytest
+from kills import VICTIMS, Campaign, start
+
+
+@pytest.fixture(scope="module")
+def campaign(tmp_path_factory):
+    return Campaign(tmp_path_factory.mktemp("kills"))
+
+
+CHEAP = [victim for victim in VICTIMS if victim.name != "hunt"]
+
+
+@pytest.mark.parametrize("victim", CHEAP, ids=lambda victim: victim.name)
+def test_kills(campaign, victim):
+    faults = campaign.kill(victim, go_on=True) + campaign.kill(victim, go_on=False)
+    assert not faults
+
+
+def test_of_two_runs_on_one_output_one_is_refused(campaign, tmp_path):
+    folder = campaign._copy()
+    command = VICTIMS[0].command
+    codes = sorted(process.wait() for process in [start(folder, command) for _ in range(2)])
+    assert codes == [0, 2]
+    assert start(folder, ["info", "r.h5"]).wait() == 0
+    names = {path.name for path in folder.iterdir() if path.name.startswith(".")}
+    assert not names
