@@ -29,8 +29,8 @@ _MEANINGS = {
 class TrackFrameSet(JointSet):
     """Follow the centre line of the track as a function of time; what comes after is beside it.
 
-    x points along the track, y to the left in the plane of the rails, z up. The coordinates
-    track_x to track_roll are driven.
+    x points along the track, y to the left in the plane of the rails, z up; kinks of the design
+    are rounded. The coordinates track_x to track_roll are driven.
     """
 
     position: Scalar = measured("m", "Place along the track, of time", variables="time")
