@@ -110,4 +110,4 @@ def test_the_bicycle_of_the_page(said):
     for key in ("oscillation_ceases", "divergence_begins"):
         assert f"{figures[key]:.3f} m/s" in PAGE
     (command,) = (line for line in printed if "bicycle.yaml" in line)
-    assert "above, an oscillation ceases to grow" in printed[command]
+    assert "an oscillation ceases to grow" in printed[command]

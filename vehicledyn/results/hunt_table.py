@@ -31,10 +31,10 @@ RUNNING, INTERRUPTED = "running", "interrupted"
 FIGURE_MEANINGS = {
     "linear_critical": "linear critical value (an oscillation begins to grow)",
     "linear_critical_frequency": "its frequency",
-    "oscillation_ceases": "above, an oscillation ceases to grow",
+    "oscillation_ceases": "an oscillation ceases to grow",
     "oscillation_ceases_frequency": "its frequency",
-    "divergence_begins": "above, a motion grows without oscillation",
-    "divergence_ceases": "above, a motion ceases to grow without oscillation",
+    "divergence_begins": "a motion begins to grow without oscillation",
+    "divergence_ceases": "a motion ceases to grow without oscillation",
     "nonlinear_critical": "lowest stable limit cycle found in this range",
     "simulated_lowering": "lowest one by simulation, lowered step by step",
     "simulated_raising": "linear one by simulation, a small disturbance grows",

@@ -107,7 +107,12 @@ def _hunt_facts(table: hunt_table.HuntTable) -> dict[str, Any]:
         "equilibria": len(table.locus_values),
         "cycles": [f"branch {n}: {len(table.branch(n))}" for n in table.branches],
         "channels": [f"{item.name} [{item.unit}]" for item in table.channels],
-        **{name: f"{value:.6g}" for name, value in table.figures.items()},
+        **{
+            name: " ".join(
+                filter(None, (f"{value:.6g}", table.figure_unit(name), table.means.get(name)))
+            )
+            for name, value in table.figures.items()
+        },
     }
 
 

@@ -122,6 +122,8 @@ def _responses(table: response_table.ResponseTable) -> Parts:
 
 def _critical(table: hunt_table.HuntTable, name: str, meaning: str) -> KeyFigure:
     value, unit = table.figures[name], table.figure_unit(name)
+    if name in table.means:
+        meaning = f"{meaning}: {table.means[name]}"
     return KeyFigure(name, *((100.0 * value, "%") if unit == "1" else (value, unit)), meaning)
 
 
