@@ -18,6 +18,7 @@ from vehicledyn.rail.profile_reading import AS_IT_IS, ProfileReading
 from vehicledyn.rail.track import CentreLine, RailShift, Track
 
 if TYPE_CHECKING:
+    from vehicledyn.rail.profile import Profile
     from vehicledyn.rail.track_alignment import Alignment
 
 HEAD_WIDTH = 0.065
@@ -61,6 +62,16 @@ class TrackChoice(ParameterSet):
     def rail_problems(self, folder: Path) -> list[str]:
         """Return what is wrong with the profile of its rails, one line each."""
         return []
+
+    @abstractmethod
+    def rail_profile(self, folder: Path) -> Profile:
+        """Return the profile of its rails; files are looked for in a folder.
+
+        Raises
+        ------
+        InputError
+            If there is no such profile.
+        """
 
 
 class TrackSet(TrackChoice):
@@ -117,6 +128,12 @@ class TrackSet(TrackChoice):
         """Return what is wrong with the profile of its rails, one line each."""
         found = file_problems(self._rail(folder), "rail", self.rail_reading)
         return [f"rail: {line}" for line in found]
+
+    def rail_profile(self, folder: Path) -> Profile:
+        """Return the profile of its rails."""
+        from vehicledyn.rail.profile_open import open_profile
+
+        return open_profile(self._rail(folder), "rail", self.rail_reading)
 
     def _rail(self, folder: Path) -> str:
         """Return the name of the rails' profile, of a file with its folder."""

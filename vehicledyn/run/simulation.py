@@ -22,6 +22,7 @@ from vehicledyn.results.writer import ResultWriter
 from vehicledyn.run.chosen_step import leaves_step, with_step
 from vehicledyn.run.judgement import judged_by
 from vehicledyn.run.kinked_drives import kinked_drives
+from vehicledyn.run.mended_profiles import mended_profiles
 from vehicledyn.run.model_hash import model_hash
 from vehicledyn.run.moved_starts import moved_starts
 from vehicledyn.run.pictures import Recorder, surroundings_of
@@ -138,6 +139,7 @@ def run_scenario(
         notes.extend(moved_starts(prepared, start))
     notes.extend(standing_wheels(prepared, start))
     notes.extend(kinked_drives(prepared.subject, loaded.scenario.duration))
+    notes.extend(mended_profiles(loaded))
     turns = SingularTurns.of(prepared.subject.system, prepared.equations)
     needed = needed_channels(prepared)
     run = _Run(loaded, prepared, kept, needed, described, recorder, notes, turns, solver)

@@ -11,6 +11,8 @@ import vehicledyn.catalogue  # noqa: F401
 from vehicledyn.base.errors import InputError
 from vehicledyn.cli.files import read_file
 from vehicledyn.rail.named_profiles import named_profile
+from vehicledyn.run.mended_profiles import mended_profiles
+from vehicledyn.scenario import load_scenario
 
 ROOT = Path(__file__).parents[3]
 SYSTEM = ROOT / "systems" / "rail_wheelset.yaml"
@@ -84,6 +86,10 @@ def test_measured_wheels_in_a_system(tmp_path):
     reading = "profile: worn.txt, profile_reading: {smoothing: 4 mm, defects: mend}"
     (tmp_path / "mended.yaml").write_text(worn.replace("profile: worn.txt", reading))
     read_file(tmp_path / "mended.yaml", [])
+    scenario = (ROOT / "scenarios" / "systems" / "rail_wheelset.yaml").read_text()
+    (tmp_path / "run.yaml").write_text(scenario.replace("../../systems/rail_wheelset", "mended"))
+    (told,) = mended_profiles(load_scenario(tmp_path / "run.yaml"))
+    assert told.startswith(f"{tmp_path / 'worn.txt'}: left out: an outlier in line 301")
     wrong = worn.replace("profile: worn.txt", "profile: worn.txt, profile_reading: {defects: men}")
     assert "profile_reading.defects" in problems(tmp_path, wrong)
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import ClassVar
+from typing import TYPE_CHECKING, ClassVar
 
 from pydantic import Field, ValidationError
 
@@ -14,6 +14,9 @@ from vehicledyn.base.units import describe
 from vehicledyn.base.yaml import read_yaml
 from vehicledyn.rail.track import Track
 from vehicledyn.rail.track_set import TrackChoice
+
+if TYPE_CHECKING:
+    from vehicledyn.rail.profile import Profile
 
 
 @register("track", "file")
@@ -28,6 +31,11 @@ class TrackFile(TrackChoice):
         """Return the track; files that it names are looked for beside its own."""
         path = folder / self.file
         return read_track(path).track(path.parent)
+
+    def rail_profile(self, folder: Path) -> Profile:
+        """Return the profile of its rails."""
+        path = folder / self.file
+        return read_track(path).rail_profile(path.parent)
 
 
 def read_track(path: Path) -> TrackChoice:
