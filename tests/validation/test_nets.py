@@ -12,6 +12,7 @@ from test_closed_forms import four_bars
 from vehicledyn.base.errors import NumericalError
 from vehicledyn.base.registry import find
 from vehicledyn.multibody import derive
+from vehicledyn.run.start_rates import start_rates
 from vehicledyn.run.watched import simulate_watched
 from vehicledyn.solve.kernel import compile_kernel
 
@@ -193,3 +194,24 @@ def test_a_true_singularity_is_named():
     """Bars in one line: the constraints lose their rank, and the run says where."""
     with pytest.raises(NumericalError, match="lose their rank"):
         Run(parallelogram, 3.0, 0.1)
+
+
+def test_a_given_rate_is_kept():
+    """The rate of one bar is given; those of the others follow, as with partitioning."""
+    found = []
+    for method in ("multipliers", "partitioning"):
+        kernel = compile_kernel(
+            derive(replace(four_bars(1), constraint_method=method)), backend="interpreted"
+        )
+        e = kernel.equations
+        state = np.array([s.start for s in e.states])
+        unknowns = np.array([u.start for u in e.unknowns])
+        state[list(e.velocities)] = 0.0
+        given = {"upright_1.angle": 2.0}
+        moving = start_rates(kernel, given, 0.0, state, unknowns)
+        outputs = kernel.outputs(0.0, moving, unknowns)
+        names = [c.name for c in e.channels]
+        wanted = ("upright_0.angle_rate", "coupler_0.angle_rate", "upright_1.angle_rate")
+        found.append([outputs[names.index(name)] for name in wanted])
+    assert found[0] == pytest.approx(found[1], abs=1e-12)
+    assert found[0][2] == pytest.approx(2.0, abs=1e-12)

@@ -65,6 +65,14 @@ def redundant_constraints(prepared: Prepared) -> list[str]:
     ]
 
 
+def constraint_notes(prepared: Prepared) -> list[str]:
+    """Return how constraints are treated where it is with multipliers, and which are redundant."""
+    notes = redundant_constraints(prepared)
+    if prepared.equations.structure.get("constraint_method") == "multipliers":
+        notes.insert(0, "constraints: multipliers and projection ('constraint_method')")
+    return notes
+
+
 def hardly_resisted(prepared: Prepared, time: float, state: Vector, unknowns: Vector) -> str:
     """Return which motion hardly anything resists at a point; empty if there is none."""
     found = _idle(prepared, time, state, unknowns, share=_HARDLY)

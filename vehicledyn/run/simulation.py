@@ -29,8 +29,8 @@ from vehicledyn.run.pictures import Recorder, surroundings_of
 from vehicledyn.run.prepare import Point, Prepared, Progress
 from vehicledyn.run.rerun import prepare_run
 from vehicledyn.run.resisted import (
+    constraint_notes,
     hardly_resisted,
-    redundant_constraints,
 )
 from vehicledyn.run.restart import SINGULAR_ANGLES, Restart, open_restart
 from vehicledyn.run.run_recording import RunRecording
@@ -132,7 +132,7 @@ def run_scenario(
     solver = with_step(
         loaded.scenario.solver, prepared.kernel, start, loaded.scenario.output.interval
     )
-    notes = redundant_constraints(prepared)
+    notes = constraint_notes(prepared)
     if leaves_step(loaded.scenario.solver):
         notes.append(f"step: {shown(solver.step, 's')}, chosen from the motion at the start")
     if loaded.scenario.start in (None, "nominal"):

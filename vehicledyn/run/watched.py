@@ -25,9 +25,10 @@ from vehicledyn.multibody.system import MOST_ENTANGLED, System
 from vehicledyn.run.passage import FINE_TOLERANCE, TOLERANCE, Passage, Sample
 from vehicledyn.run.pivots import LEVERAGE, WIDE_ZONE, ZONE, Crossing, Degrading, PivotLog
 from vehicledyn.run.projected import ProjectedRun
+from vehicledyn.run.rederived import derived_at, state_in, values_of
 from vehicledyn.solve.course import Course
 from vehicledyn.solve.judged import Judged
-from vehicledyn.solve.kernel import Backend, Kernel, Progress, compile_kernel
+from vehicledyn.solve.kernel import Kernel, Progress
 from vehicledyn.solve.simulate import Solver, simulate
 from vehicledyn.solve.task import Happened, Sink, Statistics, joined
 
@@ -187,27 +188,19 @@ class _Run:
 
         Raises the error where that is not so, or leads no further.
         """
-        from vehicledyn.multibody.derivation import derive
-        from vehicledyn.multibody.loops import Moment
-        from vehicledyn.multibody.watch import freed
-
         if sample is None or self.system.constraint_method != "auto":
             raise error
-        if not self._watch.is_regular(sample.time, self._values(sample)):
+        if not self._watch.is_regular(sample.time, values_of(self.kernel, sample)):
             raise error
-        values, parameters = self._values(sample), self.kernel.parameters
-        system = replace(freed(self.system, values, parameters), constraint_method="multipliers")
-        states = {s.name: values[s.name] for s in self._first.states if s.name in values}
         self.progress("deriving the equations with multipliers", None)
         try:
-            equations = derive(system, moment=Moment(sample.time, states))
+            kernel = derived_at(
+                self.system, self.kernel, sample, first=self._first, method="multipliers"
+            )
         except InputError:
             raise error from None
-        kernel = compile_kernel(equations, backend=_backend(self.kernel))
-        known = {**values, **_by_name(self.kernel, sample)}
-        self.kernel = kernel.with_parameters(parameters)
-        state = np.array([known[s.name] for s in equations.states])
-        guess = np.array([known[u.name] for u in equations.unknowns])
+        state, guess = state_in(kernel, self.kernel, sample)
+        self.kernel = kernel.with_parameters(self.kernel.parameters)
         self.happened("constraint_method.changed", sample.time)
         _log.info("t = %.6g s: constraints are treated with multipliers from now on", sample.time)
         run = ProjectedRun(
@@ -392,7 +385,9 @@ class _Run:
         values = self.kernel.pivots(*parts)
         if not self.kernel.equations.structure["rate_dependent"]:
             return values
-        rates = [self._watch.pivot(s.time, self._values(s), self._dependent) for s in samples]
+        rates = [
+            self._watch.pivot(s.time, values_of(self.kernel, s), self._dependent) for s in samples
+        ]
         return np.column_stack([values, rates])
 
     def _better(self, sample: Sample, limit: float) -> Comparison | None:
@@ -400,40 +395,25 @@ class _Run:
 
         It is looked for only where the leverage is above the limit.
         """
-        values = self._values(sample)
+        values = values_of(self.kernel, sample)
         leverage = self._watch.leverage(sample.time, values, self._dependent)
         if leverage <= limit:
             return None
         found = self._watch.compare(sample.time, values, self._dependent)
         return found if found.best_leverage < _GAIN * leverage else None
 
-    def _values(self, sample: Sample) -> dict[str, float]:
-        names = (c.name for c in self.kernel.equations.channels)
-        return dict(zip(names, map(float, sample.outputs), strict=True))
-
     def _change(self, sample: Sample, found: Comparison) -> tuple[int, Vector, Vector]:
         """Derive the equations anew at a sample; return where the run goes on."""
-        from vehicledyn.multibody.derivation import derive
-        from vehicledyn.multibody.loops import Moment
-        from vehicledyn.multibody.watch import freed
-
         if sample.time <= self._changed_at:
             raise self._lasts_no_longer(sample, found)
         self._changed_at = sample.time
-        values = self._values(sample)
-        parameters = self.kernel.parameters
         if found.best not in self._known:
             self.progress("deriving the equations with other dependent coordinates", None)
-            system = freed(self.system, values, parameters)
-            system = replace(system, constraint_method="partitioning")
-            states = {s.name: values[s.name] for s in self._first.states if s.name in values}
-            equations = derive(system, moment=Moment(sample.time, states))
-            backend = _backend(self.kernel)
-            self._known[found.best] = compile_kernel(equations, backend=backend)
-        old, new = self.kernel, self._known[found.best].with_parameters(parameters)
-        known = {**values, **_by_name(old, sample)}
-        state = np.array([known[s.name] for s in new.equations.states])
-        guess = np.array([known[u.name] for u in new.equations.unknowns])
+            self._known[found.best] = derived_at(
+                self.system, self.kernel, sample, first=self._first, method="partitioning"
+            )
+        new = self._known[found.best].with_parameters(self.kernel.parameters)
+        state, guess = state_in(new, self.kernel, sample)
         unknowns = new.solve_unknowns(sample.time, state, guess)
         outputs = new.outputs(sample.time, state, unknowns)
         self.kernel = new
@@ -514,16 +494,3 @@ def looks_per_interval(solver: Solver, interval: float) -> int:
         return max(1, math.ceil(interval / _LOOK))
     count = max(1, round(interval / step))
     return next(k for k in range(max(1, count // _STEPS_PER_LOOK), 0, -1) if count % k == 0)
-
-
-def _backend(kernel: Kernel) -> Backend:
-    return "compiled" if kernel.backend == "compiled" else "interpreted"
-
-
-def _by_name(kernel: Kernel, sample: Sample) -> dict[str, float]:
-    e = kernel.equations
-    pairs = [
-        *zip(e.states, sample.state, strict=True),
-        *zip(e.unknowns, sample.unknowns, strict=True),
-    ]
-    return {item.name: float(value) for item, value in pairs}
