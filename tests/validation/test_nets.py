@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 from functools import cache
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -9,15 +10,19 @@ from nets import LENGTH, MASS, name, net, places
 from scipy.integrate import solve_ivp
 from test_closed_forms import four_bars
 
-from vehicledyn.base.errors import NumericalError
+import vehicledyn.catalogue  # noqa: F401
+from vehicledyn.base.errors import InputError, NumericalError
 from vehicledyn.base.registry import find
 from vehicledyn.multibody import derive
+from vehicledyn.run.prepare import equilibrium_point, prepare
 from vehicledyn.run.start_rates import start_rates
 from vehicledyn.run.watched import simulate_watched
+from vehicledyn.scenario import load_model
 from vehicledyn.solve.kernel import compile_kernel
 
 pytestmark = pytest.mark.validation
 GRAVITY = 9.81
+SYSTEMS = Path(__file__).parents[2] / "systems"
 
 
 @cache
@@ -215,3 +220,17 @@ def test_a_given_rate_is_kept():
         found.append([outputs[names.index(name)] for name in wanted])
     assert found[0] == pytest.approx(found[1], abs=1e-12)
     assert found[0][2] == pytest.approx(2.0, abs=1e-12)
+
+
+def test_analyses_that_vary_coordinates_are_refused(tmp_path):
+    """Their states are not independent of each other."""
+    written = (SYSTEMS / "four_bar.yaml").read_text(encoding="utf-8")
+    path = tmp_path / "four_bar.yaml"
+    path.write_text(f"constraint_method: multipliers\n{written}", encoding="utf-8")
+    prepared = prepare(
+        load_model(str(path)), backend="interpreted", progress=lambda what, part: None
+    )
+    with pytest.raises(InputError, match="constraint_method: partitioning"):
+        equilibrium_point(prepared, 0.0, "static")
+    with pytest.raises(InputError, match="constraint_method: partitioning"):
+        _ = prepared.derivatives

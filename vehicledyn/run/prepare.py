@@ -100,6 +100,7 @@ class Prepared:
         """Exact Jacobians of the equations."""
         from vehicledyn.solve.derivatives import Derivatives
 
+        refuse_multipliers(self.equations)
         if not self._derivatives:
             self._derivatives.append(Derivatives(self.equations))
         return self._derivatives[0]
@@ -124,6 +125,16 @@ class Prepared:
     def index(self, state: str) -> int:
         """Return the index of a state by name."""
         return index_of(self.equations, state)
+
+
+def refuse_multipliers(equations: Equations) -> None:
+    """Raise InputError where all coordinates are states, which are not free to be varied."""
+    if equations.structure.get("constraint_method") == "multipliers":
+        raise InputError(
+            f"the constraints of '{equations.name}' are treated with multipliers, which serve runs "
+            "only; equilibria and linear analyses need independent coordinates: give the system "
+            "'constraint_method: partitioning'"
+        )
 
 
 @dataclass(frozen=True)
@@ -233,6 +244,7 @@ def equilibrium_point(
     """
     from vehicledyn.solve.equilibrium import find_equilibrium
 
+    refuse_multipliers(prepared.equations)
     e, subject = prepared.equations, prepared.subject
     balanced_speed = 0.0 if kind == "static" else speed
     moving = subject.start_state(e, speed)
