@@ -32,8 +32,11 @@ from vehicledyn.solve.windows import (
     window_difference,
 )
 
-MOST_BOUND = 0.04
-"""What the errors in windows may add up to without a second look."""
+_MOST_BOUND = {1: 0.01, 2: 0.04, 4: 0.04}
+"""What the errors in windows may add up to without a second look, by the order of the method.
+
+Errors of order one have one sign throughout, and what amplifies them has all the run to do so.
+"""
 
 _MOVED = 0.04
 """What a second look may find without a warning."""
@@ -201,7 +204,7 @@ class AccuracyWatch:
         """Return what is to be said of the errors in windows, shape (n_windows, n_channels)."""
         spent = 3 * STEPS * len(places)
         bound, worst = bound_of(errors, self.taken * self.grid.per_interval)
-        if bound <= MOST_BOUND:
+        if bound <= most_bound(self.grid.method):
             names = [self.kernel.equations.channels[k].name for k in self.judged.channels]
             return Accuracy("accurate", bound, f"'{names[worst]}'" if names else "", None, spent)
         moved = look_again(self, places, errors, ended_early=ended_early)
@@ -246,6 +249,11 @@ class AccuracyWatch:
             return proposed_step(self.kernel, self.grid.method, point, self.grid.interval)
         except (NumericalError, np.linalg.LinAlgError):
             return None
+
+
+def most_bound(method: int) -> float:
+    """Return what errors in windows may add up to without a second look, as a part of a range."""
+    return _MOST_BOUND[order_of(method)]
 
 
 def bound_of(errors: Vector, n_steps: int) -> tuple[float, int]:

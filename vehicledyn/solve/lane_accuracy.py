@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from vehicledyn.solve.accuracy import MOST_BOUND, Accuracy, bound_of, window_count, window_places
+from vehicledyn.solve.accuracy import Accuracy, bound_of, most_bound, window_count, window_places
 from vehicledyn.solve.cases import Samples
 from vehicledyn.solve.engine import Status, Vector
 from vehicledyn.solve.judged import Judged
@@ -92,7 +92,7 @@ class LaneWatch:
             errors = total_error(rows, self.grid.method) / ranges.scales()
         errors = np.nan_to_num(errors, nan=np.inf, posinf=np.inf)
         bound, worst = bound_of(errors, (self.grid.n_intervals + 1) * self.grid.per_interval)
-        if bound > MOST_BOUND:
+        if bound > most_bound(self.grid.method):
             return None
         name = self.kernel.equations.channels[self.channels[worst]].name
         return Accuracy("accurate", bound, f"'{name}'", None, 3 * STEPS * len(rows))

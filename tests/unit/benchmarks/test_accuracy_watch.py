@@ -1,0 +1,29 @@
+"""The campaign of the accuracy watch, on few light scenarios: nothing missed, no false alarm."""
+
+import importlib.util
+import sys
+from pathlib import Path
+
+import pytest
+
+SCRIPT = Path(__file__).parents[3] / "benchmarks" / "accuracy_watch.py"
+LIGHT = ("systems/quarter_car", "systems/double_spring_mass", "systems/jeep_suspension")
+
+
+@pytest.fixture(scope="module")
+def script():
+    spec = importlib.util.spec_from_file_location("accuracy_watch", SCRIPT)
+    module = importlib.util.module_from_spec(spec)
+    sys.modules["accuracy_watch"] = module
+    spec.loader.exec_module(module)
+    return module
+
+
+def test_random_steps_of_light_scenarios(script, needs_compiler, monkeypatch):
+    monkeypatch.setattr(script, "NAMES", LIGHT)
+    found = script.campaign(30, seed=3)
+    classes = [script.class_of(finding) for finding in found]
+    assert {"bad", "good"} <= set(classes)
+    for finding, kind in zip(found, classes, strict=True):
+        if kind != "grey":
+            assert (finding.verdict == "accurate") == (kind == "good"), finding
