@@ -18,7 +18,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 PROCESSOR_SECONDS = 10
-WALL_SECONDS = 60
+WALL_SECONDS = 180
 MOST_MEMORY = 1 << 30
 MOST_TEXT = 200_000
 CODES = {0, 1, 2, 3, 4, 5}

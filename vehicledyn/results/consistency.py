@@ -10,7 +10,10 @@ from collections.abc import Iterable
 from dataclasses import dataclass, field
 from typing import Any
 
+import h5py
 import numpy as np
+
+from vehicledyn.results.thinning import promises_too_much
 
 LARGEST = 1e100
 """Numbers beyond this come from no computation that went well; pictures of them overflow."""
@@ -62,6 +65,16 @@ class Sizes:
         wanted = self.known.setdefault(axis, number)
         if number != wanted:
             raise ValueError(f"{name} has {number} {axis}, not {wanted}")
+
+
+def require_stored(group: h5py.Group) -> None:
+    """Raise ValueError if a dataset below a group says to hold far more than is stored."""
+
+    def look(name: str, item: Any) -> None:
+        if isinstance(item, h5py.Dataset) and promises_too_much(item):
+            raise ValueError(f"{name} is not in the file")
+
+    group.visititems(look)
 
 
 def require_known(name: str, values: Iterable[str], known: Iterable[str]) -> None:

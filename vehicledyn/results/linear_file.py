@@ -18,6 +18,7 @@ import numpy as np
 
 import vehicledyn
 from vehicledyn.base.errors import InputError
+from vehicledyn.results.consistency import require_stored
 from vehicledyn.results.damage import reading
 from vehicledyn.results.disk import Container
 from vehicledyn.results.layout import clean_text
@@ -90,6 +91,7 @@ def old_file(path: Path, kind: str) -> Iterator[h5py.File]:
     with file, reading(path, file, "compute it again"):
         if int(file.attrs["format_version"]) > FORMAT_VERSION:
             raise InputError(f"{path}: is of a newer version; update vehicledyn")
+        require_stored(file)
         yield file
 
 
@@ -152,4 +154,7 @@ def write_numbers(
 
 def read_complex(group: h5py.Group, name: str) -> Any:
     """Return an array of complex numbers."""
-    return np.asarray(group[f"{name}_real"][()]) + 1j * np.asarray(group[f"{name}_imag"][()])
+    real, imaginary = (group[f"{name}_{part}"][()] for part in ("real", "imag"))
+    values = np.array(real, dtype=complex)
+    values.imag = imaginary
+    return values

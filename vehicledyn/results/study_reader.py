@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from vehicledyn.base.errors import InputError, unknown_name
 from vehicledyn.results.case_sums import check_cases
+from vehicledyn.results.consistency import require_stored
 from vehicledyn.results.damage import reading
 from vehicledyn.results.opening import OpenFile, open_file
 from vehicledyn.results.output import is_being_written
@@ -31,6 +32,7 @@ from vehicledyn.results.study_layout import (
     StudyChannel,
 )
 from vehicledyn.results.text_sums import check_texts
+from vehicledyn.results.thinning import promises_too_much
 
 Floats = NDArray[np.float64]
 
@@ -98,6 +100,7 @@ class StudyFile:
                 raise InputError(f"{path}: is no file of 'vehicledyn sweep'")
             if int(file.attrs["format_version"]) > FORMAT_VERSION:
                 raise InputError(f"{path}: was written by a newer vehicledyn; update this one")
+            _check_layout(file)
             self.title = str(file.attrs["title"])
             self.created = str(file.attrs["created"])
             self.program_version = str(file.attrs["vehicledyn_version"])
@@ -225,6 +228,31 @@ class StudyFile:
 
 
 _NAMES = ("name", "units", "long_name")
+
+
+def _check_layout(file: OpenFile) -> None:
+    """Raise ValueError unless all parts are there and have the sizes that belong together."""
+    for place in ("state", "time", "channels", "axes", "figures/name"):
+        item = file[place]
+        if isinstance(item, h5py.Group):
+            require_stored(item)
+        elif promises_too_much(item):
+            raise ValueError(f"{place} is not in the file")
+    cases, samples = int(file.attrs["cases"]), len(file["time"])
+    channels, axes, figures = (len(file[f"{p}/name"]) for p in ("channels", "axes", "figures"))
+    shapes = {
+        "state": (2,),
+        "time": (samples,),
+        "cases/values": (cases, axes),
+        **{f"cases/{name}": (cases,) for name in ("status", "end_time", "reason")},
+        **({"samples": (cases, samples, channels)} if channels else {}),
+    }
+    if file.is_finished:  # else figures may be being added, or were when the program was killed
+        shapes |= {f"figures/{name}": (cases, figures) for name in ("value", "text")}
+        shapes |= {f"figures/{name}": (figures,) for name in _NAMES}
+    for place, shape in shapes.items():
+        if file[place].shape != shape:
+            raise ValueError(f"{place} has the shape {file[place].shape}, not {shape}")
 
 
 def _texts(values: Any) -> list[str]:
