@@ -224,6 +224,8 @@ def main():
             for fault in campaign.kill(victim, go_on=number % 3 == 0):
                 bad += 1
                 print(f"kill {number}, {victim.name}: {fault}", flush=True)  # noqa: T201
+            if number % 10 == 9:
+                print(f"{number + 1} kills, {bad} faults", flush=True)  # noqa: T201
     print(f"{count} kills, {bad} faults")  # noqa: T201
     sys.exit(bad > 0)
 

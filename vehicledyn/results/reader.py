@@ -195,13 +195,10 @@ class Result:
                 values=np.asarray(group["value"][: self.samples], dtype=float),
             )
 
-    @property
-    def history(self) -> History | None:
-        """What the method goes on with in a continued run, from a sample that the file has."""
-        if not len(self.time):
-            return None
+    def history(self, latest: float) -> History | None:
+        """Return what the method goes on with in a continued run, from up to a time [s]."""
         with self._reading():
-            return read_history(self._file, float(self._file["time"][self.samples - 1]))
+            return read_history(self._file, latest)
 
     @property
     def events_so_far(self) -> tuple[EventRecord, ...]:

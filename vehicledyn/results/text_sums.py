@@ -1,6 +1,6 @@
-"""The checksum of what a file says in words, for files that were never finished.
+"""The checksum of what a file holds from its start on, for files that were never finished.
 
-It is the CRC-32 sum of all attributes and of all texts of fixed length, but for those that change
+It is the CRC-32 sum of all attributes and all datasets of fixed length but those that change
 while a file is written. Names, units and the scenario are among them.
 """
 
@@ -15,7 +15,7 @@ import numpy as np
 from vehicledyn.results.seal import DamagedError
 
 _ATTRIBUTE = "texts_crc"
-_CHANGING = {_ATTRIBUTE, "status", "status_message", "state"}
+_CHANGING = {_ATTRIBUTE, "status", "status_message", "state", "restart/crc"}
 _STRUCTURE = {"DIMENSION_LIST", "REFERENCE_LIST", "CLASS", "NAME"}
 
 
@@ -27,7 +27,7 @@ def write_text_sum(file: h5py.File) -> None:
 def check_texts(file: h5py.File) -> None:
     """Raise DamagedError unless texts are as they were written; files without a sum pass."""
     if _ATTRIBUTE in file.attrs and _sum(file) != int(file.attrs[_ATTRIBUTE]):
-        raise DamagedError("wrong checksum of its names and texts")
+        raise DamagedError("wrong checksum of its names, texts or axes")
 
 
 def _sum(file: h5py.File) -> int:
@@ -35,7 +35,7 @@ def _sum(file: h5py.File) -> int:
 
     def add(name: str, item: Any) -> None:
         sums.append(_sum_of_attributes(name, item))
-        if isinstance(item, h5py.Dataset) and _is_fixed_text(name, item):
+        if isinstance(item, h5py.Dataset) and _is_fixed(name, item):
             sums.append(zlib.crc32(_plain(item[()]), zlib.crc32(name.encode())))
 
     file.visititems(add)
@@ -50,8 +50,8 @@ def _sum_of_attributes(name: str, item: h5py.Group | h5py.Dataset) -> int:
     return found
 
 
-def _is_fixed_text(name: str, item: h5py.Dataset) -> bool:
-    return item.dtype.kind in "OS" and item.chunks is None and name not in _CHANGING
+def _is_fixed(name: str, item: h5py.Dataset) -> bool:
+    return item.dtype.kind in "OSfiu" and item.chunks is None and name not in _CHANGING
 
 
 def _plain(value: Any) -> bytes:

@@ -91,8 +91,12 @@ def open_restart(
 
 def _restart(result: Result, loaded: LoadedScenario, prepared: Prepared) -> Restart:
     same_solver = result.configuration.get("solver") == loaded.resolved.get("solver")
-    history = result.history if same_solver else None
-    time = float(result.time[-1]) if history is None else history.time
+    latest = float(result.time[-1])
+    if _reaches_end(result, loaded):
+        # Killed after its last sample: that one is computed again, and the end with it.
+        latest = float(result.time[-2])
+    history = result.history(latest) if same_solver else None
+    time = latest if history is None else history.time
     samples = int(np.searchsorted(result.time, time, side="right"))
     _, _, both = result.rows(samples - 1, samples)
     state, unknowns = np.split(both[0], [len(prepared.equations.states)])
@@ -144,11 +148,16 @@ def _refuse_others(
         raise InputError(f"{path}: {what}: {why}")
     if result.solver.get("ended_by"):
         raise InputError(f"{path}: {what}: event '{result.solver['ended_by']}' ended it")
-    if result.time[-1] > loaded.scenario.duration - 0.5 * interval:
+    if _reaches_end(result, loaded) and (result.has_ended or len(result.time) < 2):
         raise InputError(
             f"{path}: reaches t = {result.time[-1]:.9g} s already; to go on, give a longer "
             "duration with --set duration=..."
         )
+
+
+def _reaches_end(result: Result, loaded: LoadedScenario) -> bool:
+    s = loaded.scenario
+    return bool(result.time[-1] > s.duration - 0.5 * s.output.interval)
 
 
 def _differing(known: Mapping[str, Any], now: Mapping[str, Any]) -> list[str]:

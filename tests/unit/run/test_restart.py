@@ -10,8 +10,9 @@ import pytest
 
 import vehicledyn.catalogue  # noqa: F401
 from vehicledyn.base.errors import InputError
+from vehicledyn.results import writer
 from vehicledyn.results.store import open_result
-from vehicledyn.run import run_scenario
+from vehicledyn.run import run_scenario, simulation
 from vehicledyn.scenario import load_scenario
 
 ROOT = Path(__file__).parents[3]
@@ -145,13 +146,35 @@ def test_a_killed_run_goes_on_into_its_own_file(tmp_path, text, most):
     assert done.returncode == -9
     with open_result(tmp_path / "killed.h5") as result:
         assert result.status == "running"
-        end, begin = float(result.time[-1]), result.history.time
+        end = float(result.time[-1])
+        begin = result.history(end).time
     duration = f"duration={end + 1.0} s"
     run(tmp_path, text, "whole.h5", duration)
     outcome = run(tmp_path, text, "killed.h5", duration, restart="killed.h5")
     assert f"went on from t = {begin:.9g} s" in " ".join(outcome.messages)
     assert_same(tmp_path / "whole.h5", tmp_path / "killed.h5")
     assert not list(tmp_path.glob(".*.new"))
+
+
+@pytest.mark.parametrize("text", [PLAIN, LOOPED])
+def test_a_run_that_was_killed_at_its_very_end_is_completed(tmp_path, text, monkeypatch):
+    run(tmp_path, text, "whole.h5", "duration=0.4 s")
+
+    def killed(_run, results):
+        results.flush()
+        raise Killed
+
+    with monkeypatch.context() as patched:
+        patched.setattr(simulation._Run, "_summarise", killed)
+        patched.setattr(writer.ResultWriter, "__exit__", lambda self, *_: self._release())
+        with pytest.raises(Killed):
+            run(tmp_path, text, "left.h5", "duration=0.4 s")
+    run(tmp_path, text, "left.h5", "duration=0.4 s", restart="left.h5")
+    assert_same(tmp_path / "whole.h5", tmp_path / "left.h5", tolerance=1e-12)
+
+
+class Killed(BaseException):
+    pass
 
 
 def test_channels_that_are_not_kept_count_for_the_summary(tmp_path):
