@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from vehicledyn.base.errors import InputError, unknown_name
 from vehicledyn.results.case_sums import check_cases
-from vehicledyn.results.consistency import require_stored
+from vehicledyn.results.consistency import Sizes, require_stored
 from vehicledyn.results.damage import reading
 from vehicledyn.results.opening import OpenFile, open_file
 from vehicledyn.results.output import is_being_written
@@ -108,7 +108,7 @@ class StudyFile:
             self.digests: dict[str, str] = json.loads(file.attrs["digests"])
             self.configuration: dict[str, Any] = json.loads(file.attrs["configuration"])
             self.status, self.message = (bytes(t).decode() for t in file["state"][()])
-            self.times = np.asarray(file["time"][()], dtype=float)
+            self.times = Sizes().fit("time", file["time"][()], "samples").astype(float)
             rows = zip(*(_texts(file["channels"][k]) for k in _NAMES), strict=True)
             self.channels = tuple(StudyChannel(*row) for row in rows)
             self.axes = tuple(_axes(file["axes"]))

@@ -135,7 +135,8 @@ class AccuracyWatch:
             How many there are before a state grows beyond all measure.
         """
         if self._limits is None:
-            self._limits = _HUGE * np.maximum(1.0, np.abs(states[0]))
+            with np.errstate(over="ignore"):
+                self._limits = _HUGE * np.maximum(1.0, np.abs(states[0]))
         beyond = ~(np.abs(states) <= self._limits)
         sound = int(np.argmax(beyond.any(axis=1))) if beyond.any() else len(states)
         first, self.taken = self.taken, self.taken + sound
