@@ -21,14 +21,14 @@ from unittest.mock import patch
 import numpy as np
 
 import vehicledyn.catalogue  # noqa: F401
+from vehicledyn.analyses.simulation.judgement import judged_by
+from vehicledyn.analyses.simulation.prepared_run import prepare_run
+from vehicledyn.analyses.simulation.repartitioning import simulate_watched
 from vehicledyn.base.errors import NumericalError
 from vehicledyn.base.registry import find
-from vehicledyn.run.judgement import judged_by
-from vehicledyn.run.rerun import prepare_run
-from vehicledyn.run.watched import simulate_watched
-from vehicledyn.scenario import load_scenario
-from vehicledyn.solve.judged import Sizes, figure_errors
-from vehicledyn.solve.ranges import Ranges
+from vehicledyn.files.scenario import load_scenario
+from vehicledyn.integrate.channel_ranges import Ranges
+from vehicledyn.integrate.judged_quantities import Sizes, figure_errors
 
 SCENARIOS = Path(__file__).resolve().parents[1] / "scenarios"
 NAMES = (
@@ -223,7 +223,7 @@ def cost(repetitions):
         spent = {True: [], False: []}
         for _ in range(repetitions):
             for watched in (True, False):
-                blind = patch("vehicledyn.solve.fixed_step._watch_of", lambda *_: None)
+                blind = patch("vehicledyn.integrate.fixed_step._watch_of", lambda *_: None)
                 begun = time.process_time()
                 with patch("time.tzset", time.tzset) if watched else blind:
                     record(name, loaded.scenario.solver, loaded.scenario.output.interval)

@@ -20,11 +20,11 @@ from pathlib import Path
 import numpy as np
 
 from vehicledyn.base.registry import find
+from vehicledyn.codegen.passes.kernel_functions import derive_functions
+from vehicledyn.codegen.printers.kernel_source import kernel_source
+from vehicledyn.integrate.simulate import simulate
+from vehicledyn.kernel.kernel import compile_kernel
 from vehicledyn.multibody import GROUND, Body, Joint, ParameterTable, System, Turn, derive
-from vehicledyn.solve.functions import derive_functions
-from vehicledyn.solve.kernel import compile_kernel
-from vehicledyn.solve.simulate import simulate
-from vehicledyn.solve.source import kernel_source
 from vehicledyn.symbolic import rotations
 
 PAIRS = ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))

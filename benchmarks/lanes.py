@@ -22,7 +22,12 @@ import chains
 import numpy as np
 
 import vehicledyn.catalogue  # noqa: F401 - registers models, tyres, solvers
+from vehicledyn.analyses.preparation.prepare import prepare
 from vehicledyn.base.registry import find
+from vehicledyn.codegen.build.compiler import suitable_lanes
+from vehicledyn.files.scenario import load_scenario
+from vehicledyn.integrate.batch import Cases, make_batch, run_batch
+from vehicledyn.kernel.kernel import compile_kernel
 from vehicledyn.multibody import (
     GROUND,
     BasePart,
@@ -33,11 +38,6 @@ from vehicledyn.multibody import (
     System,
     derive,
 )
-from vehicledyn.run.prepare import prepare
-from vehicledyn.scenario import load_scenario
-from vehicledyn.solve.batch import Cases, make_batch, run_batch
-from vehicledyn.solve.compiler import suitable_lanes
-from vehicledyn.solve.kernel import compile_kernel
 from vehicledyn.studies.starts import find_reference, start_of
 from vehicledyn.symbolic.tables import CurveTable
 

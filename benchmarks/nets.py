@@ -15,10 +15,10 @@ from pathlib import Path
 import numpy as np
 
 import vehicledyn.catalogue  # noqa: F401
+from vehicledyn.analyses.simulation.repartitioning import simulate_watched
 from vehicledyn.base.registry import find
+from vehicledyn.kernel.kernel import compile_kernel
 from vehicledyn.multibody import derive
-from vehicledyn.run.watched import simulate_watched
-from vehicledyn.solve.kernel import compile_kernel
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "tests" / "validation"))
 STEP, DURATION = 1e-3, 0.1

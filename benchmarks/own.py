@@ -13,14 +13,14 @@ import speed
 from scipy.integrate import solve_ivp
 
 import vehicledyn.catalogue  # noqa: F401
+from vehicledyn.analyses.preparation.prepare import prepare, start_point
+from vehicledyn.analyses.simulation.repartitioning import simulate_watched
 from vehicledyn.base.registry import find
+from vehicledyn.codegen.build.compiler import suitable_lanes
+from vehicledyn.files.scenario import load_scenario
+from vehicledyn.integrate.batch import Cases, make_batch, run_batch
+from vehicledyn.integrate.simulate import simulate
 from vehicledyn.multibody import Turn
-from vehicledyn.run.prepare import prepare, start_point
-from vehicledyn.run.watched import simulate_watched
-from vehicledyn.scenario import load_scenario
-from vehicledyn.solve.batch import Cases, make_batch, run_batch
-from vehicledyn.solve.compiler import suitable_lanes
-from vehicledyn.solve.simulate import simulate
 from vehicledyn.symbolic import ops
 
 SCENARIO = Path(__file__).resolve().parents[1] / "scenarios" / "systems" / "four_bar_chain.yaml"

@@ -25,8 +25,8 @@ import own
 import speed
 from speed_page import page
 
+from vehicledyn.kernel.kernel import compile_kernel
 from vehicledyn.multibody import derive
-from vehicledyn.solve.kernel import compile_kernel
 
 ROOT = Path(__file__).resolve().parents[1]
 WORKER = Path(__file__).with_name("peer_worker.py")

@@ -21,11 +21,11 @@ from pathlib import Path
 
 import vehicledyn
 import vehicledyn.catalogue  # registers models, tyres, roads
-from vehicledyn.run.prepare import equilibrium_point, prepare
-from vehicledyn.scenario import load_scenario
-from vehicledyn.solve.derivatives import Derivatives
-from vehicledyn.solve.engine import Ledger
-from vehicledyn.solve.simulate import simulate
+from vehicledyn.analyses.preparation.prepare import equilibrium_point, prepare
+from vehicledyn.files.scenario import load_scenario
+from vehicledyn.integrate.simulate import simulate
+from vehicledyn.kernel.derivatives import Derivatives
+from vehicledyn.kernel.engine import Ledger
 
 SCENARIOS = Path(__file__).resolve().parents[1] / "scenarios"
 SLALOM, RAMP = (SCENARIOS / f"iltis_{name}.yaml" for name in ("slalom", "ramp_steer"))

@@ -18,13 +18,13 @@ import chains
 import numpy as np
 
 import vehicledyn.catalogue  # noqa: F401
+from vehicledyn.analyses.simulation.prepared_run import prepare_run
 from vehicledyn.base.registry import find
+from vehicledyn.files.scenario import load_scenario
+from vehicledyn.integrate.simulate import simulate
+from vehicledyn.kernel.kernel import compile_kernel
 from vehicledyn.multibody import GROUND, Attachment, Body, Joint, Link, ParameterTable, System
 from vehicledyn.multibody import derive as derive_equations
-from vehicledyn.run.rerun import prepare_run
-from vehicledyn.scenario import load_scenario
-from vehicledyn.solve.kernel import compile_kernel
-from vehicledyn.solve.simulate import simulate
 
 SCENARIOS = Path(__file__).resolve().parents[1] / "scenarios"
 METHODS = ("rosenbrock", "cvodes", "idas")

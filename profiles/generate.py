@@ -9,8 +9,8 @@ from pathlib import Path
 
 import numpy as np
 
-from vehicledyn.rail.named_profiles import named_profile
-from vehicledyn.rail.profile import Profile
+from vehicledyn.rail.profiles.named_profiles import named_profile
+from vehicledyn.rail.profiles.profile import Profile
 
 STEP = 0.5  # mm
 TABLES = (("s1002", "S1002", "wheel"), ("60e1", "60E1", "rail"))

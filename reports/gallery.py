@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from vehicledyn.results.reader import Result
+    from vehicledyn.results.store.reader import Result
 
 ROOT = Path(__file__).resolve().parents[1]
 SCENARIOS = ROOT / "scenarios"
@@ -157,9 +157,9 @@ def _draw(path: Path) -> None:
     mpl.use("agg")
     from matplotlib.figure import Figure
 
-    from vehicledyn.results.plot_description import unit_factor
-    from vehicledyn.results.plot_style import PALETTE, STYLE, axis_label
-    from vehicledyn.results.reader import open_result
+    from vehicledyn.results.plots.plot_description import unit_factor
+    from vehicledyn.results.plots.plot_style import PALETTE, STYLE, axis_label
+    from vehicledyn.results.store.reader import open_result
 
     program = Path(sys.executable).parent / "vehicledyn"
     with tempfile.TemporaryDirectory() as folder, mpl.rc_context(STYLE):

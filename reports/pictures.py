@@ -10,7 +10,7 @@ from reference_cases import histories, kinematics, modes, slalom
 from reference_cases.motions import drive
 from reference_cases.tables import read_figures
 
-from vehicledyn.results.plot_style import BLUE, PALETTE, STYLE, VERMILION, WIDTH, axis_label
+from vehicledyn.results.plots.plot_style import BLUE, PALETTE, STYLE, VERMILION, WIDTH, axis_label
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

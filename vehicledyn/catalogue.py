@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import vehicledyn.manoeuvres
-import vehicledyn.models
+import vehicledyn.files.system
+import vehicledyn.integrate
 import vehicledyn.rail
 import vehicledyn.road
-import vehicledyn.solve
-import vehicledyn.systems
+import vehicledyn.road.manoeuvres
+import vehicledyn.vehicles
 from vehicledyn.base.registry import families, find, kinds
 
 
@@ -19,5 +19,5 @@ def first_lines(family: str) -> dict[str, str]:
 
 def counts() -> dict[str, int]:
     """Return the number of entries of each catalogue, by family."""
-    vehicledyn.systems.load_kinds()
+    vehicledyn.files.system.load_kinds()
     return {family: len(kinds(family)) for family in families()}

@@ -13,9 +13,9 @@ Schema = dict[str, Any]
 def pages() -> dict[str, tuple[str, str]]:
     """Return a page each for scenario, system and study files."""
     import vehicledyn.catalogue  # noqa: F401
-    from vehicledyn.scenario import scenario_schema
+    from vehicledyn.files.scenario import scenario_schema
+    from vehicledyn.files.system.schema import system_schema
     from vehicledyn.studies import study_schema
-    from vehicledyn.systems.schema import system_schema
 
     made = {
         "scenario_files": ("Scenario files", "scenario", scenario_schema()),

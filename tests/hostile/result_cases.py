@@ -75,7 +75,7 @@ def result(rng, name):
 
 def _unsealed(content):
     """Return a file without its checksums, as older files are."""
-    from vehicledyn.results.seal import MAGIC
+    from vehicledyn.results.hdf5.seal import MAGIC
 
     at = content.rfind(MAGIC)
     return content if at < 0 else content[: int.from_bytes(content[at + 16 : at + 24], "little")]

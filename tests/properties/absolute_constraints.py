@@ -4,8 +4,8 @@ from functools import singledispatch
 
 import numpy as np
 
-from vehicledyn.multibody.constraints import LinearConstraint, RateConstraint, UserConstraint
-from vehicledyn.multibody.rolling import RollingWheel
+from vehicledyn.multibody.elements.rolling import RollingWheel
+from vehicledyn.multibody.model.constraints import LinearConstraint, RateConstraint, UserConstraint
 from vehicledyn.symbolic import ops
 
 

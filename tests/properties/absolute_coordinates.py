@@ -10,8 +10,9 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from vehicledyn.multibody.cuts import BallCut, BodyCut, RodCut
-from vehicledyn.multibody.system import GROUND, Joint
+from vehicledyn.multibody.model.bodies import Joint
+from vehicledyn.multibody.model.cuts import BallCut, BodyCut, RodCut
+from vehicledyn.multibody.model.ground import GROUND
 from vehicledyn.symbolic import ops
 
 

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from vehicledyn.multibody.derivation import derive
+from vehicledyn.multibody.equations.derivation import derive
 from vehicledyn.symbolic import ops
 
 

@@ -17,15 +17,15 @@ from random_systems import (
     tree,
 )
 
-from vehicledyn.multibody.constraints import RateConstraint, UserConstraint
-from vehicledyn.multibody.drives import ConstantRate, TimeLaw
-from vehicledyn.multibody.links import Attachment, Link
-from vehicledyn.multibody.rolling import RollingWheel
-from vehicledyn.multibody.system import GROUND
-from vehicledyn.multibody.transmissions import belt, gears, rack, screw
+from vehicledyn.files.building.construct import build_system
+from vehicledyn.files.system.read import read_system
+from vehicledyn.multibody.elements.drives import ConstantRate, TimeLaw
+from vehicledyn.multibody.elements.point_forces import Attachment, Link
+from vehicledyn.multibody.elements.rolling import RollingWheel
+from vehicledyn.multibody.elements.transmissions import belt, gears, rack, screw
+from vehicledyn.multibody.model.constraints import RateConstraint, UserConstraint
+from vehicledyn.multibody.model.ground import GROUND
 from vehicledyn.symbolic import ops
-from vehicledyn.systems.construct import build_system
-from vehicledyn.systems.read import read_system
 
 FREE = ("T1", "T2", "T3", "R3", "R2", "R1")
 NAMED = {

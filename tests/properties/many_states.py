@@ -3,11 +3,11 @@
 import numpy as np
 from evaluation import Derived
 
-from vehicledyn.multibody import inertia
-from vehicledyn.multibody.dynamics import inverse_dynamics, mass_matrix
-from vehicledyn.multibody.kinematics import Kinematics
-from vehicledyn.multibody.parts import Situation, Wrench
-from vehicledyn.multibody.tree import unfold
+from vehicledyn.multibody.model.kinematics import Kinematics
+from vehicledyn.multibody.model.parts import Situation, Wrench
+from vehicledyn.multibody.model.tree import unfold
+from vehicledyn.multibody.recursion import inertia
+from vehicledyn.multibody.recursion.newton_euler import inverse_dynamics, mass_matrix
 from vehicledyn.symbolic import ops
 
 PARAMETERS = 0.02
@@ -26,7 +26,7 @@ class ManyStates(Derived):
         self.reach = reach
         self.base = self.parameters
         e = self.equations
-        self.tree = unfold(system)
+        self.tree = unfold(system.bodies)
         self.coordinate_names = [j.name for j in system.joints()]
         self.columns = {}
         k = self._closed_kinematics()

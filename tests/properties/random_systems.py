@@ -5,13 +5,15 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from vehicledyn.multibody.cuts import BallCut, BodyCut, RodCut
-from vehicledyn.multibody.drives import TimeLaw
-from vehicledyn.multibody.kinematics import Kinematics
-from vehicledyn.multibody.links import Attachment, GuidedLink, Link
-from vehicledyn.multibody.parts import BasePart, Loads, Wrench
-from vehicledyn.multibody.system import GROUND, JOINT_KINDS, Body, Joint, System, Turn
-from vehicledyn.multibody.tree import unfold
+from vehicledyn.multibody.elements.drives import TimeLaw
+from vehicledyn.multibody.elements.point_forces import Attachment, GuidedLink, Link
+from vehicledyn.multibody.model.bodies import JOINT_KINDS, Body, Joint, Turn
+from vehicledyn.multibody.model.cuts import BallCut, BodyCut, RodCut
+from vehicledyn.multibody.model.ground import GROUND
+from vehicledyn.multibody.model.kinematics import Kinematics
+from vehicledyn.multibody.model.parts import BasePart, Loads, Wrench
+from vehicledyn.multibody.model.system import System
+from vehicledyn.multibody.model.tree import unfold
 from vehicledyn.symbolic import ops, rotations
 from vehicledyn.symbolic.equations import Variable
 from vehicledyn.symbolic.parameters import ParameterTable
@@ -176,7 +178,7 @@ def start_kinematics(builder):
     """Numeric kinematics of the bodies so far, at their start values."""
     system = builder.system("start")
     q = {j.name: ops.scalar(j.start) for j in system.joints()}
-    return Kinematics(unfold(system), q, {n: ops.scalar(0.0) for n in q})
+    return Kinematics(unfold(system.bodies), q, {n: ops.scalar(0.0) for n in q})
 
 
 def numbers_of(builder, expression):

@@ -16,11 +16,11 @@ from every_constraint import LOOPS, RANDOM_LOOPS, RANDOM_TREES, SEEDS, TREES, WR
 from many_states import ManyStates
 
 from vehicledyn.base.registry import kinds
-from vehicledyn.multibody.inverse import derive_inverse
-from vehicledyn.multibody.rolling import RollingWheel
-from vehicledyn.multibody.system import JOINT_KINDS
+from vehicledyn.files.system import load_kinds
+from vehicledyn.multibody.elements.rolling import RollingWheel
+from vehicledyn.multibody.equations.inverse_dynamics import derive_inverse
+from vehicledyn.multibody.model.bodies import JOINT_KINDS
 from vehicledyn.symbolic import ops
-from vehicledyn.systems import load_kinds
 
 IDENTITY = 1e-10
 FEW = 4

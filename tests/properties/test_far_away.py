@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from vehicledyn.multibody import GROUND, BallCut, Body, Joint, ParameterTable, RodCut, System
-from vehicledyn.multibody.derivation import derive
+from vehicledyn.multibody.equations.derivation import derive
 from vehicledyn.symbolic import ops
 
 FAR, EXACT = 1024.0, 3e-15

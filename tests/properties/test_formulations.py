@@ -6,17 +6,19 @@ import pytest
 from random_systems import CHAIN, Builder, spatial_loop, tree
 
 from vehicledyn.base.errors import InputError
-from vehicledyn.multibody import derive, forward
-from vehicledyn.multibody.alignment import align
-from vehicledyn.multibody.barycentric import augmented_inertias
-from vehicledyn.multibody.dynamics import inverse_dynamics, mass_matrix
-from vehicledyn.multibody.kinematics import Kinematics
-from vehicledyn.multibody.system import GROUND, Body, Joint, Turn
-from vehicledyn.multibody.tree import unfold
-from vehicledyn.solve.functions import count_operations
+from vehicledyn.codegen.passes.kernel_functions import count_operations
+from vehicledyn.multibody import derive
+from vehicledyn.multibody.model.bodies import Body, Joint, Turn
+from vehicledyn.multibody.model.ground import GROUND
+from vehicledyn.multibody.model.kinematics import Kinematics
+from vehicledyn.multibody.model.tree import unfold
+from vehicledyn.multibody.recursion import forward_dynamics as forward
+from vehicledyn.multibody.recursion.axis_alignment import align
+from vehicledyn.multibody.recursion.barycentric import augmented_inertias
+from vehicledyn.multibody.recursion.newton_euler import inverse_dynamics, mass_matrix
 from vehicledyn.symbolic import ops, rotations
 from vehicledyn.symbolic.equations import Equations, Variable
-from vehicledyn.symbolic.steps import Steps
+from vehicledyn.symbolic.shared_steps import Steps
 
 WAYS = ("auto", "composite", "articulated")
 SEEDS = range(50)
@@ -110,7 +112,7 @@ class Numbered:
         self.system = system
         self.names = [j.name for j in system.joints()]
         symbols = [{n: ops.symbol(f"{n}{k}") for n in self.names} for k in range(3)]
-        self.kinematics = Kinematics(unfold(system), *symbols)
+        self.kinematics = Kinematics(unfold(system.bodies), *symbols)
         self.parameters = [e.symbol for e in system.table.entries]
         self.inputs = [*(self.column(s) for s in symbols), ops.column(self.parameters)]
         rng = np.random.default_rng(seed)
@@ -177,7 +179,7 @@ def oblique_chain(n, seed=4):
 def test_aligned_axes_leave_two_turns_a_joint():
     """Every fixed turn but the one on the ground becomes a turn about one axis."""
     system = oblique_chain(9)
-    aligned = align(unfold(system), system.table)
+    aligned = align(unfold(system.bodies), system.table)
     axes = [rotations.elementary_axis(item.before) for item in aligned.tree.links[1:]]
     assert None not in axes
     ways = ("composite", "articulated")
@@ -195,4 +197,4 @@ def test_parallel_joints_are_not_aligned():
         joints = (*turns, Joint("R3", f"{name}.q"))
         b.bodies.append(Body(name, parent, b.at(name), joints, **b.rigid(name)))
     system = b.system("parallel")
-    assert not align(unfold(system), system.table).turns
+    assert not align(unfold(system.bodies), system.table).turns

@@ -8,13 +8,14 @@ import pytest
 from evaluation import Derived
 from random_systems import CLOSED, Builder, Motor, Wind, pull, tree
 
-from vehicledyn.multibody import inertia
-from vehicledyn.multibody.dynamics import inverse_dynamics, mass_matrix
-from vehicledyn.multibody.kinematics import Kinematics
-from vehicledyn.multibody.links import Attachment, GuidedLink, Link
-from vehicledyn.multibody.parts import BasePart, Output, Situation
-from vehicledyn.multibody.system import GROUND, JOINT_KINDS, Body, Joint, Turn
-from vehicledyn.multibody.tree import unfold
+from vehicledyn.multibody.elements.point_forces import Attachment, GuidedLink, Link
+from vehicledyn.multibody.model.bodies import JOINT_KINDS, Body, Joint, Turn
+from vehicledyn.multibody.model.ground import GROUND
+from vehicledyn.multibody.model.kinematics import Kinematics
+from vehicledyn.multibody.model.parts import BasePart, Output, Situation
+from vehicledyn.multibody.model.tree import unfold
+from vehicledyn.multibody.recursion import inertia
+from vehicledyn.multibody.recursion.newton_euler import inverse_dynamics, mass_matrix
 from vehicledyn.symbolic import ops, rotations
 from vehicledyn.symbolic.equations import Channel
 
@@ -40,7 +41,7 @@ class Numbers:
         q, qd, _ = d.coordinates
         self.names = list(q)
         symbols = [{n: ops.symbol(f"{n}{k}") for n in self.names} for k in range(3)]
-        self.kinematics = Kinematics(unfold(d.system), *symbols)
+        self.kinematics = Kinematics(unfold(d.system.bodies), *symbols)
         self._inputs = [*(ops.column(list(s.values())) for s in symbols), d.equations.parameter]
         self._parameters = d.parameters
         self.q, self.qd = np.array(list(q.values())), np.array(list(qd.values()))

@@ -10,11 +10,11 @@ from random_systems import CLOSED, tree
 from test_reactions import constrained_tree
 
 from vehicledyn.base.errors import InputError
-from vehicledyn.multibody.derivation import solve_motion
-from vehicledyn.multibody.dynamics import mass_matrix
-from vehicledyn.multibody.kinematics import Kinematics
-from vehicledyn.multibody.parts import Situation
-from vehicledyn.multibody.triggers import Trigger
+from vehicledyn.multibody.elements.triggers import Trigger
+from vehicledyn.multibody.equations.derivation import solve_motion
+from vehicledyn.multibody.model.kinematics import Kinematics
+from vehicledyn.multibody.model.parts import Situation
+from vehicledyn.multibody.recursion.newton_euler import mass_matrix
 from vehicledyn.symbolic import ops
 
 IDENTITY = 1e-10

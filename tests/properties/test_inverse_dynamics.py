@@ -8,7 +8,7 @@ from evaluation import Derived
 from random_systems import CLOSED, tree
 
 from vehicledyn.base.errors import InputError
-from vehicledyn.multibody.inverse import derive_inverse
+from vehicledyn.multibody.equations.inverse_dynamics import derive_inverse
 from vehicledyn.symbolic import ops
 
 SEEDS = range(10)

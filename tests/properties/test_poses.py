@@ -6,10 +6,10 @@ from random_systems import CLOSED, tree
 from scipy.spatial.transform import Rotation
 
 from vehicledyn.base.quaternions import continuous
-from vehicledyn.multibody.appearance import appearance
-from vehicledyn.multibody.kinematics import Kinematics
-from vehicledyn.multibody.skeleton import skeleton_from
-from vehicledyn.multibody.tree import unfold
+from vehicledyn.multibody.equations.system_shapes import appearance
+from vehicledyn.multibody.model.kinematics import Kinematics
+from vehicledyn.multibody.model.tree import unfold
+from vehicledyn.multibody.recursion.numeric_kinematics import skeleton_from
 from vehicledyn.symbolic import ops
 
 SAMPLES = 5
@@ -27,7 +27,7 @@ def test_poses(make, seed):
     poses = skeleton.poses(dict(zip(names, q, strict=True)))
 
     symbols = {name: ops.symbol(name) for name in names}
-    kinematics = Kinematics(unfold(system), symbols, symbols)
+    kinematics = Kinematics(unfold(system.bodies), symbols, symbols)
     inputs = [
         ops.column(list(symbols.values())),
         ops.column([entry.symbol for entry in system.table.entries]),

@@ -8,18 +8,19 @@ import pytest
 from evaluation import Derived
 from random_systems import CLOSED, Motor, tree
 
-from vehicledyn.multibody import inertia
-from vehicledyn.multibody.constraints import Geometry, RateConstraint, UserConstraint
-from vehicledyn.multibody.derivation import derive
-from vehicledyn.multibody.force_sensors import ConstraintForceSensor, ReactionSensor
-from vehicledyn.multibody.kinematics import Kinematics
-from vehicledyn.multibody.parts import BasePart, Output, Situation
-from vehicledyn.multibody.system import GROUND, Joint
-from vehicledyn.multibody.transmissions import gears
-from vehicledyn.multibody.tree import unfold
-from vehicledyn.solve.compiler import CompilationError, find_compiler
-from vehicledyn.solve.functions import count_operations
-from vehicledyn.solve.kernel import compile_kernel
+from vehicledyn.codegen.build.compiler import CompilationError, find_compiler
+from vehicledyn.codegen.passes.kernel_functions import count_operations
+from vehicledyn.kernel.kernel import compile_kernel
+from vehicledyn.multibody.elements.force_sensors import ConstraintForceSensor, ReactionSensor
+from vehicledyn.multibody.elements.transmissions import gears
+from vehicledyn.multibody.equations.derivation import derive
+from vehicledyn.multibody.model.bodies import Joint
+from vehicledyn.multibody.model.constraints import Geometry, RateConstraint, UserConstraint
+from vehicledyn.multibody.model.ground import GROUND
+from vehicledyn.multibody.model.kinematics import Kinematics
+from vehicledyn.multibody.model.parts import BasePart, Output, Situation
+from vehicledyn.multibody.model.tree import unfold
+from vehicledyn.multibody.recursion import inertia
 from vehicledyn.symbolic import ops
 from vehicledyn.symbolic.equations import Channel
 
@@ -70,7 +71,7 @@ def constrained_tree(seed):
     system = tree(seed)
     start = {j.name: j.start for j in system.joints()}
     q = {name: ops.scalar(value) for name, value in start.items()}
-    kinematics = Kinematics(unfold(system), q, q)
+    kinematics = Kinematics(unfold(system.bodies), q, q)
     entries = system.table.entries
     first = ops.numeric(
         [ops.column([e.symbol for e in entries])], height(Geometry(ops.scalar(0.0), kinematics))
@@ -133,7 +134,7 @@ def loads_of(d):
     system = d.system
     q, qd, _ = d.coordinates
     symbols = [{n: ops.symbol(n) for n in q} for _ in range(2)]
-    kinematics, time = Kinematics(unfold(system), *symbols), ops.symbol("time")
+    kinematics, time = Kinematics(unfold(system.bodies), *symbols), ops.symbol("time")
     states = dict(zip((s.name for s in d.equations.states), d.point[1], strict=True))
     total = {b.name: [ops.vector(0.0, 0.0, 0.0)] * 2 for b in system.bodies}
     for part in system.parts:
@@ -261,7 +262,7 @@ def test_named_frames_and_points_tell_the_same_wrench(axes):
     body = next(b for b in system.bodies if b.name == "fourth")
     q, qd, _ = d.coordinates
     symbols = [{n: ops.symbol(n) for n in q} for _ in range(2)]
-    kinematics = Kinematics(unfold(system), *symbols)
+    kinematics = Kinematics(unfold(system.bodies), *symbols)
     inputs = [ops.column(list(s.values())) for s in symbols]
 
     def numbers(expression):

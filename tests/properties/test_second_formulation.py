@@ -8,10 +8,10 @@ from absolute_coordinates import Absolute, rotation
 from evaluation import Derived
 from random_systems import CLOSED, Builder, planar_loop, tree
 
-from vehicledyn.multibody.dynamics import inverse_dynamics
-from vehicledyn.multibody.kinematics import Kinematics
-from vehicledyn.multibody.parts import Situation, Wrench
-from vehicledyn.multibody.tree import unfold
+from vehicledyn.multibody.model.kinematics import Kinematics
+from vehicledyn.multibody.model.parts import Situation, Wrench
+from vehicledyn.multibody.model.tree import unfold
+from vehicledyn.multibody.recursion.newton_euler import inverse_dynamics
 from vehicledyn.symbolic import ops
 
 # The absolute matrix has a condition number near 1e5, hence 1e-9 and not 1e-12.
@@ -22,7 +22,7 @@ SEEDS = range(6)
 def parts_at(d):
     """Wrenches, joint forces and known accelerations of the parts, as numbers, state by state."""
     e = d.equations
-    tree_ = unfold(d.system)
+    tree_ = unfold(d.system.bodies)
     q, qd, _ = d.coordinates
     symbols = {n: (ops.symbol(n), ops.symbol(n + "_rate")) for n in q}
     k = Kinematics(tree_, *({n: s[order] for n, s in symbols.items()} for order in (0, 1)))
@@ -130,7 +130,7 @@ def test_joint_reactions_of_a_tree(seed):
     q, qd, qdd = d.coordinates
     wrenches, forces, _ = parts_at(d)
     symbols = [{n: ops.symbol(f"{n}{k}") for n in q} for k in range(3)]
-    links = unfold(d.system)
+    links = unfold(d.system.bodies)
     loads = [Wrench(body, ops.vector(*f), ops.vector(*t)) for body, f, t in wrenches]
     _, carried = inverse_dynamics(Kinematics(links, *symbols), loads, ops.vector(*d.system.gravity))
     columns = [ops.column(list(s.values())) for s in symbols]

@@ -5,12 +5,13 @@ import pytest
 from random_systems import CLOSED, Builder, Wind, ball_cut, rod_cut, spatial_loop
 
 from vehicledyn.base.errors import InputError
-from vehicledyn.models.iltis import Iltis
-from vehicledyn.multibody import derivation, derive
-from vehicledyn.multibody.segmentation import find_carrier, segmented_accelerations
-from vehicledyn.multibody.system import GROUND
-from vehicledyn.solve.functions import count_operations
+from vehicledyn.codegen.passes.kernel_functions import count_operations
+from vehicledyn.multibody import derive
+from vehicledyn.multibody.equations import derivation
+from vehicledyn.multibody.model.ground import GROUND
+from vehicledyn.multibody.recursion.substructuring import find_carrier, segmented_accelerations
 from vehicledyn.symbolic import ops
+from vehicledyn.vehicles.iltis import Iltis
 
 SEEDS = range(10)
 AGREE = 1e-10

@@ -21,9 +21,9 @@ Of these the reference holds the beginning, sample by sample.
 def overrides(path: Path) -> list[str]:
     """Return "key=value" of interval and channels for a scenario of a system."""
     import vehicledyn.catalogue  # noqa: F401
+    from vehicledyn.analyses.preparation.build_model import build_subject
     from vehicledyn.base.units import to_si
-    from vehicledyn.run.vehicle import build_subject
-    from vehicledyn.scenario import load_scenario
+    from vehicledyn.files.scenario import load_scenario
 
     loaded = load_scenario(path)
     s = loaded.scenario

@@ -6,13 +6,13 @@ from pathlib import Path
 
 import pytest
 
-import vehicledyn.models  # noqa: F401
+import vehicledyn.vehicles  # noqa: F401
 from vehicledyn.base.registry import find
 from vehicledyn.base.yaml import read_yaml
+from vehicledyn.codegen.passes.kernel_functions import count_operations
+from vehicledyn.files.building.construct import build_system
+from vehicledyn.files.system.read import read_system
 from vehicledyn.multibody import derive
-from vehicledyn.solve.functions import count_operations
-from vehicledyn.systems.construct import build_system
-from vehicledyn.systems.read import read_system
 
 HERE = Path(__file__).parent
 STORED = read_yaml(HERE / "operations.yaml").data

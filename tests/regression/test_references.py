@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from vehicledyn.results.reader import open_result
+from vehicledyn.results.store.reader import open_result
 
 FOLDER = Path(__file__).parent / "references"
 SCENARIOS = Path(__file__).parents[2] / "scenarios"

@@ -6,7 +6,7 @@ import pytest
 from small_catalogue import ENTRIES, SCENARIO
 
 from vehicledyn.base import registry
-from vehicledyn.solve.compiler import CompilationError, find_compiler
+from vehicledyn.codegen.build.compiler import CompilationError, find_compiler, suitable_lanes
 
 
 @pytest.fixture
@@ -42,3 +42,17 @@ def needs_compiler():
         find_compiler()
     except CompilationError as error:
         pytest.skip(str(error))
+
+
+@pytest.fixture(params=["compiled", "interpreted"])
+def backend(request):
+    if request.param == "compiled":
+        request.getfixturevalue("needs_compiler")
+    return request.param
+
+
+@pytest.fixture(params=[4, 8])
+def lanes(request, needs_compiler):
+    if request.param > suitable_lanes():
+        pytest.skip(f"this processor carries no {request.param} lanes")
+    return request.param

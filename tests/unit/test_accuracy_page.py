@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 from test_documents import BLOCK, blocks, run
 
-from vehicledyn.results.reader import open_result
+from vehicledyn.results.store.reader import open_result
 
 ROOT = Path(__file__).parents[2]
 PAGE = (ROOT / "docs" / "accuracy.md").read_text(encoding="utf-8")

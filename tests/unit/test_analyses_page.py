@@ -10,8 +10,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from vehicledyn.results.mode_table import read_modes
-from vehicledyn.results.response_table import read_response
+from vehicledyn.results.tables.mode_table import read_modes
+from vehicledyn.results.tables.response_table import read_response
 
 ROOT = Path(__file__).parents[2]
 PAGE = (ROOT / "docs" / "analyses.md").read_text(encoding="utf-8")

@@ -10,7 +10,7 @@ import vehicledyn.catalogue
 import vehicledyn.studies  # noqa: F401
 from vehicledyn.base.parameters import ParameterSet, field_family, field_unit
 from vehicledyn.base.registry import families, find, kinds
-from vehicledyn.systems import load_kinds
+from vehicledyn.files.system import load_kinds
 
 load_kinds()
 TESTS = Path(__file__).parents[1]
@@ -89,10 +89,10 @@ def test_tests_run_over_all_kinds_of_the_family(family):
 
 def test_scenarios_reach_every_family():
     """Every catalogue but those of models stands behind a field of some set."""
-    from vehicledyn.scenario.sets import Scenario, Tyres
+    from vehicledyn.files.expressions.fields import fact
+    from vehicledyn.files.scenario.sets import Scenario, Tyres
+    from vehicledyn.files.system.sets import SystemFile
     from vehicledyn.studies import Study
-    from vehicledyn.systems.fields import fact
-    from vehicledyn.systems.sets import SystemFile
 
     sets = {s for entry in ENTRIES for s in sets_of(find(*entry))}
     sets |= {Scenario, Study, Tyres, *sets_of(SystemFile)}

@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 import vehicledyn
-from vehicledyn.results.reader import open_result
+from vehicledyn.results.store.reader import open_result
 
 ROOT = Path(__file__).parents[2]
 README = (ROOT / "README.md").read_text(encoding="utf-8")
@@ -83,12 +83,12 @@ def test_links_lead_to_files(text):
 
 
 END_STOP = """
-import vehicledyn.solve
+import vehicledyn.integrate
 from vehicledyn.base.registry import find
 from vehicledyn.multibody import GROUND, Body, Joint, ParameterTable, System, derive
 from vehicledyn.multibody.stop import EndStop
-from vehicledyn.solve.kernel import compile_kernel
-from vehicledyn.solve.simulate import simulate
+from vehicledyn.kernel.kernel import compile_kernel
+from vehicledyn.integrate.simulate import simulate
 
 ball = Body("ball", GROUND, joints=(Joint("T3", "height", start=-1.0),), mass=1.0)
 stop = EndStop("stop", "height", 0.0, 0.5)

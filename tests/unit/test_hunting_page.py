@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from vehicledyn.results.hunt_table import read_hunt
+from vehicledyn.results.tables.hunt_table import read_hunt
 
 ROOT = Path(__file__).parents[2]
 PAGE = (ROOT / "docs" / "hunting.md").read_text(encoding="utf-8")

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from vehicledyn.results.reader import open_result
+from vehicledyn.results.store.reader import open_result
 
 ROOT = Path(__file__).parents[2]
 PAGE = (ROOT / "docs" / "kinematics.md").read_text(encoding="utf-8")

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 from test_documents import run
 
-from vehicledyn.results.reader import open_result
+from vehicledyn.results.store.reader import open_result
 
 ROOT = Path(__file__).parents[2]
 DOCS = ROOT / "docs"

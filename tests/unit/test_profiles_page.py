@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from vehicledyn.results.contact_table import read_contacts
+from vehicledyn.results.tables.contact_table import read_contacts
 
 ROOT = Path(__file__).parents[2]
 PAGE = (ROOT / "docs" / "profiles.md").read_text(encoding="utf-8")

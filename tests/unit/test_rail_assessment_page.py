@@ -10,8 +10,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from vehicledyn.results.layout import ResultHeader
-from vehicledyn.results.writer import ResultWriter
+from vehicledyn.results.store.layout import ResultHeader
+from vehicledyn.results.store.writer import ResultWriter
 from vehicledyn.symbolic.equations import Channel
 
 ROOT = Path(__file__).parents[2]

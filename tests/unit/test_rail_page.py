@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from vehicledyn.results.reader import open_result
+from vehicledyn.results.store.reader import open_result
 
 ROOT = Path(__file__).parents[2]
 PAGE = (ROOT / "docs" / "rail.md").read_text(encoding="utf-8")

@@ -12,13 +12,13 @@ import pytest
 from test_documents import blocks, run
 
 import vehicledyn.catalogue  # noqa: F401
+from vehicledyn.analyses.models.start_files import STARTS, write_start
 from vehicledyn.base.errors import InputError
 from vehicledyn.base.yaml import read_yaml
 from vehicledyn.cli.start import Start
-from vehicledyn.results.reader import open_result
-from vehicledyn.run.start_files import STARTS, write_start
-from vehicledyn.scenario import scenario_schema
-from vehicledyn.systems.schema import system_schema
+from vehicledyn.files.scenario import scenario_schema
+from vehicledyn.files.system.schema import system_schema
+from vehicledyn.results.store.reader import open_result
 
 ROOT = Path(__file__).parents[2]
 PAGE = (ROOT / "docs" / "start.md").read_text(encoding="utf-8")

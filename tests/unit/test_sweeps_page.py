@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 from test_documents import BLOCK, README, blocks, run
 
-from vehicledyn.results.study_reader import open_study
+from vehicledyn.results.store.study_reader import open_study
 
 ROOT = Path(__file__).parents[2]
 PAGE = (ROOT / "docs" / "sweeps.md").read_text(encoding="utf-8")

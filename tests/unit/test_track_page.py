@@ -14,7 +14,7 @@ import pytest
 import vehicledyn.catalogue  # noqa: F401
 from vehicledyn.base.parameters import read_part
 from vehicledyn.base.registry import kinds
-from vehicledyn.results.reader import open_result
+from vehicledyn.results.store.reader import open_result
 
 ROOT = Path(__file__).parents[2]
 PAGE = (ROOT / "docs" / "track.md").read_text(encoding="utf-8")

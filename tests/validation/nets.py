@@ -3,7 +3,7 @@
 import numpy as np
 
 from vehicledyn.multibody import GROUND, Body, Joint, ParameterTable, System
-from vehicledyn.multibody.cuts import RodCut
+from vehicledyn.multibody.model.cuts import RodCut
 
 LENGTH, MASS = 0.5, 1.0
 

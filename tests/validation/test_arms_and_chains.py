@@ -25,9 +25,9 @@ from vehicledyn.multibody import (
     Turn,
     derive,
 )
-from vehicledyn.multibody.dynamics import inverse_dynamics, mass_matrix
-from vehicledyn.multibody.kinematics import Kinematics
-from vehicledyn.multibody.tree import unfold
+from vehicledyn.multibody.model.kinematics import Kinematics
+from vehicledyn.multibody.model.tree import unfold
+from vehicledyn.multibody.recursion.newton_euler import inverse_dynamics, mass_matrix
 from vehicledyn.symbolic import ops, rotations
 
 pytestmark = pytest.mark.validation
@@ -94,7 +94,7 @@ def inverse(name):
     system = ARMS[name]()
     names = [j.name for j in system.joints()]
     symbols = [{n: ops.symbol(f"{n}{k}") for n in names} for k in range(3)]
-    k = Kinematics(unfold(system), *symbols)
+    k = Kinematics(unfold(system.bodies), *symbols)
     needed, _ = inverse_dynamics(k, [], ops.vector(*GRAVITY))
     inputs = [ops.column(list(s.values())) for s in symbols]
     return names, ops.numeric(inputs, ops.column([needed[n] for n in names]))
@@ -105,7 +105,7 @@ def masses(name):
     system = ARMS[name]()
     names = [j.name for j in system.joints()]
     symbols = [{n: ops.symbol(f"{n}{k}") for n in names} for k in range(2)]
-    entries = mass_matrix(Kinematics(unfold(system), *symbols), set(names))
+    entries = mass_matrix(Kinematics(unfold(system.bodies), *symbols), set(names))
     column = ops.column([entries.get((a, b), 0.0) for a in names for b in names])
     found = ops.numeric([ops.column(list(symbols[0].values()))], column)
     return lambda q: found(q)[:, 0].reshape(len(names), len(names))

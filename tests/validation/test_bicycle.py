@@ -12,15 +12,15 @@ import pytest
 from ruamel.yaml import YAML
 from scipy.optimize import brentq
 
+from vehicledyn.analyse.equilibrium import assemble
+from vehicledyn.analyses.preparation.start_rates import start_rates
 from vehicledyn.base.registry import find
 from vehicledyn.cli import main
+from vehicledyn.files.building.construct import build_system
+from vehicledyn.files.system.read import read_system
+from vehicledyn.integrate.simulate import simulate
+from vehicledyn.kernel.kernel import compile_kernel
 from vehicledyn.multibody import derive
-from vehicledyn.run.start_rates import start_rates
-from vehicledyn.solve.equilibrium import assemble
-from vehicledyn.solve.kernel import compile_kernel
-from vehicledyn.solve.simulate import simulate
-from vehicledyn.systems.construct import build_system
-from vehicledyn.systems.read import read_system
 
 pytestmark = pytest.mark.validation
 

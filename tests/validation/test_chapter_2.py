@@ -17,9 +17,9 @@ from reference_cases.system_files import (
     values_at_start,
 )
 
+from vehicledyn.files.building.construct import build_system
+from vehicledyn.files.system.read import read_system
 from vehicledyn.multibody import derive
-from vehicledyn.systems.construct import build_system
-from vehicledyn.systems.read import read_system
 
 pytestmark = pytest.mark.validation
 

@@ -9,6 +9,8 @@ from ruamel.yaml import YAML
 
 from vehicledyn.base.errors import InputError
 from vehicledyn.base.registry import find
+from vehicledyn.integrate.simulate import simulate
+from vehicledyn.kernel.kernel import compile_kernel
 from vehicledyn.multibody import (
     GROUND,
     BallCut,
@@ -21,8 +23,6 @@ from vehicledyn.multibody import (
     System,
     derive,
 )
-from vehicledyn.solve.kernel import compile_kernel
-from vehicledyn.solve.simulate import simulate
 from vehicledyn.symbolic import ops
 
 REFERENCE = YAML(typ="safe").load(

@@ -5,6 +5,8 @@ import math
 import numpy as np
 import pytest
 
+from vehicledyn.analyse.equilibrium import assemble
+from vehicledyn.kernel.kernel import compile_kernel
 from vehicledyn.multibody import (
     GROUND,
     BallCut,
@@ -19,8 +21,6 @@ from vehicledyn.multibody import (
     belt,
     derive,
 )
-from vehicledyn.solve.equilibrium import assemble
-from vehicledyn.solve.kernel import compile_kernel
 
 G = 9.81
 ALGEBRA = 1e-11

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from reference_cases.contact_points import BAND, RADIUS, ROADS, deviations, pose, rows
 
-from vehicledyn.road.contact import contact_on_plane
+from vehicledyn.road.wheel.contact import contact_on_plane
 from vehicledyn.symbolic import ops
 
 ROWS = rows()

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq
 
+from vehicledyn.files.building.construct import build_system
+from vehicledyn.files.system.read import read_system
+from vehicledyn.kernel.derivatives import Derivatives
 from vehicledyn.multibody import derive
-from vehicledyn.solve.derivatives import Derivatives
-from vehicledyn.systems.construct import build_system
-from vehicledyn.systems.read import read_system
 
 SYSTEM = Path(__file__).parents[2] / "systems" / "cooperrider_classic.yaml"
 STATES = ("front.lateral", "rear.lateral", "front.yaw", "rear.yaw")

@@ -7,12 +7,12 @@ import numpy as np
 import pytest
 
 import vehicledyn.catalogue  # noqa: F401
+from vehicledyn.analyse.linearise import linearise
+from vehicledyn.analyses.preparation.prepare import equilibrium_point, nominal_point, prepare
+from vehicledyn.files.scenario import load_model, load_scenario
+from vehicledyn.integrate.simulate import simulate
+from vehicledyn.kernel.kernel import compile_kernel
 from vehicledyn.multibody import TimeLaw, derive
-from vehicledyn.run.prepare import equilibrium_point, nominal_point, prepare
-from vehicledyn.scenario import load_model, load_scenario
-from vehicledyn.solve.kernel import compile_kernel
-from vehicledyn.solve.linearise import linearise
-from vehicledyn.solve.simulate import simulate
 
 ROOT = Path(__file__).parents[2]
 G = 9.81

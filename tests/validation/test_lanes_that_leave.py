@@ -7,12 +7,12 @@ import pytest
 from test_closed_forms import start_values
 from test_partitions import L, R, rk4, slider_crank
 
+from vehicledyn.analyses.simulation.repartitioning import simulate_watched
+from vehicledyn.codegen.build.compiler import CompilationError, find_compiler, suitable_lanes
+from vehicledyn.integrate.batch import Cases, make_batch, run_batch
+from vehicledyn.integrate.single_case import Alone
+from vehicledyn.kernel.kernel import compile_kernel
 from vehicledyn.multibody import derive
-from vehicledyn.run.watched import simulate_watched
-from vehicledyn.solve.alone import Alone
-from vehicledyn.solve.batch import Cases, make_batch, run_batch
-from vehicledyn.solve.compiler import CompilationError, find_compiler, suitable_lanes
-from vehicledyn.solve.kernel import compile_kernel
 
 pytestmark = pytest.mark.validation
 

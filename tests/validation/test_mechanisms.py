@@ -6,7 +6,9 @@ from pathlib import Path
 import pytest
 from ruamel.yaml import YAML
 
+from vehicledyn.analyses.simulation.repartitioning import simulate_watched
 from vehicledyn.base.registry import find
+from vehicledyn.kernel.kernel import compile_kernel
 from vehicledyn.multibody import (
     GROUND,
     Attachment,
@@ -23,8 +25,6 @@ from vehicledyn.multibody import (
     UserConstraint,
     derive,
 )
-from vehicledyn.run.watched import simulate_watched
-from vehicledyn.solve.kernel import compile_kernel
 from vehicledyn.symbolic import ops
 
 DATA = Path(__file__).parent / "data"

@@ -11,14 +11,14 @@ from scipy.integrate import solve_ivp
 from test_closed_forms import four_bars
 
 import vehicledyn.catalogue  # noqa: F401
+from vehicledyn.analyses.preparation.prepare import equilibrium_point, prepare
+from vehicledyn.analyses.preparation.start_rates import start_rates
+from vehicledyn.analyses.simulation.repartitioning import simulate_watched
 from vehicledyn.base.errors import InputError, NumericalError
 from vehicledyn.base.registry import find
+from vehicledyn.files.scenario import load_model
+from vehicledyn.kernel.kernel import compile_kernel
 from vehicledyn.multibody import derive
-from vehicledyn.run.prepare import equilibrium_point, prepare
-from vehicledyn.run.start_rates import start_rates
-from vehicledyn.run.watched import simulate_watched
-from vehicledyn.scenario import load_model
-from vehicledyn.solve.kernel import compile_kernel
 
 pytestmark = pytest.mark.validation
 GRAVITY = 9.81

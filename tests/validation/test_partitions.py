@@ -8,8 +8,12 @@ from scipy.integrate import solve_ivp
 from test_closed_forms import REFERENCE, four_bars, start_values
 from test_rolling import GRAVITY, sloping_skate
 
+from vehicledyn.analyses.preparation.rate_determinacy import rates_watched
+from vehicledyn.analyses.simulation.repartitioning import simulate_watched
 from vehicledyn.base.errors import NumericalError
 from vehicledyn.base.registry import find
+from vehicledyn.integrate.batch import Cases, make_batch, run_batch
+from vehicledyn.kernel.kernel import compile_kernel
 from vehicledyn.multibody import (
     GROUND,
     BallCut,
@@ -20,11 +24,7 @@ from vehicledyn.multibody import (
     System,
     derive,
 )
-from vehicledyn.multibody.watch import PartitionWatch
-from vehicledyn.run.rates import rates_watched
-from vehicledyn.run.watched import simulate_watched
-from vehicledyn.solve.batch import Cases, make_batch, run_batch
-from vehicledyn.solve.kernel import compile_kernel
+from vehicledyn.multibody.loops.partition_monitor import PartitionWatch
 
 pytestmark = pytest.mark.validation
 

@@ -7,6 +7,8 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq
 
+from vehicledyn.analyse.equilibrium import assemble, find_equilibrium
+from vehicledyn.kernel.kernel import compile_kernel
 from vehicledyn.multibody import (
     GROUND,
     Body,
@@ -16,17 +18,15 @@ from vehicledyn.multibody import (
     System,
     derive,
 )
-from vehicledyn.rail.contact_geometry import Wheel, place_rail
-from vehicledyn.rail.contact_geometry_wheelset import WheelsetOnTrack, stand
+from vehicledyn.rail.contact.rigid_contact import RigidRailWheels, RigidWheel
+from vehicledyn.rail.contact.rigid_touch import TouchingWheel
+from vehicledyn.rail.contact.rolling_contact import Material
 from vehicledyn.rail.creep.johnson_vermeulen import JohnsonVermeulen
-from vehicledyn.rail.named_profiles import named_profile
-from vehicledyn.rail.outline import ArcOutline, ConeOutline
-from vehicledyn.rail.rigid_contact import RigidRailWheels, RigidWheel
-from vehicledyn.rail.rigid_touch import TouchingWheel
-from vehicledyn.rail.rolling_contact import Material
-from vehicledyn.rail.track import Track, TrackFrame
-from vehicledyn.solve.equilibrium import assemble, find_equilibrium
-from vehicledyn.solve.kernel import compile_kernel
+from vehicledyn.rail.geometry.contact_geometry import Wheel, place_rail
+from vehicledyn.rail.geometry.wheelset_geometry import WheelsetOnTrack, stand
+from vehicledyn.rail.profiles.named_profiles import named_profile
+from vehicledyn.rail.profiles.outline import ArcOutline, ConeOutline
+from vehicledyn.rail.track.track import Track, TrackFrame
 from vehicledyn.symbolic import ops, rotations
 
 RADIUS, CONICITY, RAIL_RADIUS, CURVE, SPEED = 0.46, 0.05, 0.08, 1000.0, 3.0

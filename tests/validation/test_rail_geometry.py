@@ -7,13 +7,13 @@ import numpy as np
 import pytest
 from reference_cases.rail_geometry import deviations, jump_distance, table_jumps
 
-from vehicledyn.rail.conicity import RadiusDifference, equivalent_conicity
-from vehicledyn.rail.contact_geometry import Pose, Wheel, place_rail
-from vehicledyn.rail.contact_geometry_elastic import settled
-from vehicledyn.rail.contact_geometry_wheelset import WheelsetOnTrack, stand, stand_level
-from vehicledyn.rail.hertz import effective_modulus
-from vehicledyn.rail.named_profiles import named_profile
-from vehicledyn.rail.profile_open import read_profile
+from vehicledyn.rail.geometry.conicity import RadiusDifference, equivalent_conicity
+from vehicledyn.rail.geometry.contact_geometry import Pose, Wheel, place_rail
+from vehicledyn.rail.geometry.elastic_geometry import settled
+from vehicledyn.rail.geometry.hertz import effective_modulus
+from vehicledyn.rail.geometry.wheelset_geometry import WheelsetOnTrack, stand, stand_level
+from vehicledyn.rail.profiles.named_profiles import named_profile
+from vehicledyn.rail.profiles.open_profile import read_profile
 
 REFERENCE = Path(__file__).parents[3] / "shared" / "reference" / "rail"
 

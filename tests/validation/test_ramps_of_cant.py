@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 import vehicledyn.catalogue  # noqa: F401
-from vehicledyn.results.reader import open_result
-from vehicledyn.run.simulation import run_scenario
-from vehicledyn.scenario import load_scenario
+from vehicledyn.analyses.simulation.simulation import run_scenario
+from vehicledyn.files.scenario import load_scenario
+from vehicledyn.results.store.reader import open_result
 
 WAGON = Path(__file__).parent / "data" / "wagon_on_runner.yaml"
 WHEELSET = Path(__file__).parents[2] / "systems" / "curving_wheelset.yaml"

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 from reference_cases.motions import SCENARIOS, quiet
 
-from vehicledyn.results.reader import open_result
-from vehicledyn.run import run_scenario
-from vehicledyn.scenario import load_scenario
+from vehicledyn.analyses import run_scenario
+from vehicledyn.files.scenario import load_scenario
+from vehicledyn.results.store.reader import open_result
 
 pytestmark = pytest.mark.validation
 

@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 
 import vehicledyn.catalogue  # noqa: F401
+from vehicledyn.analyses import run_scenario
+from vehicledyn.analyses.linear.frequency_grid import FrequencyGrid
+from vehicledyn.analyses.linear.response import find_response
 from vehicledyn.base.errors import InputError
-from vehicledyn.results.reader import open_result
-from vehicledyn.run import run_scenario
-from vehicledyn.run.frequency_grid import FrequencyGrid
-from vehicledyn.run.response import find_response
-from vehicledyn.scenario import load_model, load_scenario
+from vehicledyn.files.scenario import load_model, load_scenario
+from vehicledyn.results.store.reader import open_result
 
 ROOT = Path(__file__).parents[2]
 pytestmark = pytest.mark.validation

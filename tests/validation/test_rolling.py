@@ -7,13 +7,13 @@ import pytest
 from ruamel.yaml import YAML
 from scipy.optimize import brentq
 
+from vehicledyn.analyse.linearise import linearise
 from vehicledyn.base.registry import find
+from vehicledyn.integrate.simulate import simulate
+from vehicledyn.kernel.kernel import compile_kernel
 from vehicledyn.multibody import GROUND, Body, Joint, ParameterTable, System, derive
-from vehicledyn.multibody.constraints import RateConstraint
-from vehicledyn.multibody.rolling import RollingWheel
-from vehicledyn.solve.kernel import compile_kernel
-from vehicledyn.solve.linearise import linearise
-from vehicledyn.solve.simulate import simulate
+from vehicledyn.multibody.elements.rolling import RollingWheel
+from vehicledyn.multibody.model.constraints import RateConstraint
 
 REFERENCE = YAML(typ="safe").load(
     (Path(__file__).parent / "data" / "rolling_disk.yaml").read_text(encoding="utf-8")

@@ -12,8 +12,8 @@ from reference_cases.rolling_disk import STRAIGHT, UPRIGHT, Disk, G, critical_ra
 from reference_cases.system_files import ROOT, TIGHT, motion, ready
 from ruamel.yaml import YAML
 
-from vehicledyn.run import find_modes
-from vehicledyn.scenario import load_scenario
+from vehicledyn.analyses import find_modes
+from vehicledyn.files.scenario import load_scenario
 
 pytestmark = pytest.mark.validation
 

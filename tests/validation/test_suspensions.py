@@ -5,10 +5,10 @@ import pytest
 from reference_cases.motions import SCENARIOS, quiet
 from reference_cases.suspensions import NAMES, SYSTEMS, swept
 
-from vehicledyn.run import find_equilibrium
-from vehicledyn.run.prepare import prepare, start_point
-from vehicledyn.scenario import load_model, load_scenario
-from vehicledyn.solve.simulate import simulate
+from vehicledyn.analyses import find_equilibrium
+from vehicledyn.analyses.preparation.prepare import prepare, start_point
+from vehicledyn.files.scenario import load_model, load_scenario
+from vehicledyn.integrate.simulate import simulate
 
 G = 9.81
 LINK = {"five_link": 3.0}  # kg, the lower rear link

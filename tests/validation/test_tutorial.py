@@ -5,8 +5,8 @@ import pytest
 from reference_cases.system_files import TIGHT, motion, parameters, ready
 from scipy.optimize import fsolve
 
-from vehicledyn.run.prepare import equilibrium_point
-from vehicledyn.solve.linearise import linearise
+from vehicledyn.analyse.linearise import linearise
+from vehicledyn.analyses.preparation.prepare import equilibrium_point
 
 pytestmark = pytest.mark.validation
 

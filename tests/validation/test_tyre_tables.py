@@ -6,9 +6,9 @@ import pytest
 from reference_cases.tables import read_figures
 from reference_cases.tyre_tables import curve, rows
 
-from vehicledyn.road.tyre import TyreInput
 from vehicledyn.road.tyres.calspan import Calspan
 from vehicledyn.road.tyres.magic_formula_1987 import MagicFormula1987
+from vehicledyn.road.tyres.tyre import TyreInput
 
 CALSPAN = read_figures("calspan_iltis.yaml")
 TABLE_TOLERANCE = 1e-6  # N, N m: one unit of the last printed digit

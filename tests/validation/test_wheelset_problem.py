@@ -7,6 +7,11 @@ import numpy as np
 import pytest
 from ruamel.yaml import YAML
 
+from vehicledyn.analyse.equilibrium import assemble
+from vehicledyn.codegen.build.compiler import CompilationError, find_compiler
+from vehicledyn.integrate.methods.rk4 import RungeKutta4
+from vehicledyn.integrate.simulate import simulate
+from vehicledyn.kernel.kernel import compile_kernel
 from vehicledyn.multibody import (
     GROUND,
     Accelerometer,
@@ -17,18 +22,13 @@ from vehicledyn.multibody import (
     System,
     derive,
 )
-from vehicledyn.multibody.coordinate_forces import CoordinateForce
+from vehicledyn.multibody.elements.coordinate_forces import CoordinateForce
+from vehicledyn.rail.contact.rigid_contact import RigidRailWheels, RigidWheel
+from vehicledyn.rail.contact.rigid_touch import TouchingWheel
+from vehicledyn.rail.contact.rolling_contact import Material
 from vehicledyn.rail.creep.tanh import Tanh
-from vehicledyn.rail.outline import ArcOutline, ConeOutline
-from vehicledyn.rail.rigid_contact import RigidRailWheels, RigidWheel
-from vehicledyn.rail.rigid_touch import TouchingWheel
-from vehicledyn.rail.rolling_contact import Material
-from vehicledyn.rail.track import Track
-from vehicledyn.solve.compiler import CompilationError, find_compiler
-from vehicledyn.solve.equilibrium import assemble
-from vehicledyn.solve.kernel import compile_kernel
-from vehicledyn.solve.methods.rk4 import RungeKutta4
-from vehicledyn.solve.simulate import simulate
+from vehicledyn.rail.profiles.outline import ArcOutline, ConeOutline
+from vehicledyn.rail.track.track import Track
 
 pytestmark = pytest.mark.validation
 

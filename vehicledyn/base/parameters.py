@@ -20,7 +20,7 @@ from pydantic import (
 from vehicledyn.base.errors import InputError, unknown_name
 from vehicledyn.base.registry import find, kinds
 from vehicledyn.base.units import describe, to_si
-from vehicledyn.base.wording import Complaint, complain, reword
+from vehicledyn.base.validation_messages import Complaint, complain, reword
 
 Vector = tuple[float, float, float]
 

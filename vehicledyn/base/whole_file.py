@@ -9,7 +9,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-from vehicledyn.base.signals import undisturbed
+from vehicledyn.base.interrupts import undisturbed
 
 _numbers = itertools.count()
 

@@ -21,7 +21,7 @@ from vehicledyn.cli.options import (
 from vehicledyn.cli.terminal import emit, emit_report, show_progress, to_json
 
 if TYPE_CHECKING:
-    from vehicledyn.scenario import LoadedModel, LoadedScenario
+    from vehicledyn.files.scenario import LoadedModel, LoadedScenario
 
 models = typer.Typer(no_args_is_help=True, help="List and show the models of the catalogue.")
 ReportFile = Annotated[
@@ -68,7 +68,7 @@ def show_model(
 ) -> None:
     """Show a model: bodies, coordinates, parameters, channels, operation counts."""
     loaded = read_target(name, overrides)
-    from vehicledyn.run import describe_model, write_system
+    from vehicledyn.analyses import describe_model, write_system
 
     if as_yaml:
         emit(write_system(loaded))
@@ -91,7 +91,7 @@ def equilibrium(
 ) -> None:
     """Find the equilibrium of a vehicle that stands or runs straight ahead, or of a system."""
     loaded, wanted = read_target(target, overrides), None if speed is None else speed_in_si(speed)
-    from vehicledyn.run import find_equilibrium
+    from vehicledyn.analyses import find_equilibrium
 
     with show_progress() as progress:
         report = find_equilibrium(loaded, speed=wanted, backend=backend.value, progress=progress)
@@ -102,7 +102,7 @@ def read_target(target: str, overrides: list[str] | None) -> LoadedScenario | Lo
     """Return the model of this name, or else the system or scenario in this file."""
     import vehicledyn.catalogue  # noqa: F401
     from vehicledyn.base.registry import kinds
-    from vehicledyn.scenario import is_system_file, load_model
+    from vehicledyn.files.scenario import is_system_file, load_model
 
     if target in kinds("model"):
         return load_model(target, overrides or ())

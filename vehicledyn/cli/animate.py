@@ -75,7 +75,7 @@ def animate(
     if ending in _OTHER_ENDINGS:
         option = _OTHER_ENDINGS[ending]
         raise InputError(f"--output {output}: is a page for the browser; give {option} {output}")
-    from vehicledyn.results.animate import (
+    from vehicledyn.results.animation.animate import (
         FILM,
         PAGE,
         animate_result,

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 from vehicledyn.base.errors import VehicledynError
 
 if TYPE_CHECKING:
-    from vehicledyn.results.reader import Result
+    from vehicledyn.results.store.reader import Result
 
 MOST = 500
 
@@ -44,7 +44,7 @@ def figure_names(ctx: Any, incomplete: str) -> list[str]:
 @contextmanager
 def _last_result(ctx: Any) -> Iterator[Result | None]:
     """Give the last result file of an unfinished command, None if there is none to read."""
-    from vehicledyn.results.reader import open_result
+    from vehicledyn.results.store.reader import open_result
 
     # An option without its value leaves the files before it among the arguments not yet taken.
     given = [*reversed(ctx.args), ctx.params.get("reference"), ctx.params.get("result")]

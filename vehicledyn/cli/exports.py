@@ -41,7 +41,7 @@ def export(
 ) -> None:
     """Write the equations as C, Python or MATLAB functions, as an FMU or for CUDA."""
     loaded = read_target(target, overrides)
-    from vehicledyn.run.exporting import export_target
+    from vehicledyn.analyses.models.exporting import export_target
 
     listen(quiet=False, verbose=False)
     with show_progress() as progress:

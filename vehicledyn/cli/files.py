@@ -14,8 +14,8 @@ from vehicledyn.cli.options import Format, Json, ResultFile, tolerance_of_channe
 from vehicledyn.cli.terminal import emit, emit_report, write_text
 
 if TYPE_CHECKING:
-    from vehicledyn.run import RunOutcome
-    from vehicledyn.scenario import LoadedScenario
+    from vehicledyn.analyses import RunOutcome
+    from vehicledyn.files.scenario import LoadedScenario
 
 
 def add_verbs(app: typer.Typer) -> None:
@@ -27,7 +27,7 @@ def add_verbs(app: typer.Typer) -> None:
 def read_scenario(path: Path, overrides: list[str] | None) -> LoadedScenario:
     """Return a scenario, read with all catalogues present."""
     import vehicledyn.catalogue  # noqa: F401
-    from vehicledyn.scenario import load_scenario
+    from vehicledyn.files.scenario import load_scenario
 
     return load_scenario(path, overrides or ())
 
@@ -43,7 +43,7 @@ def read_file(path: Path, overrides: list[str] | None) -> None:
 
 def _read_as(data: Any, path: Path, overrides: list[str]) -> None:
     """Read a file with what reads files of its kind."""
-    from vehicledyn.scenario import is_system_file, load_model
+    from vehicledyn.files.scenario import is_system_file, load_model
     from vehicledyn.studies import is_study
 
     if is_study(data):
@@ -51,7 +51,7 @@ def _read_as(data: Any, path: Path, overrides: list[str]) -> None:
 
         load_study(path, overrides)
     elif _is_track(data):
-        from vehicledyn.rail.tracks.file import read_track
+        from vehicledyn.rail.track.kinds.file import read_track
 
         chosen = read_track(path)
         chosen.track(path.parent)
@@ -124,12 +124,12 @@ def compare(
     as_json: Json = False,
 ) -> None:
     """Compare a result file with a reference; exit code 0 if equal within tolerance, else 1."""
-    from vehicledyn.results.compare import compare_files
-    from vehicledyn.results.linear_compare import compare_linear, other_kinds
-    from vehicledyn.results.linear_results import is_linear
-    from vehicledyn.results.study_compare import compare_studies
-    from vehicledyn.results.study_reader import is_study_file
-    from vehicledyn.results.tolerances import Tolerances
+    from vehicledyn.results.compare.linear_compare import compare_linear, other_kinds
+    from vehicledyn.results.compare.run_compare import compare_files
+    from vehicledyn.results.compare.study_compare import compare_studies
+    from vehicledyn.results.compare.tolerances import Tolerances
+    from vehicledyn.results.plots.linear_results import is_linear
+    from vehicledyn.results.store.study_reader import is_study_file
 
     by_channel = tolerance_of_channels(tolerances or [])
     if is_linear(reference) or other_kinds(result, reference):
@@ -182,10 +182,10 @@ def plot(
     wanted = tuple(filter(None, (text.strip() for text in formats.split(","))))
     if not wanted or not set(wanted) <= set(Format):
         raise InputError(f"--format {formats}: write png, svg or png,svg")
-    from vehicledyn.results.linear_results import draw_linear, is_linear
-    from vehicledyn.results.plots import draw_plots
-    from vehicledyn.results.study_plots import draw_study
-    from vehicledyn.results.study_reader import is_study_file
+    from vehicledyn.results.plots.linear_results import draw_linear, is_linear
+    from vehicledyn.results.plots.run_plots import draw_plots
+    from vehicledyn.results.plots.study_plots import draw_study
+    from vehicledyn.results.store.study_reader import is_study_file
 
     target = folder or result.parent / f"{result.stem}_plots"
     usual = draw_linear if is_linear(result) else draw_plots
@@ -197,9 +197,9 @@ def plot(
 def info(result: ResultFile, as_json: Json = False) -> None:
     """Show what a result file holds."""
     from vehicledyn.results.info import describe_result
-    from vehicledyn.results.linear_results import describe_linear, is_linear
+    from vehicledyn.results.plots.linear_results import describe_linear, is_linear
+    from vehicledyn.results.store.study_reader import is_study_file
     from vehicledyn.results.study_info import describe_study
-    from vehicledyn.results.study_reader import is_study_file
 
     if is_study_file(result):
         emit_report(describe_study(result), as_json=as_json)

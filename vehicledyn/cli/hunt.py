@@ -90,8 +90,8 @@ def hunt(
 ) -> None:
     """Find critical speeds and limit cycles along a speed or any other parameter."""
     loaded = read_target(target, overrides)
-    from vehicledyn.run.hunt import find_limit_cycles
-    from vehicledyn.run.hunt_start import HuntSettings
+    from vehicledyn.analyses.hunting.hunt import find_limit_cycles
+    from vehicledyn.analyses.hunting.start import HuntSettings
 
     result = output or Path(f"{Path(target).stem}_hunt.h5")
     folder = None if no_plots else plots or result.parent / f"{result.stem}_plots"

@@ -24,7 +24,7 @@ from vehicledyn.cli.options import (
 from vehicledyn.cli.terminal import emit_report, show_progress
 
 if TYPE_CHECKING:
-    from vehicledyn.scenario import LoadedModel, LoadedScenario
+    from vehicledyn.files.scenario import LoadedModel, LoadedScenario
 
 
 class StartKind(StrEnum):
@@ -89,7 +89,7 @@ def eig(
     speeds = [value for text in speed or [] for value in speeds_in_si(text)]
     cases = cases_of(overrides or [])
     targets = _targets(target, cases)
-    from vehicledyn.run import find_modes
+    from vehicledyn.analyses import find_modes
 
     is_result = output is not None and output.suffix in (".h5", ".hdf5", ".nc")
     with show_progress() as progress:
@@ -186,8 +186,8 @@ def response(
         raise InputError("--input: missing: name what is moved or loaded, such as steering")
     span = (frequency_in_hz("--from", first), frequency_in_hz("--to", last))
     wanted = [frequency_in_hz("--at", text) for text in at or []]
-    from vehicledyn.run.frequency_grid import FrequencyGrid
-    from vehicledyn.run.response import find_response
+    from vehicledyn.analyses.linear.frequency_grid import FrequencyGrid
+    from vehicledyn.analyses.linear.response import find_response
 
     grid = FrequencyGrid(*span, points, spacing.value)
     with show_progress() as progress:

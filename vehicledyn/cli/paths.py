@@ -71,7 +71,7 @@ def kinematics(
     if len(ranges) != len(drives or []):
         raise InputError("--drive: a channel is driven twice; name each once")
     loaded = read_target(target, overrides)
-    from vehicledyn.run.kinematics import Wish, sweep_kinematics
+    from vehicledyn.analyses.mechanism.kinematics import Wish, sweep_kinematics
 
     result = output or Path(f"{Path(target).stem}_kinematics.h5")
     folder = None if no_plots else plots or result.parent / f"{result.stem}_plots"
@@ -107,7 +107,7 @@ def inverse(
 ) -> None:
     """Find the forces that a prescribed motion needs; write result file and figures."""
     loaded = read_scenario(scenario, overrides)
-    from vehicledyn.run.inverse_report import find_forces
+    from vehicledyn.analyses.mechanism.inverse_report import find_forces
 
     result = output or Path(f"{scenario.stem}_inverse.h5")
     folder = None if no_plots else plots or result.parent / f"{result.stem}_plots"

@@ -15,7 +15,7 @@ from vehicledyn.cli.options import Json
 from vehicledyn.cli.terminal import emit_report, show_progress
 
 if TYPE_CHECKING:
-    from vehicledyn.rail.profile_reading import ProfileReading
+    from vehicledyn.rail.profiles.profile_reading import ProfileReading
 
 _METRE = 1e3
 _LONGEST_WAVE, _NEAREST_BACK, _FURTHEST_BACK = 0.1, 0.02, 0.15
@@ -103,7 +103,7 @@ def profiles(
     angle = _angle(inclination)
     turn = _yaw(yaw)
     curvature = 0.0 if curve_radius is None else 1.0 / _curve(curve_radius)
-    from vehicledyn.run.contact_geometry import ContactWish, find_contact_geometry
+    from vehicledyn.analyses.contact.contact_geometry import ContactWish, find_contact_geometry
 
     wish = ContactWish(
         wheels=(wheel, right_wheel or wheel),
@@ -125,7 +125,7 @@ def profiles(
 def _reading(smoothing: str, defects: str, tape_circle: str | None) -> ProfileReading:
     from typing import get_args
 
-    from vehicledyn.rail.profile_reading import Defects, ProfileReading
+    from vehicledyn.rail.profiles.profile_reading import Defects, ProfileReading
 
     wavelength = _length("--smoothing", smoothing)
     if not 0.0 <= wavelength <= _LONGEST_WAVE:
@@ -177,7 +177,7 @@ def _lengths(option: str, text: str) -> list[float]:
 
 
 def _angle(text: str) -> float:
-    from vehicledyn.base.slopes import slope_of
+    from vehicledyn.base.slope_text import slope_of
 
     slope = slope_of(text)
     if slope is None or not abs(slope) < 0.5:

@@ -35,7 +35,7 @@ def init(
 ) -> None:
     """Write a model and a scenario to begin with, and schemas for editors; overwrite nothing."""
     import vehicledyn.catalogue  # noqa: F401
-    from vehicledyn.run.start_files import write_start
+    from vehicledyn.analyses.models.start_files import write_start
 
     written = write_start(folder, kind.value)
     for path in written:

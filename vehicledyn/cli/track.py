@@ -40,7 +40,7 @@ def track(
     step = None if every is None else _positive("--every", every, "m")
     velocity = None if speed is None else _positive("--speed", speed, "m/s")
     import vehicledyn.catalogue  # noqa: F401
-    from vehicledyn.run.track_view import view_track
+    from vehicledyn.analyses.contact.track_view import view_track
 
     report = view_track(file, every=step, speed=velocity, output=output, plots=plots)
     emit_report(report, as_json=as_json)

@@ -128,7 +128,7 @@ def run(
 ) -> None:
     """Simulate a scenario; write its result file and figures."""
     loaded = files.read_scenario(scenario, overrides)
-    from vehicledyn.run import run_scenario
+    from vehicledyn.analyses import run_scenario
 
     listen(quiet=quiet, verbose=verbose)
     result = output or Path(f"{scenario.stem}.h5")
@@ -189,14 +189,14 @@ def schema(
 def _schema_of(kind: FileKind) -> dict[str, Any]:
     """Return a schema; its maker alone is loaded."""
     if kind is FileKind.SYSTEM:
-        from vehicledyn.systems.schema import system_schema
+        from vehicledyn.files.system.schema import system_schema
 
         return system_schema()
     if kind is FileKind.STUDY:
         from vehicledyn.studies import study_schema
 
         return study_schema()
-    from vehicledyn.scenario import scenario_schema
+    from vehicledyn.files.scenario import scenario_schema
 
     return scenario_schema()
 

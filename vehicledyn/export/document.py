@@ -11,7 +11,7 @@ from vehicledyn.export.languages import Language, safe_name, safe_names
 from vehicledyn.export.procedures import Procedure, procedures
 from vehicledyn.export.statements import Body, write_body
 from vehicledyn.export.tables import NamedTable, named_tables
-from vehicledyn.multibody.ingredients import Ingredients
+from vehicledyn.multibody.equations.equation_terms import Ingredients
 from vehicledyn.symbolic.equations import Equations
 
 

@@ -9,7 +9,7 @@ from vehicledyn.base.whole_file import write_whole
 from vehicledyn.export import c, matlab, python
 from vehicledyn.export.document import Start, write_document
 from vehicledyn.export.languages import MATLAB, PYTHON, C, safe_name
-from vehicledyn.multibody.ingredients import Ingredients
+from vehicledyn.multibody.equations.equation_terms import Ingredients
 
 SUFFIXES = {"c": ".c", "python": ".py", "matlab": ".m", "fmu": ".fmu", "cuda": ".cu"}
 """Ending of the file by what a system is exported to."""

@@ -10,8 +10,8 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 from vehicledyn.base.errors import MissingPartError
+from vehicledyn.codegen.ir.instructions import ENTRY
 from vehicledyn.export.procedures import Argument
-from vehicledyn.solve.instructions import ENTRY
 
 _ATOM, _NOT, _PRODUCT, _SUM, _COMPARISON, _AND, _OR, _CHOICE = 100, 70, 60, 50, 40, 30, 20, 10
 

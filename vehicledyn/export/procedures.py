@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
-from vehicledyn.multibody.ingredients import Entries, Ingredients, Label
+from vehicledyn.multibody.equations.equation_terms import Entries, Ingredients, Label
 from vehicledyn.symbolic import ops
 from vehicledyn.symbolic.equations import Equations
 from vehicledyn.symbolic.ops import Scalar

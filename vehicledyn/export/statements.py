@@ -10,12 +10,12 @@ from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 
+from vehicledyn.codegen.ir.instructions import CONST, INPUT, Instruction, Program, read_expressions
+from vehicledyn.codegen.passes.lowering import LOOKED_UP
 from vehicledyn.export.languages import Language, Term, safe_name
 from vehicledyn.export.procedures import Procedure
 from vehicledyn.export.tables import NamedTable
-from vehicledyn.multibody.ingredients import Label
-from vehicledyn.solve.instructions import CONST, INPUT, Instruction, Program, read_expressions
-from vehicledyn.solve.lowering import LOOKED_UP
+from vehicledyn.multibody.equations.equation_terms import Label
 from vehicledyn.symbolic.ops import Scalar
 from vehicledyn.symbolic.tables import CurveTable
 

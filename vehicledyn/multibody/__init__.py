@@ -27,26 +27,31 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from vehicledyn.base.door import door
+from vehicledyn.base.lazy_exports import door
 
 if TYPE_CHECKING:
-    from vehicledyn.multibody.constraints import (
+    from vehicledyn.multibody.elements.drives import ConstantRate, TimeLaw
+    from vehicledyn.multibody.elements.force_sensors import ConstraintForceSensor, ReactionSensor
+    from vehicledyn.multibody.elements.motion_sensors import (
+        Accelerometer,
+        BodySensor,
+        SequenceSensor,
+    )
+    from vehicledyn.multibody.elements.point_forces import Attachment, GuidedLink, Link
+    from vehicledyn.multibody.elements.rolling import RollingWheel
+    from vehicledyn.multibody.elements.transmissions import belt, gears, rack, screw
+    from vehicledyn.multibody.equations.derivation import derive
+    from vehicledyn.multibody.model.bodies import Body, Joint, Turn
+    from vehicledyn.multibody.model.constraints import (
         BaseConstraint,
         LinearConstraint,
         RateConstraint,
         UserConstraint,
     )
-    from vehicledyn.multibody.cuts import BallCut, BodyCut, RodCut
-    from vehicledyn.multibody.derivation import derive
-    from vehicledyn.multibody.drives import ConstantRate, TimeLaw
-    from vehicledyn.multibody.force_sensors import ConstraintForceSensor, ReactionSensor
-    from vehicledyn.multibody.ground import GROUND
-    from vehicledyn.multibody.links import Attachment, GuidedLink, Link
-    from vehicledyn.multibody.parts import BasePart, Loads, Motion, Output, PartEvent, Wrench
-    from vehicledyn.multibody.rolling import RollingWheel
-    from vehicledyn.multibody.sensors import Accelerometer, BodySensor, SequenceSensor
-    from vehicledyn.multibody.system import Body, Joint, System, Turn
-    from vehicledyn.multibody.transmissions import belt, gears, rack, screw
+    from vehicledyn.multibody.model.cuts import BallCut, BodyCut, RodCut
+    from vehicledyn.multibody.model.ground import GROUND
+    from vehicledyn.multibody.model.parts import BasePart, Loads, Motion, Output, PartEvent, Wrench
+    from vehicledyn.multibody.model.system import System
     from vehicledyn.symbolic.parameters import ParameterTable
 
 __all__ = [
@@ -91,20 +96,20 @@ __all__ = [
 __getattr__ = door(
     __name__,
     {
-        "vehicledyn.multibody.constraints": (
+        "vehicledyn.multibody.model.constraints": (
             "BaseConstraint",
             "LinearConstraint",
             "RateConstraint",
             "UserConstraint",
         ),
-        "vehicledyn.multibody.rolling": ("RollingWheel",),
-        "vehicledyn.multibody.transmissions": ("belt", "gears", "rack", "screw"),
-        "vehicledyn.multibody.cuts": ("BallCut", "BodyCut", "RodCut"),
-        "vehicledyn.multibody.derivation": ("derive",),
-        "vehicledyn.multibody.drives": ("ConstantRate", "TimeLaw"),
-        "vehicledyn.multibody.force_sensors": ("ConstraintForceSensor", "ReactionSensor"),
-        "vehicledyn.multibody.links": ("Attachment", "GuidedLink", "Link"),
-        "vehicledyn.multibody.parts": (
+        "vehicledyn.multibody.elements.rolling": ("RollingWheel",),
+        "vehicledyn.multibody.elements.transmissions": ("belt", "gears", "rack", "screw"),
+        "vehicledyn.multibody.model.cuts": ("BallCut", "BodyCut", "RodCut"),
+        "vehicledyn.multibody.equations.derivation": ("derive",),
+        "vehicledyn.multibody.elements.drives": ("ConstantRate", "TimeLaw"),
+        "vehicledyn.multibody.elements.force_sensors": ("ConstraintForceSensor", "ReactionSensor"),
+        "vehicledyn.multibody.elements.point_forces": ("Attachment", "GuidedLink", "Link"),
+        "vehicledyn.multibody.model.parts": (
             "BasePart",
             "Loads",
             "Motion",
@@ -112,9 +117,14 @@ __getattr__ = door(
             "PartEvent",
             "Wrench",
         ),
-        "vehicledyn.multibody.sensors": ("Accelerometer", "BodySensor", "SequenceSensor"),
-        "vehicledyn.multibody.ground": ("GROUND",),
-        "vehicledyn.multibody.system": ("Body", "Joint", "System", "Turn"),
+        "vehicledyn.multibody.elements.motion_sensors": (
+            "Accelerometer",
+            "BodySensor",
+            "SequenceSensor",
+        ),
+        "vehicledyn.multibody.model.ground": ("GROUND",),
+        "vehicledyn.multibody.model.bodies": ("Body", "Joint", "Turn"),
+        "vehicledyn.multibody.model.system": ("System",),
         "vehicledyn.symbolic.parameters": ("ParameterTable",),
     },
 )

@@ -7,8 +7,8 @@ from pathlib import Path
 from typing import Any
 
 from vehicledyn.base.units import shown
-from vehicledyn.results.layout import EventRecord, SummaryEntry
-from vehicledyn.results.reader import Result, open_result
+from vehicledyn.results.store.layout import EventRecord, SummaryEntry
+from vehicledyn.results.store.reader import Result, open_result
 
 _MOST_EVENTS = 20
 """Events that are shown to a person."""

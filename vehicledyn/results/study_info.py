@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from vehicledyn.base.units import shown
-from vehicledyn.results.study_reader import StudyFile, open_study
+from vehicledyn.results.store.study_reader import StudyFile, open_study
 
 _MOST_FAILURES = 20
 

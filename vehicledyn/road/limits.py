@@ -5,9 +5,9 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, replace
 
-from vehicledyn.multibody.parts import BasePart, PartEvent, Situation
+from vehicledyn.multibody.model.parts import BasePart, PartEvent, Situation
 from vehicledyn.road.vehicle import RoadVehicle
-from vehicledyn.road.wheel import RoadWheel
+from vehicledyn.road.wheel.road_wheel import RoadWheel
 from vehicledyn.symbolic import ops
 from vehicledyn.symbolic.ops import Scalar
 

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
-from vehicledyn.multibody.parts import Part
-from vehicledyn.multibody.system import System
-from vehicledyn.road.relaxation import Relaxation
-from vehicledyn.road.surface import RoadSurface
-from vehicledyn.road.tyre import Tyre
+from vehicledyn.multibody.model.parts import Part
+from vehicledyn.multibody.model.system import System
+from vehicledyn.road.surfaces.surface import RoadSurface
+from vehicledyn.road.tyres.tyre import Tyre
+from vehicledyn.road.wheel.relaxation import Relaxation
 from vehicledyn.symbolic.ops import Scalar
 
 
@@ -17,7 +17,8 @@ class RoadOptions:
     """Parts that a scenario chooses for a road vehicle.
 
     ``contact`` is "disc", "vertical" or "tangent_plane" (see
-    :class:`vehicledyn.road.wheel.RoadWheel`). ``free_wheels`` says whether the wheels turn freely
+    :class:`vehicledyn.road.wheel.road_wheel.RoadWheel`). ``free_wheels`` says whether the wheels
+    turn freely
     or at the constant rate speed / unloaded radius; ``speed`` is the forward speed at the start
     [m/s].
     """

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from vehicledyn.base.door import door
+from vehicledyn.base.lazy_exports import door
 
 if TYPE_CHECKING:
     from vehicledyn.studies.load import LoadedStudy, load_study

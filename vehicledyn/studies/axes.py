@@ -74,7 +74,7 @@ class Design:
         """Return where in the range of each axis cases lie, (n, n_axes); None where not drawn."""
         import numpy as np
 
-        from vehicledyn.studies import scatter
+        from vehicledyn.studies import indexed_random as scatter
 
         streams, rows = np.arange(len(self.axes)), index[:, None]
         if self.kind == "latin_hypercube":

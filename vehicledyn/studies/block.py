@@ -15,10 +15,10 @@ from numpy.typing import NDArray
 
 import vehicledyn
 from vehicledyn.base.errors import InputError, VehicledynError
-from vehicledyn.results.study_layout import ACCURACY, DONE, ENDED, StudyBlock, StudyFigure
-from vehicledyn.solve.accuracy import Accuracy
-from vehicledyn.solve.batch import Cases, Samples, run_batch
-from vehicledyn.solve.kernel import Backend
+from vehicledyn.integrate.accuracy_watch import Accuracy
+from vehicledyn.integrate.batch import Cases, Samples, run_batch
+from vehicledyn.kernel.kernel import Backend
+from vehicledyn.results.store.study_layout import ACCURACY, DONE, ENDED, StudyBlock, StudyFigure
 from vehicledyn.studies.axes import Design
 from vehicledyn.studies.load import LoadedStudy, Recipe
 from vehicledyn.studies.model import Case, Model, make_model

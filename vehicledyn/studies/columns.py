@@ -14,7 +14,7 @@ from vehicledyn.base.errors import InputError
 from vehicledyn.base.files import open_regular
 from vehicledyn.base.problems import Mark, Place, Problem
 from vehicledyn.base.units import describe, parse_unit, to_si
-from vehicledyn.scenario.sources import Sources
+from vehicledyn.files.scenario.sources import Sources
 from vehicledyn.studies.sets import CaseList, Grid, Study
 
 MOST_ROWS = 1_000_000

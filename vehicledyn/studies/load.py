@@ -14,15 +14,15 @@ from typing import Any
 
 from pydantic import ValidationError
 
+from vehicledyn.analyses.preparation.named_files import named_files
 from vehicledyn.base.errors import InputError
 from vehicledyn.base.problems import START, Place, Problem, dotted, refusal
 from vehicledyn.base.units import describe
-from vehicledyn.base.wording import UNKNOWN_KEY
+from vehicledyn.base.validation_messages import UNKNOWN_KEY
 from vehicledyn.base.yaml import Document, read_yaml, remembered_files
-from vehicledyn.run.named_files import named_files
-from vehicledyn.scenario.load import LoadedScenario, examine_scenario
-from vehicledyn.scenario.overrides import Change, apply_change, read_override
-from vehicledyn.scenario.sources import Sources
+from vehicledyn.files.scenario.load import LoadedScenario, examine_scenario
+from vehicledyn.files.scenario.overrides import Change, apply_change, read_override
+from vehicledyn.files.scenario.sources import Sources
 from vehicledyn.studies.axes import Axis, Design
 from vehicledyn.studies.columns import Written, read_columns
 from vehicledyn.studies.sets import Grid, Study

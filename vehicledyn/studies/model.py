@@ -10,12 +10,9 @@ from typing import Any
 
 import numpy as np
 
-from vehicledyn.base.errors import InputError, VehicledynError, nearest_name
-from vehicledyn.manoeuvres.recording import Recording
-from vehicledyn.run.chosen_step import leaves_step, with_step
-from vehicledyn.run.judgement import judged_by
-from vehicledyn.run.parameter_starts import starting_at
-from vehicledyn.run.prepare import (
+from vehicledyn.analyses.hunting.parameter_starts import starting_at
+from vehicledyn.analyses.preparation.build_model import build_subject, manoeuvre_of
+from vehicledyn.analyses.preparation.prepare import (
     Derived,
     Point,
     Prepared,
@@ -24,21 +21,24 @@ from vehicledyn.run.prepare import (
     prepare,
     start_point,
 )
-from vehicledyn.run.rates import rates_watched
-from vehicledyn.run.road_subject import RoadSubject
-from vehicledyn.run.subject import Subject
-from vehicledyn.run.vehicle import build_subject, manoeuvre_of
-from vehicledyn.run.watched import simulate_watched
-from vehicledyn.scenario.load import LoadedScenario
-from vehicledyn.solve.batch import Batch, make_batch
-from vehicledyn.solve.fingerprint import fingerprint
-from vehicledyn.solve.judged import Judged
-from vehicledyn.solve.kernel import Backend, Kernel
-from vehicledyn.solve.ranges import watched_channels
-from vehicledyn.solve.rate_watch import RateWatch
-from vehicledyn.solve.simulate import Solver
-from vehicledyn.solve.task import Statistics
-from vehicledyn.studies import scatter
+from vehicledyn.analyses.preparation.rate_determinacy import rates_watched
+from vehicledyn.analyses.preparation.road_runnable import RoadSubject
+from vehicledyn.analyses.preparation.runnable import Subject
+from vehicledyn.analyses.simulation.chosen_step import leaves_step, with_step
+from vehicledyn.analyses.simulation.judgement import judged_by
+from vehicledyn.analyses.simulation.repartitioning import simulate_watched
+from vehicledyn.base.errors import InputError, VehicledynError, nearest_name
+from vehicledyn.codegen.build.fingerprint import fingerprint
+from vehicledyn.files.scenario.load import LoadedScenario
+from vehicledyn.integrate.batch import Batch, make_batch
+from vehicledyn.integrate.channel_ranges import watched_channels
+from vehicledyn.integrate.judged_quantities import Judged
+from vehicledyn.integrate.simulate import Solver
+from vehicledyn.integrate.task import Statistics
+from vehicledyn.kernel.kernel import Backend, Kernel
+from vehicledyn.kernel.rate_monitor import RateWatch
+from vehicledyn.road.manoeuvres.channel_recorder import Recording
+from vehicledyn.studies import indexed_random as scatter
 from vehicledyn.studies.axes import Axis
 from vehicledyn.studies.load import Recipe, leaves
 from vehicledyn.studies.starts import Reference, find_reference, start_of

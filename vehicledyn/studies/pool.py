@@ -8,7 +8,7 @@ from typing import Protocol, TypeAlias
 
 import numpy as np
 
-from vehicledyn.results.study_layout import StudyBlock
+from vehicledyn.results.store.study_layout import StudyBlock
 from vehicledyn.studies.block import Work, Worker
 
 Span: TypeAlias = tuple[int, int]

@@ -24,8 +24,8 @@ from typing import IO, Any
 import vehicledyn
 from vehicledyn.base.errors import NumericalError
 from vehicledyn.studies.block import Work
-from vehicledyn.studies.messages import receive, send
 from vehicledyn.studies.pool import LIVES, Span, Spans, Take, divided
+from vehicledyn.studies.worker_messages import receive, send
 from vehicledyn.studies.worker_process import BLOCK, BUG, ERROR, READY
 
 _MODULE = "vehicledyn.studies.worker_process"

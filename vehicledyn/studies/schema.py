@@ -6,7 +6,13 @@ from pydantic.json_schema import GenerateJsonSchema, models_json_schema
 
 from vehicledyn.base.parameters import ParameterSet
 from vehicledyn.base.registry import find, kinds
-from vehicledyn.scenario.schema import DIALECT, Schema, catalogue_definitions, reachable, rewrite
+from vehicledyn.files.scenario.schema import (
+    DIALECT,
+    Schema,
+    catalogue_definitions,
+    reachable,
+    rewrite,
+)
 from vehicledyn.studies.sets import Study, StudyOutput
 
 

@@ -15,8 +15,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from vehicledyn.base.errors import NumericalError
-from vehicledyn.run.prepare import (
+from vehicledyn.analyses.preparation.prepare import (
     BALANCE_TOLERANCE,
     Point,
     Prepared,
@@ -25,9 +24,10 @@ from vehicledyn.run.prepare import (
     nominal_point,
     set_speed,
 )
-from vehicledyn.run.start_rates import start_rates
-from vehicledyn.run.subject import Subject, Vector
-from vehicledyn.solve.kernel import Kernel
+from vehicledyn.analyses.preparation.runnable import Subject, Vector
+from vehicledyn.analyses.preparation.start_rates import start_rates
+from vehicledyn.base.errors import NumericalError
+from vehicledyn.kernel.kernel import Kernel
 from vehicledyn.symbolic.equations import Equations
 
 _TRIALS = 60
@@ -50,7 +50,7 @@ class Reference:
 def start_of(
     prepared: Prepared, speed: float, kind: Start | None, reference: Reference | None
 ) -> Point:
-    """Return the point a case starts from, as :func:`vehicledyn.run.prepare.start_point` would.
+    """Return the point a case starts from, as :func:`start_point` would.
 
     Parameters
     ----------

@@ -12,10 +12,12 @@ from typing import Any
 
 import numpy as np
 
+from vehicledyn.analyses.preparation.prepare import Progress
 from vehicledyn.base.errors import InputError, NumericalError
 from vehicledyn.base.processors import cores
-from vehicledyn.results.output import check_output
-from vehicledyn.results.study_layout import (
+from vehicledyn.kernel.kernel import Backend
+from vehicledyn.results.hdf5.output import check_output
+from vehicledyn.results.store.study_layout import (
     ACCURACY,
     FAILED,
     INTERRUPTED,
@@ -27,10 +29,8 @@ from vehicledyn.results.study_layout import (
     StudyChannel,
     StudyHeader,
 )
-from vehicledyn.results.study_reader import StudyFile, open_study
-from vehicledyn.results.study_writer import StudyWriter, pending
-from vehicledyn.run.prepare import Progress
-from vehicledyn.solve.kernel import Backend
+from vehicledyn.results.store.study_reader import StudyFile, open_study
+from vehicledyn.results.store.study_writer import StudyWriter, pending
 from vehicledyn.studies import pool
 from vehicledyn.studies.block import Work, facts_of, work_of
 from vehicledyn.studies.cluster import ClusterAddress, open_cluster

@@ -13,7 +13,7 @@ from typing import Any, BinaryIO
 
 from vehicledyn.base.errors import VehicledynError
 from vehicledyn.studies.block import compute_remotely, set_up
-from vehicledyn.studies.messages import receive, send
+from vehicledyn.studies.worker_messages import receive, send
 
 READY, BLOCK, ERROR, BUG = "ready", "block", "error", "bug"
 """Kinds of replies: the last two carry an error of ours, or the description of any other."""

@@ -34,7 +34,7 @@ def belfry(tmp_path, monkeypatch):
         "from vehicledyn.base.registry import discover\n\ndiscover(__name__, __path__)\n"
     )
     (package / "hand.py").write_text(PLAIN.format(name="hand"))
-    (package / "door.py").write_text(PLAIN.format(name="door"))
+    (package / "lazy_exports.py").write_text(PLAIN.format(name="door"))
     (package / "changes.py").write_text(COMPUTED)
     (package / "notes.py").write_text("raise RuntimeError('registers nothing')\n")
     monkeypatch.syspath_prepend(str(tmp_path))

@@ -2,7 +2,7 @@ import signal
 
 import pytest
 
-from vehicledyn.base.signals import undisturbed
+from vehicledyn.base.interrupts import undisturbed
 
 
 def test_ctrl_c_waits_for_the_end_of_the_block():

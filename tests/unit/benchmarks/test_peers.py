@@ -59,8 +59,8 @@ def test_numbers_for_other_engines_give_the_same_potential_energy(benchmarks):
             total -= body["mass"] * np.dot(model["gravity"], place + turn @ body["com"])
         return total
 
+    from vehicledyn.kernel.kernel import compile_kernel
     from vehicledyn.multibody import derive
-    from vehicledyn.solve.kernel import compile_kernel
 
     kernel = compile_kernel(derive(system), backend="interpreted")
     names = [channel.name for channel in kernel.equations.channels]

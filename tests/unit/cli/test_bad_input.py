@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 
 import vehicledyn.catalogue  # noqa: F401
+from vehicledyn.analyses.preparation.mass_checks import hardly_resisted
+from vehicledyn.analyses.preparation.prepare import nominal_point, prepare
 from vehicledyn.cli import main
-from vehicledyn.run.prepare import nominal_point, prepare
-from vehicledyn.run.resisted import hardly_resisted
-from vehicledyn.scenario import load_scenario
+from vehicledyn.files.scenario import load_scenario
 
 SCENARIO = """\
 title: t

@@ -48,7 +48,9 @@ def pipeline(monkeypatch):
     report = SimpleNamespace(as_text=lambda: "text", as_dict=lambda: {"modes": [1 + 2j]})
     names = ("run_scenario", "find_equilibrium", "find_modes", "describe_model", "write_system")
     monkeypatch.setitem(
-        sys.modules, "vehicledyn.run", SimpleNamespace(**{name: answer(name) for name in names})
+        sys.modules,
+        "vehicledyn.analyses",
+        SimpleNamespace(**{name: answer(name) for name in names}),
     )
     return SimpleNamespace(asked=asked, outcome=outcome)
 
@@ -187,7 +189,9 @@ def test_compare_passes_everything_on(call, monkeypatch, tmp_path):
         return comparison
 
     monkeypatch.setitem(
-        sys.modules, "vehicledyn.results.compare", SimpleNamespace(compare_files=compare_files)
+        sys.modules,
+        "vehicledyn.results.compare.run_compare",
+        SimpleNamespace(compare_files=compare_files),
     )
     junit = tmp_path / "report.xml"
     options = ("--relative", "1e-3", "--tolerance", "a=b.*=0.1", "--channel", "x.*")
@@ -205,7 +209,7 @@ def test_plot_prints_what_it_wrote(call, monkeypatch):
         return [folder / f"yaw.{end}" for end in formats]
 
     monkeypatch.setitem(
-        sys.modules, "vehicledyn.results.plots", SimpleNamespace(draw_plots=draw_plots)
+        sys.modules, "vehicledyn.results.plots.run_plots", SimpleNamespace(draw_plots=draw_plots)
     )
     code, out, _ = call("plot", "runs/a.h5", "--only", "yaw", "--format", "svg")
     assert (code, out) == (0, "runs/a_plots/yaw.svg\n")

@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 
-from vehicledyn.results.store import open_result
+from vehicledyn.results.store.door import open_result
 
 SCENARIO = """\
 title: A long swing

@@ -12,8 +12,8 @@ import h5py
 import numpy as np
 import pytest
 
-from vehicledyn.results.checkpoint import checkpoint_path
-from vehicledyn.results.hunt_table import read_hunt
+from vehicledyn.results.hdf5.checkpoint import checkpoint_path
+from vehicledyn.results.tables.hunt_table import read_hunt
 
 WHEELSET = Path(__file__).parents[3] / "systems" / "simple_wheelset.yaml"
 OPTIONS = ["--from", "53 m/s", "--to", "63 m/s", "--points", "10", "--no-plots", "--quiet"]

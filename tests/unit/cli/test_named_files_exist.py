@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 
 import vehicledyn.catalogue  # noqa: F401
+from vehicledyn.analyses.simulation.mended_profiles import mended_profiles
 from vehicledyn.base.errors import InputError
 from vehicledyn.cli.files import read_file
-from vehicledyn.rail.named_profiles import named_profile
-from vehicledyn.run.mended_profiles import mended_profiles
-from vehicledyn.scenario import load_scenario
+from vehicledyn.files.scenario import load_scenario
+from vehicledyn.rail.profiles.named_profiles import named_profile
 
 ROOT = Path(__file__).parents[3]
 SYSTEM = ROOT / "systems" / "rail_wheelset.yaml"

@@ -10,11 +10,11 @@ import h5py
 import numpy as np
 import pytest
 
+from vehicledyn.analyses.contact.contact_geometry import ContactWish, find_contact_geometry
 from vehicledyn.base.errors import InputError
-from vehicledyn.rail.named_profiles import named_profile
-from vehicledyn.results.contact_figures import contact_figures
-from vehicledyn.results.contact_table import read_contacts
-from vehicledyn.run.contact_geometry import ContactWish, find_contact_geometry
+from vehicledyn.rail.profiles.named_profiles import named_profile
+from vehicledyn.results.plots.contact_figures import contact_figures
+from vehicledyn.results.tables.contact_table import read_contacts
 
 
 def quiet(*_):

@@ -7,7 +7,10 @@ from importlib import import_module
 import casadi as ca
 import numpy as np
 
+from vehicledyn.analyses.preparation.build_model import build_vehicle
 from vehicledyn.export.procedures import procedures
+from vehicledyn.files.scenario import load_model
+from vehicledyn.kernel.kernel import compile_kernel
 from vehicledyn.multibody import (
     GROUND,
     BallCut,
@@ -20,11 +23,8 @@ from vehicledyn.multibody import (
     System,
     TimeLaw,
 )
-from vehicledyn.multibody.constraints import RateConstraint
-from vehicledyn.multibody.ingredients import derive_ingredients
-from vehicledyn.run.vehicle import build_vehicle
-from vehicledyn.scenario import load_model
-from vehicledyn.solve.kernel import compile_kernel
+from vehicledyn.multibody.equations.equation_terms import derive_ingredients
+from vehicledyn.multibody.model.constraints import RateConstraint
 from vehicledyn.symbolic import ops
 from vehicledyn.symbolic.equations import Channel, Variable
 from vehicledyn.symbolic.tables import CurveTable

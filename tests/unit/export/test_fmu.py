@@ -12,19 +12,19 @@ import numpy as np
 import pytest
 from export_cases import CASES, case
 
+from vehicledyn.analyses import run_scenario
+from vehicledyn.analyses.models.exporting import export_target
 from vehicledyn.base.registry import find
+from vehicledyn.codegen.build.compiler import CompilationError, find_compiler
 from vehicledyn.export.document import Start, start_of
 from vehicledyn.export.fmi_description import Experiment
 from vehicledyn.export.fmu import export_fmu
+from vehicledyn.files.scenario import load_scenario
+from vehicledyn.integrate.simulate import simulate
+from vehicledyn.kernel.kernel import compile_kernel
 from vehicledyn.multibody import GROUND, BasePart, Body, Joint, ParameterTable, System, derive
-from vehicledyn.multibody.parts import PartEvent
-from vehicledyn.results.reader import open_result
-from vehicledyn.run import run_scenario
-from vehicledyn.run.exporting import export_target
-from vehicledyn.scenario import load_scenario
-from vehicledyn.solve.compiler import CompilationError, find_compiler
-from vehicledyn.solve.kernel import compile_kernel
-from vehicledyn.solve.simulate import simulate
+from vehicledyn.multibody.model.parts import PartEvent
+from vehicledyn.results.store.reader import open_result
 
 fmpy = pytest.importorskip("fmpy", reason="fmpy, which simulates FMUs, is not installed")
 FMU3Model = fmpy.fmi3.FMU3Model
@@ -318,8 +318,8 @@ def silent(what, part=None):
 def test_source_is_for_any_processor(tmp_path):
     """Two wheels on rails are computed side by side where the processor can, not in an FMU."""
     import vehicledyn.catalogue
-    from vehicledyn.run.vehicle import build_subject
-    from vehicledyn.scenario import load_model
+    from vehicledyn.analyses.preparation.build_model import build_subject
+    from vehicledyn.files.scenario import load_model
 
     assert vehicledyn.catalogue
     system = build_subject(load_model(str(ROOT / "systems" / "radial_wheelset.yaml"))).system

@@ -21,14 +21,14 @@ from vehicledyn.multibody import (
     Turn,
     derive,
 )
-from vehicledyn.multibody.constraints import (
+from vehicledyn.multibody.elements.transmissions import belt, gears, rack, screw
+from vehicledyn.multibody.model.constraints import (
     BaseConstraint,
     LinearConstraint,
     RateConstraint,
     UserConstraint,
 )
-from vehicledyn.multibody.cuts import Residual
-from vehicledyn.multibody.transmissions import belt, gears, rack, screw
+from vehicledyn.multibody.model.cuts import Residual
 from vehicledyn.symbolic import ops, rotations
 
 EXACT = 1e-12

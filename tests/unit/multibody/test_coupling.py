@@ -1,6 +1,6 @@
 """Entangled constraints: loops of a chain are apart, meshes of a net are not."""
 
-from vehicledyn.multibody.coupling import most_entangled
+from vehicledyn.multibody.loops.coupling import most_entangled
 
 
 def test_loops_in_a_row_are_not_entangled():

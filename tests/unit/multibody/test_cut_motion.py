@@ -3,12 +3,13 @@
 import numpy as np
 import pytest
 
-from vehicledyn.multibody.cut_motion import moving_residuals
-from vehicledyn.multibody.cuts import BallCut, BodyCut, RodCut
-from vehicledyn.multibody.kinematics import Kinematics
-from vehicledyn.multibody.system import Body, Joint, System, Turn
-from vehicledyn.multibody.tree import unfold
-from vehicledyn.multibody.unknowns import declare
+from vehicledyn.multibody.loops.cut_motion import moving_residuals
+from vehicledyn.multibody.model.bodies import Body, Joint, Turn
+from vehicledyn.multibody.model.cuts import BallCut, BodyCut, RodCut
+from vehicledyn.multibody.model.kinematics import Kinematics
+from vehicledyn.multibody.model.symbols import declare
+from vehicledyn.multibody.model.system import System
+from vehicledyn.multibody.model.tree import unfold
 from vehicledyn.symbolic import ops, rotations
 from vehicledyn.symbolic.parameters import ParameterTable
 
@@ -46,7 +47,7 @@ def some_system():
 @pytest.mark.parametrize("cut", CUTS, ids=lambda cut: cut.name)
 def test_slopes_and_quadratic_term_are_those_of_the_expanded_residual(cut):
     system = some_system()
-    tree, symbols = unfold(system), declare(system)
+    tree, symbols = unfold(system.bodies), declare(system)
     q, qd = symbols.coordinate_column, symbols.rate_column
     kinematics = Kinematics(tree, symbols.coordinates, symbols.rates)
     moving = moving_residuals(cut, kinematics)

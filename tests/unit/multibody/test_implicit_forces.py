@@ -5,7 +5,10 @@ from dataclasses import dataclass
 
 import pytest
 
+from vehicledyn.analyse.equilibrium import assemble
+from vehicledyn.analyse.linearise import linearise
 from vehicledyn.base.errors import InputError
+from vehicledyn.kernel.kernel import compile_kernel
 from vehicledyn.multibody import (
     GROUND,
     BasePart,
@@ -17,9 +20,6 @@ from vehicledyn.multibody import (
     UserConstraint,
     derive,
 )
-from vehicledyn.solve.equilibrium import assemble
-from vehicledyn.solve.kernel import compile_kernel
-from vehicledyn.solve.linearise import linearise
 from vehicledyn.symbolic import ops
 from vehicledyn.symbolic.equations import Variable
 

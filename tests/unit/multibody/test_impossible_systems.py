@@ -18,7 +18,7 @@ from vehicledyn.multibody import (
     UserConstraint,
     derive,
 )
-from vehicledyn.multibody.derivation import solve_motion
+from vehicledyn.multibody.equations.derivation import solve_motion
 from vehicledyn.symbolic.elimination import solve_symmetric
 
 BALL = (0.1, 0.1, 0.1)

@@ -6,9 +6,11 @@ import numpy as np
 import pytest
 from scipy.special import ellipk
 
-import vehicledyn.solve  # noqa: F401
+import vehicledyn.integrate  # noqa: F401
 from vehicledyn.base.errors import InputError
 from vehicledyn.base.registry import find
+from vehicledyn.integrate.simulate import simulate
+from vehicledyn.kernel.kernel import compile_kernel
 from vehicledyn.multibody import (
     GROUND,
     BasePart,
@@ -22,8 +24,6 @@ from vehicledyn.multibody import (
     UserConstraint,
     derive,
 )
-from vehicledyn.solve.kernel import compile_kernel
-from vehicledyn.solve.simulate import simulate
 from vehicledyn.symbolic import ops
 from vehicledyn.symbolic.equations import Variable
 

@@ -31,7 +31,7 @@ from vehicledyn.multibody import (
     Turn,
     derive,
 )
-from vehicledyn.multibody.sensors import FloorSensor
+from vehicledyn.multibody.elements.motion_sensors import FloorSensor
 from vehicledyn.symbolic import ops, rotations
 from vehicledyn.symbolic.equations import Channel
 

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from vehicledyn.multibody import GROUND, Attachment, Body, Joint, ParameterTable, System
-from vehicledyn.multibody.positions import Positions
-from vehicledyn.multibody.wheel_angles import SteeringAxis, WheelAngles
+from vehicledyn.multibody.elements.wheel_angles import SteeringAxis, WheelAngles
+from vehicledyn.multibody.loops.position_level import Positions
 
 RADIUS, TRACK = 0.3, 0.8
 

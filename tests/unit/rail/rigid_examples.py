@@ -6,15 +6,15 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from vehicledyn.analyse.equilibrium import assemble
+from vehicledyn.kernel.kernel import compile_kernel
 from vehicledyn.multibody import GROUND, Body, Joint, ParameterTable, System, derive
+from vehicledyn.rail.contact.rigid_contact import RigidRailWheels, RigidWheel
+from vehicledyn.rail.contact.rigid_touch import TouchingWheel
+from vehicledyn.rail.contact.rolling_contact import Material
 from vehicledyn.rail.creep.tanh import Tanh
-from vehicledyn.rail.outline import ArcOutline
-from vehicledyn.rail.rigid_contact import RigidRailWheels, RigidWheel
-from vehicledyn.rail.rigid_touch import TouchingWheel
-from vehicledyn.rail.rolling_contact import Material
-from vehicledyn.rail.track import Track, TrackFrame
-from vehicledyn.solve.equilibrium import assemble
-from vehicledyn.solve.kernel import compile_kernel
+from vehicledyn.rail.profiles.outline import ArcOutline
+from vehicledyn.rail.track.track import Track, TrackFrame
 from vehicledyn.symbolic import ops, rotations
 
 STEEL = Material(2.1e11, 0.28)

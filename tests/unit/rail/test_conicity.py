@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from vehicledyn.base.errors import InputError
-from vehicledyn.rail.conicity import (
+from vehicledyn.rail.geometry.conicity import (
     RadiusDifference,
     equivalent_conicity,
     free_path,

@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 
 from vehicledyn.base.errors import InputError
-from vehicledyn.rail.contact_geometry import Pose, Wheel, place_rail, touching_points
-from vehicledyn.rail.contact_geometry_elastic import patches, settled
-from vehicledyn.rail.contact_geometry_wheelset import WheelsetOnTrack, find_jumps, stand
-from vehicledyn.rail.hertz import effective_modulus, hertz
-from vehicledyn.rail.named_profiles import circle, cone, named_profile
+from vehicledyn.rail.geometry.contact_geometry import Pose, Wheel, place_rail, touching_points
+from vehicledyn.rail.geometry.elastic_geometry import patches, settled
+from vehicledyn.rail.geometry.hertz import effective_modulus, hertz
+from vehicledyn.rail.geometry.wheelset_geometry import WheelsetOnTrack, find_jumps, stand
+from vehicledyn.rail.profiles.named_profiles import circle, cone, named_profile
 
 STEEL = effective_modulus(210e9, 0.28, 210e9, 0.28)
 S1002 = Wheel(named_profile("S1002", "wheel"), 0.46, 0.75)

@@ -4,8 +4,7 @@ import numpy as np
 import pytest
 
 from vehicledyn.base.errors import InputError
-from vehicledyn.rail.contact_fit import check_fit
-from vehicledyn.rail.contact_geometry import (
+from vehicledyn.rail.geometry.contact_geometry import (
     Pose,
     Wheel,
     place_rail,
@@ -13,14 +12,15 @@ from vehicledyn.rail.contact_geometry import (
     touching_points,
     wheel_standing,
 )
-from vehicledyn.rail.contact_geometry_wheelset import (
+from vehicledyn.rail.geometry.gauge_fit import check_fit
+from vehicledyn.rail.geometry.wheelset_geometry import (
     WheelsetOnTrack,
     find_jumps,
     mirrored,
     stand,
     stand_level,
 )
-from vehicledyn.rail.named_profiles import circle, cone, named_profile
+from vehicledyn.rail.profiles.named_profiles import circle, cone, named_profile
 
 S1002 = Wheel(named_profile("S1002", "wheel"), 0.46, 0.75)
 RAIL = place_rail(named_profile("60E1", "rail"), np.arctan(1 / 40), 1.435, 0.014)

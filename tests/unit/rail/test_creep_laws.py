@@ -8,13 +8,12 @@ from scipy.integrate import quad
 
 import vehicledyn.rail.creep
 from vehicledyn.base.registry import find, kinds
-from vehicledyn.rail import creep_law
-from vehicledyn.rail.creep import polach
+from vehicledyn.rail.creep import creep_law, polach
+from vehicledyn.rail.creep.creep_law import CreepContact, kalker_forces
+from vehicledyn.rail.creep.kalker import creep_coefficients
 from vehicledyn.rail.creep.tanh import wheelset_ellipse
-from vehicledyn.rail.creep_law import CreepContact, kalker_forces
-from vehicledyn.rail.hertz import ContactEllipse, hertz
-from vehicledyn.rail.kalker import creep_coefficients
-from vehicledyn.rail.vermeulen import vermeulen_factors
+from vehicledyn.rail.creep.vermeulen import vermeulen_factors
+from vehicledyn.rail.geometry.hertz import ContactEllipse, hertz
 from vehicledyn.symbolic import ops
 from vehicledyn.symbolic.parameters import ParameterTable
 

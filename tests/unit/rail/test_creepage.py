@@ -2,7 +2,7 @@
 
 import pytest
 
-from vehicledyn.rail.creepage import SPEED_FLOOR, creepages, mean_speed
+from vehicledyn.rail.creep.creepage import SPEED_FLOOR, creepages, mean_speed
 from vehicledyn.symbolic import ops
 
 

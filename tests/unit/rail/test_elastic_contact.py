@@ -4,11 +4,17 @@ import casadi
 import numpy as np
 import pytest
 
-from vehicledyn.rail.contact_geometry import Pose, Wheel, lowest_gap, place_rail, silhouette
-from vehicledyn.rail.contact_geometry_elastic import patches
-from vehicledyn.rail.elastic_contact import Axle, ElasticContact, _Outline, _with_middles
-from vehicledyn.rail.hertz import hertz
-from vehicledyn.rail.named_profiles import named_profile
+from vehicledyn.rail.contact.elastic_contact import Axle, ElasticContact, _Outline, _with_middles
+from vehicledyn.rail.geometry.contact_geometry import (
+    Pose,
+    Wheel,
+    lowest_gap,
+    place_rail,
+    silhouette,
+)
+from vehicledyn.rail.geometry.elastic_geometry import patches
+from vehicledyn.rail.geometry.hertz import hertz
+from vehicledyn.rail.profiles.named_profiles import named_profile
 from vehicledyn.symbolic import ops
 
 STEEL = 1.14e11
@@ -173,11 +179,11 @@ def test_a_lifted_wheel_has_no_force(standard):
 
 def test_finer_tables_and_places_do_not_move_the_result(standard, monkeypatch):
     _, _, coarse, _ = standard
-    monkeypatch.setattr("vehicledyn.rail.elastic_contact._RAIL_STEP", 5e-5)
-    monkeypatch.setattr("vehicledyn.rail.elastic_contact._WHEEL_STEP", 1e-4)
-    monkeypatch.setattr("vehicledyn.rail.wheel_grid._PLACES_A_CONTACT", 6.0)
-    monkeypatch.setattr("vehicledyn.rail.wheel_grid.FINEST", 2.5e-4)
-    monkeypatch.setattr("vehicledyn.rail.wheel_grid.COARSEST", 1e-3)
+    monkeypatch.setattr("vehicledyn.rail.contact.elastic_contact._RAIL_STEP", 5e-5)
+    monkeypatch.setattr("vehicledyn.rail.contact.elastic_contact._WHEEL_STEP", 1e-4)
+    monkeypatch.setattr("vehicledyn.rail.contact.wheel_grid._PLACES_A_CONTACT", 6.0)
+    monkeypatch.setattr("vehicledyn.rail.contact.wheel_grid.FINEST", 2.5e-4)
+    monkeypatch.setattr("vehicledyn.rail.contact.wheel_grid.COARSEST", 1e-3)
     wheel, rail, fine, _ = contact_of("S1002")
     for shift in (-4e-3, 0.0, 3e-3, 5e-3, 7.2e-3):
         gap, _ = lowest_gap(wheel, rail, Pose(shift, RADIUS, 0.0, 0.0))
@@ -188,9 +194,9 @@ def test_finer_tables_and_places_do_not_move_the_result(standard, monkeypatch):
 def test_finer_places_do_not_move_forces_at_the_gauge_corner(monkeypatch):
     """Shift, roll, yaw and depth at random: the force by 5 % at most, 0.8 % in the mean square."""
     wheel, rail, coarse, _ = contact_of("S1002")
-    monkeypatch.setattr("vehicledyn.rail.wheel_grid._PLACES_A_CONTACT", 10.0)
-    monkeypatch.setattr("vehicledyn.rail.wheel_grid.FINEST", 1.5e-4)
-    monkeypatch.setattr("vehicledyn.rail.wheel_grid.COARSEST", 5e-4)
+    monkeypatch.setattr("vehicledyn.rail.contact.wheel_grid._PLACES_A_CONTACT", 10.0)
+    monkeypatch.setattr("vehicledyn.rail.contact.wheel_grid.FINEST", 1.5e-4)
+    monkeypatch.setattr("vehicledyn.rail.contact.wheel_grid.COARSEST", 5e-4)
     fine = contact_of("S1002")[2]
     rng = np.random.default_rng(8)
     apart = []

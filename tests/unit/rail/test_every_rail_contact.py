@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 import vehicledyn.catalogue  # noqa: F401
+from vehicledyn.analyses.preparation.prepare import prepare, reference_point
 from vehicledyn.base.registry import kinds
-from vehicledyn.run.prepare import prepare, reference_point
-from vehicledyn.scenario import load_model
+from vehicledyn.files.scenario import load_model
 
 WHEELSET = Path(__file__).parents[3] / "systems" / "rail_wheelset.yaml"
 WRITTEN = {

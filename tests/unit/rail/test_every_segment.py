@@ -6,8 +6,8 @@ import pytest
 import vehicledyn.catalogue  # noqa: F401
 from vehicledyn.base.parameters import read_part
 from vehicledyn.base.registry import kinds
-from vehicledyn.rail.track_alignment import Alignment
-from vehicledyn.rail.track_layout import pieces_of
+from vehicledyn.rail.track.alignment import Alignment
+from vehicledyn.rail.track.layout_pieces import pieces_of
 
 ARC = {"kind": "arc", "length": 40, "radius": -150, "cant": -0.1, "widening": 0.01}
 

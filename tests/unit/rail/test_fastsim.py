@@ -5,8 +5,8 @@ import pytest
 
 from vehicledyn.base.errors import InputError
 from vehicledyn.base.registry import find
-from vehicledyn.rail.creep_law import CreepContact, kalker_forces
-from vehicledyn.rail.fastsim import (
+from vehicledyn.rail.creep.creep_law import CreepContact, kalker_forces
+from vehicledyn.rail.creep.simplified_theory import (
     Rates,
     fine_forces,
     march,
@@ -14,7 +14,7 @@ from vehicledyn.rail.fastsim import (
     rates_of,
     sliding_rates,
 )
-from vehicledyn.rail.hertz import ContactEllipse
+from vehicledyn.rail.geometry.hertz import ContactEllipse
 
 CASES = Rates(
     np.array([0.1, 0.8, 0.0, -0.4, 3.0]),

@@ -6,14 +6,14 @@ import numpy as np
 import pytest
 from scipy.special import ellipe, ellipkm1
 
-from vehicledyn.rail.hertz import (
+from vehicledyn.rail.geometry.hertz import (
     CURVATURE_FLOOR,
     effective_modulus,
     hertz,
     is_hertzian,
     principal_half_sums,
 )
-from vehicledyn.rail.hertz_shape import ellipse_shape, exact_shape
+from vehicledyn.rail.geometry.hertz_shape import ellipse_shape, exact_shape
 from vehicledyn.symbolic import ops
 
 MODULUS = 1.1e11

@@ -12,7 +12,7 @@ import vehicledyn.catalogue  # noqa: F401
 from vehicledyn.base.parameters import read_part
 from vehicledyn.base.registry import kinds
 from vehicledyn.rail.irregularities.erri_b176 import ErriB176, spectra
-from vehicledyn.rail.irregularity import rails_of
+from vehicledyn.rail.irregularities.irregularity import rails_of
 from vehicledyn.symbolic import ops
 
 RANDOM = {"kind": "erri_b176", "level": "low", "seed": 7, "length": 400, "fade": 30}

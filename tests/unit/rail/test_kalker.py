@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from vehicledyn.rail.kalker import asymptotes, creep_coefficients
+from vehicledyn.rail.creep.kalker import asymptotes, creep_coefficients
 from vehicledyn.symbolic import ops
 
 NAMES = ("longitudinal", "lateral", "lateral_spin", "spin")

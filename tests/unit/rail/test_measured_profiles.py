@@ -6,12 +6,12 @@ Files are made from S1002 and 60E1 in the layouts of measured ones, so that the 
 import numpy as np
 import pytest
 
+from vehicledyn.analyses.contact.contact_geometry import ContactWish, find_contact_geometry
 from vehicledyn.base.errors import InputError
-from vehicledyn.rail.named_profiles import named_profile
-from vehicledyn.rail.profile_defects import find_defects
-from vehicledyn.rail.profile_open import read_profile
-from vehicledyn.rail.profile_reading import ProfileReading
-from vehicledyn.run.contact_geometry import ContactWish, find_contact_geometry
+from vehicledyn.rail.profiles.named_profiles import named_profile
+from vehicledyn.rail.profiles.open_profile import read_profile
+from vehicledyn.rail.profiles.profile_defects import find_defects
+from vehicledyn.rail.profiles.profile_reading import ProfileReading
 
 WHEEL, RAIL = named_profile("S1002", "wheel"), named_profile("60E1", "rail")
 TREAD = np.linspace(-0.037, 0.05, 400)

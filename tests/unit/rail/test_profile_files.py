@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from vehicledyn.base.errors import InputError
-from vehicledyn.rail.named_profiles import named_profile
-from vehicledyn.rail.profile_open import open_profile, read_profile
-from vehicledyn.rail.profile_smoothing import smoothed
+from vehicledyn.rail.profiles.named_profiles import named_profile
+from vehicledyn.rail.profiles.open_profile import open_profile, read_profile
+from vehicledyn.rail.profiles.smoothing import smoothed
 
 WHEEL, RAIL = named_profile("S1002", "wheel"), named_profile("60E1", "rail")
 PLACES = np.arange(-0.068, 0.0581, 2.5e-4)

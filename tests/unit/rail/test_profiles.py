@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from vehicledyn.base.errors import InputError
-from vehicledyn.rail.named_profiles import cone, named_profile
-from vehicledyn.rail.profile import tabulated
-from vehicledyn.rail.profile_pieces import Arc, Polynomial, table
+from vehicledyn.rail.profiles.named_profiles import cone, named_profile
+from vehicledyn.rail.profiles.profile import tabulated
+from vehicledyn.rail.profiles.profile_pieces import Arc, Polynomial, table
 
 STANDARD = [("S1002", "wheel"), ("60E1", "rail"), ("60E1_manchester", "rail")]
 

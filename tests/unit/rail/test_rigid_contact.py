@@ -15,11 +15,11 @@ from rigid_examples import (
     wheelset_on,
 )
 
-from vehicledyn.multibody.skeleton import raw_skeleton
-from vehicledyn.rail.contact_geometry import Wheel, place_rail
-from vehicledyn.rail.contact_geometry_wheelset import WheelsetOnTrack, stand
-from vehicledyn.rail.named_profiles import named_profile
-from vehicledyn.rail.outline import ArcOutline, ConeOutline
+from vehicledyn.multibody.recursion.numeric_kinematics import raw_skeleton
+from vehicledyn.rail.geometry.contact_geometry import Wheel, place_rail
+from vehicledyn.rail.geometry.wheelset_geometry import WheelsetOnTrack, stand
+from vehicledyn.rail.profiles.named_profiles import named_profile
+from vehicledyn.rail.profiles.outline import ArcOutline, ConeOutline
 from vehicledyn.symbolic import ops
 
 SHAPES = {

@@ -6,16 +6,16 @@ import numpy as np
 import pytest
 from rigid_examples import LAW, STEEL, STRAIGHT, on_rails, wheelset_body, wheelset_on
 
+from vehicledyn.integrate.methods.rk4 import RungeKutta4
+from vehicledyn.integrate.simulate import simulate
 from vehicledyn.multibody import derive
-from vehicledyn.multibody.positions import Positions
-from vehicledyn.multibody.watch import PartitionWatch, freed
-from vehicledyn.rail.contact_geometry import Wheel, place_rail
-from vehicledyn.rail.contact_geometry_wheelset import WheelsetOnTrack, find_jumps, stand
-from vehicledyn.rail.named_profiles import named_profile
-from vehicledyn.rail.rigid_contact import RigidRailWheels
-from vehicledyn.rail.rigid_profiles import rigid_wheels
-from vehicledyn.solve.methods.rk4 import RungeKutta4
-from vehicledyn.solve.simulate import simulate
+from vehicledyn.multibody.loops.partition_monitor import PartitionWatch, freed
+from vehicledyn.multibody.loops.position_level import Positions
+from vehicledyn.rail.contact.rigid_contact import RigidRailWheels
+from vehicledyn.rail.contact.rigid_profiles import rigid_wheels
+from vehicledyn.rail.geometry.contact_geometry import Wheel, place_rail
+from vehicledyn.rail.geometry.wheelset_geometry import WheelsetOnTrack, find_jumps, stand
+from vehicledyn.rail.profiles.named_profiles import named_profile
 
 
 @pytest.fixture(scope="module")

@@ -10,10 +10,10 @@ from pydantic import ValidationError
 import vehicledyn.catalogue  # noqa: F401
 from vehicledyn.base.errors import InputError
 from vehicledyn.base.parameters import read_part
-from vehicledyn.rail.track_layout import grade_faults
-from vehicledyn.rail.track_pieces import Grade
-from vehicledyn.rail.tracks.straight import StraightTrack
-from vehicledyn.scenario import load_scenario
+from vehicledyn.files.scenario import load_scenario
+from vehicledyn.rail.track.kinds.straight import StraightTrack
+from vehicledyn.rail.track.layout_pieces import grade_faults
+from vehicledyn.rail.track.pieces import Grade
 from vehicledyn.symbolic import ops
 
 RAILS = {"kind": "straight", "gauge": "1435 mm", "inclination": "1/40", "rail": "60E1"}

@@ -7,7 +7,7 @@ import pytest
 import vehicledyn.catalogue  # noqa: F401
 from vehicledyn.base.errors import InputError
 from vehicledyn.base.parameters import read_part
-from vehicledyn.scenario import load_scenario
+from vehicledyn.files.scenario import load_scenario
 from vehicledyn.symbolic import ops
 
 RAILS = {"gauge": "1435 mm", "inclination": "1/40", "rail": "60E1"}

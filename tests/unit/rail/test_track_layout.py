@@ -7,11 +7,11 @@ import numpy as np
 import pytest
 from scipy.special import fresnel
 
-from vehicledyn.rail.track import Track
-from vehicledyn.rail.track_alignment import Alignment
-from vehicledyn.rail.track_pieces import Grade, Piece
-from vehicledyn.rail.track_shapes import SHAPES
-from vehicledyn.rail.track_tables import WANTED_ERROR, centre_line
+from vehicledyn.rail.track.alignment import Alignment
+from vehicledyn.rail.track.pieces import Grade, Piece
+from vehicledyn.rail.track.track import Track
+from vehicledyn.rail.track.track_tables import WANTED_ERROR, centre_line
+from vehicledyn.rail.track.transition_shapes import SHAPES
 from vehicledyn.symbolic import ops
 
 BASE = 1.5

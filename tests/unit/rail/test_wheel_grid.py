@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from vehicledyn.base.errors import InputError
-from vehicledyn.rail.contact_geometry import Wheel, place_rail
-from vehicledyn.rail.named_profiles import named_profile
-from vehicledyn.rail.wheel_grid import COARSEST, FINEST, wheel_grid
+from vehicledyn.rail.contact.wheel_grid import COARSEST, FINEST, wheel_grid
+from vehicledyn.rail.geometry.contact_geometry import Wheel, place_rail
+from vehicledyn.rail.profiles.named_profiles import named_profile
 
 
 def grid_of(profile, inclination=1 / 40, half_distance=0.75):

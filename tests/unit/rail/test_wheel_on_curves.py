@@ -7,12 +7,12 @@ import pytest
 
 import vehicledyn.rail.creep  # noqa: F401
 from vehicledyn.base.registry import find
-from vehicledyn.rail.elastic_contact import ElasticContact
-from vehicledyn.rail.named_profiles import named_profile
-from vehicledyn.rail.rail_contact import RailWheels
-from vehicledyn.rail.running import RailPlace, Running
-from vehicledyn.rail.track import Track, TrackFrame
-from vehicledyn.rail.wheel_on_rail import ElasticWheels
+from vehicledyn.rail.contact.elastic_contact import ElasticContact
+from vehicledyn.rail.contact.rail_contact import RailWheels
+from vehicledyn.rail.contact.wheel_on_rail import ElasticWheels
+from vehicledyn.rail.profiles.named_profiles import named_profile
+from vehicledyn.rail.track.running import RailPlace, Running
+from vehicledyn.rail.track.track import Track, TrackFrame
 from vehicledyn.symbolic import ops, rotations
 
 RADIUS, HALF, SPEED = 0.46, 0.75, 20.0

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from vehicledyn.results.animation import Pictures
-from vehicledyn.results.animation_stage import Stage
-from vehicledyn.results.layout import ResultHeader, SceneItem
-from vehicledyn.results.writer import ResultWriter
+from vehicledyn.results.store.animation_section import Pictures
+from vehicledyn.results.store.animation_stage import Stage
+from vehicledyn.results.store.layout import ResultHeader, SceneItem
+from vehicledyn.results.store.writer import ResultWriter
 
 RADIUS, SPEED, DURATION, WHEEL = 20.0, 10.0, 4.0, 0.3
 PLOTS = [

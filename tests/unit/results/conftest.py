@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from result_files import Quantity, header, slalom_values
 
-from vehicledyn.results.store import ResultWriter, SummaryEntry
+from vehicledyn.results.store.door import ResultWriter, SummaryEntry
 
 
 @pytest.fixture

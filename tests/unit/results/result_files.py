@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from vehicledyn.results.store import ResultHeader, SceneItem
+from vehicledyn.results.store.door import ResultHeader, SceneItem
 
 
 @dataclass(frozen=True)

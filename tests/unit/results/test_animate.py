@@ -15,18 +15,19 @@ from matplotlib.image import imread
 
 from vehicledyn.base.errors import InputError, MissingPartError
 from vehicledyn.cli.animate import animate
-from vehicledyn.results import mode_table, study_reader
-from vehicledyn.results.animate import (
+from vehicledyn.results.animation.animate import (
     animate_result,
     film_of_result,
     picture_of_result,
     read_scenes,
 )
-from vehicledyn.results.animation import Span
-from vehicledyn.results.animation_moment import Moment
-from vehicledyn.results.animation_stage import Stage
-from vehicledyn.results.animation_still import figure_of
-from vehicledyn.results.columns import Columns, unpack
+from vehicledyn.results.animation.frame_state import Moment
+from vehicledyn.results.animation.packed_columns import Columns, unpack
+from vehicledyn.results.animation.still import figure_of
+from vehicledyn.results.store import study_reader
+from vehicledyn.results.store.animation_section import Span
+from vehicledyn.results.store.animation_stage import Stage
+from vehicledyn.results.tables import mode_table
 
 UNSAFE = "</script><script>document.title='wrong'</script> @PACKED@ <!-- \u2028 \"'&"
 

@@ -12,12 +12,12 @@ from browser import Browser, find_browser
 from matplotlib.image import imread
 
 import vehicledyn.catalogue  # noqa: F401
-from vehicledyn.results.animate import animate_result, read_scenes
-from vehicledyn.results.animation import Pictures, Span
-from vehicledyn.results.animation_stage import Stage
-from vehicledyn.results.reader import open_result
-from vehicledyn.run.simulation import run_scenario
-from vehicledyn.scenario import load_scenario
+from vehicledyn.analyses.simulation.simulation import run_scenario
+from vehicledyn.files.scenario import load_scenario
+from vehicledyn.results.animation.animate import animate_result, read_scenes
+from vehicledyn.results.store.animation_section import Pictures, Span
+from vehicledyn.results.store.animation_stage import Stage
+from vehicledyn.results.store.reader import open_result
 
 ROOT = Path(__file__).parents[3]
 PICTURES = Path(__file__).parent / "pictures"

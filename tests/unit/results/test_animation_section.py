@@ -4,11 +4,11 @@ import h5py
 import numpy as np
 import pytest
 
-from vehicledyn.results.animation import Pictures, Span, Surroundings, thinned
-from vehicledyn.results.animation_stage import Stage
-from vehicledyn.results.layout import ResultHeader, SummaryEntry
-from vehicledyn.results.reader import open_result
-from vehicledyn.results.writer import ResultWriter
+from vehicledyn.results.store.animation_section import Pictures, Span, Surroundings, thinned
+from vehicledyn.results.store.animation_stage import Stage
+from vehicledyn.results.store.layout import ResultHeader, SummaryEntry
+from vehicledyn.results.store.reader import open_result
+from vehicledyn.results.store.writer import ResultWriter
 
 CAR = {"name": "car", "axis": 0, "axes_spin": True}
 WHEEL = {"name": "wheel", "axis": 2, "axes_spin": False}

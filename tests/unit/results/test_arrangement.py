@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from vehicledyn.results.arrangement import MOST_LINES, MOST_PANELS, arranged
-from vehicledyn.results.plot_description import Panel, TimePlot
-from vehicledyn.results.plots import draw_plots
-from vehicledyn.results.reader import open_result
+from vehicledyn.results.plots.arrangement import MOST_LINES, MOST_PANELS, arranged
+from vehicledyn.results.plots.plot_description import Panel, TimePlot
+from vehicledyn.results.plots.run_plots import draw_plots
+from vehicledyn.results.store.reader import open_result
 
 TIME = np.linspace(0.0, 1.0, 11)
 

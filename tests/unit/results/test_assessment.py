@@ -38,7 +38,7 @@ from vehicledyn.results.assessment.weighting import (
     W_D,
     Sperling,
 )
-from vehicledyn.results.layout import Axis
+from vehicledyn.results.store.layout import Axis
 
 STEP = 5e-3
 TIME = np.arange(0.0, 300.0 + STEP / 2, STEP)

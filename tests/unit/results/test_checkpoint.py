@@ -7,7 +7,7 @@ from contextlib import closing
 import pytest
 
 from vehicledyn.base.errors import InputError
-from vehicledyn.results.checkpoint import Checkpoint, checkpoint_path
+from vehicledyn.results.hdf5.checkpoint import Checkpoint, checkpoint_path
 
 RECORDS = {bytes([k]) * 32: bytes([k]) * (100 * k) for k in range(1, 6)}
 

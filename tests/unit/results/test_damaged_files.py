@@ -11,11 +11,11 @@ import pytest
 from result_files import Quantity, header
 
 from vehicledyn.base.errors import InputError
-from vehicledyn.results import heaps, journal, seal, superblock
-from vehicledyn.results.disk import Container
-from vehicledyn.results.finishing import finish
-from vehicledyn.results.opening import noticing_damage, open_file
-from vehicledyn.results.store import ResultWriter, open_result
+from vehicledyn.results.hdf5 import heaps, journal, seal, superblock
+from vehicledyn.results.hdf5.disk import Container
+from vehicledyn.results.hdf5.finishing import finish
+from vehicledyn.results.hdf5.opening import noticing_damage, open_file
+from vehicledyn.results.store.door import ResultWriter, open_result
 
 LIMIT = 20.0  # s
 

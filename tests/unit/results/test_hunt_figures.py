@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from vehicledyn.results.hunt_figures import hunt_figures
-from vehicledyn.results.hunt_table import HuntTable, Quantity
+from vehicledyn.results.plots.hunt_figures import hunt_figures
+from vehicledyn.results.tables.hunt_table import HuntTable, Quantity
 
 
 def study(eigenvalues, figures):

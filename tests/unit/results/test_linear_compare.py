@@ -7,11 +7,11 @@ import numpy as np
 import pytest
 
 from vehicledyn.cli import main
-from vehicledyn.results.hunt_table import CycleRow, HuntTable, SimulatedRow, write_hunt
-from vehicledyn.results.linear_compare import compare_linear
-from vehicledyn.results.linear_file import Quantity
-from vehicledyn.results.response_table import ResponseTable, write_response
-from vehicledyn.results.tolerances import Tolerances
+from vehicledyn.results.compare.linear_compare import compare_linear
+from vehicledyn.results.compare.tolerances import Tolerances
+from vehicledyn.results.store.linear_file import Quantity
+from vehicledyn.results.tables.hunt_table import CycleRow, HuntTable, SimulatedRow, write_hunt
+from vehicledyn.results.tables.response_table import ResponseTable, write_response
 
 SPEED, SHIFT = Quantity("speed", "m/s", "Speed"), Quantity("y", "m", "Lateral shift")
 

@@ -7,14 +7,14 @@ import numpy as np
 import pytest
 
 from vehicledyn.base.errors import InputError
-from vehicledyn.results import mode_table
-from vehicledyn.results.bode import bode_figures
-from vehicledyn.results.linear_file import Quantity
-from vehicledyn.results.linear_results import describe_linear, draw_linear, is_linear
-from vehicledyn.results.mode_figures import mode_figures
-from vehicledyn.results.mode_table import ModeCase, ModeTable, read_modes, write_modes
-from vehicledyn.results.pictures import save_figures
-from vehicledyn.results.response_table import (
+from vehicledyn.results.plots.bode import bode_figures
+from vehicledyn.results.plots.linear_results import describe_linear, draw_linear, is_linear
+from vehicledyn.results.plots.mode_figures import mode_figures
+from vehicledyn.results.plots.picture_files import save_figures
+from vehicledyn.results.store.linear_file import Quantity
+from vehicledyn.results.tables import mode_table
+from vehicledyn.results.tables.mode_table import ModeCase, ModeTable, read_modes, write_modes
+from vehicledyn.results.tables.response_table import (
     ResponseTable,
     ratio_unit,
     read_response,

@@ -15,8 +15,8 @@ from vehicledyn.base.errors import InputError
 from vehicledyn.results.report import write_report
 from vehicledyn.results.report.page import Facts, Page, Section, render
 from vehicledyn.results.report.texts import change, reading
-from vehicledyn.results.store import ResultWriter, open_result
-from vehicledyn.results.thinning import thinned
+from vehicledyn.results.store.decimation import thinned
+from vehicledyn.results.store.door import ResultWriter, open_result
 
 HOSTILE = '</title><script>alert(1)</script><img src=x onerror=alert(2)> $\\frac{$ "quoted" \x1b 🚗'
 

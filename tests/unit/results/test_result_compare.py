@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from result_files import slalom_values
 
-from vehicledyn.results.compare import compare_files
+from vehicledyn.results.compare.run_compare import compare_files
 
 TIME, VALUES = slalom_values()
 ROLL = VALUES["chassis.roll"][1]

@@ -6,11 +6,11 @@ import pytest
 from result_files import PLOTS, slalom_values
 
 from vehicledyn.base.errors import InputError
-from vehicledyn.results.figures import draw_figure
-from vehicledyn.results.plot_description import read_plots, unit_factor
-from vehicledyn.results.plot_style import axis_label
-from vehicledyn.results.plots import default_plots, draw_plots, plots_of
-from vehicledyn.results.store import open_result
+from vehicledyn.results.plots.figures import draw_figure
+from vehicledyn.results.plots.plot_description import read_plots, unit_factor
+from vehicledyn.results.plots.plot_style import axis_label
+from vehicledyn.results.plots.run_plots import default_plots, draw_plots, plots_of
+from vehicledyn.results.store.door import open_result
 
 PATH, LOADS = PLOTS
 

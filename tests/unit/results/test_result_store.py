@@ -12,10 +12,10 @@ import pytest
 from result_files import Quantity, header, slalom_values
 
 from vehicledyn.base.errors import InputError
-from vehicledyn.results import journal
-from vehicledyn.results import writer as writer_module
-from vehicledyn.results.output import OutputLock
-from vehicledyn.results.store import (
+from vehicledyn.results.hdf5 import journal
+from vehicledyn.results.hdf5.output import OutputLock
+from vehicledyn.results.store import writer as writer_module
+from vehicledyn.results.store.door import (
     EventRecord,
     ResultWriter,
     SummaryEntry,
@@ -28,7 +28,7 @@ CHANNEL = [Quantity("body.x", "m", "Position", "ground")]
 WRITE_UNTIL_KILLED = """
 import sys, time, numpy as np
 from vehicledyn.results import writer
-from vehicledyn.results.layout import ResultHeader
+from vehicledyn.results.store.layout import ResultHeader
 from types import SimpleNamespace
 writer.FLUSH_INTERVAL = 0.0
 about = {"unit": "m", "description": "x", "frame": ""}
@@ -45,7 +45,7 @@ WRITE_UNTIL_FULL = """
 import resource, sys, numpy as np
 from types import SimpleNamespace
 from vehicledyn.base.errors import InputError
-from vehicledyn.results.store import ResultHeader, ResultWriter
+from vehicledyn.results.store.door import ResultHeader, ResultWriter
 limit = int(sys.argv[2])
 resource.setrlimit(resource.RLIMIT_FSIZE, (limit, limit))
 about = {"unit": "m", "description": "x", "frame": ""}

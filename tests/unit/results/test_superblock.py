@@ -1,7 +1,12 @@
 import h5py
 import pytest
 
-from vehicledyn.results.superblock import SIZE, is_open_with_readers, lookup3, with_writing_flag
+from vehicledyn.results.hdf5.superblock import (
+    SIZE,
+    is_open_with_readers,
+    lookup3,
+    with_writing_flag,
+)
 
 
 @pytest.mark.parametrize(

@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 
 from vehicledyn.base.errors import InputError, NumericalError
-from vehicledyn.road.contact import contact_on_plane
-from vehicledyn.road.contact_search import find_contact
 from vehicledyn.road.surfaces.bump import Bump
 from vehicledyn.road.surfaces.flat import Flat
 from vehicledyn.road.surfaces.plane import Plane
 from vehicledyn.road.surfaces.sine import Sine
+from vehicledyn.road.wheel.contact import contact_on_plane
+from vehicledyn.road.wheel.contact_search import find_contact
 from vehicledyn.symbolic import ops
 
 WAVY = Sine(amplitude_x=0.05, wavelength_x=2.0, amplitude_y=0.03, wavelength_y=3.0)

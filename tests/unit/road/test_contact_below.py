@@ -5,12 +5,12 @@ import math
 import numpy as np
 import pytest
 
-from vehicledyn.road.contact import contact_on_plane
-from vehicledyn.road.contact_below import contact_below, contact_on_tangent_plane
 from vehicledyn.road.surfaces.bump import Bump
 from vehicledyn.road.surfaces.flat import Flat
 from vehicledyn.road.surfaces.plane import Plane
 from vehicledyn.road.surfaces.sine import Sine
+from vehicledyn.road.wheel.contact import contact_on_plane
+from vehicledyn.road.wheel.contact_below import contact_below, contact_on_tangent_plane
 from vehicledyn.symbolic import ops
 
 RADIUS = 0.364325

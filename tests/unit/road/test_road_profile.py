@@ -8,14 +8,14 @@ import numpy as np
 import pytest
 
 import vehicledyn.catalogue  # noqa: F401
+from vehicledyn.analyses.preparation.prepare import prepare, start_point
+from vehicledyn.analyses.preparation.run_cache import key_of_run
 from vehicledyn.base.errors import InputError
 from vehicledyn.base.shape_preserving import excess, level_slopes
+from vehicledyn.codegen.build.fingerprint import fingerprint
+from vehicledyn.files.scenario import load_scenario
 from vehicledyn.road.surfaces.profile import ProfileRoad
 from vehicledyn.road.surfaces.sine import Sine
-from vehicledyn.run.memory import key_of_run
-from vehicledyn.run.prepare import prepare, start_point
-from vehicledyn.scenario import load_scenario
-from vehicledyn.solve.fingerprint import fingerprint
 
 ROOT = Path(__file__).resolve().parents[3]
 

@@ -4,14 +4,14 @@ import math
 
 import pytest
 
-from vehicledyn.road.slip import (
+from vehicledyn.road.tyres.smooth import BLEND, floored
+from vehicledyn.road.wheel.slip import (
     LATERAL_FLOOR,
     LONGITUDINAL_FLOOR,
     WheelMotion,
     longitudinal_slip,
     slip_angle,
 )
-from vehicledyn.road.smooth import BLEND, floored
 from vehicledyn.symbolic import ops
 
 

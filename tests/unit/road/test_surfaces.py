@@ -8,8 +8,8 @@ from pydantic import ValidationError
 
 import vehicledyn.road  # noqa: F401
 from vehicledyn.base.registry import find, kinds
-from vehicledyn.road.surface import ground_normal
 from vehicledyn.road.surfaces.bump import Bump
+from vehicledyn.road.surfaces.surface import ground_normal
 from vehicledyn.symbolic import ops
 
 EXAMPLES = {

@@ -7,11 +7,11 @@ import pytest
 
 import vehicledyn.road  # noqa: F401
 from vehicledyn.base.registry import find, kinds
-from vehicledyn.road.tyre import TyreInput
 from vehicledyn.road.tyres import calspan, magic_formula_1987
 from vehicledyn.road.tyres.calspan import Calspan
 from vehicledyn.road.tyres.linear import Linear
 from vehicledyn.road.tyres.magic_formula_1987 import MagicFormula1987
+from vehicledyn.road.tyres.tyre import TyreInput
 from vehicledyn.symbolic import ops
 from vehicledyn.symbolic.parameters import ParameterTable
 

@@ -5,19 +5,20 @@ import math
 import numpy as np
 import pytest
 
-from vehicledyn.multibody.derivation import derive
-from vehicledyn.multibody.system import Body, Joint, System
-from vehicledyn.road import relaxation as transient
-from vehicledyn.road.contact_search import find_contact
-from vehicledyn.road.relaxation import Relaxation
-from vehicledyn.road.slip import SlipFloors
+from vehicledyn.multibody.equations.derivation import derive
+from vehicledyn.multibody.model.bodies import Body, Joint
+from vehicledyn.multibody.model.system import System
 from vehicledyn.road.surfaces.flat import Flat
 from vehicledyn.road.surfaces.plane import Plane
 from vehicledyn.road.surfaces.sine import Sine
-from vehicledyn.road.tyre import TyreInput
 from vehicledyn.road.tyres.linear import Linear
 from vehicledyn.road.tyres.magic_formula_1987 import MagicFormula1987
-from vehicledyn.road.wheel import RoadWheel
+from vehicledyn.road.tyres.tyre import TyreInput
+from vehicledyn.road.wheel import relaxation as transient
+from vehicledyn.road.wheel.contact_search import find_contact
+from vehicledyn.road.wheel.relaxation import Relaxation
+from vehicledyn.road.wheel.road_wheel import RoadWheel
+from vehicledyn.road.wheel.slip import SlipFloors
 from vehicledyn.symbolic import ops
 from vehicledyn.symbolic.parameters import ParameterTable
 

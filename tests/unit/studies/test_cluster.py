@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from vehicledyn.base.errors import InputError, MissingPartError, NumericalError
-from vehicledyn.results.study_layout import FAILED
+from vehicledyn.results.store.study_layout import FAILED
 from vehicledyn.studies.cluster import Cluster, ClusterAddress, open_cluster
 
 distributed = pytest.importorskip("distributed")

@@ -14,8 +14,8 @@ from sockets import family_of, open_sockets
 from test_sweep import same
 
 from vehicledyn.base.errors import InputError, NumericalError
-from vehicledyn.results.study_layout import FAILED
-from vehicledyn.results.study_reader import open_study
+from vehicledyn.results.store.study_layout import FAILED
+from vehicledyn.results.store.study_reader import open_study
 from vehicledyn.studies import load_study, processes
 from vehicledyn.studies.block import work_of
 

@@ -8,14 +8,14 @@ import numpy as np
 import pytest
 from small_study import PENDULUM, STUDY, swept, written
 
+from vehicledyn.analyses.simulation.simulation import run_scenario
 from vehicledyn.base.errors import InputError
-from vehicledyn.results.reader import open_result
-from vehicledyn.results.study_compare import compare_studies
-from vehicledyn.results.study_reader import open_study
-from vehicledyn.results.study_writer import StudyWriter, pending
-from vehicledyn.results.tolerances import Tolerances
-from vehicledyn.run.simulation import run_scenario
-from vehicledyn.scenario import load_scenario
+from vehicledyn.files.scenario import load_scenario
+from vehicledyn.results.compare.study_compare import compare_studies
+from vehicledyn.results.compare.tolerances import Tolerances
+from vehicledyn.results.store.reader import open_result
+from vehicledyn.results.store.study_reader import open_study
+from vehicledyn.results.store.study_writer import StudyWriter, pending
 from vehicledyn.studies import sweep
 
 EXACTLY = Tolerances(0.0, 0.0)
@@ -248,7 +248,7 @@ def test_files_that_exist_or_cannot_be_written(tmp_path, study):
 
 
 def test_a_full_disk_loses_nothing(tmp_path, study, monkeypatch):
-    from vehicledyn.results import disk
+    from vehicledyn.results.hdf5 import disk
 
     whole = swept(study, tmp_path / "whole.h5").path
     monkeypatch.setattr(sweep, "_BLOCK_BYTES", 1)

@@ -16,7 +16,7 @@ from small_study import STUDY, command, environment, swept, written
 from test_sweep import same
 
 import vehicledyn
-from vehicledyn.results.study_reader import open_study
+from vehicledyn.results.store.study_reader import open_study
 
 LONG = STUDY.replace("duration: 0.2 s", "duration: 20 s").replace("number: 24", "number: 400")
 LONG = LONG.replace("interval: 20 ms", "interval: 1 s").replace("seed: 5", "seed: 5\n  # long")

@@ -4,7 +4,7 @@ import casadi
 import numpy as np
 import pytest
 
-from vehicledyn.solve.point_slopes import PointCode
+from vehicledyn.kernel.point_slopes import PointCode
 from vehicledyn.symbolic import ops
 from vehicledyn.symbolic.chain_rule import values_and_jacobian
 from vehicledyn.symbolic.shared import inlined, shared

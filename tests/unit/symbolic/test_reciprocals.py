@@ -4,8 +4,8 @@ import casadi as ca
 import numpy as np
 import pytest
 
-from vehicledyn.solve.functions import apart_from_parameters
-from vehicledyn.solve.instructions import read_function
+from vehicledyn.codegen.ir.instructions import read_function
+from vehicledyn.codegen.passes.kernel_functions import apart_from_parameters
 from vehicledyn.symbolic import ops
 
 

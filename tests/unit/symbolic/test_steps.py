@@ -6,7 +6,7 @@ import pytest
 
 from vehicledyn.symbolic import ops
 from vehicledyn.symbolic.shared import inlined
-from vehicledyn.symbolic.steps import Steps, written_out
+from vehicledyn.symbolic.shared_steps import Steps, written_out
 
 
 def turned(given):

@@ -15,7 +15,7 @@ from pathlib import Path
 
 import numpy as np
 
-from vehicledyn.rail.kalker import creep_coefficients
+from vehicledyn.rail.creep.kalker import creep_coefficients
 
 HERE = Path(__file__).parent
 LIMIT, POISSON, SHEAR, HALF = 1.5e4, 0.28, 8.2e10, 5e-3

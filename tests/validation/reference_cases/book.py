@@ -12,8 +12,8 @@ from reference_cases.hand_equations import EQUATIONS
 from reference_cases.motions import quiet
 from reference_cases.rolling_disk import STRAIGHT, UPRIGHT, Disk, critical_rate
 from reference_cases.system_files import ROOT, TIGHT, Matrices, motion, parameters
-from vehicledyn.run import find_modes
-from vehicledyn.scenario import load_scenario
+from vehicledyn.analyses import find_modes
+from vehicledyn.files.scenario import load_scenario
 
 STATES = 20
 WORDS = {

@@ -10,12 +10,12 @@ import numpy as np
 from reference_cases.comparison import Group, deviation
 from reference_cases.motions import SCENARIOS
 from reference_cases.tables import read_columns
-from vehicledyn.multibody.derivation import derive
-from vehicledyn.multibody.parts import BasePart, Output
-from vehicledyn.run.vehicle import build_vehicle
-from vehicledyn.scenario import load_scenario
-from vehicledyn.solve.equilibrium import assemble
-from vehicledyn.solve.kernel import compile_kernel
+from vehicledyn.analyse.equilibrium import assemble
+from vehicledyn.analyses.preparation.build_model import build_vehicle
+from vehicledyn.files.scenario import load_scenario
+from vehicledyn.kernel.kernel import compile_kernel
+from vehicledyn.multibody.equations.derivation import derive
+from vehicledyn.multibody.model.parts import BasePart, Output
 from vehicledyn.symbolic.equations import Channel
 
 SOURCE = "independent model in ten minimal coordinates"

@@ -94,12 +94,12 @@ def compare():
 @cache
 def study():
     """Return the cycles at all speeds, and the speed at which they die."""
-    from vehicledyn.run.prepare import prepare, reference_point
-    from vehicledyn.scenario import load_model
-    from vehicledyn.solve.periodic.autonomous import AutonomousField
-    from vehicledyn.solve.periodic.critical import follow_balance
-    from vehicledyn.solve.periodic.lowering import balances_near, lower
-    from vehicledyn.solve.periodic.settled import Runner
+    from vehicledyn.analyse.periodic.autonomous import AutonomousField
+    from vehicledyn.analyse.periodic.critical import follow_balance
+    from vehicledyn.analyse.settling.parameter_rampdown import balances_near, lower
+    from vehicledyn.analyse.settling.simulated_cycles import Runner
+    from vehicledyn.analyses.preparation.prepare import prepare, reference_point
+    from vehicledyn.files.scenario import load_model
 
     overrides = [f"parameters.speed={SPEEDS[0]} m/s"]
     target = load_model(str(FOLDER / "rail_wheelset.yaml"), overrides)
@@ -122,8 +122,8 @@ def study():
 
 def _fold(model, settled):
     """Return the speed at which the branch of a simulated cycle folds below it [m/s]."""
-    from vehicledyn.solve.periodic.branch import follow_cycles
-    from vehicledyn.solve.periodic.cycle_points import Limits
+    from vehicledyn.analyse.periodic.branch import follow_cycles
+    from vehicledyn.analyse.periodic.cycle_points import Limits
 
     start = settled.orbit(model, intervals=30, degree=4)
     limits = Limits(LOWEST, settled.value + STEP, STEP, points=40)
@@ -134,7 +134,7 @@ def _fold(model, settled):
 
 def _closed(model, settled):
     """Return the numbers of a simulated cycle and of the periodic orbit there."""
-    from vehicledyn.solve.periodic.shooting import closed
+    from vehicledyn.analyse.periodic.multiple_shooting import closed
 
     found = closed(model, settled.orbit(model, intervals=30, degree=4))
     motion = found.orbit.sample(np.linspace(0.0, 1.0, 4000, endpoint=False))[0]
@@ -149,9 +149,9 @@ def _closed(model, settled):
 
 def _unlike(model, found):
     """Return by how much the largest multipliers by half of a motion differ from its own."""
-    from vehicledyn.solve.periodic.cycle_points import Limits
-    from vehicledyn.solve.periodic.floquet import multipliers_of
-    from vehicledyn.solve.periodic.orbit_steps import Steps
+    from vehicledyn.analyse.periodic.cycle_points import Limits
+    from vehicledyn.analyse.periodic.floquet import multipliers_of
+    from vehicledyn.analyse.periodic.orbit_steps import Steps
 
     value = found.orbit.parameter
     limits = Limits(value - STEP, value + STEP, STEP)

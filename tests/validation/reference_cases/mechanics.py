@@ -6,7 +6,7 @@ import numpy as np
 
 from reference_cases.comparison import Group, deviation
 from reference_cases.motions import drive, drive_text
-from vehicledyn.solve.equilibrium import assemble
+from vehicledyn.analyse.equilibrium import assemble
 
 STATES = 20
 SPREAD = {"chassis.z": 0.02, "a_arm_angle": 0.15, "roll": 0.15, "pitch": 0.15, "yaw": 3.0}

@@ -14,11 +14,11 @@ from scipy.optimize import linear_sum_assignment
 
 from reference_cases.comparison import Comparison, Group, deviation, exactly
 from reference_cases.motions import quiet, standard_model
-from vehicledyn.run import find_modes
-from vehicledyn.run.prepare import equilibrium_point
-from vehicledyn.scenario import load_model
-from vehicledyn.solve.methods.rk4 import RungeKutta4
-from vehicledyn.solve.simulate import simulate
+from vehicledyn.analyses import find_modes
+from vehicledyn.analyses.preparation.prepare import equilibrium_point
+from vehicledyn.files.scenario import load_model
+from vehicledyn.integrate.methods.rk4 import RungeKutta4
+from vehicledyn.integrate.simulate import simulate
 
 SPEEDS = (5.0, 10.0, 20.0, 30.0)
 SPAN = 0.01  # s, short enough for the fastest mode to turn by less than half a turn

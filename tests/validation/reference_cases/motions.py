@@ -10,9 +10,9 @@ from pathlib import Path
 import numpy as np
 
 import vehicledyn.catalogue  # noqa: F401  # registers models, tyres, roads
-from vehicledyn.run.prepare import Prepared, equilibrium_point, prepare
-from vehicledyn.scenario import load_model, load_scenario
-from vehicledyn.solve.simulate import simulate
+from vehicledyn.analyses.preparation.prepare import Prepared, equilibrium_point, prepare
+from vehicledyn.files.scenario import load_model, load_scenario
+from vehicledyn.integrate.simulate import simulate
 
 SCENARIOS = Path(__file__).parents[3] / "scenarios"
 

@@ -7,8 +7,8 @@ import math
 from reference_cases.comparison import Group, figure
 from reference_cases.motions import quiet
 from reference_cases.tables import read_figures
-from vehicledyn.run import find_equilibrium
-from vehicledyn.scenario import load_model
+from vehicledyn.analyses import find_equilibrium
+from vehicledyn.files.scenario import load_model
 
 FACTORS = {"N": 1.0, "mm": 1000.0, "deg": 180.0 / math.pi}
 

@@ -12,10 +12,10 @@ from reference_cases.comparison import Group, deviation
 from reference_cases.no_slip import no_slip_coefficients
 from reference_cases.tables import read_rows
 from vehicledyn.base.registry import find
-from vehicledyn.rail.creep_law import CreepContact
-from vehicledyn.rail.hertz import ContactEllipse
-from vehicledyn.rail.hertz_shape import ellipse_shape
-from vehicledyn.rail.kalker import creep_coefficients
+from vehicledyn.rail.creep.creep_law import CreepContact
+from vehicledyn.rail.creep.kalker import creep_coefficients
+from vehicledyn.rail.geometry.hertz import ContactEllipse
+from vehicledyn.rail.geometry.hertz_shape import ellipse_shape
 
 SOURCES = {
     1.0: "exact elliptic contact of half-spaces",

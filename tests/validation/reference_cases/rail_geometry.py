@@ -8,9 +8,9 @@ import numpy as np
 
 from reference_cases.comparison import Group, deviation
 from reference_cases.tables import read_columns, read_rows
-from vehicledyn.rail.contact_geometry import Wheel, place_rail
-from vehicledyn.rail.contact_geometry_wheelset import WheelsetOnTrack, find_jumps, stand
-from vehicledyn.rail.named_profiles import named_profile
+from vehicledyn.rail.geometry.contact_geometry import Wheel, place_rail
+from vehicledyn.rail.geometry.wheelset_geometry import WheelsetOnTrack, find_jumps, stand
+from vehicledyn.rail.profiles.named_profiles import named_profile
 
 SOURCE = "independent scan of the gap"
 BESIDE_JUMP = 0.3  # mm of shift, within which a contact may have jumped in one program only

@@ -12,15 +12,21 @@ from reference_cases.comparison import Group, deviation
 from reference_cases.half_space import pressures
 from reference_cases.tables import read_rows
 from vehicledyn.base.registry import find
-from vehicledyn.rail.contact_geometry import Pose, Wheel, place_rail, silhouette, wheel_above
-from vehicledyn.rail.contact_geometry_elastic import settled
-from vehicledyn.rail.elastic_contact import Axle, ElasticContact
-from vehicledyn.rail.hertz import effective_modulus, hertz
-from vehicledyn.rail.named_profiles import named_profile
-from vehicledyn.rail.rail_contact import RailWheels
-from vehicledyn.rail.running import RailPlace, Running
-from vehicledyn.rail.track import StraightLine, Track
-from vehicledyn.rail.wheel_on_rail import ElasticWheels
+from vehicledyn.rail.contact.elastic_contact import Axle, ElasticContact
+from vehicledyn.rail.contact.rail_contact import RailWheels
+from vehicledyn.rail.contact.wheel_on_rail import ElasticWheels
+from vehicledyn.rail.geometry.contact_geometry import (
+    Pose,
+    Wheel,
+    place_rail,
+    silhouette,
+    wheel_above,
+)
+from vehicledyn.rail.geometry.elastic_geometry import settled
+from vehicledyn.rail.geometry.hertz import effective_modulus, hertz
+from vehicledyn.rail.profiles.named_profiles import named_profile
+from vehicledyn.rail.track.running import RailPlace, Running
+from vehicledyn.rail.track.track import StraightLine, Track
 from vehicledyn.symbolic import ops, rotations
 
 SHEAR, POISSON, FRICTION, LOAD, SPEED = 82e9, 0.28, 0.3, 1e4, 2.0

@@ -6,7 +6,7 @@ import numpy as np
 
 from reference_cases.comparison import Group, deviation
 from reference_cases.motions import SCENARIOS, drive, record
-from vehicledyn.scenario import load_scenario
+from vehicledyn.files.scenario import load_scenario
 
 DURATION = "duration=4 s"  # past the first cones; the interpreted run takes its time
 FLOOR = 1e-6

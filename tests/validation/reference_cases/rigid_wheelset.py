@@ -73,7 +73,7 @@ def compare():
 @cache
 def accelerations():
     """Return the initial accelerations of the wheelset problem by coordinate."""
-    from vehicledyn.run.prepare import start_point
+    from vehicledyn.analyses.preparation.prepare import start_point
 
     prepared = ready("testset_wheelset")
     point = start_point(prepared, 0.0, "nominal")

@@ -11,9 +11,9 @@ import numpy as np
 from reference_cases.comparison import Group, deviation
 from reference_cases.motions import SCENARIOS, quiet
 from reference_cases.tables import read_rows
-from vehicledyn.results.reader import open_result
-from vehicledyn.run.kinematics import Wish, sweep_kinematics
-from vehicledyn.scenario import load_model
+from vehicledyn.analyses.mechanism.kinematics import Wish, sweep_kinematics
+from vehicledyn.files.scenario import load_model
+from vehicledyn.results.store.reader import open_result
 
 SOURCE = "independent suspension program"
 SYSTEMS = SCENARIOS.parent / "systems"

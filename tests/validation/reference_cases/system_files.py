@@ -9,10 +9,10 @@ import numpy as np
 
 import vehicledyn.catalogue  # noqa: F401
 from reference_cases.motions import Recorded, quiet
-from vehicledyn.multibody.ingredients import derive_ingredients
-from vehicledyn.run.prepare import prepare, start_point
-from vehicledyn.run.watched import simulate_watched
-from vehicledyn.scenario import load_model, load_scenario
+from vehicledyn.analyses.preparation.prepare import prepare, start_point
+from vehicledyn.analyses.simulation.repartitioning import simulate_watched
+from vehicledyn.files.scenario import load_model, load_scenario
+from vehicledyn.multibody.equations.equation_terms import derive_ingredients
 from vehicledyn.symbolic import ops
 
 ROOT = Path(__file__).parents[3]

@@ -12,16 +12,16 @@ from scipy.signal import welch
 from scipy.special import fresnel
 
 from reference_cases.comparison import Group, deviation, figure
+from vehicledyn.files.building.construct import build_system
+from vehicledyn.files.building.values import RoadChoice
+from vehicledyn.files.system.read import read_system
 from vehicledyn.multibody import derive
 from vehicledyn.rail.irregularities.erri_b176 import ErriB176, spectra
-from vehicledyn.rail.track import Track
-from vehicledyn.rail.track_alignment import Alignment
-from vehicledyn.rail.track_pieces import Grade, Piece
-from vehicledyn.rail.track_tables import centre_line
+from vehicledyn.rail.track.alignment import Alignment
+from vehicledyn.rail.track.pieces import Grade, Piece
+from vehicledyn.rail.track.track import Track
+from vehicledyn.rail.track.track_tables import centre_line
 from vehicledyn.symbolic import ops
-from vehicledyn.systems.construct import build_system
-from vehicledyn.systems.read import read_system
-from vehicledyn.systems.values import RoadChoice
 
 DATA = Path(__file__).parents[1] / "data"
 FRESNEL, HELIX, SPECTRUM = "Fresnel integrals", "helix", "integral of the spectrum"

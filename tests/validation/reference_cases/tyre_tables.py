@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from reference_cases.comparison import Group, deviation
 from reference_cases.tables import read_rows
-from vehicledyn.road import magic_formula
+from vehicledyn.road.tyres import magic_formula
 from vehicledyn.road.tyres.magic_formula_1987 import MagicFormula1987
 
 UNITS = {

@@ -5,8 +5,8 @@ from __future__ import annotations
 from pydantic import Field
 
 from vehicledyn.base.registry import register
-from vehicledyn.rail.creep_law import CreepContact, CreepForces, CreepLaw, floored_limit
-from vehicledyn.rail.fastsim import march, rates_of, sliding_rates, total
+from vehicledyn.rail.creep.creep_law import CreepContact, CreepForces, CreepLaw, floored_limit
+from vehicledyn.rail.creep.simplified_theory import march, rates_of, sliding_rates, total
 
 
 @register("creep", "fastsim")
@@ -15,14 +15,15 @@ class Fastsim(CreepLaw):
 
     Kalker's simplified theory with three flexibilities and a parabolic bound of the tractions,
     save that tractions at their bound grow by one common flexibility, so that they point against
-    the slip; see :mod:`vehicledyn.rail.fastsim`. With 10 strips of 16 elements it is within 7 %
+    the slip; see :mod:`vehicledyn.rail.creep.simplified_theory`. With 10 strips of 16 elements it
+    is within 7 %
     of μ N of exact curves for a/b from 0.5 to 2, spin included, and 2.3 % on average. The spin
     moment is that of these tractions.
 
     Without spin this grid is within 0.3 % of μ N of infinitely fine ones; with spin, mostly
     within 7 %, 20 by 20 within 5 %, in proportion to one over the number of elements.
-    :func:`vehicledyn.rail.fastsim.fine_forces` takes as many as a tolerance asks for; the
-    infinitely fine grid is up to 11 % of μ N off the exact curves where spin alone slides.
+    :func:`vehicledyn.rail.creep.simplified_theory.fine_forces` takes as many as a tolerance asks
+    for; the infinitely fine grid is up to 11 % of μ N off the exact curves where spin alone slides.
 
     References
     ----------

@@ -5,15 +5,16 @@ from __future__ import annotations
 from pydantic import Field
 
 from vehicledyn.base.registry import register
-from vehicledyn.rail.creep_law import CreepContact, CreepForces, CreepLaw, floored_limit
-from vehicledyn.rail.fastsim import march, rates_of, total
+from vehicledyn.rail.creep.creep_law import CreepContact, CreepForces, CreepLaw, floored_limit
+from vehicledyn.rail.creep.simplified_theory import march, rates_of, total
 
 
 @register("creep", "fastsim_1982")
 class Fastsim1982(CreepLaw):
     """FASTSIM as published, on a finer kind of grid.
 
-    See :mod:`vehicledyn.rail.fastsim`. Where creep and spin are large the unequal flexibilities
+    See :mod:`vehicledyn.rail.creep.simplified_theory`. Where creep and spin are large the unequal
+    flexibilities
     turn the tractions away from the slip, up to 9 % of μ N at a/b = 1/2; where spin alone slides
     it is nearer to the exact curves than ``fastsim``.
 

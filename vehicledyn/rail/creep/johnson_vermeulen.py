@@ -5,9 +5,9 @@ from __future__ import annotations
 import math
 
 from vehicledyn.base.registry import register
-from vehicledyn.rail.creep_law import CreepContact, CreepForces, CreepLaw
-from vehicledyn.rail.cubic import cubic_part
-from vehicledyn.rail.vermeulen import vermeulen_factors
+from vehicledyn.rail.creep.creep_law import CreepContact, CreepForces, CreepLaw
+from vehicledyn.rail.creep.cubic_saturation import cubic_part
+from vehicledyn.rail.creep.vermeulen import vermeulen_factors
 from vehicledyn.symbolic.ops import Scalar
 
 
@@ -16,7 +16,8 @@ class JohnsonVermeulen(CreepLaw):
     """Law of Vermeulen and Johnson, with their own creep coefficients and no spin.
 
     F = -μ N (1 - (1 - τ/3)³) t/τ for τ < 3 and μ N beyond, with t = (π a b G/(μ N)) (ξ/φ, η/ψ),
-    τ = |t| and φ, ψ of :func:`vehicledyn.rail.vermeulen.vermeulen_factors`. The adhesion region
+    τ = |t| and φ, ψ of :func:`vehicledyn.rail.creep.vermeulen.vermeulen_factors`. The adhesion
+    region
     is an ellipse that touches the leading edge, which makes the law 10 to 30 % stiffer at small
     creep than the exact solution. Spin has no effect, and there is no spin moment.
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from vehicledyn.base.registry import register
-from vehicledyn.rail.creep_law import (
+from vehicledyn.rail.creep.creep_law import (
     RELATIVE_FLOOR,
     CreepContact,
     CreepForces,

@@ -8,14 +8,14 @@ from pydantic import Field
 
 from vehicledyn.base.parameters import quantity
 from vehicledyn.base.registry import register
-from vehicledyn.rail.creep_law import (
+from vehicledyn.rail.creep.creep_law import (
     RELATIVE_FLOOR,
     CreepContact,
     CreepForces,
     CreepLaw,
     floored_limit,
 )
-from vehicledyn.rail.kalker import CreepCoefficients, creep_coefficients
+from vehicledyn.rail.creep.kalker import CreepCoefficients, creep_coefficients
 from vehicledyn.symbolic import ops
 from vehicledyn.symbolic.ops import Scalar
 

@@ -3,8 +3,14 @@
 from __future__ import annotations
 
 from vehicledyn.base.registry import register
-from vehicledyn.rail.creep_law import CreepContact, CreepForces, CreepLaw, kalker_forces, scaled
-from vehicledyn.rail.cubic import cubic_part
+from vehicledyn.rail.creep.creep_law import (
+    CreepContact,
+    CreepForces,
+    CreepLaw,
+    kalker_forces,
+    scaled,
+)
+from vehicledyn.rail.creep.cubic_saturation import cubic_part
 
 
 @register("creep", "shen_hedrick_elkins")

@@ -6,7 +6,7 @@ import math
 
 from vehicledyn.base.parameters import quantity
 from vehicledyn.base.registry import register
-from vehicledyn.rail.creep_law import (
+from vehicledyn.rail.creep.creep_law import (
     RELATIVE_FLOOR,
     CreepContact,
     CreepForces,
@@ -14,8 +14,8 @@ from vehicledyn.rail.creep_law import (
     floored_limit,
     linear_forces,
 )
-from vehicledyn.rail.hertz import ContactEllipse
-from vehicledyn.rail.kalker import CreepCoefficients
+from vehicledyn.rail.creep.kalker import CreepCoefficients
+from vehicledyn.rail.geometry.hertz import ContactEllipse
 from vehicledyn.symbolic import ops
 from vehicledyn.symbolic.ops import Scalar
 
@@ -29,7 +29,7 @@ class Tanh(CreepLaw):
     and both scaled back where together they exceed μ N. No spin moment. The coefficients do not
     depend on the shape of the contact: the law of the wheelset problem of the Test Set for IVP
     Solvers, whose ellipse :func:`wheelset_ellipse` gives. Creepages there refer to the mean
-    speed, :func:`vehicledyn.rail.creepage.mean_speed`.
+    speed, :func:`vehicledyn.rail.creep.creepage.mean_speed`.
 
     References
     ----------

@@ -10,14 +10,14 @@ from pydantic import Field, model_validator
 
 from vehicledyn.base.parameters import quantity
 from vehicledyn.base.registry import register
-from vehicledyn.base.wording import Complaint, complain
-from vehicledyn.rail.track_set import IrregularitySet
+from vehicledyn.base.validation_messages import Complaint, complain
+from vehicledyn.rail.track.track_set import IrregularitySet
 
 if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-    from vehicledyn.rail.track_tables import TabledShift
+    from vehicledyn.rail.track.track_tables import TabledShift
 
 CORNER_C, CORNER_R, CORNER_S = 0.8246, 0.0206, 0.4380
 """Ω_c, Ω_r and Ω_s [rad/m]."""
@@ -104,7 +104,7 @@ class ErriB176(IrregularitySet):
 
     def shift(self, folder: Path) -> TabledShift:
         """Return the displacement of the rails."""
-        from vehicledyn.rail.irregularity import rails_of
+        from vehicledyn.rail.irregularities.irregularity import rails_of
 
         return rails_of(self.start, self.length / self.count, self.records(), self.fade)
 
@@ -117,7 +117,7 @@ class ErriB176(IrregularitySet):
         """Return the record of each quantity before it fades, shape (n,) [m]."""
         import numpy as np
 
-        from vehicledyn.rail.irregularity import synthesise
+        from vehicledyn.rail.irregularities.irregularity import synthesise
 
         first = math.ceil(self.length / self.longest - 1e-9)
         last = math.floor(self.length / self.shortest + 1e-9)

@@ -7,17 +7,17 @@ from typing import TYPE_CHECKING, ClassVar
 
 from pydantic import Field
 
-from vehicledyn.base.columns import Column
+from vehicledyn.base.column_files import Column
 from vehicledyn.base.errors import InputError
 from vehicledyn.base.parameters import quantity
 from vehicledyn.base.registry import register
-from vehicledyn.rail.track_set import IrregularitySet
+from vehicledyn.rail.track.track_set import IrregularitySet
 
 if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-    from vehicledyn.rail.track_tables import TabledShift
+    from vehicledyn.rail.track.track_tables import TabledShift
 
     Columns = dict[str, NDArray[np.float64]]
 
@@ -61,8 +61,8 @@ class Record(IrregularitySet):
         import numpy as np
 
         from vehicledyn.base.problems import refusal
-        from vehicledyn.rail.irregularity import rails_of
-        from vehicledyn.rail.track_columns import read_along
+        from vehicledyn.rail.irregularities.irregularity import rails_of
+        from vehicledyn.rail.track.track_columns import read_along
 
         path = folder / self.file
         largest = dict.fromkeys(_QUANTITIES, (LARGEST, "an irregularity"))

@@ -11,7 +11,7 @@ from vehicledyn.base.errors import InputError
 from vehicledyn.results.assessment.assess import Assessment, assess
 from vehicledyn.results.assessment.comfort import DIRECTIONS, Comfort
 from vehicledyn.results.assessment.subjects import find_subjects
-from vehicledyn.results.reader import open_result
+from vehicledyn.results.store.reader import open_result
 
 _KILO = 1e-3
 

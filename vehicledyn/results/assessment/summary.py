@@ -7,7 +7,7 @@ from collections.abc import Iterator
 
 from vehicledyn.results.assessment.assess import Assessment
 from vehicledyn.results.assessment.comfort import Comfort
-from vehicledyn.results.layout import SummaryEntry
+from vehicledyn.results.store.layout import SummaryEntry
 
 
 def summarise_assessment(found: Assessment) -> list[SummaryEntry]:

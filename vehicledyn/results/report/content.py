@@ -62,9 +62,9 @@ def read_content(path: Path) -> Content:
     InputError
         If there is no such file, or it is not of this program, damaged, or of a newer version.
     """
-    from vehicledyn.results.linear_results import is_linear
-    from vehicledyn.results.opening import is_open_for_writing
-    from vehicledyn.results.study_reader import is_study_file
+    from vehicledyn.results.hdf5.opening import is_open_for_writing
+    from vehicledyn.results.plots.linear_results import is_linear
+    from vehicledyn.results.store.study_reader import is_study_file
 
     is_open_for_writing(path)  # says what is not there or not HDF5
     if is_study_file(path):
@@ -108,9 +108,9 @@ def words(name: str) -> str:
 def _refuse_giants(path: Path) -> None:
     import h5py
 
-    from vehicledyn.results.damage import reading
-    from vehicledyn.results.opening import open_file
-    from vehicledyn.results.thinning import promises_too_much
+    from vehicledyn.results.hdf5.damage import reading
+    from vehicledyn.results.hdf5.opening import open_file
+    from vehicledyn.results.store.decimation import promises_too_much
 
     sizes = []
 

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from vehicledyn.results.compare import compare_files
-from vehicledyn.results.comparison import ChannelComparison
-from vehicledyn.results.reader import open_result
+from vehicledyn.results.compare.comparison import ChannelComparison
+from vehicledyn.results.compare.run_compare import compare_files
 from vehicledyn.results.report.content import Content
 from vehicledyn.results.report.page import Notes, Section, Table
 from vehicledyn.results.report.texts import reading
+from vehicledyn.results.store.reader import open_result
 
 MOST_CHANNELS = 20
 MOST_SAMPLES = 1_000_000

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from vehicledyn.results.pictures import METADATA, settle, signs_may_be_missing
+from vehicledyn.results.plots.picture_files import METADATA, settle, signs_may_be_missing
 from vehicledyn.results.report.page import Picture
 from vehicledyn.results.report.texts import number
 

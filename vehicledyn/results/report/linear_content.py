@@ -7,14 +7,14 @@ from pathlib import Path
 
 import numpy as np
 
-from vehicledyn.base.slopes import slope_text
-from vehicledyn.results import contact_table, hunt_table, mode_table, response_table
-from vehicledyn.results.linear_file import format_of
-from vehicledyn.results.linear_results import describe_linear, linear_figures
+from vehicledyn.base.slope_text import slope_text
+from vehicledyn.results.plots.linear_results import describe_linear, linear_figures
 from vehicledyn.results.report.content import Content, KeyFigure, words
 from vehicledyn.results.report.page import Block, Facts, Notes, Section, Table
 from vehicledyn.results.report.texts import number, reading
-from vehicledyn.results.response_table import ratio_unit
+from vehicledyn.results.store.linear_file import format_of
+from vehicledyn.results.tables import contact_table, hunt_table, mode_table, response_table
+from vehicledyn.results.tables.response_table import ratio_unit
 
 MOST_CASES = 12
 LEADING = 3

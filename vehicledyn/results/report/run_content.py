@@ -12,13 +12,13 @@ from typing import Any
 from vehicledyn.base.errors import InputError
 from vehicledyn.results.assessment.report import assess_result
 from vehicledyn.results.assessment.subjects import find_subjects
-from vehicledyn.results.figures import draw_figure
 from vehicledyn.results.info import ChannelRange, channel_ranges
-from vehicledyn.results.plots import plots_of
-from vehicledyn.results.reader import Result, open_result
+from vehicledyn.results.plots.figures import draw_figure
+from vehicledyn.results.plots.run_plots import plots_of
 from vehicledyn.results.report.content import Content, Figures, KeyFigure, key_table, words
 from vehicledyn.results.report.page import Block, Facts, Listing, Notes, Section, Table
 from vehicledyn.results.report.texts import moment, number, reading, unit_text
+from vehicledyn.results.store.reader import Result, open_result
 
 _LOG = logging.getLogger(__name__)
 

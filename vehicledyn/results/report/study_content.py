@@ -8,12 +8,12 @@ from pathlib import Path
 
 import numpy as np
 
+from vehicledyn.results.plots.study_plots import rank_correlation, study_figures
 from vehicledyn.results.report.content import Content, Figures, KeyFigure, words
 from vehicledyn.results.report.page import Block, Listing, Section, Table
 from vehicledyn.results.report.texts import moment, reading
+from vehicledyn.results.store.study_reader import StudyFile, open_study
 from vehicledyn.results.study_info import Spread, StudyDescription, describe_study
-from vehicledyn.results.study_plots import rank_correlation, study_figures
-from vehicledyn.results.study_reader import StudyFile, open_study
 
 LEADING = 3
 WEAK = 0.1

@@ -7,7 +7,7 @@ from datetime import UTC, datetime
 from typing import Any
 
 from vehicledyn.base.units import shown
-from vehicledyn.results.plot_style import axis_label
+from vehicledyn.results.plots.plot_style import axis_label
 
 
 def number(value: float) -> str:

@@ -8,7 +8,7 @@ from pathlib import Path
 from urllib.parse import quote
 
 from vehicledyn.base.errors import InputError
-from vehicledyn.results.page_file import check_page, write_page
+from vehicledyn.results.hdf5.page_file import check_page, write_page
 from vehicledyn.results.report.page import render
 
 Told = Callable[[str, float | None], None]
@@ -44,7 +44,7 @@ def write_report(
     """
     import matplotlib
 
-    from vehicledyn.results.plot_style import STYLE
+    from vehicledyn.results.plots.plot_style import STYLE
     from vehicledyn.results.report.folder import folder_page
     from vehicledyn.results.report.single import page_of, page_of_two
 

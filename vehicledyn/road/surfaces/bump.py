@@ -9,7 +9,7 @@ from pydantic import Field
 
 from vehicledyn.base.parameters import quantity
 from vehicledyn.base.registry import register
-from vehicledyn.road.surface import RoadSurface
+from vehicledyn.road.surfaces.surface import RoadSurface
 from vehicledyn.symbolic import ops
 from vehicledyn.symbolic.ops import Scalar
 

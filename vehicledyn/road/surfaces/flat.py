@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import ClassVar
 
 from vehicledyn.base.registry import register
-from vehicledyn.road.surface import RoadSurface
+from vehicledyn.road.surfaces.surface import RoadSurface
 from vehicledyn.symbolic.ops import Scalar
 
 

@@ -8,12 +8,12 @@ from typing import TYPE_CHECKING
 
 from pydantic import Field
 
-from vehicledyn.base.columns import Column, Columns, read_columns
+from vehicledyn.base.column_files import Column, Columns, read_columns
 from vehicledyn.base.errors import InputError
 from vehicledyn.base.parameters import quantity
 from vehicledyn.base.problems import Problem, refusal
 from vehicledyn.base.registry import register
-from vehicledyn.road.surface import RoadSurface
+from vehicledyn.road.surfaces.surface import RoadSurface
 from vehicledyn.symbolic.ops import Scalar
 
 if TYPE_CHECKING:

@@ -6,9 +6,9 @@ from pydantic import ConfigDict
 
 from vehicledyn.base.parameters import quantity
 from vehicledyn.base.registry import register
-from vehicledyn.road.coefficients import read_coefficients
-from vehicledyn.road.smooth import floored
-from vehicledyn.road.tyre import Tyre, TyreForces, TyreInput
+from vehicledyn.road.tyres.coefficients import read_coefficients
+from vehicledyn.road.tyres.smooth import floored
+from vehicledyn.road.tyres.tyre import Tyre, TyreForces, TyreInput
 from vehicledyn.symbolic import ops
 from vehicledyn.symbolic.ops import Scalar
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from vehicledyn.base.parameters import quantity
 from vehicledyn.base.registry import register
-from vehicledyn.road.tyre import Tyre, TyreForces, TyreInput
+from vehicledyn.road.tyres.tyre import Tyre, TyreForces, TyreInput
 from vehicledyn.symbolic import ops
 from vehicledyn.symbolic.ops import Scalar
 

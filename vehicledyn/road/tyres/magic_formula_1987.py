@@ -6,13 +6,13 @@ import math
 
 from vehicledyn.base.parameters import quantity
 from vehicledyn.base.registry import register
-from vehicledyn.road.magic_formula import curves, peak_places
-from vehicledyn.road.magic_formula_sets import (
+from vehicledyn.road.tyres.magic_formula import curves, peak_places
+from vehicledyn.road.tyres.magic_formula_sets import (
     AligningCoefficients,
     LateralCoefficients,
     LongitudinalCoefficients,
 )
-from vehicledyn.road.tyre import Tyre, TyreForces, TyreInput
+from vehicledyn.road.tyres.tyre import Tyre, TyreForces, TyreInput
 from vehicledyn.symbolic import ops
 from vehicledyn.symbolic.ops import Scalar
 
@@ -31,7 +31,7 @@ _PER_RADIAN = 180.0 / math.pi
 
 @register("tyre", "magic_formula_1987")
 class MagicFormula1987(Tyre):
-    """Magic Formula of 1987; see :mod:`vehicledyn.road.magic_formula` for the pure curves.
+    """Magic Formula of 1987; see :mod:`vehicledyn.road.tyres.magic_formula` for the pure curves.
 
     Combined slip by similarity: with the slips at the peaks of the pure curves, κ_m and α_m,
     and α_s = α + S_h,

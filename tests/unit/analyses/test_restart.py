@@ -1,0 +1,213 @@
+"""A run that was broken off goes on from its result, to the bit where the method allows it."""
+
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import vehicledyn.catalogue  # noqa: F401
+from vehicledyn.analyses import run_scenario
+from vehicledyn.analyses.simulation import simulation
+from vehicledyn.base.errors import InputError
+from vehicledyn.files.scenario import load_scenario
+from vehicledyn.results.store import writer
+from vehicledyn.results.store.door import open_result
+
+ROOT = Path(__file__).parents[3]
+SYSTEMS = ROOT / "systems"
+
+PLAIN = """\
+title: A swing
+model: double_pendulum.yaml
+duration: 2 s
+solver: {kind: rk4, step: 1 ms}
+output: {interval: 5 ms, animation: true}
+"""
+LOOPED = """\
+title: A four-bar linkage
+model: parallelogram.yaml
+duration: 1 s
+solver: {kind: rk4, step: 1 ms}
+output: {interval: 20 ms}
+"""
+BALL = """\
+title: A ball that jumps and is kicked
+bodies:
+  ball: {joints: [T1 x, T3 z], mass: 2 kg}
+events:
+  floor: {when: ball.z, direction: falling, reset: {ball.z_rate: -0.8 * ball.z_rate}}
+initial: {ball.z: 0.3 m, ball.x_rate: 1 m/s}
+"""
+BOUNCING = """\
+title: A ball that jumps
+model: ball.yaml
+duration: 1.5 s
+solver: {kind: rk4, step: 1 ms}
+output: {interval: 10 ms}
+"""
+STIFF = """\
+title: A swing
+model: double_pendulum.yaml
+duration: 1 s
+solver: {kind: rosenbrock, relative_tolerance: 1e-8, absolute_tolerance: 1e-8}
+output: {interval: 5 ms}
+"""
+ADAPTIVE = STIFF.replace("rosenbrock", "dop853")
+
+
+def run(folder, text, output, *overrides, restart=None):
+    path = folder / "scenario.yaml"
+    path.write_text(text, encoding="utf-8")
+    (folder / "ball.yaml").write_text(BALL, encoding="utf-8")
+    for system in ("double_pendulum", "parallelogram"):
+        shutil.copy(SYSTEMS / f"{system}.yaml", folder)
+    loaded = load_scenario(path, overrides)
+    return run_scenario(
+        loaded,
+        output=folder / output,
+        backend="auto",
+        plots=None,
+        progress=lambda *_: None,
+        restart=None if restart is None else folder / restart,
+    )
+
+
+def assert_same(first, second, tolerance=0.0):
+    with open_result(first) as one, open_result(second) as two:
+        assert one.status == two.status == "ok"
+        assert one.channels == two.channels
+        assert np.array_equal(one.time, two.time)
+        for name in one.channels:
+            values = one.channel(name).values, two.channel(name).values
+            if tolerance:
+                assert np.allclose(*values, rtol=tolerance, atol=tolerance), name
+            else:
+                assert np.array_equal(*values, equal_nan=True), name
+        assert one.events == two.events
+        assert one.pictures == two.pictures
+        if not tolerance:
+            assert np.array_equal(one.states.values, two.states.values, equal_nan=True)
+            assert one.summary == two.summary
+
+
+@pytest.mark.parametrize("text", [PLAIN, LOOPED, BOUNCING, STIFF])
+def test_a_run_in_two_pieces_is_that_in_one(tmp_path, text):
+    run(tmp_path, text, "whole.h5")
+    run(tmp_path, text, "first.h5", "duration=0.4 s")
+    outcome = run(tmp_path, text, "second.h5", restart="first.h5")
+    assert outcome.exit_code == 0
+    assert "went on from t = 0.4 s" in " ".join(outcome.messages)
+    assert_same(tmp_path / "whole.h5", tmp_path / "second.h5")
+    if text == BOUNCING:
+        with open_result(tmp_path / "second.h5") as result:
+            assert len(result.events) > 3
+
+
+def test_an_adaptive_run_goes_on_to_the_accuracy_of_its_method(tmp_path):
+    run(tmp_path, ADAPTIVE, "whole.h5")
+    run(tmp_path, ADAPTIVE, "first.h5", "duration=0.4 s")
+    outcome = run(tmp_path, ADAPTIVE, "second.h5", restart="first.h5")
+    assert "to the accuracy of the method" in " ".join(outcome.messages)
+    assert_same(tmp_path / "whole.h5", tmp_path / "second.h5", tolerance=1e-5)
+
+
+KILLED = """
+import os, sys
+from pathlib import Path
+from vehicledyn.results import writer
+import vehicledyn.catalogue
+from vehicledyn.analyses import run_scenario
+from vehicledyn.files.scenario import load_scenario
+writer.FLUSH_INTERVAL = 0.0
+folder, most = Path(sys.argv[1]), int(sys.argv[2])
+count = [0]
+write = writer.ResultWriter._write
+def until(self, *arguments):
+    write(self, *arguments)
+    count[0] += 1
+    if count[0] == most:
+        os.kill(os.getpid(), 9)
+writer.ResultWriter._write = until
+loaded = load_scenario(folder / "scenario.yaml", ["duration=200 s"])
+run_scenario(loaded, output=folder / "killed.h5", backend="auto", plots=None,
+             progress=lambda *_: None)
+"""
+
+
+@pytest.mark.parametrize("text", [PLAIN, LOOPED])
+@pytest.mark.parametrize("most", [3, 6])
+def test_a_killed_run_goes_on_into_its_own_file(tmp_path, text, most):
+    run(tmp_path, text, "short.h5", "duration=0.1 s")  # compiled once
+    done = subprocess.run(
+        [sys.executable, "-c", KILLED, str(tmp_path), str(most)], check=False, timeout=120.0
+    )
+    assert done.returncode == -9
+    with open_result(tmp_path / "killed.h5") as result:
+        assert result.status == "running"
+        end = float(result.time[-1])
+        begin = result.history(end).time
+    duration = f"duration={end + 1.0} s"
+    run(tmp_path, text, "whole.h5", duration)
+    outcome = run(tmp_path, text, "killed.h5", duration, restart="killed.h5")
+    assert f"went on from t = {begin:.9g} s" in " ".join(outcome.messages)
+    assert_same(tmp_path / "whole.h5", tmp_path / "killed.h5")
+    assert not list(tmp_path.glob(".*.new"))
+
+
+@pytest.mark.parametrize("text", [PLAIN, LOOPED])
+def test_a_run_that_was_killed_at_its_very_end_is_completed(tmp_path, text, monkeypatch):
+    run(tmp_path, text, "whole.h5", "duration=0.4 s")
+
+    def killed(_run, results):
+        results.flush()
+        raise Killed
+
+    with monkeypatch.context() as patched:
+        patched.setattr(simulation._Run, "_summarise", killed)
+        patched.setattr(writer.ResultWriter, "__exit__", lambda self, *_: self._release())
+        with pytest.raises(Killed):
+            run(tmp_path, text, "left.h5", "duration=0.4 s")
+    run(tmp_path, text, "left.h5", "duration=0.4 s", restart="left.h5")
+    assert_same(tmp_path / "whole.h5", tmp_path / "left.h5", tolerance=1e-12)
+
+
+class Killed(BaseException):
+    pass
+
+
+def test_channels_that_are_not_kept_count_for_the_summary(tmp_path):
+    text = PLAIN.replace("animation: true", "animation: true, channels: [upper.*]")
+    run(tmp_path, text, "whole.h5")
+    run(tmp_path, text, "first.h5", "duration=0.4 s")
+    run(tmp_path, text, "second.h5", restart="first.h5")
+    with open_result(tmp_path / "whole.h5") as one, open_result(tmp_path / "second.h5") as two:
+        assert one.summary.keys() == two.summary.keys()
+        for name, entry in one.summary.items():
+            assert two.summary[name].value == pytest.approx(entry.value, rel=1e-9, abs=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("overrides", "message"),
+    [
+        (["parameters.length=2 m"], "another parameters"),
+        (["output.interval=10 ms"], "not sampled every 0.01 s"),
+        (["output.channels=[upper.*]"], "other channels"),
+        (["duration=0.2 s"], "reaches t = 0.2 s already; to go on, give a longer duration"),
+    ],
+)
+def test_what_does_not_fit_is_refused_and_left_alone(tmp_path, overrides, message):
+    run(tmp_path, PLAIN, "first.h5", "duration=0.2 s")
+    before = (tmp_path / "first.h5").read_bytes()
+    with pytest.raises(InputError, match=message):
+        run(tmp_path, PLAIN, "first.h5", *overrides, restart="first.h5")
+    assert (tmp_path / "first.h5").read_bytes() == before
+
+
+def test_another_model_is_refused(tmp_path):
+    run(tmp_path, PLAIN, "first.h5", "duration=0.2 s")
+    with pytest.raises(InputError, match="its scenario has another model"):
+        run(tmp_path, LOOPED, "second.h5", restart="first.h5")
+    assert not (tmp_path / "second.h5").exists()

@@ -1,0 +1,83 @@
+"""What a run refuses before it computes anything, and what it leaves alone."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import vehicledyn.catalogue  # noqa: F401
+from vehicledyn.analyses import run_scenario
+from vehicledyn.base.errors import InputError
+from vehicledyn.files.scenario import load_scenario
+
+SHORT = """
+title: A short way straight on
+model: iltis
+tyres: {kind: calspan}
+road: {kind: flat}
+contact: vertical
+wheel_spin: prescribed
+speed: 10 m/s
+manoeuvre: {kind: straight}
+duration: 0.02 s
+solver: {kind: rk4, step: 1 ms}
+output: {interval: 10 ms}
+"""
+
+
+@pytest.fixture
+def scenario(tmp_path):
+    path = tmp_path / "short.yaml"
+    path.write_text(SHORT)
+    return path
+
+
+def run(path, output, *changes, plots=None):
+    loaded = load_scenario(path, changes)
+    return run_scenario(
+        loaded, output=output, backend="auto", plots=plots, progress=lambda *_: None
+    )
+
+
+def test_solver_that_cannot_treat_the_model_leaves_an_older_result(scenario, tmp_path):
+    output = tmp_path / "good.h5"
+    assert run(scenario, output).status == "ok"
+    before = output.read_bytes()
+    cvodes = "solver={kind: cvodes, relative_tolerance: 1e-8, absolute_tolerance: 1e-8}"
+    with pytest.raises(InputError, match="cannot treat the loops"):
+        run(scenario, output, cvodes)
+    assert output.read_bytes() == before
+
+
+def test_place_for_figures_is_checked_before_the_run(scenario, tmp_path):
+    output = tmp_path / "result.h5"
+    with pytest.raises(InputError, match="is a file; choose another folder with --plots"):
+        run(scenario, output, plots=scenario)
+    assert not output.exists()
+
+
+@pytest.mark.parametrize("key", ["road", "tyres", "wheel_spin"])
+def test_validation_misses_what_the_vehicle_needs(scenario, key):
+    with pytest.raises(InputError, match=f"--set {key}: missing"):
+        load_scenario(scenario, [f"{key}=null"])
+
+
+DIVERGING = """
+title: A step far too long for the tyre
+model: {system}
+duration: 5 s
+solver: {{kind: rk4, step: 10 ms}}
+parameters: {{wheel: {{stiffness: 1e9 N/m}}}}
+output: {{interval: 10 ms}}
+"""
+
+
+def test_a_run_that_diverges_keeps_what_it_computed(tmp_path):
+    """Its last samples are finite but too large for sums of energies."""
+    system = Path(__file__).parents[3] / "systems" / "quarter_car.yaml"
+    path = tmp_path / "diverging.yaml"
+    path.write_text(DIVERGING.format(system=system))
+    outcome = run(path, tmp_path / "diverging.h5")
+    assert (outcome.status, outcome.exit_code) == ("failed", 3)
+    assert "is no longer a finite number" in outcome.messages[-1]
+    assert outcome.summary["energy_drift"].value == np.inf

@@ -1,0 +1,83 @@
+"""Where the model of a road vehicle no longer holds: rolling over ends a run and a case."""
+
+import math
+
+import numpy as np
+import pytest
+
+import vehicledyn.catalogue  # noqa: F401
+from vehicledyn.analyses import run_scenario
+from vehicledyn.files.scenario import load_scenario
+from vehicledyn.results.store.reader import open_result
+from vehicledyn.results.store.study_reader import open_study
+from vehicledyn.studies import load_study
+from vehicledyn.studies.sweep import run_study
+
+STEERED = """\
+title: The Iltis is steered hard on tyres that hold well
+model: iltis
+tyres: {kind: linear, nominal_load: 3500 N, longitudinal_stiffness: 60 kN,
+  cornering_stiffness: 60 kN/rad, friction: 2}
+road: {kind: flat}
+wheel_spin: free
+speed: 20 m/s
+start: steady
+manoeuvre: {kind: ramp_steer, rate: 60 mm/s, ramp_time: 0.5 s}
+duration: 2 s
+solver: {kind: rk4, step: 0.5 ms}
+output: {interval: 10 ms}
+"""
+STUDY = """\
+title: The Iltis on tyres that hold more or less well
+scenario: steered.yaml
+cases: {kind: grid, vary: {tyres.friction: [0.3, 2]}}
+output: {channels: [chassis.*]}
+"""
+
+
+@pytest.fixture
+def steered(tmp_path):
+    path = tmp_path / "steered.yaml"
+    path.write_text(STEERED, encoding="utf-8")
+    return path
+
+
+def test_a_vehicle_that_rolls_over_ends_its_run(steered, tmp_path):
+    outcome = run_scenario(
+        load_scenario(steered),
+        output=tmp_path / "steered.h5",
+        backend="auto",
+        plots=None,
+        progress=lambda *_: None,
+    )
+    assert (outcome.status, outcome.exit_code) == ("overturned", 1)
+    (ending,) = [text for text in outcome.messages if text.startswith("overturned at t = ")]
+    assert "leans by more than 70 deg from the road" in ending
+    assert outcome.summary["overturned_body"].value == "chassis"
+    with open_result(tmp_path / "steered.h5") as result:
+        assert result.status == "overturned" and result.has_ended
+        assert result.time[-1] == outcome.summary["overturned_at_time"].value < 2.0
+        roll, pitch = (result.channel(f"chassis.{name}").values for name in ("roll", "pitch"))
+    lean = np.arccos(np.cos(roll) * np.cos(pitch))
+    assert lean[-1] == pytest.approx(math.radians(70.0), abs=1e-6)
+    assert np.all(lean[:-1] < math.radians(70.0))
+    assert outcome.summary["largest_roll_angle"].value <= math.radians(70.0) + 1e-6
+
+
+def test_a_case_that_rolls_over_says_so(steered, tmp_path):
+    (tmp_path / "study.yaml").write_text(STUDY, encoding="utf-8")
+    run_study(
+        load_study(tmp_path / "study.yaml", ()),
+        output=tmp_path / "study.h5",
+        workers=1,
+        lanes=None,
+        resume=False,
+        backend="auto",
+        progress=lambda *_: None,
+    )
+    with open_study(tmp_path / "study.h5") as study:
+        reasons = [bytes(text).decode() for text in study._file["cases/reason"][()]]
+        ends = study._file["cases/end_time"][()]
+    over = [reason.startswith("event 'chassis.overturned' at t = ") for reason in reasons]
+    assert over[-1] and not over[0]
+    assert all((end < 2.0) == told for end, told in zip(ends, over, strict=True))

@@ -1,0 +1,102 @@
+"""Every listing of the page on system files works, and every example runs."""
+
+import os
+import re
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+from system_texts import Motion
+
+from vehicledyn.base.registry import families, kinds
+from vehicledyn.files.building.construct import build_system
+from vehicledyn.files.system import load_kinds
+from vehicledyn.files.system.read import read_system
+from vehicledyn.files.system.sets import SystemFile
+from vehicledyn.multibody import derive
+from vehicledyn.results.store.reader import open_result
+
+ROOT = Path(__file__).parents[3]
+PAGE = (ROOT / "docs" / "systems.md").read_text(encoding="utf-8")
+BLOCK = re.compile(r"^```(\w+)\n(.*?)^```", re.MULTILINE | re.DOTALL)
+LISTINGS = {
+    re.match(r"# (\S+)\n", body)[1]: body for kind, body in BLOCK.findall(PAGE) if kind == "yaml"
+}
+SYSTEMS = [name for name, body in LISTINGS.items() if "model:" not in body]
+SCENARIOS = sorted((ROOT / "scenarios" / "systems").glob("*.yaml"))
+
+
+def run(command, folder):
+    path = f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"
+    done = subprocess.run(
+        command, shell=isinstance(command, str), cwd=folder, env=os.environ | {"PATH": path},
+        check=False, capture_output=True, text=True, timeout=300,
+    )  # fmt: skip
+    assert done.returncode == 0, f"{command}\n{done.stdout}\n{done.stderr}"
+    return done.stdout
+
+
+def test_commands_of_the_page(tmp_path):
+    for name, body in LISTINGS.items():
+        (tmp_path / name).write_text(body, encoding="utf-8")
+    shutil.copytree(ROOT / "systems", tmp_path / "systems")
+    commands = [body for kind, body in BLOCK.findall(PAGE) if kind == "sh"]
+    assert commands
+    for line in "".join(commands).splitlines():
+        run(line, tmp_path)
+    with open_result(tmp_path / "longer.h5") as result:
+        table = result.as_frame()
+    tip = np.hypot(table["tip.x"], table["tip.z"])
+    assert np.allclose(tip, 1.0, rtol=1e-12)
+    assert table["rod.angle_rate"].iloc[0] == 1.0
+    assert (tmp_path / "swing_plots" / "coordinates.png").is_file()
+
+
+@pytest.mark.parametrize("name", SYSTEMS)
+def test_system_of_the_page_moves(name, tmp_path):
+    path = tmp_path / name
+    path.write_text(LISTINGS[name], encoding="utf-8")
+    model, problems = read_system(path)
+    assert [str(problem) for problem in problems] == []
+    seen = Motion(derive(build_system(model))).at(0.1)
+    assert all(np.isfinite(value) for value in seen.values())
+    assert seen.get("constraints.position_error", 0.0) < 1e-10
+
+
+def test_page_names_every_kind_and_section():
+    load_kinds()
+    told = set(re.findall(r"`(\w+)`", PAGE)) | {"T1", "T2", "T3", "R1", "R2", "R3"}
+    wanted = set(SystemFile.model_fields) - {"title", "description"}
+    for family in ("joint", "cut", "constraint", "sensor", "force_law", "time_law"):
+        assert family in families()
+        wanted |= set(kinds(family))
+    written = set(re.findall(r"^(\w+):", "\n".join(LISTINGS.values()), re.MULTILINE))
+    assert wanted - told - written == set()
+
+
+def test_links_of_the_page_lead_to_files():
+    links = re.findall(r"\]\(([^)#:]+)\)", PAGE)
+    assert links
+    assert [link for link in links if not (ROOT / "docs" / link).exists()] == []
+
+
+@pytest.mark.parametrize("scenario", SCENARIOS, ids=lambda path: path.stem)
+def test_example_runs_and_keeps_its_balance_of_energy(scenario, tmp_path):
+    short = ["--set", "duration=0.5 s"]
+    result = tmp_path / "result.h5"
+    run(["vehicledyn", "run", str(scenario), "-o", str(result), "--no-plots", *short], tmp_path)
+    with open_result(result) as found:
+        assert found.is_whole
+        summary = {name: entry.value for name, entry in found.summary.items()}
+    assert summary.get("largest_loop_gap", 0.0) < 1e-10
+    assert summary.get("energy_drift", 0.0) < 2e-3
+
+
+def test_every_example_system_has_a_scenario():
+    systems = {path.stem for path in (ROOT / "systems").glob("*.yaml")}
+    texts = [path.read_text(encoding="utf-8") for path in (ROOT / "scenarios").rglob("*.yaml")]
+    models = [re.search(r"^model: .*/(\w+)\.yaml$", text, re.MULTILINE) for text in texts]
+    assert systems == {model[1] for model in models if model}

@@ -1,0 +1,240 @@
+"""The watch of accuracy: verdicts on motions with known errors, and runs it must not touch."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from solve_examples import build, decay, oscillator, symbols
+
+from vehicledyn.base.errors import NumericalError
+from vehicledyn.integrate.accuracy_watch import Accuracy, AccuracyWatch, window_places, worst_of
+from vehicledyn.integrate.batch import Cases, make_batch, run_batch
+from vehicledyn.integrate.judged_quantities import Judged
+from vehicledyn.integrate.methods.rk4 import RungeKutta4
+from vehicledyn.integrate.methods.rkc import RungeKuttaChebyshev
+from vehicledyn.integrate.methods.symplectic_euler import SymplecticEuler
+from vehicledyn.integrate.proposed_step import (
+    dividing_step,
+    eigenvalues,
+    longest_step,
+    proposed_step,
+)
+from vehicledyn.integrate.simulate import simulate
+from vehicledyn.kernel.engine import Method
+from vehicledyn.kernel.kernel import compile_kernel
+
+BACKENDS = ["compiled", "interpreted"]
+
+
+def watched(equations, solver, *, stop, interval, backend="compiled", judged=None):
+    """Run equations; return the statistics and all samples."""
+    kernel = compile_kernel(equations, backend=backend)
+    found = []
+    statistics = simulate(
+        kernel,
+        solver,
+        start=0.0,
+        stop=stop,
+        state=[s.start for s in equations.states],
+        unknowns=[u.start for u in equations.unknowns],
+        interval=interval,
+        sink=lambda t, x, z, y: found.append((t, x, y)),
+        judged=judged,
+    )
+    return statistics, [np.concatenate(parts) for parts in zip(*found, strict=True)]
+
+
+def swinging(stiffness=400.0):
+    """An oscillator whose position is a channel: 20 rad/s."""
+    e = oscillator(stiffness)
+    x, v = e.state[0], e.state[1]
+    import casadi as ca
+
+    from vehicledyn.symbolic.equations import Channel
+
+    channels = (*e.channels, Channel("place", "m", "place"), Channel("speed", "m/s", "speed"))
+    return replace(e, output=ca.vertcat(e.output, x, v), channels=channels)
+
+
+@pytest.mark.parametrize("backend", BACKENDS)
+@pytest.mark.parametrize(
+    ("solver", "verdict"),
+    [
+        (RungeKutta4(step=0.002), "accurate"),
+        (RungeKutta4(step=0.1), "inaccurate"),
+        (SymplecticEuler(step=0.001), "accurate"),
+        (SymplecticEuler(step=0.05), "inaccurate"),
+        (RungeKuttaChebyshev(step=0.001, stages=3), "accurate"),
+        (RungeKuttaChebyshev(step=0.025, stages=3), "inaccurate"),
+    ],
+    ids=lambda item: item if isinstance(item, str) else f"{item.kind}-{item.step}",
+)
+def test_verdicts_on_an_oscillator(solver, verdict, backend):
+    """x = cos 20 t and its energy over 10 s, whose extremes and means are known."""
+    statistics, (_, _, outputs) = watched(
+        swinging(), solver, stop=10.0, interval=0.1, backend=backend
+    )
+    energy = outputs[:, 0] / outputs[0, 0]
+    assert (np.abs(energy - 1.0).max() > 0.05) == (verdict == "inaccurate")
+    assert statistics.accuracy.verdict == verdict
+
+
+@pytest.mark.parametrize("solver", [RungeKutta4(step=0.1), SymplecticEuler(step=0.05)])
+def test_the_recommended_step_is_accurate(solver):
+    first = watched(swinging(), solver, stop=10.0, interval=0.1)[0].accuracy
+    assert first.step < solver.step
+    again = solver.model_copy(update={"step": first.step})
+    second = watched(swinging(), again, stop=10.0, interval=0.1)[0].accuracy
+    assert second.verdict == "accurate", second
+
+
+@pytest.mark.parametrize("backend", BACKENDS)
+def test_a_run_that_diverges_fails_with_the_step_to_take(backend):
+    """|λ h| = 3 with RK4: the state grows by half in every step."""
+    with pytest.raises(NumericalError, match=r"diverges with a step of 150 ms; take a step of"):
+        watched(swinging(), RungeKutta4(step=0.15), stop=90.0, interval=0.15, backend=backend)
+
+
+def test_slow_divergence_is_found_at_the_end():
+    """A run that ends at 1e5 times its start, far from what no vehicle reaches."""
+    with pytest.raises(NumericalError, match="the integration diverged: the step is too long"):
+        watched(swinging(), RungeKutta4(step=0.1435), stop=28.7, interval=0.1435)
+
+
+def test_what_grows_by_itself_does_not_diverge():
+    """An unstable motion followed well is no matter of the step: x = cosh t to 1e10."""
+    x, v, t, k = symbols("x", "v", "t", "k")
+    growing = build(
+        "growing",
+        time=t,
+        states=[(x, 1.0), (v, 0.0)],
+        rates=[v, k * x],
+        parameters=[(k, 1.0)],
+        outputs=[("place", x)],
+        positions=(0,),
+        velocities=(1,),
+    )
+    statistics, _ = watched(growing, RungeKutta4(step=0.01), stop=24.0, interval=0.1)
+    assert statistics.accuracy.verdict == "accurate"
+
+
+@pytest.mark.parametrize("backend", BACKENDS)
+def test_the_watch_changes_no_bit_of_the_run(backend, monkeypatch):
+    solver = RungeKutta4(step=0.1)
+    seen = watched(swinging(), solver, stop=10.0, interval=0.1, backend=backend)[1]
+    monkeypatch.setattr("vehicledyn.integrate.fixed_step._watch_of", lambda *_: None)
+    blind = watched(swinging(), solver, stop=10.0, interval=0.1, backend=backend)[1]
+    for one, other in zip(seen, blind, strict=True):
+        assert np.array_equal(one, other)
+
+
+def test_the_verdict_is_the_same_in_every_run():
+    found = [watched(swinging(), RungeKutta4(step=0.05), stop=10.0, interval=0.1) for _ in "ab"]
+    assert found[0][0].accuracy == found[1][0].accuracy
+
+
+@pytest.mark.parametrize(
+    ("step", "expected"),
+    [
+        (0.002, ("accurate", "accurate")),
+        (0.02, ("accurate", "inaccurate")),
+        (0.1, ("inaccurate", "diverged")),
+    ],
+)
+def test_lanes_judge_as_single_cases_do(step, expected):
+    equations = swinging()
+    kernel = compile_kernel(equations, backend="compiled")
+    start = [s.start for s in equations.states]
+    values = np.tile([p.value for p in equations.parameters], (6, 1))
+    values[:, 0] = np.linspace(100.0, 900.0, 6)
+    cases = Cases(values, np.tile(start, (6, 1)), np.zeros((6, 0)))
+    span = {"start": 0.0, "stop": 10.0, "interval": 0.1, "channels": [0, 1, 2]}
+    ends = [
+        run_batch(make_batch(kernel, lanes=n), RungeKutta4(step=step), cases, **span).ends
+        for n in (1, 4)
+    ]
+    assert ends[0] == ends[1]
+    judged = [end.accuracy.verdict if end.accuracy else "diverged" for end in ends[0]]
+    assert (judged[0], judged[-1]) == expected
+
+
+def test_a_figure_is_what_counts():
+    """The place is off by more than the figure made of it, which is what the run is judged by."""
+
+    def figures(times, values):
+        return {"count": (float(len(times)), "1")}
+
+    channels = [1]
+    solver = RungeKutta4(step=0.1)
+    bare, judged = (
+        watched(swinging(), solver, stop=10.0, interval=0.1, judged=Judged(channels, make))[
+            0
+        ].accuracy
+        for make in (None, figures)
+    )
+    assert bare.verdict == "inaccurate"
+    assert (judged.verdict, judged.worst) == ("accurate", "'count'")
+
+
+def test_stiff_decay_that_is_stable_raises_no_alarm():
+    """λ h = -2: RK4 follows the slow part within 1e-4, as the fast one has gone."""
+    statistics, (times, states, _) = watched(
+        decay(200.0), RungeKutta4(step=0.01), stop=10.0, interval=0.05
+    )
+    assert np.abs(states[:, 0] - np.sin(times))[20:].max() < 1e-3
+    assert statistics.accuracy.verdict == "accurate"
+
+
+def test_windows_are_spread_over_the_run_and_end_with_it():
+    for n in (1, 3, 15, 16, 17, 1000):
+        places = window_places(n, 16)
+        assert places[0] == 0
+        assert places[-1] == n
+        assert len(places) <= 17
+        gaps = np.diff(places[:-1])
+        assert np.all(gaps == gaps[:1])
+
+
+def test_places_do_not_depend_on_chunks():
+    equations = swinging()
+    kernel = compile_kernel(equations, backend="compiled")
+    from vehicledyn.integrate.accuracy_windows import Grid
+
+    grid = Grid(Method.RK4, 0.0, 0.1, 10, 100)
+    rows = np.random.default_rng(1).normal(size=(101, 5))
+    found = []
+    for sizes in ([101], [1, 7, 50, 43], [1] * 101):
+        watch = AccuracyWatch(kernel, grid, Judged.usual(equations))
+        begin = 0
+        for size in sizes:
+            part = rows[begin : begin + size]
+            watch.take(0.1 * np.arange(begin, begin + size), part[:, :2], part[:, :0], part[:, 2:])
+            begin += size
+        found.append(([p.index for p in watch.places], [p.index for p in watch.latest]))
+    assert found[0] == found[1] == found[2]
+    assert found[0][0] == window_places(100, 16)[:-1]
+
+
+def test_eigenvalues_and_proposed_step():
+    kernel = compile_kernel(swinging(), backend="compiled")
+    point = (0.0, np.array([1.0, 0.0]), np.zeros(0))
+    values = eigenvalues(kernel, *point)
+    assert sorted(values.imag) == pytest.approx([-20.0, 20.0], abs=1e-6)
+    assert longest_step(values, Method.RK4) == pytest.approx(0.025)
+    assert proposed_step(kernel, Method.RK4, point, 0.1) == pytest.approx(0.025)
+    assert longest_step(np.array([-1000.0 + 0j]), Method.CHEBYSHEV + 10) == pytest.approx(0.04)
+    assert longest_step(np.zeros(3, dtype=complex), Method.RK4) == np.inf
+
+
+@pytest.mark.parametrize(
+    ("longest", "interval", "step"),
+    [(1.0, 0.01, 0.01), (0.0035, 0.01, 0.0025), (0.0011, 0.01, 0.001), (0.0009, 0.01, 0.0005)],
+)
+def test_steps_divide_the_interval_into_round_numbers(longest, interval, step):
+    assert dividing_step(longest, interval) == pytest.approx(step)
+
+
+def test_pieces_are_judged_by_the_worst():
+    good, bad = Accuracy("accurate", 0.9, "a"), Accuracy("inaccurate", 0.1, "b", 0.01, 5)
+    assert worst_of([None, good, bad]) == bad
+    assert worst_of([None]) is None

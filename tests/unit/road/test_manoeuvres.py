@@ -1,0 +1,116 @@
+"""Every manoeuvre, driver and relaxation of the catalogue, in a short run of the Iltis."""
+
+import pytest
+
+import vehicledyn.catalogue  # noqa: F401
+from vehicledyn.analyses import run_scenario
+from vehicledyn.base.registry import kinds
+from vehicledyn.files.scenario import load_scenario
+from vehicledyn.results.store.reader import open_result
+
+DRIVERS = {
+    "preview": "{kind: preview, preview_time: 0.5 s, lag_frequency: 20 rad/s, lag_damping: 0.8, "
+    "rack_stop: 60 mm}",
+}
+SLALOM = (
+    "{kind: slalom, cones: 1, spacing: 18 m, first_cone: 4 m, cone_radius: 0.1 m, "
+    "path_offset: 1 m, driver: DRIVER}"
+)
+MANOEUVRES = {
+    "ramp_steer": "{kind: ramp_steer, rate: 10 mm/s, ramp_time: 0.1 s}",
+    "sine_steer": "{kind: sine_steer, amplitude: 4 mm, frequency: 2 Hz}",
+    "slalom": SLALOM.replace("DRIVER", DRIVERS["preview"]),
+    "straight": "{kind: straight}",
+}
+RELAXATIONS = {"first_order": "{kind: first_order, longitudinal: 0.2 m, lateral: 0.4 m}"}
+SCENARIO = """\
+title: A short run
+model: iltis
+tyres: {kind: magic_formula_1987}
+road: ROAD
+relaxation: RELAXATION
+wheel_spin: SPIN
+speed: SPEED
+manoeuvre: MANOEUVRE
+duration: DURATION
+solver: {kind: rk4, step: 1 ms}
+output: {interval: 10 ms}
+"""
+DEFAULTS = {
+    "ROAD": "{kind: flat}",
+    "RELAXATION": "null",
+    "SPIN": "free",
+    "SPEED": "10 m/s",
+    "DURATION": "0.3 s",
+    "MANOEUVRE": MANOEUVRES["straight"],
+}
+
+
+def drive(folder, **changes):
+    text = SCENARIO
+    for word, value in (DEFAULTS | changes).items():
+        text = text.replace(word, value)
+    path, output = folder / "run.yaml", folder / "run.h5"
+    path.write_text(text)
+    loaded = load_scenario(path, ())
+    outcome = run_scenario(
+        loaded, output=output, backend="auto", plots=None, progress=lambda *_: None
+    )
+    assert outcome.status == "ok"
+    return open_result(output)
+
+
+def test_every_entry_has_an_example():
+    assert set(kinds("manoeuvre")) == set(MANOEUVRES)
+    assert set(kinds("driver")) == set(DRIVERS)
+    assert set(kinds("relaxation")) == set(RELAXATIONS)
+
+
+@pytest.mark.parametrize("kind", kinds("manoeuvre"))
+def test_manoeuvre_runs_and_says_what_it_writes(tmp_path, kind):
+    with drive(tmp_path, MANOEUVRE=MANOEUVRES[kind]) as result:
+        assert len(result.time) == 31
+        for name in result.channels:
+            channel = result.channel(name)
+            assert channel.unit and channel.description, name
+        assert result.summary
+        for name, entry in result.summary.items():
+            assert entry.description and (entry.unit or isinstance(entry.value, str)), name
+        assert {plot["name"] for plot in result.plots} >= {"path", "steering", "yaw"}
+        turned = abs(result.channel("steering.rack").values).max()
+        assert (turned > 1e-4) == (kind != "straight")
+
+
+@pytest.mark.parametrize("kind", kinds("driver"))
+def test_driver_steers_towards_the_path(tmp_path, kind):
+    """The path bends to the left; behind the axle, the rack pulls to the right for that."""
+    manoeuvre = SLALOM.replace("DRIVER", DRIVERS[kind])
+    with drive(tmp_path, MANOEUVRE=manoeuvre) as result:
+        assert result.channel("body.yaw_rate").values[-1] > 0.01
+        assert result.channel("chassis.y").values[-1] > 0.0
+
+
+@pytest.mark.parametrize("kind", kinds("relaxation"))
+def test_relaxation_holds_a_standing_car_on_a_slope(tmp_path, kind):
+    with drive(
+        tmp_path,
+        RELAXATION=RELAXATIONS[kind],
+        ROAD="{kind: plane, slope_x: 0.05, slope_y: 0.1}",
+        SPIN="prescribed",
+        SPEED="0",
+        DURATION="3 s",
+    ) as result:
+        for name in ("chassis.x", "chassis.y"):
+            settling, standing = (
+                result.channel(name).values[:150],
+                result.channel(name).values[150:],
+            )
+            assert abs(settling).max() < 0.01  # tyres and springs give way first
+            assert abs(standing - standing[-1]).max() < 1e-4
+
+
+def test_a_car_at_standstill_has_no_side_slip(tmp_path):
+    with drive(tmp_path, SPEED="0 m/s") as result:
+        assert "largest_sideslip_angle" not in result.summary
+    with drive(tmp_path) as result:
+        assert result.summary["largest_sideslip_angle"].value < 1e-3

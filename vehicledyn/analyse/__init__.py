@@ -1,0 +1,1 @@
+"""Numerical analyses of equations: equilibrium, modes, continuation, limit cycles."""

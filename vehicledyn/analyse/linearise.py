@@ -1,0 +1,80 @@
+"""Linearise equations about any point of their motion, loops included."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from vehicledyn.base.errors import NumericalError
+from vehicledyn.kernel.derivatives import Derivatives
+from vehicledyn.kernel.engine import Vector
+from vehicledyn.symbolic.equations import Equations
+
+
+@dataclass(frozen=True)
+class Linearisation:
+    """Small motions about a point: d(δx)/dt = A δx + B δp, δy = C δx + D δp.
+
+    ``matrix`` A (n_states, n_states) and ``output_matrix`` C (n_channels, n_states), with the
+    names of their rows; ``input_matrix`` B and ``feedthrough`` D by the parameters that the
+    derivatives were made for, and ``unknowns_by_input`` dz/dp (n_unknowns, n_chosen).
+    """
+
+    matrix: Vector
+    names: tuple[str, ...]
+    output_matrix: Vector
+    channels: tuple[str, ...]
+    input_matrix: Vector
+    feedthrough: Vector
+    unknowns_by_input: Vector
+
+
+def linearise(
+    equations: Equations,
+    parameters: Any,
+    time: float,
+    state: Any,
+    unknowns: Any,
+    *,
+    derivatives: Derivatives | None = None,
+) -> Linearisation:
+    """Return the linearisation about a point, with exact derivatives.
+
+    Parameters
+    ----------
+    equations
+        The model.
+    parameters
+        Values of its parameters, shape (n_parameters,).
+    time
+        Time [s].
+    state, unknowns
+        The point; the unknowns must solve the loops.
+    derivatives
+        Those of the equations, where they are at hand already.
+
+    Raises
+    ------
+    NumericalError
+        If the loops are singular or the derivatives no finite numbers there.
+    """
+    derivatives = derivatives or Derivatives(equations)
+    point = [np.asarray(item, dtype=float) for item in (state, unknowns, parameters)]
+    total = derivatives.total(time, *point)
+    if not np.isfinite(total.rates).all():
+        row, column = np.argwhere(~np.isfinite(total.rates))[0]
+        raise NumericalError(
+            f"the derivative of the rate of '{equations.states[row].name}' by "
+            f"'{equations.states[column].name}' is no finite number at t = {time:.9g} s"
+        )
+    return Linearisation(
+        matrix=total.rates,
+        names=tuple(item.name for item in equations.states),
+        output_matrix=total.outputs,
+        channels=tuple(channel.name for channel in equations.channels),
+        input_matrix=total.rates_by_parameter,
+        feedthrough=total.outputs_by_parameter,
+        unknowns_by_input=total.unknowns_by_parameter,
+    )

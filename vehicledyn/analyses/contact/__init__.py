@@ -1,0 +1,1 @@
+"""Contact geometry of profiles, and railway tracks looked at."""

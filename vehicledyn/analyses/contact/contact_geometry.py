@@ -1,0 +1,252 @@
+"""Contact geometry of wheel and rail profiles: contact points against shift, conicity."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from vehicledyn.analyses.contact.contact_conicity import conicities
+from vehicledyn.analyses.contact.contact_curves import (
+    amplitude_grid,
+    close_standings,
+    curves,
+    standings,
+)
+from vehicledyn.analyses.contact.contact_report import ContactReport
+from vehicledyn.base.errors import InputError
+from vehicledyn.rail.geometry.contact_geometry import Touch, Wheel, place_rail
+from vehicledyn.rail.geometry.gauge_fit import check_fit
+from vehicledyn.rail.geometry.wheelset_geometry import Standing, WheelsetOnTrack, stand
+from vehicledyn.rail.profiles.open_profile import open_profile
+from vehicledyn.rail.profiles.profile import Profile
+from vehicledyn.rail.profiles.profile_names import Kind
+from vehicledyn.rail.profiles.profile_reading import AS_IT_IS, ProfileReading
+from vehicledyn.results.tables.contact_table import (
+    SIDES,
+    ContactColumns,
+    ContactTable,
+    MeasuredProfile,
+    write_contacts,
+)
+
+POINTS = 4
+"""Local minima of the gap that are kept, a side and shift."""
+
+
+@dataclass(frozen=True)
+class ContactWish:
+    """Which wheels stand on which track, and what is asked for; lengths in m, angles in rad.
+
+    ``wheels`` and ``rails`` name profile or file of left and right side, ``radii`` are those of
+    the tape circles, ``flange_back`` is the distance of a tape circle from the back of its flange.
+    """
+
+    wheels: tuple[str, str]
+    rails: tuple[str, str]
+    radii: tuple[float, float] = (0.46, 0.46)
+    gauge: float = 1.435
+    gauge_depth: float = 0.014
+    inclination: float = 0.0
+    back_to_back: float = 1.36
+    flange_back: float = 0.07
+    yaw: float = 0.0
+    curvature: float = 0.0
+    reading: ProfileReading = AS_IT_IS
+    shifts: Sequence[float] = tuple(1e-3 * k for k in range(-8, 9))
+    amplitudes: Sequence[float] = tuple(1e-3 * k for k in range(1, 8))
+
+
+def find_contact_geometry(
+    wish: ContactWish, *, output: Path | None = None, plots: Path | None = None, progress: Any
+) -> ContactReport:
+    """Return contact points, rolling radii, angles and conicity; write result and pictures.
+
+    Parameters
+    ----------
+    wish
+        What is asked for.
+    output
+        Result file, none if absent.
+    plots
+        Folder of the pictures, none if absent.
+    progress
+        Called with what is being done.
+
+    Raises
+    ------
+    InputError
+        If a profile cannot be read or the wheelset does not fit the gauge.
+    """
+    progress("reading profiles")
+    wheels = _opened(wish.wheels, "wheel", wish.reading)
+    rails = _opened(wish.rails, "rail", wish.reading)
+    wheelset = _placed(wish, wheels, rails)
+    try:
+        check_fit(wheelset, wish.gauge)
+    except InputError as error:
+        raise InputError(
+            f"{error}; --back-to-back {1e3 * wish.back_to_back:g} and --flange-back "
+            f"{1e3 * wish.flange_back:g} are taken: give what belongs to the gauge, in mm"
+        ) from None
+    progress("finding contact points")
+    standing, lost = standings(wheelset, wish.shifts, wish.yaw)
+    table = _table(wish, wheelset, standing, lost, profiles=(*wheels, *rails), progress=progress)
+    if output is not None:
+        write_contacts(output, table)
+    if plots is not None:
+        progress("drawing")
+        _draw(table, plots)
+    return ContactReport(table, output, plots)
+
+
+def _opened(texts: Sequence[str], kind: Kind, reading: ProfileReading) -> list[Profile]:
+    """Return the profiles of both sides, one and the same where they are named alike."""
+    known = {text: open_profile(text, kind, reading) for text in dict.fromkeys(texts)}
+    return [known[text] for text in texts]
+
+
+def _placed(
+    wish: ContactWish, wheels: Sequence[Profile], rails: Sequence[Profile]
+) -> WheelsetOnTrack:
+    half = 0.5 * wish.back_to_back + wish.flange_back
+    placed = [place_rail(rail, wish.inclination, wish.gauge, wish.gauge_depth) for rail in rails]
+    left, right = (Wheel(w, r, half) for w, r in zip(wheels, wish.radii, strict=True))
+    return WheelsetOnTrack(left, right, placed[0], placed[1], wish.curvature)
+
+
+def _table(
+    wish: ContactWish,
+    wheelset: WheelsetOnTrack,
+    standing: list[Standing],
+    lost: list[str],
+    *,
+    profiles: Sequence[Profile],
+    progress: Any,
+) -> ContactTable:
+    columns = _columns(wheelset, standing)
+    progress("finding jumps")
+    close, jumps = close_standings(wheelset, standing)
+    progress("finding the equivalent conicity")
+    amplitudes = np.array(wish.amplitudes, dtype=float)
+    radius = 0.5 * (wish.radii[0] + wish.radii[1])
+    base = wheelset.left_wheel.half_distance + wheelset.right_wheel.half_distance
+    grid = amplitude_grid(amplitudes)
+    cones, said = conicities(wheelset, wish.yaw, np.concatenate([amplitudes, grid]), radius, base)
+    notes = dict.fromkeys(f"{p.name}: {note}" for p in profiles for note in p.notes)
+    wheel, rail = (
+        " / ".join(dict.fromkeys(p.name for p in pair)) for pair in (profiles[:2], profiles[2:])
+    )
+    return ContactTable(
+        title=f"{wheel} on {rail}, gauge {1e3 * wish.gauge:g} mm",
+        wheel=wheel,
+        rail=rail,
+        settings={
+            "gauge": wish.gauge,
+            "gauge_depth": wish.gauge_depth,
+            "inclination": wish.inclination,
+            "back_to_back": wish.back_to_back,
+            "flange_back": wish.flange_back,
+            "radius_left": wish.radii[0],
+            "radius_right": wish.radii[1],
+            "yaw": wish.yaw,
+            "curvature": wish.curvature,
+            "smoothing": wish.reading.smoothing,
+        },
+        shift=np.array([s.lateral for s in standing]),
+        roll=np.array([s.roll for s in standing]),
+        height=np.array([s.height for s in standing]),
+        radius_difference=columns.radius[:, 0, 0] - columns.radius[:, 1, 0],
+        contacts=columns,
+        amplitude=amplitudes,
+        **{name: values[: len(amplitudes)] for name, values in cones.items()},
+        jumps=tuple((j.lateral, j.side, *j.places) for j in jumps),
+        curves=curves(
+            wheelset, close, grid, {name: v[len(amplitudes) :] for name, v in cones.items()}
+        ),
+        outlines=_outlines(wheelset, wish),
+        notes=(*notes, *_on_bridges(columns, profiles), *lost, *said),
+        measured=_measured(profiles),
+    )
+
+
+def _measured(profiles: Sequence[Profile]) -> dict[str, MeasuredProfile]:
+    """Return the profiles from files by their place, one and the same once."""
+    names = ("left_wheel", "right_wheel", "left_rail", "right_rail")
+    found: dict[str, MeasuredProfile] = {}
+    drawn: list[Profile] = []
+    for name, profile in zip(names, profiles, strict=True):
+        given = profile.measured
+        if given is None or any(profile is other for other in drawn):
+            continue
+        drawn.append(profile)
+        parts = (given.points, given.distance, given.outliers, given.bridges)
+        found[name] = MeasuredProfile(*parts)
+    return found
+
+
+def _on_bridges(columns: ContactColumns, profiles: Sequence[Profile]) -> list[str]:
+    """Return where contact lies on a stretch of a profile that was not measured."""
+    said = []
+    for k, side in enumerate(SIDES):
+        touching = (
+            (profiles[k], columns.place, "wheel"),
+            (profiles[k + 2], columns.rail_place, "rail"),
+        )
+        for profile, places, what in touching:
+            for begin, end in [] if profile.measured is None else np.sort(profile.measured.bridges):
+                inside = (places[:, k, 0] > begin) & (places[:, k, 0] < end)
+                if inside.any():
+                    said.append(
+                        f"{int(inside.sum())} of {len(inside)} contacts of the {side} {what} lie "
+                        f"on a bridged gap, y = {1e3 * begin:.4g} to {1e3 * end:.4g} mm: nothing "
+                        "was measured there"
+                    )
+    return said
+
+
+def _columns(wheelset: WheelsetOnTrack, standing: list[Standing]) -> ContactColumns:
+    shape = (len(standing), len(SIDES), POINTS)
+    names = ("place", "rail_place", "x", "y", "z", "radius", "angle", "gap")
+    found = {name: np.full(shape, np.nan) for name in names}
+    pairs = (
+        (wheelset.left_wheel, wheelset.left_rail),
+        (wheelset.right_wheel, wheelset.right_rail),
+    )
+    for n, position in enumerate(standing):
+        for k, (wheel, rail) in enumerate(pairs):
+            touch: Touch = getattr(position, SIDES[k])
+            count = min(POINTS, len(touch.gap))
+            for name in ("place", "x", "y", "z", "gap"):
+                found[name][n, k, :count] = getattr(touch, name)[:count]
+            place, y, z = found["place"][n, k], found["y"][n, k], found["z"][n, k]
+            found["rail_place"][n, k] = rail.on_profile(y, z - found["gap"][n, k])
+            found["radius"][n, k] = wheel.radius + wheel.table.height(place)
+            found["angle"][n, k, :count] = np.arctan(touch.slope[:count])
+    return ContactColumns(**found)
+
+
+def _outlines(wheelset: WheelsetOnTrack, wish: ContactWish) -> dict[str, Any]:
+    """Return the profiles as they stand at no shift, for pictures."""
+    position = stand(wheelset, 0.0, wish.yaw)
+    outlines = {}
+    for side in SIDES:
+        wheel: Wheel = getattr(wheelset, f"{side}_wheel")
+        surface = getattr(wheelset, f"{side}_rail").surface
+        places = np.linspace(wheel.table.begin, wheel.table.end, 400)
+        heights = position.height - wheel.radius - wheel.table.height(places)
+        outlines[f"{side}_wheel"] = np.column_stack([wheel.half_distance + places, heights])
+        outlines[f"{side}_wheel_begin"] = np.array([[places[0], heights[0]]])
+        y = np.linspace(surface.begin, surface.end, 300)
+        outlines[f"{side}_rail"] = np.column_stack([y, surface.height(y)])
+    return outlines
+
+
+def _draw(table: ContactTable, folder: Path) -> None:
+    from vehicledyn.results.plots.contact_figures import contact_figures
+    from vehicledyn.results.plots.picture_files import save_figures
+
+    save_figures(contact_figures(table), folder, ("png", "svg"))

@@ -1,0 +1,1 @@
+"""Hunting studies: critical speeds and limit cycles."""

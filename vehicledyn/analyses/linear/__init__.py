@@ -1,0 +1,1 @@
+"""Equilibrium, eigenmodes and frequency responses of models."""

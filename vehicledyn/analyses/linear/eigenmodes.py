@@ -1,0 +1,212 @@
+"""The verb "eig": eigenmodes and mode shapes about straight running, or of a system."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from vehicledyn.analyse.linearise import Linearisation, linearise
+from vehicledyn.analyse.modes import Mode, eigenmodes
+from vehicledyn.analyses.linear.mode_report import ModesAtSpeed, ModesReport
+from vehicledyn.analyses.preparation.build_model import Target
+from vehicledyn.analyses.preparation.own_speed import at_speed, refuse_idle_speed, speed_matters
+from vehicledyn.analyses.preparation.prepare import (
+    Prepared,
+    Progress,
+    Start,
+    prepare,
+    reference_point,
+    start_point,
+)
+from vehicledyn.analyses.preparation.steadiness import unsteadiness
+from vehicledyn.analyses.preparation.system_runnable import SystemSubject
+from vehicledyn.base.errors import InputError
+from vehicledyn.base.units import shown
+from vehicledyn.files.scenario import LoadedScenario
+from vehicledyn.kernel.kernel import Backend
+from vehicledyn.results.hdf5.output import check_folder, check_output
+from vehicledyn.results.plots.mode_figures import mode_figures
+from vehicledyn.results.plots.picture_files import save_figures
+from vehicledyn.results.store.linear_file import Quantity
+from vehicledyn.results.tables.mode_table import ModeCase, ModeTable, write_modes
+
+__all__ = ["ModesAtSpeed", "ModesReport", "find_modes"]
+
+_EQUAL = 1e-6
+"""Part by which two participations may differ and count as equal [1]."""
+
+
+def find_modes(
+    target: Target | Sequence[tuple[str, Target]],
+    *,
+    speeds: Sequence[float],
+    start: Start | None = None,
+    backend: Backend,
+    progress: Progress,
+    output: Path | None = None,
+    plots: Path | None = None,
+) -> ModesReport:
+    """Return the modes of a vehicle about its steady motion straight ahead, or of a system.
+
+    A system is linearised about the start that its scenario names, else about the equilibrium
+    near its start values.
+
+    Parameters
+    ----------
+    target
+        A scenario or a model, or several variants of one with a text each that says what is
+        changed; each goes through all speeds.
+    speeds
+        Forward speeds [m/s]; empty for the scenario's own.
+    start
+        Point to linearise about, see :func:`vehicledyn.analyses.preparation.prepare.start_point`;
+        None for the usual one.
+    backend, progress
+        As for a run.
+    output
+        Result file to write.
+    plots
+        Folder for root locus and mode shapes.
+
+    Raises
+    ------
+    InputError
+        If a file cannot be written, or speeds are given to a system that has none.
+    NumericalError
+        If there is no steady motion at a speed.
+    """
+    if output is not None:
+        check_output(output)
+    if plots is not None:
+        check_folder(plots)
+    variants = [("", target)] if not isinstance(target, Sequence) else list(target)
+    found: list[ModesAtSpeed] = []
+    cases: list[ModeCase] = []
+    table = ModeTable("", "", (), (), (), ())
+    has_speed = True
+    before: Target | None = None
+    for setting, variant, speed in _cases(variants, speeds):
+        if variant is not before:
+            prepared = prepare(
+                variant,
+                backend=backend,
+                progress=progress,
+                check=refuse_idle_speed if speeds else None,
+            )
+            before = variant
+        own = _empty_table(prepared, variant)
+        if found and own.states != table.states:
+            raise InputError(f"--set {setting}: changes which states the model has")
+        table = table if found else own
+        has_speed = speed_matters(prepared.subject)
+        place = f" at {shown(speed, 'm/s')}" if has_speed else ""
+        progress(f"linearising{place}", None)
+        scenario = variant if isinstance(variant, LoadedScenario) else None
+        entry, linear = _modes_at(prepared, speed, start, scenario)
+        found.append(replace(entry, setting=setting))
+        cases.append(_case(table, found[-1], linear))
+    whole = replace(table, cases=tuple(cases))
+    if output is not None:
+        write_modes(output, whole)
+    if plots is not None:
+        progress("drawing", None)
+        save_figures(mode_figures(whole), plots, ("png", "svg"))
+    return ModesReport(whole.model, found, whole, has_speed)
+
+
+def _cases(
+    variants: Sequence[tuple[str, Target]], speeds: Sequence[float]
+) -> Iterator[tuple[str, Target, float]]:
+    """Yield what is changed, the target and its speed of each case [m/s]."""
+    for setting, variant in variants:
+        own: Sequence[float | None] = [None]
+        for wanted in speeds or own:
+            target, speed = at_speed(variant, wanted)
+            if speed is None and isinstance(target, LoadedScenario):
+                speed = target.scenario.speed
+            yield setting, target, speed or 0.0
+
+
+def _modes_at(
+    prepared: Prepared, speed: float, wanted: Start | None, scenario: LoadedScenario | None
+) -> tuple[ModesAtSpeed, Linearisation]:
+    """Return the modes about the reference motion at a speed."""
+    is_system = isinstance(prepared.subject, SystemSubject)
+    if wanted is None:
+        start = scenario.scenario.start if scenario else None
+        point = reference_point(prepared, speed, start, is_system=is_system)
+    else:
+        point = start_point(prepared, speed, _checked(prepared, wanted, speed))
+    linear = linearise(
+        prepared.equations,
+        prepared.kernel.parameters,
+        prepared.subject.balance_time,
+        point.state,
+        point.unknowns,
+        derivatives=prepared.derivatives,
+    )
+    remark = unsteadiness(prepared, point) if is_system or wanted not in (None, "steady") else ""
+    return ModesAtSpeed(speed, eigenmodes(linear.matrix, linear.names), "", remark), linear
+
+
+def _checked(prepared: Prepared, wanted: Start, speed: float) -> Start:
+    """Return a start that the subject can have; a vehicle that stands is steady at rest."""
+    if wanted != "steady":
+        return wanted
+    if isinstance(prepared.subject, SystemSubject):
+        raise InputError("--start steady: is for vehicles; take 'nominal' or 'static'")
+    return "steady" if speed > 0.0 else "static"
+
+
+def _empty_table(prepared: Prepared, target: Target) -> ModeTable:
+    """Return a table without cases."""
+    e = prepared.equations
+    names = {channel.name for channel in e.channels}
+    title = target.scenario.title if isinstance(target, LoadedScenario) else e.name
+    return ModeTable(
+        title,
+        e.name,
+        tuple(Quantity(s.name, s.unit, s.description) for s in e.states),
+        tuple(Quantity(c.name, c.unit, c.description) for c in e.channels),
+        tuple(j.name for j in prepared.subject.system.joints() if j.name in names),
+        (),
+    )
+
+
+def _case(table: ModeTable, entry: ModesAtSpeed, linear: Linearisation) -> ModeCase:
+    """Return the modes with their shapes in all channels, scaled."""
+    shapes = [_scaled(table, mode, linear) for mode in entry.modes]
+    return ModeCase(
+        entry.speed,
+        entry.setting,
+        np.array([mode.eigenvalue for mode in entry.modes], dtype=complex),
+        tuple(mode.kind for mode in entry.modes),
+        _stacked([state for state, _ in shapes], len(table.states)),
+        _stacked([channel for _, channel in shapes], len(table.channels)),
+        _stacked([mode.participation for mode in entry.modes], len(table.states)).real,
+    )
+
+
+def _scaled(table: ModeTable, mode: Mode, linear: Linearisation) -> tuple[Any, Any]:
+    """Return the shape in states and channels, 1 at the coordinate that takes part most."""
+    channels = linear.output_matrix @ mode.shape
+    if mode.is_zero:
+        return mode.shape, channels
+    shares = table.shares(mode.participation)
+    moving = [(shares[name], name) for name in table.coordinates if shares.get(name, 0.0) > 0.0]
+    if not moving:
+        return mode.shape, channels
+    most = max(moving)[0]
+    leading = next(name for share, name in moving if share >= most - _EQUAL)
+    scale = channels[table.columns([leading])[0]]
+    if abs(scale) <= np.finfo(float).tiny:
+        return mode.shape, channels
+    return mode.shape / scale, channels / scale
+
+
+def _stacked(rows: list[Any], width: int) -> Any:
+    return np.stack(rows).astype(complex) if rows else np.zeros((0, width), dtype=complex)

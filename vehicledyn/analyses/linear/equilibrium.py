@@ -1,0 +1,181 @@
+"""The verb "equilibrium": nominal position and equilibrium of a vehicle side by side."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vehicledyn.analyses.linear.stability import Stability, stability_of
+from vehicledyn.analyses.preparation.build_model import Target
+from vehicledyn.analyses.preparation.own_speed import at_speed, own_speed, refuse_idle_speed
+from vehicledyn.analyses.preparation.prepare import (
+    Point,
+    Prepared,
+    Progress,
+    equilibrium_point,
+    nominal_point,
+    prepare,
+)
+from vehicledyn.base.units import shown
+from vehicledyn.files.scenario import LoadedScenario
+from vehicledyn.kernel.kernel import Backend
+
+_FORCE_UNITS = ("N", "N*m")
+_SMALL = 5e-10
+
+
+@dataclass(frozen=True)
+class Row:
+    """One quantity in the nominal position and in equilibrium, in SI."""
+
+    name: str
+    unit: str
+    nominal: float
+    equilibrium: float
+
+
+@dataclass(frozen=True)
+class EquilibriumReport:
+    """Coordinates and forces of a vehicle in the nominal position and in equilibrium."""
+
+    model: str
+    speed: float
+    kind: str
+    residual: float
+    coordinates: list[Row]
+    forces: list[Row]
+    stability: Stability = field(default_factory=Stability)
+
+    def as_text(self) -> str:
+        """Return the report as a table."""
+        head = f"{self.model}: {self.kind} equilibrium"
+        if self.speed:
+            head += f" at {shown(self.speed, 'm/s')}"
+        lines = [
+            f"{head}, largest unbalanced acceleration {self.residual:.1e}",
+            self.stability.as_text(),
+            "",
+            f"{'coordinate':34} {'nominal':>16} {'equilibrium':>16} {'change':>16}",
+        ]
+        for row in self.coordinates:
+            lines.append(_line(row.name, *_position_texts(row)))
+        lines += ["", f"{'force':34} {'nominal':>16} {'equilibrium':>16} {'change':>16}"]
+        for row in self.forces:
+            change = row.equilibrium - row.nominal
+            numbers = (row.nominal, row.equilibrium, change)
+            lines.append(_line(row.name, *(f"{_clean(v):.3f} {row.unit}" for v in numbers)))
+        return "\n".join(lines)
+
+    def as_dict(self) -> dict[str, Any]:
+        """Return the report as plain data in SI."""
+
+        def table(rows: list[Row]) -> dict[str, Any]:
+            return {
+                r.name: {"unit": r.unit, "nominal": r.nominal, "equilibrium": r.equilibrium}
+                for r in rows
+            }
+
+        return {
+            "model": self.model,
+            "speed": self.speed,
+            "kind": self.kind,
+            "residual": self.residual,
+            "stability": self.stability.as_dict(),
+            "coordinates": table(self.coordinates),
+            "forces": table(self.forces),
+        }
+
+
+def find_equilibrium(
+    target: Target, *, speed: float | None, backend: Backend, progress: Progress
+) -> EquilibriumReport:
+    """Return the equilibrium of a vehicle, or of a system at rest.
+
+    Parameters
+    ----------
+    target
+        A scenario or a model.
+    speed
+        Forward speed [m/s]; None for a model that stands, or for the start of a scenario.
+    backend, progress
+        As for a run.
+
+    Raises
+    ------
+    NumericalError
+        If there is no equilibrium; the message names what stays unbalanced.
+    """
+    is_own = own_speed(target) is not None
+    target, speed = at_speed(target, speed)
+    check = refuse_idle_speed if speed else None
+    prepared = prepare(target, backend=backend, progress=progress, check=check)
+    kind, wanted = "static", 0.0
+    if is_own:
+        wanted = speed or 0.0
+    elif speed is not None:
+        kind, wanted = ("steady" if speed > 0.0 else "static"), speed
+    elif isinstance(target, LoadedScenario) and prepared.subject.usual_start == "steady":
+        kind, wanted = target.scenario.start or "steady", target.scenario.speed or 0.0
+    moving = 0.0 if kind == "static" else wanted
+    progress("finding the equilibrium", None)
+    start = nominal_point(prepared, moving)
+    point = equilibrium_point(prepared, moving, "steady" if moving else "static")
+    is_still = not moving and prepared.subject.settling is None
+    if is_still:
+        start, point = _still(prepared, start), _still(prepared, point)
+    nominal, balanced = _channels(prepared, start), _channels(prepared, point)
+    progress("finding its stability", None)
+    stability = stability_of(prepared, point)
+    coordinates, forces = _tables(prepared, nominal, balanced)
+    told = 0.0 if is_still else wanted
+    return EquilibriumReport(
+        prepared.equations.name, told, kind, point.residual, coordinates, forces, stability
+    )
+
+
+def _still(prepared: Prepared, point: Point) -> Point:
+    """Return a point without the velocities that a start gives it."""
+    state = point.state.copy()
+    state[list(prepared.equations.velocities)] = 0.0
+    return replace(point, state=state)
+
+
+def _channels(prepared: Prepared, point: Point) -> NDArray[np.float64]:
+    """Return all outputs at a point, evaluated now while its speed is set."""
+    return np.array(
+        prepared.kernel.outputs(prepared.subject.balance_time, point.state, point.unknowns)
+    )
+
+
+def _tables(
+    prepared: Prepared, nominal: NDArray[np.float64], balanced: NDArray[np.float64]
+) -> tuple[list[Row], list[Row]]:
+    e = prepared.equations
+    coordinates = {s.name for s in (*(e.states[k] for k in e.positions), *e.unknowns)}
+    rows = [
+        Row(c.name, c.unit, float(a), float(b))
+        for c, a, b in zip(e.channels, nominal, balanced, strict=True)
+    ]
+    return (
+        [row for row in rows if row.name in coordinates],
+        [row for row in rows if row.unit in _FORCE_UNITS],
+    )
+
+
+def _position_texts(row: Row) -> tuple[str, str, str]:
+    factor, unit = (180.0 / np.pi, "deg") if row.unit == "rad" else (1e3, "mm")
+    values = (row.nominal, row.equilibrium, row.equilibrium - row.nominal)
+    nominal, balanced, change = (f"{_clean(v * factor):.4f} {unit}" for v in values)
+    return nominal, balanced, change
+
+
+def _line(name: str, nominal: str, balanced: str, change: str) -> str:
+    return f"{name:34} {nominal:>16} {balanced:>16} {change:>16}"
+
+
+def _clean(value: float) -> float:
+    """Return zero for what is zero but for rounding."""
+    return 0.0 if abs(value) < _SMALL else value

@@ -1,0 +1,101 @@
+"""Whether what balances stays: the modes of small motions about an equilibrium."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+from vehicledyn.analyse.linearise import linearise
+from vehicledyn.analyse.modes import Mode, eigenmodes
+from vehicledyn.analyses.linear.mode_report import NEAR_ZERO, STABLE
+from vehicledyn.analyses.preparation.prepare import Point, Prepared
+from vehicledyn.base.errors import InputError, NumericalError
+
+_TOLD = 3
+
+
+@dataclass(frozen=True)
+class Stability:
+    """How small motions about an equilibrium go on, counted by modes, and which of them grow.
+
+    ``unknown`` says why it could not be found, else it is empty. Modes that neither grow nor
+    decay are free motions and undamped oscillations.
+    """
+
+    growing: tuple[Mode, ...] = ()
+    decaying: int = 0
+    neutral: int = 0
+    unknown: str = ""
+
+    @property
+    def verdict(self) -> str:
+        """One word: stable, unstable, neutral or unknown."""
+        if self.unknown:
+            return "unknown"
+        if self.growing:
+            return "unstable"
+        return "stable" if self.decaying or not self.neutral else "neutral"
+
+    def as_text(self) -> str:
+        """Return verdict, counts and the growing modes, fastest first."""
+        if self.unknown:
+            return f"stability not known: {self.unknown}"
+        counts = [f"{self.decaying} decay"]
+        if self.neutral:
+            counts.append(f"{self.neutral} neither grow nor decay (free or undamped)")
+        if not self.growing:
+            return f"{self.verdict}: of small motions {', '.join(counts)}"
+        fastest = [
+            f"{_value(mode)} with {', '.join(mode.dominant[:_TOLD])}"
+            for mode in self.growing[:_TOLD]
+        ]
+        counts.insert(0, f"{len(self.growing)} grow")
+        return f"unstable: of small motions {', '.join(counts)}; fastest {'; '.join(fastest)}"
+
+    def as_dict(self) -> dict[str, Any]:
+        """Return the same as plain data in SI."""
+        return {
+            "verdict": self.verdict,
+            "unknown": self.unknown,
+            "decaying": self.decaying,
+            "neutral": self.neutral,
+            "growing": [
+                {
+                    "real": mode.eigenvalue.real,
+                    "imaginary": mode.eigenvalue.imag,
+                    "states": list(mode.dominant),
+                }
+                for mode in self.growing
+            ],
+        }
+
+
+def stability_of(prepared: Prepared, point: Point) -> Stability:
+    """Return the stability of an equilibrium, by the eigenvalues of the linearised equations.
+
+    A mode grows or decays where the real part of its eigenvalue is beyond 1e-6 /s, and its size
+    beyond that of a free motion on which the speed slowly falls.
+    """
+    try:
+        linear = linearise(
+            prepared.equations,
+            prepared.kernel.parameters,
+            prepared.subject.balance_time,
+            point.state,
+            point.unknowns,
+            derivatives=prepared.derivatives,
+        )
+    except (InputError, NumericalError) as error:
+        return Stability(unknown=str(error))
+    modes = eigenmodes(linear.matrix, linear.names)
+    moving = [m for m in modes if abs(m.eigenvalue) >= NEAR_ZERO]
+    growing = [m for m in moving if m.eigenvalue.real > STABLE]
+    decaying = sum(1 for m in moving if m.eigenvalue.real < -STABLE)
+    growing.sort(key=lambda mode: -mode.eigenvalue.real)
+    return Stability(tuple(growing), decaying, len(modes) - len(growing) - decaying)
+
+
+def _value(mode: Mode) -> str:
+    value = mode.eigenvalue
+    rate = f"{value.real:+.4g}"
+    return f"{rate} ± {value.imag:.4g}i /s" if mode.is_oscillation else f"{rate} /s"

@@ -1,0 +1,1 @@
+"""Mechanisms: kinematics along driven paths, inverse dynamics."""

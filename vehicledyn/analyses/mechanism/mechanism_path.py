@@ -1,0 +1,396 @@
+"""Sweep the loops of a system along driven paths: positions, velocity ratios, singular places."""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, field
+from itertools import product
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.linalg import qr
+
+from vehicledyn.analyse.continuation import (
+    Equations,
+    SingularPlace,
+    Way,
+    follow,
+    singular_direction,
+    tangents,
+)
+from vehicledyn.base.errors import InputError, unknown_name
+from vehicledyn.base.units import shown
+from vehicledyn.multibody.loops.position_level import Positions
+
+Array = NDArray[np.float64]
+_RANK = 1e-9
+_NAMED = 0.9
+"""Coordinates that move at least this part of what the freest one does are named."""
+
+Told = Callable[[str, float | None], None]
+
+
+@dataclass(frozen=True)
+class Drive:
+    """A coordinate or another channel and the values it is given one after the other, in SI."""
+
+    channel: str
+    values: tuple[float, ...]
+
+
+@dataclass(frozen=True)
+class Mechanism:
+    """A system with the coordinates that move and the channels that are driven.
+
+    ``moving`` are indices of coordinates that loops and drives determine together, ``held``
+    names of coordinates that would be free and stay at their start.
+    """
+
+    positions: Positions
+    drives: tuple[int, ...]
+    moving: tuple[int, ...]
+    held: tuple[str, ...]
+
+    @property
+    def gaps(self) -> int:
+        """Number of rows of the loops; those of the drives come after them."""
+        return len(self.positions.cuts)
+
+    @property
+    def equations(self) -> Equations:
+        """Gaps and driven channels as functions of the moving coordinates."""
+        p, drives, moving = self.positions, list(self.drives), list(self.moving)
+
+        def rows(u: Array) -> Array:
+            q = self.full(u)
+            return np.concatenate([p.residual(q), p.values(q)[drives]])
+
+        def jacobian(u: Array) -> Array:
+            q = self.full(u)
+            return np.vstack([p.jacobian(q), p.slopes(q)[drives]])[:, moving]
+
+        return Equations(rows, jacobian)
+
+    def full(self, u: Array) -> Array:
+        """Return all coordinates, those that do not move at their start."""
+        q = self.positions.start.copy()
+        q[list(self.moving)] = u
+        return q
+
+    def targets(self, values: Sequence[float]) -> Array:
+        """Return the targets of the rows for values of the drives."""
+        return np.concatenate([np.zeros(self.gaps), np.asarray(values, dtype=float)])
+
+    def freest(self, direction: Array) -> list[str]:
+        """Return the names of the coordinates that move most in a direction."""
+        sizes = np.abs(direction)
+        names = [self.positions.coordinates[k].name for k in self.moving]
+        return [n for n, s in zip(names, sizes, strict=True) if s >= _NAMED * sizes.max()]
+
+
+@dataclass(frozen=True)
+class Sample:
+    """One place of a sweep: its number in the grid, all channels, velocity ratios.
+
+    ``ratios`` are the derivatives of the channels, and of the velocities, by each drive, shape
+    (n_drives, n_channels + n_speeds); not numbers where the place is singular.
+    """
+
+    index: tuple[int, ...]
+    coordinates: Array
+    values: Array
+    ratios: Array
+
+
+@dataclass(frozen=True)
+class Finding:
+    """A singular place, or one beyond which the loops do not close: drives, words."""
+
+    drives: tuple[float, ...]
+    coordinates: tuple[str, ...]
+    words: str
+
+
+@dataclass
+class Sweep:
+    """Samples in the order of the grid, singular places, and what could not be reached."""
+
+    samples: list[Sample] = field(default_factory=list)
+    singular: list[Finding] = field(default_factory=list)
+    failures: list[Finding] = field(default_factory=list)
+    is_interrupted: bool = False
+
+
+def mechanism(positions: Positions, driven: Sequence[str], hold: Sequence[str] = ()) -> Mechanism:
+    """Return a system made ready to be swept.
+
+    Coordinates that are declared independent or driven stay at their start unless they are
+    drives themselves, or a drive has nothing else to move. Of the others, those that loops and
+    drives leave free stay too.
+
+    Parameters
+    ----------
+    positions
+        The system.
+    driven
+        Names of the channels that are driven: coordinates or sensors.
+    hold
+        Names of coordinates that are to stay.
+
+    Raises
+    ------
+    InputError
+        If a name is unknown, a drive can move nothing or depends on the others.
+    """
+    names = [c.name for c in positions.channels]
+    coordinates = [c.name for c in positions.coordinates]
+    for name in driven:
+        if name not in names:
+            raise InputError(unknown_name("coordinate or sensor of positions", name, names))
+    for name in hold:
+        if name not in coordinates:
+            raise InputError(unknown_name("coordinate", name, coordinates))
+    if len(set(driven)) != len(driven):
+        raise InputError("a channel is driven twice; name each drive once")
+    drives = tuple(names.index(name) for name in driven)
+    own = {coordinates.index(name) for name in driven if name in coordinates}
+    stay = {coordinates.index(name) for name in hold}
+    roles = [c.role for c in positions.coordinates]
+    groups = [
+        [k for k in sorted(own) if k not in stay],
+        [k for k, r in enumerate(roles) if r == "dependent" and k not in own | stay],
+        [k for k, r in enumerate(roles) if r == "auto" and k not in own | stay],
+        [k for k, r in enumerate(roles) if r == "independent" and k not in own | stay],
+    ]
+    moving = _choose_moving(positions, drives, groups)
+    settled = set(moving)
+    held = tuple(coordinates[k] for group in groups for k in group if k not in settled) + tuple(
+        hold
+    )
+    return Mechanism(positions, drives, tuple(sorted(moving)), held)
+
+
+def _choose_moving(
+    positions: Positions, drives: Sequence[int], groups: Sequence[Sequence[int]]
+) -> list[int]:
+    """Return as many coordinates as loops and drives determine, of the first groups first."""
+    gaps = positions.jacobian(positions.start)
+    rows = np.vstack([gaps, positions.slopes(positions.start)[list(drives)]])
+    chosen: list[int] = []
+    for group in groups:
+        chosen += _independent(rows, chosen, list(group))
+    if len(chosen) - _rank(gaps[:, chosen]) < len(drives):
+        listed = ", ".join(f"'{positions.channels[k].name}'" for k in drives)
+        raise InputError(
+            f"the loops do not leave {listed} free to be driven at the start: too little freedom "
+            "is left, or the place is singular; drive fewer channels, hold fewer coordinates, or "
+            "start elsewhere"
+        )
+    return chosen
+
+
+def _independent(rows: Array, chosen: list[int], group: list[int]) -> list[int]:
+    """Return the columns of a group that are independent of the chosen ones."""
+    rest = rows[:, group]
+    if not rest.size:
+        return []
+    if chosen:
+        basis = rows[:, chosen]
+        rest = rest - basis @ np.linalg.lstsq(basis, rest, rcond=None)[0]
+    _, triangle, order = qr(rest, mode="economic", pivoting=True)
+    sizes = np.abs(np.diag(triangle))
+    limit = _RANK * max(1.0, float(np.abs(rows).max()))
+    return [group[int(k)] for k in order[: int(np.sum(sizes > limit))]]
+
+
+def _rank(matrix: Array) -> int:
+    if not matrix.size:
+        return 0
+    sizes = np.linalg.svd(matrix, compute_uv=False)
+    return int(np.sum(sizes > _RANK * max(1.0, float(sizes.max()))))
+
+
+def run_sweep(
+    machine: Mechanism,
+    drives: Sequence[Drive],
+    *,
+    together: bool,
+    told: Told = lambda text, part: None,
+) -> Sweep:
+    """Return the places of a sweep, from the one nearest the start outwards.
+
+    Parameters
+    ----------
+    machine
+        The system.
+    drives
+        What is driven, in the order of the machine's drives.
+    together
+        Whether the drives move at once, through values of the same number, instead of through
+        all combinations.
+    told
+        Told the part that is done.
+    """
+    return _Explorer(machine, drives, together, told).go()
+
+
+class _Explorer:
+    """Reaches the places of a grid from each other, nearest to the start first."""
+
+    def __init__(
+        self, machine: Mechanism, drives: Sequence[Drive], together: bool, told: Told
+    ) -> None:
+        self.machine, self.equations, self.told = machine, machine.equations, told
+        self.together = together
+        self.drives = drives
+        self.shape = (len(drives[0].values),) if together else tuple(len(d.values) for d in drives)
+        self.found = Sweep()
+        self.solved: dict[tuple[int, ...], Array] = {}
+        self.headings: dict[tuple[int, ...], tuple[Array, Array]] = {}
+        self.failed: dict[tuple[int, ...], Finding] = {}
+
+    def go(self) -> Sweep:
+        """Return what was reached; an interrupt leaves it as it is."""
+        try:
+            self._explore()
+        except KeyboardInterrupt:
+            self.found.is_interrupted = True
+        samples = [self._sample(index) for index in sorted(self.solved)]
+        self.found.samples = samples
+        lost = [finding for index, finding in self.failed.items() if index not in self.solved]
+        self.found.failures = list({f.words: f for f in lost}.values())
+        order = [s.drives for s in self.found.singular]
+        self.found.singular = [
+            f for k, f in enumerate(self.found.singular) if not _told_before(f, order[:k])
+        ]
+        return self.found
+
+    def _explore(self) -> None:
+        p = self.machine.positions
+        start = p.start[list(self.machine.moving)]
+        first = [float(p.values(p.start)[k]) for k in self.machine.drives]
+        nearest = self._nearest(first)
+        if not self._reach(nearest, start, first, None):
+            return
+        waiting = deque([nearest])
+        total = int(np.prod(self.shape))
+        while waiting:
+            index = waiting.popleft()
+            self.told("sweeping", len(self.solved) / total)
+            for other in self._neighbours(index):
+                if other in self.solved:
+                    continue
+                if self._reach(other, self.solved[index], self._values(index), index):
+                    waiting.append(other)
+
+    def _values(self, index: tuple[int, ...]) -> list[float]:
+        if self.together:
+            return [d.values[index[0]] for d in self.drives]
+        return [d.values[k] for d, k in zip(self.drives, index, strict=True)]
+
+    def _nearest(self, first: Sequence[float]) -> tuple[int, ...]:
+        spans = [float(np.ptp(d.values)) or 1.0 for d in self.drives]
+
+        def distance(index: tuple[int, ...]) -> float:
+            pairs = zip(self._values(index), first, spans, strict=True)
+            return float(sum(((value - here) / span) ** 2 for value, here, span in pairs))
+
+        return min(product(*map(range, self.shape)), key=distance)
+
+    def _neighbours(self, index: tuple[int, ...]) -> Iterator[tuple[int, ...]]:
+        for axis, size in enumerate(self.shape):
+            for step in (-1, 1):
+                if 0 <= index[axis] + step < size:
+                    yield (*index[:axis], index[axis] + step, *index[axis + 1 :])
+
+    def _reach(
+        self,
+        index: tuple[int, ...],
+        here: Array,
+        before: Sequence[float],
+        origin: tuple[int, ...] | None,
+    ) -> bool:
+        """Go from one place to another; note what is met on the way."""
+        first, last = self.machine.targets(before), self.machine.targets(self._values(index))
+        way = follow(self.equations, here, first, last, self._heading(origin, last - first))
+        for place in way.passed:
+            finding = self._finding(place, first, last)
+            self.found.singular.append(finding)
+        if way.reached < 1.0:
+            self.failed.setdefault(index, self._failure(index, way, first, last))
+            return False
+        self.solved[index] = way.unknowns
+        if way.heading is not None:
+            self.headings[index] = last - first, way.heading
+        return True
+
+    def _heading(self, origin: tuple[int, ...] | None, move: Array) -> Array | None:
+        """Return where the unknowns were going when they came to a place, for a move like that."""
+        if origin not in self.headings:
+            return None
+        before, heading = self.headings[origin]
+        share = float(before @ move) / float(before @ before)
+        return heading * share if np.allclose(share * before, move) else None
+
+    def _at(self, part: float, first: Array, last: Array) -> tuple[float, ...]:
+        return tuple(map(float, (first + part * (last - first))[self.machine.gaps :]))
+
+    def _finding(self, place: SingularPlace, first: Array, last: Array) -> Finding:
+        values = self._at(place.part, first, last)
+        names = tuple(self.machine.freest(place.direction))
+        at = self._place(values)
+        words = f"singular at {at}: the drives do not determine {_listed(names)} there"
+        return Finding(values, names, words)
+
+    def _failure(self, index: tuple[int, ...], way: Way, first: Array, last: Array) -> Finding:
+        values = self._at(way.reached, first, last)
+        goal = self._place(self._values(index))
+        names: tuple[str, ...] = ()
+        reason = "no step however small finds a solution"
+        if way.dead_end is not None:
+            names = tuple(self.machine.freest(way.dead_end.direction))
+            reason = f"dead centre of {_listed(names)}"
+        words = f"the loops close up to {self._place(values)} on the way to {goal}: {reason}"
+        return Finding(values, names, words)
+
+    def _place(self, values: Sequence[float]) -> str:
+        channels = [self.machine.positions.channels[k] for k in self.machine.drives]
+        return ", ".join(
+            f"{c.name} = {_shown(v, c.unit)}" for c, v in zip(channels, values, strict=True)
+        )
+
+    def _sample(self, index: tuple[int, ...]) -> Sample:
+        m, p, u = self.machine, self.machine.positions, self.solved[index]
+        q = m.full(u)
+        moves = np.eye(m.gaps + len(m.drives))[:, m.gaps :]
+        motion = tangents(self.equations, u, moves)
+        width = len(p.channels) + len(p.speeds)
+        if motion is None:
+            self._note_singular(u)
+            ratios = np.full((len(m.drives), width), np.nan)
+        else:
+            slopes = np.vstack([p.slopes(q), p.speed_slopes(q)])[:, list(m.moving)]
+            ratios = (slopes @ motion).T
+        return Sample(index, q, p.values(q), ratios)
+
+    def _note_singular(self, u: Array) -> None:
+        direction = singular_direction(self.equations, u)
+        if direction is not None:
+            targets = self.equations.rows(u)
+            place = SingularPlace(0.0, u, direction)
+            self.found.singular.append(self._finding(place, targets, targets))
+
+
+def _listed(names: Sequence[str]) -> str:
+    return ", ".join(f"'{name}'" for name in names)
+
+
+def _told_before(finding: Finding, others: Sequence[tuple[float, ...]]) -> bool:
+    return any(np.allclose(finding.drives, o, rtol=1e-9, atol=1e-9) for o in others)
+
+
+def _shown(value: float, unit: str) -> str:
+    """Return a place in millimetres or degrees, to seven digits."""
+    factor, name = {"m": (1e3, "mm"), "rad": (180.0 / np.pi, "deg")}.get(unit, (1.0, unit))
+    return f"{value * factor:.7g} {name}".rstrip() if np.isfinite(value) else shown(value, unit)

@@ -1,0 +1,143 @@
+"""Build what a scenario runs, or a model by itself, ready to be derived."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from vehicledyn.analyses.preparation.road_runnable import RoadSubject
+from vehicledyn.analyses.preparation.runnable import Subject
+from vehicledyn.analyses.preparation.system_runnable import SystemSubject
+from vehicledyn.base.errors import InputError
+from vehicledyn.base.parameters import ParameterSet
+from vehicledyn.base.registry import find
+from vehicledyn.files.scenario import LoadedModel, LoadedScenario
+from vehicledyn.rail.track.track_set import TrackChoice
+from vehicledyn.road.limits import limited
+from vehicledyn.road.manoeuvres.manoeuvre import RoadManoeuvre
+from vehicledyn.road.manoeuvres.straight import Straight
+from vehicledyn.road.surfaces.surface import RoadSurface
+from vehicledyn.road.vehicle import RoadOptions, RoadVehicle
+
+if TYPE_CHECKING:
+    from vehicledyn.files.building.values import RoadChoice
+    from vehicledyn.files.system.read import SystemModel
+
+Target = LoadedScenario | LoadedModel
+
+
+def system_of(target: Target) -> SystemModel | None:
+    """Return the system that a target's own file writes, None where it names a model."""
+    if target.written is None:
+        return None
+    from vehicledyn.files.system.read import SystemModel
+
+    return target.written if isinstance(target.written, SystemModel) else None
+
+
+def build_subject(target: Target) -> Subject:
+    """Return what a scenario runs, or a model by itself.
+
+    Raises
+    ------
+    InputError
+        If the scenario lacks a part that it needs.
+    """
+    written = system_of(target)
+    if written is not None and not written.is_vehicle:
+        from vehicledyn.files.building import construct
+
+        return SystemSubject(construct.build_system(written, _choice(target)))
+    return RoadSubject(build_vehicle(target), manoeuvre_of(target))
+
+
+def manoeuvre_of(target: Target) -> RoadManoeuvre:
+    """Return the manoeuvre of a scenario; a model by itself goes straight."""
+    if isinstance(target, LoadedModel):
+        return Straight()
+    manoeuvre = target.scenario.manoeuvre
+    if manoeuvre is None:
+        return Straight()
+    if not isinstance(manoeuvre, RoadManoeuvre):
+        raise InputError(f"{target.path}: manoeuvre '{manoeuvre.kind}' is not for a road vehicle")
+    return manoeuvre
+
+
+def build_vehicle(target: Target) -> RoadVehicle:
+    """Return the vehicle with its tyres on its road, steered by its manoeuvre, with its limits.
+
+    Raises
+    ------
+    InputError
+        If the scenario lacks a part that the vehicle needs, all missing parts at once.
+    """
+    written = system_of(target)
+    if written is not None:
+        from vehicledyn.files.building import construct
+
+        return limited(manoeuvre_of(target).fit(construct.build_vehicle(written, _choice(target))))
+    if isinstance(target, LoadedModel):
+        model = find("model", target.name)
+        options: RoadOptions = model.standard_options()
+    else:
+        model = find("model", target.scenario.model)
+        options = _options(target)
+    vehicle: RoadVehicle = model.build(target.model_parameters, options)
+    return limited(manoeuvre_of(target).fit(vehicle))
+
+
+def _options(loaded: LoadedScenario) -> RoadOptions:
+    s = loaded.scenario
+    problems = [
+        f"{loaded.path}: {key}: missing: {why}"
+        for key, value, why in (
+            ("tyres", s.tyres, "a road vehicle needs a tyre law, such as 'kind: calspan'"),
+            ("road", s.road, "a road vehicle needs a road, such as 'kind: flat'"),
+            ("wheel_spin", s.wheel_spin, "say 'free' or 'prescribed'"),
+        )
+        if value is None
+    ]
+    is_free = s.wheel_spin == "free"
+    problems += [
+        f"{loaded.path}: manoeuvre: {text}"
+        for text in manoeuvre_of(loaded).problems(free_wheels=is_free)
+    ]
+    if problems:
+        raise InputError("\n".join([*problems, f"{len(problems)} problem(s) in {loaded.path}"]))
+    return RoadOptions(
+        front_tyre=s.tyres.front,  # type: ignore[union-attr, arg-type]
+        rear_tyre=s.tyres.rear,  # type: ignore[union-attr, arg-type]
+        surface=_road(loaded),  # type: ignore[arg-type]
+        free_wheels=is_free,
+        speed=s.speed or 0.0,
+        contact=s.contact or "disc",
+        relaxation=s.relaxation,  # type: ignore[arg-type]
+    )
+
+
+def _choice(target: Target) -> RoadChoice:
+    """Return what a scenario chooses for the wheels of a system file."""
+    from vehicledyn.files.building.values import RoadChoice
+
+    if isinstance(target, LoadedModel):
+        return RoadChoice()
+    s = target.scenario
+    problems = manoeuvre_of(target).problems(free_wheels=s.wheel_spin != "prescribed")
+    if problems:
+        raise InputError("\n".join(f"{target.path}: manoeuvre: {text}" for text in problems))
+    return RoadChoice(
+        front_tyre=s.tyres.front if s.tyres else None,
+        rear_tyre=s.tyres.rear if s.tyres else None,
+        surface=_road(target),
+        free_wheels=s.wheel_spin != "prescribed",
+        speed=s.speed or 0.0,
+        contact=s.contact or "disc",
+        relaxation=s.relaxation,
+        track=s.track.track(target.path.parent) if isinstance(s.track, TrackChoice) else None,
+        creep=s.creep,
+        rail_contact=s.rail_contact,
+    )
+
+
+def _road(loaded: LoadedScenario) -> ParameterSet | None:
+    road = loaded.scenario.road
+    return road.placed(loaded.path.parent) if isinstance(road, RoadSurface) else road

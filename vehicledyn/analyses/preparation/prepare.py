@@ -1,0 +1,319 @@
+"""Derive and compile what is to run, and bring it to the state it starts from."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from typing import TYPE_CHECKING, Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vehicledyn.analyses.preparation.build_model import Target, build_subject
+from vehicledyn.analyses.preparation.error_locations import told_with_places
+from vehicledyn.analyses.preparation.mass_checks import refuse_idle_start
+from vehicledyn.analyses.preparation.road_runnable import RoadSubject
+from vehicledyn.analyses.preparation.runnable import Subject, index_of
+from vehicledyn.analyses.preparation.start_rates import start_rates
+from vehicledyn.base.errors import InputError
+from vehicledyn.base.interrupts import undisturbed
+from vehicledyn.kernel.kernel import Backend, Kernel, compile_kernel
+from vehicledyn.road.vehicle import RoadVehicle
+from vehicledyn.symbolic.equations import Equations
+
+if TYPE_CHECKING:
+    from vehicledyn.kernel.derivatives import Derivatives, Slopes
+    from vehicledyn.multibody.equations.derivation import Derivation
+    from vehicledyn.multibody.equations.singular_mass import Resistance
+    from vehicledyn.multibody.loops.partition_monitor import PartitionWatch
+
+Vector = NDArray[np.float64]
+Progress = Callable[[str, float | None], None]
+Start = Literal["nominal", "static", "steady"]
+
+BALANCE_TOLERANCE = 1e-9
+"""Largest acceleration that counts as balanced [m/s², rad/s²]."""
+
+_LET_DOWN = 1e-3
+"""Step in which a road vehicle is let down until its wheels carry it [m or rad]."""
+
+
+@dataclass
+class Derived:
+    """The derivation of a target, made when it is first asked for."""
+
+    target: Target
+    subject: Subject
+
+    @cached_property
+    def derivation(self) -> Derivation:
+        """The system solved for its accelerations."""
+        from vehicledyn.multibody.equations.derivation import solve_motion
+
+        with undisturbed(), told_with_places(self.target):
+            return solve_motion(self.subject.system)
+
+    @cached_property
+    def equations(self) -> Equations:
+        """Its equations."""
+        from vehicledyn.multibody.equations.derivation import equations_of
+
+        with undisturbed(), told_with_places(self.target):
+            return equations_of(self.derivation)
+
+
+Check = Callable[[Derived], object]
+"""Refuses what cannot be done with something derived; asking for its equations derives them."""
+
+
+@dataclass
+class Prepared:
+    """A subject with its equations and kernel; the rest is made when first needed.
+
+    ``look`` is what pictures show, see
+    :func:`vehicledyn.multibody.equations.system_shapes.appearance`.
+    """
+
+    subject: Subject
+    equations: Equations
+    kernel: Kernel
+    derived: Derived
+    _derivatives: list[Derivatives] = field(default_factory=list)
+    look: dict[str, Any] = field(default_factory=dict)
+
+    @cached_property
+    def watch(self) -> PartitionWatch:
+        """Compares partitions of the coordinates."""
+        from vehicledyn.multibody.loops.partition_monitor import PartitionWatch, bound_to
+
+        derivation = self.derived.derivation
+        joints = derivation.symbols.joints
+        return PartitionWatch(joints, derivation.loops.gaps, bound_to(derivation.system))
+
+    @property
+    def resistance(self) -> Resistance:
+        """Tells which motions have inertia."""
+        return self.derived.derivation.resistance
+
+    @property
+    def derivatives(self) -> Derivatives:
+        """Exact Jacobians of the equations."""
+        from vehicledyn.kernel.derivatives import Derivatives
+
+        refuse_multipliers(self.equations)
+        if not self._derivatives:
+            self._derivatives.append(Derivatives(self.equations))
+        return self._derivatives[0]
+
+    def with_derivatives(self, derivatives: Derivatives) -> Prepared:
+        """Return the same with Jacobians that were made before."""
+        return replace(self, _derivatives=[derivatives])
+
+    @property
+    def vehicle(self) -> RoadVehicle:
+        """The road vehicle.
+
+        Raises
+        ------
+        InputError
+            If it is none.
+        """
+        if not isinstance(self.subject, RoadSubject):
+            raise InputError(f"'{self.equations.name}' is no road vehicle")
+        return self.subject.vehicle
+
+    def index(self, state: str) -> int:
+        """Return the index of a state by name."""
+        return index_of(self.equations, state)
+
+
+def refuse_multipliers(equations: Equations) -> None:
+    """Raise InputError where all coordinates are states, which are not free to be varied."""
+    if equations.structure.get("constraint_method") == "multipliers":
+        raise InputError(
+            f"the constraints of '{equations.name}' are treated with multipliers, which serve runs "
+            "only; equilibria and linear analyses need independent coordinates: give the system "
+            "'constraint_method: partitioning'"
+        )
+
+
+@dataclass(frozen=True)
+class Point:
+    """States and unknowns that fulfil the constraints; ``residual`` the largest unbalance."""
+
+    state: Vector
+    unknowns: Vector
+    residual: float = 0.0
+
+
+def prepare(
+    target: Target,
+    *,
+    backend: Backend,
+    progress: Progress,
+    change: Callable[[Subject], Subject] | None = None,
+    check: Check | None = None,
+) -> Prepared:
+    """Return the derived and compiled system of a scenario or model.
+
+    Parameters
+    ----------
+    target
+        A scenario or a model.
+    backend
+        "auto", "compiled" or "interpreted".
+    progress
+        Told what is going on and the part done.
+    change
+        Returns a changed subject, before its equations are derived.
+    check
+        Raises InputError for what cannot be done with the subject; looks at no more than it
+        needs of it, so that a refusal does not wait for a derivation or a compiler.
+    """
+    progress("deriving the equations of motion", None)
+    with undisturbed(), told_with_places(target):
+        subject = build_subject(target)
+        if change is not None:
+            subject = change(subject)
+    derived = Derived(target, subject)
+    if check is not None:
+        check(derived)
+    kernel = compile_kernel(derived.equations, backend=backend, progress=progress)
+    return Prepared(subject, derived.equations, kernel, derived)
+
+
+def start_point(
+    prepared: Prepared, speed: float, kind: Start | None, *, slopes: Slopes | None = None
+) -> Point:
+    """Return the point a scenario starts from, at a speed [m/s].
+
+    "nominal" is the position that the system's own start values assemble to; "static" and
+    "steady" are equilibria, see :func:`equilibrium_point`. None asks for what is usual.
+    """
+    chosen = kind or prepared.subject.usual_start
+    if chosen == "nominal":
+        return nominal_point(prepared, speed)
+    how: Literal["static", "steady"] = "static" if chosen == "static" else "steady"
+    return equilibrium_point(prepared, speed, how, slopes=slopes)
+
+
+def reference_point(
+    prepared: Prepared,
+    speed: float,
+    start: Start | None,
+    *,
+    is_system: bool,
+    slopes: Slopes | None = None,
+) -> Point:
+    """Return the point to linearise about.
+
+    A vehicle runs straight at a steady speed, or stands; of a system it is the start that its
+    scenario names, else the equilibrium. ``slopes`` are derivatives of the equations, where
+    others than the prepared ones are quicker.
+    """
+    if is_system:
+        return start_point(prepared, speed, start or "static", slopes=slopes)
+    how: Literal["static", "steady"] = "steady" if speed > 0.0 else "static"
+    return equilibrium_point(prepared, speed, how, slopes=slopes)
+
+
+def nominal_point(prepared: Prepared, speed: float) -> Point:
+    """Return the system in its nominal position at a forward speed [m/s].
+
+    Raises
+    ------
+    InputError
+        If the rates it is given to start with contradict its constraints.
+    """
+    state = prepared.subject.start_state(prepared.equations, speed)
+    return _moving(prepared, _closed(prepared, state, speed))
+
+
+def equilibrium_point(
+    prepared: Prepared,
+    speed: float,
+    kind: Literal["static", "steady"],
+    *,
+    slopes: Slopes | None = None,
+) -> Point:
+    """Return the equilibrium of the system, moving at a speed.
+
+    "static" balances it at rest and then gives it the velocities of its start; "steady"
+    balances all but the slow loss of speed at the speed itself, including the spin of free
+    wheels.
+    """
+    from vehicledyn.analyse.equilibrium import find_equilibrium
+
+    refuse_multipliers(prepared.equations)
+    e, subject = prepared.equations, prepared.subject
+    balanced_speed = 0.0 if kind == "static" else speed
+    moving = subject.start_state(e, speed)
+    state = subject.still_state(e) if kind == "static" else moving
+    start = _closed(prepared, state, balanced_speed)
+    refuse_idle_start(prepared, subject.balance_time, start.state, start.unknowns)
+    free, rates = subject.balance_pairs(e, balanced_speed)
+    found = find_equilibrium(
+        e,
+        prepared.kernel,
+        time=subject.balance_time,
+        state=start.state,
+        unknowns=start.unknowns,
+        free=free,
+        balanced=rates,
+        tolerance=BALANCE_TOLERANCE,
+        derivatives=slopes or prepared.derivatives,
+        settling=_let_down(prepared, start) or subject.settling,
+    )
+    final = found.state.copy()
+    if kind == "static":
+        velocities = [k for k in e.velocities if k not in free]
+        final[velocities] = moving[velocities]
+        set_speed(prepared, speed)
+    return _moving(prepared, Point(final, found.unknowns, found.residual))
+
+
+def _let_down(prepared: Prepared, start: Point) -> float | None:
+    """Return the step in which a road vehicle settles that starts with a wheel off the ground.
+
+    Wheels that only just touch count, since rounding alone would tell which of them carry [m or
+    rad].
+    """
+    subject, e = prepared.subject, prepared.equations
+    if not isinstance(subject, RoadSubject):
+        return None
+    outputs = prepared.kernel.outputs(subject.balance_time, start.state, start.unknowns)
+    loads = {f"{corner.name}.tyre.normal_force" for corner in subject.vehicle.corners}
+    values = zip(e.channels, outputs, strict=True)
+    hangs = any(value <= 0.0 for channel, value in values if channel.name in loads)
+    return _LET_DOWN if hangs else None
+
+
+def set_speed(prepared: Prepared, speed: float) -> None:
+    """Set the parameters of the kernel that depend on the speed [m/s]."""
+    changed = prepared.subject.parameters_at(speed)
+    if not changed:
+        return
+    names = [p.name for p in prepared.equations.parameters]
+    values = prepared.kernel.parameters.copy()
+    for name, value in changed.items():
+        values[names.index(name)] = value
+    prepared.kernel.set_parameters(values)
+
+
+def _moving(prepared: Prepared, point: Point) -> Point:
+    """Return a point with the rates that were given to its coordinates, dependent ones too."""
+    subject = prepared.subject
+    state = start_rates(
+        prepared.kernel, subject.given_rates, subject.balance_time, point.state, point.unknowns
+    )
+    return Point(state, point.unknowns, point.residual)
+
+
+def _closed(prepared: Prepared, state: Vector, speed: float) -> Point:
+    """Return a state with its loops closed, near where they were assembled."""
+    from vehicledyn.analyse.equilibrium import assemble
+
+    guess = np.array([u.start for u in prepared.equations.unknowns])
+    set_speed(prepared, speed)
+    return Point(state, assemble(prepared.kernel, prepared.subject.balance_time, state, guess))

@@ -1,0 +1,35 @@
+"""Tell batches of cases how well constraints determine rates that no loop determines."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vehicledyn.kernel.rate_monitor import RateWatch
+from vehicledyn.symbolic.equations import Equations
+
+if TYPE_CHECKING:
+    from vehicledyn.multibody.loops.partition_monitor import PartitionWatch
+
+Vector = NDArray[np.float64]
+
+
+def rates_watched(
+    equations: Equations, make_watch: Callable[[], PartitionWatch]
+) -> RateWatch | None:
+    """Return what tells of the dependent rates of a model, None where it has none of its own."""
+    structure: dict[str, Any] = equations.structure
+    if not structure.get("rate_dependent"):
+        return None
+    watch = make_watch()
+    place = {channel.name: k for k, channel in enumerate(equations.channels)}
+    names = [name for name in watch.names if name in place]
+    dependent = [*structure["dependent"], *structure["rate_dependent"]]
+
+    def determinants(times: Vector, values: Vector) -> Vector:
+        return watch.pivots(times, dict(zip(names, values.T, strict=True)), dependent)
+
+    return RateWatch([place[name] for name in names], determinants)

@@ -1,0 +1,1 @@
+"""Simulation of a scenario into a result file."""

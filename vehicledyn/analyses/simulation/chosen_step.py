@@ -1,0 +1,46 @@
+"""The step of a fixed-step method that a scenario leaves to the program."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from vehicledyn.base.errors import NumericalError
+from vehicledyn.integrate.proposed_step import proposed_step
+
+if TYPE_CHECKING:
+    from vehicledyn.analyses.preparation.prepare import Point
+    from vehicledyn.kernel.kernel import Kernel
+
+
+def leaves_step(solver: Any) -> bool:
+    """Return whether a method needs a step that its settings do not say."""
+    return hasattr(solver, "fixed_method") and solver.step is None
+
+
+def with_step(solver: Any, kernel: Kernel, start: Point, interval: float) -> Any:
+    """Return the settings of a method with a step that suits the motion at its start.
+
+    Parameters
+    ----------
+    solver
+        Settings; those that need no step, or say theirs, are returned as they are.
+    kernel
+        The model with its parameters set.
+    start
+        Where the run starts.
+    interval
+        Time between samples, which the step divides [s].
+
+    Raises
+    ------
+    NumericalError
+        If the motion near the start cannot be computed.
+    """
+    if not leaves_step(solver):
+        return solver
+    point = (0.0, start.state, start.unknowns)
+    try:
+        step = proposed_step(kernel, solver.fixed_method, point, interval)
+    except NumericalError as error:
+        raise NumericalError(f"no step can be chosen: {error}; give solver.step") from None
+    return solver.model_copy(update={"step": step})

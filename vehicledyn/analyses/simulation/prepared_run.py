@@ -1,0 +1,102 @@
+"""Prepare a run: derived, compiled and at its start, or as it was remembered from last time."""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+import numpy as np
+
+import vehicledyn
+from vehicledyn.analyses.preparation.build_model import build_subject
+from vehicledyn.analyses.preparation.error_locations import told_with_places
+from vehicledyn.analyses.preparation.mass_checks import refuse_idle_start, refuse_rigid_loops
+from vehicledyn.analyses.preparation.prepare import (
+    Check,
+    Derived,
+    Point,
+    Prepared,
+    Progress,
+    prepare,
+    start_point,
+)
+from vehicledyn.analyses.preparation.run_cache import Memory, key_of_run, recall, remember
+from vehicledyn.analyses.simulation.animation_recorder import look_of
+from vehicledyn.files.scenario import LoadedScenario
+from vehicledyn.kernel.kernel import Backend, known_kernel
+from vehicledyn.symbolic.cached_equations import equations_from, facts_of
+
+
+def prepare_run(
+    loaded: LoadedScenario, *, backend: Backend, progress: Progress, check: Check | None = None
+) -> tuple[Prepared, Point]:
+    """Return what a scenario runs and the point it starts from.
+
+    Where both are remembered, nothing is derived until something is asked for that only the
+    derivation knows. Compiled runs that gave no warning are remembered. ``check`` is that of
+    :func:`~vehicledyn.analyses.preparation.prepare.prepare`, which what is remembered does without.
+    """
+    key = None if backend == "interpreted" else key_of_run(loaded)
+    memory = None if key is None else recall(key)
+    found = None if memory is None else _from_memory(loaded, memory)
+    if found is not None:
+        return found
+    with _warnings() as told:
+        prepared = prepare(loaded, backend=backend, progress=progress, check=check)
+        progress("finding the point to start from", None)
+        with told_with_places(loaded):
+            refuse_rigid_loops(prepared)
+            start = start_point(prepared, loaded.scenario.speed or 0.0, loaded.scenario.start)
+            refuse_idle_start(prepared, 0.0, start.state, start.unknowns)
+    prepared.look = look_of(prepared)
+    if key is not None and prepared.kernel.key and not told:
+        remember(key, _memory_of(prepared, start))
+    return prepared, start
+
+
+def _from_memory(loaded: LoadedScenario, memory: Memory) -> tuple[Prepared, Point] | None:
+    derived = Derived(loaded, build_subject(loaded))
+    equations = equations_from(memory.facts, lambda: derived.equations)
+    kernel = known_kernel(equations, memory.kernel)
+    if kernel is None:
+        return None
+    kernel.set_parameters(memory.parameters)
+    start = Point(np.array(memory.state), np.array(memory.unknowns), memory.residual)
+    return Prepared(derived.subject, equations, kernel, derived, look=memory.look), start
+
+
+def _memory_of(prepared: Prepared, start: Point) -> Memory:
+    return Memory(
+        facts_of(prepared.equations),
+        prepared.kernel.key,
+        start.state.tolist(),
+        start.unknowns.tolist(),
+        float(start.residual),
+        prepared.kernel.parameters.tolist(),
+        prepared.look,
+    )
+
+
+class _Collector(logging.Handler):
+    """Keeps the messages it is given."""
+
+    def __init__(self, level: int) -> None:
+        super().__init__(level)
+        self.records: list[logging.LogRecord] = []
+
+    def emit(self, record: logging.LogRecord) -> None:
+        """Keep a message."""
+        self.records.append(record)
+
+
+@contextmanager
+def _warnings() -> Iterator[list[logging.LogRecord]]:
+    """Collect the warnings that are given meanwhile."""
+    handler = _Collector(logging.WARNING)
+    logger = logging.getLogger(vehicledyn.__name__)
+    logger.addHandler(handler)
+    try:
+        yield handler.records
+    finally:
+        logger.removeHandler(handler)

@@ -1,0 +1,258 @@
+"""Simulate constrained motion with multipliers: put the states back, watch the Jacobian's rank.
+
+The equations project the states wherever they are evaluated; so that drift stays small, runs go
+in pieces, each of which begins on the constraints. Between two looks at the motion the sign of
+det(J J'ᵀ), J' being the Jacobian of the look before, tells whether it has lost its rank: it is
+positive for any small change but one through a singular configuration.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from itertools import pairwise
+from typing import TYPE_CHECKING, Any, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vehicledyn.base.errors import NumericalError
+from vehicledyn.integrate.judged_quantities import Judged
+from vehicledyn.integrate.simulate import Solver, simulate
+from vehicledyn.integrate.task import Happened, Sink, Statistics, joined
+from vehicledyn.kernel.kernel import Kernel, Progress
+
+if TYPE_CHECKING:
+    from vehicledyn.multibody.loops.partition_monitor import PartitionWatch
+
+Vector = NDArray[np.float64]
+
+_Sample: TypeAlias = tuple[float, Vector, Vector, Vector]
+"""Time, states, unknowns and outputs."""
+
+_LOOKS = 16
+"""Looks at a motion in a piece of it."""
+_STEPS, _SPAN = 20, 0.02
+"""Steps of a fixed size between looks, and the time between them where steps vary [s]."""
+_DEPENDENT = 1e-10
+"""Squared sine of the angle between a constraint and others below which it depends on them [1]."""
+_SHARE = 0.3
+_DENSE = 60
+"""Rows up to which a determinant is found by dense elimination."""
+
+
+@dataclass
+class ProjectedRun:
+    """A run of equations with multipliers, from one sample on to the end."""
+
+    kernel: Kernel
+    solver: Solver
+    start: float
+    stop: float
+    interval: float
+    sink: Sink
+    progress: Progress
+    happened: Happened
+    make_watch: Callable[[], PartitionWatch]
+    judged: Judged | None = None
+    _delivered: int = 0
+    _parts: list[Statistics] = field(default_factory=list)
+    _last: _Sample | None = None
+    _jacobian: Vector | None = None
+    _is_first: bool = True
+
+    @cached_property
+    def _watch(self) -> PartitionWatch:
+        return self.make_watch()
+
+    def go(self, state: Vector, unknowns: Vector, *, skip: bool = False) -> Statistics:
+        """Run to the end; the first sample is not handed on if ``skip``.
+
+        Raises
+        ------
+        NumericalError
+            If the integration cannot go on; constraints that become dependent are named.
+        """
+        whole = math.floor((self.stop - self.start) / self.interval * (1.0 + 1e-12) + 1e-9)
+        first, count = 0, whole * self._every
+        self._is_first = not skip
+        while True:
+            last = min(count, first + _LOOKS)
+            found = self._piece(first, last, state, unknowns)
+            self._parts.append(found)
+            if found.ended_by or last >= count:
+                return replace(joined(self._parts), samples=self._delivered)
+            first = last
+            state, unknowns = self._projected()
+
+    @cached_property
+    def _every(self) -> int:
+        """Number of looks in a sampling interval."""
+        return looks_between(self.solver, self.interval)
+
+    def _piece(self, first: int, last: int, state: Vector, unknowns: Vector) -> Statistics:
+        look = self.interval / self._every
+        begin = self.start + first * look
+
+        def take(times: Vector, x: Vector, z: Vector, y: Vector) -> None:
+            numbers = (times - self.start) / look
+            nearest = np.round(numbers)
+            wanted = (np.abs(numbers - nearest) > 1e-6) | (nearest % self._every == 0)
+            wanted &= (nearest != first) | self._is_first
+            for k in range(len(times)):
+                self._look(times[k], x[k], z[k], y[k])
+            self._delivered += int(wanted.sum())
+            if wanted.any():
+                self.sink(times[wanted], x[wanted], z[wanted], y[wanted])
+
+        try:
+            return simulate(
+                self.kernel,
+                self.solver,
+                start=begin,
+                stop=begin + (last - first) * look,
+                state=state,
+                unknowns=unknowns,
+                interval=look,
+                sink=take,
+                progress=self._tell,
+                happened=self.happened,
+                judged=self.judged,
+            )
+        except NumericalError as error:
+            weak = self._weak()
+            raise NumericalError(f"{error}; {weak}" if weak else str(error)) from None
+        finally:
+            self._is_first = False
+
+    def _tell(self, what: str, part: float | None) -> None:
+        if part is not None and self._last is not None and self.stop > self.start:
+            part = (self._last[0] - self.start) / (self.stop - self.start)
+        self.progress(what, part)
+
+    def _look(self, time: float, state: Vector, unknowns: Vector, outputs: Vector) -> None:
+        """Keep a sample; raise NumericalError if the constraints lost their rank before it."""
+        sample = float(time), state.copy(), unknowns.copy(), outputs.copy()
+        start, before, now = self._last, self._jacobian, self._scaled_jacobian(sample)
+        self._last, self._jacobian = sample, now
+        if start is None or before is None or not len(now) or _is_positive(now, before):
+            return
+        if self._is_crossed(start, before, float(time)):
+            raise NumericalError(
+                f"the constraints lose their rank before t = {time:.9g} s: {self._named(now)}; the "
+                "motion is not unique there, let it start elsewhere or take 'constraint_method: "
+                "partitioning', which passes singular configurations"
+            )
+
+    def _is_crossed(self, start: _Sample, before: Vector, stop: float) -> bool:
+        """Return whether the rank is lost between two looks, which may be far apart: look closer.
+
+        Short rods may turn by more than a right angle between looks, which is no loss of rank.
+        """
+        time, state, unknowns, outputs = start
+        if stop - time < 1e-12:
+            return False
+        step = getattr(self.solver, "step", None)
+        count = _STEPS if step is None else max(1, round((stop - time) / step))
+        jacobians = [before]
+
+        def take(times: Vector, x: Vector, z: Vector, y: Vector) -> None:
+            for k in range(len(times)):
+                sample = float(times[k]), x[k], z[k], y[k]
+                jacobians.append(self._scaled_jacobian(sample))
+
+        simulate(
+            self.kernel,
+            self.solver,
+            start=time,
+            stop=stop,
+            state=projected(self.kernel, state, outputs),
+            unknowns=unknowns,
+            interval=(stop - time) / count,
+            sink=take,
+            progress=lambda what, part: None,
+            happened=lambda name, time: None,
+        )
+        return not all(_is_positive(b, a) for a, b in pairwise(jacobians))
+
+    def _scaled_jacobian(self, sample: _Sample | None) -> Vector:
+        """Return the Jacobian of the kept rows at a sample, its rows of length one."""
+        if sample is None:
+            return np.zeros((0, 0))
+        time, _, _, outputs = sample
+        names = (c.name for c in self.kernel.equations.channels)
+        values = dict(zip(names, map(float, outputs), strict=True))
+        rows = self._watch.independent_rows(time, values)
+        lengths = np.linalg.norm(rows, axis=1, keepdims=True)
+        return np.asarray(rows / np.where(lengths > 0.0, lengths, 1.0))
+
+    def _weak(self) -> str:
+        """Return which constraints hardly differ at the last sample, if any."""
+        rows = self._scaled_jacobian(self._last)
+        if not len(rows) or np.linalg.svd(rows, compute_uv=False)[-1] ** 2 > _DEPENDENT:
+            return ""
+        return self._named(rows)
+
+    def _named(self, rows: Vector) -> str:
+        shares = np.abs(np.linalg.svd(rows)[0][:, -1])
+        cuts = self._watch.cuts_of_rows
+        found = [cuts[k] for k in np.argsort(-shares) if shares[k] > _SHARE * shares.max()]
+        listed = ", ".join(f"'{name}'" for name in dict.fromkeys(found))
+        return f"those of {listed} depend on each other"
+
+    def _projected(self) -> tuple[Vector, Vector]:
+        """Return the last sample with its states on the constraints."""
+        if self._last is None:
+            raise ValueError("no sample has been taken yet")
+        _, state, unknowns, outputs = self._last
+        return projected(self.kernel, state, outputs), unknowns
+
+
+def projected(kernel: Kernel, state: Vector, outputs: Vector) -> Vector:
+    """Return a state on the constraints, from the channels there."""
+    e = kernel.equations
+    places = {c.name: k for k, c in enumerate(e.channels)}
+    found = state.copy()
+    for k in (*e.positions, *e.velocities):
+        found[k] = outputs[places[e.states[k].name]]
+    return found
+
+
+def looks_between(solver: Any, interval: float) -> int:
+    """Return how many looks there are in a sampling interval, a divisor of its steps."""
+    step = getattr(solver, "step", None)
+    if step is None:
+        return max(1, math.ceil(interval / _SPAN))
+    count = max(1, round(interval / step))
+    return next(k for k in range(max(1, count // _STEPS), 0, -1) if count % k == 0)
+
+
+def _is_positive(now: Vector, before: Vector) -> bool:
+    """Return whether det(J J'ᵀ) is positive."""
+    from scipy.sparse import csr_matrix
+    from scipy.sparse.linalg import splu
+
+    product = csr_matrix(now) @ csr_matrix(before).T
+    if len(now) <= _DENSE:
+        return bool(np.linalg.slogdet(product.toarray())[0] > 0.0)
+    try:
+        factors = splu(product.tocsc())
+    except RuntimeError:
+        return False
+    sign = np.prod(np.sign(factors.U.diagonal())) * np.prod(np.sign(factors.L.diagonal()))
+    return bool(sign * _parity(factors.perm_r) * _parity(factors.perm_c) > 0.0)
+
+
+def _parity(order: Any) -> int:
+    """Return 1 or -1, the sign of a permutation."""
+    sign, seen = 1, np.zeros(len(order), dtype=bool)
+    for k in range(len(order)):
+        length, at = 0, k
+        while not seen[at]:
+            seen[at] = True
+            at, length = int(order[at]), length + 1
+        if length and length % 2 == 0:
+            sign = -sign
+    return sign

@@ -1,0 +1,417 @@
+"""One run from scenario to result file: the whole pipeline on one page."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator
+from contextlib import closing, contextmanager
+from dataclasses import dataclass, field, fields
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vehicledyn.analyses.preparation.mass_checks import (
+    constraint_notes,
+    hardly_resisted,
+)
+from vehicledyn.analyses.preparation.model_hash import model_hash
+from vehicledyn.analyses.preparation.prepare import Point, Prepared, Progress
+from vehicledyn.analyses.preparation.sources import sources_of
+from vehicledyn.analyses.simulation.animation_recorder import Recorder, surroundings_of
+from vehicledyn.analyses.simulation.chosen_step import leaves_step, with_step
+from vehicledyn.analyses.simulation.judgement import judged_by
+from vehicledyn.analyses.simulation.kinked_drives import kinked_drives
+from vehicledyn.analyses.simulation.mended_profiles import mended_profiles
+from vehicledyn.analyses.simulation.moved_starts import moved_starts
+from vehicledyn.analyses.simulation.prepared_run import prepare_run
+from vehicledyn.analyses.simulation.repartitioning import simulate_watched
+from vehicledyn.analyses.simulation.restart import SINGULAR_ANGLES, Restart, open_restart
+from vehicledyn.analyses.simulation.run_recording import RunRecording
+from vehicledyn.analyses.simulation.singular_turns import SingularTurns
+from vehicledyn.analyses.simulation.standing_wheels import standing_wheels
+from vehicledyn.analyses.simulation.track_positions import track_place
+from vehicledyn.analyses.simulation.wanted_outputs import needed_channels, written_channels
+from vehicledyn.base.errors import InputError, NumericalError
+from vehicledyn.base.units import shown
+from vehicledyn.files.scenario import LoadedScenario
+from vehicledyn.integrate.course import Course, most_numbers
+from vehicledyn.integrate.task import Statistics
+from vehicledyn.kernel.kernel import Backend
+from vehicledyn.results.hdf5.output import check_folder, check_output
+from vehicledyn.results.store.history import History
+from vehicledyn.results.store.layout import EventRecord, ResultHeader, SummaryEntry
+from vehicledyn.results.store.writer import ResultWriter
+from vehicledyn.symbolic.equations import Event
+
+Matrix = NDArray[np.float64]
+EXIT_OK, EXIT_NEGATIVE, EXIT_FAILED, EXIT_INTERRUPTED = 0, 1, 3, 130
+
+_DID = {
+    "derailed": "left its rail",
+    "lifted": "lifted off its rail",
+    "overturned": "rolled over",
+    "sunk": "went through the road",
+}
+_OF_WHEELS = ("derailed", "lifted")
+
+
+@dataclass(frozen=True)
+class ShownEntry:
+    """A line of the summary: value in SI, unit, and the text a person reads."""
+
+    value: float | int | bool | str
+    unit: str
+    text: str
+
+
+@dataclass(frozen=True)
+class RunOutcome:
+    """What came of a run: the result file, how it ended, key figures, messages."""
+
+    path: Path
+    status: str
+    exit_code: int
+    summary: dict[str, ShownEntry]
+    messages: list[str]
+
+
+def run_scenario(
+    loaded: LoadedScenario,
+    *,
+    output: Path,
+    backend: Backend,
+    plots: Path | None,
+    progress: Progress,
+    restart: Path | None = None,
+) -> RunOutcome:
+    """Simulate a scenario and write its result file and figures.
+
+    Parameters
+    ----------
+    loaded
+        The validated scenario.
+    output
+        Result file; it is checked before anything is computed.
+    backend
+        "auto", "compiled" or "interpreted".
+    plots
+        Folder for the figures, None for no figures.
+    progress
+        Told what is going on and the part done.
+    restart
+        Result, partial or whole, of the same equations and parameters to go on from.
+
+    Returns
+    -------
+    RunOutcome
+        A failed or interrupted run keeps what it computed and says so in its status; so does one
+        that ended by a derailment.
+
+    Raises
+    ------
+    InputError
+        If the scenario lacks a part that what it runs needs, the output cannot be written, or
+        what is to be gone on from does not fit.
+    NumericalError
+        If the loops cannot be assembled or there is no equilibrium to start from.
+    """
+    check_output(output)
+    if plots is not None:
+        check_folder(plots)
+    prepared, start = prepare_run(
+        loaded, backend=backend, progress=progress, check=partial(written_channels, loaded)
+    )
+    kept, described = written_channels(loaded, prepared)
+    recorder = None
+    if loaded.scenario.output.animation:
+        names = [channel.name for channel in prepared.equations.channels]
+        recorder = Recorder.of(prepared.look, names, loaded.scenario.output.interval)
+    solver = with_step(
+        loaded.scenario.solver, prepared.kernel, start, loaded.scenario.output.interval
+    )
+    notes = constraint_notes(prepared)
+    if leaves_step(loaded.scenario.solver):
+        notes.append(f"step: {shown(solver.step, 's')}, chosen from the motion at the start")
+    if loaded.scenario.start in (None, "nominal"):
+        notes.extend(moved_starts(prepared, start))
+    notes.extend(standing_wheels(prepared, start))
+    notes.extend(kinked_drives(prepared.subject, loaded.scenario.duration))
+    notes.extend(mended_profiles(loaded))
+    turns = SingularTurns.of(prepared.subject.system, prepared.equations)
+    needed = needed_channels(prepared)
+    run = _Run(loaded, prepared, kept, needed, described, recorder, notes, turns, solver)
+    with _opened(restart, loaded, prepared, kept) as known:
+        run.simulate(start, output, progress, known)
+    messages = [_kernel_message(prepared), *notes, *run.messages]
+    if plots is not None and run.samples and described:
+        progress("drawing the figures", None)
+        message, code = _draw(output, plots)
+        messages.append(message)
+        run.exit_code = run.exit_code or code
+    return RunOutcome(
+        output, run.status, run.exit_code, {e.name: _shown(e) for e in run.summary}, messages
+    )
+
+
+@contextmanager
+def _opened(
+    path: Path | None, loaded: LoadedScenario, prepared: Prepared, kept: list[int]
+) -> Iterator[Restart | None]:
+    if path is None:
+        yield None
+        return
+    names = [prepared.equations.channels[k].name for k in kept]
+    known = open_restart(path, loaded, prepared, names, model_hash(prepared))
+    with known.result:
+        yield known
+
+
+def _draw(output: Path, folder: Path) -> tuple[str, int]:
+    """Draw the figures; return a message and exit code. A failure leaves the result whole."""
+    from vehicledyn.results.plots.run_plots import draw_plots
+
+    try:
+        return f"{len(draw_plots(output, folder))} figures in {folder}", EXIT_OK
+    except KeyboardInterrupt:
+        return f"stopped while drawing; the result {output} is whole", EXIT_INTERRUPTED
+    except InputError as error:
+        return f"the result {output} is whole, but not its figures: {error}", error.exit_code
+
+
+@dataclass
+class _Run:
+    """A simulation while it runs: writes samples and collects what the summary needs."""
+
+    loaded: LoadedScenario
+    prepared: Prepared
+    kept: list[int]
+    needed: list[int]
+    plots: list[dict[str, Any]]
+    recorder: Recorder | None
+    notes: list[str]
+    turns: SingularTurns
+    solver: Any
+    status: str = "ok"
+    exit_code: int = EXIT_OK
+    samples: int = 0
+    messages: list[str] = field(default_factory=list)
+    summary: list[SummaryEntry] = field(default_factory=list)
+    events: list[EventRecord] = field(default_factory=list)
+    _last: tuple[float, Matrix, Matrix] | None = None
+
+    def __post_init__(self) -> None:
+        channels = self.prepared.equations.channels
+        names, units = [c.name for c in channels], [c.unit for c in channels]
+        self._recording = RunRecording(names, units, self.kept, self.needed)
+
+    def simulate(
+        self, start: Point, output: Path, progress: Progress, known: Restart | None = None
+    ) -> None:
+        """Integrate and write the result; an error or Ctrl-C closes the file as partial."""
+        s = self.loaded.scenario
+        statistics: Statistics | None = None
+        message = ""
+        unwritten: InputError | None = None
+        with self._writer(output, hidden=known is not None) as writer, closing(self._recording):
+            try:
+                if known is not None:
+                    self._take_known(writer, known)
+                statistics = simulate_watched(
+                    self.prepared.subject.system,
+                    self.prepared.kernel,
+                    self.solver,
+                    start=0.0,
+                    stop=s.duration,
+                    state=start.state if known is None else known.state,
+                    unknowns=start.unknowns if known is None else known.unknowns,
+                    interval=s.output.interval,
+                    sink=lambda t, x, z, y: self._take(writer, t, x, z, y),
+                    progress=progress,
+                    happened=lambda name, t: self._happened(writer, EventRecord(t, name)),
+                    watch=lambda: self.prepared.watch,
+                    judged=judged_by(self.prepared.subject, self.prepared.equations),
+                    course=Course(
+                        lambda t, numbers: writer.note(History(t, numbers)),
+                        None if known is None else known.beginning,
+                    ),
+                )
+                self._warn(statistics)
+            except NumericalError as error:
+                self.status, self.exit_code = "failed", EXIT_FAILED
+                message = "; ".join(filter(None, (str(error), self._cause())))
+            except KeyboardInterrupt:
+                self.status, self.exit_code = "interrupted", EXIT_INTERRUPTED
+                message = f"stopped by the user at t = {self._end():g} s"
+            except InputError as error:
+                self.status, message, unwritten = "failed", str(error), error
+            ending = self._ending(statistics)
+            self._summarise(writer)
+            self._leave(statistics)
+            self._tell_of_turns()
+            writer.close(
+                self.status,
+                message or ending,
+                summary=self.summary,
+                solver=self._solver(statistics),
+                events=self.events,
+                surroundings=surroundings_of(self.prepared, self.recorder),
+                notes=self.notes,
+            )
+        if unwritten is not None:
+            raise unwritten
+        if ending:
+            self.messages.append(ending)
+        if message:
+            self.messages.append(f"{message}; the partial result is kept in {output}")
+
+    def _take_known(self, writer: ResultWriter, known: Restart) -> None:
+        """Take over the samples and events of the result that is gone on from."""
+        self.notes.append(known.remark)
+        for times, states, unknowns, outputs in known.blocks(self.prepared, self.kept):
+            self._take(writer, times, states, unknowns, outputs)
+        for event in known.events:
+            self._happened(writer, event)
+        writer.flush()
+        writer.appear()
+
+    def _happened(self, writer: ResultWriter, event: EventRecord) -> None:
+        self.events.append(event)
+        writer.happened(event)
+
+    def _writer(self, output: Path, *, hidden: bool) -> ResultWriter:
+        e, s = self.prepared.equations, self.loaded.scenario
+        header = ResultHeader(
+            title=s.title,
+            model=s.model,
+            model_hash=model_hash(self.prepared),
+            equations_hash=model_hash(self.prepared, parameters=False),
+            parameters={p.name: (float(p.value), p.unit) for p in e.parameters},
+            scenario_text=self.loaded.text,
+            configuration={
+                **self.loaded.resolved,
+                "overrides": list(self.loaded.overrides),
+                "units": self.loaded.units,
+            },
+            plots=self.plots,
+            scene=self.prepared.subject.scene(),
+            sources=sources_of(self.loaded),
+        )
+        return ResultWriter(
+            output,
+            channels=[e.channels[k] for k in self.kept],
+            header=header,
+            states=[*e.states, *e.unknowns],
+            expected_samples=round(s.duration / s.output.interval) + 1,
+            stage=None if self.recorder is None else self.recorder.stage,
+            expected_pictures=0 if self.recorder is None else self.recorder.expected(s.duration),
+            history=most_numbers(len(e.states), len(e.unknowns), len(e.events)),
+            hidden=hidden,
+        )
+
+    def _take(self, writer: ResultWriter, t: Matrix, x: Matrix, z: Matrix, y: Matrix) -> None:
+        # Collected first: an interrupt waits for the file, which then holds them too.
+        self._recording.add(y)
+        self.samples += len(t)
+        self._last = (float(t[-1]), x[-1].copy(), z[-1].copy())
+        self.turns.take(t, x, z)
+        if self.recorder is not None:
+            writer.append_pictures(self.recorder.take(t, y))
+        writer.append(t, y[:, self.kept], np.hstack([x, z]))
+
+    def _tell_of_turns(self) -> None:
+        """Note bodies whose angles came near to where they are singular."""
+        self.notes.extend(self.turns.remarks())
+        for item in self.turns.came_near():
+            self.events.append(EventRecord(item.time, f"{item.body}.{SINGULAR_ANGLES}"))
+
+    def _summarise(self, writer: ResultWriter) -> None:
+        writer.flush()
+        if writer.samples:
+            self.summary = self.prepared.subject.summarise(self._recording.of(writer))
+
+    def _warn(self, statistics: Statistics) -> None:
+        """Say in the output and in the file where the step was too long."""
+        accuracy = statistics.accuracy
+        if accuracy is not None and accuracy.warning:
+            self.notes.append(f"warning: {accuracy.warning}")
+
+    def _cause(self) -> str:
+        """Return what the last sample tells of the cause of a failure, if anything."""
+        return "" if self._last is None else hardly_resisted(self.prepared, *self._last)
+
+    def _end(self) -> float:
+        return 0.0 if self._last is None else self._last[0]
+
+    def _ending(self, statistics: Statistics | None) -> str:
+        """Return which event ended the run before its time, if one did."""
+        if statistics is None or statistics.ended_by is None:
+            return ""
+        event = self._event(statistics.ended_by)
+        at = f"at t = {self._end():.9g} s"
+        place = self._place(event.name)
+        if place is not None:
+            at += f", {shown(place, 'm')} along the track"
+        if event.outcome != "ok":
+            return f"{event.outcome} {at}: {event.advice}; event '{event.name}'"
+        ended = f"event '{event.name}' ended the run {at}"
+        return f"{ended}: {event.advice}" if event.advice else ended
+
+    def _leave(self, statistics: Statistics | None) -> None:
+        """Take status, exit code and summary from a wheel whose leaving its rail ended the run."""
+        if statistics is None or statistics.ended_by is None:
+            return
+        event = self._event(statistics.ended_by)
+        if event.outcome == "ok":
+            return
+        self.status, self.exit_code = event.outcome, EXIT_NEGATIVE
+        wheel, place = event.name.rpartition(".")[0], self._place(event.name)
+        name, did = event.outcome, _DID[event.outcome]
+        key, what = ("wheel", "Wheel") if name in _OF_WHEELS else ("body", "Vehicle by its body")
+        self.summary.append(SummaryEntry(f"{name}_{key}", wheel, "", f"{what} that {did}"))
+        self.summary.append(SummaryEntry(f"{name}_at_time", self._end(), "s", f"When it {did}"))
+        if place is not None:
+            text = f"Where on the track it {did}"
+            self.summary.append(SummaryEntry(f"{name}_at_place", place, "m", text))
+
+    def _event(self, name: str) -> Event:
+        return next(event for event in self.prepared.equations.events if event.name == name)
+
+    def _place(self, event: str) -> float | None:
+        """Return where on its track the part of an event was last [m]."""
+        return None if self._last is None else track_place(self.prepared, event, *self._last)
+
+    def _solver(self, statistics: Statistics | None) -> dict[str, Any]:
+        kernel = self.prepared.kernel
+        known: dict[str, Any] = {
+            "kernel": kernel.description,
+            "operations": json.dumps(kernel.report.operations),
+            "generation_seconds": kernel.report.generation_seconds,
+            "compilation_seconds": kernel.report.compilation_seconds,
+            "kernel_from_cache": kernel.report.cached,
+        }
+        if statistics is not None:
+            values = {f.name: getattr(statistics, f.name) for f in fields(statistics)}
+            accuracy = values.pop("accuracy")
+            values |= {} if accuracy is None else accuracy.as_attributes()
+            known.update({k: v for k, v in values.items() if v is not None})
+        return known
+
+
+def _kernel_message(prepared: Prepared) -> str:
+    report = prepared.kernel.report
+    total = report.operations.get("rates", 0)
+    origin = "cached" if report.cached else f"built in {_built(prepared):.1f} s"
+    return f"kernel: {prepared.kernel.description}, {total} operations a right-hand side, {origin}"
+
+
+def _built(prepared: Prepared) -> float:
+    report = prepared.kernel.report
+    return report.generation_seconds + report.compilation_seconds
+
+
+def _shown(entry: SummaryEntry) -> ShownEntry:
+    text = shown(entry.value, entry.unit)
+    return ShownEntry(entry.value, entry.unit, f"{text:<14} {entry.description}")

@@ -1,0 +1,188 @@
+"""Pass a singular configuration without looking at it: one long step from before to behind.
+
+Where a loop is singular (a parallelogram in one line) the dependent rates are 0/0, and close to
+it they are lost in rounding, as the square of the distance. The motion itself is smooth. So the
+states are integrated up to a little before it, and then in one step of high order that is placed
+such that the singular instant falls into the widest gap between its stages.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vehicledyn.base.errors import NumericalError
+from vehicledyn.integrate.dop853 import Start, Tolerances, Trial, first_size, next_size, try_step
+from vehicledyn.kernel.engine import Ledger
+from vehicledyn.kernel.kernel import Kernel
+
+Vector = NDArray[np.float64]
+
+TOLERANCE, FINE_TOLERANCE = 1e-11, 1e-12
+"""Relative and absolute error of the states in a step of the passage [1]; ten times as much
+after every few steps that are refused, as rounding sets a limit."""
+_GAP = 0.47
+"""Middle of the widest gap between the stages of the pair of order 8, as a part of its step."""
+_MOST_TRIES, _PATIENCE = 60, 6
+_STRIDES = 90
+"""Steps at most in which a passage looks for a singular configuration that is not yet ahead."""
+_NEARER = 0.5
+"""Part of the first determinant below which a block has come near to being singular."""
+_APPROACHES = 5
+_PROBE = 1e-7
+
+
+@dataclass(frozen=True)
+class Sample:
+    """Time, states, unknowns and outputs at one instant."""
+
+    time: float
+    state: Vector
+    unknowns: Vector
+    outputs: Vector
+
+
+class Passage:
+    """Integrates states and unknowns together, so that guesses of the unknowns are good.
+
+    The unknowns that the integration carries along are a guess only: at every stage they are
+    solved for, starting from it.
+    """
+
+    def __init__(self, kernel: Kernel, begin: Sample, tolerance: float = TOLERANCE) -> None:
+        """Start at a sample outside of the singular zone."""
+        self._kernel = kernel
+        self._ledger = Ledger()
+        self._n = begin.state.size
+        names = [c.name for c in kernel.equations.channels]
+        moving = [f"{u.name}_rate" for u in kernel.equations.unknowns]
+        self._rate_of = [names.index(name) if name in names else -1 for name in moving]
+        self._steps: list[Trial] = []
+        self._aim = self._tolerance = tolerance
+        self._move(begin.time, np.concatenate([begin.state, begin.unknowns]))
+
+    def go(self, *, crossing: Sequence[int], until: float) -> float:
+        """Integrate to behind the point where the blocks ``crossing`` become singular.
+
+        Where they only come near to it the passage ends as far from it as it has begun.
+
+        Returns
+        -------
+        float
+            Time behind it [s].
+
+        Raises
+        ------
+        NumericalError
+            If it is not passed before the time ``until``.
+        """
+        first, refused, met = self._weak(crossing), 0, False
+        stride = (until - self.time) / _STRIDES
+        for _ in range(_MOST_TRIES + _STRIDES):
+            here, wait = self._weak(crossing), self._time_to(crossing)
+            nearer = np.abs(here) < _NEARER * np.abs(first)
+            met = met or bool((here * first < 0.0).any() or nearer.any())
+            is_far = wait <= 0.0 and bool((np.abs(here) >= np.abs(first)).all())
+            if is_far and (met or self.time >= until):
+                return self.time
+            # A pivot may grow for a while before it falls to zero within the same interval.
+            if wait <= 0.0 or (not met and wait > until - self.time):
+                self.advance(self.time + (0.2 * (until - self.time) if met else stride))
+                continue
+            self._tolerance = self._aim * 10.0 ** (refused // _PATIENCE)
+            refused += 1
+            if self._jump(wait / _GAP):
+                return self.time
+            self.advance(self.time + min(0.15 * wait, max(0.2 * (until - self.time), 0.0)))
+        raise NumericalError("the singular configuration is not passed")
+
+    def approach(self, crossing: Sequence[int]) -> Iterator[Sample]:
+        """Yield samples nearer and nearer to where some blocks become singular."""
+        for _ in range(_APPROACHES):
+            wait = self._time_to(crossing)
+            if wait <= 0.0:
+                return
+            self.advance(self.time + 0.5 * wait)
+            yield self.sample(self.time)
+
+    def advance(self, stop: float) -> None:
+        """Integrate to a time [s] with steps of any size."""
+        here, refused = self._here, False
+        size = first_size(self._rates, here, stop - here.time, _both(self._tolerance))
+        while here.time < stop:
+            if size < 10.0 * np.spacing(here.time):
+                raise NumericalError(f"the step size became too small at t = {here.time:.9g} s")
+            trial = try_step(self._rates, here, min(here.time + size, stop), _both(self._tolerance))
+            size = next_size(trial, refused=refused)
+            refused = not trial.error < 1.0
+            if not refused:
+                self._steps.append(trial)
+                here = trial.end
+        self._go_on_from(here)
+
+    def sample(self, time: float) -> Sample:
+        """Return a sample at a time that has been passed, from the dense output."""
+        y = self._y
+        if time < self.time:
+            step = next(s for s in self._steps if s.begin.time <= time <= s.end.time)
+            y = step.state(time)
+        state = np.ascontiguousarray(y[: self._n])
+        unknowns = self._solve(time, y)
+        return Sample(time, state, unknowns, self._kernel.outputs(time, state, unknowns))
+
+    def _jump(self, size: float) -> bool:
+        """Take one step of exactly this size; return whether its error is small enough."""
+        trial = try_step(self._rates, self._here, self.time + size, _both(self._tolerance))
+        if not trial.error < 1.0:
+            return False
+        self._steps.append(trial)
+        self._go_on_from(trial.end)
+        return True
+
+    def _time_to(self, crossing: Sequence[int]) -> float:
+        """Return the time until the first of some blocks becomes singular [s], linearly."""
+        here = self._pivots(self.time, self._y)[list(crossing)]
+        ahead = self._y + _PROBE * self._here.rate
+        slope = (self._pivots(self.time + _PROBE, ahead)[list(crossing)] - here) / _PROBE
+        waits = np.divide(-here, slope, out=np.full(here.size, -1.0), where=slope != 0.0)
+        coming = waits[waits > 0.0]
+        return float(coming.min()) if coming.size else -1.0
+
+    def _weak(self, crossing: Sequence[int]) -> Vector:
+        """Return the determinants of some blocks here."""
+        return self._pivots(self.time, self._y)[list(crossing)]
+
+    def _pivots(self, time: float, y: Vector) -> Vector:
+        return self._kernel.pivots([time], y[None, : self._n], y[None, self._n :]).ravel()
+
+    def _rates(self, time: float, y: Vector) -> Vector:
+        """Return the rates of states and unknowns; not a number where a loop cannot close."""
+        state, unknowns = np.ascontiguousarray(y[: self._n]), y[self._n :].copy()
+        try:
+            rates = self._kernel.evaluate(time, state, unknowns, self._ledger)
+        except NumericalError:
+            return np.full(y.size, np.nan)
+        outputs = self._kernel.outputs(time, state, unknowns)
+        moving = [outputs[k] if k >= 0 else 0.0 for k in self._rate_of]
+        return np.concatenate([rates, moving])
+
+    def _go_on_from(self, point: Start) -> None:
+        """Be at the end of a step, with the unknowns solved there."""
+        state = np.ascontiguousarray(point.state[: self._n])
+        unknowns = self._solve(point.time, point.state)
+        self._move(point.time, np.concatenate([state, unknowns]))
+
+    def _move(self, time: float, y: Vector) -> None:
+        self.time, self._y = time, y
+        self._here = Start(time, y, self._rates(time, y))
+
+    def _solve(self, time: float, y: Vector) -> Vector:
+        state = np.ascontiguousarray(y[: self._n])
+        return self._kernel.count_solve(time, state, y[self._n :], self._ledger)
+
+
+def _both(tolerance: float) -> Tolerances:
+    return Tolerances(tolerance, tolerance)

@@ -1,0 +1,1 @@
+"""Equations to machine code: intermediate representation, passes, printers, compilation."""

@@ -1,0 +1,1 @@
+"""Intermediate representation: the SX graph and the list of instructions."""

@@ -1,0 +1,1 @@
+"""Printers: functions as C and CUDA, and the sources of whole kernels."""

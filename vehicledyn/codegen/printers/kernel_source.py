@@ -1,0 +1,181 @@
+"""Assemble the C source of a kernel: printed functions, tables of the blocks and the loop."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+from vehicledyn.codegen.build.compiler import UNIT_BREAK, suitable_lanes
+from vehicledyn.codegen.ir.instructions import read_function
+from vehicledyn.codegen.ir.table_rows import ROW
+from vehicledyn.codegen.passes.kernel_functions import COUNTED, KernelFunctions, operations_of
+from vehicledyn.codegen.passes.signed_constants import Signed, mirrored_constants
+from vehicledyn.codegen.passes.slp_rows import PLACES
+from vehicledyn.codegen.printers.c_printer import print_function
+from vehicledyn.codegen.printers.row_printer import Copies
+from vehicledyn.codegen.printers.wide_functions import WideFunctions
+from vehicledyn.symbolic.equations import Equations
+
+_ARGUMENTS = ("t", "x", "z", "c")
+
+
+def kernel_source(equations: Equations, functions: KernelFunctions) -> str:
+    """Return the complete C source of a kernel for one case, for this processor."""
+    return _source(equations, functions, suitable_lanes())
+
+
+def portable_source(equations: Equations, functions: KernelFunctions) -> str:
+    """Return the complete C source of a kernel for one case, for any processor."""
+    return _source(equations, functions, 1)
+
+
+def _source(equations: Equations, functions: KernelFunctions, lanes: int) -> str:
+    events = [
+        _events(equations, functions),
+        print_function(functions.resets, "resets", _ARGUMENTS, tables=equations.tables),
+    ]
+    wide = WideFunctions(lanes)
+    copies = Copies(functions.prepare.numel_out(0) + ROW * len(equations.tables))
+    in_rows = lanes >= PLACES
+    head = [shared_source("real.h"), shared_source("elementary.c")]
+    head += [shared_source("fours.h")] if in_rows else []
+    texts = shared_texts(equations, functions, wide, copies if in_rows else None)
+    parts = [*head, *texts, *events, copies.text, shared_source("loop.c")]
+    return UNIT_BREAK.join(["\n".join(parts), *wide_units(wide)])
+
+
+def wide_units(wide: WideFunctions) -> list[str]:
+    """Return the units of functions that carry several places of a model at once."""
+    return ["\n".join([*lane_head(lanes), *texts]) for lanes, texts in wide.units.items()]
+
+
+def lane_head(lanes: int) -> list[str]:
+    """Return what a unit begins with whose reals hold so many lanes."""
+    return [f"#define VD_LANES {lanes}", shared_source("real.h"), shared_source("elementary.c")]
+
+
+def lane_source(equations: Equations, functions: KernelFunctions, lanes: int) -> str:
+    """Return the C source of a kernel that carries so many cases side by side."""
+    mirrored = mirrored_constants(read_function(functions.prepare, equations.tables))
+    texts = [
+        *shared_texts(equations, functions, mirrored=mirrored),
+        _events(equations, functions),
+    ]
+    return "\n".join([*lane_head(lanes), *texts, shared_source("batch.c")])
+
+
+def _events(equations: Equations, functions: KernelFunctions) -> str:
+    return print_function(functions.events, "events", _ARGUMENTS, tables=equations.tables)
+
+
+def shared_texts(
+    equations: Equations,
+    functions: KernelFunctions,
+    wide: WideFunctions | None = None,
+    copies: Copies | None = None,
+    mirrored: dict[int, Signed] | None = None,
+) -> list[str]:
+    """Return what all kernels have: functions of the model, tables and steps.
+
+    ``wide`` and ``copies`` are for kernels of one lane, ``mirrored`` for those of several, see
+    :func:`vehicledyn.codegen.printers.c_printer.print_function`.
+    """
+    tables, waves = equations.tables, enumerate(functions.waves)
+
+    def printed(
+        function: Any, name: str, wide: WideFunctions | None = None, *, selectable: bool = False
+    ) -> str:
+        return print_function(
+            function,
+            name,
+            _ARGUMENTS,
+            tables=tables,
+            wide=wide,
+            copies=copies,
+            mirrored=mirrored,
+            selectable=selectable,
+        )
+
+    return [
+        print_function(functions.prepare, "prepare", ["p"], tables=tables),
+        printed(functions.rates, "rates", wide),
+        printed(functions.outputs, "outputs", wide, selectable=mirrored is not None),
+        *[printed(wave, f"wave_{k}") for k, wave in waves],
+        _tables(equations, functions),
+        shared_source("steps.c"),
+    ]
+
+
+def shared_source(name: str) -> str:
+    """Return the text of a file that all kernels share, such as loop.c."""
+    return (Path(__file__).parents[1] / "runtime" / name).read_text(encoding="utf-8")
+
+
+def _tables(equations: Equations, functions: KernelFunctions) -> str:
+    n_states, n_unknowns = len(equations.states), len(equations.unknowns)
+    blocks = equations.blocks
+    sizes = {
+        "NX": n_states,
+        "NX1": max(1, n_states),
+        "NZ": n_unknowns,
+        "NZ1": max(1, n_unknowns),
+        "NY": len(equations.channels),
+        "NB": len(blocks),
+        "NV": max([1, *[wave.numel_out(0) for wave in functions.waves]]),
+        "NWAVES": len(functions.waves),
+        "NW": max([1, *[block.stop - block.start for block in blocks]]),
+        "NQ": len(equations.positions),
+        "NE": len(equations.events),
+        "NE1": max(1, len(equations.events)),
+    }
+    counts = operations_of(functions)
+    starts = [block.start for block in blocks] + [n_unknowns]
+    signature = ", ".join(["const real *"] * 4 + ["real *"])
+    names = [f"wave_{k}" for k in range(len(functions.waves))] or ["0"]
+    return "\n".join(
+        [
+            *[f"#define {name} {size}" for name, size in sizes.items()],
+            listed("static const int", "block_start", starts),
+            listed("static const double", "block_tolerance", [b.tolerance for b in blocks]),
+            listed("static const int", "positions", equations.positions),
+            listed("static const int", "velocities", equations.velocities),
+            listed("static const int", "fires_rising", _fires(equations, "rising")),
+            listed("static const int", "fires_falling", _fires(equations, "falling")),
+            f"typedef void (*wave_function)({signature});",
+            listed("static const wave_function", "wave_functions", names),
+            listed("static const int", "wave_start", [*functions.wave_starts, len(blocks)]),
+            listed("static const int", "wave_of", _waves_of(functions, len(blocks))),
+            listed("static const int", "value_start", _value_starts(equations, functions)),
+            f"VD_EXPORT const int vd_constants = {functions.prepare.numel_out(0)};",
+            f"VD_EXPORT const int vd_new_values = {functions.resets.numel_out(0)};",
+            listed("VD_EXPORT const int", "vd_operations", [counts[key] for key in COUNTED]),
+        ]
+    )
+
+
+def _waves_of(functions: KernelFunctions, n_blocks: int) -> list[int]:
+    """Return the wave of each block."""
+    starts = functions.wave_starts
+    return [sum(start <= k for start in starts) - 1 for k in range(n_blocks)]
+
+
+def _value_starts(equations: Equations, functions: KernelFunctions) -> list[int]:
+    """Return where the values of each block begin among those of its wave."""
+    starts, place = [], 0
+    for k, block in enumerate(equations.blocks):
+        place = 0 if k in functions.wave_starts else place
+        starts.append(place)
+        size = block.stop - block.start
+        place += size + size * size
+    return starts
+
+
+def _fires(equations: Equations, direction: str) -> list[int]:
+    return [int(event.direction in (direction, "either")) for event in equations.events]
+
+
+def listed(kind: str, name: str, values: Sequence[float | int | str]) -> str:
+    """Return the C definition of an array that holds some values, or a zero if there are none."""
+    items = ", ".join(str(value) for value in values) or "0"
+    return f"{kind} {name}[] = {{{items}}};"

@@ -1,0 +1,1 @@
+"""C that all kernels share: the loop over steps, events, elementary functions."""

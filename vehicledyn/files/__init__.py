@@ -1,0 +1,1 @@
+"""Files of users: scenarios and systems; reading, checking, schemas, expressions."""

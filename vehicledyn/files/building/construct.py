@@ -1,0 +1,204 @@
+"""Build the multibody system that a system file describes."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+from vehicledyn.base.errors import InputError
+from vehicledyn.files.building.force_parts import force_parts
+from vehicledyn.files.building.rail_parts import rail_wheel_parts, track_frames
+from vehicledyn.files.building.values import RoadChoice, Values
+from vehicledyn.files.building.wheel_parts import spin_of, surface_numbers, wheel_parts
+from vehicledyn.files.expressions.dimensions import MEASURES, multiplier_unit
+from vehicledyn.files.system.checks import variables
+from vehicledyn.files.system.constraints import ConstraintSet, WrittenConstraint, WrittenRate
+from vehicledyn.files.system.cuts import CutSet
+from vehicledyn.files.system.events import switch
+from vehicledyn.files.system.joints import JointSet
+from vehicledyn.files.system.read import SystemModel
+from vehicledyn.files.system.sensors import SensorSet
+from vehicledyn.files.system.sets import BodySet
+from vehicledyn.multibody.elements.motion_sensors import Accelerometer, BodySensor
+from vehicledyn.multibody.model.bodies import Body, Joint, Turn
+from vehicledyn.multibody.model.constraints import Constraint
+from vehicledyn.multibody.model.parts import Part
+from vehicledyn.multibody.model.system import System
+from vehicledyn.road.vehicle import Corner, RoadVehicle
+
+if TYPE_CHECKING:
+    from vehicledyn.rail.contact.rigid_contact import RigidRailWheels
+
+
+def build_system(model: SystemModel, choice: RoadChoice | None = None) -> System:
+    """Return the system of a file.
+
+    Every number of the file's ``parameters`` is a symbol of the equations; numbers written
+    directly in its parts are constants.
+
+    Raises
+    ------
+    InputError
+        If it has wheels but neither file nor choice give them tyres and a road.
+    """
+    return _system(Values(model, choice or RoadChoice()))
+
+
+def build_vehicle(model: SystemModel, choice: RoadChoice) -> RoadVehicle:
+    """Return the road vehicle of a file that has a section ``vehicle``, not yet steered.
+
+    Raises
+    ------
+    InputError
+        If it lacks what a vehicle needs.
+    """
+    values = Values(model, choice)
+    system, file, v = _system(values), model.file, model.file.vehicle
+    if v is None:
+        raise InputError(f"{model.path}: vehicle: missing: what manoeuvres need of it")
+    needed = {f"{v.chassis}.{name}" for name in ("x", "y", "z", "yaw", "pitch", "roll")}
+    missing = sorted(needed - set(model.coordinates))
+    if missing:
+        words = f"the chassis has no coordinate {', '.join(missing)}; give it the joint 'free'"
+        raise InputError(f"{model.path}: vehicle.chassis: {words}")
+    corners = tuple(
+        Corner(
+            name,
+            wheel.body,
+            spin_of(values, wheel),
+            is_front=wheel.axle == "front",
+            is_left=wheel.side != "right",
+            radius=float(values.number(wheel.radius)),
+        )
+        for name, wheel in file.wheels.items()
+    )
+    return RoadVehicle(
+        system=system.with_parts(
+            BodySensor("body", v.chassis), Accelerometer("accelerometer", v.chassis)
+        ),
+        chassis=v.chassis,
+        rack=v.rack,
+        steering_gain=values.value(v.steering_gain),
+        wheelbase=values.value(v.wheelbase),
+        front_distance=values.value(v.front_distance),
+        outline=_corners(
+            *map(values.number, (v.outline.front, v.outline.rear, v.outline.half_width))
+        ),
+        corners=corners,
+        free_wheels=choice.free_wheels,
+        speed=values.symbols["speed"],
+        surface=surface_numbers(values),  # type: ignore[arg-type]
+    )
+
+
+def _corners(front: float, rear: float, side: float) -> tuple[tuple[float, float], ...]:
+    return ((front, side), (rear, side), (rear, -side), (front, -side))
+
+
+def _system(values: Values) -> System:
+    """Return the system."""
+    file = values.model.file
+    parts = [
+        *track_frames(values),
+        *force_parts(values),
+        *wheel_parts(values),
+        *rail_wheel_parts(values),
+        *(switch(n, float(values.number(start))) for n, start in file.switches.items()),
+        *(
+            e.part(n, values.value, list(values.model.coordinates), list(file.switches))
+            for n, e in file.events.items()
+        ),
+        *(
+            s.sensor(n, values.value, list(values.model.coordinates))
+            for n, s in file.sensors.items()
+            if isinstance(s, SensorSet)
+        ),
+    ]
+    guided = _guided(values, parts)
+    return System(
+        name=values.model.name,
+        table=values.table,
+        bodies=(
+            *(_body(values, n, b) for n, b in file.bodies.items()),
+            *(body for part in guided for body in part.bodies()),
+        ),
+        cuts=tuple(
+            cut.cut(n, values.value) for n, cut in file.cuts.items() if isinstance(cut, CutSet)
+        ),
+        constraints=(
+            *(
+                _constraint(values, n, c)
+                for n, c in file.constraints.items()
+                if isinstance(c, ConstraintSet)
+            ),
+            *(constraint for part in guided for constraint in part.constraints()),
+        ),
+        parts=tuple(parts),
+        gravity=values.value(file.gravity),
+        constraint_method=file.constraint_method,
+    )
+
+
+def _guided(values: Values, parts: list[Part]) -> list[RigidRailWheels]:
+    """Return the parts that bring bodies and constraints of their own."""
+    if not values.model.file.rail_wheels:
+        return []
+    from vehicledyn.rail.contact.rigid_contact import RigidRailWheels
+
+    return [part for part in parts if isinstance(part, RigidRailWheels)]
+
+
+def _constraint(values: Values, name: str, item: ConstraintSet) -> Constraint:
+    """Return a constraint; that of an expression has the unit of what is zero."""
+    made = item.constraint(name, values.value, list(values.model.coordinates))
+    if not isinstance(item, WrittenConstraint | WrittenRate):
+        return made
+    is_rate = isinstance(item, WrittenRate)
+    known = variables(
+        "movement" if is_rate else "geometry", "m", values.model.coordinates, item.points
+    )
+    measure = item.zero.value({**values.model.parameters.measures, **known}, MEASURES)
+    unit, force = measure.unit, multiplier_unit(measure, is_rate=is_rate)
+    return replace(made, unit=unit, force_unit=force)  # type: ignore[type-var]
+
+
+def _body(values: Values, name: str, body: BodySet) -> Body:
+    inertia = (0.0,) * 6 if body.inertia is None else tuple(map(values.value, body.inertia))
+    return Body(
+        name,
+        body.parent,
+        values.value(body.at),
+        tuple(item for joint in body.joints for item in _chain(values, name, joint)),
+        mass=None if body.mass is None else values.value(body.mass),
+        com=values.value(body.com),
+        inertia=inertia,
+        spins_about=body.spins_about,
+        apparent_inertia=body.apparent_inertia,
+    )
+
+
+def _chain(values: Values, body: str, joint: JointSet) -> list[Joint | Turn]:
+    turn = joint.turn(values.value)
+    if turn is not None:
+        return [turn]
+    initial = values.model.file.initial
+    return [
+        Joint(
+            c.joint,
+            c.name,
+            start=float(values.number(initial.get(c.name, c.start))),
+            role="driven" if c.name in _driven(values) else c.role,
+            start_rate=float(values.number(initial.get(f"{c.name}_rate", c.start_rate))),
+            description=c.description,
+        )
+        for c in joint.coordinates(body)
+    ]
+
+
+def _driven(values: Values) -> set[str]:
+    driven = {drive.coordinate for drive in values.model.file.drives.values()}
+    if not values.choice.free_wheels:
+        driven |= {spin_of(values, wheel) for wheel in values.model.file.wheels.values()}
+    if values.model.file.vehicle is not None:
+        driven.add(values.model.file.vehicle.rack)
+    return driven

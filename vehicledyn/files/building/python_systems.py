@@ -1,0 +1,132 @@
+"""Write systems that were built in Python as system files, as far as these can say the same."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any
+
+from vehicledyn.files.building.write import SCHEMA_LINE, dump
+from vehicledyn.multibody.elements.drives import ConstantRate
+from vehicledyn.multibody.elements.motion_sensors import (
+    Accelerometer,
+    BodySensor,
+    FloorSensor,
+    SequenceSensor,
+)
+from vehicledyn.multibody.model.bodies import Body, Joint, Turn
+from vehicledyn.multibody.model.cuts import BallCut, BodyCut, RodCut
+from vehicledyn.multibody.model.system import System
+from vehicledyn.symbolic import ops, rotations
+
+_SMALL = 1e-15
+_KINDS = {BallCut: "ball", RodCut: "rod", BodyCut: "body"}
+
+
+def system_as_yaml(system: System) -> str:
+    """Return a system file of a system's bodies, joints and cuts with numbers.
+
+    Parameters are replaced by their values. What a file cannot say, such as a force law that is
+    a Python function, is listed in comments at the end.
+    """
+    return _Writer(system).text()
+
+
+@dataclass
+class _Writer:
+    """One system on its way into a file, and what was left out."""
+
+    system: System
+    left_out: list[str] = field(default_factory=list)
+
+    def text(self) -> str:
+        data: dict[str, Any] = {
+            "title": self.system.name,
+            "description": "Written from a Python model, with the values of its parameters.",
+            "gravity": self._numbers(self.system.gravity),
+            "bodies": {body.name: self._body(body) for body in self.system.bodies},
+        }
+        if self.system.constraint_method != "auto":
+            data["constraint_method"] = self.system.constraint_method
+        sections: dict[str, dict[str, Any]] = {"cuts": {}, "drives": {}, "sensors": {}}
+        for cut in self.system.cuts:
+            self._cut(cut, sections["cuts"])
+        self._parts(sections)
+        for constraint in self.system.constraints:
+            self._leave(constraint)
+        data |= {name: entries for name, entries in sections.items() if entries}
+        notes = [f"# not expressed: {words}" for words in self.left_out]
+        return SCHEMA_LINE + "\n".join([dump(data).rstrip(), *notes, ""])
+
+    def _body(self, body: Body) -> dict[str, Any]:
+        written: dict[str, Any] = {"parent": body.parent}
+        at = self._numbers(body.at)
+        if any(at):
+            written["at"] = at
+        joints = [entry for item in body.joints for entry in self._joint(item)]
+        if joints:
+            written["joints"] = joints
+        if body.mass is None:
+            return written
+        written["mass"] = self._numbers([body.mass])[0]
+        com, inertia = self._numbers(body.com), self._numbers(body.inertia)
+        if any(com):
+            written["com"] = com
+        written["inertia"] = inertia if any(inertia[3:]) else inertia[:3]
+        if body.spins_about is not None:
+            written["spins_about"] = body.spins_about
+        if body.apparent_inertia:
+            written["apparent_inertia"] = True
+        return written
+
+    def _joint(self, item: Joint | Turn) -> list[dict[str, Any]]:
+        if isinstance(item, Turn):
+            angles = rotations.tait_bryan(item.rotation, (3, 2, 1))
+            pairs = zip((3, 2, 1), self._numbers(angles), strict=True)
+            return [{"kind": "turn", "axis": k, "angle": a} for k, a in pairs if abs(a) > _SMALL]
+        written: dict[str, Any] = {"kind": item.kind, "name": item.name}
+        written |= {"start": item.start} if item.start else {}
+        written |= {"start_rate": item.start_rate} if item.start_rate else {}
+        written |= {"role": item.role} if item.role != "auto" else {}
+        return [written | ({"description": item.description} if item.description else {})]
+
+    def _cut(self, cut: Any, written: dict[str, Any]) -> None:
+        kind = _KINDS.get(type(cut))
+        if kind is None:
+            self._leave(cut)
+            return
+        ends = {
+            "a": {"body": cut.body_a, "point": self._numbers(cut.point_a)},
+            "b": {"body": cut.body_b, "point": self._numbers(cut.point_b)},
+        }
+        length = {"length": self._numbers([cut.length])[0]} if isinstance(cut, RodCut) else {}
+        written[cut.name] = {"kind": kind, **ends, **length}
+
+    def _parts(self, sections: dict[str, dict[str, Any]]) -> None:
+        sensors = sections["sensors"]
+        for part in self.system.parts:
+            if isinstance(part, ConstantRate):
+                law = {"kind": "constant_rate", "rate": self._numbers([part.rate])[0]}
+                sections["drives"][part.name] = {"coordinate": part.coordinate, "law": law}
+            elif isinstance(part, BodySensor):
+                sensors[part.name] = {"kind": "body", "body": part.body}
+            elif isinstance(part, Accelerometer):
+                point = self._numbers(part.point)
+                sensors[part.name] = {"kind": "accelerometer", "body": part.body, "point": point}
+            elif isinstance(part, FloorSensor):
+                point = self._numbers(part.point)
+                sensors[part.name] = {"kind": "floor", "body": part.body, "point": point}
+            elif isinstance(part, SequenceSensor):
+                sequence = list(part.sequence)
+                sensors[part.name] = {"kind": "angles", "body": part.body, "sequence": sequence}
+            else:
+                self._leave(part)
+
+    def _leave(self, part: Any) -> None:
+        self.left_out.append(f"'{part.name}', a {type(part).__name__} written in Python")
+
+    def _numbers(self, items: Any) -> list[float]:
+        """Return the values of scalars with the system's parameters."""
+        entries = self.system.table.entries
+        symbols = ops.column([entry.symbol for entry in entries])
+        values = ops.numeric([symbols], ops.column(list(items)))([e.value for e in entries])
+        return [float(v) for v in values[:, 0]]

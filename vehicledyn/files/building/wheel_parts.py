@@ -1,0 +1,94 @@
+"""Build the wheels on a road that a system file describes."""
+
+from __future__ import annotations
+
+from vehicledyn.base.errors import InputError
+from vehicledyn.base.parameters import ParameterSet
+from vehicledyn.files.building.values import Values
+from vehicledyn.files.system.sets import WheelSet
+from vehicledyn.multibody.elements.drives import ConstantRate
+from vehicledyn.multibody.model.parts import Part
+from vehicledyn.road.surfaces.surface import RoadSurface
+from vehicledyn.road.wheel.road_wheel import RoadWheel
+
+
+def wheel_parts(values: Values) -> list[Part]:
+    """Return the wheels of a system on a road, and what turns them where they are not free.
+
+    Raises
+    ------
+    InputError
+        If neither file nor choice give them tyres and a road.
+    """
+    wheels = values.model.file.wheels
+    if not wheels:
+        return []
+    surface = surface_numbers(values)
+    chosen = {"front": values.choice.front_tyre, "rear": values.choice.rear_tyre}
+    _need_road(values, surface, chosen)
+    speed = values.table.add("speed", values.choice.speed, "m/s", "Forward speed at the start")
+    values.symbols["speed"] = speed
+    road = None if surface is None else values.table.add_set("road", surface)
+    tyres = {
+        axle: None if tyre is None else values.table.add_set(f"tyres.{axle}", tyre)
+        for axle, tyre in chosen.items()
+    }
+    relaxation = values.choice.relaxation
+    relaxed = None if relaxation is None else values.table.add_set("relaxation", relaxation)
+    parts: list[Part] = []
+    for name, wheel in wheels.items():
+        own = wheel.tyre
+        tyre = tyres[wheel.axle]
+        if tyre is None and own is not None:
+            tyre = values.table.add_set(f"{name}.tyre", own)
+        part = RoadWheel(
+            name,
+            body=wheel.body,
+            spin=spin_of(values, wheel),
+            tyre=tyre,  # type: ignore[arg-type]
+            surface=road,  # type: ignore[arg-type]
+            radius=values.value(wheel.radius),
+            stiffness=values.value(wheel.stiffness),
+            damping=values.value(wheel.damping),
+            contact=values.choice.contact,
+            relaxation=relaxed,  # type: ignore[arg-type]
+        )
+        parts.append(part)
+        if not values.choice.free_wheels:
+            rate = speed / values.value(wheel.radius)
+            parts.append(ConstantRate(f"{name}.prescribed_spin", part.spin, rate))
+    return parts
+
+
+def spin_of(values: Values, wheel: WheelSet) -> str:
+    """Return the coordinate that a wheel spins by."""
+    coordinates = values.model.file.bodies[wheel.body].coordinates(wheel.body)
+    if not coordinates or not coordinates[-1].is_rotation:
+        raise InputError(
+            f"{values.model.path}: bodies.{wheel.body}: the last joint of a wheel must be R2"
+        )
+    return coordinates[-1].name
+
+
+def surface_numbers(values: Values) -> ParameterSet | None:
+    """Return the road with numbers."""
+    if values.choice.surface is not None:
+        return values.choice.surface
+    road = values.model.file.road
+    return road.placed(values.model.path.parent) if isinstance(road, RoadSurface) else road
+
+
+def _need_road(
+    values: Values, surface: ParameterSet | None, chosen: dict[str, ParameterSet | None]
+) -> None:
+    wheels = values.model.file.wheels
+    problems = []
+    if surface is None:
+        problems.append("road: missing: the system has wheels, give it a road")
+    problems += [
+        f"wheels.{name}.tyre: missing: give the wheel a tyre, or the scenario 'tyres'"
+        for name, wheel in wheels.items()
+        if wheel.tyre is None and chosen[wheel.axle] is None
+    ]
+    if problems:
+        raise InputError("\n".join(f"{values.model.path}: {problem}" for problem in problems))

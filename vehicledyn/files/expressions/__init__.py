@@ -1,0 +1,1 @@
+"""Expressions of files: arithmetic with units, parameters, fields that hold them."""

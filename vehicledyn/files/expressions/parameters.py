@@ -1,0 +1,208 @@
+"""Parameters of a system file: flat names, in an order in which each rests on earlier ones."""
+
+from __future__ import annotations
+
+import keyword
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from typing import Any
+
+from vehicledyn.base.errors import InputError
+from vehicledyn.base.problems import Place, dotted
+from vehicledyn.base.units import describe, parse_unit
+from vehicledyn.files.expressions.algebra import FUNCTIONS, NUMBERS, ExpressionError
+from vehicledyn.files.expressions.dimensions import MEASURES, Measure
+from vehicledyn.files.expressions.expressions import Expression, read_expression
+
+_NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")
+_LONG = {"value", "description"}
+RESERVED = {*FUNCTIONS, "pi", "time"}
+
+
+@dataclass(frozen=True)
+class Entry:
+    """One parameter: what the file gives, what it is measured in and its value in SI."""
+
+    name: str
+    expression: Expression
+    description: str
+    measure: Any
+    value: Any
+
+    @property
+    def components(self) -> list[tuple[str, Expression, Measure, float]]:
+        """Scalars that it consists of, by dotted name."""
+        if not isinstance(self.value, tuple):
+            return [(self.name, self.expression, self.measure, self.value)]
+        parts = self.expression.root.arguments
+        whole = self.expression.root.function == "vector"
+        return [
+            (
+                f"{self.name}.{axis}",
+                Expression(parts[k]) if whole else self.expression,
+                self.measure[k],
+                self.value[k],
+            )
+            for k, axis in enumerate(("x", "y", "z"))
+        ]
+
+
+@dataclass
+class Parameters:
+    """All parameters of a system, and what is wrong with them by place in the file."""
+
+    entries: list[Entry] = field(default_factory=list)
+    problems: list[tuple[Place, str]] = field(default_factory=list)
+    declared: set[str] = field(default_factory=set)
+
+    @property
+    def values(self) -> dict[str, Any]:
+        """Values in SI by name, tuples for vectors."""
+        return {entry.name: entry.value for entry in self.entries}
+
+    @property
+    def measures(self) -> dict[str, Any]:
+        """Measures by name, tuples for vectors."""
+        return {entry.name: entry.measure for entry in self.entries}
+
+    @property
+    def units(self) -> dict[str, str]:
+        """SI units of all scalars by dotted name."""
+        return {name: m.unit for e in self.entries for name, _, m, _ in e.components}
+
+
+@dataclass(frozen=True)
+class _Declared:
+    expression: Expression
+    description: str
+    place: Place
+
+
+def read_parameters(data: Any) -> Parameters:
+    """Return the parameters that a file's mapping declares.
+
+    Parameters
+    ----------
+    data
+        Nested mapping of names to values, expressions, lists of three, mappings with ``value``
+        and ``description``, or groups of these.
+    """
+    found = Parameters()
+    declared: dict[str, _Declared] = {}
+    for name, item in _declared(data, ("parameters",), found.problems):
+        declared[name] = item
+    wrong = {dotted(place[1:]) for place, _ in found.problems}
+    found.declared = set(declared) | wrong
+    _resolve(declared, found)
+    return found
+
+
+def is_long(value: Any) -> bool:
+    """Return whether a mapping is a parameter in long form, not a group."""
+    return isinstance(value, dict) and "value" in value
+
+
+def _declared(
+    data: Any, place: Place, problems: list[tuple[Place, str]]
+) -> Iterator[tuple[str, _Declared]]:
+    if not isinstance(data, dict):
+        if data is not None:
+            problems.append((place, f"expected a mapping, found {describe(data)}"))
+        return
+    for name, item in data.items():
+        here = (*place, name)
+        if not is_name(name):
+            hint = "; decimals have a point, no comma" if name[:1].isdigit() else ""
+            problems.append((here, f"'{name}' cannot be a name; use letters, digits and _{hint}"))
+        elif name in RESERVED:
+            problems.append((here, f"'{name}' has a meaning in expressions; take another name"))
+        elif isinstance(item, dict) and not is_long(item):
+            yield from _declared(item, here, problems)
+        else:
+            long = item if isinstance(item, dict) else {"value": item}
+            for key in set(long) - _LONG:
+                words = f"unknown key. Known: {', '.join(sorted(_LONG))}; quote texts with commas"
+                problems.append(((*here, key), words))
+            try:
+                expression = read_expression(long["value"])
+            except ExpressionError as error:
+                problems.append((here, str(error)))
+            else:
+                words = str(long.get("description") or name.replace("_", " ").capitalize())
+                yield dotted(here[1:]), _Declared(expression, words, here)
+
+
+def is_name(name: str) -> bool:
+    """Return whether a text can name a part or parameter."""
+    return _NAME.fullmatch(name) is not None and not keyword.iskeyword(name)
+
+
+def _resolve(declared: dict[str, _Declared], found: Parameters) -> None:
+    """Enter the declared parameters, each after those it rests on."""
+    values: dict[str, Any] = {}
+    measures: dict[str, Any] = {}
+    failed: set[str] = set()
+    wrong = found.declared - set(declared)
+
+    def visit(name: str, path: tuple[str, ...]) -> None:
+        if name in values or name in failed:
+            return
+        item = declared[name]
+        if name in path:
+            circle = " -> ".join([*path[path.index(name) :], name])
+            found.problems.append((item.place, f"rests on itself: {circle}"))
+            failed.add(name)
+            return
+        if any(n in wrong or n.rpartition(".")[0] in wrong for n in item.expression.names):
+            failed.add(name)
+            return
+        needed = [_owner(used, declared) for used in item.expression.names]
+        for used in needed:
+            if used is not None:
+                visit(used, (*path, name))
+        if name in failed or failed & set(filter(None, needed)):
+            failed.add(name)
+            return
+        try:
+            measure = _settled(item.expression.value(measures, MEASURES))
+            _check_unit(measure)
+            value = item.expression.value(values, NUMBERS)
+        except ExpressionError as error:
+            found.problems.append((item.place, str(error)))
+            failed.add(name)
+            return
+        values[name], measures[name] = value, measure
+        found.entries.append(Entry(name, item.expression, item.description, measure, value))
+
+    for name in declared:
+        visit(name, ())
+
+
+def _owner(used: str, declared: dict[str, _Declared]) -> str | None:
+    if used in declared:
+        return used
+    whole = used.rpartition(".")[0]
+    return whole if whole in declared else None
+
+
+def _check_unit(measure: Any) -> None:
+    """Refuse what is measured in something that no unit names, such as m^400."""
+    for part in measure if isinstance(measure, tuple) else (measure,):
+        try:
+            parse_unit(part.unit)
+        except InputError as error:
+            raise ExpressionError(
+                f"a parameter needs a unit that can be written: {error}"
+            ) from None
+
+
+def _settled(measure: Any) -> Any:
+    """Return the measure of a named quantity: no longer bare, exact if nothing was calculated.
+
+    Bare components of a vector take the unit that others have.
+    """
+    if isinstance(measure, tuple):
+        known = next((m for m in measure if m.bare is None), measure[0])
+        return tuple(_settled(known if m.bare is not None else m) for m in measure)
+    return Measure(measure.powers, exact=measure.exact)

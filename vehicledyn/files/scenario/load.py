@@ -1,0 +1,267 @@
+"""From a scenario file to a validated, resolved run; every problem of the file is told at once."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from pydantic import ValidationError
+
+from vehicledyn.base.files import UnreadableFileError, check_regular
+from vehicledyn.base.parameters import ParameterSet, as_plain, units_of
+from vehicledyn.base.problems import START, Place, Problem, refusal
+from vehicledyn.base.registry import find, kinds
+from vehicledyn.base.units import describe
+from vehicledyn.base.validation_messages import UNKNOWN_KEY
+from vehicledyn.base.yaml import Document, copied, read_yaml
+from vehicledyn.files.scenario.checks import check_times
+from vehicledyn.files.scenario.merge import merge_parameters
+from vehicledyn.files.scenario.overrides import Change, apply_change, apply_override
+from vehicledyn.files.scenario.referenced_files import beside
+from vehicledyn.files.scenario.sets import Scenario, is_file
+from vehicledyn.files.scenario.sources import Sources
+from vehicledyn.files.scenario.system_models import (
+    WrittenModel,
+    is_system,
+    parameter_groups,
+    read_model,
+    unsuitable,
+)
+
+
+@dataclass(frozen=True)
+class LoadedScenario:
+    """A scenario that may run.
+
+    ``text`` is the file as it was read, ``overrides`` what changed it. ``model_parameters`` is
+    the vehicle's complete set, None where the model is the file ``written``. ``resolved`` is
+    everything that will be used, as plain mappings, lists and SI numbers, and ``units`` the unit
+    of each quantity in it by dotted name.
+    """
+
+    path: Path
+    text: str
+    overrides: tuple[str, ...]
+    scenario: Scenario
+    model_parameters: ParameterSet | None
+    resolved: dict[str, Any]
+    units: dict[str, str]
+    written: WrittenModel | None = None
+
+
+def load_scenario(path: Path, overrides: Sequence[str] = ()) -> LoadedScenario:
+    """Read, validate and resolve a scenario file.
+
+    Parameters
+    ----------
+    path
+        YAML file.
+    overrides
+        Changes ``key=value`` with dotted keys, applied in order; ``parameters.`` may be left
+        out before a parameter of the model.
+
+    Raises
+    ------
+    InputError
+        If anything is wrong; the text has one line ``file:line:column: field: message`` for
+        each problem of the file and ``--set key: message`` for each of the overrides.
+    """
+    document = read_yaml(path)
+    loaded, problems = examine_scenario(document, path, overrides)
+    if loaded is None:
+        raise refusal(problems, document.name)
+    return loaded
+
+
+def examine_scenario(
+    document: Document,
+    path: Path,
+    overrides: Sequence[str] = (),
+    changes: Sequence[Change] = (),
+) -> tuple[LoadedScenario | None, list[Problem]]:
+    """Return the scenario of a document that was read, or None, and all that is wrong with it.
+
+    Parameters
+    ----------
+    document
+        Content of the file.
+    path
+        The file; models are looked for beside it.
+    overrides
+        Changes as texts, see :func:`load_scenario`.
+    changes
+        Further changes, made after them.
+    """
+    problems = [*document.problems, *_check_top(document)]
+    if not isinstance(document.data, dict) or is_system(document.data):
+        return None, problems
+    data, sources = copied(document.data), Sources(document)
+    groups = _parameter_groups(data.get("model"), path)
+    found = [apply_override(data, override, sources, groups) for override in overrides]
+    found += [apply_change(data, change, sources, groups) for change in changes]
+    problems += [problem for problem in found if problem is not None]
+    scenario, wrong = _read_scenario(data, sources)
+    parameters, wrong_parameters = _read_parameters(data, sources)
+    written, wrong_model = _read_written(data, path, sources)
+    problems += _unless_told(problems, wrong) + wrong_parameters + wrong_model
+    problems += _unless_told(problems, unsuitable(data, written, sources))
+    problems += check_times(data, scenario, sources)
+    if scenario is not None:
+        told = [*beside(scenario, path.parent), *_motion_beside(scenario, path.parent)]
+        problems += [sources.problem(place, words) for place, words in told]
+    if problems or scenario is None or (parameters is None and written is None):
+        return None, problems
+    resolved, units = as_plain(scenario), units_of(scenario)
+    if parameters is not None:
+        resolved["parameters"] = as_plain(parameters)
+        units |= units_of(parameters, "parameters.")
+    if written is not None:
+        resolved |= {"parameters": written.resolved, "system": written.text}
+        units |= {f"parameters.{name}": unit for name, unit in written.units.items()}
+    return (
+        LoadedScenario(
+            path, document.text, tuple(overrides), scenario, parameters, resolved, units, written
+        ),
+        problems,
+    )
+
+
+@dataclass(frozen=True)
+class LoadedModel:
+    """A model on its own: a vehicle of the catalogue with its parameters, or a system file.
+
+    ``overrides`` are what changed the values of its file.
+    """
+
+    name: str
+    model_parameters: ParameterSet | None
+    written: WrittenModel | None = None
+    overrides: tuple[str, ...] = ()
+
+
+def load_model(name: str, overrides: Sequence[str] = ()) -> LoadedModel:
+    """Return a vehicle of the catalogue or a system file with changes of its parameters.
+
+    Parameters
+    ----------
+    name
+        Name of the model, or the path of a system file.
+    overrides
+        Changes ``parameters.key=value``, or short ``key=value``, applied in order; of a system
+        file also ``initial.coordinate=value``.
+
+    Raises
+    ------
+    InputError
+        If there is no such model or a change is wrong; one line for each problem.
+    """
+    is_written = is_file(name) and name not in kinds("model")
+    model = None if is_written else find("model", name)
+    sources = Sources(Document(name, ""))
+    data: dict[str, Any] = {"parameters": {}, **({"initial": {}} if is_written else {})}
+    may_change = tuple(data)
+    groups = _parameter_groups(name, Path("-"))
+    found = (apply_override(data, override, sources, groups) for override in overrides)
+    problems = [problem for problem in found if problem is not None]
+    words = "only 'parameters' of a model can be set; give a scenario to change more"
+    problems += [sources.problem((key,), words) for key in data if key not in may_change]
+    parameters, written = None, None
+    if model is None:
+        written, wrong = read_model(Path(name), data, sources)
+    else:
+        parameters, wrong = merge_parameters(model, data["parameters"], sources)
+    if problems or wrong:
+        raise refusal(problems + wrong, name)
+    told = name if written is None else written.name
+    return LoadedModel(told, parameters, written, tuple(overrides))
+
+
+def is_system_file(path: Path) -> bool:
+    """Return whether a file holds a system rather than a scenario.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be read or is no YAML.
+    """
+    return is_system(read_yaml(path).data)
+
+
+def _parameter_groups(model: Any, path: Path) -> set[str]:
+    """Return the first words of a model's parameters that no scenario field has."""
+    if isinstance(model, str) and model in kinds("model"):
+        groups = set(find("model", model).parameter_class.model_fields)
+    elif is_file(model) and _beside(path, model).is_file():
+        groups = parameter_groups(_beside(path, model))
+    else:
+        groups = set()
+    return groups - set(Scenario.model_fields)
+
+
+def _beside(path: Path, model: str) -> Path:
+    """Return the file that a scenario means by a relative name."""
+    return path.parent / model
+
+
+def _read_written(
+    data: dict[str, Any], path: Path, sources: Sources
+) -> tuple[WrittenModel | None, list[Problem]]:
+    model = data.get("model")
+    if not is_file(model) or model in kinds("model"):
+        return None, []
+    file = _beside(path, str(model))
+    try:
+        check_regular(file)
+    except UnreadableFileError as error:
+        return None, [sources.problem(("model",), str(error))]
+    return read_model(file, data, sources)
+
+
+def _motion_beside(scenario: Scenario, folder: Path) -> list[tuple[Place, str]]:
+    """Return what is wrong with the file of a motion, if the scenario names one."""
+    if not isinstance(scenario.motion, str):
+        return []
+    try:
+        check_regular(folder / scenario.motion)
+    except UnreadableFileError as error:
+        return [(("motion",), str(error))]
+    return []
+
+
+def _check_top(document: Document) -> list[Problem]:
+    if is_system(document.data):
+        words = "this is a system; name it in a scenario, 'model: {}', beside duration and solver"
+        return [Problem(document.name, START, "file", words.format(Path(document.name).name))]
+    if isinstance(document.data, dict):
+        return []
+    empty = document.data is None and not document.problems
+    words = "the file is empty" if empty else f"the file holds {describe(document.data)}"
+    text = f"{words}; a scenario is a mapping with title, model, manoeuvre and so on"
+    return [Problem(document.name, START, "file", text)]
+
+
+def _unless_told(told: list[Problem], new: list[Problem]) -> list[Problem]:
+    """Return the new problems but for those at a place where one is told already."""
+    places = {(problem.mark, problem.field) for problem in told if problem.mark is not None}
+    return [problem for problem in new if (problem.mark, problem.field) not in places]
+
+
+def _read_scenario(data: dict[str, Any], sources: Sources) -> tuple[Scenario | None, list[Problem]]:
+    try:
+        return Scenario.model_validate(data), []
+    except ValidationError as error:
+        return None, [
+            sources.problem(line["loc"], line["msg"], at_key=line["type"] == UNKNOWN_KEY)
+            for line in error.errors()
+        ]
+
+
+def _read_parameters(
+    data: dict[str, Any], sources: Sources
+) -> tuple[ParameterSet | None, list[Problem]]:
+    name, changes = data.get("model"), data.get("parameters") or {}
+    if name not in kinds("model") or not isinstance(changes, dict):
+        return None, []
+    return merge_parameters(find("model", str(name)), changes, sources)

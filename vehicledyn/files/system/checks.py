@@ -1,0 +1,320 @@
+"""Checks of a whole system file: names, units, bounds, the tree and what drives it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from typing import Any
+
+from vehicledyn.base.errors import unknown_name
+from vehicledyn.base.problems import Place
+from vehicledyn.files.expressions.algebra import NUMBERS, ExpressionError
+from vehicledyn.files.expressions.dimensions import MEASURES, Measure, measure_of
+from vehicledyn.files.expressions.expressions import Expression
+from vehicledyn.files.expressions.parameters import Parameters, is_name
+from vehicledyn.files.system.events import EventSet
+from vehicledyn.files.system.force_sensors import ConstraintForceSet, acted_on
+from vehicledyn.files.system.inertia_checks import inertia_problems
+from vehicledyn.files.system.joints import Coordinate
+from vehicledyn.files.system.sets import BodySet, Sections, SystemFile
+from vehicledyn.files.system.structure_checks import structure_problems
+from vehicledyn.files.system.track_frame import track_frame_problems
+from vehicledyn.files.system.walk import Found, Reference, walk
+from vehicledyn.multibody.model.ground import GROUND
+
+Problems = Iterator[tuple[Place, str]]
+_PARTS = tuple(name for name in Sections.model_fields if name not in ("bodies", "initial"))
+
+
+def check(file: SystemFile, coordinates: dict[str, Coordinate], parameters: Parameters) -> Problems:
+    """Yield what is wrong in a file whose parts are well formed, with places.
+
+    Parameters
+    ----------
+    file
+        The file, repetition and mirror images carried out.
+    coordinates
+        All coordinates by name.
+    parameters
+        The parameters, those without mistakes.
+    """
+    yield from _names(file)
+    yield from _coordinates_twice(file)
+    yield from tree_problems(file.bodies)
+    known = _Known(file, coordinates, parameters)
+    for item in walk(file, coordinates):
+        if isinstance(item, Reference):
+            yield from _reference(item, known)
+        else:
+            yield from _expression(item, known)
+    yield from _initial(file, known)
+    yield from _drives(file, known)
+    yield from inertia_problems(file, parameters, known.driven)
+    yield from structure_problems(file, coordinates)
+    yield from _switches(file, known)
+    yield from _events(file, known)
+    yield from _constraint_forces(file)
+    yield from track_frame_problems(file)
+
+
+class _Known:
+    """Names that expressions and references may use."""
+
+    def __init__(
+        self, file: SystemFile, coordinates: dict[str, Coordinate], parameters: Parameters
+    ) -> None:
+        self.bodies = {GROUND, *file.bodies}
+        self.coordinates = coordinates
+        self.parameters = parameters
+        self.driven = {drive.coordinate for drive in file.drives.values()}
+        self.switches = dict.fromkeys(file.switches, measure_of("1"))
+        self._bad = parameters.declared - set(parameters.values)
+
+    def failed(self, expression: Expression) -> bool:
+        """Return whether an expression rests on a parameter that has been complained about."""
+        bad = self._bad
+        return bool(bad) and any(n in bad or n.rpartition(".")[0] in bad for n in expression.names)
+
+
+def variables(
+    kind: str, length: str, coordinates: dict[str, Coordinate], points: Iterable[str] = ()
+) -> dict[str, Any]:
+    """Return the measures of the names that an expression may use besides parameters.
+
+    Parameters
+    ----------
+    kind
+        As in :func:`vehicledyn.files.expressions.fields.measured`, or "geometry", "movement" or
+        "event".
+    length
+        Unit of the length or coordinate that a law is about.
+    coordinates
+        All coordinates.
+    points
+        Names of points.
+    """
+    rate = f"{length}/s"
+    found: dict[str, Any] = {}
+    if kind == "law":
+        found = {"length": measure_of(length), "rate": measure_of(rate)}
+    if kind == "force":
+        found = {"position": measure_of(length), "rate": measure_of(rate)}
+    if kind in ("time", "motion", "force", "geometry", "movement", "event"):
+        found["time"] = measure_of("s")
+    if kind in ("motion", "force", "geometry", "movement", "event"):
+        found |= {name: measure_of(c.unit) for name, c in coordinates.items()}
+    if kind in ("motion", "force", "movement", "event"):
+        found |= {f"{name}_rate": measure_of(f"{c.unit}/s") for name, c in coordinates.items()}
+    for point in points:
+        found[point] = (measure_of("m"),) * 3
+        if kind in ("movement", "event"):
+            found[f"{point}_velocity"] = (measure_of("m/s"),) * 3
+    return found
+
+
+def tree_problems(bodies: dict[str, BodySet]) -> Problems:
+    """Yield bodies that hang on each other in a circle."""
+    safe = {GROUND}
+    for start in bodies:
+        path: list[str] = []
+        name = start
+        while name not in safe and name in bodies and name not in path:
+            path.append(name)
+            name = bodies[name].parent
+        if name in path and name == start:
+            circle = " -> ".join([*path[path.index(name) :], name])
+            yield ("bodies", name, "parent"), f"the bodies hang on each other: {circle}"
+        if name in safe:
+            safe.update(path)
+
+
+def _names(file: SystemFile) -> Problems:
+    seen: dict[str, str] = {}
+    for section in ("bodies", *_PARTS):
+        for name in getattr(file, section):
+            place = (section, name)
+            if not all(is_name(piece) for piece in name.split(".")):
+                yield place, f"'{name}' cannot be a name; use letters, digits, _ and dots"
+            if section == "bodies" and ("." in name or name == GROUND):
+                yield place, f"'{name}' cannot be a body's name"
+            if section != "bodies" and name in seen:
+                yield place, f"the name is taken: {seen[name]} '{name}' has it"
+            if section != "bodies":
+                seen[name] = section
+
+
+def _coordinates_twice(file: SystemFile) -> Problems:
+    owners: dict[str, str] = {}
+    for name, body in file.bodies.items():
+        for number, joint in enumerate(body.joints):
+            for coordinate in joint.coordinates(name):
+                place = ("bodies", name, "joints", number)
+                if coordinate.name in owners:
+                    yield (
+                        place,
+                        f"coordinate '{coordinate.name}' is defined twice, first in body "
+                        f"'{owners[coordinate.name]}'; give this one a name",
+                    )
+                if not all(is_name(piece) for piece in coordinate.name.split(".")):
+                    yield place, f"'{coordinate.name}' cannot be the name of a coordinate"
+                owners.setdefault(coordinate.name, name)
+
+
+def _reference(item: Reference, known: _Known) -> Problems:
+    if item.what == "body" and item.name not in known.bodies:
+        yield item.place, unknown_name("body", item.name, known.bodies)
+    if item.what == "coordinate" and item.name not in known.coordinates:
+        yield item.place, unknown_name("coordinate", item.name, known.coordinates)
+
+
+def _expression(item: Found, known: _Known) -> Problems:
+    if known.failed(item.expression):
+        return
+    extra = variables(item.variables, item.length, known.coordinates, item.points)
+    if item.variables in ("motion", "force", "event"):
+        extra |= known.switches
+    for name in item.expression.names:
+        if name in extra and name in known.parameters.declared:
+            yield item.place, f"'{name}' is also a parameter; give that another name"
+            return
+    try:
+        found = item.expression.value({**known.parameters.measures, **extra}, MEASURES)
+    except ExpressionError as error:
+        yield item.place, str(error)
+        return
+    wrong = unfit(found, item.unit, is_vector=item.is_vector)
+    if wrong:
+        yield item.place, wrong
+    elif not extra:
+        yield from _bounds(item, known)
+
+
+def unfit(measure: Any, unit: str, *, is_vector: bool) -> str:
+    """Return what is wrong with what an expression is measured in, or nothing."""
+    if isinstance(measure, tuple) != is_vector:
+        return f"expected {'a vector' if is_vector else 'one number'}"
+    for part in measure if is_vector else (measure,):
+        if unit and not part.fits(unit):
+            return _wrong_unit(part, unit)
+    return ""
+
+
+def _wrong_unit(measure: Measure, unit: str) -> str:
+    needed = "a pure number" if unit == "1" else f"a quantity in {unit}"
+    if measure.is_pure and not any(measure.powers):
+        return f"this is a pure number, {needed} is needed here; write numbers with their unit"
+    return f"this is in {measure.unit}, {needed} is needed here"
+
+
+def _bounds(item: Found, known: _Known) -> Problems:
+    try:
+        value = item.expression.value(known.parameters.values, NUMBERS)
+    except ExpressionError as error:
+        yield item.place, str(error)
+        return
+    if item.above is not None and not value > item.above:
+        yield item.place, f"must be greater than {item.above:g} {item.unit}, is {value:g}"
+    if item.least is not None and not value >= item.least:
+        yield item.place, f"must be at least {item.least:g} {item.unit}, is {value:g}"
+
+
+def _initial(file: SystemFile, known: _Known) -> Problems:
+    for name, expression in file.initial.items():
+        place = ("initial", name)
+        rate = name not in known.coordinates and name.endswith("_rate")
+        coordinate = known.coordinates.get(name.removesuffix("_rate") if rate else name)
+        if coordinate is None:
+            names = [*known.coordinates, *(f"{n}_rate" for n in known.coordinates)]
+            yield place, unknown_name("coordinate", name, names)
+            continue
+        if coordinate.name in known.driven:
+            yield place, f"'{coordinate.name}' is driven; its law says where it starts"
+        unit = f"{coordinate.unit}/s" if rate else coordinate.unit
+        found = Found(place, expression, unit, False, "", None, None, "m", ())
+        yield from _expression(found, known)
+
+
+def _drives(file: SystemFile, known: _Known) -> Problems:
+    owners: dict[str, str] = {}
+    for name, drive in file.drives.items():
+        place = ("drives", name, "coordinate")
+        if drive.coordinate in owners:
+            yield place, f"'{drive.coordinate}' is driven by '{owners[drive.coordinate]}' already"
+        owners.setdefault(drive.coordinate, name)
+        coordinate = known.coordinates.get(drive.coordinate)
+        if coordinate is not None and coordinate.role in ("independent", "dependent"):
+            yield place, f"'{drive.coordinate}' is declared {coordinate.role} and cannot be driven"
+
+
+def _switches(file: SystemFile, known: _Known) -> Problems:
+    for name, start in file.switches.items():
+        place = ("switches", name)
+        if name in known.coordinates or name in known.parameters.declared:
+            yield place, f"'{name}' is also a coordinate or parameter; take another name"
+        yield from _expression(Found(place, start, "1", False, "", None, None, "m", ()), known)
+
+
+def _events(file: SystemFile, known: _Known) -> Problems:
+    for name, event in file.events.items():
+        place, points = ("events", name), tuple(event.points)
+        for point in points:
+            if point in known.parameters.declared or point in known.coordinates:
+                yield (*place, "points", point), f"'{point}' is also a parameter or coordinate"
+        if event.restitution is not None:
+            yield from _rebound(place, event, known)
+        for key, expression in event.reset.items():
+            here = (*place, "reset", key)
+            coordinate = known.coordinates.get(key) or known.coordinates.get(
+                key.removesuffix("_rate")
+            )
+            if key in known.switches:
+                unit = "1"
+            elif coordinate is None:
+                rates = [f"{n}_rate" for n in known.coordinates]
+                names = [*rates, *known.coordinates, *known.switches]
+                yield here, unknown_name("rate, coordinate or switch", key, names)
+                continue
+            elif coordinate.name in known.driven or coordinate.role == "driven":
+                yield here, f"'{coordinate.name}' is driven; its law alone moves it"
+                continue
+            elif key == coordinate.name and coordinate.role == "dependent":
+                yield here, f"'{key}' is determined by the loops; reset independent coordinates"
+                continue
+            else:
+                is_rate = key != coordinate.name
+                unit = f"{coordinate.unit}/s" if is_rate else coordinate.unit
+            item = Found(here, expression, unit, False, "event", None, None, "m", points)
+            yield from _expression(item, known)
+
+
+def _rebound(place: Place, event: EventSet, known: _Known) -> Problems:
+    """Yield what keeps the function of an event from going back after an impact."""
+    names = set(variables("event", "m", known.coordinates, event.points))
+    names -= set(variables("geometry", "m", known.coordinates, event.points))
+    used = sorted(n for n in names if _uses(event.when, n))
+    if used:
+        words = "a restitution needs 'when' to be one of coordinates, points and time"
+        yield (*place, "when"), f"{words}, not of '{used[0]}'"
+
+
+def _uses(expression: Expression, name: str) -> bool:
+    return any(n == name or n.startswith(f"{name}.") for n in expression.names)
+
+
+def _constraint_forces(file: SystemFile) -> Problems:
+    for name, sensor in file.sensors.items():
+        if not isinstance(sensor, ConstraintForceSet):
+            continue
+        acting = file.cuts.get(sensor.constraint) or file.constraints.get(sensor.constraint)
+        place = ("sensors", name)
+        if acting is None:
+            known = [*file.cuts, *file.constraints]
+            words = unknown_name("cut or constraint", sensor.constraint, known)
+            yield (*place, "constraint"), words
+            continue
+        bodies = [b for b in acted_on(acting) if b != GROUND]
+        if not bodies:
+            words = "acts on coordinates, not on bodies; its own channels show its forces"
+            yield (*place, "constraint"), f"'{sensor.constraint}' {words}"
+        elif sensor.body not in bodies:
+            listed = ", ".join(f"'{b}'" for b in bodies)
+            yield (*place, "body"), f"'{sensor.constraint}' acts on {listed}"

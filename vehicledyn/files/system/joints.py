@@ -1,0 +1,250 @@
+"""Joints of system files: the six elementary ones, fixed turns and named compositions."""
+
+from __future__ import annotations
+
+from abc import abstractmethod
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any, Literal, Self
+
+from pydantic import Field, field_validator
+
+from vehicledyn import multibody
+from vehicledyn.base.registry import register
+from vehicledyn.files.expressions.expressions import Expression, zero
+from vehicledyn.files.expressions.fields import Scalar, SystemSet, measured
+from vehicledyn.symbolic import rotations
+
+Role = Literal["auto", "independent", "dependent", "driven"]
+_USUAL = {"T1": "x", "T2": "y", "T3": "z", "R1": "roll", "R2": "pitch", "R3": "yaw"}
+_ROLE = "Whether it is a state, solved from the loops, or held where no drive moves it"
+
+
+@dataclass(frozen=True)
+class Coordinate:
+    """A coordinate: its dotted name, the elementary joint it moves, and how it starts."""
+
+    name: str
+    joint: str
+    role: Role
+    start: Expression
+    start_rate: Expression
+    description: str
+
+    @property
+    def is_rotation(self) -> bool:
+        """Whether it is an angle."""
+        return self.joint.startswith("R")
+
+    @property
+    def unit(self) -> str:
+        """SI unit of the coordinate."""
+        return "rad" if self.is_rotation else "m"
+
+    @property
+    def force_unit(self) -> str:
+        """SI unit of the force on it."""
+        return "N*m" if self.is_rotation else "N"
+
+    def is_turned_by_mirror(self, axis: int) -> bool:
+        """Whether the mirror image of a motion has the opposite sign."""
+        return (int(self.joint[1]) == axis) != self.is_rotation
+
+
+class JointSet(SystemSet):
+    """Base of the joints: what one adds to the chain that carries a body."""
+
+    @abstractmethod
+    def coordinates(self, body: str) -> list[Coordinate]:
+        """Return its coordinates, from the parent outwards."""
+
+    def turn(self, value: Callable[[Expression], Any]) -> multibody.Turn | None:
+        """Return the fixed turn that stands in place of coordinates, if it is one.
+
+        ``value`` returns what an expression is worth, a number or symbol.
+        """
+        return None
+
+    def mirrored(self, axis: int) -> Self:
+        """Return the joint of the mirror image; the caller renames."""
+        return self
+
+
+def full_name(body: str, name: str) -> str:
+    """Return the dotted name of a coordinate; a name with a dot is complete already."""
+    return name if "." in name else f"{body}.{name}"
+
+
+class _Elementary(JointSet):
+    """A slide along (T) or a turn about (R) axis 1, 2 or 3."""
+
+    name: str = Field(
+        default="", description="Name of the coordinate; x y z or roll pitch yaw if left out"
+    )
+    start: Scalar = measured("{length}", "Where it starts", default=zero())
+    start_rate: Scalar = measured("{length}/s", "Its rate at the start", default=zero())
+    role: Role = Field(default="auto", description=_ROLE)
+    description: str = Field(default="", description="What the coordinate is, for people")
+
+    def coordinates(self, body: str) -> list[Coordinate]:
+        """Return the one coordinate."""
+        name = full_name(body, self.name or _USUAL[self.kind])
+        return [
+            Coordinate(name, self.kind, self.role, self.start, self.start_rate, self.description)
+        ]
+
+    def mirrored(self, axis: int) -> Self:
+        """Return the joint with its start turned round where the motion is."""
+        (coordinate,) = self.coordinates("")
+        if not coordinate.is_turned_by_mirror(axis):
+            return self
+        opposite = {"start": self.start.negated(), "start_rate": self.start_rate.negated()}
+        return self.model_copy(update=opposite)
+
+
+@register("joint", "T1")
+class SlideX(_Elementary):
+    """Slide along axis 1."""
+
+
+@register("joint", "T2")
+class SlideY(_Elementary):
+    """Slide along axis 2."""
+
+
+@register("joint", "T3")
+class SlideZ(_Elementary):
+    """Slide along axis 3."""
+
+
+@register("joint", "R1")
+class TurnX(_Elementary):
+    """Turn about axis 1."""
+
+
+@register("joint", "R2")
+class TurnY(_Elementary):
+    """Turn about axis 2."""
+
+
+@register("joint", "R3")
+class TurnZ(_Elementary):
+    """Turn about axis 3."""
+
+
+@register("joint", "turn")
+class FixedTurn(JointSet):
+    """A fixed turn between joints whose axes are oblique; it has no coordinate."""
+
+    axis: Literal[1, 2, 3] = Field(description="Axis of the turn")
+    angle: Scalar = measured("rad", "Angle of what follows, positive about the axis")
+
+    def coordinates(self, body: str) -> list[Coordinate]:
+        """Return none."""
+        return []
+
+    def turn(self, value: Callable[[Expression], Any]) -> multibody.Turn:
+        """Return the turn."""
+        return multibody.Turn(rotations.turn(self.axis, value(self.angle)))
+
+    def mirrored(self, axis: int) -> Self:
+        """Return the turn, the other way round unless it is about the normal of the mirror."""
+        if self.axis == axis:
+            return self
+        return self.model_copy(update={"angle": self.angle.negated()})
+
+
+class _Composition(JointSet):
+    """Several elementary joints at one place, with the usual names of their coordinates."""
+
+    role: Role = Field(default="auto", description=_ROLE)
+
+    @abstractmethod
+    def joints(self) -> tuple[str, ...]:
+        """Return the kinds of its elementary joints."""
+
+    def coordinates(self, body: str) -> list[Coordinate]:
+        """Return the coordinates x, y, z, roll, pitch, yaw that it has."""
+        return [
+            Coordinate(full_name(body, _USUAL[kind]), kind, self.role, zero(), zero(), "")
+            for kind in self.joints()
+        ]
+
+
+def _turns(sequence: tuple[int, ...]) -> tuple[str, ...]:
+    return tuple(f"R{axis}" for axis in sequence)
+
+
+Sequence = tuple[Literal[1, 2, 3], Literal[1, 2, 3], Literal[1, 2, 3]]
+
+
+class _WithSequence(_Composition):
+    sequence: Sequence = Field(
+        default=(3, 2, 1), description="Axes of the three turns; 3 2 1 is yaw, pitch, roll"
+    )
+
+    @field_validator("sequence")
+    @classmethod
+    def _different(cls, value: Sequence) -> Sequence:
+        if len(set(value)) != len(value):
+            raise ValueError("the three axes must differ")
+        return value
+
+
+@register("joint", "spherical")
+class Spherical(_WithSequence):
+    """Ball joint as three turns; singular where the second one is a quarter turn."""
+
+    def joints(self) -> tuple[str, ...]:
+        """Return three turns."""
+        return _turns(self.sequence)
+
+
+@register("joint", "free")
+class Free(_WithSequence):
+    """Six coordinates: x, y, z and three turns."""
+
+    def joints(self) -> tuple[str, ...]:
+        """Return three slides and three turns."""
+        return ("T1", "T2", "T3", *_turns(self.sequence))
+
+
+@register("joint", "universal")
+class Universal(_Composition):
+    """Two turns about axes that cross at right angles."""
+
+    axes: tuple[Literal[1, 2, 3], Literal[1, 2, 3]] = Field(description="First and second axis")
+
+    @field_validator("axes")
+    @classmethod
+    def _different(cls, value: tuple[int, int]) -> tuple[int, int]:
+        if value[0] == value[1]:
+            raise ValueError("the two axes must differ")
+        return value
+
+    def joints(self) -> tuple[str, ...]:
+        """Return two turns."""
+        return _turns(self.axes)
+
+
+@register("joint", "cylindrical")
+class Cylindrical(_Composition):
+    """A slide along and a turn about one axis."""
+
+    axis: Literal[1, 2, 3] = Field(description="The axis")
+
+    def joints(self) -> tuple[str, ...]:
+        """Return a slide and a turn."""
+        return (f"T{self.axis}", f"R{self.axis}")
+
+
+@register("joint", "planar")
+class Planar(_Composition):
+    """Two slides in a plane and a turn about its normal."""
+
+    normal: Literal[1, 2, 3] = Field(description="Axis across the plane")
+
+    def joints(self) -> tuple[str, ...]:
+        """Return two slides and a turn."""
+        slides = tuple(f"T{axis}" for axis in (1, 2, 3) if axis != self.normal)
+        return (*slides, f"R{self.normal}")

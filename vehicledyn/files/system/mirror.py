@@ -1,0 +1,225 @@
+"""Mirror images in system files: one side is written, the other is made.
+
+The mirror lies across axis x, y or z of the world and of all bodies in the position where
+every coordinate is zero. With S the matrix that turns that component round, the mirror image of
+a place or force is S p, of a torque -S t, of an inertia S I S. The axes of a mirrored body stay
+right-handed and all joints keep their kinds and axes. So the mirror image of a slide along or
+a turn about another axis than the mirror's differs: slides along the mirror's axis and turns
+about the two others have the opposite sign, and with them their starts, fixed turns, drives and
+forces; slides along the others and turns about the mirror's axis have the same sign. Bodies
+outside the group are their own images, and their coordinates obey the same rule.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+from vehicledyn.base.problems import Place
+from vehicledyn.files.expressions.expressions import Expression, named
+from vehicledyn.files.expressions.fields import SystemSet, fact
+from vehicledyn.files.system.constraints import ConstraintSet
+from vehicledyn.files.system.events import EventSet
+from vehicledyn.files.system.joints import Coordinate, JointSet
+from vehicledyn.files.system.rail_wheels import RailWheelSet
+from vehicledyn.files.system.sets import (
+    BodySet,
+    DriveSet,
+    ForceSet,
+    MirrorSet,
+    Sections,
+    SpringSet,
+    WheelSet,
+)
+from vehicledyn.files.system.wheel_sensor import WheelAnglesSet
+
+AXES = {"x": 1, "y": 2, "z": 3}
+_PRODUCTS = ((1, 2), (1, 3), (2, 3))
+_OTHER = {"left": "right", "right": "left"}
+
+
+@dataclass
+class Image:
+    """The mirror image of a group.
+
+    ``sections`` holds its parts by section and new name, ``old`` the name of the part that each
+    is the image of; ``problems`` are names that cannot be made, by place in the group.
+    """
+
+    sections: dict[str, dict[str, Any]] = field(default_factory=dict)
+    old: dict[tuple[str, str], str] = field(default_factory=dict)
+    problems: list[tuple[Place, str]] = field(default_factory=list)
+
+
+def mirror_image(group: MirrorSet, outside: Sequence[Coordinate] = ()) -> Image:
+    """Return the mirror image of a group of parts.
+
+    Parameters
+    ----------
+    group
+        The parts.
+    outside
+        Coordinates of the bodies outside the group, which are their own images: what acts on
+        them in the group, or uses them, acts in the image on their mirror motion.
+    """
+    image = Image()
+    axis, pieces = AXES[group.plane], group.names
+    coordinates = [c for name, body in group.bodies.items() for c in body.coordinates(name)]
+    renamed = _Names(
+        {name: _replaced(name, pieces) for name in group.bodies},
+        {
+            **{c.name: c.name for c in outside},
+            **{c.name: _new_coordinate(c.name, group, pieces) for c in coordinates},
+        },
+        {c.name for c in (*outside, *coordinates) if c.is_turned_by_mirror(axis)},
+        {name: _replaced(name, pieces) for name in (*group.cuts, *group.constraints)},
+        {name: _replaced(name, pieces) for name in group.switches},
+    )
+    for section in Sections.model_fields:
+        entries: dict[str, Any] = image.sections.setdefault(section, {})
+        for name, item in getattr(group, section).items():
+            if section == "initial":
+                new, value = _mirrored_start(name, item, renamed)
+            else:
+                new, value = _replaced(name, pieces), _mirrored(item, axis, renamed, pieces)
+            if new == name:
+                words = f"the name has none of the pieces {', '.join(pieces)} of 'names'"
+                image.problems.append(((section, name), words))
+            elif new in entries:
+                image.problems.append(((section, name), f"its image '{new}' is made twice"))
+            entries[new], image.old[section, new] = value, name
+    return image
+
+
+@dataclass(frozen=True)
+class _Names:
+    """New names of bodies and coordinates, and which coordinates turn round."""
+
+    bodies: Mapping[str, str]
+    coordinates: Mapping[str, str]
+    turned: set[str]
+    constraints: Mapping[str, str] = field(default_factory=dict)
+    switches: Mapping[str, str] = field(default_factory=dict)
+
+    def expressions(self) -> dict[str, Expression]:
+        """Return what stands for each coordinate and rate in the expressions of the image."""
+        found = {}
+        for old, new in self.coordinates.items():
+            sign = -1.0 if old in self.turned else 1.0
+            found[old] = named(new, sign=sign)
+            found[f"{old}_rate"] = named(f"{new}_rate", sign=sign)
+        return found | {old: named(new) for old, new in self.switches.items()}
+
+
+def _replaced(name: str, pieces: Mapping[str, str]) -> str:
+    """Return a name with each piece replaced, once a place."""
+    if not pieces:
+        return name
+    pattern = "|".join(re.escape(piece) for piece in sorted(pieces, key=len, reverse=True))
+    return re.sub(pattern, lambda match: pieces[match[0]], name)
+
+
+def _new_coordinate(name: str, group: MirrorSet, pieces: Mapping[str, str]) -> str:
+    body = next((b for b in group.bodies if name.startswith(f"{b}.")), None)
+    if body is None:
+        return _replaced(name, pieces)
+    return _replaced(body, pieces) + name[len(body) :]
+
+
+def _mirrored_start(name: str, value: Expression, renamed: _Names) -> tuple[str, Expression]:
+    coordinate = name if name in renamed.coordinates else name.removesuffix("_rate")
+    new = renamed.coordinates.get(coordinate)
+    if new is None:
+        return name, value
+    turned = value.negated() if coordinate in renamed.turned else value
+    return new + name[len(coordinate) :], turned
+
+
+def _mirrored(item: Any, axis: int, renamed: _Names, pieces: Mapping[str, str]) -> Any:
+    """Return the mirror image of a part, of several, or of what is none unchanged."""
+    if isinstance(item, dict):
+        return {k: _mirrored(entry, axis, renamed, pieces) for k, entry in item.items()}
+    if not isinstance(item, SystemSet):
+        return item
+    fields = type(item).model_fields
+    update = {name: _mirrored_field(item, name, axis, renamed, pieces) for name in fields}
+    image = item.model_copy(update=update)
+    if isinstance(image, BodySet):
+        joints = tuple(_mirrored_joint(joint, axis, pieces) for joint in image.joints)
+        return image.model_copy(update={"joints": joints})
+    if isinstance(image, WheelSet | WheelAnglesSet | RailWheelSet) and axis == AXES["y"]:
+        return _on_other_side(image)
+    if isinstance(item, EventSet):
+        return _mirrored_event(item, image, axis, renamed)
+    return _turned(item, image, renamed)
+
+
+def _on_other_side(image: WheelSet | WheelAnglesSet | RailWheelSet) -> SystemSet:
+    """Return what has a side of the vehicle on the other one."""
+    if isinstance(image, RailWheelSet):
+        return image.model_copy(update={"wheels": tuple(_OTHER[side] for side in image.wheels)})
+    return image.model_copy(update={"side": _OTHER[image.side]}) if image.side else image
+
+
+def _mirrored_event(item: EventSet, image: SystemSet, axis: int, renamed: _Names) -> SystemSet:
+    """Return the image of an event: its points lie in the mirror, what it resets turns round."""
+    across = "xyz"[axis - 1]
+    names = [f"{p}.{across}" for p in item.points]
+    names += [f"{p}_velocity.{across}" for p in item.points]
+    known = renamed.expressions() | {name: named(name, sign=-1.0) for name in names}
+    reset = {}
+    for key, value in item.reset.items():
+        new = renamed.switches.get(key) or _mirrored_start(key, value, renamed)[0]
+        turned = key in renamed.turned or key.removesuffix("_rate") in renamed.turned
+        replaced = value.replaced(known)
+        reset[new] = replaced.negated() if turned and key not in renamed.switches else replaced
+    return image.model_copy(update={"when": item.when.replaced(known), "reset": reset})
+
+
+def _turned(item: SystemSet, image: SystemSet, renamed: _Names) -> SystemSet:
+    """Return the image of what acts on coordinates that change their sign."""
+    if isinstance(item, ConstraintSet) and isinstance(image, ConstraintSet):
+        return image.mirrored([name in renamed.turned for name in item.coordinates])
+    if getattr(item, "coordinate", None) not in renamed.turned:
+        return image
+    if isinstance(image, SpringSet | DriveSet):
+        return image.model_copy(update={"mirrored": not image.mirrored})
+    if isinstance(image, ForceSet):
+        opposite = {name: named(name, sign=-1.0) for name in ("position", "rate")}
+        return image.model_copy(update={"force": image.force.replaced(opposite).negated()})
+    return image
+
+
+def _mirrored_field(
+    item: SystemSet, name: str, axis: int, renamed: _Names, pieces: Mapping[str, str]
+) -> Any:
+    value, what = getattr(item, name), fact(type(item), name, "names")
+    if what is not None:
+        known = {"body": renamed.bodies, "constraint": renamed.constraints}
+        return known.get(what, renamed.coordinates).get(value, value)
+    nature = fact(type(item), name, "nature")
+    if isinstance(value, Expression):
+        return _mirrored_expression(value, nature, axis).replaced(renamed.expressions())
+    if isinstance(value, tuple) and nature == "inertia":
+        return _mirrored_inertia(value, axis)
+    return _mirrored(value, axis, renamed, pieces)
+
+
+def _mirrored_expression(value: Expression, nature: str | None, axis: int) -> Expression:
+    if nature == "polar":
+        return value.mirrored(axis)
+    return value.mirrored(axis, -1.0) if nature == "axial" else value
+
+
+def _mirrored_inertia(value: tuple[Expression, ...], axis: int) -> tuple[Expression, ...]:
+    beside = zip(value[3:], _PRODUCTS, strict=False)
+    return (*value[:3], *(e.negated() if axis in pair else e for e, pair in beside))
+
+
+def _mirrored_joint(joint: JointSet, axis: int, pieces: Mapping[str, str]) -> JointSet:
+    image, name = joint.mirrored(axis), getattr(joint, "name", "")
+    if "." in name:
+        return image.model_copy(update={"name": _replaced(name, pieces)})
+    return image

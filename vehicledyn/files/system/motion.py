@@ -1,0 +1,81 @@
+"""Motions that a scenario prescribes for the coordinates of a system: laws and expressions."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from pydantic import ValidationError
+
+from vehicledyn.base.errors import unknown_name
+from vehicledyn.base.parameters import read_part
+from vehicledyn.base.problems import Place
+from vehicledyn.files.expressions.algebra import ExpressionError
+from vehicledyn.files.expressions.dimensions import MEASURES
+from vehicledyn.files.expressions.parameters import Parameters
+from vehicledyn.files.system.checks import unfit, variables
+from vehicledyn.files.system.joints import Coordinate
+from vehicledyn.files.system.laws import TimeLaw
+from vehicledyn.files.system.sets import DriveSet, SystemFile
+from vehicledyn.files.system.walk import Reference, walk
+
+Problems = list[tuple[Place, str]]
+
+
+def read_motion(
+    given: Any, coordinates: dict[str, Coordinate], parameters: Parameters
+) -> tuple[dict[str, TimeLaw], Problems]:
+    """Return the law of each coordinate, and what is wrong with those that have none.
+
+    Parameters
+    ----------
+    given
+        The section "motion" of a scenario: a law or an expression of time by coordinate; a text
+        names a table and gives no law.
+    coordinates, parameters
+        Those of the system.
+    """
+    laws: dict[str, TimeLaw] = {}
+    problems: Problems = []
+    for name, item in given.items() if isinstance(given, dict) else ():
+        place: Place = ("motion", name)
+        if name not in coordinates:
+            problems.append((place, unknown_name("coordinate", str(name), coordinates)))
+            continue
+        law, wrong = _law(item)
+        problems += [((*place, *below), words) for below, words in wrong]
+        if law is not None:
+            found = _wrong_units(name, law, coordinates, parameters)
+            problems += [(place, words) for words in found]
+            laws[name] = law
+    return laws, problems
+
+
+def _law(item: Any) -> tuple[TimeLaw | None, Problems]:
+    written = item if isinstance(item, dict) else {"kind": "expression", "position": item}
+    try:
+        law = read_part("time_law", written)
+    except ValidationError as error:
+        return None, [
+            (tuple(line["loc"]) if isinstance(item, dict) else (), line["msg"])
+            for line in error.errors()
+        ]
+    return (law, []) if isinstance(law, TimeLaw) else (None, [((), "is no law of time")])
+
+
+def _wrong_units(
+    name: str, law: TimeLaw, coordinates: dict[str, Coordinate], parameters: Parameters
+) -> list[str]:
+    file = SystemFile(title="", drives={"motion": DriveSet(coordinate=name, law=law)})
+    problems = []
+    for item in walk(file, coordinates):
+        if isinstance(item, Reference) or item.place[0] != "drives":
+            continue
+        extra = variables(item.variables, item.length, coordinates, item.points)
+        try:
+            found = item.expression.value({**parameters.measures, **extra}, MEASURES)
+        except ExpressionError as error:
+            problems.append(str(error))
+            continue
+        wrong = unfit(found, item.unit, is_vector=item.is_vector)
+        problems += [wrong] if wrong else []
+    return problems

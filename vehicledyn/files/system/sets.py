@@ -1,0 +1,313 @@
+"""What a system file may say: parameters, bodies, cuts, forces, drives, sensors and wheels."""
+
+from __future__ import annotations
+
+from typing import Any, Literal
+
+from pydantic import Field, field_validator, model_validator
+
+from vehicledyn.base.parameters import ParameterSet, part
+from vehicledyn.base.units import describe
+from vehicledyn.files.expressions.expressions import origin, read_expression, zero
+from vehicledyn.files.expressions.fields import (
+    Moments,
+    Scalar,
+    SystemSet,
+    Vector,
+    measured,
+    read_mapping,
+    reference,
+    section,
+)
+from vehicledyn.files.system.events import EventSet
+from vehicledyn.files.system.joints import Coordinate, JointSet
+from vehicledyn.files.system.laws import ForceLaw, TimeLaw
+from vehicledyn.files.system.places import Place
+from vehicledyn.files.system.rail_wheels import RailWheelSet
+from vehicledyn.multibody.model.ground import GROUND
+
+_STANDARD_GRAVITY = read_expression([0.0, 0.0, "-9.81 m/s^2"])
+
+
+class BodySet(SystemSet):
+    """A rigid body and the chain of joints that carries it."""
+
+    parent: str = reference("body", "Body that carries it, or ground", default=GROUND)
+    at: Vector = measured(
+        "m", "Where the chain starts, in the axes of the parent", default=origin(), nature="polar"
+    )
+    joints: tuple[JointSet, ...] = part(
+        "joint", "Joints and fixed turns, from the parent outwards", default=()
+    )
+    mass: Scalar | None = measured("kg", "Mass; without it none", default=None, above=0.0)
+    com: Vector = measured(
+        "m", "Centre of mass in the axes of the body", default=origin(), nature="polar"
+    )
+    inertia: Moments | None = measured(
+        "kg*m^2",
+        "Ixx, Iyy, Izz and, if not zero, the matrix elements Ixy, Ixz, Iyz about the centre of "
+        "mass in the axes of the body",
+        default=None,
+        nature="inertia",
+    )
+    spins_about: Literal[1, 2, 3] | None = Field(
+        default=None,
+        description="Axis of a body of revolution whose last joint turns about it; the axes of "
+        "the body then do not spin",
+    )
+    apparent_inertia: bool = Field(
+        default=False,
+        description="Whether the inertia is one that was identified or that holds gears and "
+        "motors, so that it may break the triangle inequality",
+    )
+
+    @field_validator("joints", mode="before")
+    @classmethod
+    def _short_joints(cls, value: Any) -> Any:
+        if not isinstance(value, list | tuple):
+            words = f"expected a list of joints, such as [R2 angle], found {describe(value)}"
+            raise ValueError(words)
+        return [_long_joint(item) for item in value]
+
+    @model_validator(mode="after")
+    def _inertia_goes_with_mass(self) -> BodySet:
+        if self.inertia is not None and self.mass is None:
+            raise ValueError("an inertia without a mass; give the mass or leave the inertia out")
+        if self.inertia is not None and len(self.inertia) not in (3, 6):
+            raise ValueError(f"the inertia has 3 or 6 elements, not {len(self.inertia)}")
+        return self
+
+    def coordinates(self, name: str) -> list[Coordinate]:
+        """Return the coordinates of the body of this name."""
+        return [c for joint in self.joints for c in joint.coordinates(name)]
+
+
+def _long_joint(item: Any) -> Any:
+    """Return the mapping that "R2" or "R2 angle" is short for."""
+    if not isinstance(item, str):
+        return item
+    kind, _, name = item.partition(" ")
+    return {"kind": kind, "name": name.strip()} if name.strip() else {"kind": kind}
+
+
+class LinkSet(SystemSet):
+    """A massless force element between two points."""
+
+    a: Place = Field(description="One end")
+    b: Place = Field(description="The other end")
+    law: ForceLaw = part("force_law", "Force, positive in tension")
+    direction: Vector | None = measured(
+        "1",
+        "Unit vector in the axes of body a; then the force acts along it and the length is "
+        "measured along it from b to a",
+        default=None,
+        nature="polar",
+    )
+
+
+class BushingSet(SystemSet):
+    """Springs and dampers in three directions and three turns between two bodies."""
+
+    a: Place = Field(description="Where it is fixed to the one body, whose axes it has")
+    b: Place = Field(description="Where it is fixed to the other body")
+    stiffness: Vector = measured(
+        "N/m", "Stiffness along x, y, z", default=origin(), nature="diagonal"
+    )
+    damping: Vector = measured(
+        "N*s/m", "Damping along x, y, z", default=origin(), nature="diagonal"
+    )
+    turning_stiffness: Vector = measured(
+        "N*m/rad", "Stiffness against turns about x, y, z", default=origin(), nature="diagonal"
+    )
+    turning_damping: Vector = measured(
+        "N*m*s/rad", "Damping of turns about x, y, z", default=origin(), nature="diagonal"
+    )
+    preload: Vector = measured(
+        "N", "Force on body b where the deflection is zero", default=origin(), nature="polar"
+    )
+    offset: Vector = measured(
+        "m", "Place of b from a where the deflection is zero", default=origin(), nature="polar"
+    )
+
+
+class SpringSet(SystemSet):
+    """A spring or damper on a coordinate: its force is minus what the law gives."""
+
+    coordinate: str = reference("coordinate", "The coordinate")
+    law: ForceLaw = part("force_law", "Force against the coordinate, as in a spring")
+    mirrored: bool = Field(default=False, description="Take the law of the opposite coordinate")
+
+
+class ForceSet(SystemSet):
+    """A force on a coordinate, positive the way the coordinate grows."""
+
+    coordinate: str = reference("coordinate", "The coordinate")
+    force: Scalar = measured(
+        "{force}",
+        "Force or torque, an expression of position, rate, time and all coordinates",
+        variables="force",
+    )
+
+
+class DriveSet(SystemSet):
+    """A coordinate that moves as a function of time."""
+
+    coordinate: str = reference("coordinate", "The coordinate")
+    law: TimeLaw = part("time_law", "How it moves")
+    mirrored: bool = Field(default=False, description="Move it the opposite way")
+
+
+class WrenchSet(SystemSet):
+    """A force at a point of a body and a torque on it, as functions of time."""
+
+    body: str = reference("body", "The body")
+    point: Vector = measured(
+        "m", "Where the force acts, in the axes of the body", default=origin(), nature="polar"
+    )
+    force: Vector = measured("N", "The force", default=origin(), nature="polar", variables="time")
+    torque: Vector = measured(
+        "N*m", "The torque", default=origin(), nature="axial", variables="time"
+    )
+    axes: Literal["world", "body"] = Field(
+        default="world", description="Axes in which force and torque are given"
+    )
+
+
+class WheelSet(SystemSet):
+    """A wheel on the road; y of its body is the spin axis, the last joint its spin."""
+
+    body: str = reference("body", "The wheel's body, with spins_about: 2")
+    radius: Scalar = measured("m", "Unloaded radius", above=0.0)
+    stiffness: Scalar = measured("N/m", "Vertical stiffness of the tyre", above=0.0)
+    damping: Scalar = measured("N*s/m", "Vertical damping of the tyre", default=zero(), least=0.0)
+    tyre: ParameterSet | None = part(
+        "tyre", "Tyre law, if the scenario does not choose it", default=None
+    )
+    axle: Literal["front", "rear"] = Field(default="front", description="Axle it belongs to")
+    side: Literal["left", "right"] | None = Field(
+        default=None, description="Side of the vehicle it is on"
+    )
+
+
+class OutlineSet(SystemSet):
+    """A rectangle seen from above, in the axes of the chassis from its origin."""
+
+    front: Scalar = measured("m", "Front edge along x")
+    rear: Scalar = measured("m", "Rear edge along x, negative behind the origin")
+    half_width: Scalar = measured("m", "Half of the width", above=0.0)
+
+
+class VehicleSet(SystemSet):
+    """What manoeuvres need to know of a road vehicle, and what they may move."""
+
+    chassis: str = reference("body", "The chassis; on a free joint from the ground, 3 2 1")
+    rack: str = reference("coordinate", "Driven coordinate of the steering, along +y")
+    steering_gain: Scalar = measured("rad/m", "Angle of the wheels to the left over the rack")
+    wheelbase: Scalar = measured("m", "Distance of the axles", above=0.0)
+    front_distance: Scalar = measured("m", "Front axle to the chassis's origin", above=0.0)
+    outline: OutlineSet = Field(description="The body seen from above")
+
+
+class Sections(SystemSet):
+    """What a file and its groups for repetition and mirror images may hold."""
+
+    bodies: dict[str, BodySet] = Field(default_factory=dict, description="Bodies by name")
+    cuts: dict[str, ParameterSet] = section("cut", "Cuts that close loops, by name")
+    constraints: dict[str, ParameterSet] = section("constraint", "Further constraints, by name")
+    links: dict[str, LinkSet] = Field(
+        default_factory=dict, description="Force elements between two points, by name"
+    )
+    bushings: dict[str, BushingSet] = Field(
+        default_factory=dict,
+        description="Springs and dampers in three directions and turns, by name",
+    )
+    springs: dict[str, SpringSet] = Field(
+        default_factory=dict, description="Springs and dampers on coordinates, by name"
+    )
+    forces: dict[str, ForceSet] = Field(
+        default_factory=dict, description="Forces on coordinates, by name"
+    )
+    drives: dict[str, DriveSet] = Field(
+        default_factory=dict, description="Coordinates driven in time, by name"
+    )
+    wrenches: dict[str, WrenchSet] = Field(
+        default_factory=dict, description="Forces and torques on bodies, by name"
+    )
+    sensors: dict[str, ParameterSet] = section("sensor", "Sensors by name")
+    wheels: dict[str, WheelSet] = Field(default_factory=dict, description="Wheels by name")
+    rail_wheels: dict[str, RailWheelSet] = Field(
+        default_factory=dict, description="Wheels on rails by name, those of one body together"
+    )
+    switches: dict[str, Scalar] = Field(
+        default_factory=dict,
+        description="Numbers that only events change, by name, and where they start",
+        json_schema_extra={"expressions": True},
+    )
+    events: dict[str, EventSet] = Field(
+        default_factory=dict, description="Events and what changes then, by name"
+    )
+    initial: dict[str, Scalar] = Field(
+        default_factory=dict,
+        description="Where coordinates start, and rates under the coordinate's name with _rate",
+        json_schema_extra={"expressions": True},
+    )
+
+    @field_validator("initial", "switches", mode="before")
+    @classmethod
+    def _read_initial(cls, value: Any) -> Any:
+        return read_mapping(value)
+
+
+class MirrorSet(Sections):
+    """A group of parts that is made twice: as written, and as its mirror image."""
+
+    plane: Literal["x", "y", "z"] = Field(description="Axis across the mirror")
+    names: dict[str, str] = Field(
+        description="Pieces of names and what they become in the mirror image"
+    )
+
+
+class SystemFile(Sections):
+    """A multibody system."""
+
+    title: str = Field(description="What the system is, in a sentence")
+    description: str = Field(default="", description="More about it: source, purpose")
+    parameters: dict[str, Any] = Field(
+        default_factory=dict,
+        description="Quantities by name: a value, an expression of others, three of these, or "
+        "a mapping with 'value' and 'description'; other mappings are groups",
+    )
+    gravity: Vector = measured(
+        "m/s^2",
+        "Acceleration of free fall, world axes",
+        default=_STANDARD_GRAVITY,
+        nature="polar",
+    )
+    constraint_method: Literal["auto", "partitioning", "multipliers"] = Field(
+        default="auto",
+        description="How cuts and constraints are treated: by partitioning into independent and "
+        "dependent coordinates, with multipliers and projection, or what serves better",
+    )
+    road: ParameterSet | None = part(
+        "road", "Surface under the wheels, if the scenario does not choose it", default=None
+    )
+    track: ParameterSet | None = part(
+        "track", "Railway track, if the scenario does not choose it", default=None
+    )
+    creep: ParameterSet | None = part(
+        "creep", "Creep law of wheels on rails, if the scenario does not choose it", default=None
+    )
+    rail_contact: ParameterSet | None = part(
+        "rail_contact", "How wheels touch rails, if the scenario does not choose it", default=None
+    )
+    vehicle: VehicleSet | None = Field(
+        default=None, description="What manoeuvres need, for road vehicles"
+    )
+    mirror: tuple[MirrorSet, ...] = Field(
+        default=(), description="Groups that are made twice, as written and as mirror image"
+    )
+
+    @field_validator("track", mode="before")
+    @classmethod
+    def _track_file(cls, value: Any) -> Any:
+        return {"kind": "file", "file": value} if isinstance(value, str) else value

@@ -1,0 +1,323 @@
+"""Run many cases of one model, each with parameters and a start of its own.
+
+Fixed-step methods carry several cases side by side in SIMD lanes, see
+:mod:`vehicledyn.kernel.lanes`; everything else runs case by case on the kernel itself. A case in
+which an event fires, or a loop comes near to a singular configuration, leaves its lane and is run
+by itself, the others go on. The results of a case are the same, bit for bit, whatever the number
+of lanes and its neighbours.
+"""
+
+from __future__ import annotations
+
+import logging
+import math
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from typing import Any, TypeAlias
+
+import numpy as np
+
+from vehicledyn.base.errors import InputError
+from vehicledyn.codegen.build.compiler import CompilationError, suitable_lanes
+from vehicledyn.integrate.accuracy_watch import Accuracy
+from vehicledyn.integrate.accuracy_windows import Grid
+from vehicledyn.integrate.cases import CaseEnd, Cases, Plan, Samples
+from vehicledyn.integrate.channel_ranges import watched_channels
+from vehicledyn.integrate.fixed_step import steps_per_interval
+from vehicledyn.integrate.judged_quantities import Judged
+from vehicledyn.integrate.lane_accuracy import lane_watch
+from vehicledyn.integrate.lane_run import Platoon, Stopped, march
+from vehicledyn.integrate.simulate import Solver, simulate
+from vehicledyn.integrate.single_case import Alone, Judging, Runner
+from vehicledyn.kernel.engine import WEAK_PIVOT, Status, Vector
+from vehicledyn.kernel.kernel import Kernel, Progress
+from vehicledyn.kernel.lanes import CHOICES, LaneEngine, compile_lanes
+from vehicledyn.kernel.rate_monitor import RateWatch, Soundness
+
+_log = logging.getLogger(__name__)
+
+__all__ = [
+    "Batch",
+    "BatchResult",
+    "CaseEnd",
+    "Cases",
+    "Finished",
+    "Samples",
+    "make_batch",
+    "run_batch",
+]
+
+
+@dataclass(frozen=True)
+class BatchResult:
+    """Sample times (n_samples,) [s], samples and how each case ended.
+
+    Samples that a case did not reach are not a number.
+    """
+
+    times: Vector
+    samples: Samples
+    ends: tuple[CaseEnd, ...]
+
+
+Finished: TypeAlias = Callable[[range, Samples, tuple[CaseEnd, ...]], None]
+"""Told the numbers of cases that are done, their samples and how they ended."""
+
+
+@dataclass(frozen=True)
+class Batch:
+    """A kernel made ready for many cases; ``remark`` is one line for the user, or empty."""
+
+    kernel: Kernel
+    engine: LaneEngine | None = None
+    remark: str = ""
+
+    @property
+    def lanes(self) -> int:
+        """How many cases run side by side."""
+        return self.engine.lanes if self.engine is not None else 1
+
+
+def make_batch(
+    kernel: Kernel, *, lanes: int | None = None, progress: Progress | None = None
+) -> Batch:
+    """Return a kernel made ready for many cases.
+
+    Parameters
+    ----------
+    kernel
+        The model.
+    lanes
+        Cases side by side: 1, 4 or 8; None for what suits this processor, which is also the
+        most that it is given.
+    progress
+        Told what is going on.
+
+    Returns
+    -------
+    Batch
+        With one lane, and a remark, where lanes are impossible: for an interpreted kernel, or a
+        compiler that fails.
+
+    Raises
+    ------
+    InputError
+        If there can be no such number of lanes.
+    """
+    if lanes is not None and lanes not in CHOICES:
+        raise InputError(f"{lanes} lanes are impossible; choose one of 1, 4 and 8")
+    most = suitable_lanes()
+    wanted = most if lanes is None else min(lanes, most)
+    if wanted == 1:
+        return Batch(kernel)
+    if kernel.backend != "compiled":
+        return _one_by_one(kernel, "the kernel is interpreted")
+    if progress is not None:
+        progress(f"making the kernel for {wanted} cases side by side", None)
+    try:
+        engine, remark = compile_lanes(kernel.equations, kernel.key, wanted)
+    except CompilationError as error:
+        return _one_by_one(kernel, str(error))
+    if remark:
+        _log.warning(remark)
+    return Batch(kernel, engine, remark)
+
+
+def _one_by_one(kernel: Kernel, reason: str) -> Batch:
+    remark = f"{reason}; cases run one after the other"
+    _log.warning(remark)
+    return Batch(kernel, remark=remark)
+
+
+def run_batch(
+    batch: Batch,
+    solver: Solver,
+    cases: Cases,
+    *,
+    start: float,
+    stop: float,
+    interval: float,
+    channels: Sequence[int],
+    single: bool = False,
+    runner: Runner = simulate,
+    rates: RateWatch | None = None,
+    judged: Judging | None = None,
+    finished: Finished | None = None,
+    progress: Progress | None = None,
+) -> BatchResult:
+    """Integrate all cases from ``start`` to ``stop``.
+
+    Parameters
+    ----------
+    batch
+        From :func:`make_batch`.
+    solver
+        Settings of a method, one of the family "solver".
+    cases
+        Parameters and starting points.
+    start, stop
+        First and last time [s]; the last sample is the last multiple of the interval.
+    interval
+        Time between samples [s].
+    channels
+        Indices of the channels to keep, in the order wanted.
+    single
+        Whether samples are kept as float32, which halves the memory.
+    runner
+        Integrates cases whose loops fail or come near to singular configurations, such as
+        :func:`vehicledyn.analyses.simulation.repartitioning.simulate_watched`, which changes the
+        dependent coordinates.
+    rates
+        Tells how well constraints without loops determine the dependent rates, where a model has
+        such; cases in which they become weak are left to the runner as well.
+    judged
+        Gives what the accuracy of a case, by number, is judged by; the channels that are kept if
+        left out.
+    finished
+        Told of cases as soon as they are done, a few at a time, in order. An interrupt
+        (Ctrl-C, heeded within a fifth of a second) loses only those that are under way.
+    progress
+        Told the part done.
+
+    Returns
+    -------
+    BatchResult
+        A case that fails stops alone and says where; the others go on.
+
+    Raises
+    ------
+    InputError
+        If sizes or times make no sense, or the step does not divide the interval.
+    """
+    _check_cases(batch.kernel, cases)
+    if getattr(solver, "step", 0.0) is None:
+        raise InputError("a batch needs solver.step: its cases take their steps together")
+    plan = Plan(start, interval, _count_samples(start, stop, interval), list(channels))
+    kind = np.float32 if single else np.float64
+    samples = np.full((len(cases), plan.n_samples, len(channels)), np.nan, dtype=kind)
+    parts = _in_turn if batch.engine is None or not hasattr(solver, "fixed_method") else _abreast
+    alone = Alone(batch.kernel, solver, plan, runner, rates, judged or _by_channels(batch, plan))
+    ends: list[CaseEnd] = []
+    for part in parts(batch, cases, samples, alone):
+        if isinstance(part, float):
+            if progress is not None:
+                progress("simulating", (len(ends) + part) / len(cases))
+            continue
+        which = range(len(ends), len(ends) + len(part))
+        ends += part
+        if finished is not None:
+            finished(which, samples[which.start : which.stop], part)
+    return BatchResult(plan.times, samples, tuple(ends))
+
+
+Part: TypeAlias = float | tuple[CaseEnd, ...]
+"""How many cases are done behind those that ended last, or how the next ones ended."""
+
+
+def _in_turn(batch: Batch, cases: Cases, samples: Samples, alone: Alone) -> Iterator[Part]:
+    for index in range(len(cases)):
+        yield (alone.run(cases, index, samples[index]),)
+        yield 0.0
+
+
+def _abreast(batch: Batch, cases: Cases, samples: Samples, alone: Alone) -> Iterator[Part]:
+    """Run groups of cases in lanes."""
+    engine: Any = batch.engine
+    solver: Any = alone.solver
+    plan = alone.plan
+    per_interval = steps_per_interval(solver.step, plan.interval)
+    further = [] if alone.rates is None else list(alone.rates.channels)
+    for first in range(0, len(cases), engine.lanes):
+        group = cases.part(slice(first, first + engine.lanes))
+        platoon = Platoon(
+            engine,
+            solver.fixed_method,
+            plan.start,
+            plan.interval,
+            per_interval,
+            np.array([*plan.channels, *further], dtype=np.intc),
+            engine.prepare(engine.spread(group.parameters)),
+            engine.spread(group.states),
+            engine.spread(group.unknowns),
+            WEAK_PIVOT if alone.has_loops else 0.0,
+        )
+        room = samples[first : first + engine.lanes]
+        if further:
+            room = np.full((*room.shape[:2], len(platoon.channels)), np.nan)
+        grid = Grid(
+            solver.fixed_method, plan.start, plan.interval, per_interval, plan.n_samples - 1
+        )
+        watch = lane_watch(batch.kernel, grid, alone.judged(first), plan.channels)
+        for part in march(platoon, room, watch):
+            yield part * len(group)
+        if further:
+            samples[first : first + engine.lanes] = room[:, :, : len(plan.channels)]
+        ends = []
+        for lane in range(len(group)):
+            stopped, accuracy = platoon.stopped(lane), None
+            if stopped is None:
+                accuracy = watch.accuracy(lane, room[lane])
+                is_left = accuracy is None or _is_weak(alone, room[lane])
+            else:
+                is_left = alone.is_watched or stopped.status is Status.EVENT
+            if is_left:
+                samples[first + lane] = np.nan
+                ends.append(alone.run(cases, first + lane, samples[first + lane]))
+            else:
+                ends.append(_end_of(batch.kernel, stopped, plan, accuracy))
+        yield tuple(ends)
+        yield 0.0
+
+
+def _is_weak(alone: Alone, samples: Samples) -> bool:
+    """Return whether dependent rates are ill determined at samples, the channels for it last."""
+    if alone.rates is None:
+        return False
+    values = samples[:, len(alone.plan.channels) :]
+    return not Soundness().holds(alone.rates.determinants(alone.plan.times, values)[:, None])
+
+
+def _by_channels(batch: Batch, plan: Plan) -> Judging:
+    """Return that all cases are judged by the channels that are kept."""
+    known = set(watched_channels(batch.kernel.equations))
+    judged = Judged([k for k in plan.channels if k in known], by_itself=False)
+    return lambda _: judged
+
+
+def _end_of(
+    kernel: Kernel, stopped: Stopped | None, plan: Plan, accuracy: Accuracy | None
+) -> CaseEnd:
+    if stopped is None:
+        return CaseEnd(float(plan.times[-1]), plan.n_samples, accuracy=accuracy)
+    last = float(plan.times[max(0, stopped.samples - 1)])
+    message = kernel.failure(stopped.status, stopped.time, stopped.ledger)
+    return CaseEnd(last, stopped.samples, message)
+
+
+def _check_cases(kernel: Kernel, cases: Cases) -> None:
+    e = kernel.equations
+    wanted = {
+        "parameters": (cases.parameters, len(e.parameters)),
+        "states": (cases.states, len(e.states)),
+        "unknowns": (cases.unknowns, len(e.unknowns)),
+    }
+    for words, (array, width) in wanted.items():
+        if array.shape != (len(cases), width):
+            raise InputError(
+                f"the {words} of {len(cases)} cases of model '{e.name}' must have the shape "
+                f"{(len(cases), width)}, not {array.shape}"
+            )
+        if not np.isfinite(array).all():
+            row = int(np.flatnonzero(~np.isfinite(array).all(axis=1))[0])
+            raise InputError(f"the {words} of case {row} hold a value that is not finite")
+
+
+def _count_samples(start: float, stop: float, interval: float) -> int:
+    for name, value in (("start", start), ("stop", stop), ("interval", interval)):
+        if not math.isfinite(value):
+            raise InputError(f"the {name} of a simulation must be a finite time, not {value}")
+    if interval <= 0.0:
+        raise InputError(f"the sampling interval must be positive, not {interval:g} s")
+    if stop < start:
+        raise InputError(f"the simulation stops at {stop:g} s, before its start at {start:g} s")
+    return math.floor((stop - start) / interval * (1.0 + 1e-12) + 1e-9) + 1

@@ -1,0 +1,158 @@
+"""Implicit integration with CasADi's integrators, loops as algebraic equations.
+
+CasADi integrates a whole chunk of samples in one call that cannot be interrupted, and starts
+its method anew with the next chunk; so chunks are short for methods that start cheaply.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from vehicledyn.base.errors import NumericalError
+from vehicledyn.integrate.explicit_pair import steepest_state
+from vehicledyn.integrate.implicit import ImplicitEquations, implicit_equations
+from vehicledyn.integrate.task import SampleBuffer, Statistics, Task
+from vehicledyn.kernel.engine import Count, Vector
+
+
+def run_casadi(
+    task: Task, plugin: str, *, chunk: int, options: Mapping[str, float | bool]
+) -> Statistics:
+    """Integrate a task with an integrator of CasADi.
+
+    Parameters
+    ----------
+    task
+        What to integrate.
+    plugin
+        Name of the integrator, also for the statistics.
+    chunk
+        Sampling intervals to integrate in one call.
+    options
+        Options of the integrator.
+    """
+    if task.watch.active:
+        from vehicledyn.integrate.casadi_events import run_casadi_with_events
+
+        return run_casadi_with_events(task, plugin, options)
+    buffer = SampleBuffer(task, task.state, task.unknowns)
+    integrators = _Integrators(task, plugin, options)
+    state, unknowns, index = task.state, task.unknowns, max(0, task.delivered - 1)
+    if task.beginning is not None and task.beginning.history is not None:
+        index = int(task.beginning.history[0])
+        state, unknowns = np.split(task.beginning.history[1:], [state.size])
+    try:
+        while index < task.n_intervals:
+            size = min(chunk, task.n_intervals - index)
+            try:
+                result = integrators.run(size, task.time(index), state, unknowns)
+            except Stopped:
+                size = 1
+                result = _single(integrators, task, index, (state, unknowns))
+            states, guesses = result
+            for row in range(size):
+                buffer.add(states[row], guesses[row])
+            state, unknowns, index = states[-1], guesses[-1], index + size
+            if task.course is not None:
+                history = np.concatenate([[index], state, unknowns])
+                task.course.note(task.time(index), history)
+    finally:
+        buffer.flush()
+    return task.statistics(plugin, steps=integrators.steps)
+
+
+class Stopped(Exception):  # noqa: N818
+    """CasADi gave up a call; how far it came is not known."""
+
+
+class _Integrators:
+    """Integrators of some lengths, made when first needed."""
+
+    def __init__(self, task: Task, plugin: str, options: Mapping[str, float | bool]) -> None:
+        self._task, self._plugin, self._options = task, plugin, dict(options)
+        self._equations = implicit_equations(task.kernel, task.progress)
+        self._constants = self._equations.constants(task.kernel.parameters)
+        key = (plugin, task.interval, *self._options.items())
+        self._made = task.kernel.made.setdefault(key, {})
+        self.steps = 0
+
+    def run(
+        self, size: int, start: float, state: Vector, unknowns: Vector
+    ) -> tuple[Vector, Vector]:
+        """Return states and unknowns at the next ``size`` samples, one row each."""
+        if size not in self._made:
+            self._task.progress("deriving the integrator", None)
+            self._made[size] = self._make(size)
+        integrator = self._made[size]
+        try:
+            result = integrator(x0=state, z0=unknowns, p=[*self._constants, start])
+        except RuntimeError:
+            raise Stopped from None
+        self.steps += count_work(integrator.stats(), self._task)
+        states, guesses = (np.array(result[key]).T.copy() for key in ("xf", "zf"))
+        if not np.isfinite(states).all():
+            raise Stopped
+        return states, guesses.reshape(size, unknowns.size)
+
+    def _make(self, size: int) -> Any:
+        import casadi
+
+        sym, n = self._equations.symbols.sym, self._equations.n_constants
+        elapsed = sym("elapsed")
+        dae = elapsed_equations(self._equations, sym("p", n + 1), elapsed) | {"t": elapsed}
+        grid = [self._task.interval * k for k in range(1, size + 1)]
+        return casadi.integrator(f"chunk_{size}", self._plugin, dae, 0.0, grid, self._options)
+
+
+def elapsed_equations(implicit: ImplicitEquations, p: Any, elapsed: Any) -> dict[str, Any]:
+    """Return the equations as CasADi's integrators take them, but for their time.
+
+    Parameters
+    ----------
+    implicit
+        The equations.
+    p
+        Symbols of the constants, of the time at which the integration begins, and perhaps more.
+    elapsed
+        What elapsed since then [s].
+    """
+    n = implicit.n_constants
+    x, z = (
+        implicit.symbols.sym(name, size) for name, size in zip("xz", implicit.sizes, strict=True)
+    )
+    rate, residual = implicit.function(p[n] + elapsed, x, z, p[:n])
+    dae = {"x": x, "z": z, "p": p, "ode": rate, "alg": residual}
+    if not z.numel():
+        del dae["z"], dae["alg"]
+    return dae
+
+
+def count_work(stats: Mapping[str, Any], task: Task) -> int:
+    """Add the evaluations of a call to a task's account, and return its steps."""
+    task.ledger.counts[Count.EVALUATIONS] += int(stats.get("n_rhs", stats.get("nfevals", 0)))
+    return int(stats.get("n_steps", stats.get("nsteps", 0)))
+
+
+def _single(
+    integrators: _Integrators, task: Task, index: int, point: tuple[Vector, Vector]
+) -> tuple[Vector, Vector]:
+    """Integrate one interval of a chunk that failed, to find where it fails."""
+    moment = task.time(index)
+    try:
+        return integrators.run(1, moment, *point)
+    except Stopped:
+        raise stopped_between(task, (moment, task.time(index + 1)), *point) from None
+
+
+def stopped_between(
+    task: Task, times: tuple[float, float], state: Vector, unknowns: Vector
+) -> NumericalError:
+    """Return the error for a method that gave up between two times [s], from this point on."""
+    return NumericalError(
+        f"integration stopped between t = {times[0]:.9g} s and "
+        f"{times[1]:.9g} s: the steps became too small or too many; "
+        f"state '{steepest_state(task.kernel, times[0], state, unknowns)}' changes fastest there"
+    )

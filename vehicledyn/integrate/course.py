@@ -1,0 +1,56 @@
+"""What a run notes while it goes on, so that it can be continued later."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from vehicledyn.integrate.events import EventWatch
+from vehicledyn.kernel.engine import March, Vector
+
+
+@dataclass(frozen=True)
+class Beginning:
+    """Where a continued run begins: the time of a sample [s] that is not delivered again.
+
+    ``history`` is what the method noted there; without it the method starts anew from the sample,
+    and the motion agrees to the accuracy of the method.
+    """
+
+    time: float
+    history: Vector | None = None
+
+
+@dataclass(frozen=True)
+class Course:
+    """Notes the history of a run; ``beginning`` is that of a continued one.
+
+    ``note`` is given the time of the last sample delivered [s] and the numbers that the method
+    needs to go on from where it is, which is that sample or less than one behind.
+    """
+
+    note: Callable[[float, Vector], None]
+    beginning: Beginning | None = None
+
+
+def most_numbers(n_states: int, n_unknowns: int, n_events: int) -> int:
+    """Return the largest length of a history."""
+    return 3 + n_states + 3 * n_unknowns + 1 + 3 * n_events
+
+
+def history_of(march: March, watch: EventWatch) -> Vector:
+    """Return the numbers with which a run with fixed steps goes on."""
+    parts = (march.state, march.unknowns, march.memory, march.sides, watch.memory)
+    return np.concatenate([[march.step], *(np.asarray(part, dtype=float) for part in parts)])
+
+
+def go_on_from(history: Vector, march: March, watch: EventWatch) -> None:
+    """Set a run with fixed steps to where its history was noted."""
+    march.step = int(history[0])
+    place = 1
+    for part in (march.state, march.unknowns, march.memory, march.sides):
+        part[:] = history[place : place + part.size]
+        place += part.size
+    watch.recall(history[place:])

@@ -1,0 +1,91 @@
+"""What of a run its accuracy is judged by: channels, and key figures made from them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import TypeAlias
+
+import numpy as np
+
+from vehicledyn.integrate.channel_ranges import Ranges, watched_channels
+from vehicledyn.kernel.engine import Vector
+from vehicledyn.symbolic.equations import Equations
+
+Figures: TypeAlias = Callable[[Vector, Vector], Mapping[str, tuple[float, str]]]
+"""Makes key figures, name to value and unit, from times (n,) and channels (n, n_channels)."""
+
+_MOST_NUMBERS = 2_000_000
+"""Samples of channels that are kept for key figures."""
+
+_NOISE = 1e-3
+"""Figure below which errors do not count, as a part of the largest channel of its unit."""
+
+
+@dataclass(frozen=True)
+class Judged:
+    """Channels by number, figures made from them, and whether the run is no case among many.
+
+    Without figures the extremes and means of the channels are judged themselves.
+    """
+
+    channels: list[int]
+    figures: Figures | None = None
+    by_itself: bool = True
+
+    @staticmethod
+    def usual(equations: Equations) -> Judged:
+        """Return all channels that can be judged."""
+        return Judged(watched_channels(equations))
+
+    def history(self, n_intervals: int) -> list[tuple[Vector, Vector]] | None:
+        """Return where samples are kept for figures; None where there are too many, or none."""
+        few = (n_intervals + 1) * len(self.channels) <= _MOST_NUMBERS
+        return [] if self.figures is not None and few else None
+
+
+@dataclass(frozen=True)
+class Sizes:
+    """What errors of figures are parts of: ranges of channels by name, largest values by unit."""
+
+    ranges: Mapping[str, float]
+    units: Mapping[str, float]
+
+    @staticmethod
+    def of(equations: Equations, channels: list[int], found: Ranges) -> Sizes:
+        """Return the sizes of some channels."""
+        own = [equations.channels[k] for k in channels]
+        units: dict[str, float] = {}
+        for channel, size in zip(own, found.largest().tolist(), strict=True):
+            units[channel.unit] = max(units.get(channel.unit, 0.0), size)
+        names = [channel.name for channel in own]
+        return Sizes(dict(zip(names, found.scales().tolist(), strict=True)), units)
+
+    def of_figure(self, name: str, value: float, unit: str) -> float:
+        """Return the range of the channel that a figure is named after, else its own size.
+
+        Much smaller figures than the largest value of their unit are noise.
+        """
+        known = self.ranges.get(name.rpartition(".")[0])
+        if known is not None and np.isfinite(known):
+            return known
+        return max(abs(value), _NOISE * self.units.get(unit, 0.0), 1e-6)
+
+
+def figure_errors(
+    own: Mapping[str, tuple[float, str]], other: Mapping[str, tuple[float, str]], sizes: Sizes
+) -> dict[str, float]:
+    """Return how far figures lie from other ones, as parts of sizes; infinite where one lacks."""
+    found = {}
+    for name, (value, unit) in other.items():
+        if name not in own:
+            found[name] = np.inf
+            continue
+        error = abs(own[name][0] - value) / sizes.of_figure(name, value, unit)
+        found[name] = float(error) if np.isfinite(error) else _unlike(own[name][0], value)
+    return found | {name: np.inf for name in own if name not in other}
+
+
+def _unlike(one: float, other: float) -> float:
+    """Return the error of figures of which one is no finite number."""
+    return 0.0 if one == other or (np.isnan(one) and np.isnan(other)) else np.inf

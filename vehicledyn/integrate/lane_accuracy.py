@@ -1,0 +1,115 @@
+"""The windows of cases that run side by side, in which their accuracy is watched."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from vehicledyn.integrate.accuracy_watch import (
+    Accuracy,
+    bound_of,
+    most_bound,
+    window_count,
+    window_places,
+)
+from vehicledyn.integrate.accuracy_windows import STEPS, Grid, total_error, two_ends_apart
+from vehicledyn.integrate.cases import Samples
+from vehicledyn.integrate.channel_ranges import Ranges
+from vehicledyn.integrate.judged_quantities import Judged
+from vehicledyn.integrate.lane_run import Platoon
+from vehicledyn.kernel.engine import Status, Vector
+from vehicledyn.kernel.kernel import Kernel
+
+
+@dataclass
+class LaneWatch:
+    """Takes the windows of a run in lanes, at the samples where a case by itself has them.
+
+    ``channels`` are those judged; ``columns`` say where they stand among the samples.
+    """
+
+    kernel: Kernel
+    grid: Grid
+    channels: list[int]
+    columns: list[int]
+    differences: list[Vector] = field(default_factory=list)
+
+    def __post_init__(self) -> None:
+        """Choose the windows."""
+        count = window_count(self.kernel, self.grid, by_itself=False)
+        self._waiting = window_places(self.grid.n_intervals, count)
+
+    def steps_to_go(self, platoon: Platoon) -> int:
+        """Return the steps up to the next window."""
+        following = self._waiting[0] if self._waiting else self.grid.n_intervals
+        return max(1, following * self.grid.per_interval - platoon.step)
+
+    def look(self, platoon: Platoon) -> None:
+        """Take a window if one is due."""
+        if not self._waiting or platoon.step != self._waiting[0] * self.grid.per_interval:
+            return
+        self._waiting.pop(0)
+        one, other = (self._ends(platoon, divided) for divided in (1, 2))
+        apart = [two_ends_apart(own, half) for own, half in zip(one, other, strict=True)]
+        self.differences.append(
+            np.array([np.full(len(self.channels), np.nan) if a is None else a for a in apart])
+        )
+
+    def _ends(self, platoon: Platoon, divided: int) -> list[Vector | None]:
+        """Return the channels of each lane at the end of a window, None behind an event."""
+        engine, count = platoon.engine, STEPS * divided
+        window = Platoon(
+            engine,
+            platoon.method,
+            self.grid.start + self.grid.interval * (platoon.step // self.grid.per_interval),
+            STEPS * self.grid.step,
+            count,
+            np.array(self.channels, dtype=np.intc),
+            platoon.constants,
+            _copy(engine.room(len(platoon.state)), platoon.state),
+            _copy(engine.room(len(platoon.unknowns)), platoon.unknowns),
+        )
+        window.fate.status[:] = Status.SOLVED
+        room = np.full((engine.lanes, 1, len(self.channels)), np.nan)
+        window.advance(count, room)
+        found: list[Vector | None] = []
+        for lane in range(engine.lanes):
+            status = Status(window.fate.status[lane])
+            if status is Status.EVENT:
+                found.append(None)
+            else:
+                failed = np.full(len(self.channels), np.inf)
+                found.append(room[lane, 0] if status is Status.SOLVED else failed)
+        return found
+
+    def accuracy(self, lane: int, samples: Samples) -> Accuracy | None:
+        """Return what is to be said of a lane at its end, None if that takes a closer look.
+
+        ``samples`` are those of the lane, shape (n_samples, n_columns).
+        """
+        if not self.channels:
+            return Accuracy("accurate", 0.0, "")
+        ranges = Ranges.of(self.kernel.equations, self.channels)
+        ranges.take(np.asarray(samples[:, self.columns], dtype=float))
+        rows = np.array([row[lane] for row in self.differences])
+        rows = rows[~np.isnan(rows).all(axis=1)]
+        with np.errstate(all="ignore"):
+            errors = total_error(rows, self.grid.method) / ranges.scales()
+        errors = np.nan_to_num(errors, nan=np.inf, posinf=np.inf)
+        bound, worst = bound_of(errors, (self.grid.n_intervals + 1) * self.grid.per_interval)
+        if bound > most_bound(self.grid.method):
+            return None
+        name = self.kernel.equations.channels[self.channels[worst]].name
+        return Accuracy("accurate", bound, f"'{name}'", None, 3 * STEPS * len(rows))
+
+
+def lane_watch(kernel: Kernel, grid: Grid, judged: Judged, columns: list[int]) -> LaneWatch:
+    """Return a watch of lanes whose samples hold the channels ``columns``."""
+    channels = [k for k in judged.channels if k in columns]
+    return LaneWatch(kernel, grid, channels, [columns.index(k) for k in channels])
+
+
+def _copy(room: Vector, values: Vector) -> Vector:
+    room[:] = values
+    return room

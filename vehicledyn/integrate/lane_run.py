@@ -1,0 +1,153 @@
+"""Cases that run side by side with fixed steps, from their start to their end."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vehicledyn.kernel.engine import Count, Figure, Ledger, Status, Vector
+from vehicledyn.kernel.lanes import Fate, LaneEngine
+
+if TYPE_CHECKING:
+    from vehicledyn.integrate.lane_accuracy import LaneWatch
+
+_CHUNK_SECONDS, _FIRST_CHUNK, _GROWTH, _MOST_NUMBERS = 0.08, 16, 8, 1_000_000
+
+
+@dataclass(frozen=True)
+class Stopped:
+    """Why a lane stopped, when [s], its number of good samples, and place and residual."""
+
+    status: Status
+    time: float
+    samples: int
+    ledger: Ledger
+
+
+@dataclass
+class Platoon:
+    """Cases that run side by side with fixed steps, changed in place as they advance.
+
+    ``state`` and ``unknowns`` are in lanes; ``good`` counts the good steps of each lane. A lane
+    stops where the determinant of a block falls below the part ``weak`` of the largest so far, or
+    changes its sign; zero means that none is watched.
+    """
+
+    engine: LaneEngine
+    method: int
+    start: float
+    interval: float
+    per_interval: int
+    channels: NDArray[np.intc]
+    constants: Vector
+    state: Vector
+    unknowns: Vector
+    weak: float = 0.0
+    step: int = 0
+
+    def __post_init__(self) -> None:
+        """Begin with nothing known."""
+        self.memory = self.engine.room(1 + 2 * max(1, self.unknowns.shape[0]))
+        self.watched = self.engine.room(self.engine.n_watched)
+        self.fate = Fate.unknown(self.engine.lanes)
+        self.good = np.zeros(self.engine.lanes, dtype=np.int64)
+        self._begun = np.zeros(self.engine.lanes, dtype=bool)
+
+    def begin(self, samples: Vector) -> bool:
+        """Solve the unknowns at the start and write the first sample of each lane.
+
+        ``samples`` has the shape (lanes, n_samples, n_channels); those that are not reached
+        keep their values. Return whether any lane goes on.
+        """
+        arrays = [item.ctypes.data for item in (self.state, self.unknowns, self.constants)]
+        room = self._room(samples)
+        watched = self.watched.ctypes.data
+        going = self.engine.begin(self.start, *arrays, *room, watched, *self.fate.pointers())
+        self._begun = self.fate.status == Status.SOLVED
+        return going
+
+    def advance(self, n_steps: int, samples: Vector) -> bool:
+        """Take steps and write a sample of each lane after each whole interval.
+
+        Return whether any lane goes on.
+        """
+        arrays = (self.constants, self.state, self.unknowns, self.memory)
+        going = self.engine.advance(
+            int(self.method),
+            self.step,
+            n_steps,
+            self.per_interval,
+            self.start,
+            self.interval,
+            *[item.ctypes.data for item in arrays],
+            *self._room(samples),
+            self.weak,
+            self.watched.ctypes.data,
+            self.good.ctypes.data,
+            *self.fate.pointers(),
+        )
+        self.step += n_steps
+        return going
+
+    def stopped(self, lane: int) -> Stopped | None:
+        """Return how a lane came to stop, None if it did not."""
+        status, good = Status(self.fate.status[lane]), int(self.good[lane])
+        if status is Status.SOLVED:
+            return None
+        missed = status is Status.INACCURATE or not self._begun[lane]
+        whole, rest = divmod(good, self.per_interval)
+        ledger = Ledger()
+        ledger.counts[Count.WHERE] = self.fate.where[lane]
+        ledger.figures[Figure.FAILED_RESIDUAL] = self.fate.residual[lane]
+        moment = self.start + self.interval * (whole + rest / self.per_interval)
+        return Stopped(status, moment, whole + (0 if missed else 1), ledger)
+
+    def _room(self, samples: Vector) -> list[int]:
+        stride = samples.shape[1] * samples.shape[2]
+        return [len(self.channels), self.channels.ctypes.data, samples.ctypes.data, stride]
+
+
+def march(
+    platoon: Platoon, samples: NDArray[Any], watch: LaneWatch | None = None
+) -> Iterator[float]:
+    """Run a platoon to its end in chunks of a tenth of a second, telling the part done.
+
+    Parameters
+    ----------
+    platoon
+        Cases that have not begun.
+    samples
+        Room for their samples, shape (n_cases, n_samples, n_channels), at most as many cases
+        as lanes; what is not reached becomes not a number.
+    watch
+        Looks at the state at some samples, to judge the accuracy.
+    """
+    lanes, per_interval, width = platoon.engine.lanes, platoon.per_interval, samples.shape[2]
+    whole = (samples.shape[1] - 1) * per_interval
+    most = max(1, _MOST_NUMBERS // max(1, lanes * width)) * per_interval
+    samples[:] = np.nan
+    room = np.full((lanes, 1, width), np.nan)
+    going, size = platoon.begin(room), _FIRST_CHUNK
+    samples[:, :1] = room[: len(samples)]
+    if watch is not None:
+        watch.look(platoon)
+    while going and platoon.step < whole:
+        size = min(size, whole - platoon.step, most)
+        if watch is not None:
+            size = min(size, watch.steps_to_go(platoon))
+        first = platoon.step // per_interval + 1
+        last = (platoon.step + size) // per_interval
+        room = np.full((lanes, last + 1 - first, width), np.nan)
+        started = time.perf_counter()
+        going = platoon.advance(size, room)
+        seconds = max(time.perf_counter() - started, 1e-6)
+        samples[:, first : last + 1] = room[: len(samples)]
+        if watch is not None:
+            watch.look(platoon)
+        size = max(1, min(_GROWTH * size, int(size * _CHUNK_SECONDS / seconds)))
+        yield platoon.step / whole

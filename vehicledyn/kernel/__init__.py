@@ -1,0 +1,1 @@
+"""Kernels: equations made ready to run, compiled, interpreted or in SIMD lanes."""

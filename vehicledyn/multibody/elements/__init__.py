@@ -1,0 +1,1 @@
+"""Parts of general systems: springs, bushings, links, drives, transmissions, sensors."""

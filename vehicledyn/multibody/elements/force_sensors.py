@@ -1,0 +1,148 @@
+"""Sensors of forces: what a joint transmits, what a cut or constraint exerts on a body."""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from vehicledyn.base.errors import InputError
+from vehicledyn.multibody.model.joint_wrench import JointWrench
+from vehicledyn.multibody.model.kinematics import Kinematics
+from vehicledyn.multibody.model.parts import (
+    BasePart,
+    ForcesUnknownError,
+    Output,
+    Situation,
+    TransmittedForces,
+)
+from vehicledyn.symbolic import ops
+from vehicledyn.symbolic.equations import Channel
+from vehicledyn.symbolic.ops import Mat, Scalar, Vec
+
+_COMPONENTS = ("x", "y", "z")
+_UNITS = {"force": "N", "torque": "N*m"}
+_log = logging.getLogger(__name__)
+
+
+@dataclass(frozen=True)
+class ReactionSensor(BasePart):
+    """Force and torque that a body's parent exerts on it through the joints between them.
+
+    All that acts through the chain of joints is part of it: along the directions that the
+    joints leave free, the springs, drives and transmissions on their coordinates; across
+    them, the constraint forces. The body exerts the opposite on its parent.
+
+    ``point`` is the point that the torque is about, given in the axes of the body, or of the
+    parent if ``of`` is "parent"; None is the body's origin or, of the parent, the place where
+    the chain of joints starts. ``axes`` are "world", "body" or "parent"; ``shows`` picks
+    "force" and "torque". Components that redundant constraints leave undetermined are not a
+    number, and a warning names them.
+    """
+
+    body: str
+    point: Sequence[Scalar] | None = None
+    of: str = "body"
+    axes: str = "world"
+    shows: tuple[str, ...] = ("force", "torque")
+
+    def outputs(self, situation: Situation) -> tuple[Output, ...]:
+        """Return the components, named force_x, torque_x and so on."""
+        wrench = _forces(self.name, situation).reaction(self.body)
+        moved = _about(wrench, self._arm(situation.kinematics))
+        return _told(self, situation, moved, f"of the joint of '{self.body}' on it")
+
+    def _arm(self, kinematics: Kinematics) -> Vec:
+        """Return where the torque is taken, from the body's origin in its axes [m]."""
+        if self.of == "body":
+            return ops.vector(*(self.point or (0.0, 0.0, 0.0)))
+        parent, link = _parent(kinematics, self.body), kinematics.tree.body_link[self.body]
+        place = self._start(kinematics) if self.point is None else ops.vector(*self.point)
+        from_parent = place - kinematics.origin_in(parent, link)
+        return kinematics.rotation_in(parent, link).T @ from_parent
+
+    def _start(self, kinematics: Kinematics) -> Vec:
+        """Return where the chain of joints starts, in the axes of the parent [m]."""
+        body = kinematics.tree.links[kinematics.tree.body_link[self.body]].body
+        if body is None:
+            raise InputError(f"sensor '{self.name}': '{self.body}' has no joint")
+        return ops.vector(*body.at)
+
+
+@dataclass(frozen=True)
+class ConstraintForceSensor(BasePart):
+    """Force and torque that a cut or constraint exerts on a body.
+
+    ``point`` is the point of the body that the torque is about, in its axes; ``axes`` are
+    "world", "body" or "parent". Components that are not unique are not a number.
+    """
+
+    constraint: str
+    body: str
+    point: Sequence[Scalar] = (0.0, 0.0, 0.0)
+    axes: str = "world"
+    shows: tuple[str, ...] = ("force", "torque")
+
+    def outputs(self, situation: Situation) -> tuple[Output, ...]:
+        """Return the components, named force_x, torque_x and so on."""
+        wrench = _forces(self.name, situation).exerted(self.constraint, self.body)
+        moved = _about(wrench, ops.vector(*self.point))
+        return _told(self, situation, moved, f"of '{self.constraint}' on '{self.body}'")
+
+
+def _forces(name: str, situation: Situation) -> TransmittedForces:
+    if situation.forces is None:
+        raise ForcesUnknownError(f"sensor '{name}': forces are known to outputs only")
+    return situation.forces
+
+
+def _about(wrench: JointWrench, arm: Vec) -> JointWrench:
+    return JointWrench(wrench.force, wrench.torque - ops.cross(arm, wrench.force))
+
+
+def _told(
+    sensor: ReactionSensor | ConstraintForceSensor,
+    situation: Situation,
+    wrench: JointWrench,
+    text: str,
+) -> tuple[Output, ...]:
+    """Return the outputs of a wrench that is given in the axes of the body."""
+    forces, kinematics = _forces(sensor.name, situation), situation.kinematics
+    parent = _parent(kinematics, sensor.body)
+    to_axes = _rotation(kinematics, sensor.body, sensor.axes, parent)
+    frame = {"body": sensor.body, "parent": kinematics.tree.link_name(parent)}
+    outputs, vague = [], []
+    for word in sensor.shows:
+        vector = to_axes @ (wrench.force if word == "force" else wrench.torque)
+        values, unique = forces.settled(vector)
+        for axis, value, is_unique in zip(_COMPONENTS, values, unique, strict=True):
+            name = f"{sensor.name}.{word}_{axis}"
+            note = "" if is_unique else "; not unique, constraints are redundant"
+            vague += [] if is_unique else [f"{word}_{axis}"]
+            words = f"{word.capitalize()} {text}, {axis}{note}"
+            channel = Channel(name, _UNITS[word], words, frame.get(sensor.axes, "world"))
+            outputs.append(Output(channel, value))
+    if vague:
+        _log.warning(
+            "sensor '%s': %s cannot be told, since redundant constraints (%s) share the load in a "
+            "way that rigid bodies do not determine; these channels are not a number",
+            sensor.name,
+            ", ".join(vague),
+            ", ".join(forces.redundant),
+        )
+    return tuple(outputs)
+
+
+def _parent(kinematics: Kinematics, body: str) -> int:
+    """Return the link of the body that carries a body, the ground for the ground."""
+    tree = kinematics.tree
+    item = tree.links[tree.body_link[body]].body if tree.body_link[body] >= 0 else None
+    return -1 if item is None else tree.body_link[item.parent]
+
+
+def _rotation(kinematics: Kinematics, body: str, axes: str, parent: int) -> Mat:
+    """Return R with v_axes = R v_body."""
+    link = kinematics.tree.body_link[body]
+    if axes == "body":
+        return kinematics.rotation_in(link, link)
+    return kinematics.rotation_in(parent if axes == "parent" else -1, link)

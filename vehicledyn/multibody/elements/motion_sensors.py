@@ -1,0 +1,133 @@
+"""Sensors: parts that only show positions, velocities and accelerations of bodies."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from vehicledyn.multibody.model.parts import BasePart, ForcesUnknownError, Output, Situation
+from vehicledyn.symbolic import ops, rotations
+from vehicledyn.symbolic.equations import Channel
+from vehicledyn.symbolic.ops import Scalar
+
+_STANDSTILL = 1e-3
+"""Speed below which a side-slip angle has no meaning and is zero [m/s]."""
+
+_WORDS = ("longitudinal", "lateral", "vertical")
+
+
+@dataclass(frozen=True)
+class BodySensor(BasePart):
+    """Velocity of a body's origin in its horizontal axes, its body rates and side-slip angle."""
+
+    body: str
+
+    def outputs(self, situation: Situation) -> tuple[Output, ...]:
+        """Return velocities along the heading, angular velocity and the side-slip angle."""
+        kinematics = situation.kinematics
+        velocity = kinematics.velocity(self.body)
+        rotation = kinematics.rotation(self.body)
+        yaw = rotations.yaw_pitch_roll(rotation)[0]
+        along = rotations.turn(3, yaw).T @ velocity
+        spin = rotation @ kinematics.angular_velocity(self.body)
+        is_moving = along[0] * along[0] + along[1] * along[1] > _STANDSTILL**2
+        slip = ops.where(is_moving, ops.atan2(along[1], along[0]), 0.0)
+        return (
+            self._output("forward_speed", "m/s", "Velocity along the heading", along[0]),
+            self._output("lateral_speed", "m/s", "Velocity to the left of the heading", along[1]),
+            self._output("yaw_rate", "rad/s", "Angular velocity about the vertical", spin[2]),
+            self._output("sideslip_angle", "rad", "Angle of the velocity to the heading", slip),
+        )
+
+    def _output(self, name: str, unit: str, text: str, value: Scalar) -> Output:
+        return Output(Channel(f"{self.name}.{name}", unit, text, "intermediate"), value)
+
+
+@dataclass(frozen=True)
+class Accelerometer(BasePart):
+    """Acceleration of a point of a body along its heading, to the left and upwards.
+
+    The axes are the intermediate ones of ISO 8855: x in the horizontal plane along the
+    heading, z vertical; gravity is not included.
+    """
+
+    body: str
+    point: Sequence[Scalar] = (0.0, 0.0, 0.0)
+
+    def outputs(self, situation: Situation) -> tuple[Output, ...]:
+        """Return the three accelerations."""
+        kinematics = situation.kinematics
+        yaw = rotations.yaw_pitch_roll(kinematics.rotation(self.body))[0]
+        along = rotations.turn(3, yaw).T @ kinematics.acceleration(self.body, self.point)
+        return tuple(
+            Output(
+                Channel(
+                    f"{self.name}.{word}",
+                    "m/s^2",
+                    f"{word.capitalize()} acceleration of {self.body}",
+                    "intermediate",
+                ),
+                along[k],
+            )
+            for k, word in enumerate(_WORDS)
+        )
+
+
+@dataclass(frozen=True)
+class FloorSensor(BasePart):
+    """What an accelerometer on the floor of a body shows, and how fast the body rolls.
+
+    The axes are those of the body. With a the acceleration of the point and g that of free fall
+    the sensor shows a - g less |g| upwards, so that all is zero where it stands still and level;
+    on a canted floor it feels a part of the weight.
+    """
+
+    body: str
+    point: Sequence[Scalar] = (0.0, 0.0, 0.0)
+
+    def outputs(self, situation: Situation) -> tuple[Output, ...]:
+        """Return the three accelerations and the roll rate."""
+        if situation.forces is None:
+            raise ForcesUnknownError(f"sensor '{self.name}': gravity is known to outputs only")
+        kinematics, gravity = situation.kinematics, situation.forces.gravity
+        to_body = kinematics.rotation(self.body).T
+        felt = to_body @ (kinematics.acceleration(self.body, self.point) - gravity)
+        weight = ops.sqrt(ops.dot(gravity, gravity))
+        values = (felt[0], felt[1], felt[2] - weight)
+        text = f"acceleration felt on the floor of {self.body}"
+        found = []
+        for word, value in zip(_WORDS, values, strict=True):
+            name = f"{self.name}.{word}"
+            channel = Channel(name, "m/s^2", f"{word.capitalize()} {text}", "body")
+            found.append(Output(channel, value))
+        roll = Channel(f"{self.name}.roll_rate", "rad/s", f"Roll rate of {self.body}", "body")
+        return (*found, Output(roll, kinematics.angular_velocity(self.body)[0]))
+
+
+@dataclass(frozen=True)
+class SequenceSensor(BasePart):
+    """Orientation of a body as three Tait-Bryan angles in a given sequence of axes.
+
+    ``sequence`` (3, 2, 1) gives yaw, pitch, roll of ISO 8855 with R = R3 R2 R1; any other
+    sequence of three different axes may be asked for, such as (2, 1, 3) of the Iltis benchmark.
+    """
+
+    body: str
+    sequence: tuple[int, int, int]
+
+    def outputs(self, situation: Situation) -> tuple[Output, ...]:
+        """Return the three angles, named roll, pitch and yaw after their axes."""
+        angles = rotations.tait_bryan(situation.kinematics.rotation(self.body), self.sequence)
+        words = {1: "roll", 2: "pitch", 3: "yaw"}
+        order = "-".join(map(str, self.sequence))
+        return tuple(
+            Output(
+                Channel(
+                    f"{self.name}.{words[axis]}",
+                    "rad",
+                    f"{words[axis].capitalize()} of {self.body}, sequence {order}",
+                ),
+                angle,
+            )
+            for axis, angle in zip(self.sequence, angles, strict=True)
+        )

@@ -1,0 +1,154 @@
+"""Point-to-point links: massless force elements between two points (book, chapter 4.3)."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+
+from vehicledyn.base.shapes import Anchor, Coil, Shape
+from vehicledyn.multibody.model.kinematics import Kinematics
+from vehicledyn.multibody.model.parts import BasePart, Loads, Output, Situation, Wrench
+from vehicledyn.symbolic import ops
+from vehicledyn.symbolic.equations import Channel
+from vehicledyn.symbolic.ops import Mat, Scalar, Vec
+
+ForceLaw = Callable[[Scalar, Scalar], Scalar]
+"""Force [N], positive in tension, from length [m] and its rate [m/s]."""
+
+
+@dataclass(frozen=True)
+class Attachment:
+    """A point of a body, in the axes of the body [m]."""
+
+    body: str
+    point: Sequence[Scalar]
+
+
+@dataclass(frozen=True)
+class Link(BasePart):
+    """A force along the line between two points, F(Z, Ż), positive in tension.
+
+    The two points must never coincide.
+    """
+
+    a: Attachment
+    b: Attachment
+    law: ForceLaw
+
+    def loads(self, situation: Situation) -> Loads:
+        """Return the pair of opposite forces."""
+        line = _Line.between(situation.kinematics, self.a, self.b)
+        along = line.direction * self.law(line.length, line.rate)
+        return Loads(wrenches=line.pair(along))
+
+    def outputs(self, situation: Situation) -> tuple[Output, ...]:
+        """Return length, its rate and the force."""
+        line = _Line.between(situation.kinematics, self.a, self.b)
+        return _link_outputs(self.name, line.length, line.rate, self.law)
+
+    def shapes(self) -> tuple[Shape, ...]:
+        """Return a spring between the points."""
+        return (_coil(self.name, self.a, self.b),)
+
+
+@dataclass(frozen=True)
+class GuidedLink(BasePart):
+    """A force along a fixed direction of body A, at the point where body B is.
+
+    The end on A is a slider that follows B sideways without friction, so that the length is
+    direction · (point of A - point of B), measured in A, and the force on B acts along the
+    direction wherever B is.
+    """
+
+    a: Attachment
+    direction: Sequence[Scalar]
+    b: Attachment
+    law: ForceLaw
+
+    def loads(self, situation: Situation) -> Loads:
+        """Return the pair of opposite forces."""
+        line, length, rate = self._geometry(situation)
+        return Loads(wrenches=line.pair(line.direction * self.law(length, rate)))
+
+    def outputs(self, situation: Situation) -> tuple[Output, ...]:
+        """Return length, its rate and the force."""
+        _, length, rate = self._geometry(situation)
+        return _link_outputs(self.name, length, rate, self.law)
+
+    def shapes(self) -> tuple[Shape, ...]:
+        """Return a spring along the direction, where B is."""
+        return (replace(_coil(self.name, self.a, self.b), direction=tuple(self.direction)),)
+
+    def _geometry(self, situation: Situation) -> tuple[_Line, Scalar, Scalar]:
+        kinematics = situation.kinematics
+        body_a, body_b = self.a.body, self.b.body
+        pair = kinematics.between(body_a, body_b)
+        rotation_a = pair.rotation(body_a)
+        where = pair.position(body_b, self.b.point) - pair.position(body_a)
+        foot = rotation_a.T @ where
+        axis = ops.vector(*self.direction)
+        length = ops.dot(axis, ops.vector(*self.a.point) - foot)
+        direction = -(rotation_a @ axis)
+        # Both forces act at B's point, so that the pair has no moment.
+        line = _Line(
+            kinematics, Attachment(body_a, _items(foot)), self.b, direction, length, rotation_a
+        )
+        return line, length, kinematics.time_derivative(length)
+
+
+@dataclass(frozen=True)
+class _Line:
+    """Two points, the unit vector from A to B in the axes of the common ancestor."""
+
+    kinematics: Kinematics
+    a: Attachment
+    b: Attachment
+    direction: Vec
+    length: Scalar
+    rotation_a: Mat
+
+    @classmethod
+    def between(cls, kinematics: Kinematics, a: Attachment, b: Attachment) -> _Line:
+        """Return the straight line between two attachments."""
+        pair = kinematics.between(a.body, b.body)
+        reach = pair.position(b.body, b.point) - pair.position(a.body, a.point)
+        length = ops.norm(reach)
+        return cls(kinematics, a, b, reach / length, length, pair.rotation(a.body))
+
+    @property
+    def rate(self) -> Scalar:
+        """Rate of the length [m/s]."""
+        return self.kinematics.time_derivative(self.length)
+
+    def pair(self, force: Vec) -> tuple[Wrench, ...]:
+        """Return ``force`` on A at its point and its opposite on B, ancestor's axes [N]."""
+        pair = self.kinematics.between(self.a.body, self.b.body)
+        return (
+            *_wrench(self.a, self.rotation_a.T @ force),
+            *_wrench(self.b, -(pair.rotation(self.b.body).T @ force)),
+        )
+
+
+def _wrench(end: Attachment, force: Vec) -> tuple[Wrench, ...]:
+    if end.body == "ground":
+        return ()
+    return (Wrench(end.body, force, ops.cross(ops.vector(*end.point), force)),)
+
+
+def _link_outputs(name: str, length: Scalar, rate: Scalar, law: ForceLaw) -> tuple[Output, ...]:
+    return (
+        Output(Channel(f"{name}.length", "m", f"Length of {name}", "link"), length),
+        Output(Channel(f"{name}.rate", "m/s", f"Rate of length of {name}", "link"), rate),
+        Output(
+            Channel(f"{name}.force", "N", f"Force of {name}, positive in tension", "link"),
+            law(length, rate),
+        ),
+    )
+
+
+def _coil(name: str, a: Attachment, b: Attachment) -> Coil:
+    return Coil(name, Anchor(a.body, tuple(a.point)), Anchor(b.body, tuple(b.point)))
+
+
+def _items(vector: Vec) -> tuple[Scalar, Scalar, Scalar]:
+    return vector[0], vector[1], vector[2]

@@ -1,0 +1,1 @@
+"""From a system to its Equations value: terms, outputs, events, impacts."""

@@ -1,0 +1,239 @@
+"""Motions that no inertia resists: where the mass matrix is singular, and by which coordinates."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vehicledyn.base.errors import InputError
+from vehicledyn.multibody.loops.closure import Closure, MultiplierClosure
+from vehicledyn.multibody.model.bodies import Joint
+from vehicledyn.multibody.model.kinematics import Kinematics
+from vehicledyn.multibody.model.symbols import Symbols
+from vehicledyn.multibody.model.system import System
+from vehicledyn.multibody.model.tree import Tree
+from vehicledyn.multibody.recursion.inertia import matrix_of
+from vehicledyn.symbolic import ops
+
+Array = NDArray[np.float64]
+SINGULAR = 1e-8
+"""Share of the inertia of its coordinates that a motion must have at least [1].
+
+It is the root of a share of mass: below, the mass matrix is singular to rounding.
+"""
+
+_ASIDE = 0.3
+"""Largest step to the configurations that tell a singular place from a singular system."""
+_ROUNDING = 1e-13
+_SHOWN = 1e-3
+_PER_LINK = 16
+
+
+@dataclass(frozen=True)
+class Idle:
+    """A motion that nothing resists: the share of each independent coordinate's rate in it."""
+
+    shares: dict[str, float]
+
+    def words(self, owners: dict[str, str]) -> str:
+        """Return the motion in words; ``owners`` are the bodies of the coordinates."""
+        names = [f"'{name}'" for name in self.shares]
+        bodies = list(dict.fromkeys(f"'{owners[name]}'" for name in self.shares))
+        held = f"{'body' if len(bodies) == 1 else 'bodies'} {_listed(bodies)}"
+        together = " moving together" if len(names) > 1 else ""
+        return f"nothing resists {_listed(names)} of {held}{together}"
+
+
+class Resistance:
+    """The inertia that the motions of a system have, as numbers.
+
+    With M = Aᵀ A, one block of rows of A a body, and q̇ = T q̇_v of the constraints, the motions
+    without inertia are those that A T maps to zero. The rank of A T is found where that of M
+    would drown in rounding.
+    """
+
+    def __init__(
+        self,
+        system: System,
+        tree: Tree,
+        symbols: Symbols,
+        closure: Closure | MultiplierClosure,
+        free: Sequence[int],
+    ) -> None:
+        """Take kinematics and constraints; ``free`` are the independent coordinates."""
+        self._links, self.joints, self._free = tree.links, symbols.joints, list(free)
+        entries = system.table.entries
+        self._values = np.array([entry.value for entry in entries])
+        inputs = [symbols.time, symbols.coordinate_column, ops.column([e.symbol for e in entries])]
+        kinematics = Kinematics(tree, symbols.coordinates, symbols.rates)
+        self._frames = ops.numeric(inputs, _frames(kinematics, len(tree.links)))
+        self._masses = ops.numeric(inputs, _masses(system))
+        self._body_links = [tree.body_link[b.name] for b in system.bodies if b.mass is not None]
+        self._pairs = closure.partition.pairs
+        rows = [closure.jacobian[row] for row, _ in self._pairs]
+        self._places = [(i, j) for i, row in enumerate(rows) for j in row]
+        self._slopes = ops.numeric(inputs, ops.column([v for row in rows for v in row.values()]))
+        self._index = {j.name: k for k, j in enumerate(symbols.joints)}
+
+    def idle(
+        self, time: float, q: Array, parameters: Array | None = None, *, share: float = SINGULAR
+    ) -> list[Idle]:
+        """Return the motions that nothing resists at a configuration.
+
+        Parameters
+        ----------
+        time, q
+            Time [s] and all coordinates, shape (n_coordinates,).
+        parameters
+            Values of the parameters; those of the system if None.
+        share
+            Share of the inertia of its coordinates below which a motion counts [1].
+        """
+        values = self._values if parameters is None else parameters
+        moved = self._inertial(time, q, values) @ self._transfer(time, q, values)
+        if not moved.shape[1] or not np.isfinite(moved).all():
+            return []
+        sizes = np.linalg.norm(moved, axis=0)
+        moving = sizes > _ROUNDING * sizes.max(initial=0.0)
+        scaled = np.where(moving, moved, 0.0) / np.where(moving, sizes, 1.0)
+        _, found, motions = np.linalg.svd(np.linalg.qr(scaled, mode="r"))
+        rank = int(np.sum(found > share))
+        return [self._named(vector) for vector in _sparse(motions[rank:])]
+
+    def anywhere(self, time: float, q: Array) -> list[Idle]:
+        """Return the motions that nothing resists at a configuration nor anywhere about it."""
+        found = self.idle(time, q)
+        for seed in (1.0, 2.0):
+            if not found:
+                break
+            aside = q + _ASIDE * np.cos(seed * np.arange(1.0, q.size + 1.0) ** 2)
+            found = found if self.idle(time, aside) else []
+        return found
+
+    def _named(self, vector: Array) -> Idle:
+        largest = float(np.abs(vector).max())
+        return Idle(
+            {
+                self.joints[k].name: float(x / largest)
+                for k, x in zip(self._free, vector, strict=True)
+                if abs(x) > _SHOWN * largest
+            }
+        )
+
+    def _inertial(self, time: float, q: Array, values: Array) -> Array:
+        """Return A: what each rate gives the bodies, times the roots of their inertia."""
+        origins, rotations, columns = self._moved(time, q, values)
+        blocks = [np.zeros((1, len(self.joints)))]
+        masses = self._masses(time, q, values).reshape(-1, 13)
+        for link, numbers in zip(self._body_links, masses, strict=True):
+            turning, sliding = columns[link]
+            matrix = numbers[4:].reshape(3, 3)
+            sizes, axes = np.linalg.eigh(matrix)
+            com = origins[link] + rotations[link] @ numbers[1:4]
+            velocity = sliding + np.cross(turning.T, com).T
+            blocks.append(np.sqrt(max(numbers[0], 0.0)) * velocity)
+            local = (rotations[link] @ axes).T @ turning
+            blocks.append(np.sqrt(np.maximum(sizes, 0.0))[:, None] * local)
+        return np.vstack(blocks)
+
+    def _moved(
+        self, time: float, q: Array, values: Array
+    ) -> tuple[list[Array], list[Array], list[tuple[Array, Array]]]:
+        """Return origins, rotations and (ω, v of the point at the world's origin) by q̇."""
+        frames = self._frames(time, q, values).reshape(-1, _PER_LINK)
+        origins: list[Array] = []
+        rotations: list[Array] = []
+        columns: list[tuple[Array, Array]] = []
+        none = np.zeros((3, len(self.joints)))
+        for item, numbers in zip(self._links, frames, strict=True):
+            first = item.parent < 0
+            base = np.eye(3) if first else rotations[item.parent]
+            rotations.append(base @ numbers[:9].reshape(3, 3))
+            start = np.zeros(3) if first else origins[item.parent]
+            origins.append(start + base @ numbers[9:12])
+            turning, sliding = (none, none) if first else columns[item.parent]
+            if item.joint is not None:
+                axis = rotations[-1] @ numbers[12:15]
+                turning, sliding = turning.copy(), sliding.copy()
+                column = self._index[item.joint.name]
+                if item.joint.is_rotation:
+                    turning[:, column] = axis
+                    sliding[:, column] = np.cross(origins[-1], axis)
+                else:
+                    sliding[:, column] = axis
+            columns.append((turning, sliding))
+        return origins, rotations, columns
+
+    def _transfer(self, time: float, q: Array, values: Array) -> Array:
+        """Return T of q̇ = T q̇_v, shape (n_coordinates, n_independent)."""
+        transfer = np.zeros((q.size, len(self._free)))
+        transfer[self._free, range(len(self._free))] = 1.0
+        if self._pairs and self._free:
+            slopes = np.zeros((len(self._pairs), q.size))
+            entries = self._slopes(time, q, values)[:, 0]
+            for (i, j), value in zip(self._places, entries, strict=True):
+                slopes[i, j] = value
+            columns = [column for _, column in self._pairs]
+            right = -slopes[:, self._free]
+            transfer[columns] = np.linalg.lstsq(slopes[:, columns], right, rcond=None)[0]
+        return transfer
+
+
+def refuse_idle(system: System, found: Sequence[Idle]) -> None:
+    """Raise InputError for motions that nothing resists in any configuration."""
+    if not found:
+        return
+    owners = owners_of(system)
+    told = "; ".join(idle.words(owners) for idle in found)
+    names = tuple(name for idle in found for name in idle.shares)
+    raise InputError(
+        f"system '{system.name}': the mass matrix is singular: {told}; give mass or inertia to "
+        "what this motion moves, or drive or drop a coordinate of it",
+        about=(*(owners[name] for name in names), *names),
+    )
+
+
+def owners_of(system: System) -> dict[str, str]:
+    """Return the body of each coordinate by name."""
+    return {j.name: b.name for b in system.bodies for j in b.joints if isinstance(j, Joint)}
+
+
+def _frames(kinematics: Kinematics, count: int) -> ops.Scalar:
+    """Return rotation, arm, axis and a zero of each link in one column."""
+    numbers: list[ops.Scalar] = []
+    for link in range(count):
+        rotation, arm = kinematics.link_rotation(link), kinematics.link_arm(link)
+        has_joint = kinematics.tree.links[link].joint is not None
+        axis = kinematics.link_axis(link) if has_joint else ops.vector(0.0, 0.0, 0.0)
+        numbers += [rotation[i, j] for i in range(3) for j in range(3)]
+        numbers += [arm[k] for k in range(3)] + [axis[k] for k in range(3)] + [ops.scalar(0.0)]
+    return ops.column(numbers)
+
+
+def _masses(system: System) -> ops.Scalar:
+    """Return mass, centre of mass and inertia matrix of each body with mass in one column."""
+    numbers: list[ops.Scalar] = []
+    for body in system.bodies:
+        if body.mass is not None:
+            matrix = matrix_of(body.inertia)
+            numbers += [body.mass, *body.com, *(matrix[i, j] for i in range(3) for j in range(3))]
+    return ops.column(numbers)
+
+
+def _sparse(motions: Array) -> list[Array]:
+    """Return combinations of motions in which as few coordinates move as may be."""
+    rows = motions.copy()
+    for k in range(len(rows)):
+        pivot = int(np.argmax(np.abs(rows[k])))
+        rows[k] /= rows[k, pivot]
+        for other in range(len(rows)):
+            if other != k:
+                rows[other] -= rows[k] * rows[other, pivot]
+    return list(rows)
+
+
+def _listed(words: Sequence[str]) -> str:
+    return " and ".join(filter(None, (", ".join(words[:-1]), words[-1])))

@@ -1,0 +1,1 @@
+"""Loop closure: constraint equations, coordinate partitioning, redundancy, reactions."""

@@ -1,0 +1,186 @@
+"""A system at the level of positions, as numbers: closed loops, channels at rest, their slopes."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vehicledyn.multibody.loops.configuration import Place
+from vehicledyn.multibody.loops.constraint_equations import Gaps, rows_of_system
+from vehicledyn.multibody.loops.loop_closure import Moment, guesses, start_values
+from vehicledyn.multibody.model.kinematics import Kinematics
+from vehicledyn.multibody.model.parts import ForcesUnknownError, Output
+from vehicledyn.multibody.model.symbols import Symbols, declare, locked, motions
+from vehicledyn.multibody.model.system import System
+from vehicledyn.multibody.model.tree import Tree, unfold
+from vehicledyn.symbolic import ops
+from vehicledyn.symbolic.equations import Channel
+from vehicledyn.symbolic.ops import Scalar
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class CoordinateFacts:
+    """A coordinate: name, unit, meaning, and whether it is "auto", "independent" and so on."""
+
+    name: str
+    unit: str
+    description: str
+    role: str
+
+
+class Positions:
+    """Loops and channels of a system as functions of all its coordinates, at time zero.
+
+    Attributes
+    ----------
+    coordinates
+        All coordinates, in the order of every array of them.
+    start
+        The assembled start, shape (n_coordinates,).
+    channels
+        Coordinates, and the channels of parts that depend on positions; what depends on rates
+        too is shown at rest.
+    speeds
+        Channels that are linear in the rates: velocities of points and bodies.
+    without_channels
+        Names of the sensors that have no channels here, since they show forces.
+    """
+
+    def __init__(self, system: System) -> None:
+        """Assemble the loops of a system and prepare its channels.
+
+        Raises
+        ------
+        InputError
+            If the system is not well formed.
+        NumericalError
+            If its loops cannot be assembled.
+        """
+        system.check()
+        tree, symbols = unfold(system.bodies), declare(system)
+        motion = motions(system, symbols)
+        self._gaps = Gaps(
+            system, symbols, rows_of_system(system, symbols.kinematics(tree), symbols.time)
+        )
+        place = Place(symbols.joints, self._gaps, 0.0, locked(system, symbols))
+        moment = Moment()
+        self.start = place.assembled_by(
+            start_values(system, symbols, motion, moment), guesses(system, symbols, moment.time)
+        )
+        self.coordinates = tuple(
+            CoordinateFacts(j.name, j.unit, j.description or j.name, j.role) for j in symbols.joints
+        )
+        seen = _Seen.of(system, tree, symbols)
+        self.channels, self.speeds = seen.channels, seen.speeds
+        self.without_channels = seen.without_channels
+        q = symbols.coordinate_column
+        self._values = ops.numeric([q], seen.values)
+        self._slopes = ops.numeric([q], ops.jacobian(seen.values, q))
+        self._speed_slopes = ops.numeric([q], seen.speed_slopes)
+
+    @property
+    def cuts(self) -> list[str]:
+        """Name of the cut or constraint of each row of the residual."""
+        return self._gaps.cuts
+
+    def residual(self, q: Array) -> Array:
+        """Return the gaps of all loops, shape (n_gaps,)."""
+        return self._gaps.residual(0.0, q)
+
+    def jacobian(self, q: Array) -> Array:
+        """Return the derivative of the gaps, shape (n_gaps, n_coordinates)."""
+        return self._gaps.jacobian(0.0, q)[: self._gaps.holonomic]
+
+    def values(self, q: Array) -> Array:
+        """Return all channels, shape (n_channels,)."""
+        return self._values(q)[:, 0]
+
+    def slopes(self, q: Array) -> Array:
+        """Return the derivatives of the channels, shape (n_channels, n_coordinates)."""
+        return self._slopes(q)
+
+    def speed_slopes(self, q: Array) -> Array:
+        """Return the derivatives of ``speeds`` by the rates, (n_speeds, n_coordinates)."""
+        return self._speed_slopes(q)
+
+
+@dataclass(frozen=True)
+class _Seen:
+    """Channels at rest and those linear in the rates, with expressions of the coordinates."""
+
+    channels: tuple[Channel, ...]
+    values: Scalar
+    speeds: tuple[Channel, ...]
+    speed_slopes: Scalar
+    without_channels: tuple[str, ...]
+
+    @classmethod
+    def of(cls, system: System, tree: Tree, symbols: Symbols) -> _Seen:
+        joints = symbols.joints
+        accelerations = {j.name: ops.symbol(f"{j.name}_acceleration") for j in joints}
+        q, rates = symbols.coordinate_column, symbols.rate_column
+        unsteady = ops.column([accelerations[j.name] for j in joints])
+        known, numbers = _given(system, symbols)
+        kinematics = Kinematics(tree, symbols.coordinates, symbols.rates, accelerations)
+        found = [
+            Output(Channel(j.name, j.unit, j.description or j.name, "joint"), q[k])
+            for k, j in enumerate(joints)
+        ]
+        speeds: list[Channel] = []
+        speed_slopes = []
+        moving = ops.stacked(rates, unsteady)
+        still = ops.column([0.0] * moving.shape[0])
+        outputs, without = _outputs(system, symbols, kinematics)
+        for channel, expression in outputs:
+            given = ops.substitute(expression, known, numbers)
+            at_rest = ops.substitute(given, moving, still)
+            if ops.depends_on(at_rest, q):
+                found.append(Output(channel, at_rest))
+            elif (
+                channel.unit.endswith("/s")
+                and ops.depends_on(given, rates)
+                and not ops.depends_on(given, unsteady)
+            ):
+                speeds.append(channel)
+                speed_slopes.append(ops.substitute(ops.jacobian(given, rates), moving, still))
+        return cls(
+            tuple(output.channel for output in found),
+            ops.column([output.expression for output in found]),
+            tuple(speeds),
+            ops.stacked(ops.jacobian(ops.column([]), q), *speed_slopes),
+            tuple(without),
+        )
+
+
+def _outputs(
+    system: System, symbols: Symbols, kinematics: Kinematics
+) -> tuple[list[tuple[Channel, Scalar]], list[str]]:
+    """Return the channels of all parts, and the names of those that show forces.
+
+    Left out are these, which a motion without forces cannot have, and parts with unknowns.
+    """
+    found, without = [], []
+    for part in system.parts:
+        if part.unknowns() or part.reactions():
+            continue
+        try:
+            outputs = part.outputs(symbols.situation(part, kinematics))
+        except ForcesUnknownError:
+            without.append(part.name)
+            continue
+        found += [(output.channel, ops.scalar(output.expression)) for output in outputs]
+    return found, without
+
+
+def _given(system: System, symbols: Symbols) -> tuple[Scalar, Scalar]:
+    """Return symbols that stay as they are, and their numbers: time, parameters, states."""
+    entries = system.table.entries
+    pairs = [(p.name, v) for p in system.parts for v in p.states()]
+    known = [symbols.time, *(e.symbol for e in entries)]
+    known += [symbols.states[part][v.name] for part, v in pairs]
+    numbers = [0.0, *(e.value for e in entries), *(v.start for _, v in pairs)]
+    return ops.column(known), ops.column(numbers)

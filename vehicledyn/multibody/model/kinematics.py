@@ -1,0 +1,390 @@
+"""Forward kinematics along the tree: rotations, positions, velocities, accelerations.
+
+Vectors of the recursion are expressed in the axes of their own link (book, chapter 3.3.2).
+Everything is evaluated once, on demand.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import TypeVar
+
+from vehicledyn.multibody.model.tree import Tree, joint_rotation, joint_turns
+from vehicledyn.symbolic import ops, rotations
+from vehicledyn.symbolic.ops import Mat, Scalar, Vec
+
+T = TypeVar("T")
+_ORIGIN = (0.0, 0.0, 0.0)
+_ACCELERATED = frozenset({"alpha", "acceleration", "beta"})
+_MOVING = _ACCELERATED | {"omega", "velocity"}
+_GROUND = -1
+
+
+class Kinematics:
+    """Kinematics of a tree at given coordinates, rates and (for outputs) accelerations.
+
+    Parameters
+    ----------
+    tree
+        Links of the system.
+    coordinates
+        Symbol of each coordinate by name.
+    rates, accelerations
+        Expressions of their derivatives; ``accelerations`` is None while not known yet.
+    ground
+        Acceleration of the ground in its own axes, shape (3, 1) [m/s²]; None for a ground at
+        rest.
+    """
+
+    def __init__(
+        self,
+        tree: Tree,
+        coordinates: dict[str, Scalar],
+        rates: dict[str, Scalar],
+        accelerations: dict[str, Scalar] | None = None,
+        ground: Vec | None = None,
+    ) -> None:
+        self.tree = tree
+        self._q = coordinates
+        self._qd = rates
+        self._qdd = accelerations
+        self._ground = ops.vector(0.0, 0.0, 0.0) if ground is None else ground
+        self._base = _GROUND
+        self._placed: dict[tuple[str, int], object] = {}
+        self._moving: dict[tuple[str, int], object] = {}
+
+    def with_accelerations(self, accelerations: dict[str, Scalar]) -> Kinematics:
+        """Return the same kinematics with the accelerations of all coordinates known."""
+        return self._sharing(accelerations, self._ground, forget=_ACCELERATED)
+
+    def with_rates(self, rates: dict[str, Scalar]) -> Kinematics:
+        """Return the kinematics of the same position at other rates."""
+        other = self._sharing(None, self._ground, forget=_MOVING)
+        other._qd = rates
+        return other
+
+    def in_lift(self, acceleration: Vec) -> Kinematics:
+        """Return the same kinematics on a ground that accelerates, world axes [m/s²].
+
+        On a ground that accelerates against gravity the weights of bodies are inertia forces
+        (d'Alembert), so that gravity needs no terms of its own.
+        """
+        return self._sharing(self._qdd, acceleration, forget=frozenset({"acceleration"}))
+
+    def learn(self, link: int, **known: Mat) -> None:
+        """Take what is known of a link by name in place of what would be built for it.
+
+        Names are those under which it is kept: rotation, arm, turn, omega, alpha, beta,
+        acceleration; the ground is link -1.
+        """
+        # What is placed may be shared with other motions of the same position.
+        self._placed = dict(self._placed)
+        for name, value in known.items():
+            self._kept(name)[name, link] = value
+
+    def relative_to(self, link: int) -> Kinematics:
+        """Return the kinematics of what hangs on a link as if that link were at rest."""
+        other = self._sharing(self._qdd, ops.vector(0.0, 0.0, 0.0), forget=_MOVING)
+        other._base = link
+        return other
+
+    def on(self, tree: Tree) -> Kinematics:
+        """Return the kinematics of the same motion on another tree of the same coordinates."""
+        return Kinematics(tree, self._q, self._qd, self._qdd, self._ground)
+
+    def joint_motion(self, name: str) -> tuple[Scalar, Scalar, Scalar]:
+        """Return a coordinate with its rate and acceleration."""
+        return self._q[name], self._qd[name], self._acceleration(name)
+
+    def _sharing(
+        self, accelerations: dict[str, Scalar] | None, ground: Vec, *, forget: frozenset[str]
+    ) -> Kinematics:
+        other = Kinematics(self.tree, self._q, self._qd, accelerations, ground)
+        other._base = self._base
+        other._placed = self._placed
+        if not forget >= _MOVING:
+            other._moving = {k: v for k, v in self._moving.items() if k[0] not in forget}
+        return other
+
+    def _kept(self, what: str) -> dict[tuple[str, int], object]:
+        return self._moving if what in _MOVING else self._placed
+
+    # -- by body, in world axes ------------------------------------------------------------
+
+    def coordinate(self, name: str) -> Scalar:
+        """Return a joint coordinate [m or rad]."""
+        return self._q[name]
+
+    def rate(self, name: str) -> Scalar:
+        """Return the rate of a joint coordinate [m/s or rad/s]."""
+        return self._qd[name]
+
+    def rotation(self, body: str) -> Mat:
+        """Return R with v_world = R v_body."""
+        return self.rotation_in(-1, self.tree.body_link[body])
+
+    def position(self, body: str, point: Sequence[Scalar] = _ORIGIN) -> Vec:
+        """Return the world position of a point given in body axes [m]."""
+        return self.position_in(-1, self.tree.body_link[body], ops.vector(*_items(point)))
+
+    def velocity(self, body: str, point: Sequence[Scalar] = _ORIGIN) -> Vec:
+        """Return the velocity of a point of the body in world axes [m/s]."""
+        link = self.tree.body_link[body]
+        arm = ops.vector(*_items(point))
+        return self.rotation(body) @ (
+            self.link_velocity(link) + ops.cross(self.link_angular_velocity(link), arm)
+        )
+
+    def angular_velocity(self, body: str) -> Vec:
+        """Return the angular velocity of a body in its own axes [rad/s]."""
+        return self.link_angular_velocity(self.tree.body_link[body])
+
+    def acceleration(self, body: str, point: Sequence[Scalar] = _ORIGIN) -> Vec:
+        """Return the acceleration of a point of the body in world axes [m/s²]."""
+        link = self.tree.body_link[body]
+        arm = ops.vector(*_items(point))
+        return self.rotation(body) @ (self.link_acceleration(link) + self.beta(link) @ arm)
+
+    def angular_acceleration(self, body: str) -> Vec:
+        """Return the angular acceleration of a body in its own axes [rad/s²]."""
+        return self.link_angular_acceleration(self.tree.body_link[body])
+
+    # -- by link ---------------------------------------------------------------------------
+
+    def link_rotation(self, link: int) -> Mat:
+        """Return R with v_parent = R v_link."""
+        return self._once(
+            "rotation", link, lambda: joint_rotation(self.tree.links[link], *self.link_turn(link))
+        )
+
+    def link_turns(self, link: int) -> list[Mat]:
+        """Return factors of the link's rotation, the innermost first, for inertias."""
+        return joint_turns(self.tree.links[link], *self.link_turn(link))
+
+    def link_turn(self, link: int) -> tuple[Scalar, Scalar]:
+        """Return cosine and sine of a joint's angle, those of zero where nothing turns."""
+
+        def build() -> tuple[Scalar, Scalar]:
+            item = self.tree.links[link]
+            if item.joint is None or not item.joint.is_rotation:
+                return 1.0, 0.0
+            angle = self._q[item.joint.name] + item.phase
+            return ops.cos(angle), ops.sin(angle)
+
+        return self._once("turn", link, build)
+
+    def link_arm(self, link: int) -> Vec:
+        """Return the vector from the parent's origin to the link's, in the parent's axes [m]."""
+        return self._once("arm", link, lambda: self._arm_from(self.tree.links[link].offset, link))
+
+    def _arm_from(self, offset: Vec, link: int) -> Vec:
+        """Return a joint's place on its parent with how far the joint has slid from there."""
+        item = self.tree.links[link]
+        if item.joint is None or item.joint.is_rotation:
+            return offset
+        slide = rotations.axis_vector(item.joint.axis) * self._q[item.joint.name]
+        return offset + (slide if item.before is None else item.before @ slide)
+
+    def link_axis(self, link: int) -> Vec:
+        """Return the joint's axis in the link's axes (unit column)."""
+        item = self.tree.links[link]
+        if item.joint is None:
+            raise ValueError(f"link {link} has no joint")
+        axis = rotations.axis_vector(item.joint.axis)
+        return axis if item.after is None else item.after.T @ axis
+
+    def link_angular_velocity(self, link: int) -> Vec:
+        """Return the angular velocity of a link in its own axes [rad/s]."""
+
+        def build() -> Vec:
+            if link == self._base:
+                return ops.vector(0.0, 0.0, 0.0)
+            item = self.tree.links[link]
+            carried = self.link_rotation(link).T @ self.link_angular_velocity(item.parent)
+            if item.joint is None or not item.joint.is_rotation:
+                return carried
+            return carried + self.link_axis(link) * self._qd[item.joint.name]
+
+        return self._once("omega", link, build)
+
+    def link_velocity(self, link: int) -> Vec:
+        """Return the velocity of a link's origin in its own axes [m/s]."""
+
+        def build() -> Vec:
+            if link == self._base:
+                return ops.vector(0.0, 0.0, 0.0)
+            item = self.tree.links[link]
+            swing = ops.cross(self.link_angular_velocity(item.parent), self.link_arm(link))
+            carried = self.link_rotation(link).T @ (self.link_velocity(item.parent) + swing)
+            if item.joint is None or item.joint.is_rotation:
+                return carried
+            return carried + self.link_axis(link) * self._qd[item.joint.name]
+
+        return self._once("velocity", link, build)
+
+    def link_angular_acceleration(self, link: int) -> Vec:
+        """Return the angular acceleration of a link in its own axes [rad/s²]."""
+
+        def build() -> Vec:
+            if link == self._base:
+                return ops.vector(0.0, 0.0, 0.0)
+            item = self.tree.links[link]
+            carried = self.link_rotation(link).T @ self.link_angular_acceleration(item.parent)
+            if item.joint is None or not item.joint.is_rotation:
+                return carried
+            turning = self.link_axis(link) * self._qd[item.joint.name]
+            spin_up = self.link_axis(link) * self._acceleration(item.joint.name)
+            return carried + ops.cross(self.link_angular_velocity(link), turning) + spin_up
+
+        return self._once("alpha", link, build)
+
+    def link_acceleration(self, link: int) -> Vec:
+        """Return the acceleration of a link's origin in its own axes [m/s²]."""
+
+        def build() -> Vec:
+            if link == self._base:
+                return self._ground
+            item = self.tree.links[link]
+            base = self.link_acceleration(item.parent)
+            at_joint = base + self.beta(item.parent) @ self.link_arm(link)
+            carried = self.link_rotation(link).T @ at_joint
+            if item.joint is None or item.joint.is_rotation:
+                return carried
+            axis = self.link_axis(link)
+            coriolis = 2.0 * ops.cross(
+                self.link_angular_velocity(link), axis * self._qd[item.joint.name]
+            )
+            return carried + coriolis + axis * self._acceleration(item.joint.name)
+
+        return self._once("acceleration", link, build)
+
+    def beta(self, link: int) -> Mat:
+        """Return tilde(α) + tilde(ω) tilde(ω): acceleration of a point is a + beta arm."""
+
+        def build() -> Mat:
+            w1, w2, w3 = _items(self.link_angular_velocity(link))
+            a1, a2, a3 = _items(self.link_angular_acceleration(link))
+            w11, w22, w33 = w1 * w1, w2 * w2, w3 * w3
+            w12, w13, w23 = w1 * w2, w1 * w3, w2 * w3
+            return rotations.matrix(
+                [
+                    [-(w22 + w33), w12 - a3, w13 + a2],
+                    [w12 + a3, -(w11 + w33), w23 - a1],
+                    [w13 - a2, w23 + a1, -(w11 + w22)],
+                ]
+            )
+
+        return self._once("beta", link, build)
+
+    def time_derivative(self, expression: Scalar) -> Scalar:
+        """Return the rate of an expression of the coordinates, by the chain rule."""
+        names = list(self._q)
+        return ops.derivative(
+            expression,
+            ops.column([self._q[n] for n in names]),
+            ops.column([self._qd[n] for n in names]),
+        )
+
+    # -- relative to an ancestor -----------------------------------------------------------
+
+    def rotation_in(self, ancestor: int, link: int) -> Mat:
+        """Return R with v_ancestor = R v_link."""
+        if link == ancestor:
+            return rotations.identity()
+        if ancestor == self.tree.links[link].parent:
+            return self.link_rotation(link)
+
+        def build() -> Mat:
+            between = self._evaluated_from(ancestor, link)
+            return self.rotation_in(ancestor, between) @ self.rotation_in(between, link)
+
+        return self._once(f"rotation in {ancestor}", link, build)
+
+    def position_in(self, ancestor: int, link: int, point: Vec, datum: int | None = None) -> Vec:
+        """Return the position of a point of a link in the axes of an ancestor [m].
+
+        It is counted from where the joint of the link ``datum`` stands on the ancestor, from the
+        ancestor's origin if None.
+        """
+        return self.origin_in(ancestor, link, datum) + self.rotation_in(ancestor, link) @ point
+
+    def origin_in(self, ancestor: int, link: int, datum: int | None = None) -> Vec:
+        """Return the position of a link's origin, counted as in :meth:`position_in` [m]."""
+        links = self.tree.links
+        start = ops.vector(0.0, 0.0, 0.0) if datum is None else links[datum].offset
+        if link == ancestor:
+            return -start
+        if ancestor == links[link].parent:
+            return self._arm_from(links[link].offset - start, link)
+
+        def build() -> Vec:
+            between = self._evaluated_from(ancestor, link)
+            arm = self.rotation_in(ancestor, between) @ self.origin_in(between, link)
+            return self.origin_in(ancestor, between, datum) + arm
+
+        return self._once(f"origin in {ancestor} from {datum}", link, build)
+
+    def datum(self, body_a: str, body_b: str) -> tuple[int, int | None]:
+        """Return the common ancestor of two bodies and the first link that it carries to them.
+
+        Counted from where that stands, places far from the ancestor's origin lose no digits.
+        """
+        ancestor = self.tree.common_ancestor(body_a, body_b)
+        paths = [self.tree.path(self.tree.body_link[body]) for body in (body_a, body_b)]
+        first = [p[p.index(ancestor) + 1] for p in paths if p[-1] != ancestor]
+        return ancestor, min(first, default=None)
+
+    def _evaluated_from(self, ancestor: int, link: int) -> int:
+        """Return a link between two whose motion relative to it is known, else the parent."""
+        between = self.tree.links[link].parent
+        while between != ancestor:
+            if (f"rotation in {between}", link) in self._placed:
+                return between
+            between = self.tree.links[between].parent
+        return self.tree.links[link].parent
+
+    def between(self, body_a: str, body_b: str) -> Relative:
+        """Return the geometry of two bodies in the axes of their common ancestor."""
+        return Relative(self, *self.datum(body_a, body_b))
+
+    def evaluated(self) -> dict[tuple[str, int], Scalar]:
+        """Return what has been evaluated so far, by what it is and the link it belongs to."""
+        return {**self._placed, **self._moving}
+
+    def _acceleration(self, name: str) -> Scalar:
+        if self._qdd is None:
+            raise ValueError(f"the acceleration of '{name}' is not known at this stage")
+        return self._qdd[name]
+
+    def _once(self, what: str, link: int, build: Callable[[], T]) -> T:
+        key, kept = (what, link), self._kept(what)
+        if key not in kept:
+            kept[key] = build()
+        return kept[key]  # type: ignore[return-value]
+
+
+class Relative:
+    """Positions and rotations in the axes of one link, the common ancestor of two bodies.
+
+    Positions count from where the joint of the link ``datum`` stands, see ``position_in``.
+    """
+
+    def __init__(self, kinematics: Kinematics, ancestor: int, datum: int | None = None) -> None:
+        self._kinematics = kinematics
+        self.ancestor = ancestor
+        self._datum = datum
+
+    def position(self, body: str, point: Sequence[Scalar] = _ORIGIN) -> Vec:
+        """Return the position of a point of a body from the datum, in the ancestor's axes [m]."""
+        link = self._kinematics.tree.body_link[body]
+        arm = ops.vector(*_items(point))
+        return self._kinematics.position_in(self.ancestor, link, arm, self._datum)
+
+    def rotation(self, body: str) -> Mat:
+        """Return R with v_ancestor = R v_body."""
+        return self._kinematics.rotation_in(self.ancestor, self._kinematics.tree.body_link[body])
+
+
+def _items(vector: Sequence[Scalar] | Vec) -> list[Scalar]:
+    """Return the three components of a sequence or of an SX column."""
+    return [vector[0], vector[1], vector[2]]

@@ -1,0 +1,122 @@
+"""Symbols of everything that is unknown: coordinates, rates, further states, contact unknowns."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+from vehicledyn.base.errors import InputError
+from vehicledyn.multibody.model.bodies import Joint
+from vehicledyn.multibody.model.kinematics import Kinematics
+from vehicledyn.multibody.model.parts import Clock, Motion, Part, Situation, TransmittedForces
+from vehicledyn.multibody.model.system import System
+from vehicledyn.multibody.model.tree import Tree
+from vehicledyn.symbolic import ops
+from vehicledyn.symbolic.equations import Variable
+from vehicledyn.symbolic.ops import Scalar
+
+
+@dataclass(frozen=True)
+class Symbols:
+    """Symbols of a system before it is known which coordinates are independent.
+
+    ``coordinates`` and ``rates`` are indexed like ``joints``; ``states``, ``unknowns`` and
+    ``reactions`` hold the parts' symbols by part name and short name. The symbols of reactions
+    are forces over ``force_scale``, a number near one for any size of system.
+    """
+
+    time: Scalar
+    joints: list[Joint]
+    coordinates: dict[str, Scalar]
+    rates: dict[str, Scalar]
+    states: dict[str, dict[str, Scalar]]
+    unknowns: dict[str, dict[str, Scalar]]
+    reactions: dict[str, dict[str, Scalar]] = field(default_factory=dict)
+    force_scale: Scalar = 1.0
+
+    @property
+    def coordinate_column(self) -> Scalar:
+        """All coordinates, shape (n, 1)."""
+        return ops.column([self.coordinates[j.name] for j in self.joints])
+
+    @property
+    def rate_column(self) -> Scalar:
+        """All rates, shape (n, 1)."""
+        return ops.column([self.rates[j.name] for j in self.joints])
+
+    def kinematics(self, tree: Tree) -> Kinematics:
+        """Return the kinematics of a tree at these coordinates and rates."""
+        return Kinematics(tree, self.coordinates, self.rates)
+
+    def situation(
+        self, part: Part, kinematics: Kinematics, forces: TransmittedForces | None = None
+    ) -> Situation:
+        """Return what a part sees of a motion."""
+        return Situation(
+            self.time,
+            self.states[part.name],
+            self.unknowns[part.name],
+            kinematics,
+            self.states,
+            forces,
+            {name: self.force_scale * x for name, x in self.reactions[part.name].items()},
+        )
+
+
+def declare(system: System) -> Symbols:
+    """Return fresh symbols for a system."""
+    joints = system.joints()
+    return Symbols(
+        time=ops.symbol("time"),
+        joints=joints,
+        coordinates={j.name: ops.symbol(j.name) for j in joints},
+        rates={j.name: ops.symbol(f"{j.name}_rate") for j in joints},
+        states={p.name: _named(p.name, p.states()) for p in system.parts},
+        unknowns={p.name: _named(p.name, p.unknowns()) for p in system.parts},
+        reactions={p.name: _named(p.name, p.reactions()) for p in system.parts},
+        force_scale=_weight(system),
+    )
+
+
+def _weight(system: System) -> Scalar:
+    """Return the weight of all bodies, at least one newton [N]."""
+    mass = sum((body.mass for body in system.bodies if body.mass is not None), 0.0)
+    return ops.maximum(mass * ops.norm(ops.vector(*system.gravity)), 1.0)
+
+
+def _named(part: str, variables: tuple[Variable, ...]) -> dict[str, Scalar]:
+    return {v.name: ops.symbol(f"{part}.{v.name}") for v in variables}
+
+
+def motions(system: System, symbols: Symbols) -> dict[str, Motion]:
+    """Return the motion of every driven coordinate; undriven ones stay at their start.
+
+    Raises
+    ------
+    InputError
+        If two parts drive a coordinate, or one drives a coordinate that is not "driven".
+    """
+    driven = {j.name: Motion(j.start, 0.0) for j in symbols.joints if j.role == "driven"}
+    owners: dict[str, Part] = {}
+    for part in system.parts:
+        for name, motion in part.motions(Clock(symbols.time, symbols.states[part.name])).items():
+            if name not in driven:
+                words = f"part '{part.name}' drives '{name}', which is not a driven joint"
+                raise InputError(words, about=[part.name])
+            if name in owners:
+                words = f"'{name}' is driven by '{owners[name].name}' and '{part.name}'"
+                raise InputError(words, about=[owners[name].name, part.name])
+            owners[name] = part
+            driven[name] = motion
+    return {
+        name: Motion(ops.scalar(m.position), ops.scalar(m.velocity)) for name, m in driven.items()
+    }
+
+
+def locked(system: System, symbols: Symbols) -> set[str]:
+    """Return the driven coordinates that no part moves."""
+    moved = {
+        name
+        for part in system.parts
+        for name in part.motions(Clock(symbols.time, symbols.states[part.name]))
+    }
+    return {j.name for j in symbols.joints if j.role == "driven" and j.name not in moved}

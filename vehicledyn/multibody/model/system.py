@@ -1,0 +1,158 @@
+"""A multibody system as data: a tree of bodies, loop cuts and parts that act on it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+from typing import Literal, TypeAlias
+
+from vehicledyn.base.errors import InputError, unknown_name
+from vehicledyn.multibody.model.bodies import JOINT_KINDS, ROLES, Body, Joint
+from vehicledyn.multibody.model.constraints import Constraint
+from vehicledyn.multibody.model.cuts import Cut
+from vehicledyn.multibody.model.ground import GROUND
+from vehicledyn.multibody.model.parts import Part
+from vehicledyn.symbolic.ops import Scalar
+from vehicledyn.symbolic.parameters import ParameterTable
+
+ConstraintMethod: TypeAlias = Literal["auto", "partitioning", "multipliers"]
+"""How constraints are treated: by dependent coordinates, with multipliers, or what serves."""
+
+MOST_ENTANGLED = 9
+"""Entangled constraints up to which partitioning serves well."""
+
+
+@dataclass(frozen=True)
+class System:
+    """A multibody system: parameters, bodies (parents first), cuts, parts and gravity.
+
+    ``gravity`` is the acceleration vector of free fall in world axes, 3 scalars [m/s²];
+    ``constraints`` are those that are no cuts of a loop. ``constraint_method`` says how they
+    are treated: by "partitioning" into independent and dependent coordinates, or with
+    "multipliers" and projection; "auto" takes multipliers where many coordinates depend on each
+    other.
+    """
+
+    name: str
+    table: ParameterTable
+    bodies: tuple[Body, ...]
+    cuts: tuple[Cut, ...] = ()
+    parts: tuple[Part, ...] = ()
+    gravity: Sequence[Scalar] = (0.0, 0.0, -9.81)
+    notes: dict[str, str] = field(default_factory=dict)
+    constraints: tuple[Constraint, ...] = ()
+    constraint_method: ConstraintMethod = "auto"
+
+    def with_parts(self, *parts: Part) -> System:
+        """Return the system with more parts."""
+        return replace(self, parts=(*self.parts, *parts))
+
+    def with_starts(self, starts: dict[str, float]) -> System:
+        """Return the system with other start values of some coordinates, by name."""
+        known = {joint.name for joint in self.joints()}
+        for name in starts:
+            if name not in known:
+                raise InputError(unknown_name("coordinate", name, known))
+        return replace(self, bodies=tuple(_restart(body, starts) for body in self.bodies))
+
+    def joints(self) -> list[Joint]:
+        """Return all elementary joints, in the order of the bodies."""
+        return [j for body in self.bodies for j in body.joints if isinstance(j, Joint)]
+
+    def check(self) -> None:
+        """Raise InputError with every fault of the tree at once: names, parents, kinds."""
+        problems = [*_tree_problems(self), *_joint_problems(self), *_end_problems(self)]
+        if problems:
+            listed = "\n".join(f"  - {problem}" for problem in problems)
+            raise InputError(f"system '{self.name}' has {len(problems)} problem(s):\n{listed}")
+
+
+def _restart(body: Body, starts: dict[str, float]) -> Body:
+    joints = tuple(
+        replace(j, start=starts[j.name]) if isinstance(j, Joint) and j.name in starts else j
+        for j in body.joints
+    )
+    return replace(body, joints=joints)
+
+
+def _tree_problems(system: System) -> list[str]:
+    problems: list[str] = []
+    known = {GROUND}
+    bodies = {body.name: body for body in system.bodies}
+    for body in system.bodies:
+        if body.name in known:
+            problems.append(f"body '{body.name}' is defined twice")
+        if body.parent not in known:
+            problems.append(f"body '{body.name}': parent: {_wrong_parent(body, known, bodies)}")
+        if body.spins_about is not None and not _spins(body):
+            problems.append(
+                f"body '{body.name}': its last joint must be R{body.spins_about} to spin about "
+                f"axis {body.spins_about}"
+            )
+        known.add(body.name)
+    return [*problems, *_spin_problems(system)]
+
+
+def _spin_problems(system: System) -> list[str]:
+    """Return what hangs on bodies whose axes do not spin with them."""
+    spinning = {body.name for body in system.bodies if body.spins_about is not None}
+    hanging = [(f"body '{b.name}'", b.parent) for b in system.bodies]
+    for cut in system.cuts:
+        hanging.extend((f"cut '{cut.name}'", body) for body in (cut.body_a, cut.body_b))
+    return [
+        f"{what}: hangs on '{body}', whose axes do not spin with it (spins_about); "
+        f"hang it on the body before, or leave spins_about out"
+        for what, body in hanging
+        if body in spinning
+    ]
+
+
+def _wrong_parent(body: Body, known: set[str], bodies: dict[str, Body]) -> str:
+    """Return what is wrong with a parent that is not among the bodies before."""
+    if body.parent not in bodies:
+        return unknown_name("body defined before it", body.parent, known)
+    path = [body.name]
+    while path[-1] in bodies and bodies[path[-1]].parent not in path:
+        path.append(bodies[path[-1]].parent)
+    last = bodies[path[-1]].parent if path[-1] in bodies else None
+    if last is None:
+        return f"'{body.parent}' is defined after it; put parents first"
+    return f"the bodies hang on each other: {' -> '.join([*path[path.index(last) :], last])}"
+
+
+def _spins(body: Body) -> bool:
+    last = body.joints[-1] if body.joints else None
+    return isinstance(last, Joint) and last.kind == f"R{body.spins_about}"
+
+
+def _joint_problems(system: System) -> list[str]:
+    problems: list[str] = []
+    seen: set[str] = set()
+    for joint in system.joints():
+        if joint.kind not in JOINT_KINDS:
+            problems.append(
+                f"joint '{joint.name}': {unknown_name('kind', joint.kind, JOINT_KINDS)}"
+            )
+        if joint.role not in ROLES:
+            problems.append(f"joint '{joint.name}': {unknown_name('role', joint.role, ROLES)}")
+        if joint.name in seen:
+            problems.append(f"joint '{joint.name}' is defined twice")
+        seen.add(joint.name)
+    return problems
+
+
+def _end_problems(system: System) -> list[str]:
+    bodies = {GROUND, *(body.name for body in system.bodies)}
+    problems: list[str] = []
+    for cut in system.cuts:
+        problems.extend(
+            f"cut '{cut.name}': {unknown_name('body', name, bodies)}"
+            for name in (cut.body_a, cut.body_b)
+            if name not in bodies
+        )
+    names = [*(cut.name for cut in system.cuts), *(part.name for part in system.parts)]
+    names += [constraint.name for constraint in system.constraints]
+    problems.extend(
+        f"'{n}' names two parts" for n in sorted({n for n in names if names.count(n) > 1})
+    )
+    return problems

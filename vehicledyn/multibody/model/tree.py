@@ -1,0 +1,136 @@
+"""The tree of elementary links that a system's chains of joints unfold into."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from vehicledyn.multibody.model.bodies import Body, Joint
+from vehicledyn.multibody.model.ground import GROUND
+from vehicledyn.symbolic import ops, rotations
+from vehicledyn.symbolic.ops import Mat, Scalar, Vec
+
+
+@dataclass(frozen=True)
+class Link:
+    """One elementary joint and what it carries.
+
+    ``parent`` is the index of the link before, -1 for the ground. ``offset`` [m] leads from
+    the parent's origin to the joint, in the parent's axes; ``before`` and ``after`` are fixed
+    rotations on either side of the joint. ``body`` is the body that ends the chain here.
+    ``phase`` is added to the coordinate of a turning joint [rad].
+    """
+
+    parent: int
+    offset: Vec
+    before: Mat | None
+    joint: Joint | None
+    after: Mat | None
+    body: Body | None
+    is_ignorable_spin: bool = False
+    phase: Scalar = 0.0
+
+    @property
+    def turns(self) -> bool:
+        """Whether the axes of the link turn with its coordinate."""
+        turning = self.joint is not None and self.joint.is_rotation
+        return turning and not self.is_ignorable_spin
+
+
+@dataclass(frozen=True)
+class Tree:
+    """Links, parents first, and the index of the link of each body (-1 for the ground)."""
+
+    links: tuple[Link, ...]
+    body_link: dict[str, int]
+
+    def path(self, link: int) -> list[int]:
+        """Return the links from the ground to ``link``, both included, ground as -1."""
+        path = []
+        while link >= 0:
+            path.append(link)
+            link = self.links[link].parent
+        return [-1, *reversed(path)]
+
+    def common_ancestor(self, a: str, b: str) -> int:
+        """Return the outermost link that carries both bodies."""
+        path_a, path_b = self.path(self.body_link[a]), self.path(self.body_link[b])
+        shared = [x for x, y in zip(path_a, path_b, strict=False) if x == y]
+        return shared[-1]
+
+    def link_name(self, link: int) -> str:
+        """Return the name of the body whose axes the link has, "ground" for -1."""
+        names = {index: name for name, index in self.body_link.items()}
+        return names.get(link, f"link {link}")
+
+
+def unfold(bodies: Sequence[Body]) -> Tree:
+    """Return the tree of elementary links of the bodies of a checked system, parents first."""
+    links: list[Link] = []
+    body_link = {GROUND: -1}
+    for body in bodies:
+        parent = body_link[body.parent]
+        for step in _steps(body):
+            offset, before, joint, after, is_last = step
+            spin = is_last and body.spins_about is not None
+            links.append(
+                Link(parent, offset, before, joint, after, body if is_last else None, spin)
+            )
+            parent = len(links) - 1
+        body_link[body.name] = parent
+    return Tree(tuple(links), body_link)
+
+
+def _steps(body: Body) -> list[tuple[Vec, Mat | None, Joint | None, Mat | None, bool]]:
+    """Split a chain into (offset, turn before, joint, turn after, last?) a joint."""
+    joints = [item for item in body.joints if isinstance(item, Joint)]
+    turns: list[Mat | None] = [None] * (len(joints) + 1)
+    slot = 0
+    for item in body.joints:
+        if isinstance(item, Joint):
+            slot += 1
+        else:
+            known = turns[slot]
+            turns[slot] = item.rotation if known is None else known @ item.rotation
+    here, none = ops.vector(*body.at), ops.vector(0.0, 0.0, 0.0)
+    if not joints:
+        return [(here, turns[0], None, None, True)]
+    last = len(joints) - 1
+    return [
+        (here if k == 0 else none, turns[k], joint, turns[k + 1] if k == last else None, k == last)
+        for k, joint in enumerate(joints)
+    ]
+
+
+def joint_rotation(link: Link, c: Scalar, s: Scalar) -> Mat:
+    """Return R with v_parent = R v_link, given cosine and sine of the joint's angle [1].
+
+    Between two fixed turns B and A the joint's R = e eᵀ + c (1 - e eᵀ) + s tilde(e) gives
+    B R A as a sum of three constant matrices, which costs half of the two products.
+    """
+    if link.joint is None or not link.turns:
+        return rotations.product(link.before, link.after)
+    if link.before is None or link.after is None:
+        return rotations.product(link.before, rotations.turn_by(link.joint.axis, c, s), link.after)
+    axis = rotations.axis_vector(link.joint.axis)
+    along = axis @ axis.T
+    kept, turned, across = (
+        link.before @ part @ link.after
+        for part in (along, rotations.identity() - along, ops.tilde(axis))
+    )
+    return kept + c * turned + s * across
+
+
+def joint_turns(link: Link, c: Scalar, s: Scalar) -> list[Mat]:
+    """Return the factors of :func:`joint_rotation`, the innermost first.
+
+    Two turns about axes of their frames, one after the other, are cheaper for an inertia than
+    their product; any other rotation is one factor.
+    """
+    if link.joint is not None and link.turns and link.after is None:
+        turn = rotations.turn_by(link.joint.axis, c, s)
+        if link.before is None:
+            return [turn]
+        if rotations.elementary_axis(link.before) is not None:
+            return [turn, link.before]
+    return [joint_rotation(link, c, s)]

@@ -1,0 +1,1 @@
+"""Recursions along the tree: composite and articulated bodies, inverse dynamics, substructures."""

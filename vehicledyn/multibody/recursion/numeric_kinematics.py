@@ -1,0 +1,156 @@
+"""The tree of a system as numbers: poses of all bodies from the coordinates, many at once.
+
+A pose is the position of the body's origin and the unit quaternion (w, x, y, z) of its axes, both
+in world axes. Where the last joint of a body turns, its angle is kept apart as a turn about an
+axis of the pose: that stays exact between two pictures, however fast a wheel spins.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vehicledyn.base.quaternions import about, from_rows, multiplied, rotated
+from vehicledyn.multibody.model.symbols import declare, locked
+from vehicledyn.multibody.model.system import System
+from vehicledyn.multibody.model.tree import unfold
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Poses:
+    """Poses of bodies at n moments.
+
+    ``position`` (n, bodies, 3) [m], ``quaternion`` (n, bodies, 4), and the ``turn`` (n, bodies)
+    about the axis of each body [rad], zero for bodies without one.
+    """
+
+    position: Array
+    quaternion: Array
+    turn: Array
+
+
+@dataclass(frozen=True)
+class Skeleton:
+    """The links of a tree with numbers, parents first, and the bodies that they end in.
+
+    ``links`` are mappings with parent, offset, before, after (rows or None), kind of the joint,
+    its coordinate (or value where it is locked); ``bodies`` have name, link, axis (0 for
+    none) and ``axes_spin``: whether the axes turn with the last joint.
+    """
+
+    links: tuple[Mapping[str, Any], ...]
+    bodies: tuple[Mapping[str, Any], ...]
+
+    @property
+    def coordinates(self) -> tuple[str, ...]:
+        """Names of the coordinates that the poses follow from."""
+        names = (link["coordinate"] for link in self.links)
+        return tuple(dict.fromkeys(name for name in names if name))
+
+    def poses(self, values: Mapping[str, Array]) -> Poses:
+        """Return the poses of all bodies.
+
+        Parameters
+        ----------
+        values
+            Values of each coordinate, shape (n,).
+        """
+        count = len(next(iter(values.values()))) if values else 1
+        origin = np.zeros((count, 3)), np.tile([1.0, 0.0, 0.0, 0.0], (count, 1))
+        after: list[tuple[Array, Array]] = []
+        before: list[tuple[Array, Array]] = []
+        for link in self.links:
+            position, turned = after[link["parent"]] if link["parent"] >= 0 else origin
+            if any(link["offset"]):
+                position = position + rotated(turned, np.array(link["offset"], dtype=float))
+            turned = _turned(turned, link["before"])
+            value = _value(link, values, count)
+            axis = _axis(link["kind"])
+            if link["kind"] and link["kind"][0] == "T":
+                position = position + rotated(turned, axis) * value[:, None]
+            before.append((position, turned))
+            if link["kind"] and link["kind"][0] == "R" and not link["ignored"]:
+                turned = multiplied(turned, about(axis, value))
+            after.append((position, _turned(turned, link["after"])))
+        chosen, turns = [], []
+        for body in self.bodies:
+            link = body["link"]
+            chosen.append(before[link] if body["axis"] else after[link])
+            turns.append(
+                _value(self.links[link], values, count) if body["axis"] else np.zeros(count)
+            )
+        return Poses(
+            np.stack([position for position, _ in chosen], axis=1),
+            np.stack([quaternion for _, quaternion in chosen], axis=1),
+            np.stack(turns, axis=1),
+        )
+
+
+def _turned(quaternions: Array, rows: Any) -> Array:
+    """Return quaternions turned on by a rotation matrix, None for no rotation."""
+    return quaternions if rows is None else multiplied(quaternions, from_rows(rows))
+
+
+def raw_skeleton(system: System) -> dict[str, Any]:
+    """Return links and bodies of a system as plain data whose numbers may still be symbols."""
+    tree, symbols = unfold(system.bodies), declare(system)
+    fixed = locked(system, symbols)
+    links = []
+    for link in tree.links:
+        joint = link.joint
+        is_fixed = joint is not None and joint.name in fixed
+        links.append(
+            {
+                "parent": link.parent,
+                "offset": [link.offset[k] for k in range(3)],
+                "before": _rows(link.before),
+                "after": _rows(link.after),
+                "kind": joint.kind if joint else None,
+                "coordinate": joint.name if joint and not is_fixed else None,
+                "value": joint.start if joint and is_fixed else 0.0,
+                "ignored": link.is_ignorable_spin,
+            }
+        )
+    bodies = []
+    for body in system.bodies:
+        if body.is_abstract:
+            continue
+        index = tree.body_link[body.name]
+        last = tree.links[index]
+        turns = last.joint is not None and last.joint.is_rotation and last.after is None
+        bodies.append(
+            {
+                "name": body.name,
+                "link": index,
+                "axis": last.joint.axis if turns and last.joint else 0,
+                "axes_spin": not last.is_ignorable_spin,
+            }
+        )
+    return {"links": links, "bodies": bodies}
+
+
+def skeleton_from(plain: Mapping[str, Any]) -> Skeleton:
+    """Return a skeleton from plain data with numbers."""
+    return Skeleton(tuple(plain["links"]), tuple(plain["bodies"]))
+
+
+def _axis(kind: str | None) -> Array:
+    return np.eye(3)[int(kind[1]) - 1] if kind else np.zeros(3)
+
+
+def _value(link: Mapping[str, Any], values: Mapping[str, Array], count: int) -> Array:
+    if link["coordinate"]:
+        return np.asarray(values[link["coordinate"]], dtype=float)
+    return np.full(count, float(link["value"]))
+
+
+def _rows(matrix: Any) -> list[list[Any]] | None:
+    if matrix is None:
+        return None
+    return [[matrix[i, j] for j in range(3)] for i in range(3)]

@@ -1,0 +1,275 @@
+"""Rigid contact of wheels and rails: constraints that demand touch, and creep forces with it.
+
+Each wheel has one contact coordinate, the place s on its outline, and off the straight the body
+has its arc coordinate; both are coordinates of massless bodies that the constraints determine. The
+gap's multiplier gives the normal force N. Creep forces depend on N and N on the creep forces, so N
+is an unknown solved together with the accelerations
+(:meth:`~vehicledyn.multibody.model.parts.Part.reactions`): no creep law is too stiff or too much
+saturated for it.
+
+Where the wheel touches the rail at a second point, the contact jumps there: ``<side>.jumps`` is
+an event after which the constraint holds the other point. The wheel hits the rail there without
+rebound and comes free of the old one (:mod:`vehicledyn.multibody.equations.impacts`). A wheel that
+lifts,
+``<side>.lifts``, or whose contact comes to the end of a profile, ``<side>.leaves``, ends the run:
+the elastic model goes on from there.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import ClassVar
+
+from vehicledyn.base.shapes import Shape
+from vehicledyn.multibody.model.bodies import Body, Joint
+from vehicledyn.multibody.model.ground import GROUND
+from vehicledyn.multibody.model.parts import BasePart, Loads, Output, PartEvent, Situation
+from vehicledyn.rail.contact.rail_shapes import rail_wheel_shapes
+from vehicledyn.rail.contact.rigid_constraint import (
+    FORCE,
+    OnTrack,
+    PositionConstraint,
+    TouchConstraint,
+)
+from vehicledyn.rail.contact.rigid_touch import TouchingWheel
+from vehicledyn.rail.contact.rolling_contact import (
+    Material,
+    RollingContact,
+    contact_motion,
+    rolling_contact,
+)
+from vehicledyn.rail.creep.creep_law import CreepLaw
+from vehicledyn.rail.track.running import LATERAL_SHIFT, design_rows
+from vehicledyn.rail.track.track import Side, Track
+from vehicledyn.symbolic import ops
+from vehicledyn.symbolic.equations import Channel, Variable
+from vehicledyn.symbolic.ops import Scalar
+
+PENETRATION = 1e-7
+"""How deep a second place of a wheel goes into the rail before the contact jumps there [m]."""
+
+_Row = tuple[str, str, str, Scalar]
+
+_ADVICE = "take 'rail_contact: {kind: elastic}' for this motion"
+
+
+@dataclass(frozen=True)
+class RigidWheel:
+    """A wheel in rigid contact.
+
+    ``start`` is where the contact is looked for first, on the outline of the wheel, ``ends`` is
+    where the outline ends, if it does [m]. Of profiles that may touch at several places ``places``
+    are those to look at, a fraction of a millimetre apart: contact may jump between them.
+    """
+
+    touching: TouchingWheel
+    start: float = 0.0
+    ends: tuple[float, float] | None = None
+    places: tuple[float, ...] = ()
+
+    @property
+    def side(self) -> Side:
+        """Name of the side."""
+        return "left" if self.touching.side > 0.0 else "right"
+
+
+@dataclass(frozen=True)
+class RigidRailWheels(BasePart):
+    """The wheels of one body in rigid contact with their rails.
+
+    A system takes the part itself, its :meth:`bodies` and its :meth:`constraints`.
+
+    Parameters
+    ----------
+    body
+        Wheelset or wheel; its y axis is the axle's, its axes may spin with it or not.
+    wheels
+        One or two wheels.
+    track
+        Where the rails run.
+    law, material
+        Creep law, and what wheels and rails are made of.
+    nominal
+        Lateral place of the body's origin from which its shift counts, to the left [m].
+    """
+
+    rolls_on_rails: ClassVar[bool] = True
+
+    body: str
+    wheels: tuple[RigidWheel, ...]
+    track: Track
+    law: CreepLaw
+    material: Material
+    nominal: Scalar = 0.0
+
+    def bodies(self) -> tuple[Body, ...]:
+        """Return the massless bodies of the contact coordinates."""
+        joints = [self._joint(wheel) for wheel in self.wheels]
+        if not self.track.is_straight:
+            text = "Arc coordinate of the body along the track"
+            joints.append(Joint("T1", self._carrier.position, 0.0, "dependent", description=text))
+        return tuple(
+            Body(f"{j.name}_coordinate", GROUND, joints=(j,), is_abstract=True) for j in joints
+        )
+
+    def constraints(self) -> tuple[PositionConstraint | TouchConstraint, ...]:
+        """Return the constraints that determine them and make the wheels touch."""
+        touching = tuple(self._constraint(wheel) for wheel in self.wheels)
+        if self.track.is_straight:
+            return touching
+        return (PositionConstraint(f"{self.name}.on_track", self._carrier), *touching)
+
+    def reactions(self) -> tuple[Variable, ...]:
+        """Return the normal forces, which creep depends on."""
+        return tuple(
+            Variable(f"{w.side}.normal_force", "N", f"Normal force of the {w.side} wheel")
+            for w in self.wheels
+        )
+
+    def found_reactions(self, situation: Situation) -> tuple[Scalar, ...]:
+        """Return the normal forces from the multipliers of the gaps."""
+        if situation.forces is None:
+            raise ValueError("the forces of the constraints are not known at this stage")
+        found = []
+        for wheel in self.wheels:
+            constraint = self._constraint(wheel)
+            upright = constraint.touch(situation.kinematics).normal[2]
+            found.append(situation.forces.multiplier(constraint.name, FORCE) / upright)
+        return tuple(found)
+
+    def loads(self, situation: Situation) -> Loads:
+        """Return the creep forces on the body."""
+        kinematics = situation.kinematics
+        contacts = [self._contact(situation, wheel) for wheel in self.wheels]
+        return Loads(wrenches=tuple(c.creep_wrench(kinematics, self.body) for c in contacts))
+
+    def outputs(self, situation: Situation) -> tuple[Output, ...]:
+        """Return the channels of the body and of each wheel, named as those of elastic contact."""
+        kinematics, carrier = situation.kinematics, self._carrier
+        frame, place = carrier.frame(kinematics), carrier.place(kinematics)
+        axle = frame.rotation.T @ carrier.axle(kinematics)
+        velocity = frame.rotation.T @ kinematics.velocity(self.body)
+        attack = ops.atan2(-axle[0], axle[1])
+        speed = self.track.progress(frame, place, velocity)
+        rows: list[_Row] = [
+            ("lateral_shift", "m", LATERAL_SHIFT, place[1] - self.nominal),
+            ("angle_of_attack", "rad", "Yaw angle of the axle to the track", attack),
+            ("track_speed", "m/s", "Rate of the place along the track", speed),
+            *design_rows(self.track, carrier.arc(kinematics)),
+        ]
+        if self.track.is_straight:  # elsewhere it is a coordinate, which has its channel
+            along = carrier.arc(kinematics)
+            rows.append(("track_position", "m", "Place along the track", along))
+        for wheel in self.wheels:
+            rows += [
+                (f"{wheel.side}.{name}", unit, text, value)
+                for name, unit, text, value in self._wheel_rows(situation, wheel)
+            ]
+        return tuple(
+            Output(Channel(f"{self.name}.{name}", unit, text, "track"), value)
+            for name, unit, text, value in rows
+        )
+
+    def events(self, situation: Situation) -> tuple[PartEvent, ...]:
+        """Return jumps of contacts, and what ends rigid contact."""
+        events = []
+        for w in self.wheels:
+            force = situation.reactions[f"{w.side}.normal_force"]
+            lifts = f"the {w.side} wheel lifts, which rigid contact cannot follow; {_ADVICE}"
+            events.append(_ending(f"{w.side}.lifts", force, lifts, "lifted"))
+            if w.ends is not None:
+                place = situation.kinematics.coordinate(self._place(w))
+                inside = ops.minimum(place - w.ends[0], w.ends[1] - place)
+                leaves = f"the contact comes to the end of the {w.side} wheel's profile; {_ADVICE}"
+                events.append(_ending(f"{w.side}.leaves", inside, leaves, "derailed"))
+            if w.places:
+                constraint = self._constraint(w)
+                events.append(
+                    PartEvent(
+                        f"{w.side}.jumps",
+                        constraint.lowest(situation.kinematics)[0] + PENETRATION,
+                        "falling",
+                        guesses={self._place(w): constraint.landing(situation.kinematics)},
+                        lands=True,
+                    )
+                )
+        return tuple(events)
+
+    def shapes(self) -> tuple[Shape, ...]:
+        """Return wheels, axle and forces."""
+        first = self.wheels[0].touching
+        return rail_wheel_shapes(
+            self.name,
+            self.body,
+            [wheel.side for wheel in self.wheels],
+            radius=first.radius,
+            tape_circle=first.half_distance,
+        )
+
+    def _contact(self, situation: Situation, wheel: RigidWheel) -> RollingContact:
+        kinematics, carrier = situation.kinematics, self._carrier
+        touch = self._constraint(wheel).touch(kinematics)
+        frame = carrier.frame(kinematics)
+        point = frame.position + frame.rotation @ touch.point
+        motion = contact_motion(
+            kinematics,
+            self.body,
+            point=point,
+            normal=frame.rotation @ touch.normal,
+            axle=carrier.axle(kinematics),
+        )
+        return rolling_contact(
+            point,
+            motion,
+            situation.reactions[f"{wheel.side}.normal_force"],
+            touch.curvatures,
+            law=self.law,
+            material=self.material,
+        )
+
+    def _wheel_rows(self, situation: Situation, wheel: RigidWheel) -> Iterator[_Row]:
+        """Yield name, unit, description and value of the channels of a wheel."""
+        touch = self._constraint(wheel).touch(situation.kinematics)
+        contact = self._contact(situation, wheel)
+        force = self._carrier.frame(situation.kinematics).rotation.T @ contact.force
+        felt, creep = contact.motion.creepages, contact.creep
+        yield "Y", "N", "Force of the wheel on the rail to the left", -force[1]
+        yield "Q", "N", "Wheel load, downwards on the rail", force[2]
+        yield "X", "N", "Force of the wheel on the rail forwards", -force[0]
+        yield "wear_number", "N", "Creep forces times creepages", contact.wear_number
+        rows: tuple[_Row, ...] = (
+            ("normal_force", "N", "Normal force", contact.normal_force),
+            ("longitudinal_force", "N", "Creep force on the wheel forwards", creep.longitudinal),
+            ("lateral_force", "N", "Creep force on the wheel to the left", creep.lateral),
+            ("spin_moment", "N*m", "Creep moment on the wheel", creep.spin_moment),
+            ("longitudinal_creepage", "1", "Longitudinal creepage", felt.longitudinal),
+            ("lateral_creepage", "1", "Lateral creepage to the left", felt.lateral),
+            ("spin_creepage", "1/m", "Spin creepage", felt.spin),
+            ("angle", "rad", "Contact angle, rising outwards", ops.atan(touch.rail.slope)),
+            ("lateral_place", "m", "Contact point left of the track's middle", touch.point[1]),
+            ("rolling_radius", "m", "Radius at the contact", touch.rolling_radius),
+        )
+        for name, unit, text, value in rows:
+            yield f"contact_1.{name}", unit, text, value
+
+    @property
+    def _carrier(self) -> OnTrack:
+        return OnTrack(self.body, self.track, f"{self.name}.track_position")
+
+    def _constraint(self, wheel: RigidWheel) -> TouchConstraint:
+        name = f"{self.name}.{wheel.side}"
+        return TouchConstraint(
+            name, self._carrier, wheel.touching, wheel.side, self._place(wheel), wheel.places
+        )
+
+    def _place(self, wheel: RigidWheel) -> str:
+        return f"{self.name}.{wheel.side}.place"
+
+    def _joint(self, wheel: RigidWheel) -> Joint:
+        text = f"Contact of the {wheel.side} wheel from its tape circle, outwards"
+        return Joint("T2", self._place(wheel), wheel.start, "dependent", description=text)
+
+
+def _ending(name: str, expression: Scalar, advice: str, outcome: str) -> PartEvent:
+    return PartEvent(name, expression, "falling", terminal=True, advice=advice, outcome=outcome)

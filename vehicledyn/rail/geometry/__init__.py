@@ -1,0 +1,1 @@
+"""Contact geometry of wheel and rail: contact points, conicity, contact ellipse."""

@@ -1,0 +1,114 @@
+"""MiniProf profiles as its programs write them: .whl and .ban, the older layout, and .mpt.
+
+Lines NAME=VALUE, many of them empty, come before an empty line and the points; a line that opens
+with a quotation mark is a comment. ``ColumnDef`` names the columns, often more than there are;
+X and Y are needed. ``WheelDiameterTaperline`` is the distance of the tape circle from the back of
+the flange, where X is zero on wheels. The older layout opens with #MINIWHEELPROF or the like and
+names no columns. A .mpt file holds sections of points in the order of the profile.
+
+References
+----------
+Greenwood Engineering (2008), MiniProf for Windows, Technical Reference; the reader of CONTACT
+(Vollebregt, Vtech CMCC), matlab/read_miniprof.m, for the three layouts.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+
+from vehicledyn.rail.profiles.profile_columns import IN_HEADER
+from vehicledyn.rail.profiles.profile_points import MILLIMETRE, RawPoints, number_of, take_unit
+
+_SPLIT = re.compile(r"[,;\s]+")
+_COLUMNS = re.compile(r"[,;\s]+")
+_SECTION = re.compile(r"\[\s*(\w+)\s*\]")
+_NEEDED = {"x", "y"}
+_TAPE = "wheeldiametertaperline"
+
+
+def is_miniprof(lines: Sequence[str]) -> bool:
+    """Return whether lines in lower case are those of a MiniProf file, whatever its name."""
+    named = any(line.startswith(("columndef", "xypoints", "[fileinfo]")) for line in lines)
+    return named or _is_old(lines)
+
+
+def _is_old(lines: Sequence[str]) -> bool:
+    """Return whether a file has the older layout, whose header is text."""
+    return any(line.lower().startswith("#mini") and "prof" in line.lower() for line in lines[:3])
+
+
+def read_miniprof(file: str, lines: Sequence[str]) -> RawPoints:
+    """Return the points of a MiniProf file; ``XOffset`` and ``YOffset`` are added.
+
+    Raises
+    ------
+    InputError
+        If a line of points has too few numbers, or a number of the header is none.
+    """
+    points = RawPoints(file, notes=["MiniProf profile"])
+    header = _Header(points)
+    inside, sections = not _is_old(lines), 0
+    for number, line in enumerate(lines, 1):
+        text = line.partition('"')[0].strip()
+        section = _SECTION.fullmatch(text)
+        if section:
+            inside = section[1].lower().endswith("points")
+            sections += inside
+        elif "=" in text:
+            header.take(number, text)
+        elif not line.strip():
+            inside = inside or not sections
+        elif inside and text:
+            _add_point(points, number, text, header.columns)
+    header.apply()
+    if sections > 1:
+        points.notes.append(f"{sections} sections of points joined in their order")
+    return points
+
+
+def _add_point(points: RawPoints, number: int, text: str, columns: Sequence[str]) -> None:
+    texts = _SPLIT.split(text)
+    if number_of(texts[0]) is None:
+        return
+    place = [columns.index("x"), columns.index("y")] if set(columns) >= _NEEDED else None
+    if place is None:
+        raise points.refused(number, 1, "ColumnDef: names no columns X and Y")
+    if len(texts) <= max(place):
+        message = f"{len(texts)} numbers, Y is number {max(place) + 1} of {','.join(columns)}"
+        raise points.refused(number, 1, message)
+    points.add(number, [texts[k] for k in place])
+
+
+class _Header:
+    """What the lines NAME=VALUE say of the points."""
+
+    def __init__(self, points: RawPoints) -> None:
+        self.points = points
+        self.columns = ["x", "y"]
+        self.numbers: dict[str, float] = {}
+
+    def take(self, line: int, text: str) -> None:
+        """Take one line; empty values say nothing."""
+        key, _, value = text.partition("=")
+        key, value = key.strip().lower(), value.strip()
+        if not value:
+            return
+        if key == "columndef":
+            self.columns = [name.lower() for name in _COLUMNS.split(value) if name]
+        elif key in ("unit", "units"):
+            take_unit(self.points, IN_HEADER.search(value))
+        elif key in ("xoffset", "yoffset", _TAPE):
+            number = number_of(value)
+            if number is None:
+                raise self.points.refused(line, 1, f"{key}: '{value}' is not a number")
+            self.numbers[key] = number
+
+    def apply(self) -> None:
+        """Add the offsets and note where the tape circle is."""
+        offsets = [self.numbers.get(key, 0.0) for key in ("xoffset", "yoffset")]
+        if any(offsets):
+            self.points.shift(*offsets)
+            self.points.notes.append("XOffset and YOffset of the file added")
+        if self.numbers.get(_TAPE, 0.0) > 0.0:
+            self.points.tape_circle = MILLIMETRE * self.numbers[_TAPE]

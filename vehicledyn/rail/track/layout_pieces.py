@@ -1,0 +1,155 @@
+"""From segments of a track to the pieces of its design, and what is wrong with them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+from vehicledyn.rail.track.pieces import Grade, Piece
+from vehicledyn.rail.track.segments import SegmentSet
+
+State = tuple[float, float, float]
+"""Curvature [1/m], cant [m] and widening [m]."""
+
+STRAIGHT: State = (0.0, 0.0, 0.0)
+HIGHEST_CANT = 0.4
+"""Cant by the gauge beyond which it is taken for a mistake, such as metres for millimetres."""
+
+TIGHTEST = 2.0
+"""Radius of a curve by the gauge below which it is taken for a mistake."""
+
+WIDEST = 0.1
+"""Widening beyond which it is taken for a mistake [m]."""
+
+STEEPEST = 0.5
+"""Gradient beyond which it is taken for a mistake, such as per mille for a pure number [1]."""
+
+_EQUAL = 1e-9
+
+
+class Fault(NamedTuple):
+    """What is wrong with a segment or change of gradient: its number from zero, field, words."""
+
+    number: int
+    field: str
+    words: str
+
+
+def pieces_of(segments: Sequence[SegmentSet], gauge: float) -> tuple[list[Piece], list[Fault]]:
+    """Return the pieces of a layout and the faults of its segments.
+
+    A transition leads from the segment before it to the one after. At either end of the track,
+    and between two transitions, it begins or ends straight and level.
+    """
+    faults = [fault for k, s in enumerate(segments) for fault in _faults_of(k, s, gauge)]
+    if faults:
+        return [], faults
+    pieces = []
+    for k, segment in enumerate(segments):
+        first, last = _ends(segments, k)
+        inner = _inner(first[0] + last[0])
+        bends = (first[0], last[0])
+        if segment.kind == "ramp":
+            bends = (min(bends, key=abs),) * 2
+        cant, widening = (first[1], last[1]), (first[2], last[2])
+        shape = segment.shape or "linear"
+        pieces.append(Piece(segment.length, bends, cant, widening, shape, inner))
+        faults += _transition_faults(k, segment, bends)
+    return pieces, [*faults, *_jumps(segments, pieces)]
+
+
+def grade_faults(grades: Sequence[Grade]) -> list[Fault]:
+    """Return the faults of changes of the gradient, by their numbers."""
+    faults, before, slope = [], float("-inf"), 0.0
+    for k, grade in enumerate(grades):
+        half = 0.5 * grade.radius * abs(grade.slope - slope)
+        if abs(grade.slope) > STEEPEST:
+            words = f"a gradient of {grade.slope:g} is too steep for rails; is it in per mille?"
+            faults.append(Fault(k, "slope", words))
+        elif grade.at - half < before - _EQUAL:
+            words = (
+                f"begins {grade.at - half:g} m along the track, before the change ahead of it has "
+                f"ended at {before:g} m; sort the changes or take smaller radii"
+            )
+            faults.append(Fault(k, "radius" if half > 0.0 else "at", words))
+        before, slope = grade.at + half, grade.slope
+    return faults
+
+
+def _faults_of(k: int, segment: SegmentSet, gauge: float) -> list[Fault]:
+    if segment.constant is None:
+        return []
+    curvature, cant, widening = segment.constant
+    faults = []
+    if abs(curvature) * TIGHTEST * gauge >= 1.0:
+        radius = getattr(segment, "radius", 0.0)
+        words = f"a curve of {radius:g} m is too tight for a gauge of {1e3 * gauge:g} mm"
+        faults.append(Fault(k, "radius", words))
+    if abs(cant) > HIGHEST_CANT * gauge:
+        words = (
+            f"a cant of {1e3 * cant:g} mm does not go with a gauge of {1e3 * gauge:g} mm; "
+            "write the unit, such as 100 mm"
+        )
+        faults.append(Fault(k, "cant", words))
+    if abs(widening) > WIDEST:
+        words = f"a widening by {1e3 * widening:g} mm is too much; write the unit, such as 10 mm"
+        faults.append(Fault(k, "widening", words))
+    return faults
+
+
+def _ends(segments: Sequence[SegmentSet], k: int) -> tuple[State, State]:
+    own = segments[k].constant
+    if own is not None:
+        return own, own
+    before = segments[k - 1].constant if k > 0 else None
+    after = segments[k + 1].constant if k + 1 < len(segments) else None
+    return before or STRAIGHT, after or STRAIGHT
+
+
+def _inner(bend: float) -> float:
+    """Return which rail lies inside the curve that a segment is part of or leads to."""
+    return float((bend > 0.0) - (bend < 0.0))
+
+
+def _transition_faults(k: int, segment: SegmentSet, bends: tuple[float, float]) -> list[Fault]:
+    if segment.kind != "cubic_parabola":
+        return []
+    if 0.0 not in bends:
+        words = "a cubic parabola leads from a straight to an arc or back; take a clothoid here"
+        return [Fault(k, "kind", words)]
+    bend = max(map(abs, bends))
+    if bend * segment.length >= 1.0:
+        words = f"is too long for a cubic parabola to a curve of {1.0 / bend:g} m; take a clothoid"
+        return [Fault(k, "length", words)]
+    return []
+
+
+def _jumps(segments: Sequence[SegmentSet], pieces: Sequence[Piece]) -> list[Fault]:
+    """Return where cant or gauge change at once."""
+    faults = []
+    for k in range(1, len(pieces)):
+        before, after = pieces[k - 1], pieces[k]
+        if abs(before.cant[1] - after.cant[0]) > _EQUAL:
+            was, becomes = (1e3 * c for c in (before.cant[1], after.cant[0]))
+            words = f"the cant jumps from {was:g} mm to {becomes:g} mm"
+            field = "cant" if segments[k].constant else "kind"
+            faults.append(Fault(k, field, f"{words}; put a transition or a ramp in between"))
+        elif any(
+            abs(a - b) > _EQUAL for a, b in zip(_ending(before), _starting(after), strict=True)
+        ):
+            words = "a rail jumps sideways, as the widening changes at once"
+            field = "widening" if segments[k].constant else "kind"
+            faults.append(Fault(k, field, f"{words}; put a transition or a ramp in between"))
+    return faults
+
+
+def _ending(piece: Piece) -> tuple[float, float]:
+    return _rails(piece.inner, piece.widening[1])
+
+
+def _starting(piece: Piece) -> tuple[float, float]:
+    return _rails(piece.inner, piece.widening[0])
+
+
+def _rails(inner: float, widening: float) -> tuple[float, float]:
+    return 0.5 * (1.0 + inner) * widening, -0.5 * (1.0 - inner) * widening

@@ -1,0 +1,1 @@
+"""Animations of results: page, still picture, film."""

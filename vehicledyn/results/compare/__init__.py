@@ -1,0 +1,1 @@
+"""Comparison of results and studies with a reference."""

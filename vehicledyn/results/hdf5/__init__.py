@@ -1,0 +1,1 @@
+"""HDF5 files as bytes on a disk: opening, checksums, damage, finishing in place."""

@@ -1,0 +1,149 @@
+"""What files of modes, responses and contact geometry hold: describe them, draw them again."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from vehicledyn.base.errors import InputError, unknown_name
+from vehicledyn.results.plots.bode import bode_figures
+from vehicledyn.results.plots.contact_figures import contact_figures
+from vehicledyn.results.plots.hunt_figures import hunt_figures
+from vehicledyn.results.plots.mode_figures import mode_figures
+from vehicledyn.results.plots.picture_files import save_figures
+from vehicledyn.results.plots.plot_style import STYLE
+from vehicledyn.results.store.linear_file import format_of
+from vehicledyn.results.tables import contact_table, hunt_table, mode_table, response_table
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+FORMATS = (mode_table.FORMAT, response_table.FORMAT, contact_table.FORMAT, hunt_table.FORMAT)
+
+
+@dataclass(frozen=True)
+class LinearDescription:
+    """Facts of a file by name, for people and programs."""
+
+    path: str
+    facts: dict[str, Any]
+
+    def as_dict(self) -> dict[str, Any]:
+        """Return plain data that JSON can hold."""
+        return {"path": self.path, **self.facts}
+
+    def as_text(self) -> str:
+        """Return lines for a person."""
+        rows = []
+        for name, value in self.facts.items():
+            told = ", ".join(map(str, value)) if isinstance(value, list) else value
+            rows.append(f"  {name:12}  {told}")
+        return "\n".join([self.path, *rows])
+
+
+def is_linear(path: Path) -> bool:
+    """Return whether a file holds eigenmodes, frequency responses or contact geometry."""
+    return format_of(path) in FORMATS
+
+
+def describe_linear(path: Path) -> LinearDescription:
+    """Return what a file of eigenmodes, frequency responses or contact geometry holds."""
+    if format_of(path) == contact_table.FORMAT:
+        return LinearDescription(str(path), _contact_facts(path))
+    if format_of(path) == mode_table.FORMAT:
+        modes = mode_table.read_modes(path)
+        facts: dict[str, Any] = {
+            "holds": "eigenmodes and mode shapes",
+            "title": modes.title,
+            "model": modes.model,
+            "cases": [case.label or "as given" for case in modes.cases],
+            "modes": [len(case.kind) for case in modes.cases],
+            "states": len(modes.states),
+            "channels": len(modes.channels),
+        }
+        return LinearDescription(str(path), facts)
+    if format_of(path) == hunt_table.FORMAT:
+        return LinearDescription(str(path), _hunt_facts(hunt_table.read_hunt(path)))
+    table = response_table.read_response(path)
+    first, last = table.frequency[0], table.frequency[-1]
+    facts = {
+        "holds": "frequency responses",
+        "title": table.title,
+        "model": table.model,
+        "speed": f"{table.speed:g} m/s",
+        "frequencies": f"{len(table.frequency)} frequencies from {first:g} to {last:g} Hz",
+        "inputs": [f"{item.name} [{item.unit}]" for item in table.inputs],
+        "outputs": [f"{item.name} [{item.unit}]" for item in table.outputs],
+    }
+    return LinearDescription(str(path), facts)
+
+
+def _contact_facts(path: Path) -> dict[str, Any]:
+    contacts = contact_table.read_contacts(path)
+    first, last = 1e3 * contacts.shift[0], 1e3 * contacts.shift[-1]
+    return {
+        "holds": "contact geometry of wheel and rail",
+        "title": contacts.title,
+        "wheel": contacts.wheel,
+        "rail": contacts.rail,
+        "settings": [f"{name} {value:.6g}" for name, value in contacts.settings.items()],
+        "shifts": f"{len(contacts.shift)} shifts from {first:g} to {last:g} mm",
+        "jumps": len(contacts.jumps),
+        "amplitudes": len(contacts.amplitude),
+        "notes": list(contacts.notes),
+    }
+
+
+def _hunt_facts(table: hunt_table.HuntTable) -> dict[str, Any]:
+    """Return what a hunting study holds."""
+    return {
+        "holds": "limit cycles along a parameter",
+        "title": table.title,
+        "model": table.model,
+        "status": f"{table.status} {table.message}".strip(),
+        "parameter": f"{table.parameter.name} [{table.parameter.unit}]",
+        "equilibria": len(table.locus_values),
+        "cycles": [f"branch {n}: {len(table.branch(n))}" for n in table.branches],
+        "channels": [f"{item.name} [{item.unit}]" for item in table.channels],
+        **{
+            name: " ".join(
+                filter(None, (f"{value:.6g}", table.figure_unit(name), table.means.get(name)))
+            )
+            for name, value in table.figures.items()
+        },
+    }
+
+
+def draw_linear(
+    path: Path, folder: Path, names: Sequence[str] | None, formats: Sequence[str]
+) -> list[Path]:
+    """Draw the figures of such a file, all or those of some names; return where they are.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be read, a name is unknown or a picture cannot be written.
+    """
+    import matplotlib
+
+    with matplotlib.rc_context(STYLE):
+        figures = dict(linear_figures(path))
+    for name in names or ():
+        if name not in figures:
+            raise InputError(f"{path}: {unknown_name('figure', name, figures)}")
+    chosen = [(name, figures[name]) for name in names or figures]
+    return save_figures(chosen, folder, formats)
+
+
+def linear_figures(path: Path) -> Iterator[tuple[str, Figure]]:
+    """Yield name and figure of all there is to draw of such a file."""
+    if format_of(path) == mode_table.FORMAT:
+        yield from mode_figures(mode_table.read_modes(path))
+    elif format_of(path) == hunt_table.FORMAT:
+        yield from hunt_figures(hunt_table.read_hunt(path))
+    elif format_of(path) == contact_table.FORMAT:
+        yield from contact_figures(contact_table.read_contacts(path))
+    else:
+        yield from bode_figures(response_table.read_response(path))

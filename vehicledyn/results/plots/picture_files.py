@@ -1,0 +1,93 @@
+"""Figures to picture files, equal figures to equal files."""
+
+from __future__ import annotations
+
+import contextlib
+import warnings
+from collections.abc import Iterable, Iterator, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from vehicledyn.base.errors import InputError, unknown_name
+from vehicledyn.base.whole_file import whole_file
+from vehicledyn.results.hdf5.output import write_failed
+from vehicledyn.results.plots.plot_style import STYLE
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+# No dates or versions: equal results give equal pictures.
+METADATA: dict[str, dict[str, Any]] = {
+    "png": {"Software": None},
+    "svg": {"Date": None},
+    "pdf": {"CreationDate": None},
+}
+
+
+def save_figures(
+    figures: Iterable[tuple[str, Figure]], folder: Path, formats: Sequence[str]
+) -> list[Path]:
+    """Save figures, (name, figure) pairs that are drawn on demand, in each format and one style.
+
+    Raises
+    ------
+    InputError
+        If a format is unknown or a picture cannot be written.
+    """
+    import matplotlib
+
+    check_formats(formats)
+    made_folder(folder)
+    written = []
+    with matplotlib.rc_context(STYLE):
+        for name, figure in figures:
+            settle(figure)
+            written += [save(figure, folder / f"{name}.{kind}", kind) for kind in formats]
+    return written
+
+
+def check_formats(formats: Sequence[str]) -> None:
+    """Raise an InputError for a format that cannot be written."""
+    for kind in formats:
+        if kind not in METADATA:
+            raise InputError(unknown_name("picture format", kind, METADATA))
+
+
+def settle(figure: Figure) -> None:
+    """Lay the figure out once; rounded, as the layout is repeatable to rounding errors only."""
+    engine = figure.get_layout_engine()
+    if engine is None:
+        return
+    with signs_may_be_missing():
+        engine.execute(figure)
+    figure.set_layout_engine("none")
+    for axes in figure.axes:
+        left, bottom, width, height = axes.get_position(original=True).bounds
+        axes.set_position((round(left, 6), round(bottom, 6), round(width, 6), round(height, 6)))
+
+
+def save(figure: Figure, target: Path, kind: str) -> Path:
+    """Save a figure and return where; an InputError says why it cannot be written."""
+    try:
+        with signs_may_be_missing(), whole_file(target) as place:
+            figure.savefig(place, format=kind, metadata=METADATA[kind])
+    except OSError as error:
+        raise write_failed(target, error) from error
+    return target
+
+
+@contextlib.contextmanager
+def signs_may_be_missing() -> Iterator[None]:
+    """Draw signs that the font lacks, in titles of users, as boxes and without a warning."""
+    with warnings.catch_warnings():
+        warnings.filterwarnings("ignore", message="Glyph .* missing from")
+        yield
+
+
+def made_folder(folder: Path) -> Path:
+    """Return a folder, made if it is missing; an InputError says why it cannot be."""
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise write_failed(folder, error) from error
+    return folder

@@ -1,0 +1,1 @@
+"""Result files: layout, writing, reading, output checks."""

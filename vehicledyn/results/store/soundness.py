@@ -1,0 +1,52 @@
+"""Whether the columns of a result file can be what a run wrote, before they are read."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+import h5py
+import numpy as np
+from numpy.typing import NDArray
+
+from vehicledyn.base.errors import InputError
+from vehicledyn.results.store.decimation import promises_too_much
+from vehicledyn.results.store.layout import dataset_path
+
+
+def check_lengths(path: Path, file: h5py.File, names: Sequence[str], *, closed: bool) -> None:
+    """Refuse channels that are shorter than the time, or longer though the file is closed."""
+    samples = int(file["time"].shape[0])
+    for name in names:
+        length = file[dataset_path(name)].shape[0]
+        if length < samples or (closed and length != samples):
+            raise InputError(
+                f"{path}: is damaged: {length} samples of {name}, but {samples} of time; "
+                "run it again"
+            )
+
+
+def check_times(path: Path, time: NDArray[np.float64], *, closed: bool) -> None:
+    """Refuse times [s] that are no numbers or, in a closed file, fall."""
+    wrong = ~np.isfinite(time)
+    if closed:
+        wrong[1:] |= time[1:] < time[:-1]
+    if wrong.any():
+        place = int(np.argmax(wrong))
+        raise InputError(
+            f"{path}: is damaged: its time number {place + 1} is {time[place]:.6g}, which does "
+            "not follow the one before; run it again"
+        )
+
+
+def refuse_promises(path: Path, file: h5py.File, names: Sequence[str]) -> None:
+    """Refuse what are no columns, or say to hold far more than they do, before reading."""
+    for name in ("time", *names):
+        column = file[dataset_path(name)]
+        if len(column.shape) != 1 or column.dtype.kind not in "fiu":
+            raise InputError(f"{path}: is damaged: {name} is no column of numbers")
+        if promises_too_much(column):
+            raise InputError(
+                f"{path}: is damaged: says to hold {column.shape[0]} samples, but they are not in "
+                "the file; run it again"
+            )

@@ -1,0 +1,1 @@
+"""Results of linear analyses, hunting studies and geometry as tables and files."""

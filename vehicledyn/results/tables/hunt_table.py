@@ -1,0 +1,286 @@
+"""Hunting studies as a table and as a result file: eigenvalues, cycles, simulated cycles."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from vehicledyn.results.hdf5.output import is_being_written
+from vehicledyn.results.store.consistency import Sizes, require_known
+from vehicledyn.results.store.linear_file import (
+    Quantity,
+    new_file,
+    old_file,
+    read_complex,
+    read_quantities,
+    read_texts,
+    write_numbers,
+    write_quantities,
+    write_texts,
+)
+
+FORMAT = "vehicledyn-hunt"
+SETTLED = "settled"
+KINDS = ("", "fold", "period_doubling", "torus", "branch_point")
+"""What a limit cycle may be besides one."""
+
+RUNNING, INTERRUPTED = "running", "interrupted"
+FIGURE_MEANINGS = {
+    "linear_critical": "linear critical value (an oscillation begins to grow)",
+    "linear_critical_frequency": "its frequency",
+    "oscillation_ceases": "an oscillation ceases to grow",
+    "oscillation_ceases_frequency": "its frequency",
+    "divergence_begins": "a motion begins to grow without oscillation",
+    "divergence_ceases": "a motion ceases to grow without oscillation",
+    "nonlinear_critical": "lowest stable limit cycle found in this range",
+    "simulated_lowering": "lowest one by simulation, lowered step by step",
+    "simulated_raising": "linear one by simulation, a small disturbance grows",
+    "largest_difference_amplitude": "largest difference of amplitude, simulated",
+    "largest_difference_period": "largest difference of period, simulated",
+    "simulated_seconds": "motion simulated for these",
+}
+
+_ORIGIN, _MEANS = "origin_of_branch_", "means_of_"
+_SIMULATED = "value", "amplitude", "period", "spread", "seconds"
+
+
+@dataclass(frozen=True)
+class CycleRow:
+    """One limit cycle: parameter, period [s], stability, and the range of each channel.
+
+    ``kind`` is "" or "fold", "period_doubling", "torus", "branch_point"; ``trivial`` and
+    ``largest`` are the trivial Floquet multiplier and the largest magnitude of the others;
+    ``smallest``, ``greatest`` (n_channels,) and ``motion`` (n_phases, n_channels) are in SI.
+    """
+
+    branch: int
+    value: float
+    period: float
+    stable: bool
+    kind: str
+    trivial: float
+    multipliers: Any
+    smallest: Any
+    greatest: Any
+    motion: Any
+
+    @property
+    def amplitude(self) -> Any:
+        """Half the range of each channel, shape (n_channels,)."""
+        return 0.5 * (np.asarray(self.greatest) - np.asarray(self.smallest))
+
+
+@dataclass(frozen=True)
+class SimulatedRow:
+    """A motion that simulation came to: parameter, amplitude of the first channel, period [s].
+
+    ``spread`` is by what part of itself the amplitude varies where it has not settled, ``seconds``
+    how long it was simulated [s]; ``ending`` tells whether it settled.
+    """
+
+    value: float
+    amplitude: float
+    period: float
+    spread: float = 0.0
+    seconds: float = 0.0
+    ending: str = SETTLED
+
+
+@dataclass(frozen=True)
+class HuntTable:
+    """A hunting study: the parameter, what was watched, and what was found.
+
+    ``locus_values`` (n,) and ``eigenvalues`` (n, n_states) belong to the equilibria;
+    ``simulated`` are motions that simulation came to; ``figures`` are the critical values by name;
+    ``origins`` tell by number where branches lead off others, ``means`` by name how figures were
+    found, ``identity`` is equal for studies that find the same. ``status`` is "ok", "partial",
+    "failed", "interrupted" or, while it is computed, "running".
+    """
+
+    title: str
+    model: str
+    parameter: Quantity
+    channels: tuple[Quantity, ...]
+    locus_values: Any
+    eigenvalues: Any
+    cycles: tuple[CycleRow, ...]
+    simulated: tuple[SimulatedRow, ...]
+    figures: dict[str, float]
+    status: str
+    message: str
+    origins: dict[int, str] = field(default_factory=dict)
+    means: dict[str, str] = field(default_factory=dict)
+    identity: str = ""
+
+    @property
+    def is_finished(self) -> bool:
+        """Whether the study came to its end, complete or not."""
+        return self.status not in (RUNNING, INTERRUPTED)
+
+    def branch(self, number: int) -> list[CycleRow]:
+        """Return the cycles of a branch, in its order."""
+        return [row for row in self.cycles if row.branch == number]
+
+    def figure_unit(self, name: str) -> str:
+        """Return the unit of a critical value."""
+        if name.startswith("largest_difference"):
+            return "1"
+        if name == "simulated_seconds":
+            return "s"
+        return "Hz" if name.endswith("frequency") else self.parameter.unit
+
+    @property
+    def branches(self) -> list[int]:
+        """Numbers of the branches."""
+        return sorted({row.branch for row in self.cycles})
+
+
+def write_hunt(path: Path, table: HuntTable, *, is_locked: bool = False) -> None:
+    """Write a study to a file, which keeps what it held until all is written.
+
+    ``is_locked`` says that the caller holds the lock of the file.
+
+    Raises
+    ------
+    InputError
+        If it cannot be written.
+    """
+    head = {
+        "title": table.title,
+        "model": table.model,
+        "status": table.status,
+        "message": table.message,
+        "identity": table.identity,
+        **{f"figure_{name}": value for name, value in table.figures.items()},
+        **{f"{_ORIGIN}{number}": words for number, words in table.origins.items()},
+        **{f"{_MEANS}{name}": words for name, words in table.means.items()},
+    }
+    unit, name = table.parameter.unit, table.parameter.description or table.parameter.name
+    with new_file(path, FORMAT, head, is_locked=is_locked) as file:
+        write_quantities(file, "parameter", [table.parameter])
+        channels = write_quantities(file, "channel", table.channels)
+        write_numbers(file, "equilibrium_parameter", table.locus_values, (), (unit, name))
+        write_numbers(file, "eigenvalue", table.eigenvalues, (), ("1/s", "Eigenvalues"))
+        columns: dict[str, tuple[Any, str, str]] = {
+            "cycle_parameter": ([r.value for r in table.cycles], unit, name),
+            "cycle_branch": ([r.branch for r in table.cycles], "1", "Number of the branch"),
+            "cycle_period": ([r.period for r in table.cycles], "s", "Period"),
+            "cycle_stable": ([r.stable for r in table.cycles], "1", "1 where it is stable"),
+            "cycle_trivial": ([r.trivial for r in table.cycles], "1", "Trivial multiplier"),
+        }
+        for place, (values, units, words) in columns.items():
+            write_numbers(file, place, values, (), (units, words))
+        write_texts(file, "cycle_kind", [row.kind for row in table.cycles])
+        shape = (len(table.cycles), len(table.channels))
+        for place, pick in (("smallest", "smallest"), ("greatest", "greatest")):
+            values = [getattr(row, pick) for row in table.cycles]
+            stacked = np.array(values, dtype=float).reshape(shape)
+            write_numbers(file, f"cycle_{place}", stacked, (), ("SI", f"{pick} value"))
+        multipliers = [row.multipliers for row in table.cycles]
+        write_numbers(file, "cycle_multiplier", _rows(multipliers), (), ("1", "Multipliers"))
+        motion = [row.motion for row in table.cycles]
+        whole = np.array(motion, dtype=float) if motion else np.zeros((0, 0, len(table.channels)))
+        write_numbers(file, "cycle_motion", whole, (), ("SI", "One period, equally sampled"))
+        numbers = [[getattr(row, name) for name in _SIMULATED] for row in table.simulated]
+        columns_of = np.array(numbers, dtype=float).reshape(-1, len(_SIMULATED))
+        write_numbers(file, "simulated", columns_of, (), ("SI", ", ".join(_SIMULATED)))
+        write_texts(file, "simulated_ending", [row.ending for row in table.simulated])
+        channels.attrs["long_name"] = "Channels watched"
+
+
+def read_hunt(path: Path) -> HuntTable:
+    """Return the study in a file.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be read or holds something else.
+    """
+    with old_file(path, FORMAT) as file:
+        parameter, channels = read_quantities(file, "parameter"), read_quantities(file, "channel")
+        sizes = Sizes({"channels": len(channels)})
+        if len(parameter) != 1:
+            raise ValueError("it has no single parameter")
+        columns = {
+            name: sizes.fit(name, file[f"cycle_{name}"][()], "cycles", gaps=name == "trivial")
+            for name in ("parameter", "branch", "period", "stable", "trivial")
+        }
+        kinds = read_texts(file, "cycle_kind")
+        require_known("cycle_kind", kinds, KINDS)
+        sizes.count("cycle_kind", kinds, "cycles")
+        multipliers = read_complex(file, "cycle_multiplier")
+        sizes.fit("cycle_multiplier", multipliers, "cycles", "multipliers", gaps=True)
+        smallest, greatest = (
+            sizes.fit(name, file[name][()], "cycles", "channels")
+            for name in ("cycle_smallest", "cycle_greatest")
+        )
+        motion = sizes.fit("cycle_motion", file["cycle_motion"][()], "cycles", "phases", "channels")
+        locus = sizes.fit("equilibrium_parameter", file["equilibrium_parameter"][()], "equilibria")
+        eigenvalues = read_complex(file, "eigenvalue")
+        if len(locus):
+            sizes.fit("eigenvalue", eigenvalues, "equilibria", "states")
+        cycles = tuple(
+            CycleRow(
+                int(columns["branch"][k]),
+                float(columns["parameter"][k]),
+                float(columns["period"][k]),
+                bool(columns["stable"][k]),
+                kinds[k],
+                float(columns["trivial"][k]),
+                multipliers[k],
+                smallest[k],
+                greatest[k],
+                motion[k],
+            )
+            for k in range(len(kinds))
+        )
+        prefix = "figure_"
+        return HuntTable(
+            str(file.attrs["title"]),
+            str(file.attrs["model"]),
+            parameter[0],
+            channels,
+            locus,
+            eigenvalues,
+            cycles,
+            tuple(
+                SimulatedRow(**dict(zip(_SIMULATED, numbers, strict=True)), ending=ending)
+                for numbers, ending in zip(
+                    file["simulated"][()].tolist(),
+                    read_texts(file, "simulated_ending"),
+                    strict=True,
+                )
+            ),
+            {
+                key.removeprefix(prefix): float(value)
+                for key, value in file.attrs.items()
+                if key.startswith(prefix)
+            },
+            *_status(path, str(file.attrs["status"]), str(file.attrs["message"])),
+            {
+                int(key.removeprefix(_ORIGIN)): str(words)
+                for key, words in file.attrs.items()
+                if key.startswith(_ORIGIN)
+            },
+            {
+                key.removeprefix(_MEANS): str(words)
+                for key, words in file.attrs.items()
+                if key.startswith(_MEANS)
+            },
+            str(file.attrs.get("identity", "")),
+        )
+
+
+def _status(path: Path, status: str, message: str) -> tuple[str, str]:
+    """Return status and message; what runs no more, and never said how it ended, was killed."""
+    if status != RUNNING or is_being_written(path.resolve()):
+        return status, message
+    words = "the program was ended from outside; 'hunt --resume' goes on with the same options"
+    return INTERRUPTED, "; ".join(filter(None, (message, words)))
+
+
+def _rows(values: list[Any]) -> Any:
+    return np.array(values, dtype=complex) if values else np.zeros((0, 0), dtype=complex)

@@ -1,0 +1,1 @@
+"""Wheel on the ground: contact point, slip, relaxation, the wheel as a part."""

@@ -1,0 +1,103 @@
+"""Transient slip: the tyre's carcass as a spring that rolls off, so that a car can stand still.
+
+    u' = -v_sx - |v_x| u/σ_κ,    v' = v_y - |v_x| v/σ_α,    κ' = u/σ_κ,    tan α' = v/σ_α
+
+u and v are deflections of the contact patch, v_sx = v_x - Ω r its sliding velocity, σ the
+relaxation lengths; the steady law gets κ' and α' instead of κ and α (Pacejka's single contact
+point, in the signs of :mod:`vehicledyn.road.wheel.slip`). In steady rolling κ' = κ and α' = α. At
+standstill the deflections are springs: locked wheels hold a car on a slope without creep.
+
+Below LOW_SPEED two terms fade in. Damping, κ' = (u - τ v_sx)/σ_κ, settles a car that comes to
+rest. A leak takes off what exceeds HOLDING_SLIP times σ, so that wheels that slide at
+standstill do not wind up. Above LOW_SPEED both are exactly zero.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from vehicledyn.base.parameters import ParameterSet, quantity
+from vehicledyn.base.registry import register
+from vehicledyn.road.wheel.slip import WheelMotion
+from vehicledyn.symbolic import ops
+from vehicledyn.symbolic.ops import Scalar
+
+LOW_SPEED = 2.5
+"""Forward speed below which damping and leak act [m/s]."""
+
+DAMPING_TIME = 0.01
+"""τ, ratio of the carcass's damping to its stiffness at standstill [s]."""
+
+HOLDING_SLIP = 0.15
+"""Deflection over σ that a tyre keeps at standstill; more than the slip of the peak [1]."""
+
+LEAK_TIME = 0.01
+"""Time in which more deflection than that is lost [s]."""
+
+
+@register("relaxation", "first_order")
+class Relaxation(ParameterSet):
+    """Relaxation lengths of a tyre."""
+
+    longitudinal: float = quantity("m", "Relaxation length σ_κ of longitudinal slip", gt=0)
+    lateral: float = quantity("m", "Relaxation length σ_α of side slip", gt=0)
+
+
+@dataclass(frozen=True)
+class TransientSlip:
+    """Slips that the tyre feels and the rates of its two deflections.
+
+    Attributes
+    ----------
+    longitudinal_slip, slip_angle
+        κ' [1] and α' [rad].
+    longitudinal_rate, lateral_rate
+        u' and v' [m/s].
+    """
+
+    longitudinal_slip: Scalar
+    slip_angle: Scalar
+    longitudinal_rate: Scalar
+    lateral_rate: Scalar
+
+
+def transient_slip(
+    motion: WheelMotion, relaxation: Relaxation, longitudinal: Scalar, lateral: Scalar
+) -> TransientSlip:
+    """Return the transient slips and rates at given deflections.
+
+    Parameters
+    ----------
+    motion
+        Motion of the wheel in the contact frame.
+    relaxation
+        Relaxation lengths.
+    longitudinal, lateral
+        Deflections u and v [m].
+
+    References
+    ----------
+    Pacejka, Tyre and Vehicle Dynamics, chapter 7; damping and leak at low speed are our own
+    choice of the limits that the chapter asks for.
+    """
+    speed = ops.absolute(motion.longitudinal)
+    low = low_speed_share(speed)
+    slip, slip_rate = _roll(-motion.sliding, speed, low, longitudinal, relaxation.longitudinal)
+    tangent, angle_rate = _roll(motion.lateral, speed, low, lateral, relaxation.lateral)
+    return TransientSlip(slip, ops.atan(tangent), slip_rate, angle_rate)
+
+
+def low_speed_share(speed: Scalar) -> Scalar:
+    """Return (1 - (v/LOW_SPEED)²)², one at standstill and zero from LOW_SPEED on [1]."""
+    inside = ops.maximum(1.0 - (speed / LOW_SPEED) ** 2, 0.0)
+    return inside * inside
+
+
+def _roll(
+    drive: Scalar, speed: Scalar, low: Scalar, deflection: Scalar, length: Scalar
+) -> tuple[Scalar, Scalar]:
+    """Return the slip and the rate of one deflection that is driven at a velocity [m/s]."""
+    kept = HOLDING_SLIP * length
+    excess = deflection - ops.minimum(ops.maximum(deflection, -kept), kept)
+    rate = drive - speed * deflection / length - low * excess / LEAK_TIME
+    return (deflection + low * DAMPING_TIME * drive) / length, rate

@@ -1,0 +1,255 @@
+"""Road wheel: contact, normal force, slip and tyre law as a part of a multibody system."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+from vehicledyn.base.shapes import Anchor, Force, Plane, Shape, Wheel
+from vehicledyn.multibody.model.parts import BasePart, Loads, Output, Situation, Wrench
+from vehicledyn.road.surfaces.surface import RoadSurface, ground_normal
+from vehicledyn.road.tyres.tyre import Tyre, TyreForces, TyreInput
+from vehicledyn.road.wheel.contact import (
+    Contact,
+    contact_at_offset,
+    contact_on_plane,
+    contact_residuals,
+)
+from vehicledyn.road.wheel.contact_below import contact_below, contact_on_tangent_plane
+from vehicledyn.road.wheel.relaxation import Relaxation, TransientSlip, transient_slip
+from vehicledyn.road.wheel.slip import (
+    SlipFloors,
+    WheelMotion,
+    longitudinal_slip,
+    rolling_share,
+    slip_angle,
+)
+from vehicledyn.symbolic import ops
+from vehicledyn.symbolic.equations import Channel, Variable
+from vehicledyn.symbolic.ops import Scalar, Vec
+
+DAMPING_ENGAGEMENT = 1e-3
+"""Deflection over which the damping of the tyre fades in at touch-down [m]."""
+
+_BELOW = {"vertical": contact_below, "tangent_plane": contact_on_tangent_plane}
+_OFFSET = ("contact_offset_x", "contact_offset_y")
+_DEFLECTION = ("tyre.longitudinal_deflection", "tyre.lateral_deflection")
+
+
+@dataclass(frozen=True)
+class WheelState:
+    """Everything a wheel knows of its contact at one instant."""
+
+    contact: Contact
+    motion: WheelMotion
+    felt: TyreInput
+    forces: TyreForces
+    transient: TransientSlip | None
+
+
+@dataclass(frozen=True)
+class RoadWheel(BasePart):
+    """A wheel on the road: a thin disc with a radial spring and a tyre law.
+
+    The spring acts along the ground normal, F_z = k δ + c δ̇ and never pulls; the damping
+    fades in over the first millimetre, with δ̇ taken from the velocity of the centre along
+    the normal. A lifted wheel has no force. The tyre's forces act at the contact point.
+    The rolling radius of the longitudinal slip is the loaded radius, so that slip is the
+    velocity of the disc's lowest point and its force always dissipates.
+
+    On ground that is not one plane the contact point of a disc adds two algebraic unknowns,
+    its horizontal offset from the wheel centre.
+
+    Parameters
+    ----------
+    body
+        Wheel body: origin at the wheel centre, y axis along the spin axis, axes that do not
+        spin.
+    spin
+        Name of the coordinate that turns the wheel.
+    tyre, surface
+        Tyre law and ground; their parameters may be symbols.
+    radius
+        Unloaded radius R [m].
+    stiffness, damping
+        Vertical stiffness k [N/m] and damping c [N s/m].
+    contact
+        "disc" for the geometric contact of a disc (:mod:`vehicledyn.road.wheel.contact`),
+        "vertical"
+        for the rules of the Iltis benchmark, "tangent_plane" for the same with the contact
+        point in the ground's tangent plane (both :mod:`vehicledyn.road.wheel.contact_below`).
+    relaxation
+        Relaxation lengths; None for steady slip. Needed to stand still under load.
+    floors
+        Speeds at which steady slip is regularised; no effect with relaxation.
+    ground_rate
+        Speed at which the ground under the wheel rises, as a shaker does [m/s].
+    """
+
+    body: str
+    spin: str
+    tyre: Tyre
+    surface: RoadSurface
+    radius: Scalar
+    stiffness: Scalar
+    damping: Scalar = 0.0
+    contact: str = "disc"
+    relaxation: Relaxation | None = None
+    floors: SlipFloors = field(default_factory=SlipFloors)
+    ground_rate: Scalar = 0.0
+
+    def states(self) -> tuple[Variable, ...]:
+        """Return the deflections of the contact patch, if slip is transient."""
+        if self.relaxation is None:
+            return ()
+        return (
+            Variable(_DEFLECTION[0], "m", "Deflection of the contact patch along the wheel"),
+            Variable(_DEFLECTION[1], "m", "Deflection of the contact patch across the wheel"),
+        )
+
+    def unknowns(self) -> tuple[Variable, ...]:
+        """Return the offset of the contact point from the wheel centre, if it is implicit."""
+        if not self._is_implicit:
+            return ()
+        return (
+            Variable(_OFFSET[0], "m", "Contact point from the wheel centre along world x"),
+            Variable(_OFFSET[1], "m", "Contact point from the wheel centre along world y"),
+        )
+
+    def loads(self, situation: Situation) -> Loads:
+        """Return the contact wrench, the contact equations and the rates of the deflections."""
+        state = self.state(situation)
+        rates = {}
+        if state.transient is not None:
+            values = (state.transient.longitudinal_rate, state.transient.lateral_rate)
+            rates = dict(zip(_DEFLECTION, values, strict=True))
+        return Loads(
+            wrenches=(self._wrench(situation, state),),
+            rates=rates,
+            residuals=self._residuals(situation),
+        )
+
+    def outputs(self, situation: Situation) -> tuple[Output, ...]:
+        """Return the channels of contact, slip and tyre forces."""
+        state = self.state(situation)
+        contact, felt, forces = state.contact, state.felt, state.forces
+        along, across = forces.longitudinal_force, forces.lateral_force
+        moment = forces.aligning_moment
+        spin_rate = situation.kinematics.rate(self.spin)
+        x, y, z = contact.position[0], contact.position[1], contact.position[2]
+        channels = (
+            ("tyre.normal_force", "N", "Wheel load", felt.normal_force, "contact"),
+            ("tyre.longitudinal_force", "N", "Tyre force along the wheel", along, "contact"),
+            ("tyre.lateral_force", "N", "Tyre force to the left", across, "contact"),
+            ("tyre.aligning_moment", "N*m", "Tyre moment about the ground", moment, "contact"),
+            ("tyre.longitudinal_slip", "1", "Longitudinal slip", felt.longitudinal_slip, ""),
+            ("tyre.slip_angle", "rad", "Slip angle", felt.slip_angle, ""),
+            ("tyre.camber", "rad", "Camber to the ground", contact.camber, ""),
+            ("tyre.deflection", "m", "Radial deflection", contact.deflection, ""),
+            ("contact_x", "m", "Contact point, x", x, "world"),
+            ("contact_y", "m", "Contact point, y", y, "world"),
+            ("contact_z", "m", "Contact point, z", z, "world"),
+            ("spin_rate", "rad/s", "Spin relative to the carrier", spin_rate, "joint"),
+        )
+        return tuple(
+            Output(Channel(f"{self.name}.{name}", unit, text, frame), value)
+            for name, unit, text, value, frame in channels
+        )
+
+    def shapes(self) -> tuple[Shape, ...]:
+        """Return the tyre, its force on the ground and the ground, if that is one plane."""
+        ground: tuple[Shape, ...] = ()
+        if self.surface.is_flat:
+            vector = ground_normal(self.surface, 0.0, 0.0)
+            foot = (0.0, 0.0, self.surface.height(0.0, 0.0))
+            ground = (Plane("ground", foot, (vector[0], vector[1], vector[2])),)
+        force = Force(
+            f"{self.name}.tyre",
+            tuple(f"{self.name}.contact_{axis}" for axis in "xyz"),
+            tuple(f"{self.name}.tyre.{way}_force" for way in ("longitudinal", "lateral", "normal")),
+            axes="contact",
+            body=self.body,
+            camber=f"{self.name}.tyre.camber",
+        )
+        wheel = Wheel(self.name, Anchor(self.body), (0.0, 1.0, 0.0), self.radius)
+        return (wheel, force, *ground)
+
+    def state(self, situation: Situation) -> WheelState:
+        """Return contact, motion, slips and tyre forces as expressions."""
+        contact = self._contact(situation)
+        motion = self._motion(situation, contact)
+        transient = self._transient(situation, motion)
+        load, camber = self._normal_force(situation, contact), contact.camber
+        if transient is None:
+            slip = longitudinal_slip(motion, self.floors.longitudinal)
+            angle = slip_angle(motion, self.floors.lateral)
+            camber = camber * rolling_share(ops.absolute(motion.longitudinal))
+        else:
+            slip, angle = transient.longitudinal_slip, transient.slip_angle
+        felt = TyreInput(load, slip, angle, camber)
+        return WheelState(contact, motion, felt, self.tyre.forces(felt), transient)
+
+    def _contact(self, situation: Situation) -> Contact:
+        centre, axis = self._pose(situation)
+        if self.contact in _BELOW:
+            return _BELOW[self.contact](self.surface, centre, axis, self.radius)
+        if self.surface.is_flat:
+            return contact_on_plane(self.surface, centre, axis, self.radius)
+        offset = self._offset(situation)
+        return contact_at_offset(self.surface, centre, axis, self.radius, offset=offset)
+
+    def _residuals(self, situation: Situation) -> tuple[Scalar, ...]:
+        if not self._is_implicit:
+            return ()
+        centre, axis = self._pose(situation)
+        return contact_residuals(self.surface, centre, axis, self._offset(situation))
+
+    @property
+    def _is_implicit(self) -> bool:
+        """Whether the contact point is an unknown of the equations."""
+        return self.contact == "disc" and not self.surface.is_flat
+
+    def _pose(self, situation: Situation) -> tuple[Vec, Vec]:
+        """Return wheel centre [m] and unit spin axis in world axes."""
+        kinematics = situation.kinematics
+        return kinematics.position(self.body), kinematics.rotation(self.body)[:, 1]
+
+    def _offset(self, situation: Situation) -> tuple[Scalar, Scalar]:
+        return situation.unknowns[_OFFSET[0]], situation.unknowns[_OFFSET[1]]
+
+    def _motion(self, situation: Situation, contact: Contact) -> WheelMotion:
+        velocity = self._velocity(situation)
+        return WheelMotion(
+            longitudinal=ops.dot(velocity, contact.longitudinal),
+            lateral=ops.dot(velocity, contact.lateral),
+            spin=situation.kinematics.angular_velocity(self.body)[1],
+            rolling_radius=ops.minimum(contact.loaded_radius, self.radius),
+        )
+
+    def _velocity(self, situation: Situation) -> Vec:
+        """Return the velocity of the wheel centre against the ground, world axes [m/s]."""
+        ground = ops.vector(0.0, 0.0, self.ground_rate)
+        return situation.kinematics.velocity(self.body) - ground
+
+    def _transient(self, situation: Situation, motion: WheelMotion) -> TransientSlip | None:
+        if self.relaxation is None:
+            return None
+        along, across = (situation.states[name] for name in _DEFLECTION)
+        return transient_slip(motion, self.relaxation, along, across)
+
+    def _normal_force(self, situation: Situation, contact: Contact) -> Scalar:
+        closing = -ops.dot(self._velocity(situation), contact.normal)
+        overlap = ops.maximum(contact.deflection, 0.0)
+        engaged = ops.minimum(overlap / DAMPING_ENGAGEMENT, 1.0)
+        return ops.maximum(self.stiffness * overlap + self.damping * closing * engaged, 0.0)
+
+    def _wrench(self, situation: Situation, state: WheelState) -> Wrench:
+        contact, forces = state.contact, state.forces
+        force = (
+            contact.normal * state.felt.normal_force
+            + contact.longitudinal * forces.longitudinal_force
+            + contact.lateral * forces.lateral_force
+        )
+        arm = contact.position - situation.kinematics.position(self.body)
+        torque = ops.cross(arm, force) + contact.normal * forces.aligning_moment
+        to_body = situation.kinematics.rotation(self.body).T
+        return Wrench(self.body, to_body @ force, to_body @ torque)
