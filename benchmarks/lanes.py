@@ -24,7 +24,7 @@ import numpy as np
 import vehicledyn.catalogue  # noqa: F401 - registers models, tyres, solvers
 from vehicledyn.analyses.preparation.prepare import prepare
 from vehicledyn.base.registry import find
-from vehicledyn.codegen.build.compiler import suitable_lanes
+from vehicledyn.codegen.toolchain.compiler import suitable_lanes
 from vehicledyn.files.scenario import load_scenario
 from vehicledyn.integrate.batch import Cases, make_batch, run_batch
 from vehicledyn.kernel.kernel import compile_kernel

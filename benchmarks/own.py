@@ -16,7 +16,7 @@ import vehicledyn.catalogue  # noqa: F401
 from vehicledyn.analyses.preparation.prepare import prepare, start_point
 from vehicledyn.analyses.simulation.repartitioning import simulate_watched
 from vehicledyn.base.registry import find
-from vehicledyn.codegen.build.compiler import suitable_lanes
+from vehicledyn.codegen.toolchain.compiler import suitable_lanes
 from vehicledyn.files.scenario import load_scenario
 from vehicledyn.integrate.batch import Cases, make_batch, run_batch
 from vehicledyn.integrate.simulate import simulate

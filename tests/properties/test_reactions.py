@@ -8,8 +8,8 @@ import pytest
 from evaluation import Derived
 from random_systems import CLOSED, Motor, tree
 
-from vehicledyn.codegen.build.compiler import CompilationError, find_compiler
 from vehicledyn.codegen.passes.kernel_functions import count_operations
+from vehicledyn.codegen.toolchain.compiler import CompilationError, find_compiler
 from vehicledyn.kernel.kernel import compile_kernel
 from vehicledyn.multibody.elements.force_sensors import ConstraintForceSensor, ReactionSensor
 from vehicledyn.multibody.elements.transmissions import gears

@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 from ruamel.yaml import YAML
 
-from vehicledyn.codegen.build.compiler import CompilationError, find_compiler
+from vehicledyn.codegen.toolchain.compiler import CompilationError, find_compiler
 
 ROOT = Path(__file__).parents[2]
 SCENARIOS = ROOT / "scenarios"

@@ -6,7 +6,7 @@ import pytest
 from small_catalogue import ENTRIES, SCENARIO
 
 from vehicledyn.base import registry
-from vehicledyn.codegen.build.compiler import CompilationError, find_compiler, suitable_lanes
+from vehicledyn.codegen.toolchain.compiler import CompilationError, find_compiler, suitable_lanes
 
 
 @pytest.fixture

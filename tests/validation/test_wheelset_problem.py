@@ -8,7 +8,7 @@ import pytest
 from ruamel.yaml import YAML
 
 from vehicledyn.analyse.equilibrium import assemble
-from vehicledyn.codegen.build.compiler import CompilationError, find_compiler
+from vehicledyn.codegen.toolchain.compiler import CompilationError, find_compiler
 from vehicledyn.integrate.methods.rk4 import RungeKutta4
 from vehicledyn.integrate.simulate import simulate
 from vehicledyn.kernel.kernel import compile_kernel

@@ -69,8 +69,8 @@ class Examination:
 
 def examine() -> Examination:
     """Return what this installation consists of; nothing heavy is loaded."""
-    from vehicledyn.codegen.build.cache import cache_folder, distrust
-    from vehicledyn.codegen.build.compiler import library_suffix
+    from vehicledyn.codegen.toolchain.cache import cache_folder, distrust
+    from vehicledyn.codegen.toolchain.compiler import library_suffix
 
     compiler, remark = _compiler()
     folder = cache_folder()
@@ -91,7 +91,7 @@ def examine() -> Examination:
 
 
 def _compiler() -> tuple[str | None, str]:
-    from vehicledyn.codegen.build.compiler import CompilationError, find_compiler
+    from vehicledyn.codegen.toolchain.compiler import CompilationError, find_compiler
 
     try:
         compiler = find_compiler()

@@ -19,10 +19,10 @@ from pathlib import Path
 
 from vehicledyn.base.errors import InputError
 from vehicledyn.base.whole_file import whole_file
-from vehicledyn.codegen.build.compiler import CompilationError, build_library, find_compiler
 from vehicledyn.codegen.ir.table_rows import ROW
 from vehicledyn.codegen.passes.kernel_functions import KernelFunctions, derive_functions
 from vehicledyn.codegen.printers.kernel_source import portable_source
+from vehicledyn.codegen.toolchain.compiler import CompilationError, build_library, find_compiler
 from vehicledyn.export.document import Start, start_of
 from vehicledyn.export.fmi_description import Experiment, build_description, model_description
 from vehicledyn.export.languages import safe_name

@@ -18,7 +18,7 @@ from typing import Any, TypeAlias
 import numpy as np
 
 from vehicledyn.base.errors import InputError
-from vehicledyn.codegen.build.compiler import CompilationError, suitable_lanes
+from vehicledyn.codegen.toolchain.compiler import CompilationError, suitable_lanes
 from vehicledyn.integrate.accuracy_watch import Accuracy
 from vehicledyn.integrate.accuracy_windows import Grid
 from vehicledyn.integrate.cases import CaseEnd, Cases, Plan, Samples

@@ -16,14 +16,14 @@ from typing import Any
 
 import numpy as np
 
-from vehicledyn.codegen.build import cache
-from vehicledyn.codegen.build.compiler import (
+from vehicledyn.codegen.ir.table_rows import TableRows
+from vehicledyn.codegen.toolchain import cache
+from vehicledyn.codegen.toolchain.compiler import (
     CompilationError,
     build_library,
     find_compiler,
     suitable_lanes,
 )
-from vehicledyn.codegen.ir.table_rows import TableRows
 from vehicledyn.kernel.engine import Vector
 from vehicledyn.kernel.kernel import Kernel, Progress
 from vehicledyn.symbolic.equations import Equations

@@ -13,8 +13,8 @@ from typing import Any, Protocol
 import numpy as np
 
 from vehicledyn.base.errors import NumericalError
-from vehicledyn.codegen.build.compiler import CompilationError
 from vehicledyn.codegen.passes.kernel_functions import operations_in
+from vehicledyn.codegen.toolchain.compiler import CompilationError
 from vehicledyn.kernel.engine import Vector
 from vehicledyn.kernel.interpreted import BufferedFunction
 from vehicledyn.kernel.point_slopes import PointCode

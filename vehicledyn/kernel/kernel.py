@@ -15,14 +15,14 @@ from typing import Any, Literal, TypeAlias
 import numpy as np
 
 from vehicledyn.base.errors import InputError, MissingPartError, NumericalError
-from vehicledyn.codegen.build import cache
-from vehicledyn.codegen.build.compiler import (
+from vehicledyn.codegen.toolchain import cache
+from vehicledyn.codegen.toolchain.compiler import (
     CompilationError,
     Compiler,
     build_library,
     find_compiler,
 )
-from vehicledyn.codegen.build.fingerprint import fingerprint, generator_fingerprint
+from vehicledyn.codegen.toolchain.fingerprint import fingerprint, generator_fingerprint
 from vehicledyn.kernel.compiled import CompiledEngine
 from vehicledyn.kernel.engine import (
     Count,

@@ -11,11 +11,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from vehicledyn.codegen.build import cache
-from vehicledyn.codegen.build.compiler import build_library, find_compiler
 from vehicledyn.codegen.ir.table_rows import TableRows
 from vehicledyn.codegen.passes.kernel_functions import derive_functions
 from vehicledyn.codegen.printers.kernel_source import lane_source
+from vehicledyn.codegen.toolchain import cache
+from vehicledyn.codegen.toolchain.compiler import build_library, find_compiler
 from vehicledyn.kernel.engine import Vector
 from vehicledyn.symbolic.equations import Equations
 

@@ -18,8 +18,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vehicledyn.base.processors import cores
-from vehicledyn.codegen.build.compiler import suitable_lanes
 from vehicledyn.codegen.ir.table_rows import TableRows
+from vehicledyn.codegen.toolchain.compiler import suitable_lanes
 from vehicledyn.kernel.engine import Vector
 from vehicledyn.kernel.point_source import Wanted, compiled
 from vehicledyn.symbolic.tables import CurveTable

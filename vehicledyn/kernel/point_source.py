@@ -8,19 +8,19 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from vehicledyn.codegen.build import cache
-from vehicledyn.codegen.build.compiler import (
-    UNIT_BREAK,
-    build_library,
-    find_compiler,
-    suitable_lanes,
-)
-from vehicledyn.codegen.build.fingerprint import function_text, generator_fingerprint
 from vehicledyn.codegen.ir.table_rows import ROW
 from vehicledyn.codegen.passes.kernel_functions import apart_from_parameters
 from vehicledyn.codegen.printers.c_printer import print_function
 from vehicledyn.codegen.printers.kernel_source import shared_source, wide_units
 from vehicledyn.codegen.printers.wide_functions import WideFunctions
+from vehicledyn.codegen.toolchain import cache
+from vehicledyn.codegen.toolchain.compiler import (
+    UNIT_BREAK,
+    build_library,
+    find_compiler,
+    suitable_lanes,
+)
+from vehicledyn.codegen.toolchain.fingerprint import function_text, generator_fingerprint
 from vehicledyn.symbolic import ops
 from vehicledyn.symbolic.chain_rule import entries_of, values_and_jacobian
 from vehicledyn.symbolic.tables import CurveTable

@@ -28,7 +28,7 @@ from vehicledyn.analyses.simulation.chosen_step import leaves_step, with_step
 from vehicledyn.analyses.simulation.judgement import judged_by
 from vehicledyn.analyses.simulation.repartitioning import simulate_watched
 from vehicledyn.base.errors import InputError, VehicledynError, nearest_name
-from vehicledyn.codegen.build.fingerprint import fingerprint
+from vehicledyn.codegen.toolchain.fingerprint import fingerprint
 from vehicledyn.files.scenario.load import LoadedScenario
 from vehicledyn.integrate.batch import Batch, make_batch
 from vehicledyn.integrate.channel_ranges import watched_channels

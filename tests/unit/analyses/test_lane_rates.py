@@ -8,7 +8,7 @@ import pytest
 import vehicledyn.catalogue  # noqa: F401
 from vehicledyn.analyses.simulation.prepared_run import prepare_run
 from vehicledyn.base.registry import find
-from vehicledyn.codegen.build.compiler import suitable_lanes
+from vehicledyn.codegen.toolchain.compiler import suitable_lanes
 from vehicledyn.files.scenario import load_scenario
 from vehicledyn.integrate.batch import Cases, make_batch, run_batch
 from vehicledyn.kernel.kernel import compile_kernel

@@ -5,8 +5,8 @@ import ctypes
 import numpy as np
 import pytest
 
-from vehicledyn.codegen.build.compiler import build_library, find_compiler, suitable_lanes
 from vehicledyn.codegen.printers.kernel_source import shared_source
+from vehicledyn.codegen.toolchain.compiler import build_library, find_compiler, suitable_lanes
 from vehicledyn.kernel.lanes import CHOICES
 
 NAMES = ("sincos", "sin", "atan", "atan2", "asin", "acos", "exp", "log", "tanh", "pow", "floor")

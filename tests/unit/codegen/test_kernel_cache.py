@@ -14,8 +14,8 @@ import pytest
 from solve_examples import oscillator, slider_crank, starts
 
 from vehicledyn.base.errors import MissingPartError
-from vehicledyn.codegen.build import fingerprint
-from vehicledyn.codegen.build.compiler import CompilationError, find_compiler
+from vehicledyn.codegen.toolchain import fingerprint
+from vehicledyn.codegen.toolchain.compiler import CompilationError, find_compiler
 from vehicledyn.kernel.kernel import compile_kernel
 
 RATES = [0.0, -4.0]
@@ -282,8 +282,8 @@ def test_broken_compiler(folder, tmp_path, monkeypatch, caplog, fault):
 def test_compiler_that_hangs(folder, tmp_path, monkeypatch, limit):
     hangs = "exec sleep 60" if limit == "_ANSWER_LIMIT" else VERSION + "exec sleep 60"
     monkeypatch.setenv("VEHICLEDYN_CC", script(tmp_path / "slowcc", hangs))
-    monkeypatch.setattr(f"vehicledyn.codegen.build.compiler.{limit}", 0.5)
-    monkeypatch.setattr("vehicledyn.codegen.build.compiler._LIMIT_OF_LETTER", 0.0)
+    monkeypatch.setattr(f"vehicledyn.codegen.toolchain.compiler.{limit}", 0.5)
+    monkeypatch.setattr("vehicledyn.codegen.toolchain.compiler._LIMIT_OF_LETTER", 0.0)
     kernel = compile_kernel(oscillator())
     assert kernel.backend == "interpreted"
     assert "does not end within 0.5 s" in kernel.report.remark

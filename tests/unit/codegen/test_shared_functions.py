@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 from solve_examples import build, symbols
 
-from vehicledyn.codegen.build.compiler import suitable_lanes
 from vehicledyn.codegen.passes.kernel_functions import count_operations, derive_functions
 from vehicledyn.codegen.printers.kernel_source import kernel_source
+from vehicledyn.codegen.toolchain.compiler import suitable_lanes
 from vehicledyn.integrate.batch import Cases, make_batch, run_batch
 from vehicledyn.integrate.methods.rk4 import RungeKutta4
 from vehicledyn.kernel.kernel import compile_kernel

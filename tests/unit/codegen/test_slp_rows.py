@@ -6,13 +6,13 @@ import casadi as ca
 import numpy as np
 import pytest
 
-from vehicledyn.codegen.build.compiler import build_library, find_compiler, suitable_lanes
 from vehicledyn.codegen.ir.instructions import read_function
 from vehicledyn.codegen.passes.lowering import lower
 from vehicledyn.codegen.passes.slp_rows import PLACES, Row
 from vehicledyn.codegen.printers.c_printer import print_function
 from vehicledyn.codegen.printers.kernel_source import shared_source
 from vehicledyn.codegen.printers.row_printer import Copies
+from vehicledyn.codegen.toolchain.compiler import build_library, find_compiler, suitable_lanes
 from vehicledyn.symbolic import ops
 
 N_INPUT = 24

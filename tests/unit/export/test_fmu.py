@@ -15,7 +15,7 @@ from export_cases import CASES, case
 from vehicledyn.analyses import run_scenario
 from vehicledyn.analyses.models.exporting import export_target
 from vehicledyn.base.registry import find
-from vehicledyn.codegen.build.compiler import CompilationError, find_compiler
+from vehicledyn.codegen.toolchain.compiler import CompilationError, find_compiler
 from vehicledyn.export.document import Start, start_of
 from vehicledyn.export.fmi_description import Experiment
 from vehicledyn.export.fmu import export_fmu

@@ -12,7 +12,7 @@ import pytest
 from export_cases import CASES, case
 
 from vehicledyn.base.errors import MissingPartError
-from vehicledyn.codegen.build.compiler import CompilationError, find_compiler
+from vehicledyn.codegen.toolchain.compiler import CompilationError, find_compiler
 from vehicledyn.export.document import Start
 from vehicledyn.export.files import export_files, export_text
 from vehicledyn.export.languages import MATLAB, PYTHON, C, safe_names

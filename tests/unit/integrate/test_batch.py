@@ -6,7 +6,7 @@ from event_examples import bouncing_ball
 from solve_examples import Samples, double_pendulum, oscillator, slider_crank, starts
 
 from vehicledyn.base.errors import InputError
-from vehicledyn.codegen.build.compiler import suitable_lanes
+from vehicledyn.codegen.toolchain.compiler import suitable_lanes
 from vehicledyn.integrate.batch import Cases, make_batch, run_batch
 from vehicledyn.integrate.methods.rk4 import RungeKutta4
 from vehicledyn.integrate.methods.rkc import RungeKuttaChebyshev

@@ -11,9 +11,9 @@ from table_examples import height, quintic, rider
 from test_shared_functions import masses
 
 from vehicledyn.base.registry import find
-from vehicledyn.codegen.build.compiler import CompilationError, find_compiler
 from vehicledyn.codegen.printers import kernel_source as source
 from vehicledyn.codegen.printers.implicit_source import colours_of
+from vehicledyn.codegen.toolchain.compiler import CompilationError, find_compiler
 from vehicledyn.integrate import implicit
 from vehicledyn.integrate.implicit import implicit_equations
 from vehicledyn.integrate.simulate import simulate

@@ -10,8 +10,8 @@ import pytest
 from scipy.integrate import solve_ivp
 from table_examples import height, quintic, rider
 
-from vehicledyn.codegen.build.compiler import build_library, find_compiler, suitable_lanes
 from vehicledyn.codegen.ir.table_rows import TableRows
+from vehicledyn.codegen.toolchain.compiler import build_library, find_compiler, suitable_lanes
 from vehicledyn.integrate.batch import Cases, make_batch, run_batch
 from vehicledyn.integrate.implicit import implicit_equations
 from vehicledyn.integrate.methods.rk4 import RungeKutta4

@@ -13,8 +13,8 @@ from vehicledyn.analyse.periodic.autonomous_form import timeless
 from vehicledyn.analyse.periodic.invariance import states_of_motion
 from vehicledyn.analyse.periodic.step_cache import Memory
 from vehicledyn.base.errors import InputError, NumericalError, unknown_name
-from vehicledyn.codegen.build.compiler import CompilationError
 from vehicledyn.codegen.passes.kernel_functions import operations_in
+from vehicledyn.codegen.toolchain.compiler import CompilationError
 from vehicledyn.kernel.derivatives import TotalDerivatives
 from vehicledyn.kernel.engine import Vector
 from vehicledyn.kernel.interpreted import BufferedFunction

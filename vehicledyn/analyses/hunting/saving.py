@@ -15,7 +15,7 @@ import vehicledyn
 from vehicledyn.analyses.hunting.start import HuntSettings
 from vehicledyn.analyses.preparation.prepare import Prepared
 from vehicledyn.base.errors import InputError
-from vehicledyn.codegen.build.fingerprint import fingerprint
+from vehicledyn.codegen.toolchain.fingerprint import fingerprint
 from vehicledyn.results.hdf5.checkpoint import Checkpoint
 from vehicledyn.results.hdf5.output import OutputLock
 from vehicledyn.results.tables.hunt_table import RUNNING, HuntTable, read_hunt, write_hunt

@@ -26,8 +26,8 @@ from vehicledyn.base.errors import InputError
 from vehicledyn.base.files import read_regular
 from vehicledyn.base.ownership import writable_by_others
 from vehicledyn.base.registry import find
-from vehicledyn.codegen.build.cache import cache_folder, distrust
-from vehicledyn.codegen.build.compiler import CompilationError, find_compiler
+from vehicledyn.codegen.toolchain.cache import cache_folder, distrust
+from vehicledyn.codegen.toolchain.compiler import CompilationError, find_compiler
 from vehicledyn.files.scenario import LoadedScenario
 
 MOST_ENTRIES = 200

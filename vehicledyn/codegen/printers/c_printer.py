@@ -10,7 +10,6 @@ from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
 
-from vehicledyn.codegen.build.compiler import CompilationError
 from vehicledyn.codegen.ir.instructions import RESULT, SHARED, read_function
 from vehicledyn.codegen.passes.loop_rolling import Rolled, by_demand, is_deep, roll
 from vehicledyn.codegen.passes.lowering import Lowered, is_at_hand, lower
@@ -32,6 +31,7 @@ from vehicledyn.codegen.printers.piece_printer import PieceCode
 from vehicledyn.codegen.printers.row_printer import Copies
 from vehicledyn.codegen.printers.value_printer import PieceValues
 from vehicledyn.codegen.printers.wide_functions import WideFunctions
+from vehicledyn.codegen.toolchain.compiler import CompilationError
 from vehicledyn.symbolic.tables import CurveTable
 
 PIECE = 500

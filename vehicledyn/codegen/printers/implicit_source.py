@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
-from vehicledyn.codegen.build.compiler import UNIT_BREAK
 from vehicledyn.codegen.ir.table_rows import ROW
 from vehicledyn.codegen.passes.kernel_functions import parts_apart_from_parameters
 from vehicledyn.codegen.printers.c_printer import print_function
 from vehicledyn.codegen.printers.kernel_source import listed, shared_source, wide_units
 from vehicledyn.codegen.printers.wide_functions import WideFunctions
+from vehicledyn.codegen.toolchain.compiler import UNIT_BREAK
 from vehicledyn.symbolic import ops
 from vehicledyn.symbolic.equations import Equations
 

@@ -6,7 +6,6 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from vehicledyn.codegen.build.compiler import UNIT_BREAK, suitable_lanes
 from vehicledyn.codegen.ir.instructions import read_function
 from vehicledyn.codegen.ir.table_rows import ROW
 from vehicledyn.codegen.passes.kernel_functions import COUNTED, KernelFunctions, operations_of
@@ -15,6 +14,7 @@ from vehicledyn.codegen.passes.slp_rows import PLACES
 from vehicledyn.codegen.printers.c_printer import print_function
 from vehicledyn.codegen.printers.row_printer import Copies
 from vehicledyn.codegen.printers.wide_functions import WideFunctions
+from vehicledyn.codegen.toolchain.compiler import UNIT_BREAK, suitable_lanes
 from vehicledyn.symbolic.equations import Equations
 
 _ARGUMENTS = ("t", "x", "z", "c")

@@ -1,0 +1,1 @@
+"""Compiler, cache of compiled kernels, and the fingerprints by which they are found."""
