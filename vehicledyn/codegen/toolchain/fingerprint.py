@@ -12,8 +12,15 @@ from vehicledyn.codegen.passes.kernel_functions import event_expressions
 from vehicledyn.symbolic.equations import Equations
 from vehicledyn.symbolic.tables import CurveTable
 
-_GENERATORS = ("ir/*.py", "passes/*.py", "printers/*.py", "runtime/*", "../symbolic/chain_rule.py")
-"""What the text of a kernel depends on, beside its equations; patterns from the package's folder."""
+_GENERATORS = (
+    "ir/*.py",
+    "passes/*.py",
+    "printers/*.py",
+    "runtime/*",
+    "../kernel/point_source.py",
+    "../symbolic/chain_rule.py",
+)
+"""Modules that print kernels and the C they share, as patterns from the folder of the generator."""
 
 
 def fingerprint(equations: Equations) -> str:

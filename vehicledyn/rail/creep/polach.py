@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import math
 
-from pydantic import Field
-
 from vehicledyn.base.parameters import quantity
 from vehicledyn.base.registry import register
 from vehicledyn.rail.creep.creep_law import (
@@ -71,11 +69,12 @@ class Polach(CreepLaw):
         "1", "A, friction at infinite sliding speed over that at none", default=1.0, gt=0, le=1
     )
     friction_decay: float = quantity("s/m", "B, decay of friction with speed", default=0.0, ge=0)
-    linear_below: float = Field(
+    linear_below: float = quantity(
+        "1",
+        "Creepage below which forces are those of the linear theory",
         default=LINEAR_BELOW,
         gt=0,
         le=1e-2,
-        description="Creepage below which forces are those of the linear theory [1]",
     )
 
     @property
