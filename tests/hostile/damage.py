@@ -72,7 +72,7 @@ def write_originals(folder):
 def leave_as_killed(whole, left):
     """Copy a file as a kill just before its end would have left it: without a seal."""
     program = (
-        "import sys; from pathlib import Path; from vehicledyn.results import writer, "
+        "import sys; from pathlib import Path; from vehicledyn.results.store import writer, "
         "study_writer\n"
         "left = sys.argv[1]\n"
         "def keep(path, change):\n"

@@ -117,7 +117,7 @@ def test_an_adaptive_run_goes_on_to_the_accuracy_of_its_method(tmp_path):
 KILLED = """
 import os, sys
 from pathlib import Path
-from vehicledyn.results import writer
+from vehicledyn.results.store import writer
 import vehicledyn.catalogue
 from vehicledyn.analyses import run_scenario
 from vehicledyn.files.scenario import load_scenario

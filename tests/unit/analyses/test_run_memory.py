@@ -16,7 +16,7 @@ output: {interval: 1 ms}
 PROGRAM = """
 import resource, sys
 from vehicledyn.cli import main
-from vehicledyn.analyses import simulation
+from vehicledyn.analyses.simulation import simulation
 memory = lambda: resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024
 summarise, before = simulation._Run._summarise, []
 def watched(*arguments):

@@ -2,7 +2,6 @@
 
 from pathlib import Path
 
-import numpy as np
 import pytest
 
 import vehicledyn.catalogue  # noqa: F401
@@ -73,11 +72,11 @@ output: {{interval: 10 ms}}
 
 
 def test_a_run_that_diverges_keeps_what_it_computed(tmp_path):
-    """Its last samples are finite but too large for sums of energies."""
+    """It ends where its last samples are finite yet beyond all sense."""
     system = Path(__file__).parents[3] / "systems" / "quarter_car.yaml"
     path = tmp_path / "diverging.yaml"
     path.write_text(DIVERGING.format(system=system))
     outcome = run(path, tmp_path / "diverging.h5")
     assert (outcome.status, outcome.exit_code) == ("failed", 3)
-    assert "is no longer a finite number" in outcome.messages[-1]
-    assert outcome.summary["energy_drift"].value == np.inf
+    assert "the integration diverges with a step of 10 ms" in outcome.messages[-1]
+    assert outcome.summary["energy_drift"].value > 1e15

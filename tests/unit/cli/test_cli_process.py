@@ -214,11 +214,11 @@ def test_models_are_listed():
         (("eig", "iltis", "--speed=-1"), "--speed -1: must not be negative"),
         (("eig", "iltis", "--set", "parameters.chassis.mass=0"), "must be greater than 0 kg"),
         (("plot", "a.h5", "--format", "gif"), "--format gif: write png, svg or png,svg"),
-        (("plot", "."), ".: cannot be read: Is a directory"),
+        (("plot", "."), ".: this is a folder, not a file"),
         (("info", "none.h5"), "none.h5"),
         (("compare", "a.h5", "b.h5", "--tolerance", "x"), "--tolerance x: write PATTERN=VALUE"),
         (("compare", "a.h5", "b.h5", "--tolerance", "x=nan"), "--tolerance x=nan: write"),
-        (("compare", "a.h5", "b.h5"), "a.h5: no such file"),
+        (("compare", "a.h5", "b.h5"), "a.h5: there is no such file"),
     ],
 )  # fmt: skip
 def test_bad_input_is_one_clear_message(tmp_path, arguments, words):

@@ -63,7 +63,7 @@ def test_options_reach_the_geometry(tmp_path):
     [
         (("S1003", "60E1"), "did you mean 'S1002'?"),
         (("60E1", "60E1"), "a wheel's is needed"),
-        (("S1002", "none.prr"), "none.prr: cannot be read"),
+        (("S1002", "none.prr"), "none.prr: there is no such file"),
         (("S1002", "60E1", "--gauge", "1400"), "gauge 1400 mm does not fit the wheelset"),
         (("S1002", "60E1", "--gauge", "1668"), "--back-to-back 1360 and --flange-back 70 are"),
         (("S1002", "60E1", "--gauge", "-5"), "--gauge -5: must be above zero"),

@@ -27,7 +27,7 @@ CHANNEL = [Quantity("body.x", "m", "Position", "ground")]
 
 WRITE_UNTIL_KILLED = """
 import sys, time, numpy as np
-from vehicledyn.results import writer
+from vehicledyn.results.store import writer
 from vehicledyn.results.store.layout import ResultHeader
 from types import SimpleNamespace
 writer.FLUSH_INTERVAL = 0.0

@@ -12,7 +12,6 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import qr
 
 from vehicledyn.base.errors import InputError
 from vehicledyn.symbolic.elimination import triangular_blocks
@@ -143,6 +142,8 @@ def best_pairs(
 
 def independent_rows(jacobian: Array) -> list[int]:
     """Return rows that are linearly independent and span all, by pivoted QR of the scaled rows."""
+    from scipy.linalg import qr
+
     lengths = np.linalg.norm(jacobian, axis=1, keepdims=True)
     scaled = jacobian / np.where(lengths > RANK_TOLERANCE, lengths, np.inf)
     triangle, order = qr(scaled.T, mode="r", pivoting=True)
