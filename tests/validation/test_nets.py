@@ -234,3 +234,29 @@ def test_analyses_that_vary_coordinates_are_refused(tmp_path):
         equilibrium_point(prepared, 0.0, "static")
     with pytest.raises(InputError, match="constraint_method: partitioning"):
         _ = prepared.derivatives
+
+
+def partitioned(make):
+    """Return the maker of a net that partitioning is forced on."""
+    return cache(lambda: replace(make(), constraint_method="partitioning"))
+
+
+@pytest.mark.parametrize("make", [pinned_3, hanging_3])
+@pytest.mark.parametrize("interval", [1e-3, 1e-2, 0.1])
+def test_partitioning_forced_on_a_net_is_accurate_or_fails(make, interval):
+    """The partition changes at the step at which it degrades, before steps become inaccurate."""
+    try:
+        run = Run(partitioned(make), 0.8, interval)
+    except NumericalError as error:
+        assert "constraint_method: multipliers" in str(error)
+        return
+    assert run.method == "partitioning"
+    assert "partition.changed" in run.happened
+    assert np.abs(run.energy - run.energy[0]).max() < 1e-4 * run.channel["energy.kinetic"].max()
+
+
+@pytest.mark.parametrize("interval", [1e-3, 1e-2, 0.1])
+def test_four_points_keep_their_energy_through_changes_of_partition(interval):
+    run = Run(pinned_2, 0.8, interval)
+    assert run.happened.count("partition.changed") >= 2
+    assert np.abs(run.energy - run.energy[0]).max() < 5e-7

@@ -13,6 +13,7 @@ import logging
 import math
 import time
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
@@ -29,6 +30,7 @@ from vehicledyn.analyses.simulation.singularity_crossing import (
     Sample,
 )
 from vehicledyn.analyses.simulation.singularity_monitor import (
+    FINE_LEVERAGE,
     LEVERAGE,
     WIDE_ZONE,
     ZONE,
@@ -51,8 +53,14 @@ Vector = NDArray[np.float64]
 
 _GAIN = 0.5
 """A new partition must bring the leverage down to this part."""
+_INACCURATE = 10.0 * FINE_LEVERAGE
+"""Leverage behind which steps of a fixed size are inaccurate, if other coordinates do better."""
+_WELL_REGULAR = 0.02
+"""Least singular value of scaled constraints that is far from a singular position [1]."""
 _FIRST_SEGMENT = 32
 _LOOK, _STEPS_PER_LOOK = 0.02, 10
+_WIDE_BLOCK, _STEPS_IF_WIDE = 6, 2
+"""Unknowns of a loop above which a partition may degrade within few steps, and steps per look."""
 _log = logging.getLogger(__name__)
 
 
@@ -173,14 +181,21 @@ class _Run:
         adaptive = getattr(self.solver, "relative_tolerance", None)
         zone = ZONE if adaptive is None else WIDE_ZONE
         self._tolerance = min(TOLERANCE, max(adaptive or TOLERANCE, FINE_TOLERANCE))
-        self._log = PivotLog(self._pivots, self._forward, self._better, zone=zone)
+        has_step = getattr(self.solver, "step", None) is not None
+        self._leverage = FINE_LEVERAGE if has_step else LEVERAGE
+        self._log = PivotLog(
+            self._pivots, self._forward, self._better, zone=zone, leverage=self._leverage
+        )
         self._changed_at = -np.inf
         self._segment: int | None = None
         self._passed = 0
         self._parts: list[Statistics] = []
         self._forwarded = 0
         self._started = time.perf_counter()
-        self._every = looks_per_interval(self.solver, self.interval)
+        sizes = (block.stop - block.start for block in self.kernel.equations.blocks)
+        is_wide = max(sizes, default=0) > _WIDE_BLOCK
+        steps = _STEPS_IF_WIDE if is_wide else _STEPS_PER_LOOK
+        self._every = looks_per_interval(self.solver, self.interval, steps)
         self.interval = self.interval / self._every
 
     def go(self, state: Vector, unknowns: Vector) -> Statistics:
@@ -248,7 +263,7 @@ class _Run:
             except Degrading as degrading:
                 if self._changes_to_multipliers:
                     raise
-                index, state, unknowns = self._change(degrading.sample, degrading.comparison)
+                index, state, unknowns = self._change_for(degrading)
             except NumericalError as error:
                 index, state, unknowns = self._rescue(error, index)
             else:
@@ -316,7 +331,14 @@ class _Run:
     # -- passing -----------------------------------------------------------------------------
 
     def _pass(self, crossing: Crossing, index: int) -> tuple[int, Vector, Vector]:
-        """Step over a singular configuration; return where the run goes on."""
+        """Step over a singular configuration; return where the run goes on.
+
+        Where other coordinates do better on the way to it, they are taken instead.
+        """
+        earlier = self._first_better(crossing.before, crossing.seen)
+        if earlier is not None:
+            self._log.release()
+            return self._change_between(*earlier)
         begin = crossing.begin
         passage = Passage(self.kernel, begin, self._tolerance)
         try:
@@ -382,6 +404,71 @@ class _Run:
 
     # -- changing the partition --------------------------------------------------------------
 
+    def _change_for(self, degrading: Degrading) -> tuple[int, Vector, Vector]:
+        """Change the partition at the first step at which another is clearly better.
+
+        The steps since the look before are taken once more, as the last of them are inaccurate.
+        """
+        sample = degrading.sample
+        earlier = self._first_better(degrading.before, sample.time)
+        if earlier is not None:
+            return self._change_between(*earlier)
+        self._refuse_late(sample, degrading.comparison)
+        self._log.accept(sample)
+        return self._change(sample, degrading.comparison)
+
+    def _first_better(self, before: Sample | None, stop: float) -> tuple[Sample, Comparison] | None:
+        """Return the first step between two looks at which other coordinates do clearly better."""
+        step = getattr(self.solver, "step", None)
+        if before is None or step is None:
+            return None
+        rows: list[Sample] = []
+        count = max(1, round((stop - before.time) / step))
+        with suppress(NumericalError):
+            self._simulate_to(stop, before, (stop - before.time) / count, rows)
+        for near in rows[1:count]:
+            found = self._better(near, self._leverage)
+            if found is not None and near.time > self._changed_at:
+                self._refuse_late(near, found)
+                return near, found
+        return None
+
+    def _refuse_late(self, sample: Sample, found: Comparison) -> None:
+        """Raise NumericalError where a step of fixed size has come too near to a bad partition."""
+        step = getattr(self.solver, "step", None)
+        if step is not None and found.leverage > _INACCURATE:
+            raise NumericalError(
+                f"the partition degrades within a step of {step:.3g} s at t = {sample.time:.9g} s: "
+                f"'{found.worst}' moves {found.leverage:.0f} times as fast as the coordinates that "
+                "determine it, and steps before are inaccurate; take a smaller step or "
+                "'constraint_method: multipliers'"
+            )
+
+    def _change_between(self, near: Sample, found: Comparison) -> tuple[int, Vector, Vector]:
+        """Change the partition at a step between two looks; go on at the second."""
+        index, here = self._changed(near, found)
+        rows: list[Sample] = []
+        self._simulate_to(self._time(index), here, self._time(index) - here.time, rows)
+        self._log.restart(here, rows[-1:])
+        return index, rows[-1].state, rows[-1].unknowns
+
+    def _simulate_to(self, stop: float, begin: Sample, interval: float, rows: list[Sample]) -> None:
+        """Integrate from a sample with nothing watched, and keep the samples."""
+        simulate(
+            self.kernel,
+            self.solver,
+            start=begin.time,
+            stop=stop,
+            state=begin.state,
+            unknowns=begin.unknowns,
+            interval=interval,
+            sink=lambda *parts: rows.extend(
+                Sample(float(time), *map(np.array, row)) for time, *row in zip(*parts, strict=True)
+            ),
+            progress=lambda what, part: None,
+            happened=lambda name, time: None,
+        )
+
     @cached_property
     def _watch(self) -> PartitionWatch:
         return self.make_watch()
@@ -410,6 +497,10 @@ class _Run:
         values = values_of(self.kernel, sample)
         leverage = self._watch.leverage(sample.time, values, self._dependent)
         if leverage <= limit:
+            return None
+        # Near a singular position all partitions are bad; there only a much better one helps.
+        is_mild = 0.0 < limit < leverage <= LEVERAGE
+        if is_mild and not self._watch.is_regular(sample.time, values, _WELL_REGULAR):
             return None
         found = self._watch.compare(sample.time, values, self._dependent)
         return found if found.best_leverage < _GAIN * leverage else None
@@ -495,14 +586,14 @@ class _Run:
         return replace(joined(self._parts), samples=self._forwarded, wall_seconds=seconds)
 
 
-def looks_per_interval(solver: Solver, interval: float) -> int:
+def looks_per_interval(solver: Solver, interval: float, steps: int = _STEPS_PER_LOOK) -> int:
     """Return how often the pivots are looked at in a sampling interval.
 
-    With a fixed step that is about every ten steps, a divisor of their number; else at least
-    every 20 ms.
+    With a fixed step that is about every so many ``steps``, a divisor of their number; else at
+    least every 20 ms.
     """
     step = getattr(solver, "step", None)
     if step is None:
         return max(1, math.ceil(interval / _LOOK))
     count = max(1, round(interval / step))
-    return next(k for k in range(max(1, count // _STEPS_PER_LOOK), 0, -1) if count % k == 0)
+    return next(k for k in range(max(1, count // steps), 0, -1) if count % k == 0)

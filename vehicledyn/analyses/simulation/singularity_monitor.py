@@ -25,8 +25,13 @@ from the dense output of a step that may reach over it, whose stages are lost in
 """
 _NEAR = 0.01
 """The same part below which a sample is too near to a singular configuration to be trusted."""
-LEVERAGE = 10.0
-"""Largest dependent rate of a unit independent rate that a partition is kept with."""
+LEVERAGE, FINE_LEVERAGE = 10.0, 3.0
+"""Largest dependent rate of a unit independent rate that a partition is kept with; the second with
+steps of a fixed size, whose errors grow with a power of it, at regular constraints."""
+_HARMLESS = 0.5
+"""Product of all such parts below which the leverage is looked at: swapping two coordinates
+multiplies the determinant by an entry of the leverage."""
+_AGAIN = 0.8
 _AHEAD = 1024
 """Samples whose pivots are looked at together."""
 _MOST_HELD = 512
@@ -36,20 +41,34 @@ _MOST_HELD = 512
 class Crossing(Exception):  # noqa: N818
     """A loop has become singular between two samples.
 
-    ``begin`` is the last sample well before it, ``until`` a time behind it [s].
+    ``begin`` is the last sample well before it, ``until`` a time behind it [s]. ``before`` is the
+    last sample before it, and ``seen`` the time of the first behind [s].
     """
 
-    def __init__(self, begin: Sample, blocks: Sequence[int], until: float) -> None:
+    def __init__(
+        self,
+        begin: Sample,
+        blocks: Sequence[int],
+        until: float,
+        before: Sample | None = None,
+        seen: float = 0.0,
+    ) -> None:
         super().__init__()
         self.begin, self.blocks, self.until = begin, tuple(blocks), until
+        self.before, self.seen = before, seen
 
 
 class Degrading(Exception):  # noqa: N818
-    """Other dependent coordinates would be clearly better from this sample on."""
+    """Other dependent coordinates would be clearly better at a sample.
 
-    def __init__(self, sample: Sample, comparison: Comparison) -> None:
+    They may be so from ``before`` on, the sample before it, which is the last handed on then.
+    """
+
+    def __init__(
+        self, sample: Sample, comparison: Comparison, before: Sample | None = None
+    ) -> None:
         super().__init__()
-        self.sample, self.comparison = sample, comparison
+        self.sample, self.comparison, self.before = sample, comparison, before
 
 
 class PivotLog:
@@ -62,6 +81,7 @@ class PivotLog:
         better: Callable[[Sample, float], Comparison | None],
         *,
         zone: float = ZONE,
+        leverage: float = LEVERAGE,
     ) -> None:
         """Start with no samples.
 
@@ -77,9 +97,11 @@ class PivotLog:
             present one is above a limit and there is one.
         zone
             Part of the largest determinant below which samples are held back.
+        leverage
+            Leverage that a partition is kept with.
         """
         self._pivots, self._hand_on, self._better = pivots, forward, better
-        self._zone = zone
+        self._zone, self._leverage = zone, leverage
         self._anchor: Sample | None = None
         self._held: list[Sample] = []
         self._sound = 0
@@ -143,7 +165,9 @@ class PivotLog:
         sizes = np.abs(values)
         largest = np.maximum(np.maximum.accumulate(sizes, axis=0), self._scale)
         before = np.vstack([self._before, values[:-1]])
-        harmless = ((sizes >= WEAK_PIVOT * largest) & (values * before > 0.0)).all(axis=1)
+        parts = sizes / np.where(largest > 0.0, largest, 1.0)
+        harmless = (parts >= WEAK_PIVOT).all(axis=1) & (values * before > 0.0).all(axis=1)
+        harmless &= parts.prod(axis=1) >= _HARMLESS
         return len(values) if harmless.all() else int(np.argmin(harmless))
 
     def _accept(self, rows: list[Sample], values: Matrix) -> None:
@@ -165,8 +189,9 @@ class PivotLog:
         self._held.append(sample)
         self._before = values
         self._scale = np.maximum(scale, np.abs(values))
-        share = float(np.min(np.abs(values) / self._scale, initial=1.0))
-        self._try_others(sample, share)
+        parts = np.abs(values) / self._scale
+        share = float(np.min(parts, initial=1.0))
+        self._try_others(sample, float(parts.prod()))
         if share >= ZONE:
             self._sound = len(self._held)
         if share >= self._zone:
@@ -175,15 +200,23 @@ class PivotLog:
             self._release_first(_MOST_HELD)
 
     def _try_others(self, sample: Sample, share: float) -> None:
-        if share >= WEAK_PIVOT:
+        if share >= _HARMLESS:
             self._tried = np.inf
-        # A loop that gets weaker and weaker is looked at again at half the pivot.
-        if share < min(WEAK_PIVOT, 0.5 * self._tried):
-            self._tried = share
-            comparison = self._better(sample, LEVERAGE)
+        # A partition that gets weaker and weaker is looked at again at a part of the determinant.
+        if share < min(_HARMLESS, _AGAIN * self._tried):
+            comparison = self._better(sample, self._leverage)
             if comparison is not None:
-                self.release()
-                raise Degrading(sample, comparison)
+                before = self._without_latest()
+                raise Degrading(sample, comparison, before)
+            self._tried = share
+
+    def _without_latest(self) -> Sample | None:
+        """Hand on all samples but the latest, and return the one before it."""
+        latest = self._held.pop()
+        if not self._held and self._anchor is None:
+            self._held = [latest]
+        self.release()
+        return self._anchor if self._anchor is not latest else None
 
     def _cross(self, blocks: Iterable[Any], until: float) -> None:
         """Raise what follows from a pivot that has changed its sign before a time."""
@@ -202,7 +235,8 @@ class PivotLog:
 
     def _crossing(self, blocks: Iterable[Any], until: float) -> Crossing:
         begin = self._anchor or self._held[0]
-        return Crossing(begin, [int(k) for k in blocks], begin.time + 3.0 * (until - begin.time))
+        ahead = begin.time + 3.0 * (until - begin.time)
+        return Crossing(begin, [int(k) for k in blocks], ahead, self.latest_or_none, until)
 
     def approaching(self, ahead: float) -> Crossing | None:
         """Return the crossing ahead if the last sample has a loop that is nearly singular."""
@@ -241,6 +275,12 @@ class PivotLog:
         self._held = samples
         self.release()
         self._before = self._pivots(samples[-1:])[0]
+
+    def accept(self, sample: Sample) -> None:
+        """Hand on a sample that has been taken back, unless all up to it have been handed on."""
+        if sample is not self._anchor:
+            self._held.append(sample)
+            self.release()
 
     def change(self, sample: Sample) -> None:
         """Go on with another partition from a sample that has been handed on."""

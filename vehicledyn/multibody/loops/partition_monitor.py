@@ -86,13 +86,16 @@ class PartitionWatch:
             self._independent = partition.independent_rows(jacobian[:, moving])
         return np.asarray(jacobian[np.ix_(self._independent, moving)])
 
-    def is_regular(self, time: float, values: dict[str, float]) -> bool:
-        """Return whether the constraints are far from depending on each other."""
+    def is_regular(self, time: float, values: dict[str, float], least: float = REGULAR) -> bool:
+        """Return whether the constraints are far from depending on each other.
+
+        Their least singular value is above ``least`` when they are scaled to length one [1].
+        """
         rows = self.independent_rows(time, values)
         lengths = np.linalg.norm(rows, axis=1, keepdims=True)
         if not len(rows) or not np.isfinite(rows).all() or not lengths.all():
             return False
-        return bool(np.linalg.svd(rows / lengths, compute_uv=False)[-1] > REGULAR)
+        return bool(np.linalg.svd(rows / lengths, compute_uv=False)[-1] > least)
 
     def leverage(self, time: float, values: dict[str, float], dependent: list[str]) -> float:
         """Return the largest rate that a unit independent rate gives a dependent one."""
