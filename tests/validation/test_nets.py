@@ -11,10 +11,11 @@ from scipy.integrate import solve_ivp
 from test_closed_forms import four_bars
 
 import vehicledyn.catalogue  # noqa: F401
+from vehicledyn.analyses.linear.eigenmodes import find_modes
 from vehicledyn.analyses.preparation.prepare import equilibrium_point, prepare
 from vehicledyn.analyses.preparation.start_rates import start_rates
 from vehicledyn.analyses.simulation.repartitioning import simulate_watched
-from vehicledyn.base.errors import InputError, NumericalError
+from vehicledyn.base.errors import NumericalError
 from vehicledyn.base.registry import find
 from vehicledyn.files.scenario import load_model
 from vehicledyn.kernel.kernel import compile_kernel
@@ -222,18 +223,143 @@ def test_a_given_rate_is_kept():
     assert found[0][2] == pytest.approx(2.0, abs=1e-12)
 
 
-def test_analyses_that_vary_coordinates_are_refused(tmp_path):
-    """Their states are not independent of each other."""
+def test_an_equilibrium_is_that_of_partitioning(tmp_path):
+    """Both give the same point; a run with multipliers starts there and stays."""
     written = (SYSTEMS / "four_bar.yaml").read_text(encoding="utf-8")
-    path = tmp_path / "four_bar.yaml"
-    path.write_text(f"constraint_method: multipliers\n{written}", encoding="utf-8")
-    prepared = prepare(
-        load_model(str(path)), backend="interpreted", progress=lambda what, part: None
+    found = {}
+    for method in ("multipliers", "partitioning"):
+        path = tmp_path / f"{method}.yaml"
+        path.write_text(f"constraint_method: {method}\n{written}", encoding="utf-8")
+        prepared = prepare(
+            load_model(str(path)), backend="interpreted", progress=lambda what, part: None
+        )
+        assert prepared.equations.structure["constraint_method"] == method
+        point = equilibrium_point(prepared, 0.0, "static")
+        outputs = prepared.kernel.outputs(0.0, point.state, point.unknowns)
+        found[method] = dict(
+            zip((c.name for c in prepared.equations.channels), outputs, strict=True)
+        )
+        still = point.state.copy()
+        still[list(prepared.equations.velocities)] = 0.0
+        assert np.abs(prepared.kernel.rates(0.0, still, point.unknowns)).max() < 1e-8
+    coordinates = [c for c in found["partitioning"] if c.endswith(".angle")]
+    assert coordinates
+    for angle in coordinates:
+        assert found["multipliers"][angle] == pytest.approx(found["partitioning"][angle], abs=1e-10)
+
+
+SPRING, REST = 150.0, 0.3
+
+
+def sprung_net_file(path):
+    """Write a net of 3 by 3 points, pinned at two, each held by three springs to the ground."""
+    at = places(3, 3, 0.05)
+    lines = ["title: A net of rods on springs", "bodies:"]
+    for key, place in at.items():
+        if key in ((0, 0), (0, 2)):
+            continue
+        starts = ", ".join(
+            f"{{kind: T{k + 1}, name: {'xyz'[k]}, start: {float(place[k])!r} m}}" for k in range(3)
+        )
+        lines += [f"  {name(key)}:", f"    joints: [{starts}]", f"    mass: {MASS} kg"]
+    lines.append("springs:")
+    for key in at:
+        if key in ((0, 0), (0, 2)):
+            continue
+        for axis, place in zip("xyz", at[key], strict=True):
+            law = f"{{kind: spring_damper, stiffness: {SPRING} N/m, damping: 2 N*s/m"
+            law += f", free_length: {float(place) - 0.02!r} m}}"
+            lines += [
+                f"  hold_{name(key)}_{axis}:",
+                f"    coordinate: {name(key)}.{axis}",
+                f"    law: {law}",
+            ]
+    lines.append("cuts:")
+    for a, b in rods():
+        length = float(np.linalg.norm(at[a] - at[b]))
+        ends = [
+            f"{{body: {name(key)}}}"
+            if key not in ((0, 0), (0, 2))
+            else f"{{body: ground, point: [{', '.join(f'{float(x)!r} m' for x in at[key])}]}}"
+            for key in (a, b)
+        ]
+        lines += [
+            f"  rod_{a[0]}{a[1]}_{b[0]}{b[1]}:",
+            "    kind: rod",
+            f"    a: {ends[0]}",
+            f"    b: {ends[1]}",
+            f"    length: {length!r} m",
+        ]
+    path.write_text("\n".join(lines) + "\n", encoding="utf-8")
+
+
+def rods():
+    found = [((i, j), (i + 1, j)) for i in range(2) for j in range(3)]
+    return found + [((i, j), (i, j + 1)) for i in range(3) for j in range(2)]
+
+
+def independent_eigenvalues(at):
+    """Eigenvalues by projection of masses, stiffness and damping on the null space of the rods."""
+    free = [key for key in at if key not in ((0, 0), (0, 2))]
+    column = {key: slice(3 * k, 3 * k + 3) for k, key in enumerate(free)}
+    n, nominal = 3 * len(free), places(3, 3, 0.05)
+    jacobian, along = np.zeros((12, n)), []
+    for row, (a, b) in enumerate(rods()):
+        apart = at[b] - at[a]
+        along.append(apart / np.linalg.norm(apart))
+        for key, sign in ((a, -1.0), (b, 1.0)):
+            if key in column:
+                jacobian[row, column[key]] = sign * along[-1]
+    pull = np.concatenate(
+        [-SPRING * (at[key] - nominal[key] + 0.02) - [0.0, 0.0, MASS * GRAVITY] for key in free]
     )
-    with pytest.raises(InputError, match="constraint_method: partitioning"):
-        equilibrium_point(prepared, 0.0, "static")
-    with pytest.raises(InputError, match="constraint_method: partitioning"):
-        _ = prepared.derivatives
+    tensions = np.linalg.lstsq(jacobian.T, pull, rcond=None)[0]
+    assert np.abs(jacobian.T @ tensions - pull).max() < 1e-6
+    stiffness = SPRING * np.eye(n)
+    for (a, b), unit, tension in zip(rods(), along, tensions, strict=True):
+        length = np.linalg.norm(at[b] - at[a])
+        # Jᵀ T balances the pull, so the potential of the constraints is T (length - constant).
+        block = tension / length * (np.eye(3) - np.outer(unit, unit))
+        for first, sign in ((a, -1.0), (b, 1.0)):
+            for second, other in ((a, -1.0), (b, 1.0)):
+                if first in column and second in column:
+                    stiffness[column[first], column[second]] += sign * other * block
+    basis = np.linalg.svd(jacobian)[2][12:].T
+    mass, damping = MASS * basis.T @ basis, 2.0 * basis.T @ basis
+    reduced = basis.T @ stiffness @ basis
+    size = len(mass)
+    whole = np.block(
+        [
+            [np.zeros((size, size)), np.eye(size)],
+            [-np.linalg.solve(mass, reduced), -np.linalg.solve(mass, damping)],
+        ]
+    )
+    return np.linalg.eigvals(whole)
+
+
+def test_eigenvalues_of_a_net_on_springs(tmp_path):
+    """A net that runs with multipliers is linearised in coordinates of its own choice."""
+    path = tmp_path / "sprung_net.yaml"
+    sprung_net_file(path)
+    target = load_model(str(path))
+    quiet = {"backend": "interpreted", "progress": lambda what, part: None}
+    assert prepare(target, **quiet).has_multipliers
+    prepared = prepare(target, **quiet, varies_states=True)
+    point = equilibrium_point(prepared, 0.0, "static")
+    outputs = prepared.kernel.outputs(0.0, point.state, point.unknowns)
+    values = dict(zip((c.name for c in prepared.equations.channels), outputs, strict=True))
+    at = {
+        key: np.array([values.get(f"{name(key)}.{axis}", place[k]) for k, axis in enumerate("xyz")])
+        for key, place in places(3, 3, 0.05).items()
+    }
+    expected = independent_eigenvalues(at)
+    found = [mode.eigenvalue for mode in find_modes(target, speeds=(), **quiet).speeds[0].modes]
+    everything = np.concatenate([found, np.conj([value for value in found if value.imag != 0.0])])
+    assert by_frequency(everything) == pytest.approx(by_frequency(expected), abs=1e-6)
+
+
+def by_frequency(values):
+    return np.array(sorted(values, key=lambda value: value.imag))
 
 
 def partitioned(make):

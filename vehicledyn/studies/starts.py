@@ -83,7 +83,7 @@ def start_of(
 def find_reference(prepared: Prepared, speed: float, kind: Start | None) -> Reference | None:
     """Return what the equilibria of other cases are found from; None if there is none."""
     chosen = kind or prepared.subject.usual_start
-    if chosen == "nominal":
+    if chosen == "nominal" or prepared.has_multipliers:
         return None
     subject, e = prepared.subject, prepared.equations
     balanced_speed = speed if chosen == "steady" else 0.0

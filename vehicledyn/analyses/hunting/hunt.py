@@ -62,6 +62,7 @@ def find_limit_cycles(
         backend=backend,
         progress=progress,
         check=lambda derived: check_subject(derived, settings),
+        varies_states=True,
     )
     identity = "" if output is None else identity_of(prepared, settings)
     before = finished(output, identity) if output is not None and resume else None

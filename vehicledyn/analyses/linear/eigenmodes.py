@@ -96,6 +96,7 @@ def find_modes(
                 backend=backend,
                 progress=progress,
                 check=refuse_idle_speed if speeds else None,
+                varies_states=True,
             )
             before = variant
         own = _empty_table(prepared, variant)

@@ -111,7 +111,7 @@ def find_equilibrium(
     is_own = own_speed(target) is not None
     target, speed = at_speed(target, speed)
     check = refuse_idle_speed if speed else None
-    prepared = prepare(target, backend=backend, progress=progress, check=check)
+    prepared = prepare(target, backend=backend, progress=progress, check=check, varies_states=True)
     kind, wanted = "static", 0.0
     if is_own:
         wanted = speed or 0.0

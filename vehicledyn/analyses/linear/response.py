@@ -164,6 +164,7 @@ def linearise_with_inputs(
         progress=progress,
         change=excite,
         check=check,
+        varies_states=True,
     )
     found = taken[0].inputs
     names = list(dict.fromkeys(n for i in found for p in i.parts for n in p.parameters))

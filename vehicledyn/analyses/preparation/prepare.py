@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Any, Literal, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -80,6 +80,7 @@ class Prepared:
     kernel: Kernel
     derived: Derived
     _derivatives: list[Derivatives] = field(default_factory=list)
+    _partitioned: list[Prepared] = field(default_factory=list)
     look: dict[str, Any] = field(default_factory=dict)
 
     @cached_property
@@ -111,6 +112,28 @@ class Prepared:
         return replace(self, _derivatives=[derivatives])
 
     @property
+    def has_multipliers(self) -> bool:
+        """Whether all coordinates are states, which are not independent of each other."""
+        return self.equations.structure.get("constraint_method") == "multipliers"
+
+    @property
+    def partitioned(self) -> Prepared:
+        """The same system with independent coordinates as states."""
+        if not self.has_multipliers:
+            return self
+        if not self._partitioned:
+            derived = Derived(self.derived.target, _partitioned(self.subject))
+            backend: Backend = "compiled" if self.kernel.backend == "compiled" else "interpreted"
+            kernel = compile_kernel(derived.equations, backend=backend)
+            self._partitioned.append(Prepared(derived.subject, derived.equations, kernel, derived))
+        found = self._partitioned[0]
+        values = dict(_named(self.equations.parameters, self.kernel.parameters))
+        known = _named(found.equations.parameters, found.kernel.parameters)
+        parameters = np.array([values.get(name, value) for name, value in known])
+        kernel = found.kernel.with_parameters(parameters)
+        return replace(found, subject=_partitioned(self.subject), kernel=kernel)
+
+    @property
     def vehicle(self) -> RoadVehicle:
         """The road vehicle.
 
@@ -133,9 +156,22 @@ def refuse_multipliers(equations: Equations) -> None:
     if equations.structure.get("constraint_method") == "multipliers":
         raise InputError(
             f"the constraints of '{equations.name}' are treated with multipliers, which serve runs "
-            "only; equilibria and linear analyses need independent coordinates: give the system "
+            "only; linear analyses need independent coordinates: give the system "
             "'constraint_method: partitioning'"
         )
+
+
+def _partitioned(subject: Subject) -> Subject:
+    """Return a subject whose constraints are treated by partitioning its coordinates."""
+    system = replace(subject.system, constraint_method="partitioning")
+    if isinstance(subject, RoadSubject):
+        return replace(subject, vehicle=replace(subject.vehicle, system=system))
+    changed: Any = subject
+    return cast(Subject, replace(changed, system=system))
+
+
+def _named(items: Iterable[Any], values: Vector) -> list[tuple[str, float]]:
+    return [(item.name, float(value)) for item, value in zip(items, values, strict=True)]
 
 
 @dataclass(frozen=True)
@@ -154,6 +190,7 @@ def prepare(
     progress: Progress,
     change: Callable[[Subject], Subject] | None = None,
     check: Check | None = None,
+    varies_states: bool = False,
 ) -> Prepared:
     """Return the derived and compiled system of a scenario or model.
 
@@ -170,12 +207,17 @@ def prepare(
     check
         Raises InputError for what cannot be done with the subject; looks at no more than it
         needs of it, so that a refusal does not wait for a derivation or a compiler.
+    varies_states
+        Whether the states are to be varied one by one, as equilibria and linear analyses do: they
+        are independent coordinates then, however the system's runs treat constraints.
     """
     progress("deriving the equations of motion", None)
     with undisturbed(), told_with_places(target):
         subject = build_subject(target)
         if change is not None:
             subject = change(subject)
+        if varies_states:
+            subject = _partitioned(subject)
     derived = Derived(target, subject)
     if check is not None:
         check(derived)
@@ -245,7 +287,8 @@ def equilibrium_point(
     """
     from vehicledyn.analyse.equilibrium import find_equilibrium
 
-    refuse_multipliers(prepared.equations)
+    if prepared.has_multipliers:
+        return _by_partitioning(prepared, speed, kind)
     e, subject = prepared.equations, prepared.subject
     balanced_speed = 0.0 if kind == "static" else speed
     moving = subject.start_state(e, speed)
@@ -271,6 +314,21 @@ def equilibrium_point(
         final[velocities] = moving[velocities]
         set_speed(prepared, speed)
     return _moving(prepared, Point(final, found.unknowns, found.residual))
+
+
+def _by_partitioning(prepared: Prepared, speed: float, kind: Literal["static", "steady"]) -> Point:
+    """Return the equilibrium of a system with multipliers, found in independent coordinates."""
+    other = prepared.partitioned
+    point = equilibrium_point(other, speed, kind)
+    set_speed(prepared, speed)
+    e, time = other.equations, prepared.subject.balance_time
+    outputs = other.kernel.outputs(time, point.state, point.unknowns)
+    values = dict(_named(e.channels, outputs))
+    values.update(_named(e.unknowns, point.unknowns))
+    values.update(_named(e.states, point.state))
+    state = np.array([values[s.name] for s in prepared.equations.states])
+    unknowns = np.array([values.get(u.name, u.start) for u in prepared.equations.unknowns])
+    return Point(state, unknowns, point.residual)
 
 
 def _let_down(prepared: Prepared, start: Point) -> float | None:
