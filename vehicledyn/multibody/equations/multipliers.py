@@ -18,6 +18,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+from scipy.sparse import csr_matrix
+from scipy.sparse.csgraph import connected_components
 
 from vehicledyn.base.errors import InputError
 from vehicledyn.multibody.loops.closure import MultiplierClosure
@@ -220,11 +222,15 @@ def _is_regular(system: System, symbols: Symbols, loops: Loops, rows: Rows) -> b
     sizes = np.sqrt(np.maximum(np.diag(matrix), 0.0))
     if not (np.isfinite(matrix).all() and (sizes > 0.0).all()):
         return False
+    scaled = matrix / np.outer(sizes, sizes)
+    count, owner = connected_components(csr_matrix(scaled), directed=False)
+    order = np.argsort(owner, kind="stable")
+    groups = np.split(order, np.cumsum(np.bincount(owner, minlength=count))[:-1])
     try:
-        lower = np.linalg.cholesky(matrix / np.outer(sizes, sizes))
+        lower = [np.linalg.cholesky(scaled[np.ix_(group, group)]) for group in groups]
     except np.linalg.LinAlgError:
         return False
-    return bool(np.diag(lower).min(initial=1.0) ** 2 > _SINGULAR)
+    return all(float(np.diag(factor).min()) ** 2 > _SINGULAR for factor in lower)
 
 
 def _largest(items: list[Scalar]) -> Scalar:

@@ -71,6 +71,8 @@ def _shifted(mass: Scalar, moment: Vec, arm: Vec) -> Mat:
     Steiner's term for a first moment of zero.
     """
     s = 2.0 * moment + mass * arm
+    if arm.is_zero() or s.is_zero():
+        return ops.tilde(ops.vector(0.0, 0.0, 0.0))
     xx, yy, zz = (arm[k] * s[k] for k in range(3))
     xy, xz, yz = (-0.5 * (arm[i] * s[j] + arm[j] * s[i]) for i, j in ((0, 1), (0, 2), (1, 2)))
     return rotations.symmetric((yy + zz, xx + zz, xx + yy), (xy, xz, yz))
