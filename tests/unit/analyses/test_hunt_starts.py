@@ -12,7 +12,7 @@ from vehicledyn.analyses.linear.eigenmodes import find_modes
 from vehicledyn.analyses.linear.equilibrium import find_equilibrium
 from vehicledyn.analyses.linear.response import linearise_with_inputs
 from vehicledyn.base.errors import InputError, NumericalError
-from vehicledyn.files.scenario import load_model
+from vehicledyn.files.scenario import load_model, load_scenario
 
 SYSTEMS = Path(__file__).parents[3] / "systems"
 
@@ -88,6 +88,13 @@ def test_a_parameter_of_the_start_alone_is_refused(tmp_path):
     target = cart(tmp_path, "does nothing", "0 N")
     with pytest.raises(InputError, match=r"--parameter aside: .*it changes the start alone"):
         study(target, "aside", 0.0, 0.2)
+
+
+def test_a_start_beside_the_steady_motion_is_named():
+    """A roll rate leads to a motion in circles, whose speed is not that of the start."""
+    path = Path(__file__).parents[3] / "scenarios" / "systems" / "bicycle.yaml"
+    with pytest.raises(InputError, match=r"forward_speed: .*without disturbances in 'initial'"):
+        study(load_scenario(path), "forward_speed", 3.0, 8.0)
 
 
 def test_a_motion_that_cannot_follow_is_refused(tmp_path):

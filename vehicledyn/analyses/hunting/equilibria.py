@@ -132,14 +132,15 @@ class Equilibria:
         if self.model.depends_on_parameter or self._starts_count:
             return
         name = self.starts.name
-        why = (
-            "it changes the start alone, and every start leads to the same steady motion"
-            if self._starts_differ
-            else "neither the equations nor the start depend on it"
-        )
+        if not self._starts_differ:
+            raise InputError(
+                f"--parameter {name}: neither the equations nor the start depend on it; vary "
+                "another parameter"
+            )
         raise InputError(
-            f"--parameter {name}: the steady motion and its stability are the same at every value: "
-            f"{why}; vary another parameter"
+            f"--parameter {name}: it changes the start alone, and the steady motion found near the "
+            "start is the same at every value; vary another parameter, or start from the steady "
+            "motion itself, without disturbances in 'initial'"
         )
 
     def _refuse_other_motion(self, found: Balance) -> None:
