@@ -184,7 +184,7 @@ class _Run:
         has_step = getattr(self.solver, "step", None) is not None
         self._leverage = FINE_LEVERAGE if has_step else LEVERAGE
         self._log = PivotLog(
-            self._pivots, self._forward, self._better, zone=zone, leverage=self._leverage
+            self._pivots, self._forward, self._better_at_look, zone=zone, leverage=self._leverage
         )
         self._changed_at = -np.inf
         self._segment: int | None = None
@@ -489,6 +489,10 @@ class _Run:
         ]
         return np.column_stack([values, rates])
 
+    def _better_at_look(self, sample: Sample, limit: float) -> Comparison | None:
+        """Return the same at a look, but none at a terminal event, behind which nothing follows."""
+        return self._better(sample, limit) if self._is_look(sample.time) else None
+
     def _better(self, sample: Sample, limit: float) -> Comparison | None:
         """Return the comparison with the best partition if that is clearly better.
 
@@ -576,9 +580,12 @@ class _Run:
 
     def _is_wanted(self, time: float) -> bool:
         """Return whether a sample is one of those asked for, or that of a terminal event."""
+        number = round((time - self.start) / self.interval)
+        return not self._is_look(time) or number % self._every == 0
+
+    def _is_look(self, time: float) -> bool:
         number = (time - self.start) / self.interval
-        nearest = round(number)
-        return abs(number - nearest) > 1e-6 or nearest % self._every == 0
+        return abs(number - round(number)) <= 1e-6
 
     def _statistics(self) -> Statistics:
         """Return the statistics of all pieces together, their time with that between them."""
