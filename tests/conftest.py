@@ -4,6 +4,8 @@ import os
 import signal
 from pathlib import Path
 
+import pytest
+
 import vehicledyn
 
 if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
@@ -13,6 +15,18 @@ if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
 
 os.environ["PYTHONSAFEPATH"] = "1"  # programs started by tests import the installed package too
 os.environ["MPLBACKEND"] = "agg"
+
+
+STRATA = ("validation", "regression", "hostile")
+"""Folders whose tests are all long: plain 'pytest' leaves them out, '.ci/run' runs them."""
+
+
+@pytest.hookimpl(tryfirst=True)
+def pytest_collection_modifyitems(items):
+    folder = Path(__file__).parent
+    for item in items:
+        if item.path.relative_to(folder).parts[0] in STRATA:
+            item.add_marker("long")
 
 
 def pytest_report_header():

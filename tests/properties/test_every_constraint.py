@@ -22,6 +22,8 @@ from vehicledyn.multibody.equations.inverse_dynamics import derive_inverse
 from vehicledyn.multibody.model.bodies import JOINT_KINDS
 from vehicledyn.symbolic import ops
 
+pytestmark = pytest.mark.long
+
 IDENTITY = 1e-10
 FEW = 4
 # The absolute matrix has a condition number of 1e5 and more.

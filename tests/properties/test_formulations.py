@@ -20,6 +20,8 @@ from vehicledyn.symbolic import ops, rotations
 from vehicledyn.symbolic.equations import Equations, Variable
 from vehicledyn.symbolic.shared_steps import Steps
 
+pytestmark = pytest.mark.long
+
 WAYS = ("auto", "composite", "articulated")
 SEEDS = range(50)
 

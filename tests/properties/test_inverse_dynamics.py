@@ -11,6 +11,8 @@ from vehicledyn.base.errors import InputError
 from vehicledyn.multibody.equations.inverse_dynamics import derive_inverse
 from vehicledyn.symbolic import ops
 
+pytestmark = pytest.mark.long
+
 SEEDS = range(10)
 
 

@@ -13,6 +13,8 @@ from vehicledyn.multibody.recursion.substructuring import find_carrier, segmente
 from vehicledyn.symbolic import ops
 from vehicledyn.vehicles.iltis import Iltis
 
+pytestmark = pytest.mark.long
+
 SEEDS = range(10)
 AGREE = 1e-10
 

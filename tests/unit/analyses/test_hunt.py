@@ -15,6 +15,8 @@ from vehicledyn.base.errors import InputError, NumericalError
 from vehicledyn.files.scenario import load_model
 from vehicledyn.results.tables.hunt_table import read_hunt
 
+pytestmark = pytest.mark.long
+
 WHEELSET = Path(__file__).parents[3] / "systems" / "simple_wheelset.yaml"
 ISOLATED = """\
 title: A balance wheel, stable at rest, that swings on once it is pushed

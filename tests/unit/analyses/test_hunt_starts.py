@@ -14,6 +14,8 @@ from vehicledyn.analyses.linear.response import linearise_with_inputs
 from vehicledyn.base.errors import InputError, NumericalError
 from vehicledyn.files.scenario import load_model, load_scenario
 
+pytestmark = pytest.mark.long
+
 SYSTEMS = Path(__file__).parents[3] / "systems"
 
 WEAVE, CAPSIZE = 4.29238253634111, 6.02426201538837

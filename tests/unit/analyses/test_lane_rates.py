@@ -14,6 +14,8 @@ from vehicledyn.integrate.batch import Cases, make_batch, run_batch
 from vehicledyn.kernel.kernel import compile_kernel
 from vehicledyn.kernel.lanes import compile_lanes
 
+pytestmark = pytest.mark.long
+
 SCENARIOS = Path(__file__).parents[3] / "scenarios"
 
 

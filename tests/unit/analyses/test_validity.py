@@ -13,6 +13,8 @@ from vehicledyn.results.store.study_reader import open_study
 from vehicledyn.studies import load_study
 from vehicledyn.studies.sweep import run_study
 
+pytestmark = pytest.mark.long
+
 STEERED = """\
 title: The Iltis is steered hard on tyres that hold well
 model: iltis

@@ -13,6 +13,8 @@ import pytest
 
 from vehicledyn.results.store.door import open_result
 
+pytestmark = pytest.mark.long
+
 SCENARIO = """\
 title: A long swing
 model: double_pendulum.yaml

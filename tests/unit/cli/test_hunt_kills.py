@@ -15,6 +15,8 @@ import pytest
 from vehicledyn.results.hdf5.checkpoint import checkpoint_path
 from vehicledyn.results.tables.hunt_table import read_hunt
 
+pytestmark = pytest.mark.long
+
 WHEELSET = Path(__file__).parents[3] / "systems" / "simple_wheelset.yaml"
 OPTIONS = ["--from", "53 m/s", "--to", "63 m/s", "--points", "10", "--no-plots", "--quiet"]
 

@@ -85,7 +85,7 @@ print(kernel.rates(0.0, [0.3, 3.0], [0.15, 2.9])[1])
 
 
 def test_two_processes_build_the_same_entry(folder):
-    command = [sys.executable, "-c", BUILD, str(Path(__file__).parent)]
+    command = [sys.executable, "-c", BUILD, str(Path(__file__).parents[1])]
     processes = [
         subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
         for _ in range(3)
@@ -317,16 +317,20 @@ def test_interpreted_and_compiled_agree(needs_compiler):
 
 
 def test_entries_depend_on_all_modules_that_print_code():
-    """compiler.py and engine.py are reached for an error and a type only."""
-    folder = Path(fingerprint.__file__).parent
-    waiting, reached = ["c_printer.py"], set()
+    """Modules of the toolchain are reached for the limits of a compiler only."""
+    folder = Path(fingerprint.__file__).parents[1]
+    waiting, reached = ["printers.c_printer", "printers.kernel_source"], set()
     while waiting:
         name = waiting.pop()
         if name not in reached:
             reached.add(name)
-            nodes = ast.walk(ast.parse((folder / name).read_text(encoding="utf-8")))
+            file = folder / f"{name.replace('.', '/')}.py"
+            nodes = ast.walk(ast.parse(file.read_text(encoding="utf-8")))
             imported = [item.module or "" for item in nodes if isinstance(item, ast.ImportFrom)]
-            inner = [item for item in imported if item.startswith("vehicledyn.integrate.")]
-            waiting += [f"{item.rpartition('.')[2]}.py" for item in inner]
-    assert len(reached) > 10
-    assert reached - {"compiler.py", "engine.py"} <= set(fingerprint._GENERATORS)
+            inner = [item for item in imported if item.startswith("vehicledyn.codegen.")]
+            waiting += [item.removeprefix("vehicledyn.codegen.") for item in inner]
+    read = {file for pattern in fingerprint._GENERATORS for file in folder.glob(pattern)}
+    printing = {name for name in reached if not name.startswith("toolchain.")}
+    assert len(printing) > 10
+    assert {folder / f"{name.replace('.', '/')}.py" for name in printing} <= read
+    assert folder / "runtime" / "steps.c" in read

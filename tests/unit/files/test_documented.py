@@ -19,6 +19,8 @@ from vehicledyn.files.system.sets import SystemFile
 from vehicledyn.multibody import derive
 from vehicledyn.results.store.reader import open_result
 
+pytestmark = pytest.mark.long
+
 ROOT = Path(__file__).parents[3]
 PAGE = (ROOT / "docs" / "systems.md").read_text(encoding="utf-8")
 BLOCK = re.compile(r"^```(\w+)\n(.*?)^```", re.MULTILINE | re.DOTALL)

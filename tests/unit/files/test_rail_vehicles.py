@@ -12,6 +12,8 @@ from vehicledyn.files.system.read import read_system
 from vehicledyn.kernel.kernel import compile_kernel
 from vehicledyn.multibody import derive
 
+pytestmark = pytest.mark.long
+
 SYSTEMS = Path(__file__).parents[3] / "systems"
 
 

@@ -17,6 +17,8 @@ from vehicledyn.files.scenario import load_model, load_scenario
 from vehicledyn.multibody import derive
 from vehicledyn.results.store.reader import open_result
 
+pytestmark = pytest.mark.long
+
 FOLDER = Path(__file__).parents[3] / "systems"
 WHEELSET = (FOLDER / "rail_wheelset.yaml").read_text(encoding="utf-8")
 ELASTIC = "{kind: elastic, youngs_modulus: 210 GPa, poissons_ratio: 0.28, damping: 2 s/m}"

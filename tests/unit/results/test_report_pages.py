@@ -18,6 +18,8 @@ from vehicledyn.results.report.texts import change, reading
 from vehicledyn.results.store.decimation import thinned
 from vehicledyn.results.store.door import ResultWriter, open_result
 
+pytestmark = pytest.mark.long
+
 HOSTILE = '</title><script>alert(1)</script><img src=x onerror=alert(2)> $\\frac{$ "quoted" \x1b 🚗'
 
 

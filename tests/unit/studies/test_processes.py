@@ -19,6 +19,8 @@ from vehicledyn.results.store.study_reader import open_study
 from vehicledyn.studies import load_study, processes
 from vehicledyn.studies.block import work_of
 
+pytestmark = pytest.mark.long
+
 LINUX = pytest.mark.skipif(not Path("/proc/net/tcp").exists(), reason="needs Linux's /proc")
 
 

@@ -18,6 +18,8 @@ from test_sweep import same
 import vehicledyn
 from vehicledyn.results.store.study_reader import open_study
 
+pytestmark = pytest.mark.long
+
 LONG = STUDY.replace("duration: 0.2 s", "duration: 20 s").replace("number: 24", "number: 400")
 LONG = LONG.replace("interval: 20 ms", "interval: 1 s").replace("seed: 5", "seed: 5\n  # long")
 PATIENCE = 120.0
