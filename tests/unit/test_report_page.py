@@ -39,7 +39,7 @@ def test_pages_of_every_kind(folder):
     expected = {
         "soft": "Largest position error",
         "hunt": "Linear critical value (an oscillation begins to grow) 61.13 m/s",
-        "contact": "Inclination 1.432 deg",
+        "contact": "Inclination 1:40",
         "modes": "Damping ratio",
         "response": "body.height by road.height",
         "four_bar": "37 samples",
