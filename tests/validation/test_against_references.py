@@ -12,7 +12,7 @@ ROWS = {
     "kinematics": 7,
     "suspensions": 55,
     "histories": 24,
-    "convergence": 20,
+    "convergence": 36,
     "modes": 16,
     "mechanics": 4,
     "slalom": 4,
