@@ -17,6 +17,8 @@ from vehicledyn.rail.geometry.contact_geometry import Wheel, place_rail
 from vehicledyn.rail.geometry.wheelset_geometry import WheelsetOnTrack, find_jumps, stand
 from vehicledyn.rail.profiles.named_profiles import named_profile
 
+pytestmark = pytest.mark.long
+
 
 @pytest.fixture(scope="module")
 def s1002():

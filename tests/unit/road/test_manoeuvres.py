@@ -8,6 +8,8 @@ from vehicledyn.base.registry import kinds
 from vehicledyn.files.scenario import load_scenario
 from vehicledyn.results.store.reader import open_result
 
+pytestmark = pytest.mark.long
+
 DRIVERS = {
     "preview": "{kind: preview, preview_time: 0.5 s, lag_frequency: 20 rad/s, lag_damping: 0.8, "
     "rack_stop: 60 mm}",
