@@ -18,8 +18,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.sparse import csr_matrix
-from scipy.sparse.csgraph import connected_components
 
 from vehicledyn.base.errors import InputError
 from vehicledyn.multibody.loops.closure import MultiplierClosure
@@ -210,6 +208,9 @@ def _mass_rows(symbols: Symbols, loops: Loops, free: list[int]) -> Rows:
 
 def _is_regular(system: System, symbols: Symbols, loops: Loops, rows: Rows) -> bool:
     """Return whether the mass matrix is positive definite at the start."""
+    from scipy.sparse import csr_matrix
+    from scipy.sparse.csgraph import connected_components
+
     entries = system.table.entries
     inputs = [symbols.time, symbols.coordinate_column, ops.column([e.symbol for e in entries])]
     places = [(i, j) for i, row in enumerate(rows) for j in row]
