@@ -3,7 +3,9 @@
 import math
 
 import casadi as ca
+import numpy as np
 
+from vehicledyn.integrate.batch import Cases
 from vehicledyn.symbolic.equations import Block, Channel, Equations, ParameterValue, Variable
 
 
@@ -171,3 +173,14 @@ class Samples:
 
         place = {"times": 0, "states": 1, "unknowns": 2, "outputs": 3}[name]
         return np.concatenate([chunk[place] for chunk in self.chunks])
+
+
+def cases_of(equations, **changes):
+    """Cases in which the named parameters take the given values, all of one length."""
+    state, unknowns = starts(equations)
+    names = [p.name for p in equations.parameters]
+    n = len(next(iter(changes.values())))
+    parameters = np.tile([p.value for p in equations.parameters], (n, 1))
+    for name, values in changes.items():
+        parameters[:, names.index(name)] = values
+    return Cases(parameters, np.tile(state, (n, 1)), np.tile(unknowns, (n, 1)))

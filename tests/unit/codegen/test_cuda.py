@@ -11,9 +11,8 @@ import subprocess
 import numpy as np
 import pytest
 from event_examples import bouncing_ball
-from solve_examples import double_pendulum, oscillator, slider_crank
+from solve_examples import cases_of, double_pendulum, oscillator, slider_crank
 from table_examples import height, quintic, rider
-from test_batch import cases_of
 
 from vehicledyn.base.errors import InputError
 from vehicledyn.codegen.ir.table_rows import TableRows

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from event_examples import bouncing_ball
-from solve_examples import Samples, double_pendulum, oscillator, slider_crank, starts
+from solve_examples import Samples, cases_of, double_pendulum, oscillator, slider_crank
 
 from vehicledyn.base.errors import InputError
 from vehicledyn.codegen.toolchain.compiler import suitable_lanes
@@ -16,17 +16,6 @@ from vehicledyn.integrate.single_case import Alone
 from vehicledyn.kernel.kernel import compile_kernel
 
 SPAN = {"start": 0.0, "stop": 0.5, "interval": 0.05}
-
-
-def cases_of(equations, **changes):
-    """Cases in which the named parameters take the given values, all of one length."""
-    state, unknowns = starts(equations)
-    names = [p.name for p in equations.parameters]
-    n = len(next(iter(changes.values())))
-    parameters = np.tile([p.value for p in equations.parameters], (n, 1))
-    for name, values in changes.items():
-        parameters[:, names.index(name)] = values
-    return Cases(parameters, np.tile(state, (n, 1)), np.tile(unknowns, (n, 1)))
 
 
 def alone(kernel, cases, index):
