@@ -16,7 +16,7 @@ from every_constraint import LOOPS, RANDOM_LOOPS, RANDOM_TREES, SEEDS, TREES, WR
 from many_states import ManyStates
 
 from vehicledyn.base.registry import kinds
-from vehicledyn.files.system import load_kinds
+from vehicledyn.files.system.kinds import load_kinds
 from vehicledyn.multibody.elements.rolling import RollingWheel
 from vehicledyn.multibody.equations.inverse_dynamics import derive_inverse
 from vehicledyn.multibody.model.bodies import JOINT_KINDS

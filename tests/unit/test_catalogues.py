@@ -10,7 +10,7 @@ import vehicledyn.catalogue
 import vehicledyn.studies  # noqa: F401
 from vehicledyn.base.parameters import ParameterSet, field_family, field_unit
 from vehicledyn.base.registry import families, find, kinds
-from vehicledyn.files.system import load_kinds
+from vehicledyn.files.system.kinds import load_kinds
 
 load_kinds()
 TESTS = Path(__file__).parents[1]

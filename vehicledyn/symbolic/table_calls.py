@@ -7,53 +7,10 @@ since knot and coefficients do not change within a cell, so :func:`settled` remo
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
-from weakref import WeakValueDictionary
+from typing import Any
 
-if TYPE_CHECKING:
-    from vehicledyn.symbolic.tables import CurveTable
-
-_PREFIX = "cell_of_"
-_ORDERS = 4
-"""Derivatives of derivatives that CasADi may take by itself."""
-
-
-@dataclass(frozen=True, eq=False)
-class TableCall:
-    """The function x -> (knot, coefficients) of tables with equal numbers, and one of them."""
-
-    function: Any
-    table: CurveTable
-
-
-_CALLS: WeakValueDictionary[str, TableCall] = WeakValueDictionary()
-
-
-def call_of(table: CurveTable) -> TableCall:
-    """Return the call of a table; it lasts as long as anyone holds it."""
-    name = _PREFIX + table.identity
-    call = _CALLS.get(name)
-    if call is None:
-        call = _CALLS[name] = TableCall(_function(name, table), table)
-    return call
-
-
-def table_of(function: Any) -> CurveTable | None:
-    """Return the table whose cells a called ``casadi.Function`` finds, None for any other.
-
-    Raises
-    ------
-    ValueError
-        If the table itself is gone; whoever uses its expressions must keep it.
-    """
-    name = function.name()
-    if not name.startswith(_PREFIX):
-        return None
-    call = _CALLS.get(name)
-    if call is None:
-        raise ValueError(f"the table of '{name}' is gone; keep it as long as its expressions")
-    return call.table
+from vehicledyn.symbolic.cell_functions import is_slope
+from vehicledyn.symbolic.tables import CurveTable, any_called, table_of
 
 
 def calls_in(function: Any) -> dict[int, Any]:
@@ -74,7 +31,7 @@ def tables_in(expressions: Sequence[Any]) -> tuple[CurveTable, ...]:
     """Return the tables of SX matrices in the order in which they are first computed."""
     import casadi
 
-    if not _CALLS:
+    if not any_called():
         return ()
     results = [casadi.SX(item) for item in expressions]
     symbols = casadi.symvar(casadi.veccat(*results))
@@ -95,7 +52,7 @@ def _collect(function: Any, tables: dict[str, CurveTable]) -> None:
 
 def settled(expression: Any) -> Any:
     """Return an SX matrix without the derivatives of cells, which are zero."""
-    if not _CALLS:
+    if not any_called():
         return expression
 
     def without_slopes(function: Any, scalars: list[Any]) -> list[Any]:
@@ -160,51 +117,3 @@ def call_with(function: Any, scalars: Sequence[Any]) -> list[Any]:
         column = casadi.SX(function.sparsity_out(k), result).nz[:]
         found += [column[n] for n in range(function.nnz_out(k))]
     return found
-
-
-def is_slope(name: str) -> bool:
-    """Return whether a name is that of a function CasADi made to differentiate a cell."""
-    return not name.startswith(_PREFIX) and _PREFIX in name
-
-
-def _function(name: str, table: CurveTable) -> Any:
-    """Return the CasADi function of a table.
-
-    Coefficients come from a linear interpolation between cells, taken at whole numbers only,
-    since it reads no more of the table than it needs.
-    """
-    import casadi
-
-    x = casadi.MX.sym("x")
-    rows, width = table.cells.shape
-    place = casadi.fmax(casadi.fmin((x - table.origin) * (1.0 / table.step), rows - 1.0), 0.0)
-    cell = casadi.floor(place)
-    row_of = casadi.interpolant(
-        "rows", "linear", [range(rows)], table.cells.ravel(), {"lookup_mode": ["exact"]}
-    )
-    found = casadi.vertcat(table.origin + table.step * cell, row_of(cell))
-    slope = _nothing(f"fwd1_{name}", [(1, 1), (1 + width, 1), (1, 1)], 1 + width, _ORDERS)
-    options: Any = {"never_inline": True, "cache": {slope.name(): slope}}
-    return casadi.Function(name, [x], [found], options)
-
-
-def _nothing(name: str, inputs: list[tuple[int, int]], size: int, orders: int) -> Any:
-    """Return a function that is zero, and so are its derivatives up to some order.
-
-    In forward mode CasADi 3.8 leaves the derivative of a call undefined where it has no nonzeros,
-    so each derivative is given one of full shape. The inputs are arguments, results and seeds;
-    results are not looked at.
-    """
-    import casadi
-
-    symbols = [
-        casadi.MX.sym(
-            "given", casadi.Sparsity(*shape) if shape[0] == size else casadi.Sparsity.dense(*shape)
-        )
-        for shape in inputs
-    ]
-    options: dict[str, Any] = {"never_inline": True}
-    if orders > 1:
-        further = _nothing(f"fwd1_{name}", [*inputs, (size, 1), *inputs], size, orders - 1)
-        options["cache"] = {further.name(): further}
-    return casadi.Function(name, symbols, [casadi.MX.zeros(size, 1)], options)

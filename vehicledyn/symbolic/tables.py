@@ -12,13 +12,13 @@ import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import Any
+from weakref import WeakValueDictionary
 
 import numpy as np
 from numpy.typing import NDArray
 
-if TYPE_CHECKING:
-    from vehicledyn.symbolic.table_calls import TableCall
+from vehicledyn.symbolic.cell_functions import PREFIX, cell_function
 
 Array = NDArray[np.float64]
 
@@ -155,9 +155,12 @@ class CurveTable:
 
     @cached_property
     def _call(self) -> TableCall:
-        from vehicledyn.symbolic.table_calls import call_of
-
-        return call_of(self)
+        name = PREFIX + self.identity
+        call = _CALLS.get(name)
+        if call is None:
+            function = cell_function(name, self.origin, self.step, self.cells)
+            call = _CALLS[name] = TableCall(function, self)
+        return call
 
     def _polynomial(self, x: Any, derivative: int) -> Any:
         knot, rows = self._cell(x)
@@ -180,3 +183,37 @@ class CurveTable:
         cell = np.trunc(place).astype(int)
         rows = np.moveaxis(self.cells[cell], -1, 0)
         return self.origin + self.step * cell, rows
+
+
+@dataclass(frozen=True, eq=False)
+class TableCall:
+    """The function x -> (knot, coefficients) of tables with equal numbers, and one of them."""
+
+    function: Any
+    table: CurveTable
+
+
+_CALLS: WeakValueDictionary[str, TableCall] = WeakValueDictionary()
+"""Calls in use, by the name of their function; each lasts as long as anyone holds it."""
+
+
+def any_called() -> bool:
+    """Return whether any expression looks a table up."""
+    return bool(_CALLS)
+
+
+def table_of(function: Any) -> CurveTable | None:
+    """Return the table whose cells a called ``casadi.Function`` finds, None for any other.
+
+    Raises
+    ------
+    ValueError
+        If the table itself is gone; whoever uses its expressions must keep it.
+    """
+    name = function.name()
+    if not name.startswith(PREFIX):
+        return None
+    call = _CALLS.get(name)
+    if call is None:
+        raise ValueError(f"the table of '{name}' is gone; keep it as long as its expressions")
+    return call.table

@@ -13,7 +13,7 @@ from system_texts import Motion
 
 from vehicledyn.base.registry import families, kinds
 from vehicledyn.files.building.construct import build_system
-from vehicledyn.files.system import load_kinds
+from vehicledyn.files.system.kinds import load_kinds
 from vehicledyn.files.system.read import read_system
 from vehicledyn.files.system.sets import SystemFile
 from vehicledyn.multibody import derive

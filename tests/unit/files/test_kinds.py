@@ -6,7 +6,7 @@ from system_texts import Motion, equations
 
 import vehicledyn.catalogue
 from vehicledyn.base.registry import kinds
-from vehicledyn.files.system import load_kinds
+from vehicledyn.files.system.kinds import load_kinds
 from vehicledyn.symbolic import ops, rotations
 
 assert vehicledyn.catalogue

@@ -17,9 +17,10 @@ from dataclasses import dataclass, field
 from functools import cache
 from typing import Any, NamedTuple
 
+from vehicledyn.symbolic.cell_functions import is_slope
 from vehicledyn.symbolic.shared import inlined
-from vehicledyn.symbolic.table_calls import calls_in, is_slope, table_of
-from vehicledyn.symbolic.tables import CurveTable
+from vehicledyn.symbolic.table_calls import calls_in
+from vehicledyn.symbolic.tables import CurveTable, table_of
 
 INPUT, CONST = "INPUT", "CONST"
 CELL, KNOT, ENTRY = "CELL", "KNOT", "ENTRY"

@@ -21,7 +21,8 @@ from vehicledyn.codegen.passes.signed_constants import mirrored_constants
 from vehicledyn.codegen.passes.split_calls import call_apart
 from vehicledyn.symbolic import ops
 from vehicledyn.symbolic.equations import Equations
-from vehicledyn.symbolic.table_calls import calls_in, table_of
+from vehicledyn.symbolic.table_calls import calls_in
+from vehicledyn.symbolic.tables import table_of
 
 _NO_WORK = ("OP_INPUT", "OP_OUTPUT", "OP_CONST", "OP_PARAMETER")
 

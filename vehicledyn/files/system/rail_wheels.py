@@ -10,7 +10,8 @@ from pydantic import Field, field_validator
 from vehicledyn.base.errors import InputError
 from vehicledyn.base.parameters import ParameterSet
 from vehicledyn.files.expressions.fields import Scalar, SystemSet, measured, reference
-from vehicledyn.rail.profiles.profile_names import check_name, file_problems, is_name
+from vehicledyn.rail.profiles.profile_checks import file_problems
+from vehicledyn.rail.profiles.profile_names import check_name, is_name
 from vehicledyn.rail.profiles.profile_reading import AS_IT_IS, ProfileReading
 
 if TYPE_CHECKING:

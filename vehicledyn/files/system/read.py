@@ -16,9 +16,10 @@ from vehicledyn.base.yaml import Document, read_yaml
 from vehicledyn.files.expressions.parameters import Parameters, read_parameters
 from vehicledyn.files.scenario.referenced_files import beside
 from vehicledyn.files.scenario.sources import Sources
-from vehicledyn.files.system import changes, load_kinds
+from vehicledyn.files.system import changes
 from vehicledyn.files.system.checks import check
 from vehicledyn.files.system.joints import Coordinate
+from vehicledyn.files.system.kinds import load_kinds
 from vehicledyn.files.system.laws import TimeLaw
 from vehicledyn.files.system.mirror import mirror_image
 from vehicledyn.files.system.motion import read_motion

@@ -18,15 +18,12 @@ from __future__ import annotations
 import itertools
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 
+from vehicledyn.rail.contact.elastic_patch import ElasticPatch
 from vehicledyn.symbolic import ops
 from vehicledyn.symbolic.ops import Scalar
-
-if TYPE_CHECKING:
-    from vehicledyn.rail.contact.elastic_contact import ElasticPatch
 
 APPROACH_FLOOR = 1e-12
 """Added to approaches that others are related to [m]."""

@@ -9,7 +9,8 @@ from typing import Any, ClassVar
 from vehicledyn.base.parameters import field_unit
 from vehicledyn.base.shapes import Shape
 from vehicledyn.multibody.model.parts import BasePart, Loads, Output, PartEvent, Situation, Wrench
-from vehicledyn.rail.contact.elastic_contact import Axle, ElasticContact, ElasticPatch
+from vehicledyn.rail.contact.elastic_contact import Axle, ElasticContact
+from vehicledyn.rail.contact.elastic_patch import ElasticPatch
 from vehicledyn.rail.contact.rail_contact import RailWheels
 from vehicledyn.rail.contact.rail_shapes import rail_wheel_shapes
 from vehicledyn.rail.creep.creep_law import CreepContact, CreepForces, CreepLaw

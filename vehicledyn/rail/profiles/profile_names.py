@@ -7,11 +7,9 @@ from pathlib import Path
 from typing import Any, Literal
 
 from vehicledyn.base.errors import InputError, nearest_name
-from vehicledyn.base.problems import is_count
 from vehicledyn.base.slope_text import slope_of
 from vehicledyn.base.units import to_si
 from vehicledyn.base.yaml import copied, read_yaml
-from vehicledyn.rail.profiles.profile_reading import ProfileReading
 
 Kind = Literal["wheel", "rail"]
 
@@ -35,28 +33,6 @@ def check_name(text: str, kind: Kind) -> None:
     """
     if cone_slope(text) is None and arc_radius(text) is None:
         standard_data(text, kind)
-
-
-def file_problems(text: str, kind: Kind, reading: ProfileReading) -> list[str]:
-    """Return what is wrong with a profile, by name or in a file, one line each.
-
-    Parameters
-    ----------
-    text, kind
-        As for :func:`vehicledyn.rail.profiles.open_profile.open_profile`.
-    reading
-        How the points of a file become a profile.
-    """
-    try:
-        if is_name(text) or not (Path(text).suffix or Path(text).exists()):
-            check_name(text, kind)
-            return []
-        from vehicledyn.rail.profiles.open_profile import open_profile
-
-        open_profile(text, kind, reading)
-    except InputError as error:
-        return [line for line in str(error).splitlines() if not is_count(line)]
-    return []
 
 
 def cone_slope(text: str) -> float | None:

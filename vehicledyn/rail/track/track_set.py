@@ -13,7 +13,8 @@ from vehicledyn.base.errors import InputError
 from vehicledyn.base.parameters import ParameterSet, part, quantity
 from vehicledyn.base.problems import is_count
 from vehicledyn.base.slope_text import slope_of
-from vehicledyn.rail.profiles.profile_names import STANDARD, file_problems, is_name
+from vehicledyn.rail.profiles.profile_checks import file_problems
+from vehicledyn.rail.profiles.profile_names import STANDARD, is_name
 from vehicledyn.rail.profiles.profile_reading import AS_IT_IS, ProfileReading
 from vehicledyn.rail.track.track import CentreLine, RailShift, Track
 

@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 
 from vehicledyn.base.errors import InputError
-from vehicledyn.results.report.content import Content, key_table, read_content
+from vehicledyn.results.report.content import Content, key_table
 from vehicledyn.results.report.images import picture
 from vehicledyn.results.report.page import (
     Block,
@@ -18,6 +18,7 @@ from vehicledyn.results.report.page import (
     Section,
     Table,
 )
+from vehicledyn.results.report.read_content import read_content
 
 Told = Callable[[str, float | None], None]
 
@@ -77,7 +78,7 @@ def results_in(folder: Path) -> list[Path]:
 
 
 def _blocks(content: Content, target: Path, *, drawn: bool) -> Iterator[Block]:
-    from vehicledyn.results.report.write import address, beside
+    from vehicledyn.results.report.page_places import address, beside
 
     for what, text in (("report", "Open its report"), ("animation", "Watch it move")):
         page = beside(content.path, what)

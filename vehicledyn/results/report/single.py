@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from vehicledyn.base.errors import InputError
-from vehicledyn.results.report.content import Content, KeyFigure, key_table, read_content
+from vehicledyn.results.report.content import Content, KeyFigure, key_table
 from vehicledyn.results.report.differences import differences
 from vehicledyn.results.report.images import picture
 from vehicledyn.results.report.page import (
@@ -20,6 +20,7 @@ from vehicledyn.results.report.page import (
     Section,
     Table,
 )
+from vehicledyn.results.report.read_content import read_content
 from vehicledyn.results.report.texts import change
 
 if TYPE_CHECKING:
@@ -92,7 +93,7 @@ def page_of_two(path: Path, other: Path, target: Path, told: Told) -> Page:
 
 def _links(path: Path, target: Path, text: str) -> list[Link]:
     """Return links to the moving picture of a result, if there is one."""
-    from vehicledyn.results.report.write import address, beside
+    from vehicledyn.results.report.page_places import address, beside
 
     animation = beside(path, "animation")
     if not animation.is_file():

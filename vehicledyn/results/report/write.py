@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Callable
 from pathlib import Path
-from urllib.parse import quote
 
 from vehicledyn.base.errors import InputError
 from vehicledyn.results.hdf5.page_file import check_page, write_page
 from vehicledyn.results.report.page import render
+from vehicledyn.results.report.page_places import beside
 
 Told = Callable[[str, float | None], None]
 
@@ -67,14 +66,3 @@ def write_report(
 def usual_place(source: Path) -> Path:
     """Return where the page of a result or a folder goes."""
     return source / "report.html" if source.is_dir() else beside(source, "report")
-
-
-def beside(result: Path, what: str) -> Path:
-    """Return the page of some kind that belongs to a result file."""
-    return result.with_name(f"{result.stem}_{what}.html")
-
-
-def address(target: Path, page: Path) -> str:
-    """Return the address of a file as seen from a page, relative and quoted."""
-    relative = os.path.relpath(target.resolve(), page.resolve().parent)
-    return "./" + quote(relative.replace(os.sep, "/").encode("utf-8", "surrogateescape"))

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import Protocol
 
 from vehicledyn.multibody.model.parts import BasePart, Clock, Loads, Motion, Output, Situation
 from vehicledyn.road.vehicle import RoadVehicle
@@ -19,11 +19,32 @@ from vehicledyn.symbolic import ops
 from vehicledyn.symbolic.equations import Channel, Variable
 from vehicledyn.symbolic.ops import Scalar
 
-if TYPE_CHECKING:
-    from vehicledyn.road.drivers.preview import Preview
-
 SPEED_FLOOR = 1.0
 """Speed below which a driver steers as at this speed [m/s]."""
+
+
+class PreviewSettings(Protocol):
+    """Settings of the driver, see :class:`vehicledyn.road.drivers.preview.Preview`."""
+
+    @property
+    def preview_time(self) -> float:
+        """How far ahead the driver looks [s]."""
+
+    @property
+    def understeer(self) -> float:
+        """Understeer the driver makes up for [rad s²/m]."""
+
+    @property
+    def lag_frequency(self) -> float:
+        """Bandwidth of arms and nerves [rad/s]."""
+
+    @property
+    def lag_damping(self) -> float:
+        """Damping ratio of arms and nerves [1]."""
+
+    @property
+    def rack_stop(self) -> float:
+        """Largest rack displacement [m]."""
 
 
 @dataclass(frozen=True)
@@ -31,7 +52,7 @@ class PreviewDriver(BasePart):
     """The preview driver as a part: two states, rack position and velocity."""
 
     vehicle: RoadVehicle
-    settings: Preview
+    settings: PreviewSettings
     path: Callable[[Scalar], Scalar]
 
     def states(self) -> tuple[Variable, ...]:

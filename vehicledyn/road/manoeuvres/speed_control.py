@@ -26,5 +26,12 @@ class SpeedControl(ParameterSet):
         gains = vehicle.system.table.add_set("speed_control", self)
         wheels = tuple(corner.body for corner in vehicle.corners)
         return vehicle.with_parts(
-            SpeedDrive("drive", vehicle.chassis, wheels, vehicle.speed, gains)
+            SpeedDrive(
+                "drive",
+                vehicle.chassis,
+                wheels,
+                vehicle.speed,
+                gains.proportional_gain,
+                gains.integral_gain,
+            )
         )

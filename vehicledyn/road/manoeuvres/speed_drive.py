@@ -3,15 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 from vehicledyn.multibody.model.parts import BasePart, Loads, Output, Situation, Wrench
 from vehicledyn.symbolic import ops, rotations
 from vehicledyn.symbolic.equations import Channel, Variable
 from vehicledyn.symbolic.ops import Scalar
-
-if TYPE_CHECKING:
-    from vehicledyn.road.manoeuvres.speed_control import SpeedControl
 
 
 @dataclass(frozen=True)
@@ -21,7 +17,8 @@ class SpeedDrive(BasePart):
     chassis: str
     wheels: tuple[str, ...]
     target: Scalar
-    gains: SpeedControl
+    proportional_gain: Scalar
+    integral_gain: Scalar
 
     def states(self) -> tuple[Variable, ...]:
         """Return the integral of the speed error."""
@@ -57,6 +54,4 @@ class SpeedDrive(BasePart):
 
     def _torque(self, situation: Situation) -> Scalar:
         integral = situation.states["speed_error_integral"]
-        return self.gains.proportional_gain * self._error(situation) + (
-            self.gains.integral_gain * integral
-        )
+        return self.proportional_gain * self._error(situation) + (self.integral_gain * integral)

@@ -1,0 +1,56 @@
+"""What calls of CasADi's integrators share, with events and without."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from vehicledyn.base.errors import NumericalError
+from vehicledyn.integrate.explicit_pair import steepest_state
+from vehicledyn.integrate.implicit import ImplicitEquations
+from vehicledyn.integrate.task import Task
+from vehicledyn.kernel.engine import Count, Vector
+
+
+class Stopped(Exception):  # noqa: N818
+    """CasADi gave up a call; how far it came is not known."""
+
+
+def elapsed_equations(implicit: ImplicitEquations, p: Any, elapsed: Any) -> dict[str, Any]:
+    """Return the equations as CasADi's integrators take them, but for their time.
+
+    Parameters
+    ----------
+    implicit
+        The equations.
+    p
+        Symbols of the constants, of the time at which the integration begins, and perhaps more.
+    elapsed
+        What elapsed since then [s].
+    """
+    n = implicit.n_constants
+    x, z = (
+        implicit.symbols.sym(name, size) for name, size in zip("xz", implicit.sizes, strict=True)
+    )
+    rate, residual = implicit.function(p[n] + elapsed, x, z, p[:n])
+    dae = {"x": x, "z": z, "p": p, "ode": rate, "alg": residual}
+    if not z.numel():
+        del dae["z"], dae["alg"]
+    return dae
+
+
+def count_work(stats: Mapping[str, Any], task: Task) -> int:
+    """Add the evaluations of a call to a task's account, and return its steps."""
+    task.ledger.counts[Count.EVALUATIONS] += int(stats.get("n_rhs", stats.get("nfevals", 0)))
+    return int(stats.get("n_steps", stats.get("nsteps", 0)))
+
+
+def stopped_between(
+    task: Task, times: tuple[float, float], state: Vector, unknowns: Vector
+) -> NumericalError:
+    """Return the error for a method that gave up between two times [s], from this point on."""
+    return NumericalError(
+        f"integration stopped between t = {times[0]:.9g} s and "
+        f"{times[1]:.9g} s: the steps became too small or too many; "
+        f"state '{steepest_state(task.kernel, times[0], state, unknowns)}' changes fastest there"
+    )
