@@ -12,15 +12,8 @@ import numpy as np
 
 from vehicledyn.analyses.hunting.parameter_starts import starting_at
 from vehicledyn.analyses.preparation.build_model import build_subject, manoeuvre_of
-from vehicledyn.analyses.preparation.prepare import (
-    Derived,
-    Point,
-    Prepared,
-    Progress,
-    Vector,
-    prepare,
-    start_point,
-)
+from vehicledyn.analyses.preparation.prepare import Point, Vector, prepare, start_point
+from vehicledyn.analyses.preparation.prepared import Derived, Prepared, Progress
 from vehicledyn.analyses.preparation.rate_determinacy import rates_watched
 from vehicledyn.analyses.preparation.road_runnable import RoadSubject
 from vehicledyn.analyses.preparation.runnable import Subject

@@ -18,12 +18,12 @@ import numpy as np
 from vehicledyn.analyses.preparation.prepare import (
     BALANCE_TOLERANCE,
     Point,
-    Prepared,
     Start,
     equilibrium_point,
     nominal_point,
     set_speed,
 )
+from vehicledyn.analyses.preparation.prepared import Prepared
 from vehicledyn.analyses.preparation.runnable import Subject, Vector
 from vehicledyn.analyses.preparation.start_rates import start_rates
 from vehicledyn.base.errors import NumericalError

@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from vehicledyn.analyses.preparation.prepare import Progress
+from vehicledyn.analyses.preparation.prepared import Progress
 from vehicledyn.base.errors import InputError, NumericalError
 from vehicledyn.base.processors import cores
 from vehicledyn.kernel.kernel import Backend

@@ -10,7 +10,8 @@ from pathlib import Path
 import numpy as np
 
 import vehicledyn.catalogue  # noqa: F401  # registers models, tyres, roads
-from vehicledyn.analyses.preparation.prepare import Prepared, equilibrium_point, prepare
+from vehicledyn.analyses.preparation.prepare import equilibrium_point, prepare
+from vehicledyn.analyses.preparation.prepared import Prepared
 from vehicledyn.files.scenario import load_model, load_scenario
 from vehicledyn.integrate.simulate import simulate
 

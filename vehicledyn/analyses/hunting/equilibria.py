@@ -21,7 +21,7 @@ from vehicledyn.analyse.periodic.critical import (
 )
 from vehicledyn.analyses.hunting.parameter_starts import ParameterStarts
 from vehicledyn.analyses.hunting.start import balanced_point
-from vehicledyn.analyses.preparation.prepare import Prepared, Progress
+from vehicledyn.analyses.preparation.prepared import Prepared, Progress
 from vehicledyn.base.errors import InputError, NumericalError
 from vehicledyn.base.units import shown
 from vehicledyn.files.scenario import LoadedScenario

@@ -10,7 +10,8 @@ from vehicledyn.analyses.hunting.saving import Saving, finished, identity_of
 from vehicledyn.analyses.hunting.start import HuntSettings, check_settings
 from vehicledyn.analyses.hunting.study import Study
 from vehicledyn.analyses.preparation.build_model import Target
-from vehicledyn.analyses.preparation.prepare import Progress, prepare
+from vehicledyn.analyses.preparation.prepare import prepare
+from vehicledyn.analyses.preparation.prepared import Progress
 from vehicledyn.kernel.kernel import Backend
 from vehicledyn.results.hdf5.output import check_folder, check_output
 from vehicledyn.results.plots.hunt_figures import hunt_figures

@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 
 from vehicledyn.analyses.preparation.build_model import Target, build_subject, system_of
 from vehicledyn.analyses.preparation.own_speed import at_value
-from vehicledyn.analyses.preparation.prepare import Prepared
+from vehicledyn.analyses.preparation.prepared import Prepared
 from vehicledyn.analyses.preparation.runnable import Subject
 from vehicledyn.symbolic.equations import Equations
 

@@ -6,7 +6,7 @@ import numpy as np
 
 from vehicledyn.analyse.periodic.autonomous_form import TIMES
 from vehicledyn.analyses.hunting.start import HuntSettings, parameter_index, span_of
-from vehicledyn.analyses.preparation.prepare import Derived
+from vehicledyn.analyses.preparation.prepared import Derived
 from vehicledyn.base.errors import InputError
 from vehicledyn.multibody.model.system import System
 from vehicledyn.rail.track.follower import TrackFollower

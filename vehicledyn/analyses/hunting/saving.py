@@ -13,7 +13,7 @@ from typing import Self
 
 import vehicledyn
 from vehicledyn.analyses.hunting.start import HuntSettings
-from vehicledyn.analyses.preparation.prepare import Prepared
+from vehicledyn.analyses.preparation.prepared import Prepared
 from vehicledyn.base.errors import InputError
 from vehicledyn.codegen.toolchain.fingerprint import fingerprint
 from vehicledyn.results.hdf5.checkpoint import Checkpoint

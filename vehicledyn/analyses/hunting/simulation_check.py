@@ -16,7 +16,7 @@ from vehicledyn.analyse.settling.parameter_rampdown import (
 from vehicledyn.analyse.settling.settling import Ending
 from vehicledyn.analyse.settling.simulated_cycles import Runner, Settled
 from vehicledyn.analyses.hunting.branch_matching import Legs
-from vehicledyn.analyses.preparation.prepare import Progress
+from vehicledyn.analyses.preparation.prepared import Progress
 from vehicledyn.base.units import shown
 
 _RESOLUTION = 2e-4

@@ -11,7 +11,8 @@ from vehicledyn.analyse.periodic.critical import follow_balance
 from vehicledyn.analyse.settling.parameter_rampdown import steps
 from vehicledyn.analyses.hunting.parameter_starts import ParameterStarts
 from vehicledyn.analyses.preparation.build_model import Target
-from vehicledyn.analyses.preparation.prepare import Point, Prepared, reference_point
+from vehicledyn.analyses.preparation.prepare import Point, reference_point
+from vehicledyn.analyses.preparation.prepared import Prepared
 from vehicledyn.analyses.preparation.system_runnable import SystemSubject
 from vehicledyn.base.errors import InputError, NumericalError, nearest_name, unknown_name
 from vehicledyn.base.units import to_si

@@ -38,7 +38,7 @@ from vehicledyn.analyses.hunting.start import (
 )
 from vehicledyn.analyses.hunting.symmetry_broken_branches import Secondary
 from vehicledyn.analyses.preparation.build_model import Target
-from vehicledyn.analyses.preparation.prepare import Prepared, Progress
+from vehicledyn.analyses.preparation.prepared import Prepared, Progress
 from vehicledyn.analyses.preparation.sources import laws_that_bend
 from vehicledyn.base.errors import NumericalError
 from vehicledyn.base.units import shown

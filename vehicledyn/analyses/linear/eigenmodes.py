@@ -14,14 +14,8 @@ from vehicledyn.analyse.modes import Mode, eigenmodes
 from vehicledyn.analyses.linear.mode_report import ModesAtSpeed, ModesReport
 from vehicledyn.analyses.preparation.build_model import Target
 from vehicledyn.analyses.preparation.own_speed import at_speed, refuse_idle_speed, speed_matters
-from vehicledyn.analyses.preparation.prepare import (
-    Prepared,
-    Progress,
-    Start,
-    prepare,
-    reference_point,
-    start_point,
-)
+from vehicledyn.analyses.preparation.prepare import Start, prepare, reference_point, start_point
+from vehicledyn.analyses.preparation.prepared import Prepared, Progress
 from vehicledyn.analyses.preparation.steadiness import unsteadiness
 from vehicledyn.analyses.preparation.system_runnable import SystemSubject
 from vehicledyn.base.errors import InputError

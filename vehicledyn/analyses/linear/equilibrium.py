@@ -11,14 +11,8 @@ from numpy.typing import NDArray
 from vehicledyn.analyses.linear.stability import Stability, stability_of
 from vehicledyn.analyses.preparation.build_model import Target
 from vehicledyn.analyses.preparation.own_speed import at_speed, own_speed, refuse_idle_speed
-from vehicledyn.analyses.preparation.prepare import (
-    Point,
-    Prepared,
-    Progress,
-    equilibrium_point,
-    nominal_point,
-    prepare,
-)
+from vehicledyn.analyses.preparation.prepare import Point, equilibrium_point, nominal_point, prepare
+from vehicledyn.analyses.preparation.prepared import Prepared, Progress
 from vehicledyn.base.units import shown
 from vehicledyn.files.scenario import LoadedScenario
 from vehicledyn.kernel.kernel import Backend

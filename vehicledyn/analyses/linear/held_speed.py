@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from vehicledyn.analyses.linear.linear_inputs import THRUST
-from vehicledyn.analyses.preparation.prepare import Point, Prepared, Start, reference_point
+from vehicledyn.analyses.preparation.prepare import Point, Start, reference_point
+from vehicledyn.analyses.preparation.prepared import Prepared
 from vehicledyn.analyses.preparation.road_runnable import RoadSubject
 from vehicledyn.base.errors import NumericalError
 

@@ -20,7 +20,8 @@ from vehicledyn.analyses.linear.linear_inputs import Excited
 from vehicledyn.analyses.linear.response_report import ResponseReport
 from vehicledyn.analyses.preparation.build_model import Target
 from vehicledyn.analyses.preparation.own_speed import at_speed, refuse_idle_speed
-from vehicledyn.analyses.preparation.prepare import Derived, Point, Prepared, Progress, prepare
+from vehicledyn.analyses.preparation.prepare import Point, prepare
+from vehicledyn.analyses.preparation.prepared import Derived, Prepared, Progress
 from vehicledyn.analyses.preparation.runnable import Subject
 from vehicledyn.analyses.preparation.steadiness import unsteadiness
 from vehicledyn.base.errors import InputError

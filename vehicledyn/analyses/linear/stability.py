@@ -8,7 +8,8 @@ from typing import Any
 from vehicledyn.analyse.linearise import linearise
 from vehicledyn.analyse.modes import Mode, eigenmodes
 from vehicledyn.analyses.linear.mode_report import NEAR_ZERO, STABLE
-from vehicledyn.analyses.preparation.prepare import Point, Prepared
+from vehicledyn.analyses.preparation.prepare import Point
+from vehicledyn.analyses.preparation.prepared import Prepared
 from vehicledyn.base.errors import InputError, NumericalError
 
 _TOLD = 3

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from vehicledyn.analyses.mechanism.inverse import channel_rows
 from vehicledyn.analyses.preparation.build_model import build_subject
-from vehicledyn.analyses.preparation.prepare import Progress
+from vehicledyn.analyses.preparation.prepared import Progress
 from vehicledyn.analyses.preparation.prescribed_motion import LawMotion, Motion, read_table
 from vehicledyn.base.errors import InputError, NumericalError
 from vehicledyn.base.units import shown

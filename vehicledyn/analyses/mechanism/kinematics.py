@@ -28,7 +28,7 @@ from vehicledyn.analyses.mechanism.mechanism_path import (
     run_sweep,
 )
 from vehicledyn.analyses.preparation.build_model import Target, build_subject
-from vehicledyn.analyses.preparation.prepare import Progress
+from vehicledyn.analyses.preparation.prepared import Progress
 from vehicledyn.base.errors import InputError
 from vehicledyn.base.ranges import read_range
 from vehicledyn.files.scenario import LoadedScenario

@@ -7,7 +7,8 @@ from dataclasses import dataclass
 from typing import Any
 
 from vehicledyn.analyses.preparation.build_model import Target, build_subject
-from vehicledyn.analyses.preparation.prepare import Progress, prepare
+from vehicledyn.analyses.preparation.prepare import prepare
+from vehicledyn.analyses.preparation.prepared import Progress
 from vehicledyn.base.registry import find
 from vehicledyn.files.building.python_systems import system_as_yaml
 from vehicledyn.files.building.write import model_as_yaml

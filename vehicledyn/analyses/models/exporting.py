@@ -7,14 +7,8 @@ from pathlib import Path
 from typing import Any, Literal, TypeAlias
 
 from vehicledyn.analyses.preparation.build_model import Target
-from vehicledyn.analyses.preparation.prepare import (
-    Point,
-    Prepared,
-    Progress,
-    nominal_point,
-    prepare,
-    start_point,
-)
+from vehicledyn.analyses.preparation.prepare import Point, nominal_point, prepare, start_point
+from vehicledyn.analyses.preparation.prepared import Prepared, Progress
 from vehicledyn.codegen.printers.cuda_source import cuda_source
 from vehicledyn.export.document import Start
 from vehicledyn.export.files import SUFFIXES, export_files, file_of, write_text

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from vehicledyn.base.errors import InputError
 
 if TYPE_CHECKING:
-    from vehicledyn.analyses.preparation.prepare import Prepared
+    from vehicledyn.analyses.preparation.prepared import Prepared
     from vehicledyn.multibody.equations.singular_mass import Idle
 
 Vector = NDArray[np.float64]

@@ -5,7 +5,7 @@ from __future__ import annotations
 import hashlib
 import json
 
-from vehicledyn.analyses.preparation.prepare import Prepared
+from vehicledyn.analyses.preparation.prepared import Prepared
 
 
 def model_hash(prepared: Prepared, *, parameters: bool = True) -> str:

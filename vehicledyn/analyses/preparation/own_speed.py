@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from vehicledyn.analyses.preparation.build_model import Target, system_of
-from vehicledyn.analyses.preparation.prepare import Derived
+from vehicledyn.analyses.preparation.prepared import Derived
 from vehicledyn.analyses.preparation.runnable import Subject
 from vehicledyn.analyses.preparation.system_runnable import SystemSubject
 from vehicledyn.base.errors import InputError

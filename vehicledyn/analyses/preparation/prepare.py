@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
-from dataclasses import dataclass, field, replace
-from functools import cached_property
-from typing import TYPE_CHECKING, Any, Literal, cast
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,23 +12,24 @@ from numpy.typing import NDArray
 from vehicledyn.analyses.preparation.build_model import Target, build_subject
 from vehicledyn.analyses.preparation.error_locations import told_with_places
 from vehicledyn.analyses.preparation.mass_checks import refuse_idle_start
+from vehicledyn.analyses.preparation.prepared import (
+    Check,
+    Derived,
+    Prepared,
+    Progress,
+    by_partitioning,
+    named,
+)
 from vehicledyn.analyses.preparation.road_runnable import RoadSubject
-from vehicledyn.analyses.preparation.runnable import Subject, index_of
+from vehicledyn.analyses.preparation.runnable import Subject
 from vehicledyn.analyses.preparation.start_rates import start_rates
-from vehicledyn.base.errors import InputError
 from vehicledyn.base.interrupts import undisturbed
-from vehicledyn.kernel.kernel import Backend, Kernel, compile_kernel
-from vehicledyn.road.vehicle import RoadVehicle
-from vehicledyn.symbolic.equations import Equations
+from vehicledyn.kernel.kernel import Backend, compile_kernel
 
 if TYPE_CHECKING:
-    from vehicledyn.kernel.derivatives import Derivatives, Slopes
-    from vehicledyn.multibody.equations.derivation import Derivation
-    from vehicledyn.multibody.equations.singular_mass import Resistance
-    from vehicledyn.multibody.loops.partition_monitor import PartitionWatch
+    from vehicledyn.kernel.derivatives import Slopes
 
 Vector = NDArray[np.float64]
-Progress = Callable[[str, float | None], None]
 Start = Literal["nominal", "static", "steady"]
 
 BALANCE_TOLERANCE = 1e-9
@@ -37,141 +37,6 @@ BALANCE_TOLERANCE = 1e-9
 
 _LET_DOWN = 1e-3
 """Step in which a road vehicle is let down until its wheels carry it [m or rad]."""
-
-
-@dataclass
-class Derived:
-    """The derivation of a target, made when it is first asked for."""
-
-    target: Target
-    subject: Subject
-
-    @cached_property
-    def derivation(self) -> Derivation:
-        """The system solved for its accelerations."""
-        from vehicledyn.multibody.equations.derivation import solve_motion
-
-        with undisturbed(), told_with_places(self.target):
-            return solve_motion(self.subject.system)
-
-    @cached_property
-    def equations(self) -> Equations:
-        """Its equations."""
-        from vehicledyn.multibody.equations.derivation import equations_of
-
-        with undisturbed(), told_with_places(self.target):
-            return equations_of(self.derivation)
-
-
-Check = Callable[[Derived], object]
-"""Refuses what cannot be done with something derived; asking for its equations derives them."""
-
-
-@dataclass
-class Prepared:
-    """A subject with its equations and kernel; the rest is made when first needed.
-
-    ``look`` is what pictures show, see
-    :func:`vehicledyn.multibody.equations.system_shapes.appearance`.
-    """
-
-    subject: Subject
-    equations: Equations
-    kernel: Kernel
-    derived: Derived
-    _derivatives: list[Derivatives] = field(default_factory=list)
-    _partitioned: list[Prepared] = field(default_factory=list)
-    look: dict[str, Any] = field(default_factory=dict)
-
-    @cached_property
-    def watch(self) -> PartitionWatch:
-        """Compares partitions of the coordinates."""
-        from vehicledyn.multibody.loops.partition_monitor import PartitionWatch, bound_to
-
-        derivation = self.derived.derivation
-        joints = derivation.symbols.joints
-        return PartitionWatch(joints, derivation.loops.gaps, bound_to(derivation.system))
-
-    @property
-    def resistance(self) -> Resistance:
-        """Tells which motions have inertia."""
-        return self.derived.derivation.resistance
-
-    @property
-    def derivatives(self) -> Derivatives:
-        """Exact Jacobians of the equations."""
-        from vehicledyn.kernel.derivatives import Derivatives
-
-        refuse_multipliers(self.equations)
-        if not self._derivatives:
-            self._derivatives.append(Derivatives(self.equations))
-        return self._derivatives[0]
-
-    def with_derivatives(self, derivatives: Derivatives) -> Prepared:
-        """Return the same with Jacobians that were made before."""
-        return replace(self, _derivatives=[derivatives])
-
-    @property
-    def has_multipliers(self) -> bool:
-        """Whether all coordinates are states, which are not independent of each other."""
-        return self.equations.structure.get("constraint_method") == "multipliers"
-
-    @property
-    def partitioned(self) -> Prepared:
-        """The same system with independent coordinates as states."""
-        if not self.has_multipliers:
-            return self
-        if not self._partitioned:
-            derived = Derived(self.derived.target, _partitioned(self.subject))
-            backend: Backend = "compiled" if self.kernel.backend == "compiled" else "interpreted"
-            kernel = compile_kernel(derived.equations, backend=backend)
-            self._partitioned.append(Prepared(derived.subject, derived.equations, kernel, derived))
-        found = self._partitioned[0]
-        values = dict(_named(self.equations.parameters, self.kernel.parameters))
-        known = _named(found.equations.parameters, found.kernel.parameters)
-        parameters = np.array([values.get(name, value) for name, value in known])
-        kernel = found.kernel.with_parameters(parameters)
-        return replace(found, subject=_partitioned(self.subject), kernel=kernel)
-
-    @property
-    def vehicle(self) -> RoadVehicle:
-        """The road vehicle.
-
-        Raises
-        ------
-        InputError
-            If it is none.
-        """
-        if not isinstance(self.subject, RoadSubject):
-            raise InputError(f"'{self.equations.name}' is no road vehicle")
-        return self.subject.vehicle
-
-    def index(self, state: str) -> int:
-        """Return the index of a state by name."""
-        return index_of(self.equations, state)
-
-
-def refuse_multipliers(equations: Equations) -> None:
-    """Raise InputError where all coordinates are states, which are not free to be varied."""
-    if equations.structure.get("constraint_method") == "multipliers":
-        raise InputError(
-            f"the constraints of '{equations.name}' are treated with multipliers, which serve runs "
-            "only; linear analyses need independent coordinates: give the system "
-            "'constraint_method: partitioning'"
-        )
-
-
-def _partitioned(subject: Subject) -> Subject:
-    """Return a subject whose constraints are treated by partitioning its coordinates."""
-    system = replace(subject.system, constraint_method="partitioning")
-    if isinstance(subject, RoadSubject):
-        return replace(subject, vehicle=replace(subject.vehicle, system=system))
-    changed: Any = subject
-    return cast(Subject, replace(changed, system=system))
-
-
-def _named(items: Iterable[Any], values: Vector) -> list[tuple[str, float]]:
-    return [(item.name, float(value)) for item, value in zip(items, values, strict=True)]
 
 
 @dataclass(frozen=True)
@@ -217,7 +82,7 @@ def prepare(
         if change is not None:
             subject = change(subject)
         if varies_states:
-            subject = _partitioned(subject)
+            subject = by_partitioning(subject)
     derived = Derived(target, subject)
     if check is not None:
         check(derived)
@@ -323,9 +188,9 @@ def _by_partitioning(prepared: Prepared, speed: float, kind: Literal["static", "
     set_speed(prepared, speed)
     e, time = other.equations, prepared.subject.balance_time
     outputs = other.kernel.outputs(time, point.state, point.unknowns)
-    values = dict(_named(e.channels, outputs))
-    values.update(_named(e.unknowns, point.unknowns))
-    values.update(_named(e.states, point.state))
+    values = dict(named(e.channels, outputs))
+    values.update(named(e.unknowns, point.unknowns))
+    values.update(named(e.states, point.state))
     state = np.array([values[s.name] for s in prepared.equations.states])
     unknowns = np.array([values.get(u.name, u.start) for u in prepared.equations.unknowns])
     return Point(state, unknowns, point.residual)

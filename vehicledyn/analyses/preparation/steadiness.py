@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from vehicledyn.analyses.preparation.prepare import Point, Prepared
+from vehicledyn.analyses.preparation.prepare import Point
+from vehicledyn.analyses.preparation.prepared import Prepared
 from vehicledyn.base.units import shown
 
 STEADY = 1e-6

@@ -18,7 +18,7 @@ from vehicledyn.road.wheel.road_wheel import RoadWheel
 from vehicledyn.symbolic import ops
 
 if TYPE_CHECKING:
-    from vehicledyn.analyses.preparation.prepare import Prepared
+    from vehicledyn.analyses.preparation.prepared import Prepared
 
 Matrix = NDArray[np.float64]
 

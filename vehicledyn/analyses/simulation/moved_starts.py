@@ -8,7 +8,8 @@ from vehicledyn.analyses.preparation.system_runnable import SystemSubject
 from vehicledyn.base.units import shown
 
 if TYPE_CHECKING:
-    from vehicledyn.analyses.preparation.prepare import Point, Prepared
+    from vehicledyn.analyses.preparation.prepare import Point
+    from vehicledyn.analyses.preparation.prepared import Prepared
 
 _AGREE = 1e-6
 """Distance from a start value that needs no word [m, rad]."""

@@ -12,15 +12,8 @@ import vehicledyn
 from vehicledyn.analyses.preparation.build_model import build_subject
 from vehicledyn.analyses.preparation.error_locations import told_with_places
 from vehicledyn.analyses.preparation.mass_checks import refuse_idle_start, refuse_rigid_loops
-from vehicledyn.analyses.preparation.prepare import (
-    Check,
-    Derived,
-    Point,
-    Prepared,
-    Progress,
-    prepare,
-    start_point,
-)
+from vehicledyn.analyses.preparation.prepare import Point, prepare, start_point
+from vehicledyn.analyses.preparation.prepared import Check, Derived, Prepared, Progress
 from vehicledyn.analyses.preparation.run_cache import Memory, key_of_run, recall, remember
 from vehicledyn.analyses.simulation.animation_recorder import look_of
 from vehicledyn.files.scenario import LoadedScenario

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from vehicledyn.analyses.preparation.prepare import Prepared
+from vehicledyn.analyses.preparation.prepared import Prepared
 from vehicledyn.base.errors import InputError
 from vehicledyn.files.scenario import LoadedScenario
 from vehicledyn.integrate.course import Beginning

@@ -18,7 +18,8 @@ from vehicledyn.analyses.preparation.mass_checks import (
     hardly_resisted,
 )
 from vehicledyn.analyses.preparation.model_hash import model_hash
-from vehicledyn.analyses.preparation.prepare import Point, Prepared, Progress
+from vehicledyn.analyses.preparation.prepare import Point
+from vehicledyn.analyses.preparation.prepared import Prepared, Progress
 from vehicledyn.analyses.preparation.sources import sources_of
 from vehicledyn.analyses.simulation.animation_recorder import Recorder, surroundings_of
 from vehicledyn.analyses.simulation.chosen_step import leaves_step, with_step

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from vehicledyn.analyses.preparation.prepare import Point, Prepared
+from vehicledyn.analyses.preparation.prepare import Point
+from vehicledyn.analyses.preparation.prepared import Prepared
 
 _SLOW = 0.1
 """Speed along the track below which a wheel counts as standing [m/s]."""

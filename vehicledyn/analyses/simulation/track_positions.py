@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from vehicledyn.rail.track.running import TRACK_POSITION
 
 if TYPE_CHECKING:
-    from vehicledyn.analyses.preparation.prepare import Prepared
+    from vehicledyn.analyses.preparation.prepared import Prepared
 
 Vector = NDArray[np.float64]
 

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from vehicledyn.analyses.preparation.error_locations import wrong_output
-from vehicledyn.analyses.preparation.prepare import Derived, Prepared
+from vehicledyn.analyses.preparation.prepared import Derived, Prepared
 from vehicledyn.base.errors import nearest_name, unknown_name
 from vehicledyn.files.scenario import LoadedScenario
 
