@@ -6,9 +6,9 @@ from itertools import pairwise
 import casadi as ca
 import numpy as np
 import pytest
+from shared_examples import masses
 from solve_examples import Samples, build, double_pendulum, forced, slider_crank, starts, symbols
 from table_examples import height, quintic, rider
-from test_shared_functions import masses
 
 from vehicledyn.base.registry import find
 from vehicledyn.codegen.printers import kernel_source as source
