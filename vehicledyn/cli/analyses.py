@@ -7,9 +7,8 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from vehicledyn.base.errors import InputError, nearest_name
 from vehicledyn.cli.completion import model_names
-from vehicledyn.cli.files import read_scenario
+from vehicledyn.cli.finding import find_file
 from vehicledyn.cli.options import (
     Backend,
     BackendChoice,
@@ -19,6 +18,8 @@ from vehicledyn.cli.options import (
     speed_in_si,
 )
 from vehicledyn.cli.terminal import emit, emit_report, show_progress, to_json
+from vehicledyn.library import Kind
+from vehicledyn.library import entries as library_entries
 
 if TYPE_CHECKING:
     from vehicledyn.files.scenario import LoadedModel, LoadedScenario
@@ -40,7 +41,8 @@ def list_models(as_json: Json = False) -> None:
     """List the models."""
     from vehicledyn.catalogue import first_lines
 
-    entries = first_lines("model")
+    systems = {entry.name: entry.sentence() for entry in library_entries("system")}
+    entries = dict(sorted({**systems, **first_lines("model")}.items()))
     if as_json:
         emit(to_json(entries))
     else:
@@ -98,19 +100,23 @@ def equilibrium(
     emit_report(report, as_json=as_json, file=output)
 
 
-def read_target(target: str, overrides: list[str] | None) -> LoadedScenario | LoadedModel:
-    """Return the model of this name, or else the system or scenario in this file."""
+def read_target(
+    target: str,
+    overrides: list[str] | None,
+    kinds_of_file: tuple[Kind, Kind] = ("system", "scenario"),
+) -> LoadedScenario | LoadedModel:
+    """Return the model or scenario that a path or name means.
+
+    Where a system and a scenario of the library have the name, the first of ``kinds_of_file`` is
+    meant.
+    """
     import vehicledyn.catalogue  # noqa: F401
     from vehicledyn.base.registry import kinds
-    from vehicledyn.files.scenario import is_system_file, load_model
+    from vehicledyn.files.scenario import is_system_file, load_model, load_scenario
 
-    if target in kinds("model"):
+    if target in kinds("model") and not Path(f"{target}.yaml").is_file():
         return load_model(target, overrides or ())
-    if Path(target).suffix == "" and not Path(target).exists():
-        guess = nearest_name(target, kinds("model"))
-        hint = f"; did you mean '{guess}'?" if guess else "."
-        known = ", ".join(kinds("model"))
-        raise InputError(f"'{target}' is neither a file nor a model{hint} Known models: {known}")
-    if is_system_file(Path(target)):
-        return load_model(target, overrides or ())
-    return read_scenario(Path(target), overrides)
+    path = find_file(target, *kinds_of_file, others=kinds("model"))
+    if is_system_file(path):
+        return load_model(str(path), overrides or ())
+    return load_scenario(path, overrides or ())

@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from vehicledyn.base.errors import VehicledynError
+from vehicledyn.library import names_of
 
 if TYPE_CHECKING:
     from vehicledyn.results.store.reader import Result
@@ -21,9 +22,20 @@ MOST = 500
 def model_names(incomplete: str) -> list[str]:
     """Return the names of models that begin so; of none, the shell completes files."""
     import vehicledyn.catalogue  # noqa: F401
-    from vehicledyn.base.registry import kinds
+    from vehicledyn.files.scenario import known_models
 
-    return [name for name in kinds("model") if name.startswith(incomplete)]
+    return [name for name in known_models() if name.startswith(incomplete)]
+
+
+def scenario_names(incomplete: str) -> list[str]:
+    """Return the names of scenarios of the library that begin so."""
+    return [name for name in names_of("scenario") if name.startswith(incomplete)]
+
+
+def example_names(incomplete: str) -> list[str]:
+    """Return the names of files of the library that begin so."""
+    known = names_of("scenario", "study", "system", "profile")
+    return [name for name in known if name.startswith(incomplete)]
 
 
 def channel_names(ctx: Any, incomplete: str) -> list[str]:

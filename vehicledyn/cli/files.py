@@ -10,6 +10,7 @@ import typer
 from vehicledyn.base.errors import InputError
 from vehicledyn.base.units import to_si
 from vehicledyn.cli.completion import channel_names, figure_names
+from vehicledyn.cli.finding import find_file
 from vehicledyn.cli.options import Format, Json, ResultFile, tolerance_of_channels
 from vehicledyn.cli.terminal import emit, emit_report, write_text
 
@@ -25,11 +26,11 @@ def add_verbs(app: typer.Typer) -> None:
 
 
 def read_scenario(path: Path, overrides: list[str] | None) -> LoadedScenario:
-    """Return a scenario, read with all catalogues present."""
+    """Return the scenario of a path or name, read with all catalogues present."""
     import vehicledyn.catalogue  # noqa: F401
     from vehicledyn.files.scenario import load_scenario
 
-    return load_scenario(path, overrides or ())
+    return load_scenario(find_file(path, "scenario"), overrides or ())
 
 
 def read_file(path: Path, overrides: list[str] | None) -> None:
@@ -37,13 +38,14 @@ def read_file(path: Path, overrides: list[str] | None) -> None:
     import vehicledyn.catalogue  # noqa: F401
     from vehicledyn.base.yaml import read_yaml, remembered_files
 
+    path = find_file(path, "scenario", "study", "system")
     with remembered_files({}):
         _read_as(read_yaml(path).data, path, overrides or [])
 
 
 def _read_as(data: Any, path: Path, overrides: list[str]) -> None:
     """Read a file with what reads files of its kind."""
-    from vehicledyn.files.scenario import is_system_file, load_model
+    from vehicledyn.files.scenario import is_system_file, load_model, load_scenario
     from vehicledyn.studies import is_study
 
     if is_study(data):
@@ -61,7 +63,7 @@ def _read_as(data: Any, path: Path, overrides: list[str]) -> None:
     elif is_system_file(path):
         load_model(str(path), overrides)
     else:
-        read_scenario(path, overrides)
+        load_scenario(path, overrides)
 
 
 def _is_track(data: Any) -> bool:

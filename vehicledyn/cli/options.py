@@ -10,7 +10,7 @@ import typer
 
 from vehicledyn.base.errors import InputError
 from vehicledyn.base.units import to_si
-from vehicledyn.cli.completion import model_names
+from vehicledyn.cli.completion import model_names, scenario_names
 
 MOST_SPEEDS = 1000
 
@@ -38,13 +38,20 @@ class FileKind(StrEnum):
     STUDY = "study"
 
 
-ScenarioFile = Annotated[Path, typer.Argument(metavar="SCENARIO", help="Scenario file.")]
+ScenarioFile = Annotated[
+    Path,
+    typer.Argument(
+        metavar="SCENARIO",
+        help="Scenario file, or its name in the library ('examples list').",
+        autocompletion=scenario_names,
+    ),
+]
 ResultFile = Annotated[Path, typer.Argument(metavar="RESULT", help="Result file.")]
 Target = Annotated[
     str,
     typer.Argument(
         metavar="SCENARIO|MODEL",
-        help="Scenario or system file, or name of a model.",
+        help="Scenario or system file, or name of a model or scenario of the library.",
         autocompletion=model_names,
     ),
 ]

@@ -70,7 +70,7 @@ def kinematics(
     ranges = dict(map(_drive, drives or []))
     if len(ranges) != len(drives or []):
         raise InputError("--drive: a channel is driven twice; name each once")
-    loaded = read_target(target, overrides)
+    loaded = read_target(target, overrides, ("scenario", "system"))
     from vehicledyn.analyses.mechanism.kinematics import Wish, sweep_kinematics
 
     result = output or Path(f"{Path(target).stem}_kinematics.h5")

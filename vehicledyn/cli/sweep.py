@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from vehicledyn.base.errors import InputError
+from vehicledyn.cli.finding import find_file
 from vehicledyn.cli.options import Backend, BackendChoice, Json, Overrides, Quiet, Verbose
 from vehicledyn.cli.terminal import emit_report, listen, show_progress, tell
 
@@ -27,11 +28,13 @@ def read_study(path: Path, overrides: list[str] | None) -> LoadedStudy:
     import vehicledyn.catalogue  # noqa: F401
     from vehicledyn.studies import load_study
 
-    return load_study(path, overrides or ())
+    return load_study(find_file(path, "study"), overrides or ())
 
 
 def sweep(
-    study: Annotated[Path, typer.Argument(metavar="STUDY", help="Study file.")],
+    study: Annotated[
+        Path, typer.Argument(metavar="STUDY", help="Study file, or its name in the library.")
+    ],
     *,
     output: Annotated[
         Path | None,

@@ -9,6 +9,7 @@ import typer
 
 from vehicledyn.base.errors import InputError
 from vehicledyn.base.units import to_si
+from vehicledyn.cli.finding import find_file
 from vehicledyn.cli.options import Json
 from vehicledyn.cli.terminal import emit_report
 
@@ -42,6 +43,7 @@ def track(
     import vehicledyn.catalogue  # noqa: F401
     from vehicledyn.analyses.contact.track_view import view_track
 
+    file = find_file(file, "scenario", "system")
     report = view_track(file, every=step, speed=velocity, output=output, plots=plots)
     emit_report(report, as_json=as_json)
 

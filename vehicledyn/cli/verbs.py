@@ -56,6 +56,7 @@ HOMES = {
     "report": ("report",),
     "animate": ("animate",),
     "start": ("init",),
+    "examples": ("examples",),
     "track": ("track",),
 }
 """Verbs of the modules beside this one, in the order in which help lists them."""

@@ -201,14 +201,14 @@ def test_doctor_shows_a_cache_that_others_can_write(tmp_path):
 
 def test_models_are_listed():
     assert "iltis" in json.loads(command("models", "list", "--json").stdout)
-    assert command("models", "list").stdout.startswith("iltis")
+    assert "\niltis  " in command("models", "list").stdout
 
 
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
-        (("models", "show", "ilti"), "neither a file nor a model; did you mean 'iltis'?"),
-        (("equilibrium", "ilti"), "neither a file nor a model; did you mean 'iltis'?"),
+        (("models", "show", "ilti"), "no system or scenario named 'ilti'; did you mean 'iltis'?"),
+        (("equilibrium", "ilti"), "no system or scenario named 'ilti'; did you mean 'iltis'?"),
         (("eig", "none.yaml"), "none.yaml:1:1: file: there is no such file"),
         (("eig", "iltis", "--speed", "20 kg"), "--speed 20 kg: '20 kg' has the wrong unit"),
         (("eig", "iltis", "--speed=-1"), "--speed -1: must not be negative"),

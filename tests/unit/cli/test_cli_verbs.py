@@ -175,7 +175,10 @@ def test_show_model(call, catalogue, pipeline):
 
 def test_list_models(call, catalogue):
     _, out, _ = call("models", "list")
-    assert out.splitlines()[1] == "cart         A cart whose parameters are kept in this file."
+    listed = dict(line.split(maxsplit=1) for line in out.splitlines())
+    assert listed["cart"] == "A cart whose parameters are kept in this file."
+    assert listed["quarter_car"] == "A quarter car on a shaker"
+    assert list(listed) == sorted(listed)
 
 
 def test_compare_passes_everything_on(call, monkeypatch, tmp_path):

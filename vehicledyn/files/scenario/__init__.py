@@ -12,6 +12,7 @@ from vehicledyn.files.scenario.load import (
     load_model,
     load_scenario,
 )
+from vehicledyn.files.scenario.model_names import known_models
 from vehicledyn.files.scenario.sets import Output, Scenario, Tyres
 
 if TYPE_CHECKING:
@@ -24,6 +25,7 @@ __all__ = [
     "Scenario",
     "Tyres",
     "is_system_file",
+    "known_models",
     "load_model",
     "load_scenario",
     "scenario_schema",

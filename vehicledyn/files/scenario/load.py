@@ -9,6 +9,7 @@ from typing import Any
 
 from pydantic import ValidationError
 
+from vehicledyn.base.errors import InputError, unknown_name
 from vehicledyn.base.files import UnreadableFileError, check_regular
 from vehicledyn.base.parameters import ParameterSet, as_plain, units_of
 from vehicledyn.base.problems import START, Place, Problem, refusal
@@ -18,9 +19,10 @@ from vehicledyn.base.validation_messages import UNKNOWN_KEY
 from vehicledyn.base.yaml import Document, copied, read_yaml
 from vehicledyn.files.scenario.checks import check_times
 from vehicledyn.files.scenario.merge import merge_parameters
+from vehicledyn.files.scenario.model_names import is_written, known_models, system_path
 from vehicledyn.files.scenario.overrides import Change, apply_change, apply_override
 from vehicledyn.files.scenario.referenced_files import beside
-from vehicledyn.files.scenario.sets import Scenario, is_file
+from vehicledyn.files.scenario.sets import Scenario
 from vehicledyn.files.scenario.sources import Sources
 from vehicledyn.files.scenario.system_models import (
     WrittenModel,
@@ -147,7 +149,7 @@ def load_model(name: str, overrides: Sequence[str] = ()) -> LoadedModel:
     Parameters
     ----------
     name
-        Name of the model, or the path of a system file.
+        Name of a model of the catalogue or the library, or the path of a system file.
     overrides
         Changes ``parameters.key=value``, or short ``key=value``, applied in order; of a system
         file also ``initial.coordinate=value``.
@@ -157,10 +159,12 @@ def load_model(name: str, overrides: Sequence[str] = ()) -> LoadedModel:
     InputError
         If there is no such model or a change is wrong; one line for each problem.
     """
-    is_written = is_file(name) and name not in kinds("model")
-    model = None if is_written else find("model", name)
+    in_file = is_written(name)
+    if not in_file and name not in kinds("model"):
+        raise InputError(unknown_name("model", name, known_models()))
+    model = None if in_file else find("model", name)
     sources = Sources(Document(name, ""))
-    data: dict[str, Any] = {"parameters": {}, **({"initial": {}} if is_written else {})}
+    data: dict[str, Any] = {"parameters": {}, **({"initial": {}} if in_file else {})}
     may_change = tuple(data)
     groups = _parameter_groups(name, Path("-"))
     found = (apply_override(data, override, sources, groups) for override in overrides)
@@ -169,7 +173,7 @@ def load_model(name: str, overrides: Sequence[str] = ()) -> LoadedModel:
     problems += [sources.problem((key,), words) for key in data if key not in may_change]
     parameters, written = None, None
     if model is None:
-        written, wrong = read_model(Path(name), data, sources)
+        written, wrong = read_model(system_path(name, Path()), data, sources)
     else:
         parameters, wrong = merge_parameters(model, data["parameters"], sources)
     if problems or wrong:
@@ -193,25 +197,20 @@ def _parameter_groups(model: Any, path: Path) -> set[str]:
     """Return the first words of a model's parameters that no scenario field has."""
     if isinstance(model, str) and model in kinds("model"):
         groups = set(find("model", model).parameter_class.model_fields)
-    elif is_file(model) and _beside(path, model).is_file():
-        groups = parameter_groups(_beside(path, model))
+    elif is_written(model) and system_path(model, path.parent).is_file():
+        groups = parameter_groups(system_path(model, path.parent))
     else:
         groups = set()
     return groups - set(Scenario.model_fields)
-
-
-def _beside(path: Path, model: str) -> Path:
-    """Return the file that a scenario means by a relative name."""
-    return path.parent / model
 
 
 def _read_written(
     data: dict[str, Any], path: Path, sources: Sources
 ) -> tuple[WrittenModel | None, list[Problem]]:
     model = data.get("model")
-    if not is_file(model) or model in kinds("model"):
+    if not is_written(model):
         return None, []
-    file = _beside(path, str(model))
+    file = system_path(str(model), path.parent)
     try:
         check_regular(file)
     except UnreadableFileError as error:

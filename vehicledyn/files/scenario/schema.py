@@ -9,6 +9,7 @@ from pydantic.json_schema import models_json_schema
 
 from vehicledyn.base.parameters import ParameterSet, field_family
 from vehicledyn.base.registry import find, kinds
+from vehicledyn.files.scenario.model_names import known_models
 from vehicledyn.files.scenario.partial import partial_definitions
 from vehicledyn.files.scenario.sets import Scenario, Tyres
 from vehicledyn.files.scenario.system_models import needs_of
@@ -33,7 +34,7 @@ def scenario_schema() -> Schema:
     definitions = _definitions(families, models)
     root = definitions.pop(Scenario.__name__)
     properties = root["properties"]
-    named = [{"enum": list(models)}, {"type": "string", "pattern": FILE_NAME}]
+    named = [{"enum": list(known_models())}, {"type": "string", "pattern": FILE_NAME}]
     properties["model"] = {"description": properties["model"]["description"], "anyOf": named}
     properties["tyres"] = _tyre_choice(properties["tyres"]["description"])
     properties["parameters"] = {"description": properties["parameters"]["description"]}

@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
-from pathlib import PurePath
 from typing import Any, Literal
 
-from pydantic import Field, ValidationInfo, field_validator
+from pydantic import Field, field_validator
 
 from vehicledyn.base.errors import InputError, unknown_name
 from vehicledyn.base.parameters import ParameterSet, part, quantity, read_part
 from vehicledyn.base.ranges import read_range
 from vehicledyn.base.registry import kinds
 from vehicledyn.base.units import describe
+from vehicledyn.files.scenario.model_names import is_written, known_models
 
 
 class Tyres(ParameterSet):
@@ -71,7 +71,7 @@ class Scenario(ParameterSet):
     title: str = Field(description="What happens, in a sentence")
     description: str = Field(default="", description="More about the run, for people")
     model: str = Field(
-        description="Name of the vehicle, see 'vehicledyn models list', or a system file beside "
+        description="Name of a model, see 'vehicledyn models list', or a system file beside "
         "this one, such as my_system.yaml"
     )
     parameters: dict[str, Any] = Field(
@@ -132,9 +132,9 @@ class Scenario(ParameterSet):
 
     @field_validator("model")
     @classmethod
-    def _know_model(cls, value: str, info: ValidationInfo) -> str:
-        if value not in kinds("model") and not is_file(value):
-            raise ValueError(unknown_name("model", value, kinds("model")))
+    def _know_model(cls, value: str) -> str:
+        if value not in kinds("model") and not is_written(value):
+            raise ValueError(unknown_name("model", value, known_models()))
         return value
 
     @field_validator("tyres", mode="before")
@@ -148,8 +148,3 @@ class Scenario(ParameterSet):
         raise ValueError(
             f"expected a mapping with 'kind', or with 'front' and 'rear', found {describe(value)}"
         )
-
-
-def is_file(model: Any) -> bool:
-    """Return whether a model is named by a system file."""
-    return isinstance(model, str) and PurePath(model).suffix.lower() in (".yaml", ".yml")

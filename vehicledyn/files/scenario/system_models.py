@@ -7,7 +7,8 @@ from typing import Any, Protocol
 
 from vehicledyn.base.problems import Problem
 from vehicledyn.base.registry import find, kinds
-from vehicledyn.files.scenario.sets import Scenario, is_file
+from vehicledyn.files.scenario.model_names import is_written
+from vehicledyn.files.scenario.sets import Scenario
 from vehicledyn.files.scenario.sources import Sources
 
 _FAMILY = "model_file"
@@ -99,7 +100,7 @@ def unsuitable(data: dict[str, Any], model: WrittenModel | None, sources: Source
 
     ``model`` is that of the file the scenario names; None for a vehicle of the catalogue.
     """
-    if not is_file(data.get("model")):
+    if not is_written(data.get("model")):
         wrong = _lacking(data, (*_IN_MANOEUVRES, *needs_of(data.get("model"))))
         if data.get("initial"):
             wrong["initial"] = "only for system files; a vehicle starts straight ahead"

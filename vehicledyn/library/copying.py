@@ -1,0 +1,72 @@
+"""Copies of files of the library, together with all files that they refer to."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+from vehicledyn.base.errors import InputError
+from vehicledyn.base.whole_file import write_whole
+from vehicledyn.base.yaml import read_yaml
+from vehicledyn.library.names import Entry, library_folder
+
+
+def copy_entry(entry: Entry, folder: Path) -> list[Path]:
+    """Copy a file and all it refers to; return the copies, that of the file itself first.
+
+    The copies keep their places relative to each other, so that references stay valid.
+
+    Parameters
+    ----------
+    entry
+        The file.
+    folder
+        Where the copies go; made if it is missing.
+
+    Raises
+    ------
+    InputError
+        If a file is there already (then nothing is written), or one cannot be written.
+    """
+    sources = referenced(entry.path)
+    common = Path(os.path.commonpath([source.parent for source in sources]))
+    copies = {folder / source.relative_to(common): source for source in sources}
+    taken = [str(copy) for copy in copies if copy.exists() or copy.is_symlink()]
+    if taken:
+        exist = f"{', '.join(taken)} exist" + ("s" if len(taken) == 1 else "")
+        raise InputError(f"{exist} already, so nothing was copied; give another folder with -o")
+    for copy, source in copies.items():
+        try:
+            copy.parent.mkdir(parents=True, exist_ok=True)
+            write_whole(copy, source.read_text(encoding="utf-8"))
+        except OSError as error:
+            raise InputError(f"{copy}: cannot be written: {error.strerror}") from None
+    return list(copies)
+
+
+def referenced(path: Path) -> list[Path]:
+    """Return a file of the library and all that it refers to, directly or through others."""
+    root, waiting = library_folder().resolve(), [path.resolve()]
+    found: dict[Path, None] = {}
+    while waiting:
+        file = waiting.pop(0)
+        if file in found or not file.is_relative_to(root):
+            continue
+        found[file] = None
+        if file.suffix == ".yaml":
+            named = (file.parent / text for text in _texts(read_yaml(file).data))
+            waiting += [other.resolve() for other in named if other.is_file()]
+    return list(found)
+
+
+def _texts(data: Any) -> Iterator[str]:
+    """Yield all texts of a document that may name a file."""
+    inner = data.values() if isinstance(data, dict) else data if isinstance(data, list) else ()
+    for item in inner:
+        if isinstance(item, str):
+            if Path(item).suffix and "\n" not in item:
+                yield item
+        else:
+            yield from _texts(item)
