@@ -1,3 +1,93 @@
-"""Road- and rail-vehicle dynamics from symbolic multibody equations."""
+"""Road- and rail-vehicle dynamics from symbolic multibody equations.
 
-__version__ = "0.1.0"
+>>> import vehicledyn as vd
+>>> motion = vd.simulate("double_pendulum", duration="0.1 s")
+>>> motion["upper.angle"].unit
+'rad'
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from vehicledyn.base.lazy_exports import door
+from vehicledyn.base.version import VERSION
+
+if TYPE_CHECKING:
+    from vehicledyn.base.errors import (
+        AccuracyWarning,
+        InputError,
+        MissingPartError,
+        NumericalError,
+        ResultWarning,
+        UnfinishedWarning,
+        VehicledynError,
+    )
+    from vehicledyn.interface.loading import load
+    from vehicledyn.interface.simulation import simulate
+    from vehicledyn.multibody.model.bodies import Body, Joint, Turn
+    from vehicledyn.multibody.model.cuts import BallCut, BodyCut, RodCut
+    from vehicledyn.multibody.model.ground import GROUND
+    from vehicledyn.multibody.model.parts import BasePart
+    from vehicledyn.multibody.model.system import System
+    from vehicledyn.results.labelled.array import LabelledArray
+    from vehicledyn.results.labelled.data import LabelledData, open_result
+    from vehicledyn.symbolic.parameters import ParameterTable
+
+__all__ = [
+    "GROUND",
+    "AccuracyWarning",
+    "BallCut",
+    "BasePart",
+    "Body",
+    "BodyCut",
+    "InputError",
+    "Joint",
+    "LabelledArray",
+    "LabelledData",
+    "MissingPartError",
+    "NumericalError",
+    "ParameterTable",
+    "ResultWarning",
+    "RodCut",
+    "System",
+    "Turn",
+    "UnfinishedWarning",
+    "VehicledynError",
+    "__version__",
+    "load",
+    "open_result",
+    "simulate",
+]
+
+_HOMES = {
+    "vehicledyn.base.errors": (
+        "AccuracyWarning",
+        "InputError",
+        "MissingPartError",
+        "NumericalError",
+        "ResultWarning",
+        "UnfinishedWarning",
+        "VehicledynError",
+    ),
+    "vehicledyn.interface.loading": ("load",),
+    "vehicledyn.interface.simulation": ("simulate",),
+    "vehicledyn.multibody.model.bodies": ("Body", "Joint", "Turn"),
+    "vehicledyn.multibody.model.cuts": ("BallCut", "BodyCut", "RodCut"),
+    "vehicledyn.multibody.model.ground": ("GROUND",),
+    "vehicledyn.multibody.model.parts": ("BasePart",),
+    "vehicledyn.multibody.model.system": ("System",),
+    "vehicledyn.results.labelled.array": ("LabelledArray",),
+    "vehicledyn.results.labelled.data": ("LabelledData", "open_result"),
+    "vehicledyn.symbolic.parameters": ("ParameterTable",),
+}
+
+__version__ = VERSION
+
+# Importing the package loads nothing: each name loads its module when it is first used.
+__getattr__ = door(__name__, _HOMES)
+
+
+def __dir__() -> list[str]:
+    """Return the names offered, for completion."""
+    return sorted(__all__)

@@ -30,6 +30,12 @@ class InputError(VehicledynError):
     """A file, option or value the user gave cannot be used."""
 
 
+class UnknownNameError(InputError, KeyError):
+    """A name that a collection does not know; a KeyError too, as collections raise it."""
+
+    __str__ = Exception.__str__
+
+
 class NumericalError(VehicledynError):
     """A computation failed: a loop, an equilibrium or an integration did not converge."""
 
@@ -46,6 +52,18 @@ class StoppedError(VehicledynError):
     """The user stopped the program."""
 
     exit_code = 130
+
+
+class ResultWarning(UserWarning):
+    """Something about a result that its reader should know."""
+
+
+class AccuracyWarning(ResultWarning):
+    """A result may be less accurate than asked for."""
+
+
+class UnfinishedWarning(ResultWarning):
+    """An analysis ended before its planned end; what it found until then is kept."""
 
 
 def nearest_name(name: str, known: Iterable[str]) -> str | None:

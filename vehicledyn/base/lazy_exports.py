@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from importlib import import_module
 from typing import Any
 
@@ -20,13 +20,25 @@ def door(package: str, homes: Mapping[str, Sequence[str]]) -> Callable[[str], An
     Raises
     ------
     AttributeError
-        By the function returned, for a name that no module offers.
+        By the function returned, for a name that no module offers; the nearest one is suggested.
     """
     home_of = {name: home for home, names in homes.items() for name in names}
 
     def offer(name: str) -> Any:
         if name not in home_of:
-            raise AttributeError(f"module '{package}' has no attribute '{name}'")
+            raise AttributeError(
+                f"module '{package}' has no attribute '{name}'{_hint(name, home_of)}"
+            )
         return getattr(import_module(home_of[name]), name)
 
     return offer
+
+
+def _hint(name: str, known: Iterable[str]) -> str:
+    """Return a suggestion; dunder names, which Python looks for by itself, get none."""
+    if name.startswith("__"):
+        return ""
+    from vehicledyn.base.errors import nearest_name
+
+    guess = nearest_name(name, known)
+    return f"; did you mean '{guess}'?" if guess else ""

@@ -9,7 +9,7 @@ from dataclasses import asdict, dataclass
 from importlib import metadata
 from typing import Any
 
-import vehicledyn
+from vehicledyn.base.version import VERSION
 from vehicledyn.catalogue import counts
 
 _PACKAGES = (
@@ -76,7 +76,7 @@ def examine() -> Examination:
     folder = cache_folder()
     nearest = next(path for path in (folder, *folder.parents) if path.exists())
     return Examination(
-        version=vehicledyn.__version__,
+        version=VERSION,
         python=platform.python_version(),
         platform=f"{sys.platform} {platform.machine()}",
         packages={name: _version(name) for name in _PACKAGES},

@@ -7,9 +7,9 @@ import tomllib
 from pathlib import Path
 from typing import Any
 
-import vehicledyn
 from vehicledyn.base.errors import InputError, MissingPartError
 from vehicledyn.base.files import read_regular
+from vehicledyn.base.version import FOLDER, VERSION
 from vehicledyn.cli.terminal import emit, show_progress
 
 _LARGEST_PROJECT = 1_000_000
@@ -50,16 +50,15 @@ def _root(folder: Path | None) -> Path:
     if folder is not None:
         if not _is_clone(folder):
             raise InputError(
-                f"{folder}: is no clone of vehicledyn {vehicledyn.__version__} with {GENERATOR} "
-                f"and {REFERENCES}"
+                f"{folder}: is no clone of vehicledyn {VERSION} with {GENERATOR} and {REFERENCES}"
             )
         return folder
-    for place in (Path(vehicledyn.__file__).resolve().parents[1], Path()):
+    for place in (FOLDER.resolve().parent, Path()):
         if _is_clone(place):
             return place
     raise MissingPartError(
         "--validation: the reference data belong to the project's repository, not to the installed "
-        f"package; clone version {vehicledyn.__version__} and give its folder: "
+        f"package; clone version {VERSION} and give its folder: "
         "vehicledyn report --validation FOLDER"
     )
 
@@ -71,7 +70,7 @@ def _is_clone(folder: Path) -> bool:
     except (InputError, ValueError):
         return False
     known = project.get("project", {})
-    same = known.get("name") == "vehicledyn" and known.get("version") == vehicledyn.__version__
+    same = known.get("name") == "vehicledyn" and known.get("version") == VERSION
     return same and (folder / GENERATOR).is_file() and (folder / REFERENCES).is_dir()
 
 

@@ -10,10 +10,12 @@ from typing import Annotated, Any
 import typer
 from typer.core import TyperGroup
 
-import vehicledyn
+from vehicledyn.base.argument_names import arguments_named
 from vehicledyn.base.errors import InputError, StoppedError
 from vehicledyn.base.schema_line import schema_line
+from vehicledyn.base.version import VERSION
 from vehicledyn.cli import files
+from vehicledyn.cli.option_names import OptionNaming
 from vehicledyn.cli.options import (
     Backend,
     BackendChoice,
@@ -37,9 +39,10 @@ from vehicledyn.cli.terminal import (
 
 class _Verbs(TyperGroup):
     def invoke(self, ctx: Any) -> Any:
-        """Run a verb; Ctrl-C becomes an error with a message, typer would say nothing."""
+        """Run a verb; messages name its options, Ctrl-C becomes an error with a message."""
         try:
-            return super().invoke(ctx)
+            with arguments_named(OptionNaming()):
+                return super().invoke(ctx)
         except KeyboardInterrupt:
             raise StoppedError("interrupted") from None
 
@@ -93,7 +96,7 @@ def command_line(words: Sequence[str] = ()) -> typer.Typer:
 
 def _show_version(wanted: bool) -> None:
     if wanted:
-        emit(f"vehicledyn {vehicledyn.__version__}")
+        emit(f"vehicledyn {VERSION}")
         raise typer.Exit
 
 

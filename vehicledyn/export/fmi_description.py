@@ -7,9 +7,9 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from xml.etree import ElementTree as Xml
 
-from vehicledyn import __version__
 from vehicledyn.base.errors import InputError
 from vehicledyn.base.units import parse_unit
+from vehicledyn.base.version import VERSION
 from vehicledyn.export.document import Start
 from vehicledyn.symbolic.equations import Equations
 
@@ -90,7 +90,7 @@ def model_description(
         fmiVersion="3.0",
         modelName=equations.name,
         instantiationToken=token,
-        generationTool=f"vehicledyn {__version__}",
+        generationTool=f"vehicledyn {VERSION}",
         variableNamingConvention="structured" if structured else "flat",
     )
     Xml.SubElement(

@@ -7,14 +7,13 @@ import functools
 import hashlib
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
-from pathlib import Path
 from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
-import vehicledyn
 from vehicledyn.base.errors import InputError, VehicledynError
+from vehicledyn.base.version import FOLDER, VERSION
 from vehicledyn.integrate.accuracy_watch import Accuracy
 from vehicledyn.integrate.batch import Cases, Samples, run_batch
 from vehicledyn.kernel.kernel import Backend
@@ -75,7 +74,7 @@ def work_of(study: LoadedStudy, *, lanes: int | None, backend: Backend) -> Work:
 @functools.cache
 def program_fingerprint() -> str:
     """Return a text that changes with the program's own code."""
-    folder, digest = Path(vehicledyn.__file__).parent, hashlib.sha256()
+    folder, digest = FOLDER, hashlib.sha256()
     for path in sorted(folder.rglob("*")):
         if path.suffix in (".py", ".c", ".h", ".yaml"):
             digest.update(path.relative_to(folder).as_posix().encode())
@@ -235,14 +234,13 @@ def set_up(work: Work) -> None:
 
 
 def _worker_of(work: Work) -> Worker:
-    import vehicledyn.catalogue
 
     worker = _workers.get(work.key)
     if worker is None:
         if program_fingerprint() != work.program:
             raise InputError(
-                f"a worker runs another vehicledyn ({vehicledyn.__version__}, in "
-                f"{Path(vehicledyn.__file__).parent}); install the same everywhere"
+                f"a worker runs another vehicledyn ({VERSION}, in "
+                f"{FOLDER}); install the same everywhere"
             )
         _workers.clear()
         worker = _workers[work.key] = Worker(work, _silent)

@@ -18,11 +18,10 @@ import threading
 from collections import Counter, deque
 from collections.abc import Iterator
 from dataclasses import dataclass, field
-from pathlib import Path
 from typing import IO, Any
 
-import vehicledyn
 from vehicledyn.base.errors import NumericalError
+from vehicledyn.base.version import FOLDER
 from vehicledyn.studies.block import Work
 from vehicledyn.studies.pool import LIVES, Span, Spans, Take, divided
 from vehicledyn.studies.worker_messages import receive, send
@@ -175,7 +174,7 @@ class Processes:
             self._waiting.extend(divided(worker.span, self.work, take))
 
     def _start(self) -> WorkerProcess:
-        folder = str(Path(vehicledyn.__file__).parents[1])
+        folder = str(FOLDER.parent)
         paths = [folder, *filter(None, [os.environ.get("PYTHONPATH")])]
         errors = tempfile.TemporaryFile()  # noqa: SIM115
         process = subprocess.Popen(

@@ -57,7 +57,7 @@ def test_place_for_figures_is_checked_before_the_run(scenario, tmp_path):
 
 @pytest.mark.parametrize("key", ["road", "tyres", "wheel_spin"])
 def test_validation_misses_what_the_vehicle_needs(scenario, key):
-    with pytest.raises(InputError, match=f"--set {key}: missing"):
+    with pytest.raises(InputError, match=f"{key}: missing"):
         load_scenario(scenario, [f"{key}=null"])
 
 

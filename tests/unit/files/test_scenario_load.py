@@ -225,31 +225,31 @@ def test_defaults_of_the_model_stay_as_they_are(write):
 @pytest.mark.parametrize(
     ("override", "told"),
     [
-        ("speed", "--set speed: write key=value, such as speed='36 km/h'"),
-        ("=3", "--set =3: write key=value, such as speed='36 km/h'"),
-        ("speed=-1", "--set speed: must be at least 0 m/s, is -1.0"),
-        ("speed=[", "--set speed: '[' is not a YAML value; put a text in quotes"),
-        ("sped=1", "--set sped: unknown key; did you mean 'speed'?"),
-        ("title.x=1", "--set title.x: 'title' is 'A cart drives around cones' and has no 'x'"),
-        ("solver.kind=fixd", "--set solver.kind: no solver named 'fixd'; did you mean 'fixed'? "
+        ("speed", "speed: write key=value, such as speed='36 km/h'"),
+        ("=3", "=3: write key=value, such as speed='36 km/h'"),
+        ("speed=-1", "speed: must be at least 0 m/s, is -1.0"),
+        ("speed=[", "speed: '[' is not a YAML value; put a text in quotes"),
+        ("sped=1", "sped: unknown key; did you mean 'speed'?"),
+        ("title.x=1", "title.x: 'title' is 'A cart drives around cones' and has no 'x'"),
+        ("solver.kind=fixd", "solver.kind: no solver named 'fixd'; did you mean 'fixed'? "
          "Known: adaptive, fixed"),
-        ("solver={kind: adaptive}", "--set solver: solver.relative_tolerance: missing: "
+        ("solver={kind: adaptive}", "solver: solver.relative_tolerance: missing: "
          "Relative tolerance"),
-        ("solver.step=7 ms", "--set solver.step: 0.007 s does not divide the output interval of "
+        ("solver.step=7 ms", "solver.step: 0.007 s does not divide the output interval of "
          "0.01 s; take 0.005 s"),
-        ("parameters.chasis.mass=1", "--set parameters.chasis.mass: parameters.chasis: "
+        ("parameters.chasis.mass=1", "parameters.chasis.mass: parameters.chasis: "
          "unknown key; did you mean 'chassis'?"),
-        ("parameters.chassis.mass=1 N", "--set parameters.chassis.mass: '1 N' has the wrong "
+        ("parameters.chassis.mass=1 N", "parameters.chassis.mass: '1 N' has the wrong "
          "unit: a quantity in kg is needed here"),
-        ("parameters.chassis.centre.y=1 N", "--set parameters.chassis.centre.y: '1 N' has the "
+        ("parameters.chassis.centre.y=1 N", "parameters.chassis.centre.y: '1 N' has the "
          "wrong unit: a quantity in m is needed here"),
-        ("parameters.chassis.inertia.x=99", "--set parameters.chassis.inertia.x: "
+        ("parameters.chassis.inertia.x=99", "parameters.chassis.inertia.x: "
          "parameters.chassis: the inertia breaks the triangle inequality"),
-        ("parameters.controller.angle=x", "--set parameters.controller.angle: expected a number "
+        ("parameters.controller.angle=x", "parameters.controller.angle: expected a number "
          "with a unit of rad, found 'x'"),
     ],
 )  # fmt: skip
-def test_problems_of_overrides_name_the_option(write, override, told):
+def test_problems_of_overrides_name_the_key(write, override, told):
     assert problems(write(), [override]) == [told]
 
 
@@ -260,7 +260,7 @@ def test_an_override_repairs_the_file(write):
 
 def test_problems_of_the_file_come_before_those_of_options(write):
     found = problems(write(("duration: 12 s", "duration: 0")), ["speed=-1"])
-    assert [line.partition(" ")[0] for line in found] == ["17:11:", "--set"]
+    assert [line.partition(" ")[0] for line in found] == ["17:11:", "speed:"]
 
 
 @pytest.mark.parametrize("step", ["1e-300", "1e-12"])
@@ -278,9 +278,9 @@ def test_model_on_its_own(catalogue):
     ("name", "overrides", "words"),
     [
         ("card", [], "did you mean 'cart'"),
-        ("cart", ["speed=3"], "--set speed: only 'parameters' of a model can be set"),
+        ("cart", ["speed=3"], "speed: only 'parameters' of a model can be set"),
         ("cart", ["parameters.chassis.mass=0"], "must be greater than 0 kg"),
-        ("cart", ["parameters=3"], "--set parameters: expected a mapping, found '3'"),
+        ("cart", ["parameters=3"], "parameters: expected a mapping, found '3'"),
     ],
 )
 def test_model_on_its_own_refuses(catalogue, name, overrides, words):

@@ -28,7 +28,7 @@ def test_every_channel_state_and_parameter_has_unit_and_description(prepared):
 
 
 def test_names_that_manoeuvres_need_exist(prepared):
-    vehicle, system = prepared.subject.vehicle, prepared.subject.vehicle.system
+    vehicle, system = prepared.vehicle, prepared.vehicle.system
     coordinates = {joint.name for joint in system.joints()}
     position = {f"{vehicle.chassis}.{c}" for c in ("x", "y", "z", "yaw", "pitch", "roll")}
     assert position | {vehicle.rack} | {c.spin for c in vehicle.corners} <= coordinates
@@ -40,7 +40,7 @@ def test_wheels_carry_the_weight_of_the_standing_vehicle(prepared):
     point = equilibrium_point(prepared, 0.0, "static")
     outputs = prepared.kernel.outputs(0.0, point.state, point.unknowns)
     values = dict(zip((c.name for c in prepared.equations.channels), outputs, strict=True))
-    loads = [values[f"{c.name}.tyre.normal_force"] for c in prepared.subject.vehicle.corners]
+    loads = [values[f"{c.name}.tyre.normal_force"] for c in prepared.vehicle.corners]
     table = {p.name: p.value for p in prepared.equations.parameters}
     mass = table["chassis.mass"] + 4 * (table["a_arm.mass"] + table["wheel.mass"])
     assert np.sum(loads) == pytest.approx(mass * table["gravity"], rel=1e-9)
@@ -53,6 +53,6 @@ def test_data_file_names_its_source(model):
 
 
 def test_an_inertia_that_no_body_has_names_the_change():
-    told = r"^--set parameters\.wheel\.inertia_spin: parameters\.wheel: inertia_spin = 10 kg"
+    told = r"^parameters\.wheel\.inertia_spin: parameters\.wheel: inertia_spin = 10 kg"
     with pytest.raises(InputError, match=told):
         load_model("iltis", ["parameters.wheel.inertia_spin=10"])

@@ -11,10 +11,10 @@ from pathlib import Path
 from types import TracebackType
 from typing import Self
 
-import vehicledyn
 from vehicledyn.analyses.hunting.start import HuntSettings
 from vehicledyn.analyses.preparation.prepared import Prepared
 from vehicledyn.base.errors import InputError
+from vehicledyn.base.version import VERSION
 from vehicledyn.codegen.toolchain.fingerprint import fingerprint
 from vehicledyn.results.hdf5.checkpoint import Checkpoint
 from vehicledyn.results.hdf5.output import OutputLock
@@ -28,7 +28,7 @@ def identity_of(prepared: Prepared, settings: HuntSettings) -> str:
     """Return a text that is equal for studies that find the same."""
     e = prepared.equations
     facts = [
-        vehicledyn.__version__,
+        VERSION,
         fingerprint(e),
         [table.digest for table in e.tables],
         [float(value) for value in prepared.kernel.parameters],

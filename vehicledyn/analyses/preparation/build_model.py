@@ -42,6 +42,11 @@ def build_subject(target: Target) -> Subject:
     InputError
         If the scenario lacks a part that it needs.
     """
+    if target.written is not None:
+        from vehicledyn.files.scenario.python_models import PythonModel
+
+        if isinstance(target.written, PythonModel):
+            return SystemSubject(target.written.system)
     written = system_of(target)
     if written is not None and not written.is_vehicle:
         from vehicledyn.files.building import construct

@@ -6,6 +6,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 
 from vehicledyn.analyses.preparation.build_model import Target, system_of
+from vehicledyn.base.argument_names import setting
 from vehicledyn.base.errors import InputError, NumericalError
 from vehicledyn.base.problems import Problem, refusal
 from vehicledyn.base.yaml import parse_yaml
@@ -66,7 +67,7 @@ def wrong_output(
     for override in loaded.overrides:
         key = override.partition("=")[0].strip()
         if key == f"output.{field}":
-            sources.override(("output", field), f"--set {key}")
+            sources.override(("output", field), setting(key))
     told = [
         sources.problem(("output", field, given.index(wrong)), words) for wrong, words in problems
     ]

@@ -5,8 +5,9 @@ from __future__ import annotations
 from vehicledyn.analyses.preparation.build_model import Target, system_of
 from vehicledyn.analyses.preparation.prepared import Derived
 from vehicledyn.analyses.preparation.runnable import Subject
+from vehicledyn.analyses.preparation.system_runnable import SystemSubject
 from vehicledyn.base.errors import InputError
-from vehicledyn.files.scenario import LoadedModel, load_model, load_scenario
+from vehicledyn.files.scenario import LoadedModel, changed_model, changed_scenario
 
 _NAME = "speed"
 
@@ -58,9 +59,8 @@ def at_value(target: Target, name: str, value: float, unit: str) -> Target:
     """
     change = f"parameters.{name}={float(value)!r}" + ("" if unit in ("", "1") else f" {unit}")
     if isinstance(target, LoadedModel):
-        assert target.written is not None
-        return load_model(str(target.written.path), (*target.overrides, change))
-    return load_scenario(target.path, (*target.overrides, change))
+        return changed_model(target, (change,))
+    return changed_scenario(target, (change,))
 
 
 def own_speed(target: Target) -> float | None:
@@ -72,8 +72,8 @@ def own_speed(target: Target) -> float | None:
 
 
 def speed_matters(subject: Subject) -> bool:
-    """Return whether a speed says something about a model."""
-    return bool(subject.parameters_at(1.0))
+    """Return whether a speed says something: of a vehicle, or of a system with such wheels."""
+    return not isinstance(subject, SystemSubject) or bool(subject.parameters_at(1.0))
 
 
 def refuse_idle_speed(derived: Derived) -> None:

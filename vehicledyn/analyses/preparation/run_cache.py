@@ -20,12 +20,12 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
-import vehicledyn
 from vehicledyn.analyses.preparation.named_files import named_files
 from vehicledyn.base.errors import InputError
 from vehicledyn.base.files import read_regular
 from vehicledyn.base.ownership import writable_by_others
 from vehicledyn.base.registry import find
+from vehicledyn.base.version import FOLDER, PACKAGE
 from vehicledyn.codegen.toolchain.cache import cache_folder, distrust
 from vehicledyn.codegen.toolchain.compiler import CompilationError, find_compiler
 from vehicledyn.files.scenario import LoadedScenario
@@ -118,10 +118,12 @@ def _forget_old(folder: Path) -> None:
 
 def _is_ours(loaded: LoadedScenario) -> bool:
     """Return whether the model and all parts of a scenario, theirs too, are this package's."""
+    if loaded.built is not None:
+        return False
     kinds = list(_kinds(loaded.scenario))
     if loaded.written is None:
         kinds.append(find("model", loaded.scenario.model))
-    return all(kind.__module__.split(".")[0] == vehicledyn.__name__ for kind in kinds)
+    return all(kind.__module__.split(".")[0] == PACKAGE for kind in kinds)
 
 
 def _kinds(part: Any) -> Iterator[type]:
@@ -140,7 +142,7 @@ def _kinds(part: Any) -> Iterator[type]:
 @cache
 def _program() -> str:
     """Return a text that changes with any file of the package."""
-    root = Path(vehicledyn.__file__).parent
+    root = FOLDER
     facts = sorted(_files(str(root)))
     return hashlib.sha256(json.dumps(facts).encode()).hexdigest()
 

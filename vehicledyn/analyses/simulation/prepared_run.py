@@ -8,7 +8,6 @@ from contextlib import contextmanager
 
 import numpy as np
 
-import vehicledyn
 from vehicledyn.analyses.preparation.build_model import build_subject
 from vehicledyn.analyses.preparation.error_locations import told_with_places
 from vehicledyn.analyses.preparation.mass_checks import refuse_idle_start, refuse_rigid_loops
@@ -16,6 +15,7 @@ from vehicledyn.analyses.preparation.prepare import Point, prepare, start_point
 from vehicledyn.analyses.preparation.prepared import Check, Derived, Prepared, Progress
 from vehicledyn.analyses.preparation.run_cache import Memory, key_of_run, recall, remember
 from vehicledyn.analyses.simulation.animation_recorder import look_of
+from vehicledyn.base.version import PACKAGE
 from vehicledyn.files.scenario import LoadedScenario
 from vehicledyn.kernel.kernel import Backend, known_kernel
 from vehicledyn.symbolic.cached_equations import equations_from, facts_of
@@ -87,7 +87,7 @@ class _Collector(logging.Handler):
 def _warnings() -> Iterator[list[logging.LogRecord]]:
     """Collect the warnings that are given meanwhile."""
     handler = _Collector(logging.WARNING)
-    logger = logging.getLogger(vehicledyn.__name__)
+    logger = logging.getLogger(PACKAGE)
     logger.addHandler(handler)
     try:
         yield handler.records

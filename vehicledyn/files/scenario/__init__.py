@@ -8,6 +8,8 @@ from vehicledyn.base.lazy_exports import door
 from vehicledyn.files.scenario.load import (
     LoadedModel,
     LoadedScenario,
+    changed_model,
+    changed_scenario,
     is_system_file,
     load_model,
     load_scenario,
@@ -24,6 +26,8 @@ __all__ = [
     "Output",
     "Scenario",
     "Tyres",
+    "changed_model",
+    "changed_scenario",
     "is_system_file",
     "known_models",
     "load_model",

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from pydantic import ValidationError
 
@@ -16,13 +16,14 @@ from vehicledyn.base.problems import START, Place, Problem, refusal
 from vehicledyn.base.registry import find, kinds
 from vehicledyn.base.units import describe
 from vehicledyn.base.validation_messages import UNKNOWN_KEY
-from vehicledyn.base.yaml import Document, copied, read_yaml
+from vehicledyn.base.yaml import Document, copied, parse_yaml, read_yaml
 from vehicledyn.files.scenario.checks import check_times
 from vehicledyn.files.scenario.merge import merge_parameters
 from vehicledyn.files.scenario.model_names import is_written, known_models, system_path
 from vehicledyn.files.scenario.overrides import Change, apply_change, apply_override
 from vehicledyn.files.scenario.referenced_files import beside
 from vehicledyn.files.scenario.sets import Scenario
+from vehicledyn.files.scenario.settings import Settings, override_texts
 from vehicledyn.files.scenario.sources import Sources
 from vehicledyn.files.scenario.system_models import (
     WrittenModel,
@@ -32,15 +33,19 @@ from vehicledyn.files.scenario.system_models import (
     unsuitable,
 )
 
+if TYPE_CHECKING:
+    from vehicledyn.files.scenario.python_models import PythonModel
 
-@dataclass(frozen=True)
+
+@dataclass(frozen=True, repr=False)
 class LoadedScenario:
     """A scenario that may run.
 
     ``text`` is the file as it was read, ``overrides`` what changed it. ``model_parameters`` is
     the vehicle's complete set, None where the model is the file ``written``. ``resolved`` is
     everything that will be used, as plain mappings, lists and SI numbers, and ``units`` the unit
-    of each quantity in it by dotted name.
+    of each quantity in it by dotted name. ``built`` is the model as it was built in Python, before
+    any change.
     """
 
     path: Path
@@ -51,6 +56,28 @@ class LoadedScenario:
     resolved: dict[str, Any]
     units: dict[str, str]
     written: WrittenModel | None = None
+    built: PythonModel | None = None
+
+    def changed(self, changes: Settings | None = None, **fields: Any) -> LoadedScenario:
+        """Return the scenario with other values.
+
+        Parameters
+        ----------
+        changes
+            Values by dotted keys, such as ``{"solver.step": "1 ms"}``.
+        fields
+            Values by the scenario's fields, such as ``speed="20 m/s"``.
+
+        Raises
+        ------
+        InputError
+            If a change means nothing or does not fit.
+        """
+        return changed_scenario(self, override_texts(changes, fields))
+
+    def __repr__(self) -> str:
+        """Return title, file and changes."""
+        return _shown("Scenario", f"{self.scenario.title!r} ({self.path})", self.overrides)
 
 
 def load_scenario(path: Path, overrides: Sequence[str] = ()) -> LoadedScenario:
@@ -68,7 +95,7 @@ def load_scenario(path: Path, overrides: Sequence[str] = ()) -> LoadedScenario:
     ------
     InputError
         If anything is wrong; the text has one line ``file:line:column: field: message`` for
-        each problem of the file and ``--set key: message`` for each of the overrides.
+        each problem of the file and ``key: message`` for each of the overrides.
     """
     document = read_yaml(path)
     loaded, problems = examine_scenario(document, path, overrides)
@@ -77,11 +104,28 @@ def load_scenario(path: Path, overrides: Sequence[str] = ()) -> LoadedScenario:
     return loaded
 
 
+def changed_scenario(loaded: LoadedScenario, overrides: Sequence[str]) -> LoadedScenario:
+    """Return a scenario with further changes, made after those it has; its file is not read again.
+
+    Raises
+    ------
+    InputError
+        As :func:`load_scenario`.
+    """
+    document = parse_yaml(loaded.text, str(loaded.path))
+    changes = (*loaded.overrides, *overrides)
+    changed, problems = examine_scenario(document, loaded.path, changes, built=loaded.built)
+    if changed is None:
+        raise refusal(problems, document.name)
+    return changed
+
+
 def examine_scenario(
     document: Document,
     path: Path,
     overrides: Sequence[str] = (),
     changes: Sequence[Change] = (),
+    built: PythonModel | None = None,
 ) -> tuple[LoadedScenario | None, list[Problem]]:
     """Return the scenario of a document that was read, or None, and all that is wrong with it.
 
@@ -95,18 +139,22 @@ def examine_scenario(
         Changes as texts, see :func:`load_scenario`.
     changes
         Further changes, made after them.
+    built
+        The model, where it was built in Python.
     """
     problems = [*document.problems, *_check_top(document)]
     if not isinstance(document.data, dict) or is_system(document.data):
         return None, problems
     data, sources = copied(document.data), Sources(document)
-    groups = _parameter_groups(data.get("model"), path)
+    groups = built.groups if built else _parameter_groups(data.get("model"), path)
     found = [apply_override(data, override, sources, groups) for override in overrides]
     found += [apply_change(data, change, sources, groups) for change in changes]
     problems += [problem for problem in found if problem is not None]
     scenario, wrong = _read_scenario(data, sources)
     parameters, wrong_parameters = _read_parameters(data, sources)
-    written, wrong_model = _read_written(data, path, sources)
+    written, wrong_model = (
+        built.changed(data, sources) if built else _read_written(data, path, sources)
+    )
     problems += _unless_told(problems, wrong) + wrong_parameters + wrong_model
     problems += _unless_told(problems, unsuitable(data, written, sources))
     problems += check_times(data, scenario, sources)
@@ -124,13 +172,21 @@ def examine_scenario(
         units |= {f"parameters.{name}": unit for name, unit in written.units.items()}
     return (
         LoadedScenario(
-            path, document.text, tuple(overrides), scenario, parameters, resolved, units, written
+            path,
+            document.text,
+            tuple(overrides),
+            scenario,
+            parameters,
+            resolved,
+            units,
+            written,
+            built,
         ),
         problems,
     )
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class LoadedModel:
     """A model on its own: a vehicle of the catalogue with its parameters, or a system file.
 
@@ -141,9 +197,33 @@ class LoadedModel:
     model_parameters: ParameterSet | None
     written: WrittenModel | None = None
     overrides: tuple[str, ...] = ()
+    built: PythonModel | None = None
+
+    def changed(self, changes: Settings | None = None, **fields: Any) -> LoadedModel:
+        """Return the model with other values, see :meth:`LoadedScenario.changed`."""
+        return changed_model(self, override_texts(changes, fields))
+
+    def __repr__(self) -> str:
+        """Return name and changes."""
+        return _shown("Model", self.name, self.overrides)
 
 
-def load_model(name: str, overrides: Sequence[str] = ()) -> LoadedModel:
+def changed_model(loaded: LoadedModel, overrides: Sequence[str]) -> LoadedModel:
+    """Return a model with further changes, made after those it has.
+
+    Raises
+    ------
+    InputError
+        As :func:`load_model`.
+    """
+    is_file = loaded.written is not None and loaded.built is None
+    name = str(loaded.written.path) if is_file and loaded.written is not None else loaded.name
+    return load_model(name, (*loaded.overrides, *overrides), loaded.built)
+
+
+def load_model(
+    name: str, overrides: Sequence[str] = (), built: PythonModel | None = None
+) -> LoadedModel:
     """Return a vehicle of the catalogue or a system file with changes of its parameters.
 
     Parameters
@@ -153,33 +233,43 @@ def load_model(name: str, overrides: Sequence[str] = ()) -> LoadedModel:
     overrides
         Changes ``parameters.key=value``, or short ``key=value``, applied in order; of a system
         file also ``initial.coordinate=value``.
+    built
+        The model, where it was built in Python.
 
     Raises
     ------
     InputError
         If there is no such model or a change is wrong; one line for each problem.
     """
-    in_file = is_written(name)
+    in_file = built is not None or is_written(name)
     if not in_file and name not in kinds("model"):
         raise InputError(unknown_name("model", name, known_models()))
     model = None if in_file else find("model", name)
     sources = Sources(Document(name, ""))
     data: dict[str, Any] = {"parameters": {}, **({"initial": {}} if in_file else {})}
     may_change = tuple(data)
-    groups = _parameter_groups(name, Path("-"))
+    groups = built.groups if built else _parameter_groups(name, Path("-"))
     found = (apply_override(data, override, sources, groups) for override in overrides)
     problems = [problem for problem in found if problem is not None]
     words = "only 'parameters' of a model can be set; give a scenario to change more"
     problems += [sources.problem((key,), words) for key in data if key not in may_change]
-    parameters, written = None, None
-    if model is None:
+    parameters: ParameterSet | None = None
+    written: WrittenModel | None = None
+    if built is not None:
+        written, wrong = built.changed(data, sources)
+    elif model is None:
         written, wrong = read_model(system_path(name, Path()), data, sources)
     else:
         parameters, wrong = merge_parameters(model, data["parameters"], sources)
     if problems or wrong:
         raise refusal(problems + wrong, name)
     told = name if written is None else written.name
-    return LoadedModel(told, parameters, written, tuple(overrides))
+    return LoadedModel(told, parameters, written, tuple(overrides), built)
+
+
+def _shown(what: str, name: str, overrides: Sequence[str]) -> str:
+    changed = f" with {', '.join(overrides)}" if overrides else ""
+    return f"{what} {name}{changed}"
 
 
 def is_system_file(path: Path) -> bool:

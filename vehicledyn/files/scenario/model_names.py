@@ -8,6 +8,9 @@ from typing import Any
 from vehicledyn.base.registry import kinds
 from vehicledyn.library import find_entry, names_of
 
+PYTHON = "python:"
+"""Begins the names of models that were built in Python, which take the place of a file."""
+
 
 def known_models() -> tuple[str, ...]:
     """Return the names of all models that come with the program, sorted."""
@@ -36,4 +39,4 @@ def system_path(model: str, folder: Path) -> Path:
 
 
 def _is_file_name(model: str) -> bool:
-    return PurePath(model).suffix.lower() in (".yaml", ".yml")
+    return PurePath(model).suffix.lower() in (".yaml", ".yml") or model.startswith(PYTHON)

@@ -1,4 +1,4 @@
-"""Changes of a scenario from outside the file: ``--set key=value``."""
+"""Changes of a scenario from outside the file, ``key=value``."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ import re
 from collections.abc import Collection
 from typing import Any, NamedTuple
 
+from vehicledyn.base.argument_names import setting
 from vehicledyn.base.errors import InputError
 from vehicledyn.base.problems import Place, Problem
 from vehicledyn.base.units import describe
@@ -55,9 +56,9 @@ def apply_override(
 def read_override(override: str) -> Change | Problem:
     """Return the change that ``key=value`` asks for, or what is wrong with it."""
     key, equals, text = override.partition("=")
-    option = f"--set {key.strip()}"
+    option = setting(key.strip())
     if not equals or not _place(key):
-        return Problem(f"--set {override}", None, "", "write key=value, such as speed='36 km/h'")
+        return Problem(setting(override), None, "", "write key=value, such as speed='36 km/h'")
     try:
         document = parse_yaml(text, option)
     except InputError:

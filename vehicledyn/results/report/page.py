@@ -12,7 +12,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import ClassVar
 
-import vehicledyn
+from vehicledyn.base.version import VERSION
 
 LONGEST_CELL = 2000
 LONGEST_TEXT = 200_000
@@ -142,7 +142,7 @@ def render(page: Page) -> str:
     return template.render(
         page=page,
         style=style,
-        version=vehicledyn.__version__,
+        version=VERSION,
         most_rows=MOST_ROWS,
     )
 

@@ -16,8 +16,8 @@ from typing import Any
 import h5py
 import numpy as np
 
-import vehicledyn
 from vehicledyn.base.errors import InputError
+from vehicledyn.base.version import VERSION
 from vehicledyn.results.hdf5.damage import reading
 from vehicledyn.results.hdf5.disk import Container
 from vehicledyn.results.hdf5.opening import open_file
@@ -62,7 +62,7 @@ def new_file(
                 "format": kind,
                 "format_version": FORMAT_VERSION,
                 "created": datetime.now(UTC).isoformat(timespec="seconds"),
-                "vehicledyn_version": vehicledyn.__version__,
+                "vehicledyn_version": VERSION,
             }
             write_attributes(file, head | attributes)
             yield file

@@ -13,7 +13,7 @@ import h5py
 import numpy as np
 from numpy.typing import NDArray
 
-import vehicledyn
+from vehicledyn.base.version import VERSION
 from vehicledyn.results.store.layout import (
     FORMAT,
     FORMAT_VERSION,
@@ -42,7 +42,7 @@ def write_header(file: h5py.File, header: ResultHeader) -> None:
             "status": "running",
             "status_message": "",
             "created": datetime.now(UTC).isoformat(timespec="seconds"),
-            "vehicledyn_version": vehicledyn.__version__,
+            "vehicledyn_version": VERSION,
             "model": header.model,
             "model_hash": header.model_hash,
         },

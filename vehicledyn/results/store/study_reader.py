@@ -140,6 +140,11 @@ class StudyFile:
         with reading(self.path, self._file, _ADVICE):
             return np.asarray(self._file["cases/status"][()])
 
+    def end_times(self) -> Floats:
+        """Return when each case ended, shape (n_cases,) [s]."""
+        with reading(self.path, self._file, _ADVICE):
+            return np.asarray(self._file["cases/end_time"][()])
+
     def counts(self) -> dict[str, int]:
         """Return how many cases are pending, done, failed and ended by an event."""
         status = self.case_status()

@@ -16,9 +16,9 @@ import h5py
 import numpy as np
 from numpy.typing import NDArray
 
-import vehicledyn
 from vehicledyn.base.errors import InputError
 from vehicledyn.base.interrupts import undisturbed
+from vehicledyn.base.version import VERSION
 from vehicledyn.results.hdf5 import superblock
 from vehicledyn.results.hdf5.disk import Container
 from vehicledyn.results.hdf5.finishing import Reserve, finish
@@ -279,7 +279,7 @@ def _write_header(file: h5py.File, header: StudyHeader) -> None:
             "format_version": FORMAT_VERSION,
             "title": header.title,
             "created": datetime.now(UTC).isoformat(timespec="seconds"),
-            "vehicledyn_version": vehicledyn.__version__,
+            "vehicledyn_version": VERSION,
             "cases": header.n_cases,
             "digests": json.dumps(dict(header.digests)),
             "configuration": json.dumps(dict(header.configuration), default=str),

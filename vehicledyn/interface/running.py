@@ -1,0 +1,113 @@
+"""What all analyses called from Python share: where they write, what they print, how they end."""
+
+from __future__ import annotations
+
+import shutil
+import sys
+import tempfile
+import warnings
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any, TypeAlias
+
+from vehicledyn.base.argument_names import given
+from vehicledyn.base.errors import (
+    AccuracyWarning,
+    InputError,
+    UnfinishedWarning,
+)
+from vehicledyn.base.version import FOLDER
+from vehicledyn.results.hdf5.output import check_output
+from vehicledyn.results.labelled.data import LabelledData
+
+Progress: TypeAlias = bool | Callable[[str, float | None], object]
+"""True for a line on standard error, or a function that gets what is done and the part done."""
+
+WARNING = "warning: "
+"""Begins the notes of results that warn."""
+
+
+class ResultPlace:
+    """Where an analysis writes: a file to keep, or one that lasts as long as its value."""
+
+    def __init__(self, folder: Path | None, path: Path) -> None:
+        self._folder, self.path = folder, path
+
+    def value(self) -> LabelledData:
+        """Return what was written, with the warnings it holds issued."""
+        data = LabelledData(self.path, owned_folder=self._folder)
+        self._folder = None
+        _warn(data)
+        return data
+
+    def remove(self) -> None:
+        """Remove a temporary file that became no value."""
+        if self._folder is not None:
+            shutil.rmtree(self._folder, ignore_errors=True)
+
+
+@contextmanager
+def result_place(save_to: str | Path | None, name: str = "result") -> Iterator[ResultPlace]:
+    """Give the place of a result.
+
+    Raises
+    ------
+    InputError
+        If the file to keep exists, or cannot be written.
+    """
+    if save_to is None:
+        folder = Path(tempfile.mkdtemp(prefix="vehicledyn-"))
+        place = ResultPlace(folder, folder / f"{name}.h5")
+    else:
+        path = Path(save_to)
+        if path.exists():
+            raise InputError(f"{given('save_to', str(path))}: exists; choose another path")
+        check_output(path)
+        place = ResultPlace(None, path)
+    try:
+        yield place
+    finally:
+        place.remove()
+
+
+def reporter(progress: Progress) -> Callable[..., Any]:
+    """Return what analyses report their progress to."""
+    if callable(progress):
+        wanted = progress
+        return lambda text, fraction=None: wanted(text, fraction)
+    return _print_line if progress else _silent
+
+
+def _silent(text: str, fraction: float | None = None) -> None:
+    """Print nothing."""
+
+
+def _print_line(text: str, fraction: float | None = None) -> None:
+    done = "" if fraction is None else f" {fraction:4.0%}"
+    sys.stderr.write(f"\r\x1b[2K{text}{done}" if sys.stderr.isatty() else f"{text}{done}\n")
+    sys.stderr.flush()
+
+
+def refuse_interrupt(status: str) -> None:
+    """Pass Ctrl-C on, which analyses take for the end of their work."""
+    if status == "interrupted":
+        raise KeyboardInterrupt
+
+
+def _warn(data: LabelledData) -> None:
+    """Issue what the notes warn of, and that an analysis is not whole."""
+    for note in data.notes:
+        if note.startswith(WARNING):
+            _issue(note.removeprefix(WARNING), AccuracyWarning)
+    if not data.is_whole:
+        text = f"{data.status}: {data.status_message}" if data.status_message else data.status
+        _issue(f"the {data.kind} is not whole: {text}", UnfinishedWarning)
+
+
+def _issue(text: str, category: type[Warning]) -> None:
+    """Warn at the line of the user's call."""
+    frame, level = sys._getframe(), 1
+    while frame.f_back is not None and frame.f_code.co_filename.startswith(str(FOLDER)):
+        frame, level = frame.f_back, level + 1
+    warnings.warn(text, category, stacklevel=level)

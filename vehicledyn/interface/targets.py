@@ -1,0 +1,137 @@
+"""What analyses are asked about: a file, a name, a system in Python or what was loaded before."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any, TypeAlias
+
+import vehicledyn.catalogue  # noqa: F401
+from vehicledyn.base.argument_names import argument
+from vehicledyn.base.errors import InputError
+from vehicledyn.base.problems import refusal
+from vehicledyn.base.registry import find, kinds
+from vehicledyn.base.yaml import parse_yaml, read_yaml
+from vehicledyn.files.scenario import (
+    LoadedModel,
+    LoadedScenario,
+    changed_model,
+    changed_scenario,
+    load_model,
+    load_scenario,
+)
+from vehicledyn.files.scenario.load import examine_scenario
+from vehicledyn.files.scenario.python_models import PythonModel
+from vehicledyn.files.scenario.system_models import is_system
+from vehicledyn.library import Kind, locate
+from vehicledyn.multibody.model.system import System
+
+Source: TypeAlias = str | Path | System | LoadedScenario | LoadedModel
+"""Path or name of a scenario or model, a system built in Python, or what was loaded."""
+
+Target: TypeAlias = LoadedScenario | LoadedModel
+
+USUAL_RUN: dict[str, Any] = {
+    "duration": "10 s",
+    "solver": {"kind": "dop853", "relative_tolerance": 1e-8, "absolute_tolerance": 1e-8},
+    "output": {"interval": "10 ms"},
+}
+"""How long and by what method a model is simulated of which nothing else is said."""
+
+_DRIVEN: dict[str, Any] = {
+    "manoeuvre": {"kind": "straight"},
+    "speed": "20 m/s",
+    "solver": {"kind": "rk4"},
+}
+
+
+def read_target(
+    source: Source,
+    overrides: Sequence[str] = (),
+    preferred: tuple[Kind, Kind] = ("system", "scenario"),
+) -> Target:
+    """Return the scenario or model that is meant, with changes.
+
+    Parameters
+    ----------
+    source
+        What is meant.
+    overrides
+        Changes ``key=value``.
+    preferred
+        Which of a system and a scenario of the library is meant where both have the name.
+
+    Raises
+    ------
+    InputError
+        If there is none, or something is wrong with it or with a change.
+    """
+    if isinstance(source, LoadedScenario):
+        return changed_scenario(source, overrides) if overrides else source
+    if isinstance(source, LoadedModel):
+        return changed_model(source, overrides) if overrides else source
+    if isinstance(source, System):
+        return _of_system(source, overrides)
+    if not isinstance(source, str | Path):
+        raise InputError(
+            f"{argument('scenario')}: expected a path, a name, a System or what vehicledyn.load "
+            f"returned, found {type(source).__name__}"
+        )
+    if source in kinds("model") and not Path(f"{source}.yaml").is_file():
+        return load_model(str(source), overrides)
+    path = locate(str(source), preferred, kinds("model"))
+    if is_system(read_yaml(path).data):
+        return load_model(str(path), overrides)
+    return load_scenario(path, overrides)
+
+
+def read_scenario(source: Source, overrides: Sequence[str] = ()) -> LoadedScenario:
+    """Return the scenario that is meant, with changes; of a model its usual run.
+
+    Raises
+    ------
+    InputError
+        As :func:`read_target`, and if a model cannot run without more being said.
+    """
+    target = read_target(source, (), ("scenario", "system"))
+    if isinstance(target, LoadedScenario):
+        return changed_scenario(target, overrides) if overrides else target
+    data = {"title": target.name, "model": _model_name(target), **USUAL_RUN, **_usual_of(target)}
+    document = parse_yaml(_as_text(data), target.name)
+    path = Path.cwd() / f"{target.name}.yaml"
+    changes = [*target.overrides, *overrides]
+    loaded, problems = examine_scenario(document, path, changes, built=target.built)
+    if loaded is None:
+        raise refusal(problems, target.name)
+    return loaded
+
+
+def _model_name(model: LoadedModel) -> str:
+    """Return what a scenario in any folder names a model by."""
+    if model.built is not None:
+        return str(model.built.path)
+    return model.name if model.written is None else str(Path(model.written.path).resolve())
+
+
+def _of_system(system: System, overrides: Sequence[str]) -> LoadedModel:
+    system.check()
+    model = PythonModel(system)
+    return changed_model(LoadedModel(model.name, None, model, built=model), overrides)
+
+
+def _usual_of(model: LoadedModel) -> dict[str, Any]:
+    """Return what a vehicle needs besides to drive straight ahead."""
+    written = model.written
+    if written is not None and not written.is_vehicle:
+        return {"solver": {"kind": "rk4"}} if written.has_wheels else {}
+    usual: dict[str, Any] = {**_DRIVEN, "road": {"kind": "flat"}, "wheel_spin": "free"}
+    if written is None:
+        tyre = find("model", model.name).standard_options().front_tyre
+        usual["tyres"] = {"kind": tyre.kind}
+    return usual
+
+
+def _as_text(data: dict[str, Any]) -> str:
+    from vehicledyn.files.building.write import dump
+
+    return dump(data)

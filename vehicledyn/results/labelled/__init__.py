@@ -1,0 +1,1 @@
+"""Results in memory: labelled arrays of any result file, with conversions, figures and export."""

@@ -1,0 +1,148 @@
+"""Arrays of a result as tables of other programs: CSV, MATLAB files and Parquet."""
+
+from __future__ import annotations
+
+import csv
+import re
+from collections.abc import Callable, Iterator, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from vehicledyn.base.argument_names import argument
+from vehicledyn.base.errors import InputError, MissingPartError
+from vehicledyn.base.whole_file import whole_file
+from vehicledyn.results.hdf5.output import write_failed
+from vehicledyn.results.labelled.conversion import labels_along, table_arrays
+from vehicledyn.results.labelled.labels import Labelled, LabelledSet
+
+_LONGEST_NAME = 63
+"""Letters of a name in MATLAB."""
+
+_NO_LETTER = re.compile(r"\W")
+
+
+def export_data(
+    data: LabelledSet, path: Path, patterns: Sequence[str], *, overwrite: bool = False
+) -> Path:
+    """Write arrays over the same dimensions as a table; return its path.
+
+    CSV has names in its first line and units in its second; MATLAB files and Parquet carry units
+    and meanings beside the columns.
+
+    Parameters
+    ----------
+    data
+        The result.
+    path
+        File to write; its ending .csv, .mat or .parquet decides the format.
+    patterns
+        Names or shell patterns of arrays, empty for those of the usual table.
+    overwrite
+        Whether an existing file is replaced.
+
+    Raises
+    ------
+    InputError
+        If the ending is another, the file exists or cannot be written, or the arrays make no table.
+    MissingPartError
+        If the package for Parquet is not installed.
+    """
+    write = _WRITERS.get(path.suffix.lower())
+    if write is None:
+        raise InputError(f"{path}: give a file that ends in {', '.join(_WRITERS)}")
+    if path.exists() and not overwrite:
+        raise InputError(f"{path}: exists; choose another file, or give {argument('overwrite')}")
+    columns = list(_columns(table_arrays(data, patterns)))
+    try:
+        with whole_file(path) as scratch:
+            write(scratch, columns, data)
+    except OSError as error:
+        raise write_failed(path, error) from error
+    return path
+
+
+Column = tuple[str, Any, str, str]
+"""Name, values, unit and meaning."""
+
+
+def _columns(arrays: Sequence[Labelled]) -> Iterator[Column]:
+    """Yield the labels of the rows, then the arrays; complex ones as two columns."""
+    first = arrays[0]
+    for dim, values in labels_along(first):
+        label = first.coords.get(dim)
+        yield dim, values, label.unit if label else "", label.description if label else ""
+    for array in arrays:
+        values = np.ravel(array.values)
+        if np.iscomplexobj(values):
+            yield f"{array.name}.real", values.real, array.unit, array.description
+            yield f"{array.name}.imag", values.imag, array.unit, array.description
+        else:
+            yield array.name, values, array.unit, array.description
+
+
+def _write_csv(path: Path, columns: Sequence[Column], data: LabelledSet) -> None:
+    with path.open("w", encoding="utf-8", newline="") as file:
+        writer = csv.writer(file, lineterminator="\n")
+        writer.writerow([name for name, *_ in columns])
+        writer.writerow([unit for _, _, unit, _ in columns])
+        writer.writerows(
+            zip(*(np.asarray(values).tolist() for _, values, *_ in columns), strict=True)
+        )
+
+
+def _write_mat(path: Path, columns: Sequence[Column], data: LabelledSet) -> None:
+    """Write variables under names that MATLAB allows, with a table of their own names and units."""
+    from scipy.io import savemat
+
+    names = _matlab_names([name for name, *_ in columns])
+    facts = np.array([[n, *c[:1], *c[2:]] for n, c in zip(names, columns, strict=True)], object)
+    variables = {name: np.asarray(c[1]) for name, c in zip(names, columns, strict=True)}
+    head = {"title": data.title, "model": data.model, "status": data.status}
+    content = {**variables, "columns": facts, "about": head}
+    with path.open("wb") as file:
+        savemat(file, content, long_field_names=True, oned_as="column")
+
+
+def _matlab_names(names: Sequence[str]) -> list[str]:
+    """Return names of letters, digits and underscores, each another."""
+    found: list[str] = []
+    for name in names:
+        plain = _NO_LETTER.sub("_", name)
+        stem = plain if plain[:1].isalpha() else f"x{plain}"
+        word, number = stem[:_LONGEST_NAME], 1
+        while word in (*found, "columns", "about"):
+            number += 1
+            word = f"{stem[: _LONGEST_NAME - 5]}_{number}"
+        found.append(word)
+    return found
+
+
+def _write_parquet(path: Path, columns: Sequence[Column], data: LabelledSet) -> None:
+    try:
+        import pyarrow
+        from pyarrow import parquet
+    except ImportError:
+        raise MissingPartError(
+            "Parquet files need pyarrow; install it with: pip install 'vehicledyn[parquet]'"
+        ) from None
+    fields = [
+        pyarrow.field(
+            name, pyarrow.array(values).type, metadata={"units": unit, "long_name": words}
+        )
+        for name, values, unit, words in columns
+    ]
+    head = {"title": data.title, "model": data.model, "status": data.status}
+    table = pyarrow.Table.from_arrays(
+        [pyarrow.array(values) for _, values, *_ in columns],
+        schema=pyarrow.schema(fields, metadata=head),
+    )
+    parquet.write_table(table, path)
+
+
+_WRITERS: dict[str, Callable[[Path, Sequence[Column], LabelledSet], None]] = {
+    ".csv": _write_csv,
+    ".mat": _write_mat,
+    ".parquet": _write_parquet,
+}

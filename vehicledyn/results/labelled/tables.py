@@ -1,0 +1,183 @@
+"""Labelled arrays of the files of linear, hunting, contact and equilibrium analyses."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import h5py
+import numpy as np
+
+from vehicledyn.base.errors import InputError
+from vehicledyn.results.labelled.array import LabelledArray
+from vehicledyn.results.labelled.source import Head, Source
+from vehicledyn.results.store.layout import EventRecord, SummaryEntry
+from vehicledyn.results.store.linear_file import old_file, read_texts
+from vehicledyn.results.tables import contact_table, hunt_table, mode_table, response_table
+
+KINDS = {
+    mode_table.FORMAT: "modes",
+    response_table.FORMAT: "response",
+    hunt_table.FORMAT: "hunt",
+    contact_table.FORMAT: "contacts",
+}
+"""What the formats of these files are called."""
+
+_HEAD = ("title", "model", "status", "message", "format", "format_version")
+_CASE = re.compile(r"case_(\d+)\.")
+_REAL, _IMAGINARY = "_real", "_imag"
+_ABOUT_NAMES = ("_units", "_long_name")
+
+
+@dataclass(frozen=True)
+class TableSource:
+    """Arrays that were read at once, since such files are small."""
+
+    head: Head
+    arrays: Mapping[str, LabelledArray]
+    remarks: tuple[str, ...] = ()
+
+    @property
+    def names(self) -> Sequence[str]:
+        """Names of the arrays."""
+        return list(self.arrays)
+
+    def read(self, name: str) -> LabelledArray:
+        """Return an array."""
+        return self.arrays[name]
+
+    def summary(self) -> Mapping[str, SummaryEntry]:
+        """Return the facts among the attributes that are numbers, as key figures."""
+        return {
+            key.removeprefix("figure_"): SummaryEntry(
+                key.removeprefix("figure_"),
+                value,
+                "",
+                key.removeprefix("figure_").replace("_", " "),
+            )
+            for key, value in self.head.attributes.items()
+            if key.startswith("figure_")
+        }
+
+    def events(self) -> tuple[EventRecord, ...]:
+        """Return nothing: these analyses have no events."""
+        return ()
+
+    def notes(self) -> tuple[str, ...]:
+        """Return remarks and warnings."""
+        return self.remarks
+
+
+def table_source(path: Path, kind: str) -> Source:
+    """Return the arrays of a file.
+
+    Raises
+    ------
+    InputError
+        If the file is damaged or of no known format.
+    """
+    if kind not in KINDS:
+        raise InputError(f"{path}: its format '{kind}' is no result of this program")
+    with old_file(path, kind) as file:
+        found = dict(_arrays(file))
+        plain = {key: _plain(value) for key, value in file.attrs.items()}
+        notes = tuple(read_texts(file, "notes")) if "notes" in file else ()
+    head = Head(
+        KINDS[kind],
+        str(plain.get("title", "")),
+        str(plain.get("model", "")),
+        str(plain.get("status", "ok")),
+        str(plain.get("message", "")),
+        {key: value for key, value in plain.items() if key not in _HEAD},
+    )
+    arrays = _stacked(found, path) if kind == mode_table.FORMAT else found
+    return TableSource(head, {name: a for name, a in arrays.items() if name != "notes"}, notes)
+
+
+def _plain(value: Any) -> Any:
+    return value.item() if isinstance(value, np.generic) else value
+
+
+def _arrays(file: h5py.File) -> Iterator[tuple[str, LabelledArray]]:
+    """Yield every data set with the scales of its dimensions as labels; pairs as complex."""
+    places: list[str] = []
+    file.visititems(lambda place, item: places.append(place) if _is_data(item) else None)
+    for place in places:
+        if place.endswith(_IMAGINARY) or place.endswith(_ABOUT_NAMES):
+            continue
+        name = place.replace("/", ".")
+        dataset = file[place]
+        values = _values(dataset)
+        if place.endswith(_REAL):
+            name = name.removesuffix(_REAL)
+            values = values + 1j * file[place.removesuffix(_REAL) + _IMAGINARY][()]
+        dims, coords = _labels(name, dataset)
+        unit, words = (str(dataset.attrs.get(key, "")) for key in ("units", "long_name"))
+        yield name, LabelledArray(name, values, dims, unit, words, coords)
+
+
+def _is_data(item: Any) -> bool:
+    return isinstance(item, h5py.Dataset)
+
+
+def _values(dataset: h5py.Dataset) -> Any:
+    if h5py.check_string_dtype(dataset.dtype) is not None:
+        return np.array(dataset.asstr()[()], dtype=object)
+    return dataset[()]
+
+
+def _labels(name: str, dataset: h5py.Dataset) -> tuple[tuple[str, ...], dict[str, LabelledArray]]:
+    """Return the names of the dimensions and what labels them."""
+    if dataset.is_scale:
+        return (name,), {}
+    dims, coords = [], {}
+    for axis in range(dataset.ndim):
+        scales = list(dataset.dims[axis].values())
+        if not scales:
+            dims.append(f"{name}_axis_{axis}")
+            continue
+        scale = scales[0]
+        label = scale.name.strip("/").replace("/", ".")
+        dims.append(label)
+        words = {key: str(scale.attrs.get(key, "")) for key in ("units", "long_name")}
+        values = _values(scale)
+        coords[label] = LabelledArray(label, values, (label,), words["units"], words["long_name"])
+    return tuple(dims), coords
+
+
+def _stacked(found: Mapping[str, LabelledArray], path: Path) -> dict[str, LabelledArray]:
+    """Return the modes of all cases in one array a quantity, missing modes as not a number."""
+    table = mode_table.read_modes(path)
+    labels = np.array([case.label for case in table.cases], dtype=object)
+    case = LabelledArray("case", labels, ("case",), "", "Case")
+    most = max(len(item.kind) for item in table.cases)
+    mode = LabelledArray("mode", np.arange(1, most + 1), ("mode",), "", "Number of the mode")
+    arrays = {name: array for name, array in found.items() if not _CASE.match(name)}
+    speeds = np.array([item.speed for item in table.cases])
+    coords = {"case": case, "mode": mode}
+    arrays |= {"case": case, "mode": mode}
+    arrays["speed"] = LabelledArray("speed", speeds, ("case",), "m/s", "Speed", {"case": case})
+    for name in dict.fromkeys(_CASE.sub("", name) for name in found if _CASE.match(name)):
+        parts = [found.get(f"case_{k}.{name}") for k in range(1, len(table.cases) + 1)]
+        known = next(part for part in parts if part is not None)
+        if name == "mode":
+            continue
+        values = _padded([None if part is None else part.values for part in parts], most)
+        dims = ("case", "mode", *known.dims[1:])
+        labels_of = {dim: coords.get(dim, known.coords.get(dim)) for dim in dims}
+        kept = {dim: label for dim, label in labels_of.items() if label is not None}
+        arrays[name] = LabelledArray(name, values, dims, known.unit, known.description, kept)
+    return arrays
+
+
+def _padded(parts: Sequence[Any], most: int) -> Any:
+    known = next(part for part in parts if part is not None)
+    empty: Any = "" if known.dtype == object else np.nan
+    whole = np.full((len(parts), most, *known.shape[1:]), empty, dtype=known.dtype)
+    for number, part in enumerate(parts):
+        if part is not None:
+            whole[number, : len(part)] = part
+    return whole
