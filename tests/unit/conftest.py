@@ -6,7 +6,7 @@ import pytest
 from small_catalogue import ENTRIES, SCENARIO
 
 from vehicledyn.base import registry
-from vehicledyn.codegen.toolchain.compiler import CompilationError, find_compiler, suitable_lanes
+from vehicledyn.codegen.toolchain.compiler import suitable_lanes
 
 
 @pytest.fixture
@@ -34,14 +34,6 @@ def write(tmp_path, catalogue):
         return path
 
     return write_file
-
-
-@pytest.fixture(scope="session")
-def needs_compiler():
-    try:
-        find_compiler()
-    except CompilationError as error:
-        pytest.skip(str(error))
 
 
 @pytest.fixture(params=["compiled", "interpreted"])

@@ -193,9 +193,9 @@ def test_small_car_stands_on_its_wheels_and_is_symmetric():
 
 def test_both_front_wheels_of_the_small_car_steer_the_way_the_gain_says():
     prepared = ready("small_car")
-    system = prepared.vehicle.system
+    system = prepared.subject.vehicle.system
     unsteered = replace(system, parts=tuple(p for p in system.parts if p.name != "steer"))
-    rack = TimeLaw("steer", prepared.vehicle.rack, lambda _: 0.01)
+    rack = TimeLaw("steer", prepared.subject.vehicle.rack, lambda _: 0.01)
     equations = derive(unsteered.with_parts(rack))
     kernel = compile_kernel(equations, backend="interpreted")
     state = np.array([s.start for s in equations.states])

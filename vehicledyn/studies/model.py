@@ -15,7 +15,6 @@ from vehicledyn.analyses.preparation.build_model import build_subject, manoeuvre
 from vehicledyn.analyses.preparation.prepare import Point, Vector, prepare, start_point
 from vehicledyn.analyses.preparation.prepared import Derived, Prepared, Progress
 from vehicledyn.analyses.preparation.rate_determinacy import rates_watched
-from vehicledyn.analyses.preparation.road_runnable import RoadSubject
 from vehicledyn.analyses.preparation.runnable import Subject
 from vehicledyn.analyses.simulation.chosen_step import leaves_step, with_step
 from vehicledyn.analyses.simulation.judgement import judged_by
@@ -106,7 +105,7 @@ class Model:
             parameters = _parameters_of(subject, self.prepared)
             equations = starting_at(self.prepared.equations, self.prepared.subject, subject)
         else:
-            subject = _in_manoeuvre(self.prepared.subject, loaded)
+            subject = self.prepared.subject.in_manoeuvre(manoeuvre_of(loaded))
             parameters, equations = (
                 self.shortcut.parameters(loaded.resolved),
                 self.prepared.equations,
@@ -273,12 +272,6 @@ def _parameters_of(subject: Subject, prepared: Prepared) -> Vector:
         raise InputError(f"this case has no parameter {error}; its equations are others") from None
 
 
-def _in_manoeuvre(subject: Subject, loaded: LoadedScenario) -> Subject:
-    if not isinstance(subject, RoadSubject):
-        return subject
-    return replace(subject, manoeuvre=manoeuvre_of(loaded))
-
-
 def _find_shortcut(
     recipe: Recipe, values: Sequence[float], prepared: Prepared, reference: Reference | None
 ) -> Shortcut | None:
@@ -352,12 +345,8 @@ def _held(subject: Subject, prepared: Prepared, reference: Reference | None) -> 
 
 
 def _shape(subject: Subject) -> tuple[Any, ...]:
-    """Return what key figures read of a vehicle besides its manoeuvre."""
-    if not isinstance(subject, RoadSubject):
-        return ()
-    vehicle = subject.vehicle
-    wheels = tuple((corner.name, corner.spin) for corner in vehicle.corners)
-    return (tuple(map(tuple, vehicle.outline)), vehicle.chassis, str(vehicle.rack), wheels)
+    """Return what key figures read of a model besides its manoeuvre."""
+    return (subject.shapes(), subject.ports.body, subject.ports.steering, subject.ports.wheels)
 
 
 def _silent(what: str, part: float | None) -> None:

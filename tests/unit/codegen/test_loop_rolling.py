@@ -15,6 +15,8 @@ from vehicledyn.integrate.methods.rk4 import RungeKutta4
 from vehicledyn.kernel.kernel import compile_kernel
 from vehicledyn.multibody import GROUND, Body, Joint, ParameterTable, System, derive
 
+pytestmark = pytest.mark.long
+
 BENCHMARKS = Path(__file__).parents[3] / "benchmarks"
 
 

@@ -26,6 +26,8 @@ from vehicledyn.multibody import GROUND, BasePart, Body, Joint, ParameterTable, 
 from vehicledyn.multibody.model.parts import PartEvent
 from vehicledyn.results.store.reader import open_result
 
+pytestmark = pytest.mark.long
+
 fmpy = pytest.importorskip("fmpy", reason="fmpy, which simulates FMUs, is not installed")
 FMU3Model = fmpy.fmi3.FMU3Model
 FMICallException = fmpy.fmi1.FMICallException

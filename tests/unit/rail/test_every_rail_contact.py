@@ -27,7 +27,7 @@ def test_wheelset_runs_in_the_middle_and_its_wheels_carry_the_load(kind, tmp_pat
     path.write_text(text, encoding="utf-8")
     model = load_model(str(path), ["initial.wheelset.vertical=0.3 mm"])
     prepared = prepare(model, backend="interpreted", progress=lambda text, part: None)
-    point = reference_point(prepared, 0.0, None, is_system=True)
+    point = reference_point(prepared, 0.0, None)
     names = [channel.name for channel in prepared.equations.channels]
     found = dict(
         zip(names, np.array(prepared.kernel.outputs(0.0, point.state, point.unknowns)), strict=True)

@@ -9,6 +9,8 @@ from vehicledyn.base.parameters import read_part
 from vehicledyn.base.registry import kinds
 from vehicledyn.symbolic import ops
 
+pytestmark = pytest.mark.long
+
 RAILS = {"gauge": "1435 mm", "inclination": "1/40", "rail": "60E1"}
 SEGMENTS = """\
 kind, length [m], radius [m], cant [mm], widening [mm]

@@ -28,7 +28,7 @@ def test_every_channel_state_and_parameter_has_unit_and_description(prepared):
 
 
 def test_names_that_manoeuvres_need_exist(prepared):
-    vehicle, system = prepared.vehicle, prepared.vehicle.system
+    vehicle, system = prepared.subject.vehicle, prepared.subject.vehicle.system
     coordinates = {joint.name for joint in system.joints()}
     position = {f"{vehicle.chassis}.{c}" for c in ("x", "y", "z", "yaw", "pitch", "roll")}
     assert position | {vehicle.rack} | {c.spin for c in vehicle.corners} <= coordinates
@@ -40,7 +40,7 @@ def test_wheels_carry_the_weight_of_the_standing_vehicle(prepared):
     point = equilibrium_point(prepared, 0.0, "static")
     outputs = prepared.kernel.outputs(0.0, point.state, point.unknowns)
     values = dict(zip((c.name for c in prepared.equations.channels), outputs, strict=True))
-    loads = [values[f"{c.name}.tyre.normal_force"] for c in prepared.vehicle.corners]
+    loads = [values[f"{c.name}.tyre.normal_force"] for c in prepared.subject.vehicle.corners]
     table = {p.name: p.value for p in prepared.equations.parameters}
     mass = table["chassis.mass"] + 4 * (table["a_arm.mass"] + table["wheel.mass"])
     assert np.sum(loads) == pytest.approx(mass * table["gravity"], rel=1e-9)

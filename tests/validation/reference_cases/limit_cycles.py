@@ -104,7 +104,7 @@ def study():
     overrides = [f"parameters.speed={SPEEDS[0]} m/s"]
     target = load_model(str(FOLDER / "rail_wheelset.yaml"), overrides)
     prepared = prepare(target, backend="auto", progress=quiet)
-    point = reference_point(prepared, SPEEDS[0], None, is_system=True)
+    point = reference_point(prepared, SPEEDS[0], None)
     model = AutonomousField(prepared.equations, "speed", prepared.kernel.parameters)
     speeds = (*SPEEDS, LOWEST)
     known = follow_balance(model, speeds, model.reduced(point.state), point.unknowns)

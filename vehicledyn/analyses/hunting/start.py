@@ -13,7 +13,6 @@ from vehicledyn.analyses.hunting.parameter_starts import ParameterStarts
 from vehicledyn.analyses.preparation.build_model import Target
 from vehicledyn.analyses.preparation.prepare import Point, reference_point
 from vehicledyn.analyses.preparation.prepared import Prepared
-from vehicledyn.analyses.preparation.system_runnable import SystemSubject
 from vehicledyn.base.errors import InputError, NumericalError, nearest_name, unknown_name
 from vehicledyn.base.units import to_si
 from vehicledyn.files.scenario import LoadedScenario, Scenario
@@ -217,11 +216,9 @@ def balanced_point(
     model: AutonomousField,
 ) -> Point:
     """Return the reference point of a system whose kernel has a parameter's value."""
-    is_system = isinstance(prepared.subject, SystemSubject)
     return reference_point(
         prepared,
         value if name == SPEED else (scenario.speed or 0.0 if scenario else 0.0),
         scenario.start if scenario else None,
-        is_system=is_system,
-        slopes=model if is_system else None,
+        slopes=model,
     )

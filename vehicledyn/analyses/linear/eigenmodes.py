@@ -14,10 +14,9 @@ from vehicledyn.analyse.modes import Mode, eigenmodes
 from vehicledyn.analyses.linear.mode_report import ModesAtSpeed, ModesReport
 from vehicledyn.analyses.preparation.build_model import Target
 from vehicledyn.analyses.preparation.own_speed import at_speed, refuse_idle_speed, speed_matters
-from vehicledyn.analyses.preparation.prepare import Start, prepare, reference_point, start_point
+from vehicledyn.analyses.preparation.prepare import Start, prepare, reference_start, start_point
 from vehicledyn.analyses.preparation.prepared import Prepared, Progress
 from vehicledyn.analyses.preparation.steadiness import unsteadiness
-from vehicledyn.analyses.preparation.system_runnable import SystemSubject
 from vehicledyn.base.errors import InputError
 from vehicledyn.base.units import shown
 from vehicledyn.files.scenario import LoadedScenario
@@ -130,12 +129,12 @@ def _modes_at(
     prepared: Prepared, speed: float, wanted: Start | None, scenario: LoadedScenario | None
 ) -> tuple[ModesAtSpeed, Linearisation]:
     """Return the modes about the reference motion at a speed."""
-    is_system = isinstance(prepared.subject, SystemSubject)
     if wanted is None:
         start = scenario.scenario.start if scenario else None
-        point = reference_point(prepared, speed, start, is_system=is_system)
+        kind = reference_start(prepared.subject, speed, start)
     else:
-        point = start_point(prepared, speed, _checked(prepared, wanted, speed))
+        kind = _checked(prepared, wanted, speed)
+    point = start_point(prepared, speed, kind)
     linear = linearise(
         prepared.equations,
         prepared.kernel.parameters,
@@ -144,7 +143,7 @@ def _modes_at(
         point.unknowns,
         derivatives=prepared.derivatives,
     )
-    remark = unsteadiness(prepared, point) if is_system or wanted not in (None, "steady") else ""
+    remark = "" if kind == "steady" else unsteadiness(prepared, point)
     return ModesAtSpeed(speed, eigenmodes(linear.matrix, linear.names), "", remark), linear
 
 
@@ -152,7 +151,7 @@ def _checked(prepared: Prepared, wanted: Start, speed: float) -> Start:
     """Return a start that the subject can have; a vehicle that stands is steady at rest."""
     if wanted != "steady":
         return wanted
-    if isinstance(prepared.subject, SystemSubject):
+    if prepared.subject.usual_start != "steady":
         raise InputError("--start steady: is for vehicles; take 'nominal' or 'static'")
     return "steady" if speed > 0.0 else "static"
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 from vehicledyn.analyses.linear.linear_inputs import THRUST
 from vehicledyn.analyses.preparation.prepare import Point, Start, reference_point
 from vehicledyn.analyses.preparation.prepared import Prepared
-from vehicledyn.analyses.preparation.road_runnable import RoadSubject
 from vehicledyn.base.errors import NumericalError
 
 _HELD = 1e-10
@@ -15,7 +14,7 @@ _TRIALS = 12
 
 
 def held_speed_point(prepared: Prepared, speed: float, start: Start | None) -> Point:
-    """Return the reference point; a vehicle at a speed keeps it by a force along its chassis.
+    """Return the reference point; what runs along a road keeps its speed by a force on its body.
 
     Without that force it would slowly fall in speed, and no constant input could have a
     constant answer. The force is found by the secant method.
@@ -25,10 +24,8 @@ def held_speed_point(prepared: Prepared, speed: float, start: Start | None) -> P
     NumericalError
         If no force holds the speed.
     """
-    if not isinstance(prepared.subject, RoadSubject):
-        return reference_point(prepared, speed, start, is_system=True)
-    point = reference_point(prepared, speed, start, is_system=False)
-    if speed <= 0.0:
+    point = reference_point(prepared, speed, start)
+    if speed <= 0.0 or not prepared.subject.ports.body:
         return point
     thrust, found = 0.0, _acceleration(prepared, point)
     step = -1e3 * found  # a car has about this mass
@@ -37,7 +34,7 @@ def held_speed_point(prepared: Prepared, speed: float, start: Start | None) -> P
             return point
         thrust += step
         _push(prepared, thrust)
-        point = reference_point(prepared, speed, start, is_system=False)
+        point = reference_point(prepared, speed, start)
         before, found = found, _acceleration(prepared, point)
         if found == before:
             break
@@ -54,7 +51,7 @@ def _push(prepared: Prepared, thrust: float) -> None:
 
 
 def _acceleration(prepared: Prepared, point: Point) -> float:
-    """Return the acceleration of the chassis along x [m/s²]."""
-    time, chassis = prepared.subject.balance_time, prepared.vehicle.chassis
+    """Return the acceleration of the body along x [m/s²]."""
+    time, body = prepared.subject.balance_time, prepared.subject.ports.body
     rates = prepared.kernel.rates(time, point.state, point.unknowns)
-    return float(rates[prepared.index(f"{chassis}.x_rate")])
+    return float(rates[prepared.index(f"{body}.x_rate")])

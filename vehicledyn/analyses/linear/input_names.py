@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from vehicledyn.analyses.preparation.road_runnable import RoadSubject
 from vehicledyn.analyses.preparation.runnable import Subject
 from vehicledyn.base.errors import InputError, nearest_name
 from vehicledyn.multibody.elements.coordinate_forces import CoordinateForce
@@ -55,7 +54,7 @@ def known_inputs(subject: Subject) -> list[str]:
         if isinstance(part, ExternalWrench)
         for component in COMPONENTS
     ]
-    if isinstance(subject, RoadSubject):
+    if subject.ports.steering:
         known += [STEERING, WHEEL_ANGLE, PROFILE]
     wheels = [part.name for part in system.parts if isinstance(part, RoadWheel)]
     return known + ([ROAD, *(f"{ROAD}:{wheel}" for wheel in wheels)] if wheels else [])
@@ -72,7 +71,7 @@ def wheels_of(subject: Subject, name: str, which: str) -> list[RoadWheel]:
     wheels = [part for part in subject.system.parts if isinstance(part, RoadWheel)]
     if not wheels:
         raise InputError(f"--input {name}: the model has no wheels on a road")
-    corners = subject.vehicle.corners if isinstance(subject, RoadSubject) else ()
+    corners = subject.ports.wheels
     groups = {
         "": {w.name for w in wheels},
         "front": {c.name for c in corners if c.is_front},

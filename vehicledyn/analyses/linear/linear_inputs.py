@@ -19,9 +19,7 @@ from vehicledyn.analyses.linear.input_names import (
     known_inputs,
     wheels_of,
 )
-from vehicledyn.analyses.preparation.road_runnable import RoadSubject
 from vehicledyn.analyses.preparation.runnable import Subject
-from vehicledyn.analyses.preparation.system_runnable import SystemSubject
 from vehicledyn.base.errors import InputError
 from vehicledyn.multibody.elements.coordinate_forces import CoordinateForce
 from vehicledyn.multibody.elements.drives import TimeLaw
@@ -77,7 +75,7 @@ class Excited:
 
     def _plain(self, name: str) -> ModelInput:
         """Return the input of a name that says itself what it is."""
-        own = self._of_vehicle(name) or self._of_part(name)
+        own = self._of_port(name) or self._of_part(name)
         if own is not None:
             return own
         if name == ROAD:
@@ -95,27 +93,25 @@ class Excited:
         )
 
     def add_thrust(self) -> None:
-        """Let a force along the chassis hold the speed of a vehicle, a parameter."""
-        if not isinstance(self.subject, RoadSubject):
+        """Let a force along the body that runs along a road hold the speed, a parameter."""
+        body = self.subject.ports.body
+        if not body:
             return
         thrust = self.system.table.add(THRUST, 0.0, "N", "Force that holds the speed")
-        chassis = self.subject.vehicle.chassis
-        load = ExternalWrench(THRUST, chassis, force=lambda _: (thrust, 0.0, 0.0), follows=True)
+        load = ExternalWrench(THRUST, body, force=lambda _: (thrust, 0.0, 0.0), follows=True)
         self._change_parts([*self.system.parts, SmallLoad(THRUST, load)])
 
-    def _of_vehicle(self, name: str) -> ModelInput | None:
-        """Return an input that road vehicles have."""
-        if not isinstance(self.subject, RoadSubject):
-            return None
-        vehicle = self.subject.vehicle
-        if name == PROFILE:
-            return self._profile(name, vehicle.speed)
-        if name == STEERING:
-            return self._motion(name, vehicle.rack)
-        if name == WHEEL_ANGLE:
-            part = self._motion(name, vehicle.rack).parts[0]
+    def _of_port(self, name: str) -> ModelInput | None:
+        """Return an input of the port that steers the model, or of a road it runs over."""
+        ports = self.subject.ports
+        if name == PROFILE and ports.speed is not None:
+            return self._profile(name, ports.speed)
+        if name == STEERING and ports.steering:
+            return self._motion(name, ports.steering)
+        if name == WHEEL_ANGLE and ports.steering:
+            part = self._motion(name, ports.steering).parts[0]
             text = "Angle of the front wheels that the rack nominally gives, to the left"
-            return ModelInput(name, "rad", text, (replace(part, gain=1.0 / vehicle.steering_gain),))
+            return ModelInput(name, "rad", text, (replace(part, gain=1.0 / ports.steering_gain),))
         return None
 
     def _of_part(self, name: str) -> ModelInput | None:
@@ -263,14 +259,7 @@ class Excited:
         return ModelInput(name, "m", text, parts)
 
     def _change_parts(self, parts: Sequence[Part]) -> None:
-        system = replace(self.system, parts=tuple(parts))
-        subject = self.subject
-        if isinstance(subject, RoadSubject):
-            self.subject = replace(subject, vehicle=replace(subject.vehicle, system=system))
-        elif isinstance(subject, SystemSubject):
-            self.subject = replace(subject, system=system)
-        else:
-            raise InputError("this model takes no inputs")
+        self.subject = self.subject.with_system(replace(self.system, parts=tuple(parts)))
 
     def _unknown(self, name: str) -> InputError:
         known = known_inputs(self.subject)

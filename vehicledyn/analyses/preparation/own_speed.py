@@ -5,7 +5,6 @@ from __future__ import annotations
 from vehicledyn.analyses.preparation.build_model import Target, system_of
 from vehicledyn.analyses.preparation.prepared import Derived
 from vehicledyn.analyses.preparation.runnable import Subject
-from vehicledyn.analyses.preparation.system_runnable import SystemSubject
 from vehicledyn.base.errors import InputError
 from vehicledyn.files.scenario import LoadedModel, changed_model, changed_scenario
 
@@ -72,8 +71,8 @@ def own_speed(target: Target) -> float | None:
 
 
 def speed_matters(subject: Subject) -> bool:
-    """Return whether a speed says something: of a vehicle, or of a system with such wheels."""
-    return not isinstance(subject, SystemSubject) or bool(subject.parameters_at(1.0))
+    """Return whether a speed says something about a model."""
+    return bool(subject.parameters_at(1.0))
 
 
 def refuse_idle_speed(derived: Derived) -> None:

@@ -20,7 +20,6 @@ from vehicledyn.analyses.preparation.prepared import (
     by_partitioning,
     named,
 )
-from vehicledyn.analyses.preparation.road_runnable import RoadSubject
 from vehicledyn.analyses.preparation.runnable import Subject
 from vehicledyn.analyses.preparation.start_rates import start_rates
 from vehicledyn.base.interrupts import undisturbed
@@ -106,23 +105,25 @@ def start_point(
 
 
 def reference_point(
-    prepared: Prepared,
-    speed: float,
-    start: Start | None,
-    *,
-    is_system: bool,
-    slopes: Slopes | None = None,
+    prepared: Prepared, speed: float, start: Start | None, *, slopes: Slopes | None = None
 ) -> Point:
-    """Return the point to linearise about.
+    """Return the point to linearise about, see :func:`reference_start`.
 
-    A vehicle runs straight at a steady speed, or stands; of a system it is the start that its
-    scenario names, else the equilibrium. ``slopes`` are derivatives of the equations, where
-    others than the prepared ones are quicker.
+    ``slopes`` are derivatives of the equations, where others than the prepared ones are quicker.
     """
-    if is_system:
-        return start_point(prepared, speed, start or "static", slopes=slopes)
-    how: Literal["static", "steady"] = "steady" if speed > 0.0 else "static"
-    return equilibrium_point(prepared, speed, how, slopes=slopes)
+    kind = reference_start(prepared.subject, speed, start)
+    return start_point(prepared, speed, kind, slopes=slopes)
+
+
+def reference_start(subject: Subject, speed: float, start: Start | None) -> Start:
+    """Return how a model starts that is to be linearised.
+
+    What runs along a road runs straight at a steady speed [m/s], or stands. Everything else is
+    at the start that its scenario names, or in equilibrium.
+    """
+    if subject.usual_start == "steady":
+        return "steady" if speed > 0.0 else "static"
+    return start or "static"
 
 
 def nominal_point(prepared: Prepared, speed: float) -> Point:
@@ -203,10 +204,10 @@ def _let_down(prepared: Prepared, start: Point) -> float | None:
     rad].
     """
     subject, e = prepared.subject, prepared.equations
-    if not isinstance(subject, RoadSubject):
+    loads = {f"{wheel.name}.tyre.normal_force" for wheel in subject.ports.wheels}
+    if not loads:
         return None
     outputs = prepared.kernel.outputs(subject.balance_time, start.state, start.unknowns)
-    loads = {f"{corner.name}.tyre.normal_force" for corner in subject.vehicle.corners}
     values = zip(e.channels, outputs, strict=True)
     hangs = any(value <= 0.0 for channel, value in values if channel.name in loads)
     return _LET_DOWN if hangs else None

@@ -5,19 +5,17 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, cast
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from vehicledyn.analyses.preparation.build_model import Target
 from vehicledyn.analyses.preparation.error_locations import told_with_places
-from vehicledyn.analyses.preparation.road_runnable import RoadSubject
 from vehicledyn.analyses.preparation.runnable import Subject, index_of
 from vehicledyn.base.errors import InputError
 from vehicledyn.base.interrupts import undisturbed
 from vehicledyn.kernel.kernel import Backend, Kernel, compile_kernel
-from vehicledyn.road.vehicle import RoadVehicle
 from vehicledyn.symbolic.equations import Equations
 
 if TYPE_CHECKING:
@@ -124,19 +122,6 @@ class Prepared:
         kernel = found.kernel.with_parameters(parameters)
         return replace(found, subject=by_partitioning(self.subject), kernel=kernel)
 
-    @property
-    def vehicle(self) -> RoadVehicle:
-        """The road vehicle.
-
-        Raises
-        ------
-        InputError
-            If it is none.
-        """
-        if not isinstance(self.subject, RoadSubject):
-            raise InputError(f"'{self.equations.name}' is no road vehicle")
-        return self.subject.vehicle
-
     def index(self, state: str) -> int:
         """Return the index of a state by name."""
         return index_of(self.equations, state)
@@ -154,11 +139,7 @@ def refuse_multipliers(equations: Equations) -> None:
 
 def by_partitioning(subject: Subject) -> Subject:
     """Return a subject whose constraints are treated by partitioning its coordinates."""
-    system = replace(subject.system, constraint_method="partitioning")
-    if isinstance(subject, RoadSubject):
-        return replace(subject, vehicle=replace(subject.vehicle, system=system))
-    changed: Any = subject
-    return cast(Subject, replace(changed, system=system))
+    return subject.with_system(replace(subject.system, constraint_method="partitioning"))
 
 
 def named(items: Iterable[Any], values: Vector) -> list[tuple[str, float]]:

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any, Self
 
+from vehicledyn.analyses.preparation.ports import Ports, WheelPort
 from vehicledyn.analyses.preparation.runnable import Vector, index_of, start_values
 from vehicledyn.base.shapes import Hull, Shape
 from vehicledyn.multibody.model.system import System
@@ -35,6 +36,21 @@ class RoadSubject:
     def system(self) -> System:
         """The vehicle's system."""
         return self.vehicle.system
+
+    @property
+    def ports(self) -> Ports:
+        """Chassis, steering rack and wheels of the vehicle."""
+        v = self.vehicle
+        wheels = (WheelPort(c.name, c.spin, c.is_front, c.is_left) for c in v.corners)
+        return Ports(v.chassis, v.rack, v.steering_gain, v.speed, tuple(wheels))
+
+    def with_system(self, system: System) -> Self:
+        """Return the vehicle with another system."""
+        return replace(self, vehicle=replace(self.vehicle, system=system))
+
+    def in_manoeuvre(self, manoeuvre: RoadManoeuvre) -> Self:
+        """Return the vehicle with the key figures of another manoeuvre."""
+        return replace(self, manoeuvre=manoeuvre)
 
     @property
     def given_rates(self) -> dict[str, float]:

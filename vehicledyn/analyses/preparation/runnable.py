@@ -1,12 +1,13 @@
-"""What a run needs of the thing it runs, be it a road vehicle or a bare system."""
+"""What scenarios, studies and analyses ask of a model, whatever parts it has."""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Any, Protocol, Self
 
 import numpy as np
 from numpy.typing import NDArray
 
+from vehicledyn.analyses.preparation.ports import Ports
 from vehicledyn.multibody.model.system import System
 from vehicledyn.road.manoeuvres.channel_recorder import Recording
 from vehicledyn.symbolic.equations import Equations
@@ -14,6 +15,7 @@ from vehicledyn.symbolic.equations import Equations
 if TYPE_CHECKING:
     from vehicledyn.base.shapes import Shape
     from vehicledyn.results.store.layout import SceneItem, SummaryEntry
+    from vehicledyn.road.manoeuvres.manoeuvre import RoadManoeuvre
 
 Vector = NDArray[np.float64]
 
@@ -26,8 +28,21 @@ class Subject(Protocol):
         """The complete system."""
 
     @property
+    def ports(self) -> Ports:
+        """Where it is steered, driven and watched."""
+
+    def with_system(self, system: System) -> Self:
+        """Return the same with another system, such as one with more parts."""
+
+    def in_manoeuvre(self, manoeuvre: RoadManoeuvre) -> Self:
+        """Return the same with key figures of another manoeuvre, if it drives any."""
+
+    @property
     def usual_start(self) -> str:
-        """How a scenario starts that does not say it: "nominal", "static" or "steady"."""
+        """How a scenario starts that does not say it: "nominal", "static" or "steady".
+
+        Only models with "steady" can start so: they run straight ahead at a speed.
+        """
 
     @property
     def balance_time(self) -> float:

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Iterator
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any, Self
 
 from vehicledyn.analyse.periodic.invariance import mattering_states
+from vehicledyn.analyses.preparation.ports import Ports
 from vehicledyn.analyses.preparation.runnable import Vector, start_values
 from vehicledyn.multibody.model.bodies import Joint
 from vehicledyn.multibody.model.ground import GROUND
@@ -18,6 +19,7 @@ from vehicledyn.symbolic.equations import Channel, Equations
 if TYPE_CHECKING:
     from vehicledyn.base.shapes import Shape
     from vehicledyn.results.store.layout import SceneItem, SummaryEntry
+    from vehicledyn.road.manoeuvres.manoeuvre import RoadManoeuvre
 
 ROLLING = ("T1", "R2")
 """Joints along which wheels on rails move when they run steadily."""
@@ -42,6 +44,19 @@ class SystemSubject:
     system: System
     usual_start: str = "nominal"
     balance_time: float = 0.0
+
+    @property
+    def ports(self) -> Ports:
+        """None of the ports of a vehicle in a manoeuvre."""
+        return Ports()
+
+    def with_system(self, system: System) -> Self:
+        """Return the same with another system."""
+        return replace(self, system=system)
+
+    def in_manoeuvre(self, _: RoadManoeuvre) -> Self:
+        """Return the same; it drives none."""
+        return self
 
     @property
     def settling(self) -> float | None:

@@ -9,7 +9,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vehicledyn.analyses.preparation.runnable import Subject
-from vehicledyn.analyses.preparation.system_runnable import SystemSubject
 from vehicledyn.base.units import shown
 from vehicledyn.multibody.elements.drives import TimeLaw
 from vehicledyn.multibody.model.parts import Clock
@@ -33,12 +32,12 @@ def kinked_drives(subject: Subject, duration: float) -> list[str]:
     """Return a line for each driven coordinate that jumps, or whose rate does, in a run [s].
 
     Its acceleration is infinite there for no time. Steps pass over it, so that bodies which the
-    coordinate carries keep their rates relative to it instead of their momentum. Manoeuvres of
-    road vehicles are as their standards have them, and are left out.
+    coordinate carries keep their rates relative to it instead of their momentum. The coordinate
+    that a manoeuvre steers by moves as its standard has it, and is left out.
     """
     system = subject.system
-    names, evaluate = _motions(system) if isinstance(subject, SystemSubject) else ([], None)
-    if evaluate is None or not names:
+    names, evaluate = _motions(system, but=subject.ports.steering)
+    if not names:
         return []
     times = duration * (np.arange(_SAMPLES) + _OFF_ROUND) / _SAMPLES
     found = np.array([evaluate(t) for t in times])
@@ -57,11 +56,15 @@ def kinked_drives(subject: Subject, duration: float) -> list[str]:
     return lines
 
 
-def _motions(system: System) -> tuple[list[str], Callable[[float], Vector]]:
-    """Return the coordinates that follow laws of time; positions over rates as a function of it."""
+def _motions(system: System, but: str) -> tuple[list[str], Callable[[float], Vector]]:
+    """Return the coordinates that follow laws of time, and their positions over rates.
+
+    The latter are a function of time; the coordinate ``but`` is left out.
+    """
     time = ops.symbol("time")
     parts = [part for part in system.parts if isinstance(part, TimeLaw | TrackFollower)]
-    motions = [item for part in parts for item in part.motions(Clock(time, {})).items()]
+    moved = [item for part in parts for item in part.motions(Clock(time, {})).items()]
+    motions = [(name, motion) for name, motion in moved if name != but]
     entries = system.table.entries
     values = np.array([entry.value for entry in entries])
     symbols = ops.column([entry.symbol for entry in entries])

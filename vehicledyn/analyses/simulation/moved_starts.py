@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from vehicledyn.analyses.preparation.system_runnable import SystemSubject
 from vehicledyn.base.units import shown
 
 if TYPE_CHECKING:
@@ -22,7 +21,7 @@ def moved_starts(prepared: Prepared, start: Point) -> list[str]:
     Given is what is not zero. Positions that contradict the constraints are no mistake, because
     a rough guess of where the loops close is one too; rates that do are refused.
     """
-    if not isinstance(prepared.subject, SystemSubject):
+    if prepared.subject.ports.body:  # its road decides where it starts
         return []
     e = prepared.equations
     values = dict(zip((s.name for s in e.states), start.state, strict=True))

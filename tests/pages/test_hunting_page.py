@@ -13,8 +13,6 @@ import pytest
 
 from vehicledyn.results.tables.hunt_table import read_hunt
 
-pytestmark = pytest.mark.long
-
 ROOT = Path(__file__).parents[2]
 PAGE = (ROOT / "docs" / "hunting.md").read_text(encoding="utf-8")
 BLOCK = re.compile(r"^```(\w+)\n(.*?)^```", re.MULTILINE | re.DOTALL)

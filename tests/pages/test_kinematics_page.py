@@ -11,8 +11,6 @@ import pytest
 
 from vehicledyn.results.store.reader import open_result
 
-pytestmark = pytest.mark.long
-
 ROOT = Path(__file__).parents[2]
 PAGE = (ROOT / "docs" / "kinematics.md").read_text(encoding="utf-8")
 BLOCK = re.compile(r"^```(\w+)\n(.*?)^```", re.MULTILINE | re.DOTALL)

@@ -11,8 +11,6 @@ from test_documents import run
 
 from vehicledyn.results.store.reader import open_result
 
-pytestmark = pytest.mark.long
-
 ROOT = Path(__file__).parents[2]
 DOCS = ROOT / "docs"
 BLOCK = re.compile(r"^```(\w+)\n(.*?)^```", re.MULTILINE | re.DOTALL)

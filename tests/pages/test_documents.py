@@ -15,8 +15,6 @@ import pytest
 import vehicledyn
 from vehicledyn.results.store.reader import open_result
 
-pytestmark = pytest.mark.long
-
 ROOT = Path(__file__).parents[2]
 README = (ROOT / "README.md").read_text(encoding="utf-8")
 CONTRIBUTING = (ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8")
