@@ -126,13 +126,15 @@ class Absolute:
 
     def _add_joint(self, parent, offset, joint):
         p, q, qd = self.frames[parent], self.q[joint.name], self.qd[joint.name]
-        e_local = np.eye(3)[joint.axis - 1]
+        axis = joint.type.turns_about or joint.type.slides_along
+        e_local = np.eye(3)[axis - 1]
         e = p.turn @ e_local
         child = len(self.frames)
-        self.axis[joint.name] = (e, parent, child, joint.is_rotation)
-        if joint.is_rotation:
+        is_rotation = joint.type.turns_about is not None
+        self.axis[joint.name] = (e, parent, child, is_rotation)
+        if is_rotation:
             arm, r, v = p.at(offset)
-            turn = p.turn @ rotation(joint.axis, q)
+            turn = p.turn @ rotation(axis, q)
             self.frames.append(Frame(r, turn, v, p.w + e * qd))
             bias = np.cross(p.w, np.cross(p.w, arm))
             self._position_rows(parent, child, arm, np.eye(3), bias, "joint")

@@ -7,7 +7,7 @@ from scipy.spatial.transform import Rotation
 
 from vehicledyn.multibody.elements.drives import TimeLaw
 from vehicledyn.multibody.elements.point_forces import Attachment, GuidedLink, Link
-from vehicledyn.multibody.model.bodies import JOINT_KINDS, Body, Joint, Turn
+from vehicledyn.multibody.model.bodies import Body, Joint, Turn
 from vehicledyn.multibody.model.cuts import BallCut, BodyCut, RodCut
 from vehicledyn.multibody.model.ground import GROUND
 from vehicledyn.multibody.model.kinematics import Kinematics
@@ -48,6 +48,10 @@ class Motor(BasePart):
     def loads(self, situation):
         rate = situation.kinematics.rate(self.coordinate)
         return Loads(joint_forces={self.coordinate: 2.0 - 0.7 * rate})
+
+
+JOINT_KINDS = ("T1", "T2", "T3", "R1", "R2", "R3")
+"""The elementary joints."""
 
 
 def wave(time):

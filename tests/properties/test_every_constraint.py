@@ -14,12 +14,12 @@ from absolute_constraints import Rows, add_rows
 from absolute_coordinates import Absolute
 from every_constraint import LOOPS, RANDOM_LOOPS, RANDOM_TREES, SEEDS, TREES, WRITTEN
 from many_states import ManyStates
+from random_systems import JOINT_KINDS
 
 from vehicledyn.base.registry import kinds
 from vehicledyn.files.system.kinds import load_kinds
 from vehicledyn.multibody.elements.rolling import RollingWheel
 from vehicledyn.multibody.equations.inverse_dynamics import derive_inverse
-from vehicledyn.multibody.model.bodies import JOINT_KINDS
 from vehicledyn.symbolic import ops
 
 pytestmark = pytest.mark.long

@@ -6,10 +6,10 @@ from functools import lru_cache
 import numpy as np
 import pytest
 from evaluation import Derived
-from random_systems import CLOSED, Builder, Motor, Wind, pull, tree
+from random_systems import CLOSED, JOINT_KINDS, Builder, Motor, Wind, pull, tree
 
 from vehicledyn.multibody.elements.point_forces import Attachment, GuidedLink, Link
-from vehicledyn.multibody.model.bodies import JOINT_KINDS, Body, Joint, Turn
+from vehicledyn.multibody.model.bodies import Body, Joint, Turn
 from vehicledyn.multibody.model.ground import GROUND
 from vehicledyn.multibody.model.kinematics import Kinematics
 from vehicledyn.multibody.model.parts import BasePart, Output, Situation

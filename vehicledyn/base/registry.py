@@ -15,8 +15,8 @@ from typing import Any, TypeVar
 
 from vehicledyn.base.errors import InputError, unknown_name
 
-_catalogues: dict[str, dict[str, type[Any] | str]] = {}
-"""Class of each entry by family and name, or the module that will register it."""
+_catalogues: dict[str, dict[str, type[Any] | str | Callable[[], type[Any]]]] = {}
+"""Class of each entry by family and name, or the module that will register it, or its maker."""
 
 _WRITTEN = re.compile(r'^@register\("(\w+)", "(\w+)"\)', re.MULTILINE)
 
@@ -42,6 +42,11 @@ def register(family: str, name: str) -> Callable[[type[T]], type[T]]:
     return enter
 
 
+def announce(family: str, name: str, make: Callable[[], type[Any]]) -> None:
+    """Enter a class that is made when it is first asked for."""
+    _catalogues.setdefault(family, {})[name] = make
+
+
 def families() -> tuple[str, ...]:
     """Return the names of all catalogues, sorted."""
     return tuple(sorted(_catalogues))
@@ -65,6 +70,8 @@ def find(family: str, name: str) -> type[Any]:
     if isinstance(found, str):
         importlib.import_module(found)
         found = catalogue[name]
+    if found is not None and not isinstance(found, type | str):
+        found = catalogue[name] = register(family, name)(found())
     if not isinstance(found, type):
         raise InputError(unknown_name(family, name, kinds(family)))
     return found

@@ -314,6 +314,13 @@ def unflat(entries: Any, rows: int) -> Any:
     return casadi.reshape(entries, rows, -1)
 
 
+def dense(matrix: Any) -> Any:
+    """Return a matrix whose structural zeros are entries like others."""
+    import casadi
+
+    return casadi.densify(matrix)
+
+
 def matrix_of(rows: Sequence[dict[int, Scalar]], width: int) -> Any:
     """Return the sparse SX matrix of rows {column: entry}, shape (len(rows), width)."""
     import casadi

@@ -22,6 +22,7 @@ JOINTS = {
     "universal": "{kind: universal, axes: [3, 1]}",
     "cylindrical": "{kind: cylindrical, axis: 3}",
     "planar": "{kind: planar, normal: 2}",
+    "screw": "{kind: screw, axis: 3, lead: 5 mm}",
     "track_frame": "{kind: track_frame, position: 3 m/s * time}, R1 q",
 }
 COORDINATES = {
@@ -31,6 +32,7 @@ COORDINATES = {
     "universal": ["yaw", "roll"],
     "cylindrical": ["z", "yaw"],
     "planar": ["x", "z", "pitch"],
+    "screw": ["angle"],
 }
 
 
@@ -48,6 +50,29 @@ def test_fixed_turn_turns_the_axis_of_the_joint_after_it(tmp_path):
     assert [seen[f"p.{axis}"] for axis in "xyz"] == pytest.approx(
         [0.0, np.sin(0.3), np.cos(0.3)], abs=1e-15
     )
+
+
+def test_screw_advances_by_its_lead_and_its_mirror_image_is_left_handed(tmp_path):
+    text = (
+        "title: t\nparameters: {lead: 8 mm}\n"
+        "sensors: {l: {kind: point, body: jack_left}, r: {kind: point, body: jack_right}}\n"
+        "mirror:\n- plane: y\n  names: {left: right}\n  bodies:\n"
+        "    jack_left: {at: [0, 1, 0], mass: 1 kg, inertia: [1, 1, 1], joints: "
+        "[{kind: screw, axis: 3, lead: lead, name: turn, start: 90 deg}]}\n"
+    )
+    e = equations(tmp_path, text)
+    assert {s.name: s.start for s in e.states} == pytest.approx(
+        {
+            "jack_left.turn": np.pi / 2.0,
+            "jack_right.turn": -np.pi / 2.0,
+            "jack_left.turn_rate": 0.0,
+            "jack_right.turn_rate": 0.0,
+        }
+    )
+    start = {s.name.replace(".", "__"): s.start for s in e.states}
+    seen = Motion(e).at(**start)
+    assert [seen["l.z"], seen["r.z"]] == pytest.approx([0.002, 0.002])
+    assert [seen["l.y"], seen["r.y"]] == pytest.approx([1.0, -1.0])
 
 
 LAWS = {

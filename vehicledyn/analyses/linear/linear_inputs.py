@@ -161,11 +161,12 @@ class Excited:
 
     def _force(self, name: str, coordinate: str) -> ModelInput:
         joint = joint_of(self.system, name, coordinate)
-        unit = "N*m" if joint.is_rotation else "N"
+        unit = joint.force_unit
         signal = self._signal(unit)
         force = CoordinateForce(signal.names[0], coordinate, lambda _: signal.value, unit)
         self._change_parts([*self.system.parts, SmallLoad(signal.names[0], force)])
-        text = f"{'Torque' if joint.is_rotation else 'Force'} on {joint.description or coordinate}"
+        what = "Torque" if joint.unit == "rad" else "Force"
+        text = f"{what} on {joint.description or coordinate}"
         return ModelInput(name, unit, text, (InputPart(signal.names[:1]),))
 
     def _wrench(self, name: str, text: str) -> ModelInput:

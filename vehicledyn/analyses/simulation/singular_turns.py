@@ -139,6 +139,7 @@ def _triples(system: System) -> Iterator[tuple[str, tuple[Joint, Joint, Joint]]]
                 isinstance(first, Joint) and isinstance(middle, Joint) and isinstance(third, Joint)
             ):
                 continue
-            turn = first.is_rotation and middle.is_rotation and third.is_rotation
-            if turn and middle.axis not in (first.axis, third.axis) and middle.role != "driven":
+            before, about, after = (joint.type.turns_about for joint in (first, middle, third))
+            turn = None not in (before, about, after) and about not in (before, after)
+            if turn and middle.role != "driven":
                 yield body.name, (first, middle, third)

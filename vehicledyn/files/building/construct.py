@@ -190,6 +190,7 @@ def _chain(values: Values, body: str, joint: JointSet) -> list[Joint | Turn]:
             role="driven" if c.name in _driven(values) else c.role,
             start_rate=float(values.number(initial.get(f"{c.name}_rate", c.start_rate))),
             description=c.description,
+            settings={n: values.setting(item) for n, item in c.settings.items()},
         )
         for c in joint.coordinates(body)
     ]

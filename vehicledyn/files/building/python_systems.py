@@ -84,6 +84,9 @@ class _Writer:
             pairs = zip((3, 2, 1), self._numbers(angles), strict=True)
             return [{"kind": "turn", "axis": k, "angle": a} for k, a in pairs if abs(a) > _SMALL]
         written: dict[str, Any] = {"kind": item.kind, "name": item.name}
+        for name, value in item.settings.items():
+            is_plain = isinstance(value, str | int)
+            written[name] = value if is_plain else self._numbers([value])[0]
         written |= {"start": item.start} if item.start else {}
         written |= {"start_rate": item.start_rate} if item.start_rate else {}
         written |= {"role": item.role} if item.role != "auto" else {}

@@ -56,6 +56,10 @@ class Values:
         """Return what an expression is worth, in symbols; ``names`` are further quantities."""
         return expression.value({**self.symbols, **names}, SYMBOLS)
 
+    def setting(self, item: Any) -> Any:
+        """Return a setting of a part: what an expression is worth, anything else as it is."""
+        return self.value(item) if isinstance(item, Expression) else item
+
     def number(self, expression: Expression) -> Any:
         """Return what an expression is worth with the present parameters."""
         return expression.value(self.numbers, NUMBERS)

@@ -63,7 +63,7 @@ def wheel_parts(values: Values) -> list[Part]:
 def spin_of(values: Values, wheel: WheelSet) -> str:
     """Return the coordinate that a wheel spins by."""
     coordinates = values.model.file.bodies[wheel.body].coordinates(wheel.body)
-    if not coordinates or not coordinates[-1].is_rotation:
+    if not coordinates or coordinates[-1].type.turns_about is None:
         raise InputError(
             f"{values.model.path}: bodies.{wheel.body}: the last joint of a wheel must be R2"
         )

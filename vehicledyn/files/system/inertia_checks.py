@@ -58,7 +58,7 @@ def _spins(file: SystemFile) -> Problems:
     for name, body in file.bodies.items():
         axis = body.spins_about
         last = body.joints[-1].coordinates(name) if body.joints else []
-        if axis is not None and (not last or last[-1].joint != f"R{axis}"):
+        if axis is not None and (not last or last[-1].type.turns_about != axis):
             yield ("bodies", name, "spins_about"), f"its last joint must be R{axis}"
         parent = file.bodies.get(body.parent)
         if parent is not None and parent.spins_about is not None:
@@ -107,9 +107,10 @@ def _mentioned(name: str, body: BodySet, text: str) -> bool:
 
 def _turns_freely(body: BodySet, last: Coordinate, parameters: Parameters) -> bool:
     """Return whether a body has no inertia about the axis of its last joint, a turn."""
-    axis = int(last.joint[1]) - 1
-    if not last.is_rotation or not body.joints[-1].coordinates("b"):
+    turning = last.type.turns_about
+    if turning is None or not body.joints[-1].coordinates("b"):
         return False
+    axis = turning - 1
     about = () if body.inertia is None else body.inertia[axis : axis + 1]
     try:
         com = body.com.value(parameters.values, NUMBERS)

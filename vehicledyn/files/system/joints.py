@@ -1,28 +1,29 @@
-"""Joints of system files: the six elementary ones, fixed turns and named compositions."""
+"""Joints of system files: those of the catalogue, fixed turns and named compositions."""
 
 from __future__ import annotations
 
 from abc import abstractmethod
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import Field as SettingField
+from dataclasses import dataclass, field, fields, is_dataclass
 from typing import Any, Literal, Self
 
 from pydantic import Field, field_validator
 
 from vehicledyn import multibody
-from vehicledyn.base.registry import register
+from vehicledyn.base.registry import find, register
 from vehicledyn.files.expressions.expressions import Expression, zero
 from vehicledyn.files.expressions.fields import Scalar, SystemSet, measured
+from vehicledyn.multibody.joints.joint_type import FAMILY, JointType, joint_type
 from vehicledyn.symbolic import rotations
 
 Role = Literal["auto", "independent", "dependent", "driven"]
-_USUAL = {"T1": "x", "T2": "y", "T3": "z", "R1": "roll", "R2": "pitch", "R3": "yaw"}
 _ROLE = "Whether it is a state, solved from the loops, or held where no drive moves it"
 
 
 @dataclass(frozen=True)
 class Coordinate:
-    """A coordinate: its dotted name, the elementary joint it moves, and how it starts."""
+    """A coordinate: its dotted name, the type of its joint with settings, and how it starts."""
 
     name: str
     joint: str
@@ -30,25 +31,26 @@ class Coordinate:
     start: Expression
     start_rate: Expression
     description: str
+    settings: dict[str, Any] = field(default_factory=dict, compare=False)
 
     @property
-    def is_rotation(self) -> bool:
-        """Whether it is an angle."""
-        return self.joint.startswith("R")
+    def type(self) -> JointType:
+        """What the joint lets move; settings that are expressions stay so."""
+        return joint_type(self.joint, self.settings)
 
     @property
     def unit(self) -> str:
         """SI unit of the coordinate."""
-        return "rad" if self.is_rotation else "m"
+        return self.type.unit
 
     @property
     def force_unit(self) -> str:
         """SI unit of the force on it."""
-        return "N*m" if self.is_rotation else "N"
+        return self.type.force_unit
 
     def is_turned_by_mirror(self, axis: int) -> bool:
         """Whether the mirror image of a motion has the opposite sign."""
-        return (int(self.joint[1]) == axis) != self.is_rotation
+        return self.type.is_turned_by_mirror(axis)
 
 
 class JointSet(SystemSet):
@@ -75,11 +77,13 @@ def full_name(body: str, name: str) -> str:
     return name if "." in name else f"{body}.{name}"
 
 
-class _Elementary(JointSet):
-    """A slide along (T) or a turn about (R) axis 1, 2 or 3."""
+class TypedJointSet(JointSet):
+    """A joint of a type of the catalogue, with one coordinate."""
 
     name: str = Field(
-        default="", description="Name of the coordinate; x y z or roll pitch yaw if left out"
+        default="",
+        description="Name of the coordinate; for the elementary joints x y z or roll pitch yaw, "
+        "else angle, if left out",
     )
     start: Scalar = measured("{length}", "Where it starts", default=zero())
     start_rate: Scalar = measured("{length}/s", "Its rate at the start", default=zero())
@@ -88,48 +92,25 @@ class _Elementary(JointSet):
 
     def coordinates(self, body: str) -> list[Coordinate]:
         """Return the one coordinate."""
-        name = full_name(body, self.name or _USUAL[self.kind])
-        return [
-            Coordinate(name, self.kind, self.role, self.start, self.start_rate, self.description)
-        ]
+        own = {name: getattr(self, name) for name in settings_of(self.kind)}
+        usual = find(FAMILY, self.kind).usual_name
+        name = full_name(body, self.name or usual)
+        start = (self.start, self.start_rate)
+        return [Coordinate(name, self.kind, self.role, *start, self.description, own)]
 
     def mirrored(self, axis: int) -> Self:
-        """Return the joint with its start turned round where the motion is."""
+        """Return the joint with its start turned round where the motion is, handed settings too."""
         (coordinate,) = self.coordinates("")
-        if not coordinate.is_turned_by_mirror(axis):
-            return self
-        opposite = {"start": self.start.negated(), "start_rate": self.start_rate.negated()}
-        return self.model_copy(update=opposite)
+        names = [n for n, f in settings_of(self.kind).items() if f.metadata.get("is_handed")]
+        if coordinate.is_turned_by_mirror(axis):
+            names += ["start", "start_rate"]
+        return self.model_copy(update={name: getattr(self, name).negated() for name in names})
 
 
-@register("joint", "T1")
-class SlideX(_Elementary):
-    """Slide along axis 1."""
-
-
-@register("joint", "T2")
-class SlideY(_Elementary):
-    """Slide along axis 2."""
-
-
-@register("joint", "T3")
-class SlideZ(_Elementary):
-    """Slide along axis 3."""
-
-
-@register("joint", "R1")
-class TurnX(_Elementary):
-    """Turn about axis 1."""
-
-
-@register("joint", "R2")
-class TurnY(_Elementary):
-    """Turn about axis 2."""
-
-
-@register("joint", "R3")
-class TurnZ(_Elementary):
-    """Turn about axis 3."""
+def settings_of(kind: str) -> dict[str, SettingField[Any]]:
+    """Return the settings of a type of joint by name."""
+    entry = find(FAMILY, kind)
+    return {f.name: f for f in fields(entry)} if is_dataclass(entry) else {}
 
 
 @register("joint", "turn")
@@ -165,9 +146,9 @@ class _Composition(JointSet):
 
     def coordinates(self, body: str) -> list[Coordinate]:
         """Return the coordinates x, y, z, roll, pitch, yaw that it has."""
+        names = {kind: full_name(body, find(FAMILY, kind).usual_name) for kind in self.joints()}
         return [
-            Coordinate(full_name(body, _USUAL[kind]), kind, self.role, zero(), zero(), "")
-            for kind in self.joints()
+            Coordinate(name, kind, self.role, zero(), zero(), "") for kind, name in names.items()
         ]
 
 

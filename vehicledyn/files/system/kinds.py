@@ -3,11 +3,13 @@
 from pathlib import Path
 
 from vehicledyn.base.registry import discover
+from vehicledyn.files.system.joint_sets import announce_joints
 
 
 def load_kinds() -> None:
-    """Import every module of this package, so that all kinds of parts are registered.
+    """Enter all that the modules of this package register, and the joints of the catalogue.
 
     Only what needs them does so: runs of the vehicles of the catalogue start quicker without.
     """
     discover("vehicledyn.files.system", [str(Path(__file__).parent)])
+    announce_joints()

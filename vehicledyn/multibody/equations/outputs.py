@@ -157,9 +157,8 @@ def _drives(system: System, symbols: Symbols, forces: dict[str, Scalar]) -> list
     outputs = []
     for joint in symbols.joints:
         if joint.name in forces and joint.name not in fixed:
-            unit = "N*m" if joint.is_rotation else "N"
             text = f"Drive force on {lower_first(joint.description or joint.name)}"
-            channel = Channel(f"{joint.name}_force", unit, text, "joint")
+            channel = Channel(f"{joint.name}_force", joint.force_unit, text, "joint")
             outputs.append(Output(channel, forces[joint.name]))
     return outputs
 

@@ -29,7 +29,7 @@ _ASIDE = 0.3
 """Largest step to the configurations that tell a singular place from a singular system."""
 _ROUNDING = 1e-13
 _SHOWN = 1e-3
-_PER_LINK = 16
+_PER_LINK = 18
 
 
 @dataclass(frozen=True)
@@ -156,14 +156,11 @@ class Resistance:
             origins.append(start + base @ numbers[9:12])
             turning, sliding = (none, none) if first else columns[item.parent]
             if item.joint is not None:
-                axis = rotations[-1] @ numbers[12:15]
+                angular, linear = (rotations[-1] @ numbers[k : k + 3] for k in (12, 15))
                 turning, sliding = turning.copy(), sliding.copy()
                 column = self._index[item.joint.name]
-                if item.joint.is_rotation:
-                    turning[:, column] = axis
-                    sliding[:, column] = np.cross(origins[-1], axis)
-                else:
-                    sliding[:, column] = axis
+                turning[:, column] = angular
+                sliding[:, column] = np.cross(origins[-1], angular) + linear
             columns.append((turning, sliding))
         return origins, rotations, columns
 
@@ -202,14 +199,14 @@ def owners_of(system: System) -> dict[str, str]:
 
 
 def _frames(kinematics: Kinematics, count: int) -> ops.Scalar:
-    """Return rotation, arm, axis and a zero of each link in one column."""
+    """Return rotation, arm, angular and linear axis of each link in one column."""
     numbers: list[ops.Scalar] = []
     for link in range(count):
         rotation, arm = kinematics.link_rotation(link), kinematics.link_arm(link)
-        has_joint = kinematics.tree.links[link].joint is not None
-        axis = kinematics.link_axis(link) if has_joint else ops.vector(0.0, 0.0, 0.0)
+        axes, none = kinematics.link_axes(link), ops.vector(0.0, 0.0, 0.0)
         numbers += [rotation[i, j] for i in range(3) for j in range(3)]
-        numbers += [arm[k] for k in range(3)] + [axis[k] for k in range(3)] + [ops.scalar(0.0)]
+        for vector in (arm, axes.angular, axes.linear):
+            numbers += [(none if vector is None else vector)[k] for k in range(3)]
     return ops.column(numbers)
 
 

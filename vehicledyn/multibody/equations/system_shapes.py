@@ -77,7 +77,8 @@ def _own(body: Body) -> Plain:
         "name": body.name,
         "parent": body.parent,
         "at": list(body.at),
-        "joints": [joint.kind for joint in joints],
+        "joints": [joint.type.unit for joint in joints],
+        "pin": next((a for j in joints[-1:] if (a := j.type.angle_about) is not None), 0),
         "mass": body.mass,
         "com": list(body.com),
         "inertia": [*body.inertia, *(0.0,) * (6 - len(body.inertia))],
@@ -175,7 +176,7 @@ def _bodies(
 
 def _is_reference(body: Plain) -> bool:
     """Return whether a body is but a frame that moves along, such as that of a track."""
-    slides = any(kind[0] == "T" for kind in body["joints"])
+    slides = "m" in body["joints"]
     return bool(slides and not body["mass"] and body["parent"] == GROUND)
 
 
@@ -232,16 +233,16 @@ def _joints(own: list[Plain], thickness: float) -> list[Plain]:
     """Return pins, balls and guides of the joints between bodies."""
     found = []
     for body in own:
-        name, kinds = body["name"], body["joints"]
-        turning = [kind for kind in kinds if kind[0] == "R"]
-        if body["parent"] == GROUND and (len(kinds) >= _FREE or _is_reference(body)):
+        name, units = body["name"], body["joints"]
+        turning = [unit for unit in units if unit == "rad"]
+        if body["parent"] == GROUND and (len(units) >= _FREE or _is_reference(body)):
             continue
-        if len(kinds) > len(turning):
+        if len(units) > len(turning):
             ends = body["at"], [0.0, 0.0, 0.0]
             found.append(_tube(name, *ends, "guide", parent=body["parent"]))
-        if len(turning) == 1 and kinds[-1] == turning[0]:
+        if len(turning) == 1 and body["pin"]:
             half = [0.0, 0.0, 0.0]
-            half[int(turning[0][1]) - 1] = 2.0 * thickness
+            half[body["pin"] - 1] = 2.0 * thickness
             found.append(_tube(name, [-h for h in half], half, "pin"))
         elif turning:
             place = {"body": name, "point": [0.0, 0.0, 0.0]}

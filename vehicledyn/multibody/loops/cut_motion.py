@@ -13,7 +13,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TypeAlias
 
-from vehicledyn.multibody.model.bodies import Joint
+from vehicledyn.multibody.joints.joint_type import Axes
 from vehicledyn.multibody.model.cuts import Cut, Residual
 from vehicledyn.multibody.model.kinematics import Kinematics
 from vehicledyn.symbolic import ops
@@ -101,10 +101,9 @@ class _Places:
             return position
         turn = k.rotation_in(self._ancestor, link)
         velocity = k.link_velocity(link) + ops.cross(k.link_angular_velocity(link), arm)
-        partials = {}
-        for joint, axis, origin in self._joints(link):
-            along = ops.cross(axis, position - origin) if joint.is_rotation else axis
-            partials[joint.name] = along
+        partials = {
+            name: _velocity(axes, position - origin) for name, axes, origin in self._joints(link)
+        }
         lift = k.link_acceleration(link) + k.beta(link) @ arm
         return self._stand_in(_Column(position, turn @ velocity, turn @ lift, partials))
 
@@ -116,9 +115,9 @@ class _Places:
             return turn
         rate = turn @ ops.tilde(k.link_angular_velocity(link))
         partials = {
-            joint.name: ops.flat(ops.tilde(axis) @ turn)
-            for joint, axis, _ in self._joints(link)
-            if joint.is_rotation
+            name: ops.flat(ops.tilde(axes.angular) @ turn)
+            for name, axes, _ in self._joints(link)
+            if axes.angular is not None
         }
         lift = turn @ k.beta(link)
         column = _Column(ops.flat(turn), ops.flat(rate), ops.flat(lift), partials)
@@ -157,16 +156,24 @@ class _Places:
         self._columns.append(column)
         return column.symbols
 
-    def _joints(self, link: int) -> list[tuple[Joint, Vec, Vec]]:
-        """Return joints from a link down to the ancestor, with axis and origin in its axes."""
+    def _joints(self, link: int) -> list[tuple[str, Axes, Vec]]:
+        """Return coordinates from a link to the ancestor, with axes and origin in its axes."""
         k, found = self._kinematics, []
         while link != self._ancestor:
             joint = k.tree.links[link].joint
             if joint is not None:
-                axis = k.rotation_in(self._ancestor, link) @ k.link_axis(link)
-                found.append((joint, axis, k.origin_in(self._ancestor, link, self._datum)))
+                axes = k.link_axes(link).turned(k.rotation_in(self._ancestor, link))
+                found.append((joint.name, axes, k.origin_in(self._ancestor, link, self._datum)))
             link = k.tree.links[link].parent
         return found
+
+
+def _velocity(axes: Axes, arm: Vec) -> Vec:
+    """Return the velocity of a point at unit rate of a coordinate, ``arm`` from its origin."""
+    if axes.angular is None:
+        return axes.linear
+    turning = ops.cross(axes.angular, arm)
+    return turning if axes.linear is None else turning + axes.linear
 
 
 class _Column:
@@ -175,4 +182,6 @@ class _Column:
     def __init__(self, value: Scalar, rate: Scalar, lift: Scalar, partials: Partials) -> None:
         self.symbols = ops.symbols("place", value.shape[0])
         self.nothing = ops.column([0.0] * value.shape[0])
-        self.value, self.rate, self.lift, self.partials = value, rate, lift, partials
+        # A body that only slides has axes with structural zeros.
+        self.value, self.rate, self.lift = map(ops.dense, (value, rate, lift))
+        self.partials = {name: ops.dense(partial) for name, partial in partials.items()}

@@ -3,18 +3,22 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Any
 
+from vehicledyn.multibody.joints.joint_type import JointType, joint_type
 from vehicledyn.symbolic.ops import Mat, Scalar
 
-JOINT_KINDS = ("T1", "T2", "T3", "R1", "R2", "R3")
 ROLES = ("auto", "independent", "dependent", "driven")
 
 
 @dataclass(frozen=True)
 class Joint:
-    """An elementary joint: sliding along (T) or turning about (R) axis 1, 2 or 3.
+    """A joint with one coordinate.
 
+    ``kind`` is its type in the catalogue: sliding along (T) or turning about (R) axis 1, 2 or 3,
+    "T1" to "R3", or another one, such as "screw", whose numbers are the ``settings`` by name.
     ``name`` is the dotted name of its coordinate, ``start`` and ``start_rate`` the values it
     starts from [m, rad; m/s, rad/s]. ``role`` says whether the coordinate is a state, solved
     from the loops, prescribed in time, or left to the automatic partition ("auto").
@@ -26,21 +30,22 @@ class Joint:
     role: str = "auto"
     start_rate: float = 0.0
     description: str = ""
+    settings: dict[str, Any] = field(default_factory=dict, compare=False)
 
-    @property
-    def axis(self) -> int:
-        """Number of the joint's axis, 1 to 3."""
-        return int(self.kind[1])
-
-    @property
-    def is_rotation(self) -> bool:
-        """Whether the joint turns."""
-        return self.kind[0] == "R"
+    @cached_property
+    def type(self) -> JointType:
+        """What the joint lets move."""
+        return joint_type(self.kind, self.settings)
 
     @property
     def unit(self) -> str:
         """Unit of the coordinate."""
-        return "rad" if self.is_rotation else "m"
+        return self.type.unit
+
+    @property
+    def force_unit(self) -> str:
+        """Unit of the force on the coordinate."""
+        return self.type.force_unit
 
 
 @dataclass(frozen=True)
@@ -61,7 +66,7 @@ class Body:
     at
         Where the chain starts, in the axes of the parent from its origin, 3 scalars [m].
     joints
-        Elementary joints and fixed turns, from the parent outwards.
+        Joints and fixed turns, from the parent outwards.
     mass
         Mass [kg]; None for a massless body, which then has no inertia either.
     com

@@ -39,6 +39,8 @@ class JointWrench:
 
     def along(self, kinematics: Kinematics, link: int) -> Scalar:
         """Return its share on the coordinate of a link that has a joint [N or N m]."""
-        joint = kinematics.tree.links[link].joint
-        turns = joint is not None and joint.is_rotation
-        return ops.dot(kinematics.link_axis(link), self.torque if turns else self.force)
+        axes = kinematics.link_axes(link)
+        if axes.angular is None:
+            return ops.dot(axes.linear, self.force)
+        turning = ops.dot(axes.angular, self.torque)
+        return turning if axes.linear is None else turning + ops.dot(axes.linear, self.force)

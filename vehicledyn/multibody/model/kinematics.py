@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from typing import TypeVar
 
+from vehicledyn.multibody.joints.joint_type import Axes
 from vehicledyn.multibody.model.tree import Tree, joint_rotation, joint_turns
 from vehicledyn.symbolic import ops, rotations
 from vehicledyn.symbolic.ops import Mat, Scalar, Vec
@@ -153,20 +154,28 @@ class Kinematics:
 
     def link_rotation(self, link: int) -> Mat:
         """Return R with v_parent = R v_link."""
-        return self._once(
-            "rotation", link, lambda: joint_rotation(self.tree.links[link], *self.link_turn(link))
-        )
+        return self._once("rotation", link, lambda: self._rotation(link))
+
+    def _rotation(self, link: int) -> Mat:
+        item = self.tree.links[link]
+        if item.turns_otherwise and item.joint is not None:
+            turn = item.joint.type.rotation(self._q[item.joint.name])
+            return rotations.product(item.before, turn, item.after)
+        return joint_rotation(item, *self.link_turn(link))
 
     def link_turns(self, link: int) -> list[Mat]:
         """Return factors of the link's rotation, the innermost first, for inertias."""
-        return joint_turns(self.tree.links[link], *self.link_turn(link))
+        item = self.tree.links[link]
+        if item.turns_otherwise:
+            return [self.link_rotation(link)]
+        return joint_turns(item, *self.link_turn(link))
 
     def link_turn(self, link: int) -> tuple[Scalar, Scalar]:
         """Return cosine and sine of a joint's angle, those of zero where nothing turns."""
 
         def build() -> tuple[Scalar, Scalar]:
             item = self.tree.links[link]
-            if item.joint is None or not item.joint.is_rotation:
+            if item.joint is None or item.joint.type.angle_about is None:
                 return 1.0, 0.0
             angle = self._q[item.joint.name] + item.phase
             return ops.cos(angle), ops.sin(angle)
@@ -178,20 +187,28 @@ class Kinematics:
         return self._once("arm", link, lambda: self._arm_from(self.tree.links[link].offset, link))
 
     def _arm_from(self, offset: Vec, link: int) -> Vec:
-        """Return a joint's place on its parent with how far the joint has slid from there."""
+        """Return a joint's place on its parent with how far the joint has moved from there."""
         item = self.tree.links[link]
-        if item.joint is None or item.joint.is_rotation:
+        slide = None if item.joint is None else item.joint.type.displacement(self._q[item.name])
+        if slide is None:
             return offset
-        slide = rotations.axis_vector(item.joint.axis) * self._q[item.joint.name]
         return offset + (slide if item.before is None else item.before @ slide)
 
-    def link_axis(self, link: int) -> Vec:
-        """Return the joint's axis in the link's axes (unit column)."""
+    def link_axes(self, link: int) -> Axes:
+        """Return the axes of a link's joint in the link's axes; none without a joint."""
         item = self.tree.links[link]
         if item.joint is None:
-            raise ValueError(f"link {link} has no joint")
-        axis = rotations.axis_vector(item.joint.axis)
-        return axis if item.after is None else item.after.T @ axis
+            return Axes()
+        axes = item.joint.type.motion(self._q[item.name])
+        return axes if item.after is None else axes.seen_by(item.after)
+
+    def _growth(self, link: int, axis: Vec) -> Vec | None:
+        """Return the rate that an axis has relative to the link as it moves, times q̇ again."""
+        item = self.tree.links[link]
+        if item.type is None or item.type.has_constant_axes:
+            return None
+        rate = self._qd[item.name]
+        return ops.derivative(axis, self._q[item.name], rate) * rate
 
     def link_angular_velocity(self, link: int) -> Vec:
         """Return the angular velocity of a link in its own axes [rad/s]."""
@@ -201,9 +218,8 @@ class Kinematics:
                 return ops.vector(0.0, 0.0, 0.0)
             item = self.tree.links[link]
             carried = self.link_rotation(link).T @ self.link_angular_velocity(item.parent)
-            if item.joint is None or not item.joint.is_rotation:
-                return carried
-            return carried + self.link_axis(link) * self._qd[item.joint.name]
+            axis = self.link_axes(link).angular
+            return carried if axis is None else carried + axis * self._qd[item.name]
 
         return self._once("omega", link, build)
 
@@ -216,9 +232,8 @@ class Kinematics:
             item = self.tree.links[link]
             swing = ops.cross(self.link_angular_velocity(item.parent), self.link_arm(link))
             carried = self.link_rotation(link).T @ (self.link_velocity(item.parent) + swing)
-            if item.joint is None or item.joint.is_rotation:
-                return carried
-            return carried + self.link_axis(link) * self._qd[item.joint.name]
+            axis = self.link_axes(link).linear
+            return carried if axis is None else carried + axis * self._qd[item.name]
 
         return self._once("velocity", link, build)
 
@@ -230,10 +245,11 @@ class Kinematics:
                 return ops.vector(0.0, 0.0, 0.0)
             item = self.tree.links[link]
             carried = self.link_rotation(link).T @ self.link_angular_acceleration(item.parent)
-            if item.joint is None or not item.joint.is_rotation:
+            axis = self.link_axes(link).angular
+            if axis is None:
                 return carried
-            turning = self.link_axis(link) * self._qd[item.joint.name]
-            spin_up = self.link_axis(link) * self._acceleration(item.joint.name)
+            turning = axis * self._qd[item.name]
+            spin_up = _plus(axis * self._acceleration(item.name), self._growth(link, axis))
             return carried + ops.cross(self.link_angular_velocity(link), turning) + spin_up
 
         return self._once("alpha", link, build)
@@ -248,13 +264,16 @@ class Kinematics:
             base = self.link_acceleration(item.parent)
             at_joint = base + self.beta(item.parent) @ self.link_arm(link)
             carried = self.link_rotation(link).T @ at_joint
-            if item.joint is None or item.joint.is_rotation:
+            axes = self.link_axes(link)
+            axis = axes.linear
+            if axis is None:
                 return carried
-            axis = self.link_axis(link)
-            coriolis = 2.0 * ops.cross(
-                self.link_angular_velocity(link), axis * self._qd[item.joint.name]
-            )
-            return carried + coriolis + axis * self._acceleration(item.joint.name)
+            sliding = axis * self._qd[item.name]
+            coriolis = 2.0 * ops.cross(self.link_angular_velocity(link), sliding)
+            if axes.angular is not None:
+                coriolis = coriolis - ops.cross(axes.angular * self._qd[item.name], sliding)
+            speed_up = _plus(axis * self._acceleration(item.name), self._growth(link, axis))
+            return carried + coriolis + speed_up
 
         return self._once("acceleration", link, build)
 
@@ -383,6 +402,10 @@ class Relative:
     def rotation(self, body: str) -> Mat:
         """Return R with v_ancestor = R v_body."""
         return self._kinematics.rotation_in(self.ancestor, self._kinematics.tree.body_link[body])
+
+
+def _plus(vector: Vec, more: Vec | None) -> Vec:
+    return vector if more is None else vector + more
 
 
 def _items(vector: Sequence[Scalar] | Vec) -> list[Scalar]:

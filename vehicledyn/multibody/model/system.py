@@ -7,7 +7,8 @@ from dataclasses import dataclass, field, replace
 from typing import Literal, TypeAlias
 
 from vehicledyn.base.errors import InputError, unknown_name
-from vehicledyn.multibody.model.bodies import JOINT_KINDS, ROLES, Body, Joint
+from vehicledyn.multibody.joints.joint_type import joint_kinds, joint_type
+from vehicledyn.multibody.model.bodies import ROLES, Body, Joint
 from vehicledyn.multibody.model.constraints import Constraint
 from vehicledyn.multibody.model.cuts import Cut
 from vehicledyn.multibody.model.ground import GROUND
@@ -56,7 +57,7 @@ class System:
         return replace(self, bodies=tuple(_restart(body, starts) for body in self.bodies))
 
     def joints(self) -> list[Joint]:
-        """Return all elementary joints, in the order of the bodies."""
+        """Return all joints with a coordinate, in the order of the bodies."""
         return [j for body in self.bodies for j in body.joints if isinstance(j, Joint)]
 
     def check(self) -> None:
@@ -122,23 +123,33 @@ def _wrong_parent(body: Body, known: set[str], bodies: dict[str, Body]) -> str:
 
 def _spins(body: Body) -> bool:
     last = body.joints[-1] if body.joints else None
-    return isinstance(last, Joint) and last.kind == f"R{body.spins_about}"
+    return isinstance(last, Joint) and last.type.turns_about == body.spins_about
 
 
 def _joint_problems(system: System) -> list[str]:
     problems: list[str] = []
     seen: set[str] = set()
     for joint in system.joints():
-        if joint.kind not in JOINT_KINDS:
-            problems.append(
-                f"joint '{joint.name}': {unknown_name('kind', joint.kind, JOINT_KINDS)}"
-            )
+        problem = _type_problem(joint)
+        if problem:
+            problems.append(f"joint '{joint.name}': {problem}")
         if joint.role not in ROLES:
             problems.append(f"joint '{joint.name}': {unknown_name('role', joint.role, ROLES)}")
         if joint.name in seen:
             problems.append(f"joint '{joint.name}' is defined twice")
         seen.add(joint.name)
     return problems
+
+
+def _type_problem(joint: Joint) -> str:
+    """Return what is wrong with the kind of a joint or with its settings."""
+    if joint.kind not in joint_kinds():
+        return unknown_name("kind", joint.kind, joint_kinds())
+    try:
+        joint_type(joint.kind, joint.settings)
+    except InputError as error:
+        return str(error)
+    return ""
 
 
 def _end_problems(system: System) -> list[str]:

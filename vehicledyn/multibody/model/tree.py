@@ -1,10 +1,11 @@
-"""The tree of elementary links that a system's chains of joints unfold into."""
+"""The tree of links, one a coordinate, that a system's chains of joints unfold into."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+from vehicledyn.multibody.joints.joint_type import JointType
 from vehicledyn.multibody.model.bodies import Body, Joint
 from vehicledyn.multibody.model.ground import GROUND
 from vehicledyn.symbolic import ops, rotations
@@ -13,7 +14,7 @@ from vehicledyn.symbolic.ops import Mat, Scalar, Vec
 
 @dataclass(frozen=True)
 class Link:
-    """One elementary joint and what it carries.
+    """One joint and what it carries.
 
     ``parent`` is the index of the link before, -1 for the ground. ``offset`` [m] leads from
     the parent's origin to the joint, in the parent's axes; ``before`` and ``after`` are fixed
@@ -31,10 +32,34 @@ class Link:
     phase: Scalar = 0.0
 
     @property
-    def turns(self) -> bool:
-        """Whether the axes of the link turn with its coordinate."""
-        turning = self.joint is not None and self.joint.is_rotation
-        return turning and not self.is_ignorable_spin
+    def type(self) -> JointType | None:
+        """What the joint lets move; None without a joint."""
+        return None if self.joint is None else self.joint.type
+
+    @property
+    def angle_about(self) -> int | None:
+        """Axis about which the axes of the link turn by its coordinate, if that is how they do."""
+        return None if self.type is None or self.is_ignorable_spin else self.type.angle_about
+
+    @property
+    def turns_otherwise(self) -> bool:
+        """Whether the axes of the link turn by another rotation than an angle about one of them."""
+        return self.type is not None and self.type.turns_otherwise
+
+    @property
+    def name(self) -> str:
+        """Name of the coordinate, empty without a joint."""
+        return "" if self.joint is None else self.joint.name
+
+    @property
+    def turns_about(self) -> int | None:
+        """Axis of a pure turn by the coordinate."""
+        return None if self.type is None else self.type.turns_about
+
+    @property
+    def slides_along(self) -> int | None:
+        """Axis of a pure slide by the coordinate."""
+        return None if self.type is None else self.type.slides_along
 
 
 @dataclass(frozen=True)
@@ -105,14 +130,17 @@ def _steps(body: Body) -> list[tuple[Vec, Mat | None, Joint | None, Mat | None, 
 def joint_rotation(link: Link, c: Scalar, s: Scalar) -> Mat:
     """Return R with v_parent = R v_link, given cosine and sine of the joint's angle [1].
 
+    A joint whose rotation is no turn by its coordinate is not turned.
+
     Between two fixed turns B and A the joint's R = e eᵀ + c (1 - e eᵀ) + s tilde(e) gives
     B R A as a sum of three constant matrices, which costs half of the two products.
     """
-    if link.joint is None or not link.turns:
+    about = link.angle_about
+    if about is None:
         return rotations.product(link.before, link.after)
     if link.before is None or link.after is None:
-        return rotations.product(link.before, rotations.turn_by(link.joint.axis, c, s), link.after)
-    axis = rotations.axis_vector(link.joint.axis)
+        return rotations.product(link.before, rotations.turn_by(about, c, s), link.after)
+    axis = rotations.axis_vector(about)
     along = axis @ axis.T
     kept, turned, across = (
         link.before @ part @ link.after
@@ -127,8 +155,8 @@ def joint_turns(link: Link, c: Scalar, s: Scalar) -> list[Mat]:
     Two turns about axes of their frames, one after the other, are cheaper for an inertia than
     their product; any other rotation is one factor.
     """
-    if link.joint is not None and link.turns and link.after is None:
-        turn = rotations.turn_by(link.joint.axis, c, s)
+    if link.angle_about is not None and link.after is None:
+        turn = rotations.turn_by(link.angle_about, c, s)
         if link.before is None:
             return [turn]
         if rotations.elementary_axis(link.before) is not None:

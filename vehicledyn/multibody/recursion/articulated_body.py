@@ -14,6 +14,7 @@ from dataclasses import dataclass
 from functools import partial
 from typing import TypeAlias
 
+from vehicledyn.multibody.joints.joint_type import Axes
 from vehicledyn.multibody.model.joint_wrench import JointWrench
 from vehicledyn.multibody.model.kinematics import Kinematics
 from vehicledyn.multibody.model.tree import Link
@@ -206,7 +207,7 @@ def _inwards(
         given = []
         if item.joint is not None and is_free:
             force = ops.scalar(joint_forces.get(item.joint.name, 0.0))
-            given += [kinematics.link_axis(link), force]
+            given += [_columns(kinematics.link_axes(link)), force]
         if item.parent >= 0:
             given += [kinematics.link_arm(link), *kinematics.link_turns(link)]
         inward = partial(_inward, item=item, n_own=len(own), is_free=is_free)
@@ -225,8 +226,22 @@ _PARTS = 5
 
 def _kind(item: Link) -> tuple[object, ...]:
     """Return what steps ask of a link besides its matrices."""
-    joint = None if item.joint is None else (item.joint.is_rotation, item.joint.axis)
-    return (joint, item.turns, item.before is None, item.after is None)
+    axes = (item.turns_about, item.slides_along, item.joint and item.joint.kind)
+    return (axes, item.angle_about, item.before is None, item.after is None)
+
+
+def _columns(axes: Axes) -> Mat:
+    """Return the only axis as one column, or the angular one and the linear one as two."""
+    if axes.pure is not None:
+        return axes.pure
+    return ops.unflat(ops.stacked(axes.angular, axes.linear), 3)
+
+
+def _axes(columns: Mat, item: Link) -> Axes:
+    """Return the axes that :func:`_columns` made one matrix."""
+    if columns.shape[1] > 1:
+        return Axes(columns[:, 0], columns[:, 1])
+    return Axes(linear=columns) if item.slides_along is not None else Axes(angular=columns)
 
 
 def _blocks(body: ArticulatedInertia, wrench: JointWrench) -> list[Mat]:
@@ -249,7 +264,7 @@ def _inward(given: list[Mat], *, item: Link, n_own: int, is_free: bool) -> list[
     gate: list[Mat] = []
     if is_free:
         axis, force, *rest = rest
-        effort = _effort(item, axis, body, wrench, force)
+        effort = _effort(_axes(axis, item), body, wrench, force)
         gate = [effort.unit_force, effort.unit_torque, effort.push]
         if item.parent >= 0:
             body, wrench = _beyond(item, body, wrench, effort, force)
@@ -280,16 +295,22 @@ class _Effort:
     push: Scalar
 
 
-def _effort(
-    item: Link, axis: Vec, body: ArticulatedInertia, wrench: JointWrench, force: Scalar
-) -> _Effort:
-    if item.joint is not None and item.joint.is_rotation:
-        column, turning, along = body.coupling @ axis, body.angular @ axis, wrench.torque
-        inverse = 1.0 / ops.dot(axis, turning)
+def _effort(axes: Axes, body: ArticulatedInertia, wrench: JointWrench, force: Scalar) -> _Effort:
+    turns, slides = axes.angular, axes.linear
+    if slides is None:
+        column, turning = body.coupling @ turns, body.angular @ turns
+        inverse = 1.0 / ops.dot(turns, turning)
+        push = (force - ops.dot(turns, wrench.torque)) * inverse
+    elif turns is None:
+        column, turning = body.linear @ slides, body.coupling.T @ slides
+        inverse = 1.0 / ops.dot(slides, column)
+        push = (force - ops.dot(slides, wrench.force)) * inverse
     else:
-        column, turning, along = body.linear @ axis, body.coupling.T @ axis, wrench.force
-        inverse = 1.0 / ops.dot(axis, column)
-    push = (force - ops.dot(axis, along)) * inverse
+        column = body.linear @ slides + body.coupling @ turns
+        turning = body.coupling.T @ slides + body.angular @ turns
+        inverse = 1.0 / (ops.dot(slides, column) + ops.dot(turns, turning))
+        along = ops.dot(slides, wrench.force) + ops.dot(turns, wrench.torque)
+        push = (force - along) * inverse
     return _Effort(column, turning, column * inverse, turning * inverse, push)
 
 
@@ -302,10 +323,11 @@ def _beyond(
     link's these entries are entered as what they are, not computed.
     """
     f, t, uf, ut = gate.force, gate.torque, gate.unit_force, gate.unit_torque
-    turns = item.joint is not None and item.joint.is_rotation
-    along_axis = item.joint.axis - 1 if item.joint is not None and item.after is None else None
-    felt = set(range(3)) - {along_axis}
-    row, column = (range(3), felt) if turns else (felt, range(3))
+    turns, slides = (
+        set() if axis is None or item.after is not None else {axis - 1}
+        for axis in (item.turns_about, item.slides_along)
+    )
+    row, column = set(range(3)) - slides, set(range(3)) - turns
     linear = [body.linear[i, j] - f[i] * uf[j] if i in row and j in row else 0.0 for i, j in _UPPER]
     angular = [
         body.angular[i, j] - t[i] * ut[j] if i in column and j in column else 0.0 for i, j in _UPPER
@@ -343,7 +365,7 @@ def _outwards(
         given = [*moved[item.parent], kinematics.link_arm(link), *turns]
         if link in gates:
             gate = gates[link]
-            axis = kinematics.link_axis(link)
+            axis = _columns(kinematics.link_axes(link))
             given += [axis, gate.force, gate.torque, gate.push]
         outward = partial(_outward, item=item, n_turns=len(turns), is_end=link in ends)
         structure = (_kind(item), link in gates, link in ends)
@@ -375,6 +397,9 @@ def _outward(given: list[Mat], *, item: Link, n_turns: int, is_end: bool) -> lis
     own_linear, own_angular = rotation.T @ at_joint, rotation.T @ angular
     if not gate:
         return [own_linear, own_angular, value]
-    if item.joint is not None and item.joint.is_rotation:
-        return [own_linear, own_angular + axis * value, value]
-    return [own_linear + axis * value, own_angular, value]
+    axes = _axes(axis, item)
+    if axes.angular is not None:
+        own_angular = own_angular + axes.angular * value
+    if axes.linear is not None:
+        own_linear = own_linear + axes.linear * value
+    return [own_linear, own_angular, value]

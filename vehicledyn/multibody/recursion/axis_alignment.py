@@ -67,14 +67,14 @@ def align(tree: Tree, table: ParameterTable) -> AlignedTree:
     turns: dict[int, Mat] = {}
     for index, item in enumerate(tree.links):
         guide = next((k for k in beyond[index] if k in oblique), None)
-        if guide is None or item.joint is None:
+        if guide is None or item.turns_about is None:
             continue
-        angle = _angle(item.joint.axis, links[guide])
-        turns[index] = turn = rotations.turn(item.joint.axis, angle)
+        angle = _angle(item.turns_about, links[guide])
+        turns[index] = turn = rotations.turn(item.turns_about, angle)
         links[index] = _with_axes(links[index], turn, angle)
         for k in beyond[index]:
             links[k] = _hung(links[k], turn)
-        links[guide] = _elementary(links[guide], item.joint.axis)
+        links[guide] = _elementary(links[guide], item.turns_about)
     return AlignedTree(replace(tree, links=tuple(links)), turns)
 
 
@@ -91,11 +91,12 @@ def with_common_axis(tree: Tree) -> AlignedTree:
     turns: dict[int, Mat] = {}
     for index, item in enumerate(tree.links):
         concerned = [item, *(links[k] for k in beyond[index])]
-        if not _is_plain(item) or item.joint is None or item.joint.axis == _COMMON:
+        about = item.turns_about
+        if not _is_plain(item) or item.joint is None or about in (None, _COMMON):
             continue
         if not all(_is_general(other) for other in concerned):
             continue
-        turns[index] = turn = _renaming(item.joint.axis)
+        turns[index] = turn = _renaming(about)
         joint = replace(item.joint, kind=f"R{_COMMON}")
         here = links[index]
         links[index] = replace(
@@ -129,8 +130,8 @@ def _oblique(tree: Tree, table: ParameterTable) -> set[int]:
             continue
         if item.before is None or rotations.elementary_axis(item.before) is not None:
             continue
-        if item.joint is not None and parent.joint is not None:
-            axis, along = parent.joint.axis - 1, item.joint.axis - 1
+        if item.turns_about is not None and parent.turns_about is not None:
+            axis, along = parent.turns_about - 1, item.turns_about - 1
             across[index] = [item.before[k, along] for k in range(3) if k != axis]
     symbols = ops.column([entry.symbol for entry in table.entries])
     column = ops.column([entry for pair in across.values() for entry in pair])
@@ -141,7 +142,7 @@ def _oblique(tree: Tree, table: ParameterTable) -> set[int]:
 
 def _is_plain(item: Link) -> bool:
     """Return whether a link turns about one of its own axes."""
-    return item.turns and item.after is None
+    return item.turns_about is not None and not item.is_ignorable_spin and item.after is None
 
 
 def _middle(first: int, second: int) -> int:
@@ -151,12 +152,12 @@ def _middle(first: int, second: int) -> int:
 
 def _angle(axis: int, beyond: Link) -> Scalar:
     """Return the angle about ``axis`` that brings the next joint across the middle axis [rad]."""
-    joint = beyond.joint
-    if joint is None or beyond.before is None:
+    about = beyond.turns_about
+    if about is None or beyond.before is None:
         raise ValueError("only a turning joint beyond a turn can be aligned with")
-    m = _middle(axis, joint.axis)
+    m = _middle(axis, about)
     other = next(k for k in (1, 2, 3) if k not in (axis, m))
-    along, across = (beyond.before[k - 1, joint.axis - 1] for k in (other, m))
+    along, across = (beyond.before[k - 1, about - 1] for k in (other, m))
     sign = 1.0 if (axis, other, m) in ((1, 2, 3), (2, 3, 1), (3, 1, 2)) else -1.0
     return ops.atan2(sign * across, along)
 
@@ -184,9 +185,10 @@ def _hung(item: Link, turn: Mat) -> Link:
 
 def _elementary(item: Link, axis: int) -> Link:
     """Return a link whose fixed turn is turn(m, b) turn(k, c), the second in its coordinate."""
-    if item.joint is None or item.before is None:
+    k = item.turns_about
+    if k is None or item.before is None:
         return item
-    k, m = item.joint.axis, _middle(axis, item.joint.axis)
+    m = _middle(axis, k)
     matrix = item.before
     twist = _angle_of(matrix, m, k, column=True)
     phase = _angle_of(matrix, k, m, column=False)

@@ -25,6 +25,7 @@ def augmented_inertias(tree: Tree, base: int | None = None) -> list[Inertia]:
     - a turning joint feels no mass on its axis and no transverse inertia of such a mass; what
       stays has mass zero, a first moment across the axis and five integrals of second degree;
     - a sliding joint feels no inertia matrix: mass and first moment stay;
+    - a joint that turns and slides feels everything;
     - a link without a joint keeps nothing, a body of revolution on its spin axis everything:
       its inertia is diagonal where it is.
 
@@ -59,15 +60,16 @@ def augmented_inertias(tree: Tree, base: int | None = None) -> list[Inertia]:
 def _split(item: Link, own: Inertia) -> tuple[Inertia, Inertia]:
     """Return what stays on a link and what is given away, both in the link's axes."""
     nothing = inertia.nothing()
-    if item.joint is None:
+    if item.type is None:
         return nothing, own
-    if not item.joint.is_rotation:
+    if item.is_ignorable_spin:
+        return own, nothing
+    if item.slides_along is not None:
         return (
             Inertia(own.mass, own.moment, nothing.matrix),
             Inertia(nothing.mass, nothing.moment, own.matrix),
         )
-    along = item.joint.axis - 1
-    if item.is_ignorable_spin:
+    if item.turns_about is None:
         return own, nothing
     if item.after is not None:
         # Oblique to the link's axes nothing but the mass vanishes from the recursions.
@@ -75,7 +77,7 @@ def _split(item: Link, own: Inertia) -> tuple[Inertia, Inertia]:
             Inertia(nothing.mass, own.moment, own.matrix),
             Inertia(own.mass, nothing.moment, nothing.matrix),
         )
-    return _line_on_axis(own, along)
+    return _line_on_axis(own, item.turns_about - 1)
 
 
 def _line_on_axis(own: Inertia, along: int) -> tuple[Inertia, Inertia]:

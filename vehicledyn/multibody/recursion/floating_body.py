@@ -16,7 +16,7 @@ from vehicledyn.symbolic import ops
 from vehicledyn.symbolic.elimination import Rows, solve_in_order, solve_symmetric
 from vehicledyn.symbolic.ops import Mat, Scalar, Vec
 
-_CHAIN = (False, False, False, True, True, True)
+_COORDINATES = 6
 
 
 def floating_base(tree: Tree, is_idle: Callable[[int], bool]) -> int | None:
@@ -32,7 +32,7 @@ def floating_base(tree: Tree, is_idle: Callable[[int], bool]) -> int | None:
     """
     for link, item in enumerate(tree.links):
         path = tree.path(link)[1:]
-        if item.body is None or len(path) != len(_CHAIN) or not all(map(is_idle, path)):
+        if item.body is None or len(path) != _COORDINATES or not all(map(is_idle, path)):
             continue
         chain = [tree.links[k] for k in path]
         inner = set(path[:-1])
@@ -47,13 +47,11 @@ def _is_free(chain: list[Link]) -> bool:
     """Return whether slides along all axes come first and turns that go on from one another."""
     if any(item.before is not None or item.after is not None for item in chain):
         return False
-    joints = [item.joint for item in chain if item.joint is not None]
-    kinds = tuple(joint.is_rotation for joint in joints)
-    slides, turns = {j.axis for j in joints[:3]}, [j.axis for j in joints[3:]]
+    slides, turns = {item.slides_along for item in chain[:3]}, [i.turns_about for i in chain[3:]]
     return (
-        len(joints) == len(chain)
-        and kinds == _CHAIN
-        and len(slides) == len(joints[:3])
+        None not in slides
+        and None not in turns
+        and len(slides) == len(chain[:3])
         and all(a != b for a, b in pairwise(turns))
         and not any(item.is_ignorable_spin for item in chain)
     )
@@ -88,16 +86,16 @@ def coordinate_accelerations(
     world = kinematics.rotation_in(-1, link) @ linear
     found: dict[str, Scalar] = {}
     for k in path[:3]:
-        joint = tree.links[k].joint
-        if joint is not None:
-            found[joint.name] = world[joint.axis - 1]
+        along = tree.links[k].slides_along
+        if along is not None:
+            found[tree.links[k].name] = world[along - 1]
     middle = path[4]
     # In the axes between the last two turns those two have constant axes.
     turned = kinematics.link_rotation(link) @ angular
-    first = kinematics.link_rotation(middle).T @ kinematics.link_axis(path[3])
-    axes = [first, kinematics.link_axis(middle), kinematics.link_axis(link)]
-    joints = [tree.links[k].joint for k in path[3:]]
-    last, between = (joint.axis - 1 for joint in (joints[2], joints[1]) if joint is not None)
+    own = [kinematics.link_axes(k).angular for k in path[3:]]
+    axes = [kinematics.link_rotation(middle).T @ own[0], *own[1:]]
+    turns = [tree.links[k] for k in path[3:]]
+    last, between = (about - 1 for item in turns[:0:-1] if (about := item.turns_about) is not None)
     across = 3 - last - between
     rows: Rows = [
         {c: axis[k] for c, axis in enumerate(axes) if not axis[k].is_zero()} for k in range(3)
@@ -105,7 +103,4 @@ def coordinate_accelerations(
     sides = [{0: turned[k]} for k in range(3)]
     order = [(across, 0), (between, 1), (last, 2)]
     solved = solve_in_order(rows, sides, order)
-    for joint, row in zip(joints, solved, strict=True):
-        if joint is not None:
-            found[joint.name] = row[0]
-    return found
+    return found | {item.name: row[0] for item, row in zip(turns, solved, strict=True)}

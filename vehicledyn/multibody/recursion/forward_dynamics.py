@@ -8,6 +8,7 @@ from typing import Literal, TypeAlias
 
 from vehicledyn.multibody.model.kinematics import Kinematics
 from vehicledyn.multibody.model.parts import Wrench
+from vehicledyn.multibody.model.tree import Link
 from vehicledyn.multibody.recursion import articulated_body as articulated
 from vehicledyn.multibody.recursion.axis_alignment import AlignedTree, align, with_common_axis
 from vehicledyn.multibody.recursion.barycentric import augmented_inertias
@@ -109,12 +110,17 @@ def _by_aligned(problem: TreeProblem, table: ParameterTable) -> tuple[dict[str, 
     They are written in steps where the joints are many and alike, which is told.
     """
     tree = problem.kinematics.tree
-    if len(problem.free) >= _MANY:
+    if len(problem.free) >= _MANY and all(map(_is_elementary, tree.links)):
         named, steps = with_common_axis(tree), Steps()
         found = by_articulated(_on(problem, named.then(align(named.tree, table))), write=steps)
         if steps.are_alike:
             return found, True
     return by_articulated(_on(problem, align(tree, table))), False
+
+
+def _is_elementary(item: Link) -> bool:
+    """Return whether a link has no joint or a pure turn or slide, of which steps are made."""
+    return item.type is None or (item.turns_about, item.slides_along) != (None, None)
 
 
 def _on(problem: TreeProblem, aligned: AlignedTree) -> TreeProblem:

@@ -44,7 +44,8 @@ def needed_in_steps(
     for link, item in enumerate(tree.links):
         own = inertias[link]
         given = [*_given(lifted, link), own.mass, own.moment, own.matrix, *applied[link]]
-        structure = (item.turns, item.joint and item.joint.kind, own.thin, item.is_ignorable_spin)
+        kind = item.joint and item.joint.kind
+        structure = (item.angle_about, kind, own.thin, item.is_ignorable_spin)
         fixed = (item.before is None, item.after is None)
         motion = partial(_motion, item=item, thin=own.thin)
         rotation, arm, *moved, force, torque = write("motion", (structure, fixed), given, motion)
@@ -60,10 +61,10 @@ def _given(kinematics: Kinematics, link: int) -> list[Mat]:
     place, rate, acceleration = (
         (0.0, 0.0, 0.0) if joint is None else kinematics.joint_motion(joint.name)
     )
-    slides = joint is not None and not joint.is_rotation
+    slides = item.slides_along is not None
     none = ops.column([])
     return [
-        ops.column(list(kinematics.link_turn(link)) if item.turns else []),
+        ops.column(list(kinematics.link_turn(link)) if item.angle_about else []),
         ops.column([place if slides else 0.0, rate, acceleration]),
         item.offset,
         none if item.before is None else item.before,
@@ -86,11 +87,10 @@ def _motion(given: list[Mat], *, item: Link, thin: int | None) -> list[Mat]:
         before=None if item.before is None else before,
         after=None if item.after is None else after,
     )
-    name = "" if item.joint is None else item.joint.name
-    place, rate, acceleration = ({name: moving[k]} for k in range(3))
+    place, rate, acceleration = ({item.name: moving[k]} for k in range(3))
     alone = Kinematics(Tree((link,), {}), place, rate, acceleration)
     alone.learn(_PARENT, **dict(zip(_MOTION, parent, strict=True)))
-    if item.turns:
+    if item.angle_about:
         alone.learn(_LINK, turn=(turn[0], turn[1]))
     own_force, own_torque = newton_euler(alone, _LINK, Inertia(mass, moment, matrix, thin))
     return [

@@ -187,7 +187,12 @@ def unit_column(
 
 def unit_wrench(kinematics: Kinematics, link: int, composite: Inertia) -> JointWrench:
     """Return what a unit acceleration of a link's coordinate needs, at its origin and axes."""
-    joint, axis = kinematics.tree.links[link].joint, kinematics.link_axis(link)
-    if joint is not None and joint.is_rotation:
-        return JointWrench(ops.cross(axis, composite.moment), composite.matrix @ axis)
-    return JointWrench(composite.mass * axis, ops.cross(composite.moment, axis))
+    axes = kinematics.link_axes(link)
+    parts = []
+    if axes.angular is not None:
+        force = ops.cross(axes.angular, composite.moment)
+        parts.append(JointWrench(force, composite.matrix @ axes.angular))
+    if axes.linear is not None:
+        torque = ops.cross(composite.moment, axes.linear)
+        parts.append(JointWrench(composite.mass * axes.linear, torque))
+    return parts[0] if len(parts) == 1 else parts[0].added_to(parts[1])

@@ -14,7 +14,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from vehicledyn.base.quaternions import about, from_rows, multiplied, rotated
+from vehicledyn.base.quaternions import from_rows, multiplied, rotated
+from vehicledyn.multibody.joints.joint_type import JointType, joint_type
+from vehicledyn.multibody.joints.numeric_joint import displacements, quaternions
 from vehicledyn.multibody.model.symbols import declare, locked
 from vehicledyn.multibody.model.system import System
 from vehicledyn.multibody.model.tree import unfold
@@ -39,8 +41,8 @@ class Poses:
 class Skeleton:
     """The links of a tree with numbers, parents first, and the bodies that they end in.
 
-    ``links`` are mappings with parent, offset, before, after (rows or None), kind of the joint,
-    its coordinate (or value where it is locked); ``bodies`` have name, link, axis (0 for
+    ``links`` are mappings with parent, offset, before, after (rows or None), kind and settings of
+    the joint, its coordinate (or value where it is locked); ``bodies`` have name, link, axis (0 for
     none) and ``axes_spin``: whether the axes turn with the last joint.
     """
 
@@ -71,12 +73,14 @@ class Skeleton:
                 position = position + rotated(turned, np.array(link["offset"], dtype=float))
             turned = _turned(turned, link["before"])
             value = _value(link, values, count)
-            axis = _axis(link["kind"])
-            if link["kind"] and link["kind"][0] == "T":
-                position = position + rotated(turned, axis) * value[:, None]
+            joint = _type(link)
+            slide = None if joint is None else displacements(joint, value)
+            if slide is not None:
+                position = position + rotated(turned, slide)
             before.append((position, turned))
-            if link["kind"] and link["kind"][0] == "R" and not link["ignored"]:
-                turned = multiplied(turned, about(axis, value))
+            turn = None if joint is None or link["ignored"] else quaternions(joint, value)
+            if turn is not None:
+                turned = multiplied(turned, turn)
             after.append((position, _turned(turned, link["after"])))
         chosen, turns = [], []
         for body in self.bodies:
@@ -114,6 +118,7 @@ def raw_skeleton(system: System) -> dict[str, Any]:
                 "kind": joint.kind if joint else None,
                 "coordinate": joint.name if joint and not is_fixed else None,
                 "value": joint.start if joint and is_fixed else 0.0,
+                **({"settings": dict(joint.settings)} if joint and joint.settings else {}),
                 "ignored": link.is_ignorable_spin,
             }
         )
@@ -123,12 +128,12 @@ def raw_skeleton(system: System) -> dict[str, Any]:
             continue
         index = tree.body_link[body.name]
         last = tree.links[index]
-        turns = last.joint is not None and last.joint.is_rotation and last.after is None
+        about = last.type.angle_about if last.type is not None and last.after is None else None
         bodies.append(
             {
                 "name": body.name,
                 "link": index,
-                "axis": last.joint.axis if turns and last.joint else 0,
+                "axis": about or 0,
                 "axes_spin": not last.is_ignorable_spin,
             }
         )
@@ -140,8 +145,8 @@ def skeleton_from(plain: Mapping[str, Any]) -> Skeleton:
     return Skeleton(tuple(plain["links"]), tuple(plain["bodies"]))
 
 
-def _axis(kind: str | None) -> Array:
-    return np.eye(3)[int(kind[1]) - 1] if kind else np.zeros(3)
+def _type(link: Mapping[str, Any]) -> JointType | None:
+    return None if link["kind"] is None else joint_type(link["kind"], link.get("settings", {}))
 
 
 def _value(link: Mapping[str, Any], values: Mapping[str, Array], count: int) -> Array:

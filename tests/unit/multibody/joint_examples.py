@@ -1,0 +1,25 @@
+"""An example of each type of joint, for the tests of the catalogue."""
+
+from vehicledyn.multibody import GROUND, Body, Joint, ParameterTable, System, Turn
+from vehicledyn.symbolic import rotations
+
+SETTINGS = {"screw": {"axis": 2, "lead": 0.7}}
+"""Settings of the types that need some."""
+
+RIGID = {"mass": 2.0, "com": (0.2, -0.1, 0.3), "inertia": (0.6, 0.5, 0.7, 0.05, -0.02, 0.03)}
+
+
+def joint(kind, name="tried.q", **more):
+    """Return a joint of a type, with the settings of its example."""
+    return Joint(kind, name, settings=SETTINGS.get(kind, {}), **more)
+
+
+def train(kind, role="auto"):
+    """Return a pendulum, a body on it by the joint, and an arm on that, all oblique."""
+    turn, other = Turn(rotations.turn(1, 0.4)), Turn(rotations.turn(3, 0.9))
+    bodies = (
+        Body("arm", GROUND, (0.1, 0.2, 0.3), (Joint("R2", "arm.angle", 0.3),), **RIGID),
+        Body("tried", "arm", (0.5, 0.1, -0.4), (turn, joint(kind, role=role), other), **RIGID),
+        Body("hand", "tried", (0.2, -0.6, 0.1), (turn, Joint("R1", "hand.angle", -0.4)), **RIGID),
+    )
+    return System("train", ParameterTable(), bodies)
