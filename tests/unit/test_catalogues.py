@@ -16,8 +16,8 @@ load_kinds()
 TESTS = Path(__file__).parents[1]
 ENTRIES = [(family, kind) for family in families() for kind in kinds(family)]
 SENTENCE_END = (".", ",", ":", ";")
-FROM_PYTHON = {"creep"}
-"""Catalogues that models take parts from without a field in a file."""
+FROM_PYTHON = {"creep", "joint_type"}
+"""Catalogues that models, or entries of another catalogue, are made from."""
 
 
 def sets_of(entry):

@@ -5,6 +5,7 @@ import pytest
 from joint_examples import SETTINGS, joint, train
 
 from vehicledyn.base.errors import InputError
+from vehicledyn.base.registry import kinds
 from vehicledyn.multibody import (
     GROUND,
     Body,
@@ -17,11 +18,10 @@ from vehicledyn.multibody import (
 )
 from vehicledyn.multibody.elements.coordinate_forces import CoordinateForce
 from vehicledyn.multibody.equations.inverse_dynamics import derive_inverse
-from vehicledyn.multibody.joints.joint_type import joint_kinds
 from vehicledyn.multibody.joints.numeric_joint import displacements, quaternions
 from vehicledyn.symbolic import ops, rotations
 
-KINDS = joint_kinds()
+KINDS = kinds("joint_type")
 ONE_COORDINATE = [kind for kind in KINDS if kind != "spherical_quaternion"]
 
 
