@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -11,6 +12,13 @@ from vehicledyn.kernel.kernel import Kernel
 
 STEPS = 4
 """Steps of a window: an unstable mode has shown itself by then, and the price is low."""
+
+SPENT = 3 * STEPS
+"""Steps that a window takes, with the step and with half of it."""
+
+_SHARE, _LEAST_WINDOWS, _MOST_WINDOWS = 0.01, 2, 16
+_OVERHEAD, _FREE = 6e5, 1.05e7
+"""Operations that calling a window costs, and that a run by itself may always spend on them."""
 
 
 @dataclass(frozen=True)
@@ -36,12 +44,13 @@ class Grid:
 
 @dataclass(frozen=True)
 class Place:
-    """A sample that a window begins at: its number, time [s], states and unknowns."""
+    """A sample that a window begins at: number, time [s], states, unknowns, and their kernel."""
 
     index: int
     time: float
     state: Vector
     unknowns: Vector
+    kernel: Kernel
 
 
 def order_of(method: int) -> int:
@@ -64,27 +73,6 @@ def total_error(difference: Vector, method: int) -> Vector:
     return difference * (power / (power - 1.0))
 
 
-def window_difference(kernel: Kernel, grid: Grid, place: Place) -> Vector | None:
-    """Return how far half the step leads from the step, in each channel.
-
-    Parameters
-    ----------
-    kernel
-        The model with its parameters set.
-    grid
-        The run.
-    place
-        Where the window begins.
-
-    Returns
-    -------
-    Vector or None
-        Shape (n_channels,), infinite where one of them cannot be computed or is interrupted by an
-        event; None where an event interrupts both.
-    """
-    return two_ends_apart(*(_outputs(kernel, grid, place, factor) for factor in (1, 2)))
-
-
 def two_ends_apart(one: Vector | None, other: Vector | None) -> Vector | None:
     """Return how far two ends of a window lie apart, None where an event is in both.
 
@@ -103,9 +91,24 @@ def two_ends_apart(one: Vector | None, other: Vector | None) -> Vector | None:
     return apart
 
 
-def _outputs(kernel: Kernel, grid: Grid, place: Place, divided: int) -> Vector | None:
-    """Return the channels at the end of a window; infinite ones where it is not reached."""
-    e = kernel.equations
+def window_end(grid: Grid, place: Place, divided: int) -> Vector | None:
+    """Return the channels at the end of a window whose steps are parts of the run's.
+
+    Parameters
+    ----------
+    grid
+        The run.
+    place
+        Where the window begins.
+    divided
+        Parts of a step of the run, 1 for the step itself.
+
+    Returns
+    -------
+    Vector or None
+        Shape (n_channels,), infinite where the end is not reached; None where an event interrupts.
+    """
+    e = place.kernel.equations
     count = STEPS * divided
     march = March(
         grid.method,
@@ -117,7 +120,7 @@ def _outputs(kernel: Kernel, grid: Grid, place: Place, divided: int) -> Vector |
         sides=np.zeros(len(e.events), dtype=np.intc),
     )
     rows = Rows(*[np.zeros((2, len(items))) for items in (e.states, e.unknowns, e.channels)])
-    status = kernel.advance(march, count, rows)
+    status = place.kernel.advance(march, count, rows)
     if status is Status.EVENT:
         return None
     if status is not Status.SOLVED or not march.ledger.counts[Count.SAMPLES]:
@@ -131,3 +134,28 @@ def operations_of_step(kernel: Kernel, method: int) -> float:
     counted = kernel.report.operations
     once = counted.get("rates", 0) + 2 * counted.get("blocks", 0)
     return float(max(50, once) * stages_of(method))
+
+
+def window_places(n_intervals: int, count: int) -> list[int]:
+    """Return the samples at which a run of so many intervals has its windows, at most ``count``.
+
+    The last sample comes behind them.
+    """
+    spacing = 1
+    while n_intervals // spacing + 1 > count:
+        spacing *= 2
+    found = list(range(0, n_intervals + 1, spacing))
+    return found if found[-1] == n_intervals else [*found, n_intervals]
+
+
+def window_count(kernel: Kernel, grid: Grid, *, by_itself: bool) -> int:
+    """Return how many windows a run can afford; the same for the same run everywhere.
+
+    One more is at its end.
+    """
+    each = operations_of_step(kernel, grid.method)
+    afforded = _SHARE * grid.n_steps * each
+    if by_itself and kernel.backend == "compiled":
+        afforded = max(afforded, _FREE)
+    count = math.floor(afforded / (SPENT * each + _OVERHEAD)) - 1
+    return max(_LEAST_WINDOWS, min(_MOST_WINDOWS, count))

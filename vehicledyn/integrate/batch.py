@@ -19,7 +19,7 @@ import numpy as np
 
 from vehicledyn.base.errors import InputError
 from vehicledyn.codegen.toolchain.compiler import CompilationError, suitable_lanes
-from vehicledyn.integrate.accuracy_watch import Accuracy
+from vehicledyn.integrate.accuracy import Accuracy
 from vehicledyn.integrate.accuracy_windows import Grid
 from vehicledyn.integrate.cases import CaseEnd, Cases, Plan, Samples
 from vehicledyn.integrate.channel_ranges import watched_channels

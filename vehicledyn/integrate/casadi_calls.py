@@ -40,9 +40,11 @@ def elapsed_equations(implicit: ImplicitEquations, p: Any, elapsed: Any) -> dict
 
 
 def count_work(stats: Mapping[str, Any], task: Task) -> int:
-    """Add the evaluations of a call to a task's account, and return its steps."""
+    """Add the evaluations and steps of a call to a task's account, and return the steps."""
     task.ledger.counts[Count.EVALUATIONS] += int(stats.get("n_rhs", stats.get("nfevals", 0)))
-    return int(stats.get("n_steps", stats.get("nsteps", 0)))
+    steps = int(stats.get("n_steps", stats.get("nsteps", 0)))
+    task.count_steps(steps)
+    return steps
 
 
 def stopped_between(

@@ -47,7 +47,7 @@ def run_casadi_with_events(
         buffer.flush()
     if task.watch.ended_by and point.time > task.begin:
         task.deliver_point(point)
-    return task.statistics(plugin, steps=stretches.steps)
+    return task.statistics(plugin)
 
 
 def _go_on(
@@ -77,7 +77,6 @@ class _Stretches:
         self._equations = implicit_equations(task.kernel, task.progress)
         self._constants = self._equations.constants(task.kernel.parameters)
         self._made = task.kernel.made.setdefault((plugin, *self._options.items()), {})
-        self.steps = 0
 
     def grid(self, start: Point, end: float, n_intervals: int) -> list[Point]:
         """Return points up to a time, as close together as the steps that lead there."""
@@ -113,7 +112,6 @@ class _Stretches:
         except (RuntimeError, Stopped):
             raise stopped_between(self._task, (start.time, end), *start[1:]) from None
         steps = count_work(integrator.stats(), self._task)
-        self.steps += steps
         times = [start.time + length * k / size for k in range(1, size)] + [end]
         guesses = guesses.reshape(size, start.unknowns.size)
         return [self._point(*item) for item in zip(times, states, guesses, strict=True)], steps

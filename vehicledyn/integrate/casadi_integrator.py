@@ -65,7 +65,7 @@ def run_casadi(
                 task.course.note(task.time(index), history)
     finally:
         buffer.flush()
-    return task.statistics(plugin, steps=integrators.steps)
+    return task.statistics(plugin)
 
 
 class _Integrators:
@@ -77,7 +77,6 @@ class _Integrators:
         self._constants = self._equations.constants(task.kernel.parameters)
         key = (plugin, task.interval, *self._options.items())
         self._made = task.kernel.made.setdefault(key, {})
-        self.steps = 0
 
     def run(
         self, size: int, start: float, state: Vector, unknowns: Vector
@@ -91,7 +90,7 @@ class _Integrators:
             result = integrator(x0=state, z0=unknowns, p=[*self._constants, start])
         except RuntimeError:
             raise Stopped from None
-        self.steps += count_work(integrator.stats(), self._task)
+        count_work(integrator.stats(), self._task)
         states, guesses = (np.array(result[key]).T.copy() for key in ("xf", "zf"))
         if not np.isfinite(states).all():
             raise Stopped

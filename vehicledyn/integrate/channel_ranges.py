@@ -19,6 +19,9 @@ its own: what hardly varies, such as an energy that is conserved, is judged by i
 _NOISE, _NOISE_OF_FORCES = 1e-6, 1e-3
 """Smallest range that counts, in SI units: what symmetry makes zero is rounding."""
 
+_TRAVELLED = ("m", "rad")
+"""Units of what may add up without end, as distances and turns do; they are no measure of noise."""
+
 
 def watched_channels(equations: Equations) -> list[int]:
     """Return the channels that can be judged: all but energies, powers and errors of constraints.
@@ -42,6 +45,9 @@ class Ranges:
     units: NDArray[np.intp]
     noise: Vector
     matters: NDArray[np.bool_]
+    likes: Vector
+    """Largest value of any channel of a unit that is known, by the number of the unit."""
+    known: dict[str, int]
     count: int = 0
 
     @staticmethod
@@ -55,7 +61,37 @@ class Ranges:
         noise = np.array(
             [_NOISE_OF_FORCES if u.startswith(("N", "J", "W")) else _NOISE for u in units]
         )
-        return Ranges(np.full(n, np.inf), np.full(n, -np.inf), np.zeros(n), codes, noise, matters)
+        return Ranges(
+            np.full(n, np.inf),
+            np.full(n, -np.inf),
+            np.zeros(n),
+            codes,
+            noise,
+            matters,
+            np.zeros(max(1, len(known))),
+            {unit: number for number, unit in enumerate(known)},
+        )
+
+    def kinds(self, equations: Equations) -> NDArray[np.intp]:
+        """Return the number of each channel's unit, shape (n_channels,), -1 for one not judged."""
+        return np.array(
+            [
+                self.known.get(channel.unit, -1)
+                if channel.unit not in _TRAVELLED and _can_be_judged(channel.name)
+                else -1
+                for channel in equations.channels
+            ],
+            dtype=np.intp,
+        )
+
+    def take_likes(self, kinds: NDArray[np.intp], outputs: Vector) -> None:
+        """Go on by all channels at one time, shape (n_channels,), of units by number.
+
+        What is zero by symmetry has nothing but noise of its own; other channels of its unit show
+        how large quantities of its kind are.
+        """
+        counts = (kinds >= 0) & np.isfinite(outputs)
+        np.maximum.at(self.likes, kinds[counts], np.abs(outputs[counts]))
 
     def take(self, values: Vector) -> None:
         """Go on by samples, shape (n_samples, n_channels); what is no number does not count."""
@@ -80,7 +116,7 @@ class Ranges:
         """
         with np.errstate(all="ignore"):
             span = np.nan_to_num(self.high - self.low, posinf=1e300)
-        largest = np.zeros(self.units.max(initial=0) + 1)
+        largest = self.likes.copy()
         np.maximum.at(largest, self.units, self.largest())
         floor = np.maximum(_FLOOR * largest[self.units], _OWN_FLOOR * self.largest())
         return np.where(self.matters, np.maximum(np.maximum(span, floor), self.noise), np.inf)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 
 import numpy as np
@@ -16,11 +16,14 @@ class Beginning:
     """Where a continued run begins: the time of a sample [s] that is not delivered again.
 
     ``history`` is what the method noted there; without it the method starts anew from the sample,
-    and the motion agrees to the accuracy of the method.
+    and the motion agrees to the accuracy of the method. ``past`` gives times, states, unknowns and
+    outputs of the samples up to there, block by block, if the same method with the same step made
+    them.
     """
 
     time: float
     history: Vector | None = None
+    past: Callable[[], Iterable[tuple[Vector, ...]]] | None = None
 
 
 @dataclass(frozen=True)

@@ -72,6 +72,8 @@ def run_explicit(
             while buffer.next_index <= task.n_intervals and not task.watch.ended_by:
                 _advance(solver, rates, task)
                 sizes.append(solver.step_size)
+                if solver.step_size > 0.0:
+                    task.count_steps(1, float(solver.step_size))
                 since_event += 1
                 if since_event > _STALLED:
                     _check_advance(task, rates, solver, sizes)
@@ -84,9 +86,7 @@ def run_explicit(
         buffer.flush()
     if last is not None and task.watch.ended_by:
         task.deliver_point(last)
-    sizes = [size for size in sizes if size > 0.0]
-    span = (float(min(sizes)), float(max(sizes))) if sizes else None
-    return task.statistics(name, steps=len(sizes), sizes=span)
+    return task.statistics(name)
 
 
 class _Rates:

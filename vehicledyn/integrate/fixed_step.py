@@ -13,7 +13,7 @@ from vehicledyn.integrate.course import go_on_from, history_of
 from vehicledyn.integrate.events import Point
 from vehicledyn.integrate.judged_quantities import Judged
 from vehicledyn.integrate.proposed_step import proposed_step
-from vehicledyn.integrate.task import SampleBuffer, Statistics, Task
+from vehicledyn.integrate.task import SampleBuffer, Statistics, StepError, Task
 from vehicledyn.kernel.engine import Count, Figure, March, Method, Rows, Status, Vector
 
 _CHUNK_SECONDS = 0.08
@@ -28,10 +28,8 @@ ends at rest.
 """
 
 
-def run_fixed(
-    task: Task, name: str, method: int, step: float | None, *, watched: bool = True
-) -> Statistics:
-    """Integrate a task with a fixed step, and judge how accurate it was.
+def run_fixed(task: Task, name: str, method: int, step: float | None) -> Statistics:
+    """Integrate a task with a fixed step, and judge how accurate it was where it is watched.
 
     Parameters
     ----------
@@ -44,8 +42,6 @@ def run_fixed(
     step
         Step size [s]; a whole number of steps must make one sampling interval. None for what
         the motion at the start needs.
-    watched
-        Whether the accuracy is judged.
 
     Raises
     ------
@@ -56,7 +52,7 @@ def run_fixed(
         point = (task.start, task.state, task.unknowns)
         step = proposed_step(task.kernel, method, point, task.interval)
     per_interval = steps_per_interval(step, task.interval)
-    watch = _watch_of(task, method, per_interval) if watched else None
+    watch = _watch_of(task, method, per_interval) if task.watched else None
     SampleBuffer(task, task.state, task.unknowns).flush()
     march = March(
         method,
@@ -73,7 +69,7 @@ def run_fixed(
             go_on_from(task.beginning.history, march, task.watch)
     size, remaining = _FIRST_CHUNK, task.n_intervals * per_interval - march.step
     rows = task.rows(task.n_intervals + 1)
-    steps = 0
+    actual = task.interval / per_interval
     while remaining and not task.watch.ended_by:
         size = min(size, remaining, (len(rows.states) - 1) * per_interval + 1)
         started = time.perf_counter()
@@ -81,41 +77,40 @@ def run_fixed(
             status = task.kernel.advance(march, size, rows)
         finally:
             taken = int(march.ledger.counts[Count.STEPS])
+            task.count_steps(taken, actual)
             _settle(task, march, rows)
             task.note(history_of(march, task.watch))
         if status is Status.EVENT:
             _take_step_with_events(task, march)
+            task.count_steps(1)
             taken += 1
         elif status is not Status.SOLVED:
             reason = task.kernel.failure(status, march.time(march.step), march.ledger)
-            raise NumericalError(reason + ("" if watch is None else watch.hint()))
-        steps, remaining = steps + taken, remaining - taken
+            raise StepError(reason + ("" if watch is None else watch.hint()))
+        remaining -= taken
         seconds = max(time.perf_counter() - started, 1e-6)
         size = max(1, min(_GROWTH * size, int(taken * _CHUNK_SECONDS / seconds)))
-    actual = task.interval / per_interval
-    found = None if watch is None else watch.conclude(ended_early=bool(task.watch.ended_by))
-    if found is not None and found.verdict == "diverged":
-        raise NumericalError(f"the integration diverged: {found.warning}")
-    return task.statistics(name, steps=steps, sizes=(actual, actual), accuracy=found)
+    task.sizes = (actual, actual)
+    found = None if watch is None else watch.verdict(ended_early=bool(task.watch.ended_by))
+    return task.statistics(name, accuracy=found)
 
 
 def _watch_of(task: Task, method: int, per_interval: int) -> AccuracyWatch:
     """Return a watch that sees the samples of a task before its sink does.
 
-    Of a continued run it judges what is new.
+    Of a continued run it sees what went before, too, where that is known.
     """
-    first = task.delivered
-    grid = Grid(method, task.time(first), task.interval, per_interval, task.n_intervals - first)
+    grid = Grid(method, task.start, task.interval, per_interval, task.n_intervals)
     judged = task.judged or Judged.usual(task.kernel.equations)
-    watch = AccuracyWatch(task.kernel, grid, judged)
+    watch = AccuracyWatch(task.kernel.equations, grid, judged)
+    watch.take_past(task.kernel, task.course)
     sink = task.sink
 
     def look(times: Vector, states: Vector, unknowns: Vector, outputs: Vector) -> None:
-        sound = watch.take(times, states, unknowns, outputs)
+        sound = watch.take(task.kernel, times, states, unknowns, outputs)
         if sound:
             sink(*[part[:sound] for part in (times, states, unknowns, outputs)])
-        if sound < len(times):
-            raise NumericalError(watch.divergence(float(times[sound]), states[sound]))
+        watch.refuse_divergence()
 
     task.sink = look
     return watch

@@ -18,8 +18,9 @@ Figures: TypeAlias = Callable[[Vector, Vector], Mapping[str, tuple[float, str]]]
 _MOST_NUMBERS = 2_000_000
 """Samples of channels that are kept for key figures."""
 
-_NOISE = 1e-3
-"""Figure below which errors do not count, as a part of the largest channel of its unit."""
+_NOISE, _NOISE_OF_LIKES = 1e-3, 1e-6
+"""Figure below which errors do not count, as a part of the largest judged channel of its unit, and
+of the largest channel of that unit at all."""
 
 
 @dataclass(frozen=True)
@@ -46,30 +47,31 @@ class Judged:
 
 @dataclass(frozen=True)
 class Sizes:
-    """What errors of figures are parts of: ranges of channels by name, largest values by unit."""
+    """What errors of figures are parts of: ranges of channels by name, least sizes by unit."""
 
     ranges: Mapping[str, float]
     units: Mapping[str, float]
+    """Smallest size that counts, by unit."""
 
     @staticmethod
     def of(equations: Equations, channels: list[int], found: Ranges) -> Sizes:
         """Return the sizes of some channels."""
         own = [equations.channels[k] for k in channels]
-        units: dict[str, float] = {}
+        units = {unit: _NOISE_OF_LIKES * found.likes[k] for unit, k in found.known.items()}
         for channel, size in zip(own, found.largest().tolist(), strict=True):
-            units[channel.unit] = max(units.get(channel.unit, 0.0), size)
+            units[channel.unit] = max(units[channel.unit], _NOISE * size)
         names = [channel.name for channel in own]
         return Sizes(dict(zip(names, found.scales().tolist(), strict=True)), units)
 
     def of_figure(self, name: str, value: float, unit: str) -> float:
         """Return the range of the channel that a figure is named after, else its own size.
 
-        Much smaller figures than the largest value of their unit are noise.
+        Much smaller figures than the largest values of their unit are noise.
         """
         known = self.ranges.get(name.rpartition(".")[0])
         if known is not None and np.isfinite(known):
             return known
-        return max(abs(value), _NOISE * self.units.get(unit, 0.0), 1e-6)
+        return max(abs(value), self.units.get(unit, 0.0), 1e-6)
 
 
 def figure_errors(

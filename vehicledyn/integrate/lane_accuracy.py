@@ -6,14 +6,17 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from vehicledyn.integrate.accuracy_watch import (
-    Accuracy,
-    bound_of,
-    most_bound,
+from vehicledyn.integrate.accuracy import Accuracy
+from vehicledyn.integrate.accuracy_watch import bound_of, most_bound
+from vehicledyn.integrate.accuracy_windows import (
+    SPENT,
+    STEPS,
+    Grid,
+    total_error,
+    two_ends_apart,
     window_count,
     window_places,
 )
-from vehicledyn.integrate.accuracy_windows import STEPS, Grid, total_error, two_ends_apart
 from vehicledyn.integrate.cases import Samples
 from vehicledyn.integrate.channel_ranges import Ranges
 from vehicledyn.integrate.judged_quantities import Judged
@@ -34,6 +37,7 @@ class LaneWatch:
     channels: list[int]
     columns: list[int]
     differences: list[Vector] = field(default_factory=list)
+    ends: list[Vector] = field(default_factory=list)
 
     def __post_init__(self) -> None:
         """Choose the windows."""
@@ -52,9 +56,11 @@ class LaneWatch:
         self._waiting.pop(0)
         one, other = (self._ends(platoon, divided) for divided in (1, 2))
         apart = [two_ends_apart(own, half) for own, half in zip(one, other, strict=True)]
+        nothing = np.full(len(self.kernel.equations.channels), np.nan)
         self.differences.append(
-            np.array([np.full(len(self.channels), np.nan) if a is None else a for a in apart])
+            np.array([(nothing if a is None else a)[self.channels] for a in apart])
         )
+        self.ends.append(np.array([nothing if end is None else end for end in one]))
 
     def _ends(self, platoon: Platoon, divided: int) -> list[Vector | None]:
         """Return the channels of each lane at the end of a window, None behind an event."""
@@ -65,13 +71,13 @@ class LaneWatch:
             self.grid.start + self.grid.interval * (platoon.step // self.grid.per_interval),
             STEPS * self.grid.step,
             count,
-            np.array(self.channels, dtype=np.intc),
+            np.arange(len(self.kernel.equations.channels), dtype=np.intc),
             platoon.constants,
             _copy(engine.room(len(platoon.state)), platoon.state),
             _copy(engine.room(len(platoon.unknowns)), platoon.unknowns),
         )
         window.fate.status[:] = Status.SOLVED
-        room = np.full((engine.lanes, 1, len(self.channels)), np.nan)
+        room = np.full((engine.lanes, 1, len(window.channels)), np.nan)
         window.advance(count, room)
         found: list[Vector | None] = []
         for lane in range(engine.lanes):
@@ -79,7 +85,7 @@ class LaneWatch:
             if status is Status.EVENT:
                 found.append(None)
             else:
-                failed = np.full(len(self.channels), np.inf)
+                failed = np.full(len(window.channels), np.inf)
                 found.append(room[lane, 0] if status is Status.SOLVED else failed)
         return found
 
@@ -92,6 +98,9 @@ class LaneWatch:
             return Accuracy("accurate", 0.0, "")
         ranges = Ranges.of(self.kernel.equations, self.channels)
         ranges.take(np.asarray(samples[:, self.columns], dtype=float))
+        kinds = ranges.kinds(self.kernel.equations)
+        for ends in self.ends:
+            ranges.take_likes(kinds, ends[lane])
         rows = np.array([row[lane] for row in self.differences])
         rows = rows[~np.isnan(rows).all(axis=1)]
         with np.errstate(all="ignore"):
@@ -101,7 +110,7 @@ class LaneWatch:
         if bound > most_bound(self.grid.method):
             return None
         name = self.kernel.equations.channels[self.channels[worst]].name
-        return Accuracy("accurate", bound, f"'{name}'", None, 3 * STEPS * len(rows))
+        return Accuracy("accurate", bound, f"'{name}'", None, SPENT * len(rows))
 
 
 def lane_watch(kernel: Kernel, grid: Grid, judged: Judged, columns: list[int]) -> LaneWatch:

@@ -35,6 +35,7 @@ def simulate(
     happened: Happened | None = None,
     judged: Judged | None = None,
     course: Course | None = None,
+    watched: bool = True,
 ) -> Statistics:
     """Integrate from ``start`` to ``stop`` and hand samples to a sink.
 
@@ -63,10 +64,11 @@ def simulate(
         the state after its reset.
     judged
         What the accuracy of a run with a fixed step is judged by; all channels if left out.
-
     course
         Notes what the run could be continued with. A continued run has the same start and stop;
         its state and unknowns are those at its beginning, and it delivers what follows.
+    watched
+        Whether the accuracy of a run with a fixed step is judged.
 
     Raises
     ------
@@ -74,6 +76,42 @@ def simulate(
         If the times make no sense, or the step of a method does not divide the interval.
     NumericalError
         If the integration cannot go on; all good samples have gone to the sink.
+    """
+    task = make_task(
+        kernel,
+        start=start,
+        stop=stop,
+        state=state,
+        unknowns=unknowns,
+        interval=interval,
+        sink=sink,
+        progress=progress,
+        happened=happened,
+        judged=judged,
+        course=course,
+        watched=watched,
+    )
+    return solver.integrate(task)
+
+
+def make_task(
+    kernel: Kernel,
+    *,
+    start: float,
+    stop: float,
+    state: Any,
+    unknowns: Any,
+    interval: float,
+    sink: Sink,
+    progress: Progress | None = None,
+    happened: Happened | None = None,
+    judged: Judged | None = None,
+    course: Course | None = None,
+    watched: bool = True,
+) -> Task:
+    """Return what :func:`simulate` integrates, which counts its steps as they are taken.
+
+    Parameters and errors are those of ``simulate``.
     """
     for name, value in (("start", start), ("stop", stop), ("interval", interval)):
         if not math.isfinite(value):
@@ -87,7 +125,7 @@ def simulate(
     # Solving what was solved would move the last digits.
     known = np.array(unknowns, dtype=float)
     consistent = known if is_continued else kernel.solve_unknowns(start, state, unknowns)
-    task = Task(
+    return Task(
         kernel=kernel,
         start=start,
         interval=interval,
@@ -99,8 +137,8 @@ def simulate(
         happened=happened or _tell_nobody,
         judged=judged,
         course=course,
+        watched=watched,
     )
-    return solver.integrate(task)
 
 
 def _silent(what: str, part: float | None) -> None:

@@ -9,13 +9,14 @@ from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
 
+from vehicledyn.base.errors import NumericalError
 from vehicledyn.integrate.course import Beginning, Course
 from vehicledyn.integrate.events import EventWatch, Point
 from vehicledyn.kernel.engine import Count, Figure, Ledger, Rows, Vector
 from vehicledyn.kernel.kernel import Kernel, Progress
 
 if TYPE_CHECKING:
-    from vehicledyn.integrate.accuracy_watch import Accuracy
+    from vehicledyn.integrate.accuracy import Accuracy
     from vehicledyn.integrate.judged_quantities import Judged
 
 Sink: TypeAlias = Callable[[Vector, Vector, Vector, Vector], None]
@@ -27,15 +28,19 @@ Happened: TypeAlias = Callable[[str, float], None]
 _MOST_NUMBERS = 1_000_000
 
 
+class StepError(NumericalError):
+    """A step of fixed size that cannot be taken, as its loops or its numbers fail."""
+
+
 @dataclass(frozen=True)
 class Statistics:
     """What an integration took.
 
-    ``evaluations`` of the rates, ``newton_iterations`` of all blocks together, step sizes [s]
-    where the method tells them, ``largest_residual`` of the blocks at the samples, in the
-    residual's unit. ``events`` is the number of events that happened, ``ended_by`` the
-    name of the terminal event that ended the run early. ``accuracy`` is what the watch of a method
-    with a fixed step found.
+    ``steps`` count also those that were taken once more, ``evaluations`` are those of the rates,
+    ``newton_iterations`` those of all blocks together. Step sizes [s] are there where the method
+    reports them, ``largest_residual`` is that of the blocks at the samples, in the residual's unit.
+    ``events`` is the number of events that happened, ``ended_by`` the name of the terminal event
+    that ended the run early. ``accuracy`` is what the watch of a method with a fixed step found.
     """
 
     method: str
@@ -55,13 +60,17 @@ class Statistics:
 
 def joined(parts: Sequence[Statistics]) -> Statistics:
     """Return the statistics of consecutive parts of one run together."""
-    from vehicledyn.integrate.accuracy_watch import worst_of
-
     sums = ("samples", "steps", "evaluations", "newton_iterations", "events", "wall_seconds")
     totals = {key: sum(getattr(part, key) for part in parts) for key in sums}
     largest = max(part.largest_residual for part in parts)
-    accuracy = worst_of([part.accuracy for part in parts])
-    return replace(parts[-1], **totals, largest_residual=largest, accuracy=accuracy)
+    known = [size for part in parts for size in (part.smallest_step, part.largest_step) if size]
+    return replace(
+        parts[-1],
+        **totals,
+        largest_residual=largest,
+        smallest_step=min(known, default=None),
+        largest_step=max(known, default=None),
+    )
 
 
 @dataclass
@@ -70,7 +79,8 @@ class Task:
 
     Sample number k is taken at ``start + k * interval``; ``state`` and ``unknowns`` are those
     of sample 0, consistent, or of the beginning of a continued run. ``judged`` is what the accuracy
-    is judged by, all channels where it is None.
+    is judged by, all channels where it is None; ``watched`` whether it is judged at all. ``steps``
+    are those taken so far, and ``sizes`` the least and the largest of them [s].
     """
 
     kernel: Kernel
@@ -84,7 +94,10 @@ class Task:
     happened: Happened
     judged: Judged | None = None
     course: Course | None = None
+    watched: bool = True
     delivered: int = 0
+    steps: int = 0
+    sizes: tuple[float, float] | None = None
     ledger: Ledger = field(default_factory=Ledger)
     started: float = field(default_factory=time.perf_counter)
     watch: EventWatch = field(init=False)
@@ -154,26 +167,26 @@ class Task:
         part = self.delivered / (self.n_intervals + 1)
         self.progress("simulating", 1.0 if self.watch.ended_by else part)
 
-    def statistics(
-        self,
-        method: str,
-        *,
-        steps: int,
-        sizes: tuple[float, float] | None = None,
-        accuracy: Accuracy | None = None,
-    ) -> Statistics:
-        """Return the statistics, from the ledger and what the method adds."""
+    def count_steps(self, count: int, size: float | None = None) -> None:
+        """Count further steps, all of one size [s] where it is given."""
+        self.steps += count
+        if size is not None:
+            low, high = self.sizes or (size, size)
+            self.sizes = (min(low, size), max(high, size))
+
+    def statistics(self, method: str, *, accuracy: Accuracy | None = None) -> Statistics:
+        """Return the statistics up to now, of an integration that ended or was broken off."""
         return Statistics(
             method=method,
             backend=self.kernel.description,
             samples=self.delivered,
-            steps=steps,
+            steps=self.steps,
             evaluations=int(self.ledger.counts[Count.EVALUATIONS]),
             newton_iterations=int(self.ledger.counts[Count.ITERATIONS]),
             largest_residual=float(self.ledger.figures[Figure.LARGEST_RESIDUAL]),
             wall_seconds=time.perf_counter() - self.started,
-            smallest_step=sizes[0] if sizes else None,
-            largest_step=sizes[1] if sizes else None,
+            smallest_step=self.sizes[0] if self.sizes else None,
+            largest_step=self.sizes[1] if self.sizes else None,
             events=self.watch.count,
             ended_by=self.watch.ended_by or None,
             accuracy=accuracy,

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from vehicledyn.base.errors import InputError, VehicledynError
 from vehicledyn.base.version import FOLDER, VERSION
-from vehicledyn.integrate.accuracy_watch import Accuracy
+from vehicledyn.integrate.accuracy import Accuracy
 from vehicledyn.integrate.batch import Cases, Samples, run_batch
 from vehicledyn.kernel.kernel import Backend
 from vehicledyn.results.store.study_layout import ACCURACY, DONE, ENDED, StudyBlock, StudyFigure

@@ -106,6 +106,29 @@ def test_a_run_in_two_pieces_is_that_in_one(tmp_path, text):
             assert len(result.events) > 3
 
 
+@pytest.mark.parametrize("text", [PLAIN, LOOPED, BOUNCING])
+def test_a_continued_run_is_judged_as_a_whole(tmp_path, text):
+    """The watch of the second piece sees the samples of the first one too."""
+    run(tmp_path, text, "whole.h5")
+    run(tmp_path, text, "first.h5", "duration=0.4 s")
+    run(tmp_path, text, "second.h5", restart="first.h5")
+    with open_result(tmp_path / "whole.h5") as one, open_result(tmp_path / "second.h5") as two:
+        for name in ("accuracy", "estimated_error", "least_accurate", "accuracy_steps"):
+            assert one.solver[name] == two.solver[name], name
+
+
+def test_what_a_coarser_step_began_stays_inaccurate(tmp_path):
+    coarse = ("solver.kind=symplectic_euler", "solver.step=100 ms", "output.interval=100 ms")
+    first = run(tmp_path, PLAIN, "first.h5", "duration=1 s", *coarse)
+    assert any("the step is too long" in text for text in first.messages)
+    fine = ("solver.step=1 ms", "output.interval=100 ms")
+    outcome = run(tmp_path, PLAIN, "second.h5", *fine, restart="first.h5")
+    (note,) = [text for text in outcome.messages if text.startswith("went on from t = 1 s")]
+    assert note.endswith("judged from there on, before it is inaccurate by that result")
+    with open_result(tmp_path / "second.h5") as result:
+        assert result.solver["accuracy"] == "inaccurate"
+
+
 def test_an_adaptive_run_goes_on_to_the_accuracy_of_its_method(tmp_path):
     run(tmp_path, ADAPTIVE, "whole.h5")
     run(tmp_path, ADAPTIVE, "first.h5", "duration=0.4 s")

@@ -7,7 +7,9 @@ import pytest
 from solve_examples import build, decay, oscillator, symbols
 
 from vehicledyn.base.errors import NumericalError
-from vehicledyn.integrate.accuracy_watch import Accuracy, AccuracyWatch, window_places, worst_of
+from vehicledyn.integrate.accuracy import Accuracy, worst_of
+from vehicledyn.integrate.accuracy_watch import AccuracyWatch
+from vehicledyn.integrate.accuracy_windows import window_places
 from vehicledyn.integrate.batch import Cases, make_batch, run_batch
 from vehicledyn.integrate.judged_quantities import Judged
 from vehicledyn.integrate.methods.rk4 import RungeKutta4
@@ -204,11 +206,12 @@ def test_places_do_not_depend_on_chunks():
     rows = np.random.default_rng(1).normal(size=(101, 5))
     found = []
     for sizes in ([101], [1, 7, 50, 43], [1] * 101):
-        watch = AccuracyWatch(kernel, grid, Judged.usual(equations))
+        watch = AccuracyWatch(equations, grid, Judged.usual(equations))
         begin = 0
         for size in sizes:
             part = rows[begin : begin + size]
-            watch.take(0.1 * np.arange(begin, begin + size), part[:, :2], part[:, :0], part[:, 2:])
+            times = 0.1 * np.arange(begin, begin + size)
+            watch.take(kernel, times, part[:, :2], part[:, :0], part[:, 2:])
             begin += size
         found.append(([p.index for p in watch.places], [p.index for p in watch.latest]))
     assert found[0] == found[1] == found[2]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from vehicledyn.analyses.preparation.prepared import Prepared
 from vehicledyn.base.errors import InputError
 from vehicledyn.files.scenario import LoadedScenario
+from vehicledyn.integrate.accuracy import Accuracy, worst_of
 from vehicledyn.integrate.course import Beginning
 from vehicledyn.results.hdf5.output import is_being_written
 from vehicledyn.results.store.layout import EventRecord
@@ -29,7 +30,11 @@ SINGULAR_ANGLES = "singular_angles"
 
 @dataclass(frozen=True)
 class Restart:
-    """A result to go on from: its first ``samples`` samples, and what follows from them."""
+    """A result to go on from: its first ``samples`` samples, and what follows from them.
+
+    ``verdict`` is what it says of the accuracy of those samples where another method or step made
+    them, which the watch of what follows cannot judge; None where it says nothing or need not.
+    """
 
     result: Result
     samples: int
@@ -38,6 +43,18 @@ class Restart:
     unknowns: Matrix
     events: tuple[EventRecord, ...]
     remark: str
+    same_method: bool
+    verdict: Accuracy | None
+
+    def beginning_for(self, prepared: Prepared, kept: Sequence[int]) -> Beginning:
+        """Return where the run begins, with the samples before if the same method made them."""
+        if not self.same_method:
+            return self.beginning
+        return replace(self.beginning, past=lambda: self.blocks(prepared, kept))
+
+    def accuracy(self, found: Accuracy | None) -> Accuracy | None:
+        """Return the accuracy of the whole from that found of what follows."""
+        return worst_of([self.verdict, found])
 
     def blocks(self, prepared: Prepared, kept: Sequence[int]) -> Iterator[tuple[Matrix, ...]]:
         """Yield times, states, unknowns and outputs of the samples, shape (n,) and (n, ...).
@@ -103,6 +120,10 @@ def _restart(result: Result, loaded: LoadedScenario, prepared: Prepared) -> Rest
     remark = f"went on from t = {time:.9g} s of {result.path}"
     if history is None:
         remark += "; equal to a run in one piece to the accuracy of the method"
+    verdict = None if same_solver else _verdict_of(result)
+    if not same_solver:
+        said = "not known" if verdict is None else verdict.verdict
+        remark += f"; accuracy is judged from there on, before it is {said} by that result"
     return Restart(
         result,
         samples,
@@ -115,6 +136,22 @@ def _restart(result: Result, loaded: LoadedScenario, prepared: Prepared) -> Rest
             if event.time <= time and event.name.rpartition(".")[2] != SINGULAR_ANGLES
         ),
         remark,
+        same_solver,
+        verdict,
+    )
+
+
+def _verdict_of(result: Result) -> Accuracy | None:
+    """Return what a result says of its accuracy, None if nothing."""
+    known = result.solver
+    if "accuracy" not in known:
+        return None
+    step = known.get("recommended_step")
+    return Accuracy(
+        str(known["accuracy"]),
+        float(known["estimated_error"]),
+        f"'{known['least_accurate']}'",
+        None if step is None else float(step),
     )
 
 

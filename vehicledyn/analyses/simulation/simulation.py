@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 from collections.abc import Iterator
 from contextlib import closing, contextmanager
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field, fields, replace
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -236,9 +236,11 @@ class _Run:
                     judged=judged_by(self.prepared.subject, self.prepared.equations),
                     course=Course(
                         lambda t, numbers: writer.note(History(t, numbers)),
-                        None if known is None else known.beginning,
+                        None if known is None else known.beginning_for(self.prepared, self.kept),
                     ),
                 )
+                if known is not None:
+                    statistics = replace(statistics, accuracy=known.accuracy(statistics.accuracy))
                 self._warn(statistics)
             except NumericalError as error:
                 self.status, self.exit_code = "failed", EXIT_FAILED

@@ -16,7 +16,8 @@ from numpy.typing import NDArray
 
 from vehicledyn.base.errors import NumericalError
 from vehicledyn.integrate.dop853 import Start, Tolerances, Trial, first_size, next_size, try_step
-from vehicledyn.kernel.engine import Ledger
+from vehicledyn.integrate.task import Statistics
+from vehicledyn.kernel.engine import Count, Ledger
 from vehicledyn.kernel.kernel import Kernel
 
 Vector = NDArray[np.float64]
@@ -132,6 +133,20 @@ class Passage:
         state = np.ascontiguousarray(y[: self._n])
         unknowns = self._solve(time, y)
         return Sample(time, state, unknowns, self._kernel.outputs(time, state, unknowns))
+
+    def statistics(self) -> Statistics:
+        """Return what the passage has taken up to now."""
+        counts = self._ledger.counts
+        return Statistics(
+            method="dop853",
+            backend=self._kernel.description,
+            samples=0,
+            steps=len(self._steps),
+            evaluations=int(counts[Count.EVALUATIONS]),
+            newton_iterations=int(counts[Count.ITERATIONS]),
+            largest_residual=0.0,
+            wall_seconds=0.0,
+        )
 
     def _jump(self, size: float) -> bool:
         """Take one step of exactly this size; return whether its error is small enough."""

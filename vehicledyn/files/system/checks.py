@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Iterator
 from typing import Any
 
@@ -22,6 +23,10 @@ from vehicledyn.files.system.walk import Found, Reference, walk
 from vehicledyn.multibody.model.ground import GROUND
 
 Problems = Iterator[tuple[Place, str]]
+_COARSEST = 2.0**-27
+"""Largest distance between neighbouring numbers at a start, in SI units: about a hundredth of a
+micrometre, and a hundred times the finest tolerance that makes sense."""
+_LARGEST_START = 2.0**26
 _PARTS = tuple(name for name in Sections.model_fields if name not in ("bodies", "initial"))
 
 
@@ -215,6 +220,19 @@ def _bounds(item: Found, known: _Known) -> Problems:
         yield item.place, f"must be greater than {item.above:g} {item.unit}, is {value:g}"
     if item.least is not None and not value >= item.least:
         yield item.place, f"must be at least {item.least:g} {item.unit}, is {value:g}"
+    if item.place[0] == "initial" or item.place[-1] in ("start", "start_rate"):
+        yield from _vague_start(item, float(value))
+
+
+def _vague_start(item: Found, value: float) -> Problems:
+    """Yield that numbers so large are too far apart to say where a motion starts."""
+    apart = math.ulp(value)
+    if apart > _COARSEST:
+        yield (
+            item.place,
+            f"{value:g} {item.unit} is too large to start from: neighbouring numbers of that size "
+            f"are {apart:.2g} {item.unit} apart; stay below {_LARGEST_START:.2g} {item.unit}",
+        )
 
 
 def _initial(file: SystemFile, known: _Known) -> Problems:

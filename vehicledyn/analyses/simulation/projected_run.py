@@ -8,34 +8,32 @@ positive for any small change but one through a singular configuration.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from itertools import pairwise
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from vehicledyn.analyses.simulation.rederived import values_of
+from vehicledyn.analyses.simulation.run_plan import Point, RunPlan
+from vehicledyn.analyses.simulation.singularity_crossing import Sample
 from vehicledyn.base.errors import NumericalError
-from vehicledyn.integrate.judged_quantities import Judged
-from vehicledyn.integrate.simulate import Solver, simulate
-from vehicledyn.integrate.task import Happened, Sink, Statistics, joined
-from vehicledyn.kernel.kernel import Kernel, Progress
+from vehicledyn.integrate.accuracy_watch import DivergenceError
+from vehicledyn.integrate.task import Statistics, joined
+from vehicledyn.kernel.kernel import Kernel
 
 if TYPE_CHECKING:
     from vehicledyn.multibody.loops.partition_monitor import PartitionWatch
 
 Vector = NDArray[np.float64]
 
-_Sample: TypeAlias = tuple[float, Vector, Vector, Vector]
-"""Time, states, unknowns and outputs."""
-
 _LOOKS = 16
 """Looks at a motion in a piece of it."""
-_STEPS, _SPAN = 20, 0.02
-"""Steps of a fixed size between looks, and the time between them where steps vary [s]."""
+_STEPS = 20
+"""Steps of a fixed size between looks."""
 _DEPENDENT = 1e-10
 """Squared sine of the angle between a constraint and others below which it depends on them [1]."""
 _SHARE = 0.3
@@ -48,20 +46,13 @@ class ProjectedRun:
     """A run of equations with multipliers, from one sample on to the end."""
 
     kernel: Kernel
-    solver: Solver
-    start: float
-    stop: float
-    interval: float
-    sink: Sink
-    progress: Progress
-    happened: Happened
+    plan: RunPlan
     make_watch: Callable[[], PartitionWatch]
-    judged: Judged | None = None
-    _delivered: int = 0
-    _parts: list[Statistics] = field(default_factory=list)
-    _last: _Sample | None = None
-    _jacobian: Vector | None = None
-    _is_first: bool = True
+    _delivered: int = field(default=0, init=False)
+    _parts: list[Statistics] = field(default_factory=list, init=False)
+    _last: Sample | None = field(default=None, init=False)
+    _jacobian: Vector | None = field(default=None, init=False)
+    _is_first: bool = field(default=True, init=False)
 
     @cached_property
     def _watch(self) -> PartitionWatch:
@@ -75,52 +66,41 @@ class ProjectedRun:
         NumericalError
             If the integration cannot go on; constraints that become dependent are named.
         """
-        whole = math.floor((self.stop - self.start) / self.interval * (1.0 + 1e-12) + 1e-9)
-        first, count = 0, whole * self._every
+        first, count = 0, self.plan.n_looks
         self._is_first = not skip
         while True:
             last = min(count, first + _LOOKS)
             found = self._piece(first, last, state, unknowns)
-            self._parts.append(found)
             if found.ended_by or last >= count:
                 return replace(joined(self._parts), samples=self._delivered)
             first = last
             state, unknowns = self._projected()
 
-    @cached_property
-    def _every(self) -> int:
-        """Number of looks in a sampling interval."""
-        return looks_between(self.solver, self.interval)
-
     def _piece(self, first: int, last: int, state: Vector, unknowns: Vector) -> Statistics:
-        look = self.interval / self._every
-        begin = self.start + first * look
+        plan = self.plan
+        begin = plan.time(first)
 
         def take(times: Vector, x: Vector, z: Vector, y: Vector) -> None:
-            numbers = (times - self.start) / look
-            nearest = np.round(numbers)
-            wanted = (np.abs(numbers - nearest) > 1e-6) | (nearest % self._every == 0)
-            wanted &= (nearest != first) | self._is_first
+            wanted = plan.is_wanted(times)
+            if not self._is_first:
+                wanted &= times > begin + 0.5 * plan.interval
             for k in range(len(times)):
                 self._look(times[k], x[k], z[k], y[k])
             self._delivered += int(wanted.sum())
             if wanted.any():
-                self.sink(times[wanted], x[wanted], z[wanted], y[wanted])
+                plan.sink(self.kernel, times[wanted], x[wanted], z[wanted], y[wanted])
 
         try:
-            return simulate(
+            return plan.integrate(
                 self.kernel,
-                self.solver,
-                start=begin,
-                stop=begin + (last - first) * look,
-                state=state,
-                unknowns=unknowns,
-                interval=look,
+                Point(begin, state, unknowns),
+                plan.time(last),
                 sink=take,
+                parts=self._parts,
                 progress=self._tell,
-                happened=self.happened,
-                judged=self.judged,
             )
+        except DivergenceError:
+            raise
         except NumericalError as error:
             weak = self._weak()
             raise NumericalError(f"{error}; {weak}" if weak else str(error)) from None
@@ -128,13 +108,11 @@ class ProjectedRun:
             self._is_first = False
 
     def _tell(self, what: str, part: float | None) -> None:
-        if part is not None and self._last is not None and self.stop > self.start:
-            part = (self._last[0] - self.start) / (self.stop - self.start)
-        self.progress(what, part)
+        self.plan.report(what, part, None if self._last is None else self._last.time)
 
     def _look(self, time: float, state: Vector, unknowns: Vector, outputs: Vector) -> None:
         """Keep a sample; raise NumericalError if the constraints lost their rank before it."""
-        sample = float(time), state.copy(), unknowns.copy(), outputs.copy()
+        sample = Sample(float(time), state.copy(), unknowns.copy(), outputs.copy())
         start, before, now = self._last, self._jacobian, self._scaled_jacobian(sample)
         self._last, self._jacobian = sample, now
         if start is None or before is None or not len(now) or _is_positive(now, before):
@@ -146,45 +124,31 @@ class ProjectedRun:
                 "partitioning', which passes singular configurations"
             )
 
-    def _is_crossed(self, start: _Sample, before: Vector, stop: float) -> bool:
+    def _is_crossed(self, start: Sample, before: Vector, stop: float) -> bool:
         """Return whether the rank is lost between two looks, which may be far apart: look closer.
 
         Short rods may turn by more than a right angle between looks, which is no loss of rank.
         """
-        time, state, unknowns, outputs = start
-        if stop - time < 1e-12:
+        if stop - start.time < 1e-12:
             return False
-        step = getattr(self.solver, "step", None)
-        count = _STEPS if step is None else max(1, round((stop - time) / step))
+        step = self.plan.step
+        count = _STEPS if step is None else max(1, round((stop - start.time) / step))
+        state = projected(self.kernel, start.state, start.outputs)
         jacobians = [before]
 
         def take(times: Vector, x: Vector, z: Vector, y: Vector) -> None:
-            for k in range(len(times)):
-                sample = float(times[k]), x[k], z[k], y[k]
-                jacobians.append(self._scaled_jacobian(sample))
+            rows = zip(times, x, z, y, strict=True)
+            jacobians.extend(self._scaled_jacobian(Sample(*row)) for row in rows)
 
-        simulate(
-            self.kernel,
-            self.solver,
-            start=time,
-            stop=stop,
-            state=projected(self.kernel, state, outputs),
-            unknowns=unknowns,
-            interval=(stop - time) / count,
-            sink=take,
-            progress=lambda what, part: None,
-            happened=lambda name, time: None,
-        )
+        begin = Point(start.time, state, start.unknowns)
+        self.plan.follow(self.kernel, begin, stop, count=count, parts=self._parts, sink=take)
         return not all(_is_positive(b, a) for a, b in pairwise(jacobians))
 
-    def _scaled_jacobian(self, sample: _Sample | None) -> Vector:
+    def _scaled_jacobian(self, sample: Sample | None) -> Vector:
         """Return the Jacobian of the kept rows at a sample, its rows of length one."""
         if sample is None:
             return np.zeros((0, 0))
-        time, _, _, outputs = sample
-        names = (c.name for c in self.kernel.equations.channels)
-        values = dict(zip(names, map(float, outputs), strict=True))
-        rows = self._watch.independent_rows(time, values)
+        rows = self._watch.independent_rows(sample.time, values_of(self.kernel, sample))
         lengths = np.linalg.norm(rows, axis=1, keepdims=True)
         return np.asarray(rows / np.where(lengths > 0.0, lengths, 1.0))
 
@@ -206,8 +170,8 @@ class ProjectedRun:
         """Return the last sample with its states on the constraints."""
         if self._last is None:
             raise ValueError("no sample has been taken yet")
-        _, state, unknowns, outputs = self._last
-        return projected(self.kernel, state, outputs), unknowns
+        state = projected(self.kernel, self._last.state, self._last.outputs)
+        return state, self._last.unknowns
 
 
 def projected(kernel: Kernel, state: Vector, outputs: Vector) -> Vector:
@@ -220,13 +184,9 @@ def projected(kernel: Kernel, state: Vector, outputs: Vector) -> Vector:
     return found
 
 
-def looks_between(solver: Any, interval: float) -> int:
-    """Return how many looks there are in a sampling interval, a divisor of its steps."""
-    step = getattr(solver, "step", None)
-    if step is None:
-        return max(1, math.ceil(interval / _SPAN))
-    count = max(1, round(interval / step))
-    return next(k for k in range(max(1, count // _STEPS), 0, -1) if count % k == 0)
+def projected_plan(plan: RunPlan) -> RunPlan:
+    """Return a plan with looks between its samples that are close enough for the rank."""
+    return plan.looked_at(steps=_STEPS)
 
 
 def _is_positive(now: Vector, before: Vector) -> bool:

@@ -1,0 +1,222 @@
+"""Choose the dependent coordinates of a running system anew, where others do clearly better."""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Callable, Sequence
+from contextlib import suppress
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vehicledyn.analyses.simulation.rederived import derived_at, state_in, values_of
+from vehicledyn.analyses.simulation.run_plan import Point, RunPlan
+from vehicledyn.analyses.simulation.singularity_crossing import Sample
+from vehicledyn.analyses.simulation.singularity_monitor import (
+    FINE_LEVERAGE,
+    LEVERAGE,
+    Degrading,
+    PivotLog,
+)
+from vehicledyn.base.errors import NumericalError
+from vehicledyn.integrate.task import Statistics
+from vehicledyn.kernel.kernel import Kernel
+from vehicledyn.multibody.model.system import MOST_ENTANGLED, System
+from vehicledyn.symbolic.equations import Equations
+
+if TYPE_CHECKING:
+    from vehicledyn.multibody.loops.partition_monitor import Comparison, PartitionWatch
+
+Vector = NDArray[np.float64]
+
+_GAIN = 0.5
+"""A new partition must bring the leverage down to this part."""
+_INACCURATE = 10.0 * FINE_LEVERAGE
+"""Leverage behind which steps of a fixed size are inaccurate, if other coordinates do better."""
+_WELL_REGULAR = 0.02
+"""Least singular value of scaled constraints that is far from a singular position [1]."""
+_log = logging.getLogger(__name__)
+
+
+class Place(NamedTuple):
+    """Where a run goes on: number of the look, states and unknowns."""
+
+    look: int
+    state: Vector
+    unknowns: Vector
+
+
+@dataclass
+class PartitionChanges:
+    """Compares partitions along a run and changes its kernel.
+
+    ``first`` are the equations that the run began with, ``known`` the kernels of other partitions
+    derived so far, ``parts`` what the steps taken once more are counted in.
+    """
+
+    system: System
+    kernel: Kernel
+    first: Equations
+    plan: RunPlan
+    make_watch: Callable[[], PartitionWatch]
+    known: dict[tuple[str, ...], Kernel]
+    parts: list[Statistics]
+    changed_at: float = -np.inf
+    log: PivotLog = field(init=False)
+
+    @cached_property
+    def watch(self) -> PartitionWatch:
+        """What compares the partitions of the system."""
+        return self.make_watch()
+
+    @cached_property
+    def leverage(self) -> float:
+        """Leverage that a partition is kept with."""
+        return LEVERAGE if self.plan.step is None else FINE_LEVERAGE
+
+    @property
+    def prefers_multipliers(self) -> bool:
+        """Whether a bad partition is left for multipliers, as many constraints are coupled."""
+        return (
+            self.system.constraint_method == "auto" and self.watch.most_entangled > MOST_ENTANGLED
+        )
+
+    @property
+    def _dependent(self) -> list[str]:
+        structure = self.kernel.equations.structure
+        return [*structure["dependent"], *structure["rate_dependent"]]
+
+    def pivots(self, samples: Sequence[Sample]) -> Vector:
+        """Return the determinants of the loops, and of the rates where they have their own."""
+        parts = [[getattr(s, name) for s in samples] for name in ("time", "state", "unknowns")]
+        values = self.kernel.pivots(*parts)
+        if not self.kernel.equations.structure["rate_dependent"]:
+            return values
+        rates = [
+            self.watch.pivot(s.time, values_of(self.kernel, s), self._dependent) for s in samples
+        ]
+        return np.column_stack([values, rates])
+
+    def better_at_look(self, sample: Sample, limit: float) -> Comparison | None:
+        """Return the same at a look, but none at a terminal event, behind which nothing follows."""
+        return self.better(sample, limit) if self.plan.is_look(sample.time) else None
+
+    def better(self, sample: Sample, limit: float) -> Comparison | None:
+        """Return the comparison with the best partition if that is clearly better.
+
+        It is looked for only where the leverage is above the limit.
+        """
+        values = values_of(self.kernel, sample)
+        leverage = self.watch.leverage(sample.time, values, self._dependent)
+        if leverage <= limit:
+            return None
+        # Near a singular position all partitions are bad; there only a much better one helps.
+        is_mild = 0.0 < limit < leverage <= LEVERAGE
+        if is_mild and not self.watch.is_regular(sample.time, values, _WELL_REGULAR):
+            return None
+        found = self.watch.compare(sample.time, values, self._dependent)
+        return found if found.best_leverage < _GAIN * leverage else None
+
+    def change_for(self, degrading: Degrading) -> Place:
+        """Change the partition at the first step at which another is clearly better.
+
+        The steps since the look before are taken once more, as the last of them are inaccurate.
+        """
+        sample = degrading.sample
+        earlier = self.first_better(degrading.before, sample.time)
+        if earlier is not None:
+            return self.change_between(*earlier)
+        self._refuse_late(sample, degrading.comparison)
+        self.log.accept(sample)
+        return self.change(sample, degrading.comparison)
+
+    def first_better(self, before: Sample | None, stop: float) -> tuple[Sample, Comparison] | None:
+        """Return the first step between two looks at which other coordinates do clearly better."""
+        step = self.plan.step
+        if before is None or step is None:
+            return None
+        rows: list[Sample] = []
+        count = max(1, round((stop - before.time) / step))
+        with suppress(NumericalError):
+            self._follow(before, stop, count, rows)
+        for near in rows[1:count]:
+            found = self.better(near, self.leverage)
+            if found is not None and near.time > self.changed_at:
+                self._refuse_late(near, found)
+                return near, found
+        return None
+
+    def change_between(self, near: Sample, found: Comparison) -> Place:
+        """Change the partition at a step between two looks; go on at the second."""
+        look, here = self.changed(near, found)
+        rows: list[Sample] = []
+        self._follow(here, self.plan.time(look), 1, rows)
+        self.log.restart(here, rows[-1:])
+        return Place(look, rows[-1].state, rows[-1].unknowns)
+
+    def changed(self, near: Sample, found: Comparison) -> tuple[int, Sample]:
+        """Change the partition at a sample; return it in the new one, and the look behind it."""
+        look, state, unknowns = self.change(near, found)
+        outputs = self.kernel.outputs(near.time, state, unknowns)
+        return look, Sample(near.time, state, unknowns, outputs)
+
+    def change(self, sample: Sample, found: Comparison) -> Place:
+        """Derive the equations anew at a sample; return where the run goes on.
+
+        Raises
+        ------
+        NumericalError
+            If the partition has been changed there already.
+        """
+        if sample.time <= self.changed_at:
+            raise lasts_no_longer(sample, found)
+        self.changed_at = sample.time
+        if found.best not in self.known:
+            self.plan.progress("deriving the equations with other dependent coordinates", None)
+            self.known[found.best] = derived_at(
+                self.system, self.kernel, sample, first=self.first, method="partitioning"
+            )
+        new = self.known[found.best].with_parameters(self.kernel.parameters)
+        state, guess = state_in(new, self.kernel, sample)
+        unknowns = new.solve_unknowns(sample.time, state, guess)
+        outputs = new.outputs(sample.time, state, unknowns)
+        self.kernel = new
+        self.log.change(Sample(sample.time, state, unknowns, outputs))
+        _log.info("t = %.6g s: '%s' is no longer dependent", sample.time, found.worst)
+        self.plan.happened("partition.changed", sample.time)
+        return Place(self.plan.index(sample.time), state, unknowns)
+
+    def _refuse_late(self, sample: Sample, found: Comparison) -> None:
+        """Raise NumericalError where a step of fixed size has come too near to a bad partition."""
+        step = self.plan.step
+        if step is not None and found.leverage > _INACCURATE:
+            raise NumericalError(
+                f"the partition degrades within a step of {step:.3g} s at t = {sample.time:.9g} s: "
+                f"'{found.worst}' moves {found.leverage:.0f} times as fast as the coordinates that "
+                "determine it, and steps before are inaccurate; take a smaller step or "
+                "'constraint_method: multipliers'"
+            )
+
+    def _follow(self, begin: Sample, stop: float, count: int, rows: list[Sample]) -> None:
+        """Integrate from a sample with nothing watched, and keep the samples."""
+        self.plan.follow(
+            self.kernel,
+            Point(begin.time, begin.state, begin.unknowns),
+            stop,
+            count=count,
+            parts=self.parts,
+            sink=lambda *parts: rows.extend(
+                Sample(float(time), *map(np.array, row)) for time, *row in zip(*parts, strict=True)
+            ),
+        )
+
+
+def lasts_no_longer(sample: Sample, found: Comparison) -> NumericalError:
+    """Return the error of a motion for which no partition is good enough."""
+    return NumericalError(
+        f"no partition of the coordinates lasts at t = {sample.time:.9g} s; "
+        f"'{found.worst}' is not determined"
+    )

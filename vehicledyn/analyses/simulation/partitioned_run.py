@@ -1,0 +1,224 @@
+"""A run with dependent coordinates, in pieces: from one change of partition or passage to the next.
+
+The determinants of the loops' blocks show at the samples how well the dependent coordinates are
+determined. Where one goes to zero there are two cases. If other coordinates would do better, the
+run stops at a sample, derives the equations again with the present configuration as the start,
+and goes on from the same state. If none would, the configuration itself is singular, and the
+run passes it in one step, see :mod:`vehicledyn.analyses.simulation.singularity_crossing`.
+"""
+
+from __future__ import annotations
+
+import logging
+import time
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vehicledyn.analyses.simulation.partition_changes import (
+    PartitionChanges,
+    Place,
+    lasts_no_longer,
+)
+from vehicledyn.analyses.simulation.projected_run import ProjectedRun, projected_plan
+from vehicledyn.analyses.simulation.rederived import derived_at, state_in, values_of
+from vehicledyn.analyses.simulation.run_plan import Point, RunPlan
+from vehicledyn.analyses.simulation.singularity_crossing import Sample
+from vehicledyn.analyses.simulation.singularity_monitor import (
+    WIDE_ZONE,
+    ZONE,
+    Crossing,
+    Degrading,
+    PivotLog,
+)
+from vehicledyn.analyses.simulation.singularity_passing import SingularityPassing
+from vehicledyn.base.errors import InputError, NumericalError
+from vehicledyn.integrate.accuracy_watch import DivergenceError
+from vehicledyn.integrate.course import Course
+from vehicledyn.integrate.task import Statistics, joined
+from vehicledyn.kernel.kernel import Kernel
+from vehicledyn.multibody.model.system import System
+from vehicledyn.symbolic.equations import Equations
+
+if TYPE_CHECKING:
+    from vehicledyn.multibody.loops.partition_monitor import PartitionWatch
+
+Vector = NDArray[np.float64]
+
+_FIRST_SEGMENT = 32
+_log = logging.getLogger(__name__)
+
+
+@dataclass
+class PartitionedRun:
+    """A run of a system with loops; ``first`` are the equations that it began with.
+
+    ``known`` holds the kernels of other partitions that have been derived.
+    """
+
+    system: System
+    kernel: Kernel
+    first: Equations
+    plan: RunPlan
+    make_watch: Callable[[], PartitionWatch]
+    known: dict[tuple[str, ...], Kernel]
+    course: Course | None = None
+    _parts: list[Statistics] = field(default_factory=list, init=False)
+    _segment: int | None = field(default=None, init=False)
+    _delivered: int = field(default=0, init=False)
+
+    def __post_init__(self) -> None:
+        """Prepare to watch the partition and to change it."""
+        self._changes = PartitionChanges(
+            self.system,
+            self.kernel,
+            self.first,
+            self.plan,
+            self.make_watch,
+            self.known,
+            self._parts,
+        )
+        self._passing = SingularityPassing(self._changes)
+        is_adaptive = getattr(self.plan.solver, "relative_tolerance", None) is not None
+        self._log = self._changes.log = PivotLog(
+            self._changes.pivots,
+            self._forward,
+            self._changes.better_at_look,
+            zone=WIDE_ZONE if is_adaptive else ZONE,
+            leverage=self._changes.leverage,
+        )
+        self._started = time.perf_counter()
+
+    def go(self, state: Vector, unknowns: Vector) -> Statistics:
+        """Run to the end; whatever stops it, the samples found are handed on.
+
+        Raises
+        ------
+        NumericalError
+            If the integration cannot go on.
+        """
+        try:
+            self._go(Place(0, state, unknowns))
+        except Degrading as degrading:
+            error = lasts_no_longer(degrading.sample, degrading.comparison)
+            self._go_on_with_multipliers(degrading.sample, error)
+        except DivergenceError:
+            raise
+        except NumericalError as error:
+            self._go_on_with_multipliers(self._log.back_to_sound(), error)
+        finally:
+            self._log.release()
+        seconds = time.perf_counter() - self._started
+        return replace(joined(self._parts), samples=self._delivered, wall_seconds=seconds)
+
+    def _go(self, place: Place) -> None:
+        resumed, plan = False, self.plan
+        while True:
+            last = None if self._segment is None else place.look + self._segment
+            self._log.begin(skip=resumed)
+            try:
+                found = self._piece(place, last)
+            except Crossing as crossing:
+                place = self._pass(crossing)
+            except Degrading as degrading:
+                if self._changes.prefers_multipliers:
+                    raise
+                place = self._changes.change_for(degrading)
+            except DivergenceError:
+                raise
+            except NumericalError as error:
+                place = self._rescue(error)
+            else:
+                end = self._log.latest
+                if found.ended_by or last is None or last >= plan.n_looks:
+                    self._log.release()
+                    return
+                place = Place(last, end.state, end.unknowns)
+                self._segment = 2 * (self._segment or _FIRST_SEGMENT)
+            resumed = True
+
+    def _piece(self, place: Place, last: int | None) -> Statistics:
+        plan = self.plan
+        return plan.integrate(
+            self._changes.kernel,
+            Point(plan.time(place.look), place.state, place.unknowns),
+            plan.time(plan.n_looks if last is None else min(plan.n_looks, last)),
+            sink=self._log.take,
+            parts=self._parts,
+            progress=lambda what, part: plan.report(what, part, self._log.latest_time),
+            # Behind a change or a passage nothing is noted: a continued run comes to it again.
+            course=self.course if place.look == 0 and last is None else None,
+        )
+
+    def _pass(self, crossing: Crossing) -> Place:
+        """Pass a singular configuration; in a motion full of them the next piece is short."""
+        before = self._passing.passed
+        place = self._passing.go(crossing)
+        if self._passing.passed > before:
+            self._segment = max(_FIRST_SEGMENT, (self._passing.passed - before) // 3)
+        return place
+
+    def _rescue(self, error: NumericalError) -> Place:
+        """Change the partition or pass, if that is why the run has failed; else raise again."""
+        sample = self._log.latest_or_none
+        if sample is None:
+            raise error
+        found = self._changes.better(sample, 0.0)
+        if found is not None and sample.time > self._changes.changed_at:
+            return self._changes.change(self._log.release_to(sample), found)
+        crossing = self._log.approaching(2.0 * self.plan.interval)
+        if crossing is None:
+            raise error
+        return self._pass(crossing)
+
+    def _go_on_with_multipliers(self, sample: Sample | None, error: NumericalError) -> None:
+        """Go on with multipliers where no partition lasts, but no constraint depends on others.
+
+        Raises the error where that is not so, or leads no further.
+        """
+        changes = self._changes
+        if sample is None or self.system.constraint_method != "auto":
+            raise error
+        if not changes.watch.is_regular(sample.time, values_of(changes.kernel, sample)):
+            raise error
+        self.plan.progress("deriving the equations with multipliers", None)
+        try:
+            kernel = derived_at(
+                self.system, changes.kernel, sample, first=self.first, method="multipliers"
+            )
+        except InputError:
+            raise error from None
+        state, guess = state_in(kernel, changes.kernel, sample)
+        changes.kernel = kernel.with_parameters(changes.kernel.parameters)
+        self.plan.happened("constraint_method.changed", sample.time)
+        _log.info("t = %.6g s: constraints are treated with multipliers from now on", sample.time)
+        plan = replace(
+            self.plan, start=sample.time, stop=self.plan.end, every=1, sink=self._hand_on
+        )
+        try:
+            run = ProjectedRun(changes.kernel, projected_plan(plan), lambda: changes.watch)
+            self._parts.append(run.go(state, guess, skip=True))
+        except DivergenceError:
+            raise
+        except NumericalError:
+            raise error from None
+
+    def _forward(self, samples: list[Sample]) -> None:
+        """Hand samples on, which are given in order."""
+        if not samples:
+            return
+        times = np.array([s.time for s in samples])
+        states, unknowns, outputs = (
+            np.array([getattr(s, key) for s in samples]) for key in ("state", "unknowns", "outputs")
+        )
+        self._hand_on(self._changes.kernel, times, states, unknowns, outputs)
+
+    def _hand_on(self, kernel: Kernel, times: Vector, x: Vector, z: Vector, y: Vector) -> None:
+        """Hand on those samples that are asked for."""
+        wanted = self.plan.is_wanted(times)
+        if wanted.any():
+            self._delivered += int(wanted.sum())
+            self.plan.sink(kernel, times[wanted], x[wanted], z[wanted], y[wanted])
