@@ -4,16 +4,17 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 from vehicledyn.base.errors import InputError, NumericalError
 from vehicledyn.integrate.accuracy_watch import AccuracyWatch
-from vehicledyn.integrate.accuracy_windows import Grid
+from vehicledyn.integrate.accuracy_windows import Grid, Place
 from vehicledyn.integrate.course import go_on_from, history_of
 from vehicledyn.integrate.events import Point
 from vehicledyn.integrate.judged_quantities import Judged
 from vehicledyn.integrate.proposed_step import proposed_step
-from vehicledyn.integrate.task import SampleBuffer, Statistics, StepError, Task
+from vehicledyn.integrate.task import SampleBuffer, Sink, Statistics, StepError, Task
+from vehicledyn.integrate.watched_run import Way
 from vehicledyn.kernel.engine import Count, Figure, March, Method, Rows, Status, Vector
 
 _CHUNK_SECONDS = 0.08
@@ -95,6 +96,30 @@ def run_fixed(task: Task, name: str, method: int, step: float | None) -> Statist
     return task.statistics(name, accuracy=found)
 
 
+@dataclass(frozen=True)
+class FixedSteps:
+    """A method with a fixed step [s], by its number in the kernel."""
+
+    fixed_method: int
+    step: float
+
+    def integrate(self, task: Task) -> Statistics:
+        """Integrate a task."""
+        return run_fixed(task, "", self.fixed_method, self.step)
+
+
+def _taken_again(place: Place, interval: float, count: int, way: Way, sink: Sink) -> Statistics:
+    """Take a part of a run again, see ``Rerun``."""
+    own = (place.state.copy(), place.unknowns.copy())
+    span = place.time, interval, count
+    task = Task(place.kernel, *span, *own, sink, _silent, _silent, watched=False)
+    return run_fixed(task, "", way.method, way.step)
+
+
+def _silent(*_: object) -> None:
+    """Report nothing."""
+
+
 def _watch_of(task: Task, method: int, per_interval: int) -> AccuracyWatch:
     """Return a watch that sees the samples of a task before its sink does.
 
@@ -102,7 +127,7 @@ def _watch_of(task: Task, method: int, per_interval: int) -> AccuracyWatch:
     """
     grid = Grid(method, task.start, task.interval, per_interval, task.n_intervals)
     judged = task.judged or Judged.usual(task.kernel.equations)
-    watch = AccuracyWatch(task.kernel.equations, grid, judged)
+    watch = AccuracyWatch(task.kernel.equations, grid, judged, _taken_again)
     watch.take_past(task.kernel, task.course)
     sink = task.sink
 

@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
 
@@ -13,11 +11,8 @@ from vehicledyn.base.errors import NumericalError
 from vehicledyn.integrate.accuracy_windows import Place, operations_of_step, order_of
 from vehicledyn.integrate.channel_ranges import Ranges
 from vehicledyn.integrate.judged_quantities import Sizes, figure_errors
-from vehicledyn.integrate.task import Sink, Statistics, Task
+from vehicledyn.integrate.watched_run import WatchedRun, Way
 from vehicledyn.kernel.engine import Method, Vector
-
-if TYPE_CHECKING:
-    from vehicledyn.integrate.accuracy_watch import AccuracyWatch
 
 _CHEAP = 2.5e9
 """Operations of a whole run with half the step that are always worth their price."""
@@ -29,35 +24,6 @@ _FINEST = 256
 """Most parts of a step when the early end of a run is looked at again."""
 
 Samples = list[tuple[Vector, Vector]]
-
-
-@dataclass(frozen=True)
-class FixedSteps:
-    """A method with a fixed step [s], by its number in the kernel."""
-
-    fixed_method: int
-    step: float
-
-    def integrate(self, task: Task) -> Statistics:
-        """Integrate a task."""
-        from vehicledyn.integrate.fixed_step import run_fixed
-
-        return run_fixed(task, "", self.fixed_method, self.step)
-
-
-Rerun: TypeAlias = Callable[[Place, float, int, FixedSteps, Sink], Statistics]
-"""Takes a run again from a place, so many intervals of a length [s], in another way."""
-
-
-def rerun_plainly(
-    place: Place, interval: float, count: int, way: FixedSteps, sink: Sink
-) -> Statistics:
-    """Take a run again whose kernel stays the same; see ``Rerun``."""
-    own = (place.state.copy(), place.unknowns.copy())
-    task = Task(
-        place.kernel, place.time, interval, count, *own, sink, _silent, _silent, watched=False
-    )
-    return way.integrate(task)
 
 
 @dataclass(frozen=True)
@@ -85,7 +51,7 @@ class Again:
 
 
 def look_again(
-    watch: AccuracyWatch, places: list[Place], errors: Vector, *, ended_early: bool
+    watch: WatchedRun, places: list[Place], errors: Vector, *, ended_early: bool
 ) -> Moved:
     """Return how far a run moves with half its step.
 
@@ -103,7 +69,7 @@ def look_again(
     taken, grid = intervals_of(watch), watch.grid
     better = _better_way(watch, ended_early=ended_early)
     power = 2.0 ** order_of(grid.method)
-    factor = power / (power - 1.0) if better.fixed_method == grid.method else 1.0
+    factor = power / (power - 1.0) if better.method == grid.method else 1.0
     if is_cheap(watch, better, taken):
         half = taken_again(watch, watch.places[0], taken, better)
         if ended_early and half.got_through:
@@ -114,7 +80,7 @@ def look_again(
     count = min(taken, max(int(_PART * taken), -(-_LEAST // grid.per_interval)))
     largest = np.where([place.index <= taken - count for place in places], errors.max(axis=1), -1.0)
     place = places[int(np.argmax(largest))]
-    ways = FixedSteps(grid.method, grid.step), better
+    ways = Way(grid.method, grid.step), better
     whole, half = (taken_again(watch, place, count, way) for way in ways)
     error, name = _ranges_apart(watch, whole, half)
     usual = errors.mean(axis=0)
@@ -123,7 +89,7 @@ def look_again(
     return Moved(factor * error, name, whole.steps + half.steps)
 
 
-def ends_without_reason(watch: AccuracyWatch) -> bool:
+def ends_without_reason(watch: WatchedRun) -> bool:
     """Return whether the event that ended a run early fails to come with a finer step.
 
     Only the last part of the run is taken again, and one interval behind it: a twelfth on average.
@@ -134,7 +100,7 @@ def ends_without_reason(watch: AccuracyWatch) -> bool:
     return taken_again(watch, before, count, better).got_through
 
 
-def _better_way(watch: AccuracyWatch, *, ended_early: bool) -> FixedSteps:
+def _better_way(watch: WatchedRun, *, ended_early: bool) -> Way:
     """Return a more accurate way: half the step, or a method of higher order.
 
     What ended a run early is taken again with a step that is known to be stable.
@@ -143,25 +109,25 @@ def _better_way(watch: AccuracyWatch, *, ended_early: bool) -> FixedSteps:
     if ended_early:
         stable = watch.stable_step()
         most = _FINEST if stable is None else math.ceil(step / stable)
-        return FixedSteps(method, step / max(2, min(_FINEST, most)))
+        return Way(method, step / max(2, min(_FINEST, most)))
     if method == Method.SYMPLECTIC_EULER:
-        return FixedSteps(Method.RK4, step)
-    return FixedSteps(method, 0.5 * step)
+        return Way(Method.RK4, step)
+    return Way(method, 0.5 * step)
 
 
-def intervals_of(watch: AccuracyWatch) -> int:
+def intervals_of(watch: WatchedRun) -> int:
     """Return how many sampling intervals the run has taken."""
     return max(1, watch.taken - 1)
 
 
-def is_cheap(watch: AccuracyWatch, way: FixedSteps, count: int) -> bool:
+def is_cheap(watch: WatchedRun, way: Way, count: int) -> bool:
     """Return whether so many intervals may be taken again in some way at any time."""
     steps = count * watch.grid.interval / way.step
-    operations = steps * operations_of_step(watch.kernel, way.fixed_method)
+    operations = steps * operations_of_step(watch.kernel, way.method)
     return watch.kernel.backend == "compiled" and operations <= _CHEAP
 
 
-def taken_again(watch: AccuracyWatch, place: Place, count: int, way: FixedSteps) -> Again:
+def taken_again(watch: WatchedRun, place: Place, count: int, way: Way) -> Again:
     """Take some intervals again from a place."""
     channels = watch.judged.channels
     again = Again(Ranges.of(watch.equations, channels))
@@ -182,7 +148,7 @@ def taken_again(watch: AccuracyWatch, place: Place, count: int, way: FixedSteps)
     return again
 
 
-def apart(watch: AccuracyWatch, own: Again, other: Again) -> tuple[float, str]:
+def apart(watch: WatchedRun, own: Again, other: Again) -> tuple[float, str]:
     """Return the error of the worst key figure, or channel where there are no figures."""
     make = watch.judged.figures
     if make is None or watch.history is None or own.failed or other.failed:
@@ -200,14 +166,10 @@ def apart(watch: AccuracyWatch, own: Again, other: Again) -> tuple[float, str]:
     return errors[worst], f"'{worst}'"
 
 
-def _ranges_apart(watch: AccuracyWatch, own: Again, other: Again) -> tuple[float, str]:
+def _ranges_apart(watch: WatchedRun, own: Again, other: Again) -> tuple[float, str]:
     """Return the error of the worst channel's extremes and mean."""
     if own.failed or other.failed:
         return np.inf, f"'{watch.names[0]}'"
     distance = own.ranges.distance(other.ranges, watch.ranges.scales())
     worst = int(np.argmax(distance))
     return float(distance[worst]), f"'{watch.names[worst]}'"
-
-
-def _silent(*_: object) -> None:
-    """Report nothing."""

@@ -4,12 +4,10 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 from vehicledyn.integrate.accuracy_windows import order_of
 from vehicledyn.integrate.half_step_run import (
     Again,
-    FixedSteps,
     Moved,
     apart,
     intervals_of,
@@ -17,9 +15,7 @@ from vehicledyn.integrate.half_step_run import (
     taken_again,
 )
 from vehicledyn.integrate.proposed_step import dividing_step
-
-if TYPE_CHECKING:
-    from vehicledyn.integrate.accuracy_watch import AccuracyWatch
+from vehicledyn.integrate.watched_run import WatchedRun, Way
 
 _AIM, _ASYMPTOTIC = 0.01, 0.2
 """Error that the recommended step is to have, and the largest from which it can be foretold."""
@@ -46,7 +42,7 @@ class Advice:
     finest: float | None = None
 
 
-def recommended_step(watch: AccuracyWatch, moved: Moved) -> Advice:
+def recommended_step(watch: WatchedRun, moved: Moved) -> Advice:
     """Return the step that brings the error of a run below a hundredth.
 
     It begins from the step that the method's order foretells where the error is small enough for
@@ -81,7 +77,7 @@ def recommended_step(watch: AccuracyWatch, moved: Moved) -> Advice:
 class _Halvings:
     """A run taken again and again, each time with half the step of the time before."""
 
-    def __init__(self, watch: AccuracyWatch, begin: float) -> None:
+    def __init__(self, watch: WatchedRun, begin: float) -> None:
         self._watch, self._begin = watch, begin
         self.errors: list[float] = []
         self.spent = 0
@@ -93,7 +89,7 @@ class _Halvings:
         watch, count = self._watch, intervals_of(self._watch)
         before: Again | None = None
         for halvings in range(_MOST_HALVINGS + 1):
-            way = FixedSteps(watch.grid.method, self._begin / 2**halvings)
+            way = Way(watch.grid.method, self._begin / 2**halvings)
             if not is_cheap(watch, way, count):
                 return
             again = taken_again(watch, watch.places[0], count, way)

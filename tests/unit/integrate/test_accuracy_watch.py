@@ -206,7 +206,7 @@ def test_places_do_not_depend_on_chunks():
     rows = np.random.default_rng(1).normal(size=(101, 5))
     found = []
     for sizes in ([101], [1, 7, 50, 43], [1] * 101):
-        watch = AccuracyWatch(equations, grid, Judged.usual(equations))
+        watch = AccuracyWatch(equations, grid, Judged.usual(equations), None)
         begin = 0
         for size in sizes:
             part = rows[begin : begin + size]

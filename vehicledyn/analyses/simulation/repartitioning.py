@@ -18,12 +18,12 @@ from vehicledyn.analyses.simulation.sample_delivery import Delivery
 from vehicledyn.integrate.accuracy_watch import AccuracyWatch
 from vehicledyn.integrate.accuracy_windows import Grid, Place
 from vehicledyn.integrate.course import Course
-from vehicledyn.integrate.fixed_step import steps_per_interval
-from vehicledyn.integrate.half_step_run import FixedSteps
+from vehicledyn.integrate.fixed_step import FixedSteps, steps_per_interval
 from vehicledyn.integrate.judged_quantities import Judged
 from vehicledyn.integrate.proposed_step import proposed_step
 from vehicledyn.integrate.simulate import Solver, simulate
 from vehicledyn.integrate.task import Happened, Sink, Statistics
+from vehicledyn.integrate.watched_run import Way
 from vehicledyn.kernel.kernel import Kernel, Progress
 from vehicledyn.multibody.model.system import System
 from vehicledyn.symbolic.equations import Equations
@@ -152,13 +152,12 @@ class _Pieces:
         )
         return run.go(state, unknowns)
 
-    def _again(
-        self, place: Place, interval: float, count: int, way: FixedSteps, sink: Sink
-    ) -> Statistics:
+    def _again(self, place: Place, interval: float, count: int, way: Way, sink: Sink) -> Statistics:
         """Take a part of the run again, see ``Rerun``."""
         stop = place.time + count * interval
         delivery = Delivery(self.first, sink)
-        plan = RunPlan(way, place.time, stop, interval, 1, delivery.take, _silent, _silent)
+        solver = FixedSteps(way.method, way.step)
+        plan = RunPlan(solver, place.time, stop, interval, 1, delivery.take, _silent, _silent)
         return self.run(place.kernel, plan, place.state.copy(), place.unknowns.copy())
 
 

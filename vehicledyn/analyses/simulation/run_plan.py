@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vehicledyn.integrate.course import Course
-from vehicledyn.integrate.half_step_run import FixedSteps
+from vehicledyn.integrate.fixed_step import FixedSteps
 from vehicledyn.integrate.simulate import Solver, make_task
 from vehicledyn.integrate.task import Happened, Sink, Statistics, StepError
 from vehicledyn.kernel.kernel import Kernel, Progress

@@ -1,0 +1,201 @@
+"""What is known of a run with a fixed step when its accuracy is judged, sample by sample."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import NamedTuple, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vehicledyn.base.errors import NumericalError
+from vehicledyn.integrate.accuracy_windows import (
+    Grid,
+    Place,
+    two_ends_apart,
+    window_count,
+    window_end,
+)
+from vehicledyn.integrate.channel_ranges import Ranges
+from vehicledyn.integrate.course import Course
+from vehicledyn.integrate.judged_quantities import Judged
+from vehicledyn.integrate.proposed_step import proposed_step
+from vehicledyn.integrate.task import Sink, Statistics
+from vehicledyn.kernel.engine import Vector
+from vehicledyn.kernel.kernel import Kernel
+from vehicledyn.symbolic.equations import Equations
+
+_LATEST = 3
+"""Samples before an early end of a run at which windows begin, and that of the end itself."""
+
+_HUGE = 1e12
+"""State, in SI units or in its values at the start, beyond which no vehicle gets."""
+
+
+class DivergenceError(NumericalError):
+    """A run that must not go on in any other way, as its step is too long."""
+
+
+@dataclass(frozen=True)
+class Way:
+    """How a part of a run is taken again: method as in ``March``, and its step [s]."""
+
+    method: int
+    step: float
+
+
+Rerun: TypeAlias = Callable[[Place, float, int, Way, Sink], Statistics]
+"""Takes a run again from a place, so many intervals of a length [s], in another way."""
+
+
+class _View(NamedTuple):
+    """What of a kernel concerns the watch: judged channels, kinds of all, limits of states."""
+
+    kernel: Kernel
+    columns: NDArray[np.intp]
+    kinds: NDArray[np.intp]
+    limits: Vector
+
+
+@dataclass
+class WatchedRun:
+    """Collects what is needed to judge a run with a fixed step.
+
+    ``equations`` are those whose channels the run delivers; the kernel may change on the way.
+    ``rerun`` takes a part of the run again.
+    """
+
+    equations: Equations
+    grid: Grid
+    judged: Judged
+    rerun: Rerun
+    taken: int = 0
+    places: list[Place] = field(default_factory=list)
+    latest: list[Place] = field(default_factory=list)
+
+    def __post_init__(self) -> None:
+        """Begin with nothing known."""
+        channels = self.judged.channels
+        self.ranges, self.early = (Ranges.of(self.equations, channels) for _ in range(2))
+        self.names = [self.equations.channels[k].name for k in channels]
+        self._count = self._spacing = 1
+        self._view: _View | None = None
+        self._divergence = ""
+        self.history = self.judged.history(self.grid.n_intervals)
+
+    @property
+    def kernel(self) -> Kernel:
+        """The kernel that the run began with."""
+        return self.places[0].kernel
+
+    def take_past(self, kernel: Kernel, course: Course | None) -> None:
+        """Go on by the samples up to where a continued run begins, if they are known."""
+        if course is None or course.beginning is None or course.beginning.past is None:
+            return
+        for block in course.beginning.past():
+            self.take(kernel, *block)
+
+    def take(
+        self, kernel: Kernel, times: Vector, states: Vector, unknowns: Vector, outputs: Vector
+    ) -> int:
+        """Go on by samples, one row each, in order from the first.
+
+        States and unknowns are those of the kernel, outputs those of ``equations``.
+
+        Returns
+        -------
+        int
+            How many there are before a state grows beyond all measure.
+        """
+        limits = self._seen_as(kernel, states[0]).limits
+        beyond = ~(np.abs(states) <= limits)
+        sound = int(np.argmax(beyond.any(axis=1))) if beyond.any() else len(states)
+        if sound < len(states):
+            self._divergence = self._words(kernel, float(times[sound]), states[sound], limits)
+        first, self.taken = self.taken, self.taken + sound
+
+        def place(row: int) -> Place:
+            copies = states[row].copy(), unknowns[row].copy()
+            return Place(first + row, float(times[row]), *copies, kernel)
+
+        for index in range(-(-first // self._spacing) * self._spacing, self.taken, self._spacing):
+            if index % self._spacing == 0:
+                self._keep(place(index - first))
+        self.latest = [*self.latest, *map(place, range(max(0, sound - _LATEST), sound))][-_LATEST:]
+        values = outputs[:sound, self.judged.channels]
+        self.early.take(values[: max(0, self.grid.n_intervals // 2 + 1 - first)])
+        self.ranges.take(values)
+        if self.history is not None:
+            self.history.append((times[:sound].copy(), values))
+        return sound
+
+    def _seen_as(self, kernel: Kernel, state: Vector) -> _View:
+        """Return what of a kernel concerns the watch; ``state`` is its first one."""
+        known = self._view
+        if known is not None and known.kernel is kernel:
+            return known
+        e, places = kernel.equations, {c.name: k for k, c in enumerate(kernel.equations.channels)}
+        with np.errstate(over="ignore"):
+            limits = _HUGE * np.maximum(1.0, np.abs(state))
+        if known is None:
+            self._count = window_count(kernel, self.grid, by_itself=self.judged.by_itself)
+        else:
+            before = known.kernel.equations.states
+            own = {s.name: limit for s, limit in zip(before, known.limits, strict=True)}
+            limits = np.array([own.get(s.name, x) for s, x in zip(e.states, limits, strict=True)])
+        columns = np.array([places.get(name, -1) for name in self.names], dtype=np.intp)
+        self._view = _View(kernel, columns, self.ranges.kinds(e), limits)
+        return self._view
+
+    def _keep(self, place: Place) -> None:
+        """Keep a place; where there are too many, only every second one."""
+        self.places.append(place)
+        while len(self.places) > self._count:
+            self.places, self._spacing = self.places[::2], 2 * self._spacing
+
+    def hint(self) -> str:
+        """Return a few words on the step for a run that failed; empty where it is short enough.
+
+        A case among many says the same in a lane, where nothing is known of the step.
+        """
+        step = self.stable_step() if self.places and self.judged.by_itself else None
+        if step is None or step >= self.grid.step:
+            return ""
+        return (
+            f"; the step of {self.grid.step * 1e3:.4g} ms is too long for the motion at the start, "
+            f"take {step * 1e3:.4g} ms"
+        )
+
+    def refuse_divergence(self) -> None:
+        """Raise DivergenceError where a state has grown beyond all measure."""
+        if self._divergence:
+            raise DivergenceError(self._divergence)
+
+    def _words(self, kernel: Kernel, time: float, state: Vector, limits: Vector) -> str:
+        column = int(np.argmax(~(np.abs(state) <= limits)))
+        grown = kernel.equations.states[column]
+        step = self.stable_step() if self.places else None
+        advice = "a shorter step" if step is None else f"a step of {step * 1e3:.4g} ms"
+        return (
+            f"state '{grown.name}' is {state[column]:.3g} {grown.unit} at t = {time:.9g} s: the "
+            f"integration diverges with a step of {self.grid.step * 1e3:.4g} ms; take {advice}"
+        )
+
+    def window(self, place: Place) -> Vector | None:
+        """Return how far half the step leads from the step in the judged channels."""
+        _, columns, kinds, _ = self._seen_as(place.kernel, place.state)
+        one, other = (window_end(self.grid, place, divided) for divided in (1, 2))
+        if one is not None:
+            self.ranges.take_likes(kinds, one)
+        apart = two_ends_apart(one, other)
+        return None if apart is None else np.where(columns >= 0, apart[columns], 0.0)
+
+    def stable_step(self) -> float | None:
+        """Return the step that suits the motion at the start [s], None where it is not known."""
+        start = self.places[0]
+        point = (start.time, start.state, start.unknowns)
+        try:
+            return proposed_step(self.kernel, self.grid.method, point, self.grid.interval)
+        except (NumericalError, np.linalg.LinAlgError):
+            return None
