@@ -19,5 +19,7 @@ def first_lines(family: str) -> dict[str, str]:
 
 def counts() -> dict[str, int]:
     """Return the number of entries of each catalogue, by family."""
-    vehicledyn.files.system.kinds.load_kinds()
+    from vehicledyn.files.system.kinds import load_kinds
+
+    load_kinds()
     return {family: len(kinds(family)) for family in families()}
