@@ -7,7 +7,7 @@ import vehicledyn.integrate
 import vehicledyn.rail
 import vehicledyn.road
 import vehicledyn.road.manoeuvres
-import vehicledyn.vehicles
+import vehicledyn.vehicles  # noqa: F401
 from vehicledyn.base.registry import families, find, kinds
 
 

@@ -14,6 +14,7 @@ from typing import Any
 
 from pydantic import ValidationError
 
+import vehicledyn.catalogue  # noqa: F401
 from vehicledyn.analyses.preparation.named_files import named_files
 from vehicledyn.base.errors import InputError
 from vehicledyn.base.problems import START, Place, Problem, dotted, refusal
