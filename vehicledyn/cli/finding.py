@@ -17,8 +17,12 @@ def find_file(given: str | Path, *kinds: Kind, others: Sequence[str] = ()) -> Pa
     Where it is not the very path given, its path is printed as a message.
     """
     path = locate(str(given), kinds, others)
-    context = click.get_current_context(silent=True)
-    quiet = context is not None and context.params.get("quiet")
-    if path != Path(given) and not quiet:
+    if path != Path(given) and not is_quiet():
         tell(f"{given}: reading {path}")
     return path
+
+
+def is_quiet() -> bool:
+    """Return whether the verb that runs shows errors only."""
+    context = click.get_current_context(silent=True)
+    return context is not None and bool(context.params.get("quiet"))

@@ -9,6 +9,7 @@ import typer
 
 from vehicledyn.cli.analyses import read_target
 from vehicledyn.cli.options import Backend, BackendChoice, Json, Overrides, Quiet, Target
+from vehicledyn.cli.replacing import HUNT, Overwrite, check_replacing
 from vehicledyn.cli.terminal import emit_report, show_progress, tell
 
 
@@ -83,6 +84,7 @@ def hunt(
         bool,
         typer.Option("--resume", help="Go on with a study that was killed or stopped."),
     ] = False,
+    overwrite: Overwrite = False,
     no_plots: Annotated[bool, typer.Option("--no-plots", help="Draw nothing.")] = False,
     backend: BackendChoice = Backend.AUTO,
     as_json: Json = False,
@@ -94,6 +96,7 @@ def hunt(
     from vehicledyn.analyses.hunting.start import HuntSettings
 
     result = output or Path(f"{Path(target).stem}_hunt.h5")
+    check_replacing(result, HUNT, overwrite=overwrite, resume=resume)
     folder = None if no_plots else plots or result.parent / f"{result.stem}_plots"
     settings = HuntSettings(
         parameter,

@@ -21,6 +21,7 @@ from vehicledyn.cli.options import (
     speed_in_si,
     speeds_in_si,
 )
+from vehicledyn.cli.replacing import MODES, RESPONSE, Overwrite, check_replacing
 from vehicledyn.cli.terminal import emit_report, show_progress
 
 if TYPE_CHECKING:
@@ -83,6 +84,7 @@ def eig(
     plots: Annotated[
         Path | None, typer.Option(help="Folder for root locus and mode shapes.")
     ] = None,
+    overwrite: Overwrite = False,
     as_json: Json = False,
 ) -> None:
     """Find eigenmodes about straight running, or about a start or equilibrium of a system."""
@@ -92,6 +94,8 @@ def eig(
     from vehicledyn.analyses import find_modes
 
     is_result = output is not None and output.suffix in (".h5", ".hdf5", ".nc")
+    if output is not None and is_result:
+        check_replacing(output, MODES, overwrite=overwrite)
     with show_progress() as progress:
         report = find_modes(
             targets if len(targets) > 1 else targets[0][1],
@@ -176,10 +180,13 @@ def response(
         Path | None, typer.Option("--result", "-o", help="Result file (HDF5) to write.")
     ] = None,
     plots: Annotated[Path | None, typer.Option(help="Folder for Bode figures.")] = None,
+    overwrite: Overwrite = False,
     as_json: Json = False,
 ) -> None:
     """Find the frequency response of outputs to inputs, linearised about a reference motion."""
     loaded = read_target(target, overrides)
+    if result is not None:
+        check_replacing(result, RESPONSE, overwrite=overwrite)
     if not outputs:
         raise InputError("--output: missing: name a channel; 'models show --json' lists them")
     if not inputs:

@@ -19,6 +19,7 @@ from vehicledyn.cli.options import (
     ScenarioFile,
     Target,
 )
+from vehicledyn.cli.replacing import RUN, Overwrite, check_replacing
 from vehicledyn.cli.terminal import emit_report, show_progress, tell
 
 Plots = Annotated[
@@ -63,6 +64,7 @@ def kinematics(
     ] = None,
     plots: Plots = None,
     no_plots: NoPlots = False,
+    overwrite: Overwrite = False,
     as_json: Json = False,
     quiet: Quiet = False,
 ) -> None:
@@ -74,6 +76,7 @@ def kinematics(
     from vehicledyn.analyses.mechanism.kinematics import Wish, sweep_kinematics
 
     result = output or Path(f"{Path(target).stem}_kinematics.h5")
+    check_replacing(result, RUN, overwrite=overwrite)
     folder = None if no_plots else plots or result.parent / f"{result.stem}_plots"
     wish = Wish(ranges, together, tuple(hold or ()), tuple(columns or ()))
     with show_progress(quiet=quiet) as progress:
@@ -101,6 +104,7 @@ def inverse(
     ] = None,
     plots: Plots = None,
     no_plots: NoPlots = False,
+    overwrite: Overwrite = False,
     backend: BackendChoice = Backend.AUTO,
     as_json: Json = False,
     quiet: Quiet = False,
@@ -110,6 +114,7 @@ def inverse(
     from vehicledyn.analyses.mechanism.inverse_report import find_forces
 
     result = output or Path(f"{scenario.stem}_inverse.h5")
+    check_replacing(result, RUN, overwrite=overwrite)
     folder = None if no_plots else plots or result.parent / f"{result.stem}_plots"
     with show_progress(quiet=quiet) as progress:
         report = find_forces(

@@ -12,6 +12,7 @@ from vehicledyn.base.errors import InputError
 from vehicledyn.base.ranges import read_range
 from vehicledyn.base.units import to_si
 from vehicledyn.cli.options import Json
+from vehicledyn.cli.replacing import PROFILES, Overwrite, check_replacing
 from vehicledyn.cli.terminal import emit_report, show_progress
 
 if TYPE_CHECKING:
@@ -82,12 +83,15 @@ def profiles(
         Path | None, typer.Option("--output", "-o", help="Result file (HDF5) to write.")
     ] = None,
     plots: Annotated[Path | None, typer.Option(help="Folder of the pictures.")] = None,
+    overwrite: Overwrite = False,
     as_json: Json = False,
 ) -> None:
     """Find contact points, rolling radii, angles and equivalent conicity of profiles.
 
     Lengths without a unit are millimetres.
     """
+    if output is not None:
+        check_replacing(output, PROFILES, overwrite=overwrite)
     radii = (_length("--radius", radius), _length("--right-radius", right_radius or radius))
     values = {
         "gauge": _positive("--gauge", gauge),

@@ -10,6 +10,7 @@ import typer
 from vehicledyn.base.errors import InputError
 from vehicledyn.cli.finding import find_file
 from vehicledyn.cli.options import Backend, BackendChoice, Json, Overrides, Quiet, Verbose
+from vehicledyn.cli.replacing import STUDY, Overwrite, check_replacing
 from vehicledyn.cli.terminal import emit_report, listen, show_progress, tell
 
 if TYPE_CHECKING:
@@ -62,6 +63,7 @@ def sweep(
     resume: Annotated[
         bool, typer.Option("--resume", help="Go on with a result file that exists.")
     ] = False,
+    overwrite: Overwrite = False,
     backend: BackendChoice = Backend.AUTO,
     as_json: Json = False,
     quiet: Quiet = False,
@@ -79,13 +81,16 @@ def sweep(
     from vehicledyn.studies.sweep import run_study
 
     listen(quiet=quiet, verbose=verbose)
+    result = output or Path(f"{study.stem}.h5")
+    check_replacing(result, STUDY, overwrite=overwrite, resume=resume)
     with show_progress(quiet=quiet, verbose=verbose) as progress:
         outcome = run_study(
             loaded,
-            output=output or Path(f"{study.stem}.h5"),
+            output=result,
             workers=workers,
             lanes=lanes,
             resume=resume,
+            overwrite=overwrite,
             backend=backend.value,
             progress=progress,
             cluster=ClusterAddress(scheduler, tls) if scheduler and tls else None,

@@ -26,6 +26,7 @@ from vehicledyn.cli.options import (
     ScenarioFile,
     Verbose,
 )
+from vehicledyn.cli.replacing import RUN, Overwrite, check_replacing, is_same
 from vehicledyn.cli.terminal import (
     emit,
     emit_report,
@@ -125,6 +126,7 @@ def run(
         Path | None,
         typer.Option(metavar="RESULT", help="Result, partial or whole, to go on from."),
     ] = None,
+    overwrite: Overwrite = False,
     backend: BackendChoice = Backend.AUTO,
     as_json: Json = False,
     quiet: Quiet = False,
@@ -136,6 +138,7 @@ def run(
 
     listen(quiet=quiet, verbose=verbose)
     result = output or Path(f"{scenario.stem}.h5")
+    check_replacing(result, RUN, overwrite=overwrite or is_same(restart, result))
     folder = None if no_plots else plots or result.parent / f"{result.stem}_plots"
     with show_progress(quiet=quiet, verbose=verbose) as progress:
         outcome = run_scenario(

@@ -98,6 +98,7 @@ def run_study(
     backend: Backend,
     progress: Progress,
     cluster: ClusterAddress | None = None,
+    overwrite: bool = False,
 ) -> SweepOutcome:
     """Compute the cases of a study that are not in its file yet.
 
@@ -119,6 +120,8 @@ def run_study(
         Called with what is going on and the part done.
     cluster
         The Dask scheduler whose workers compute instead of processes on this machine.
+    overwrite
+        Begin anew and replace the file if it exists; not with ``resume``.
 
     Returns
     -------
@@ -135,7 +138,7 @@ def run_study(
         If a cluster is asked for and Dask is not installed.
     """
     started = time.monotonic()
-    _refuse_output(output, resume=resume)
+    _refuse_output(output, may_exist=resume or overwrite)
     work = work_of(study, lanes=lanes or study.study.lanes, backend=backend)
     with contextlib.ExitStack() as stack:
         helpers = _helpers(stack, work, workers or study.study.workers, cluster, progress)
@@ -143,7 +146,9 @@ def run_study(
         computing = helpers or pool.Alone(worker)
         header = _header(study, work, model)
         _refuse_size(output, header)
-        writer = stack.enter_context(StudyWriter(output, header, resume=resume))
+        writer = stack.enter_context(
+            StudyWriter(output, header, resume=resume, overwrite=overwrite)
+        )
         run = _Run(work, header, writer, progress, max(1, computing.workers()))
         run.compute(computing)
     with open_study(output) as file:
@@ -257,9 +262,9 @@ def _helpers(
     return stack.enter_context(own_processes(work, count))
 
 
-def _refuse_output(output: Path, *, resume: bool) -> None:
+def _refuse_output(output: Path, *, may_exist: bool) -> None:
     check_output(output)
-    if output.exists() and not resume:
+    if output.exists() and not may_exist:
         raise InputError(
             f"{output}: exists; go on with it by --resume, or choose another output with -o"
         )

@@ -63,6 +63,8 @@ class StudyWriter:
         What is known before the first case.
     resume
         Whether to go on with a file that exists.
+    overwrite
+        Whether to replace a file that exists, if it is not gone on with.
 
     Raises
     ------
@@ -71,10 +73,12 @@ class StudyWriter:
         written.
     """
 
-    def __init__(self, path: Path, header: StudyHeader, *, resume: bool) -> None:
+    def __init__(
+        self, path: Path, header: StudyHeader, *, resume: bool, overwrite: bool = False
+    ) -> None:
         self.path, self.header = check_output(path), header
         going_on = resume and self.path.exists()
-        if self.path.exists() and not resume:
+        if self.path.exists() and not (resume or overwrite):
             raise InputError(
                 f"{path}: exists; go on with it by --resume, or choose another output with -o"
             )

@@ -1,0 +1,79 @@
+"""Verbs replace what they can compute again, and say so; everything else is kept."""
+
+from types import SimpleNamespace
+
+import h5py
+import pytest
+
+from vehicledyn.base.errors import InputError
+from vehicledyn.cli import replacing
+from vehicledyn.cli.replacing import HUNT, MODES, RUN, STUDY, check_replacing
+
+
+@pytest.fixture
+def result(tmp_path):
+    def write(kind, status="ok"):
+        path = tmp_path / "result.h5"
+        with h5py.File(path, "w") as file:
+            file.attrs.update(
+                {"format": kind, "status": status, "created": "2026-11-22", "title": "A run"}
+            )
+        return path
+
+    return write
+
+
+@pytest.mark.parametrize("status", ["ok", "failed"])
+@pytest.mark.parametrize("kind", [RUN, MODES])
+def test_results_that_ended_are_replaced_and_said_so(result, capsys, kind, status):
+    path = result(kind, status)
+    check_replacing(path, kind)
+    assert f"{path}: replacing the result of 2026-11-22, 'A run'" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("found", "wanted", "status", "words"),
+    [
+        (RUN, RUN, "interrupted", "holds an unfinished run; '--restart .*' goes on"),
+        (RUN, RUN, "running", "holds an unfinished run"),
+        (STUDY, STUDY, "ok", "holds a study; --resume goes on with it"),
+        (HUNT, HUNT, "ok", "holds a study; --resume goes on with it"),
+        (STUDY, RUN, "ok", "holds a sweep, not a run"),
+        (RUN, HUNT, "ok", "holds a run, not a hunting study"),
+        ("other", RUN, "ok", "holds other, not a run"),
+    ],
+)
+def test_everything_else_is_kept(result, found, wanted, status, words):
+    path = result(found, status)
+    with pytest.raises(InputError, match=f"{words}.*choose another output with -o, or use --over"):
+        check_replacing(path, wanted)
+    check_replacing(path, wanted, overwrite=True)
+
+
+def test_unreadable_results_are_kept(tmp_path):
+    path = tmp_path / "result.h5"
+    path.write_bytes(b"\x89HDF\r\n\x1a\n and nothing more")
+    with pytest.raises(InputError, match="exists and is no result that can be read"):
+        check_replacing(path, RUN)
+
+
+def test_nothing_is_said_where_nothing_is_lost(tmp_path, capsys):
+    check_replacing(tmp_path / "new.h5", RUN)
+    (tmp_path / "empty.h5").touch()
+    check_replacing(tmp_path / "empty.h5", RUN)
+    assert not capsys.readouterr().err
+
+
+def test_studies_are_gone_on_with_or_begun_anew(result):
+    path = result(STUDY)
+    check_replacing(path, STUDY, resume=True)
+    with pytest.raises(InputError, match="choose one"):
+        check_replacing(path, STUDY, resume=True, overwrite=True)
+
+
+def test_quiet_verbs_say_nothing(result, capsys, monkeypatch):
+    context = SimpleNamespace(params={"quiet": True})
+    monkeypatch.setattr("click.get_current_context", lambda silent: context)
+    check_replacing(result(RUN), RUN)
+    assert replacing.is_quiet()
+    assert not capsys.readouterr().err

@@ -1,0 +1,96 @@
+"""What a verb may write over: results that it can compute again, and says so; nothing else."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from vehicledyn.base.errors import InputError
+from vehicledyn.cli.finding import is_quiet
+from vehicledyn.cli.terminal import tell
+
+Overwrite = Annotated[
+    bool,
+    typer.Option(
+        "--overwrite", help="Replace any result that has the output's name, an unfinished one too."
+    ),
+]
+
+RUN, STUDY, HUNT = "vehicledyn-result", "vehicledyn-study", "vehicledyn-hunt"
+MODES, RESPONSE, PROFILES = "vehicledyn-modes", "vehicledyn-response", "vehicledyn-profiles"
+
+_STUDIES = (STUDY, HUNT)
+
+
+def check_replacing(
+    output: Path, kind: str, *, overwrite: bool = False, resume: bool = False
+) -> None:
+    """Refuse to replace a file that the verb cannot compute again in one go.
+
+    A finished or failed result of the same kind is replaced, which a message says. Kept are
+    results of other kinds, interrupted ones, and studies, which may hold hours of work.
+
+    Parameters
+    ----------
+    output
+        Where the verb writes; whether it is a file that may be written is checked elsewhere.
+    kind
+        Format of the results that the verb writes.
+    overwrite
+        Whether the user allows to replace any result.
+    resume
+        Whether the user goes on with what is there.
+
+    Raises
+    ------
+    InputError
+        If the file is to be kept, or both are asked for.
+    """
+    if resume and overwrite:
+        raise InputError("--resume goes on with a result, --overwrite begins anew; choose one")
+    if resume or overwrite or not output.is_file() or output.stat().st_size == 0:
+        return
+    from vehicledyn.results.hdf5.output import check_output
+
+    check_output(output)
+    facts = _facts(output)
+    reason = _reason(output, kind, facts)
+    if reason:
+        raise InputError(f"{output}: {reason}; choose another output with -o, or use --overwrite")
+    if not is_quiet():
+        tell(f"{output}: replacing the result of {facts['created']}, '{facts['title']}'")
+
+
+def is_same(one: Path | None, other: Path) -> bool:
+    """Return whether two paths name one file."""
+    return one is not None and one.resolve() == other.resolve()
+
+
+def _reason(output: Path, kind: str, facts: dict[str, str]) -> str:
+    """Return why a file is kept, empty if it may be replaced."""
+    from vehicledyn.results.compare.linear_compare import KINDS
+
+    found = facts.get("format", "")
+    if not found:
+        return "exists and is no result that can be read"
+    if found != kind:
+        return f"holds {KINDS.get(found, found)}, not {KINDS[kind]}"
+    if kind in _STUDIES:
+        return "holds a study; --resume goes on with it"
+    if facts["status"] in ("running", "interrupted"):
+        return f"holds an unfinished run; '--restart {output}' goes on with it"
+    return ""
+
+
+def _facts(output: Path) -> dict[str, str]:
+    """Return what the head of a result says, nothing where it cannot be read."""
+    from vehicledyn.results.hdf5.opening import open_file
+
+    try:
+        with open_file(output) as file:
+            names = ("format", "created", "title", "status")
+            return {name: str(file.attrs.get(name, "")) for name in names}
+    except (InputError, OSError, RuntimeError, KeyError, ValueError):
+        return {}
