@@ -23,8 +23,14 @@ if TYPE_CHECKING:
         UnfinishedWarning,
         VehicledynError,
     )
+    from vehicledyn.interface.comparing import compare
+    from vehicledyn.interface.contacts import contact_geometry
+    from vehicledyn.interface.hunting import hunt
+    from vehicledyn.interface.linear import equilibrium, modes, response
     from vehicledyn.interface.loading import load
+    from vehicledyn.interface.mechanism import inverse, kinematics
     from vehicledyn.interface.simulation import simulate
+    from vehicledyn.interface.studies import sweep
     from vehicledyn.multibody.model.bodies import Body, Joint, Turn
     from vehicledyn.multibody.model.cuts import BallCut, BodyCut, RodCut
     from vehicledyn.multibody.model.ground import GROUND
@@ -55,9 +61,18 @@ __all__ = [
     "UnfinishedWarning",
     "VehicledynError",
     "__version__",
+    "compare",
+    "contact_geometry",
+    "equilibrium",
+    "hunt",
+    "inverse",
+    "kinematics",
     "load",
+    "modes",
     "open_result",
+    "response",
     "simulate",
+    "sweep",
 ]
 
 _HOMES = {
@@ -70,6 +85,19 @@ _HOMES = {
         "UnfinishedWarning",
         "VehicledynError",
     ),
+    "vehicledyn.interface.comparing": ("compare",),
+    "vehicledyn.interface.contacts": ("contact_geometry",),
+    "vehicledyn.interface.hunting": ("hunt",),
+    "vehicledyn.interface.linear": (
+        "equilibrium",
+        "modes",
+        "response",
+    ),
+    "vehicledyn.interface.mechanism": (
+        "inverse",
+        "kinematics",
+    ),
+    "vehicledyn.interface.studies": ("sweep",),
     "vehicledyn.interface.loading": ("load",),
     "vehicledyn.interface.simulation": ("simulate",),
     "vehicledyn.multibody.model.bodies": ("Body", "Joint", "Turn"),

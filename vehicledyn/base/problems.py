@@ -27,7 +27,7 @@ MOST_SHOWN = 20
 class Problem(NamedTuple):
     """One thing that is wrong in a file, or in an option that changes what the file says.
 
-    ``source`` is the file's name or the option (``--set key``), ``mark`` is None for an option
+    ``source`` is the file's name or the option that changed it, ``mark`` is None for an option
     and ``field`` is the dotted name of the value, empty where the message is enough.
     """
 

@@ -126,39 +126,18 @@ def compare(
     as_json: Json = False,
 ) -> None:
     """Compare a result file with a reference; exit code 0 if equal within tolerance, else 1."""
-    from vehicledyn.results.compare.linear_compare import compare_linear, other_kinds
-    from vehicledyn.results.compare.run_compare import compare_files
-    from vehicledyn.results.compare.study_compare import compare_studies
-    from vehicledyn.results.compare.tolerances import Tolerances
-    from vehicledyn.results.plots.linear_results import is_linear
-    from vehicledyn.results.store.study_reader import is_study_file
+    from vehicledyn.results.compare.any_compare import compare_results
 
-    by_channel = tolerance_of_channels(tolerances or [])
-    if is_linear(reference) or other_kinds(result, reference):
-        compare_other = compare_linear
-    elif is_study_file(reference):
-        compare_other = compare_studies
-    else:
-        compare_other = None
-    if compare_other is not None:
-        comparison = compare_other(
-            result,
-            reference,
-            tolerances=Tolerances(relative, absolute, by_channel),
-            channels=channels or None,
-            allow_missing=allow_missing,
-        )
-    else:
-        comparison = compare_files(
-            result,
-            reference,
-            relative=relative,
-            absolute=absolute,
-            channel_tolerances=by_channel,
-            channels=channels or None,
-            allow_missing=allow_missing,
-            interpolate=interpolate,
-        )
+    comparison = compare_results(
+        result,
+        reference,
+        relative=relative,
+        absolute=absolute,
+        channel_tolerances=tolerance_of_channels(tolerances or []),
+        channels=channels or None,
+        allow_missing=allow_missing,
+        interpolate=interpolate,
+    )
     if junit is not None:
         write_text(junit, comparison.as_junit())
     emit_report(comparison, as_json=as_json)

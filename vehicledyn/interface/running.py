@@ -48,7 +48,7 @@ class ResultPlace:
 
 
 @contextmanager
-def result_place(save_to: str | Path | None, name: str = "result") -> Iterator[ResultPlace]:
+def result_place(save_to: str | Path | None, *, may_exist: bool = False) -> Iterator[ResultPlace]:
     """Give the place of a result.
 
     Raises
@@ -58,10 +58,10 @@ def result_place(save_to: str | Path | None, name: str = "result") -> Iterator[R
     """
     if save_to is None:
         folder = Path(tempfile.mkdtemp(prefix="vehicledyn-"))
-        place = ResultPlace(folder, folder / f"{name}.h5")
+        place = ResultPlace(folder, folder / "result.h5")
     else:
         path = Path(save_to)
-        if path.exists():
+        if path.exists() and not may_exist:
             raise InputError(f"{given('save_to', str(path))}: exists; choose another path")
         check_output(path)
         place = ResultPlace(None, path)

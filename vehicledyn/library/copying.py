@@ -36,7 +36,7 @@ def copy_entry(entry: Entry, folder: Path) -> list[Path]:
     taken = [str(copy) for copy in copies if copy.exists() or copy.is_symlink()]
     if taken:
         exist = f"{', '.join(taken)} exist" + ("s" if len(taken) == 1 else "")
-        raise InputError(f"{exist} already, so nothing was copied; give another folder with -o")
+        raise InputError(f"{exist} already, so nothing was copied; give another folder")
     for copy, source in copies.items():
         try:
             copy.parent.mkdir(parents=True, exist_ok=True)

@@ -17,6 +17,7 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
+from vehicledyn.base.argument_names import given
 from vehicledyn.base.errors import InputError, MissingPartError, NumericalError, VehicledynError
 from vehicledyn.base.ownership import writable_by_others
 from vehicledyn.studies.block import Work, compute_remotely, set_up
@@ -44,7 +45,8 @@ class ClusterAddress:
         """Refuse connections that anyone on the network could join."""
         if not self.scheduler.startswith("tls://"):
             raise InputError(
-                f"--scheduler {self.scheduler}: write tls://HOST:PORT; without TLS anybody who "
+                f"{given('scheduler', self.scheduler)}: write tls://HOST:PORT; without TLS "
+                "anybody who "
                 "reaches the scheduler can run programs as you (see docs/sweeps.md)"
             )
 
@@ -70,10 +72,10 @@ class ClusterAddress:
     def _checked(self, name: str) -> Path:
         path = self.certificates / name
         if not path.is_file():
-            raise InputError(f"--tls {self.certificates}: there is no file {name}")
+            raise InputError(f"{given('tls', str(self.certificates))}: there is no file {name}")
         reason = writable_by_others(path)
         if reason:
-            raise InputError(f"--tls {self.certificates}: {reason}")
+            raise InputError(f"{given('tls', str(self.certificates))}: {reason}")
         if name == "key.pem" and hasattr(os, "geteuid") and path.stat().st_mode & 0o077:
             raise InputError(f"{path}: others can read this key; run chmod 600 on it")
         return path
@@ -213,7 +215,7 @@ def open_cluster(work: Work, address: ClusterAddress) -> Iterator[Cluster]:
         client = Client(address.scheduler, security=address.security(), timeout=_CONNECT_SECONDS)
     except (OSError, ValueError, TimeoutError) as error:
         raise InputError(
-            f"--scheduler {address.scheduler}: no scheduler answers there that trusts the "
+            f"{given('scheduler', address.scheduler)}: no scheduler answers there that trusts the "
             f"certificates in {address.certificates} ({type(error).__name__})"
         ) from None
     try:

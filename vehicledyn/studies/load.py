@@ -108,19 +108,40 @@ def load_study(path: Path, overrides: Sequence[str] = ()) -> LoadedStudy:
     InputError
         If anything is wrong; one line for each problem, those of the scenario included.
     """
-    document = read_yaml(path)
+    return study_of(read_yaml(path), path, overrides)
+
+
+def study_of(
+    document: Document,
+    path: Path,
+    overrides: Sequence[str] = (),
+    documents: dict[str, Document] | None = None,
+) -> LoadedStudy:
+    """Return the study of a document that was read; ``documents`` are files that are not read.
+
+    Raises
+    ------
+    InputError
+        As :func:`load_study`.
+    """
     if not isinstance(document.data, dict):
         words = f"the file holds {describe(document.data)}; a study is a mapping"
         problem = Problem(document.name, START, "file", f"{words} with title, scenario and cases")
         raise refusal([*document.problems, problem], document.name)
-    return _Reading(document, path, overrides).load()
+    return _Reading(document, path, overrides, documents or {}).load()
 
 
 class _Reading:
     """The steps of reading one study, and the problems they find."""
 
-    def __init__(self, document: Document, path: Path, overrides: Sequence[str]) -> None:
-        self.document, self.path = document, path
+    def __init__(
+        self,
+        document: Document,
+        path: Path,
+        overrides: Sequence[str],
+        documents: dict[str, Document],
+    ) -> None:
+        self.document, self.path, self.documents = document, path, documents
         self.data, self.sources = copy.deepcopy(document.data), Sources(document)
         self.problems = list(document.problems)
         self.outside: list[Change] = []
@@ -138,7 +159,7 @@ class _Reading:
         study = self._study()
         columns, problems = read_columns(study, self.path, self.sources)
         self.problems += problems
-        recipe = Recipe(self.path.parent / study.scenario, self._changes(study), ())
+        recipe = Recipe(self.path.parent / study.scenario, self._changes(study), (), self.documents)
         base = self._base(recipe)
         self._check_keys(columns)
         self._refuse()

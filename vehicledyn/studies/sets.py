@@ -26,7 +26,7 @@ _COUNTED: dict[str, Any] = {
     "properties": {**_SPAN["properties"], "count": {"type": "integer", "minimum": 1}},
     "required": ["from", "to", "count"],
 }
-_VARY = "Keys of the scenario as with --set, each with"
+_VARY = "Dotted keys of the scenario, each with"
 
 
 class StudyCases(ParameterSet):
@@ -103,7 +103,7 @@ class Study(ParameterSet):
     description: str = Field(default="", description="More about the study, for people")
     scenario: str = Field(description="Scenario file, beside this one")
     set: dict[str, Any] = Field(
-        default_factory=dict, description="Changes of the scenario for all cases, as with --set"
+        default_factory=dict, description="Changes of the scenario for all cases, by dotted keys"
     )
     cases: StudyCases = part("cases", "What varies from case to case")
     output: StudyOutput = Field(

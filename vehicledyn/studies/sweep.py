@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 
 from vehicledyn.analyses.preparation.prepared import Progress
+from vehicledyn.base.argument_names import argument
 from vehicledyn.base.errors import InputError, NumericalError
 from vehicledyn.base.processors import cores
 from vehicledyn.kernel.kernel import Backend
@@ -200,7 +201,7 @@ class _Run:
             done = total - int((self.writer.status == PENDING).sum())
             self.messages.append(
                 f"{message}; {done} of {total} cases are kept in {self.writer.path.name}, "
-                "go on with --resume"
+                f"go on with {argument('resume')}"
             )
         self.writer.close(self.status, message)
 
@@ -266,7 +267,7 @@ def _refuse_output(output: Path, *, may_exist: bool) -> None:
     check_output(output)
     if output.exists() and not may_exist:
         raise InputError(
-            f"{output}: exists; go on with it by --resume, or choose another output with -o"
+            f"{output}: exists; go on with it by {argument('resume')}, or choose another output"
         )
 
 

@@ -42,17 +42,17 @@ def study(settings, target=None, tmp_path=None, **more):
     ("settings", "message"),
     [
         (HuntSettings("sped", "20 m/s", "30 m/s"), "did you mean 'speed'"),
-        (HuntSettings("speed", "20 kg", "30 m/s"), "--from 20 kg"),
+        (HuntSettings("speed", "20 kg", "30 m/s"), "first='20 kg'"),
         (HuntSettings("speed", "30 m/s", "20 m/s"), "must be below the last; exchange them"),
         (HuntSettings("speed", "30 m/s", "108 km/h"), "they are equal: 'eig' looks at a single"),
-        (HuntSettings("speed", "0 m/s", "20 m/s"), "--from 0 m/s: a speed of zero.* begin above"),
-        (HuntSettings("speed", "-5 m/s", "20 m/s"), "--from -5 m/s: a speed of zero or below"),
+        (HuntSettings("speed", "0 m/s", "20 m/s"), "first='0 m/s': a speed of zero.* begin above"),
+        (HuntSettings("speed", "-5 m/s", "20 m/s"), "first='-5 m/s': a speed of zero or below"),
         (HuntSettings("speed", 20.0, float("inf")), "must be finite"),
-        (HuntSettings("speed", 20.0, 30.0, points=1), "--points"),
-        (HuntSettings("speed", 20.0, 30.0, amplitude=0.0), "--amplitude"),
+        (HuntSettings("speed", 20.0, 30.0, points=1), "points must be"),
+        (HuntSettings("speed", 20.0, 30.0, amplitude=0.0), "amplitude and"),
         (HuntSettings("speed", 20.0, 30.0, channels=("wheelset.yow",)), "wheelset.yaw"),
-        (HuntSettings("speed", 20.0, 30.0, simulated="5 m"), "--simulated 5 m"),
-        (HuntSettings("speed", 20.0, 30.0, simulated="0 s"), "--simulated 0 s: must be above zero"),
+        (HuntSettings("speed", 20.0, 30.0, simulated="5 m"), "simulated='5 m'"),
+        (HuntSettings("speed", 20.0, 30.0, simulated="0 s"), "simulated='0 s': must be above zero"),
     ],
 )
 def test_what_is_refused(settings, message):
@@ -286,7 +286,7 @@ def test_angles_of_wheels_that_roll_are_no_channels():
     names = [channel.name for channel in study(settings, target).table.channels]
     assert "wheelset.spin" not in names and "wheelset.lateral" in names
     chosen = HuntSettings("speed", 10.0, 12.0, channels=("wheelset.spin",))
-    with pytest.raises(InputError, match=r"--channel wheelset\.spin: .* set apart"):
+    with pytest.raises(InputError, match=r"channels='wheelset\.spin': .* set apart"):
         study(chosen, target)
 
 

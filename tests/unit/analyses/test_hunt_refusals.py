@@ -25,8 +25,8 @@ def _no_derivation(monkeypatch):
 @pytest.mark.parametrize(
     ("parameter", "last", "told"),
     [
-        ("sped", "30 m/s", "--parameter sped: .* did you mean 'speed'"),
-        ("speed", "30 kg", "--to 30 kg: .* wrong unit"),
+        ("sped", "30 m/s", "parameter='sped': .* did you mean 'speed'"),
+        ("speed", "30 kg", "last='30 kg': .* wrong unit"),
         ("speed", "5 m/s", "the first must be below the last"),
         ("speed", "30 m/s", "the track of 'frame.track_frame' changes on the way"),
     ],

@@ -77,7 +77,7 @@ def test_a_speed_that_is_none_of_the_system_is_refused(verb):
     """The bicycle's speed is its parameter forward_speed; at another one nothing would change."""
     target = load_model(str(SYSTEMS / "bicycle.yaml"))
     told = {"backend": "interpreted", "progress": lambda *_: None}
-    with pytest.raises(InputError, match="--speed: nothing in 'bicycle' depends on a speed"):
+    with pytest.raises(InputError, match="speed: nothing in 'bicycle' depends on a speed"):
         if verb == "equilibrium":
             find_equilibrium(target, speed=3.0, **told)
         elif verb == "eig":
@@ -88,7 +88,7 @@ def test_a_speed_that_is_none_of_the_system_is_refused(verb):
 
 def test_a_parameter_of_the_start_alone_is_refused(tmp_path):
     target = cart(tmp_path, "does nothing", "0 N")
-    with pytest.raises(InputError, match=r"--parameter aside: .*it changes the start alone"):
+    with pytest.raises(InputError, match=r"parameter='aside': .*it changes the start alone"):
         study(target, "aside", 0.0, 0.2)
 
 

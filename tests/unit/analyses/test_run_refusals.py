@@ -50,7 +50,7 @@ def test_solver_that_cannot_treat_the_model_leaves_an_older_result(scenario, tmp
 
 def test_place_for_figures_is_checked_before_the_run(scenario, tmp_path):
     output = tmp_path / "result.h5"
-    with pytest.raises(InputError, match="is a file; choose another folder with --plots"):
+    with pytest.raises(InputError, match="is a file; choose another folder"):
         run(scenario, output, plots=scenario)
     assert not output.exists()
 

@@ -76,7 +76,7 @@ def test_modes_about_a_start_that_is_asked_for():
     )
     assert static.speeds[0].remark == ""
     assert "the reference motion is not steady" in nominal.speeds[0].remark
-    with pytest.raises(InputError, match="--start steady: is for vehicles"):
+    with pytest.raises(InputError, match="start='steady': is for vehicles"):
         find_modes(target, speeds=[], start="steady", backend="interpreted", progress=quiet)
 
 

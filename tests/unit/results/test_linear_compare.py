@@ -70,7 +70,7 @@ def test_other_numbers_of_cycles_and_other_endings(reference, tmp_path):
     found = compared(path, reference, study(status="partial"))
     assert found.exit_code == 1 and "partial, the reference is ok" in found.as_text()
     found = compared(path, reference, study(status="running"))
-    assert found.exit_code == 2 and "--resume" in found.as_text()
+    assert found.exit_code == 2 and "resume" in found.as_text()
 
 
 def test_only_what_is_chosen(reference, tmp_path):

@@ -153,7 +153,7 @@ def test_lanes_blocks_and_resuming_change_nothing(tmp_path, study, monkeypatch):
     outcome = swept(study, tmp_path / "parts.h5")
     assert (outcome.status, outcome.exit_code) == ("interrupted", 130)
     assert outcome.counts == {"done": 16, "failed": 0, "ended": 0, "pending": 8}
-    assert "16 of 24 cases are kept in parts.h5, go on with --resume" in "\n".join(outcome.messages)
+    assert "16 of 24 cases are kept in parts.h5, go on with resume" in "\n".join(outcome.messages)
     outcome = swept(study, tmp_path / "parts.h5", resume=True)
     assert (outcome.status, outcome.exit_code) == ("ok", 0)
     assert sorted(k for span in calls for k in span) == list(range(24))  # nothing twice
@@ -236,7 +236,7 @@ def test_another_program_cannot_go_on_in_a_file(tmp_path, study, monkeypatch):
 
 def test_files_that_exist_or_cannot_be_written(tmp_path, study):
     path = swept(study, tmp_path / "out.h5", "cases.number=2").path
-    with pytest.raises(InputError, match="exists; go on with it by --resume"):
+    with pytest.raises(InputError, match="exists; go on with it by resume"):
         swept(study, path, "cases.number=2")
     other = tmp_path / "text.h5"
     other.write_text("no result", encoding="utf-8")
@@ -271,7 +271,7 @@ def test_a_full_disk_loses_nothing(tmp_path, study, monkeypatch):
             swept(study, path, resume=True)
         except InputError as error:
             assert "No space left on device" in str(error)
-            assert "go on with --resume" in str(error)
+            assert "go on with resume" in str(error)
     limit[0] = 0
     assert swept(study, path, resume=True).counts["done"] == 24
     same(whole, path)

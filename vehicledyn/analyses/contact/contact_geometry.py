@@ -17,6 +17,7 @@ from vehicledyn.analyses.contact.contact_curves import (
     standings,
 )
 from vehicledyn.analyses.contact.contact_report import ContactReport
+from vehicledyn.base.argument_names import argument, given
 from vehicledyn.base.errors import InputError
 from vehicledyn.rail.geometry.contact_geometry import Touch, Wheel, place_rail
 from vehicledyn.rail.geometry.gauge_fit import check_fit
@@ -89,7 +90,8 @@ def find_contact_geometry(
         check_fit(wheelset, wish.gauge)
     except InputError as error:
         raise InputError(
-            f"{error}; --back-to-back {1e3 * wish.back_to_back:g} and --flange-back "
+            f"{error}; {given('back_to_back', 1e3 * wish.back_to_back)} and "
+            f"{argument('flange_back')} "
             f"{1e3 * wish.flange_back:g} are taken: give what belongs to the gauge, in mm"
         ) from None
     progress("finding contact points")

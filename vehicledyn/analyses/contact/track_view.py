@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from vehicledyn.base.argument_names import argument
 from vehicledyn.base.errors import InputError
 from vehicledyn.base.problems import START, Problem, refusal
 from vehicledyn.base.slope_text import slope_text
@@ -102,7 +103,9 @@ def view_track(
     first, last = track.ends
     step = _even(max(last - first, 1.0) / _ROWS) if every is None else every
     if not step > 0.0 or (last - first) / step > 1e6:
-        raise InputError(f"--every: {step:g} m does not go with a track of {last - first:g} m")
+        raise InputError(
+            f"{argument('every')}: {step:g} m does not go with a track of {last - first:g} m"
+        )
     places = np.unique(np.append(np.arange(first, last, step), last))
     table = _table(path, track, kind, places, speed)
     if output is not None:

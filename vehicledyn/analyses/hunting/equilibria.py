@@ -22,6 +22,7 @@ from vehicledyn.analyse.periodic.critical import (
 from vehicledyn.analyses.hunting.parameter_starts import ParameterStarts
 from vehicledyn.analyses.hunting.start import balanced_point
 from vehicledyn.analyses.preparation.prepared import Prepared, Progress
+from vehicledyn.base.argument_names import given
 from vehicledyn.base.errors import InputError, NumericalError
 from vehicledyn.base.units import shown
 from vehicledyn.files.scenario import LoadedScenario
@@ -134,11 +135,13 @@ class Equilibria:
         name = self.starts.name
         if not self._starts_differ:
             raise InputError(
-                f"--parameter {name}: neither the equations nor the start depend on it; vary "
+                f"{given('parameter', name)}: neither the equations nor the start depend on "
+                "it; vary "
                 "another parameter"
             )
         raise InputError(
-            f"--parameter {name}: it changes the start alone, and the steady motion found near the "
+            f"{given('parameter', name)}: it changes the start alone, and the steady motion "
+            "found near the "
             "start is the same at every value; vary another parameter, or start from the steady "
             "motion itself, without disturbances in 'initial'"
         )

@@ -13,6 +13,7 @@ from typing import Self
 
 from vehicledyn.analyses.hunting.start import HuntSettings
 from vehicledyn.analyses.preparation.prepared import Prepared
+from vehicledyn.base.argument_names import argument
 from vehicledyn.base.errors import InputError
 from vehicledyn.base.version import VERSION
 from vehicledyn.codegen.toolchain.fingerprint import fingerprint
@@ -52,7 +53,8 @@ def finished(output: Path, identity: str) -> HuntTable | None:
     if table.identity != identity:
         raise InputError(
             f"{output}: holds another study: the model, the options or the version of the program "
-            "differ; start anew without --resume, choose another -o, or undo the change"
+            f"differ; start anew without {argument('resume')}, choose another output, or "
+            "undo the change"
         )
     return table if table.is_finished else None
 

@@ -17,6 +17,7 @@ from vehicledyn.analyse.settling.settling import Ending
 from vehicledyn.analyse.settling.simulated_cycles import Runner, Settled
 from vehicledyn.analyses.hunting.branch_matching import Legs
 from vehicledyn.analyses.preparation.prepared import Progress
+from vehicledyn.base.argument_names import argument
 from vehicledyn.base.units import shown
 
 _RESOLUTION = 2e-4
@@ -80,7 +81,7 @@ class Check:
             place = f" at {self._value(self.found[-1].value)}" if self.found else ""
             self.messages.append(
                 f"the check by lowering {self._name} in simulations ends{place}: {lowered.reason}; "
-                "--simulated allows more"
+                f"{argument('simulated')} allows more"
             )
 
     def keep(self) -> None:
@@ -108,7 +109,8 @@ class Check:
             told = ", ".join(f"{v:.6g}" for v in dict.fromkeys(left))
             self.messages.append(
                 f"stable cycles at {self._name} = {told} are not simulated: "
-                f"{self.runner.spent:.3g} s of motion are, as many as are allowed; --simulated "
+                f"{self.runner.spent:.3g} s of motion are, as many as are allowed; "
+                f"{argument('simulated')} "
                 "allows more"
             )
 

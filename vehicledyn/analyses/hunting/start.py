@@ -13,6 +13,7 @@ from vehicledyn.analyses.hunting.parameter_starts import ParameterStarts
 from vehicledyn.analyses.preparation.build_model import Target
 from vehicledyn.analyses.preparation.prepare import Point, reference_point
 from vehicledyn.analyses.preparation.prepared import Prepared
+from vehicledyn.base.argument_names import argument, given
 from vehicledyn.base.errors import InputError, NumericalError, nearest_name, unknown_name
 from vehicledyn.base.units import to_si
 from vehicledyn.files.scenario import LoadedScenario, Scenario
@@ -65,9 +66,12 @@ def check_settings(settings: HuntSettings) -> None:
     """Refuse numbers that make no study."""
     s = settings
     if (s.points is not None and s.points < 2) or s.intervals < 5:
-        raise InputError("--points must be at least 2, and --intervals at least 5")
+        few = f"{argument('points')} must be at least 2, and {argument('intervals')} at least 5"
+        raise InputError(few)
     if not (s.amplitude > 0.0 and s.disturbance > 0.0):
-        raise InputError("--amplitude and --disturbance must be above zero")
+        raise InputError(
+            f"{argument('amplitude')} and {argument('disturbance')} must be above zero"
+        )
     simulated_seconds(s)
 
 
@@ -78,9 +82,10 @@ def simulated_seconds(settings: HuntSettings) -> float | None:
     try:
         seconds = to_si(settings.simulated, "s")
     except InputError as error:
-        raise InputError(f"--simulated {settings.simulated}: {error}") from None
+        raise InputError(f"{given('simulated', settings.simulated)}: {error}") from None
     if not (math.isfinite(seconds) and seconds > 0.0):
-        raise InputError(f"--simulated {settings.simulated}: must be above zero, such as '100 s'")
+        words = f"{given('simulated', settings.simulated)}: must be above zero"
+        raise InputError(f"{words}, such as '100 s'")
     return seconds
 
 
@@ -91,7 +96,7 @@ def parameter_index(names: Sequence[str], name: str, model: str) -> int:
     guess = nearest_name(name, names)
     hint = f"; did you mean '{guess}'?" if guess else ""
     raise InputError(
-        f"--parameter {name}: '{model}' has no parameter of this name{hint} "
+        f"{given('parameter', name)}: '{model}' has no parameter of this name{hint} "
         "(a speed is one only where the model prescribes it); 'models show' lists them"
     )
 
@@ -99,13 +104,13 @@ def parameter_index(names: Sequence[str], name: str, model: str) -> int:
 def span_of(unit: str, settings: HuntSettings) -> tuple[float, float]:
     """Return the range of a parameter of a unit, in SI."""
     values = []
-    for option, given in (("--from", settings.first), ("--to", settings.last)):
+    for name, value in (("first", settings.first), ("last", settings.last)):
         try:
-            values.append(to_si(given, unit))
+            values.append(to_si(value, unit))
         except InputError as error:
-            raise InputError(f"{option} {given}: {error}") from None
+            raise InputError(f"{given(name, value)}: {error}") from None
     low, high = values
-    asked = f"--from {settings.first} --to {settings.last}"
+    asked = f"{given('first', settings.first)} {given('last', settings.last)}"
     if not (math.isfinite(low) and math.isfinite(high)):
         raise InputError(f"{asked}: both must be finite")
     if not low < high:
@@ -113,8 +118,9 @@ def span_of(unit: str, settings: HuntSettings) -> tuple[float, float]:
         raise InputError(f"{asked}: the first must be below the last; {hint}")
     if settings.parameter.rpartition(".")[2] == SPEED and low <= 0.0:
         raise InputError(
-            f"--from {settings.first}: a {settings.parameter} of zero or below is none to roll at, "
-            f"creepages are divided by it; begin above zero, such as --from '{_LOW_SPEED:g} m/s'"
+            f"{given('first', settings.first)}: a {settings.parameter} of zero or below is none to "
+            "roll at, creepages are divided by it; begin above zero, such as "
+            f"{argument('first')} '{_LOW_SPEED:g} m/s'"
         )
     return low, high
 
@@ -130,10 +136,12 @@ def watched_channels(
     apart = {s.name for k, s in enumerate(prepared.equations.states) if k not in model.kept}
     for name in wanted:
         if name not in names:
-            raise InputError(f"--channel {unknown_name('channel', name, names)}")
+            raise InputError(f"{argument('channels')} {unknown_name('channel', name, names)}")
         if name in apart:
             raise InputError(
-                f"--channel {name}: no rate depends on it, so it is set apart and goes on for ever "
+                f"{given('channels', name)}: no rate depends on it, so it is set apart and "
+                "goes on for "
+                "ever "
                 "instead of repeating; watch its rate or another coordinate"
             )
     chosen = list(wanted)
@@ -143,7 +151,7 @@ def watched_channels(
         states = {s.name for s in prepared.equations.states}
         chosen = [n for n in joints if n in states][:_MOST_CHANNELS] or joints[:_MOST_CHANNELS]
     if not chosen:
-        raise InputError("--channel: missing: name a channel to watch")
+        raise InputError(f"{argument('channels')}: missing: name a channel to watch")
     return [names.index(name) for name in dict.fromkeys(chosen)]
 
 

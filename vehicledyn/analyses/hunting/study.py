@@ -40,6 +40,7 @@ from vehicledyn.analyses.hunting.symmetry_broken_branches import Secondary
 from vehicledyn.analyses.preparation.build_model import Target
 from vehicledyn.analyses.preparation.prepared import Prepared, Progress
 from vehicledyn.analyses.preparation.sources import laws_that_bend
+from vehicledyn.base.argument_names import argument
 from vehicledyn.base.errors import NumericalError
 from vehicledyn.base.units import shown
 from vehicledyn.files.scenario import LoadedScenario
@@ -139,7 +140,7 @@ class Study:
                 self._cycles()
                 self._simulations()
         except KeyboardInterrupt:
-            words = "stopped by the user; what was found is kept, --resume goes on"
+            words = f"stopped by the user; what was found is kept, {argument('resume')} goes on"
             self._ended("interrupted", 130, words)
         except NumericalError as error:
             if not self.balances:
@@ -285,7 +286,8 @@ class Study:
             self._ended("partial", 3, f"{name}: {branch.reason}")
         if branch.ending == "points":
             self.messages.append(
-                f"{name}: {branch.reason}; it goes on: raise --points, {budget.points} here (a "
+                f"{name}: {branch.reason}; it goes on: raise {argument('points')}, "
+                f"{budget.points} here (a "
                 f"cycle is expected to take {budget.each:.1g} s)"
             )
         return branch

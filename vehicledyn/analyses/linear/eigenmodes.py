@@ -17,6 +17,7 @@ from vehicledyn.analyses.preparation.own_speed import at_speed, refuse_idle_spee
 from vehicledyn.analyses.preparation.prepare import Start, prepare, reference_start, start_point
 from vehicledyn.analyses.preparation.prepared import Prepared, Progress
 from vehicledyn.analyses.preparation.steadiness import unsteadiness
+from vehicledyn.base.argument_names import given
 from vehicledyn.base.errors import InputError
 from vehicledyn.base.units import shown
 from vehicledyn.files.scenario import LoadedScenario
@@ -94,7 +95,7 @@ def find_modes(
             before = variant
         own = _empty_table(prepared, variant)
         if found and own.states != table.states:
-            raise InputError(f"--set {setting}: changes which states the model has")
+            raise InputError(f"{given('cases', setting)}: changes which states the model has")
         table = table if found else own
         has_speed = speed_matters(prepared.subject)
         place = f" at {shown(speed, 'm/s')}" if has_speed else ""
@@ -152,7 +153,7 @@ def _checked(prepared: Prepared, wanted: Start, speed: float) -> Start:
     if wanted != "steady":
         return wanted
     if prepared.subject.usual_start != "steady":
-        raise InputError("--start steady: is for vehicles; take 'nominal' or 'static'")
+        raise InputError(f"{given('start', 'steady')}: is for vehicles; take 'nominal' or 'static'")
     return "steady" if speed > 0.0 else "static"
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -16,6 +17,9 @@ from vehicledyn.analyses.preparation.prepared import Prepared, Progress
 from vehicledyn.base.units import shown
 from vehicledyn.files.scenario import LoadedScenario
 from vehicledyn.kernel.kernel import Backend
+from vehicledyn.results.hdf5.output import check_output
+from vehicledyn.results.store.linear_file import Quantity
+from vehicledyn.results.tables.equilibrium_table import EquilibriumTable, write_equilibrium
 
 _FORCE_UNITS = ("N", "N*m")
 _SMALL = 5e-10
@@ -29,6 +33,7 @@ class Row:
     unit: str
     nominal: float
     equilibrium: float
+    description: str = ""
 
 
 @dataclass(frozen=True)
@@ -82,9 +87,30 @@ class EquilibriumReport:
             "forces": table(self.forces),
         }
 
+    def as_table(self) -> EquilibriumTable:
+        """Return the report as a result file holds it."""
+        values = [[[r.nominal for r in rows], [r.equilibrium for r in rows]] for rows in self._rows]
+        names = [
+            tuple(Quantity(r.name, r.unit, r.description) for r in rows) for rows in self._rows
+        ]
+        verdict = self.stability.verdict
+        head = (f"{self.kind.capitalize()} equilibrium", self.model, self.kind)
+        return EquilibriumTable(
+            *head, self.speed, self.residual, verdict, names[0], values[0], names[1], values[1]
+        )
+
+    @property
+    def _rows(self) -> tuple[list[Row], list[Row]]:
+        return self.coordinates, self.forces
+
 
 def find_equilibrium(
-    target: Target, *, speed: float | None, backend: Backend, progress: Progress
+    target: Target,
+    *,
+    speed: float | None,
+    backend: Backend,
+    progress: Progress,
+    output: Path | None = None,
 ) -> EquilibriumReport:
     """Return the equilibrium of a vehicle, or of a system at rest.
 
@@ -96,12 +122,16 @@ def find_equilibrium(
         Forward speed [m/s]; None for a model that stands, or for the start of a scenario.
     backend, progress
         As for a run.
+    output
+        Result file to write.
 
     Raises
     ------
     NumericalError
         If there is no equilibrium; the message names what stays unbalanced.
     """
+    if output is not None:
+        check_output(output)
     is_own = own_speed(target) is not None
     target, speed = at_speed(target, speed)
     check = refuse_idle_speed if speed else None
@@ -125,9 +155,12 @@ def find_equilibrium(
     stability = stability_of(prepared, point)
     coordinates, forces = _tables(prepared, nominal, balanced)
     told = 0.0 if is_still else wanted
-    return EquilibriumReport(
+    report = EquilibriumReport(
         prepared.equations.name, told, kind, point.residual, coordinates, forces, stability
     )
+    if output is not None:
+        write_equilibrium(output, report.as_table())
+    return report
 
 
 def _still(prepared: Prepared, point: Point) -> Point:
@@ -150,7 +183,7 @@ def _tables(
     e = prepared.equations
     coordinates = {s.name for s in (*(e.states[k] for k in e.positions), *e.unknowns)}
     rows = [
-        Row(c.name, c.unit, float(a), float(b))
+        Row(c.name, c.unit, float(a), float(b), c.description)
         for c, a, b in zip(e.channels, nominal, balanced, strict=True)
     ]
     return (

@@ -7,6 +7,7 @@ from typing import Any, Literal
 
 import numpy as np
 
+from vehicledyn.base.argument_names import given
 from vehicledyn.base.errors import InputError
 
 MOST_POINTS = 100_000
@@ -31,11 +32,12 @@ class FrequencyGrid:
         """Check the range."""
         if not 0.0 < self.first < self.last < float("inf"):
             raise InputError(
-                f"--from {self.first:g} --to {self.last:g}: give a range of frequencies "
+                f"{given('first', self.first)} {given('last', self.last)}: give a range of "
+                "frequencies "
                 "above zero, the lower one first"
             )
         if not 2 <= self.points <= MOST_POINTS:
-            raise InputError(f"--points {self.points}: give from 2 to {MOST_POINTS} points")
+            raise InputError(f"{given('points', self.points)}: give from 2 to {MOST_POINTS} points")
 
     def frequencies(self) -> Any:
         """Return the frequencies, shape (points,) [Hz]."""

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from vehicledyn.analyses.preparation.runnable import Subject
+from vehicledyn.base.argument_names import given
 from vehicledyn.base.errors import InputError, nearest_name
 from vehicledyn.multibody.elements.coordinate_forces import CoordinateForce
 from vehicledyn.multibody.elements.external_wrenches import ExternalWrench
@@ -70,7 +71,7 @@ def wheels_of(subject: Subject, name: str, which: str) -> list[RoadWheel]:
     """
     wheels = [part for part in subject.system.parts if isinstance(part, RoadWheel)]
     if not wheels:
-        raise InputError(f"--input {name}: the model has no wheels on a road")
+        raise InputError(f"{given('inputs', name)}: the model has no wheels on a road")
     corners = subject.ports.wheels
     groups = {
         "": {w.name for w in wheels},
@@ -82,7 +83,9 @@ def wheels_of(subject: Subject, name: str, which: str) -> list[RoadWheel]:
     }
     if which not in groups or not groups[which]:
         known = [group for group, names in groups.items() if group and names]
-        raise InputError(f"--input {name}: there is no wheel '{which}'{hint(which, known)}")
+        raise InputError(
+            f"{given('inputs', name)}: there is no wheel '{which}'{hint(which, known)}"
+        )
     return [wheel for wheel in wheels if wheel.name in groups[which]]
 
 
@@ -97,7 +100,7 @@ def joint_of(system: System, name: str, coordinate: str) -> Joint:
     joints = {joint.name: joint for joint in system.joints()}
     if coordinate not in joints:
         told = hint(coordinate, list(joints))
-        raise InputError(f"--input {name}: there is no coordinate '{coordinate}'{told}")
+        raise InputError(f"{given('inputs', name)}: there is no coordinate '{coordinate}'{told}")
     return joints[coordinate]
 
 

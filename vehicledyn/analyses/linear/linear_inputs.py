@@ -20,6 +20,7 @@ from vehicledyn.analyses.linear.input_names import (
     wheels_of,
 )
 from vehicledyn.analyses.preparation.runnable import Subject
+from vehicledyn.base.argument_names import given
 from vehicledyn.base.errors import InputError
 from vehicledyn.multibody.elements.coordinate_forces import CoordinateForce
 from vehicledyn.multibody.elements.drives import TimeLaw
@@ -88,7 +89,7 @@ class Excited:
             return self._parameter(name, name)
         known = known_inputs(self.subject)
         raise InputError(
-            f"--input {name}: the model has no such input{hint(name, known)}; "
+            f"{given('inputs', name)}: the model has no such input{hint(name, known)}; "
             "and force:COORDINATE, wrench:BODY.force_x, parameter:NAME"
         )
 
@@ -131,7 +132,7 @@ class Excited:
         joint = joint_of(self.system, name, coordinate)
         if joint.role != "driven":
             raise InputError(
-                f"--input {name}: '{coordinate}' is free, nothing drives it; use "
+                f"{given('inputs', name)}: '{coordinate}' is free, nothing drives it; use "
                 f"'force:{coordinate}', or drive it ('role: driven' in its joint)"
             )
         signal = self._signal(joint.unit)
@@ -173,7 +174,8 @@ class Excited:
         match = _WRENCH.match(text)
         if match is None:
             raise InputError(
-                f"--input {name}: write wrench:BODY.COMPONENT, with a point of the body if it is "
+                f"{given('inputs', name)}: write wrench:BODY.COMPONENT, with a point of the "
+                "body if it is "
                 f"not the origin, such as wrench:chassis.force_y@0.5,0,0; components: "
                 f"{', '.join(COMPONENTS)}"
             )
@@ -200,14 +202,16 @@ class Excited:
                 return part
         bodies = [body.name for body in self.system.bodies]
         if owner not in bodies:
-            raise InputError(f"--input {name}: there is no body '{owner}'{hint(owner, bodies)}")
+            raise InputError(
+                f"{given('inputs', name)}: there is no body '{owner}'{hint(owner, bodies)}"
+            )
         place = (0.0, 0.0, 0.0)
         if point is not None:
             try:
                 x, y, z = (float(text) for text in point.split(","))
             except ValueError:
                 raise InputError(
-                    f"--input {name}: '@{point}' is no point; write three numbers in m, "
+                    f"{given('inputs', name)}: '@{point}' is no point; write three numbers in m, "
                     "such as @0.5,0,0"
                 ) from None
             place = (x, y, z)
@@ -218,14 +222,15 @@ class Excited:
         entries = {n: e for n, e in entries.items() if not n.startswith(f"{PREFIX}.")}
         if parameter not in entries:
             told = hint(parameter, list(entries))
-            raise InputError(f"--input {name}: there is no parameter '{parameter}'{told}")
+            raise InputError(f"{given('inputs', name)}: there is no parameter '{parameter}'{told}")
         entry = entries[parameter]
         for body in self.system.bodies:
             turns = [ops.flat(item.rotation) for item in body.joints if not isinstance(item, Joint)]
             place = ops.column([*(ops.scalar(v) for v in body.at), *turns])
             if ops.depends_on(place, entry.symbol):
                 raise InputError(
-                    f"--input {name}: the parameter moves body '{body.name}', whose velocity "
+                    f"{given('inputs', name)}: the parameter moves body '{body.name}', "
+                    "whose velocity "
                     "would not follow; put a joint of role 'driven' there and move that"
                 )
         part = InputPart((parameter,))
@@ -265,7 +270,7 @@ class Excited:
     def _unknown(self, name: str) -> InputError:
         known = known_inputs(self.subject)
         return InputError(
-            f"--input {name}: the model has no such input{hint(name, known)} It has "
+            f"{given('inputs', name)}: the model has no such input{hint(name, known)} It has "
             f"{', '.join(known)}; any force:COORDINATE, wrench:BODY.force_x, parameter:NAME"
         )
 

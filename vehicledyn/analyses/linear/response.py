@@ -24,6 +24,7 @@ from vehicledyn.analyses.preparation.prepare import Point, prepare
 from vehicledyn.analyses.preparation.prepared import Derived, Prepared, Progress
 from vehicledyn.analyses.preparation.runnable import Subject
 from vehicledyn.analyses.preparation.steadiness import unsteadiness
+from vehicledyn.base.argument_names import argument, given
 from vehicledyn.base.errors import InputError
 from vehicledyn.files.scenario import LoadedScenario
 from vehicledyn.kernel.derivatives import Derivatives
@@ -236,7 +237,8 @@ def _check_parameters(model: Linearised) -> None:
             ]
             if np.abs(moved).max(initial=0.0) > _MOVES:
                 raise InputError(
-                    f"--input {item.name}: the parameter changes the loops, and their velocity "
+                    f"{given('inputs', item.name)}: the parameter changes the loops, and "
+                    "their velocity "
                     "would not follow; put a joint of role 'driven' there and move that"
                 )
 
@@ -245,14 +247,19 @@ def _check_moving(excited: Excited, speed: float) -> None:
     """Refuse roads as inputs of a vehicle that stands."""
     for item in excited.inputs:
         if speed <= 0.0 and any(part.wheel for part in item.parts):
-            raise InputError(f"--input {item.name}: a road is run over at a speed; give --speed")
+            raise InputError(
+                f"{given('inputs', item.name)}: a road is run over at a speed; give "
+                f"{argument('speed')}"
+            )
 
 
 def _rows(prepared: Derived | Prepared, outputs: Sequence[str]) -> list[int]:
     names = {channel.name: k for k, channel in enumerate(prepared.equations.channels)}
     for name in outputs:
         if name not in names:
-            raise InputError(f"--output {name}: there is no such channel{hint(name, list(names))}")
+            raise InputError(
+                f"{given('outputs', name)}: there is no such channel{hint(name, list(names))}"
+            )
     return [names[name] for name in dict.fromkeys(outputs)]
 
 

@@ -14,6 +14,7 @@ from vehicledyn.analyses.mechanism.inverse import channel_rows
 from vehicledyn.analyses.preparation.build_model import build_subject
 from vehicledyn.analyses.preparation.prepared import Progress
 from vehicledyn.analyses.preparation.prescribed_motion import LawMotion, Motion, read_table
+from vehicledyn.base.argument_names import argument
 from vehicledyn.base.errors import InputError, NumericalError
 from vehicledyn.base.units import shown
 from vehicledyn.files.scenario import LoadedScenario
@@ -172,7 +173,7 @@ def _prepared(
         listed = ", ".join(inverse.coordinates)
         raise InputError(
             f"{loaded.path}: motion: missing: say how {listed} move, by laws or expressions of "
-            "time, or give --motion TABLE"
+            f"time, or give a table as {argument('motion')}"
         )
     return motion, inverse
 

@@ -29,6 +29,7 @@ from vehicledyn.analyses.mechanism.mechanism_path import (
 )
 from vehicledyn.analyses.preparation.build_model import Target, build_subject
 from vehicledyn.analyses.preparation.prepared import Progress
+from vehicledyn.base.argument_names import argument, given
 from vehicledyn.base.errors import InputError
 from vehicledyn.base.ranges import read_range
 from vehicledyn.files.scenario import LoadedScenario
@@ -128,7 +129,8 @@ def _complete(target: Target, wish: Wish) -> Wish:
     section = target.scenario.kinematics if isinstance(target, LoadedScenario) else None
     if section is None:
         raise InputError(
-            "nothing is driven; give --drive COORDINATE=FROM:TO:STEPS, or the section 'kinematics' "
+            f"nothing is driven; give {argument('drives')} with values FROM:TO:STEPS of a "
+            "coordinate, or the section 'kinematics' "
             "of a scenario"
         )
     return Wish(
@@ -201,7 +203,9 @@ class _Book:
         if patterns:
             for pattern in patterns:
                 if not fnmatch.filter(names, pattern):
-                    raise InputError(f"--channel {pattern}: matches no channel of this sweep")
+                    raise InputError(
+                        f"{given('columns', pattern)}: matches no channel of this sweep"
+                    )
             chosen = [
                 k for k, n in enumerate(names) if any(fnmatch.fnmatchcase(n, p) for p in patterns)
             ]

@@ -5,6 +5,7 @@ from __future__ import annotations
 from vehicledyn.analyses.preparation.build_model import Target, system_of
 from vehicledyn.analyses.preparation.prepared import Derived
 from vehicledyn.analyses.preparation.runnable import Subject
+from vehicledyn.base.argument_names import argument
 from vehicledyn.base.errors import InputError
 from vehicledyn.files.scenario import LoadedModel, changed_model, changed_scenario
 
@@ -79,6 +80,7 @@ def refuse_idle_speed(derived: Derived) -> None:
     """Raise InputError if a speed that was given says nothing about a system."""
     if not speed_matters(derived.subject):
         raise InputError(
-            f"--speed: nothing in '{derived.subject.system.name}' depends on a speed of this name; "
-            "set the parameter or the start rate that says how fast it moves, with --set"
+            f"{argument('speed')}: nothing in '{derived.subject.system.name}' depends on a "
+            "speed of this name; "
+            "set the parameter or the start rate that says how fast it moves"
         )

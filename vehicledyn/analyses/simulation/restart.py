@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vehicledyn.analyses.preparation.prepared import Prepared
+from vehicledyn.base.argument_names import argument, setting
 from vehicledyn.base.errors import InputError
 from vehicledyn.files.scenario import LoadedScenario
 from vehicledyn.integrate.accuracy import Accuracy, worst_of
@@ -164,19 +165,19 @@ def _refuse_others(
     if differing:
         raise InputError(
             f"{path}: {what}: its scenario has another {', '.join(differing)}; "
-            "undo that, or run without --restart"
+            f"undo that, or run without {argument('restart')}"
         )
     if result.model_hash != digest or result.state_names != tuple(
         item.name for item in (*e.states, *e.unknowns)
     ):
         raise InputError(
             f"{path}: {what}: its equations or parameters are others than those of "
-            f"{loaded.path}; undo that, or run without --restart"
+            f"{loaded.path}; undo that, or run without {argument('restart')}"
         )
     if result.channels != tuple(names):
         raise InputError(f"{path}: {what}: it holds other channels; undo that in 'output'")
     if not len(result.time):
-        raise InputError(f"{path}: {what}: it has no sample; run without --restart")
+        raise InputError(f"{path}: {what}: it has no sample; run without {argument('restart')}")
     interval = loaded.scenario.output.interval
     grid = interval * np.arange(len(result.time))
     if np.abs(result.time - grid).max() > 1e-6 * interval:
@@ -188,7 +189,7 @@ def _refuse_others(
     if _reaches_end(result, loaded) and (result.has_ended or len(result.time) < 2):
         raise InputError(
             f"{path}: reaches t = {result.time[-1]:.9g} s already; to go on, give a longer "
-            "duration with --set duration=..."
+            f"duration by {setting('duration')}"
         )
 
 

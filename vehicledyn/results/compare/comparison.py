@@ -45,7 +45,7 @@ class ChannelComparison:
         return math.inf if self.difference > 0.0 else 0.0
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Comparison:
     """Outcome of comparing a result with a reference.
 
@@ -80,6 +80,19 @@ class Comparison:
         if self.problems:
             return UNUSABLE
         return DIFFERENT if self.differences or self.failed else EQUAL
+
+    @property
+    def is_equal(self) -> bool:
+        """Whether the result equals the reference within the tolerances."""
+        return self.exit_code == EQUAL
+
+    def __bool__(self) -> bool:
+        """Return the same, for ``assert compare(...)``."""
+        return self.is_equal
+
+    def __repr__(self) -> str:
+        """Return the verdict and the worst channels in lines."""
+        return self.as_text()
 
     @property
     def verdict(self) -> str:

@@ -14,17 +14,25 @@ from typing import Any
 import h5py
 import numpy as np
 
+from vehicledyn.base.argument_names import argument
 from vehicledyn.base.errors import InputError
 from vehicledyn.results.compare.comparison import ChannelComparison, Comparison
 from vehicledyn.results.compare.tolerances import Tolerances
 from vehicledyn.results.store.linear_file import format_of, old_file
-from vehicledyn.results.tables import contact_table, hunt_table, mode_table, response_table
+from vehicledyn.results.tables import (
+    contact_table,
+    equilibrium_table,
+    hunt_table,
+    mode_table,
+    response_table,
+)
 
 KINDS = {
     mode_table.FORMAT: "eigenmodes",
     response_table.FORMAT: "frequency responses",
     contact_table.FORMAT: "contact geometry",
     hunt_table.FORMAT: "a hunting study",
+    equilibrium_table.FORMAT: "an equilibrium",
     "vehicledyn-result": "a run",
     "vehicledyn-study": "a sweep",
 }
@@ -98,7 +106,10 @@ def compare_linear(
 
 def _unfinished(path: Path, kind: str) -> Iterator[str]:
     if kind == hunt_table.FORMAT and not (table := hunt_table.read_hunt(path)).is_finished:
-        yield f"{path}: not a finished study ({table.status}); go on with it by 'hunt --resume'"
+        yield (
+            f"{path}: not a finished study ({table.status}); go on with it by 'hunt "
+            f"{argument('resume')}'"
+        )
 
 
 def _is_chosen(name: str, patterns: Sequence[str] | None) -> bool:

@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 
+from vehicledyn.base.argument_names import argument
 from vehicledyn.base.errors import InputError
 from vehicledyn.results.compare.comparison import ChannelComparison, Comparison
 from vehicledyn.results.compare.tolerances import Tolerances
@@ -48,7 +49,8 @@ def compare_studies(
             except InputError as error:
                 problems.append(str(error))
         problems += [
-            f"{file.path}: not a complete study ({file.state}); go on with it by --resume"
+            f"{file.path}: not a complete study ({file.state}); go on with it by "
+            f"{argument('resume')}"
             for file in files
             if not file.is_whole
         ]

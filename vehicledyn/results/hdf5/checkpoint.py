@@ -13,6 +13,7 @@ import zlib
 from pathlib import Path
 from typing import BinaryIO
 
+from vehicledyn.base.argument_names import argument
 from vehicledyn.base.errors import InputError
 from vehicledyn.results.hdf5.output import write_failed
 
@@ -55,7 +56,9 @@ class Checkpoint:
         self._is_full = False
         begin = _MAGIC + identity.encode() + b"\n"
         if self.path.exists() and not self.path.is_file():
-            raise InputError(f"{self.path}: is not a regular file; remove it or choose another -o")
+            raise InputError(
+                f"{self.path}: is not a regular file; remove it or choose another output"
+            )
         going_on = resume and self.path.exists() and self.path.stat().st_size >= len(begin)
         try:
             self._file: BinaryIO = self.path.open("r+b" if going_on else "w+b", buffering=0)
@@ -118,7 +121,8 @@ class Checkpoint:
         if self._file.read(len(begin)) != begin:
             raise InputError(
                 f"{self.path}: belongs to another computation: the model, the options or the "
-                "version of the program differ; start anew without --resume, or undo the change"
+                f"version of the program differ; start anew without {argument('resume')}, "
+                "or undo the change"
             )
         end, size = len(begin), self.path.stat().st_size
         while end + _HEAD.size <= size:

@@ -33,18 +33,18 @@ def check_output(path: str | Path) -> Path:
     target = Path(path).resolve()
     folder = target.parent
     if target.is_dir():
-        raise InputError(f"{path}: is a folder; give the name of a file in it with -o")
+        raise InputError(f"{path}: is a folder; give the name of a file in it")
     if target.exists() and not target.is_file():
-        raise InputError(f"{path}: is not a regular file; choose another output with -o")
+        raise InputError(f"{path}: is not a regular file; choose another output")
     if not folder.is_dir():
         raise InputError(f"{path}: the folder {folder} does not exist; create it first")
     if not os.access(folder, os.W_OK | os.X_OK):
-        raise InputError(f"{path}: no permission to write in {folder}; choose another with -o")
+        raise InputError(f"{path}: no permission to write in {folder}; choose another")
     if target.exists() and not os.access(target, os.W_OK):
-        raise InputError(f"{path}: exists and is read-only; choose another output with -o")
+        raise InputError(f"{path}: exists and is read-only; choose another output")
     if target.exists() and not _may_be_replaced(target):
         raise InputError(
-            f"{path}: exists and is no HDF5 file, so it is kept; choose another output with -o"
+            f"{path}: exists and is no HDF5 file, so it is kept; choose another output"
         )
     if is_being_written(target):
         raise _busy(target)
@@ -61,13 +61,10 @@ def check_folder(folder: str | Path) -> None:
     """
     target = Path(folder).resolve()
     if target.exists() and not target.is_dir():
-        raise InputError(f"{folder}: is a file; choose another folder with --plots, or --no-plots")
+        raise InputError(f"{folder}: is a file; choose another folder")
     nearest = next(place for place in (target, *target.parents) if place.exists())
     if not nearest.is_dir() or not os.access(nearest, os.W_OK | os.X_OK):
-        raise InputError(
-            f"{folder}: no permission to write in {nearest}; choose another with --plots, "
-            "or --no-plots"
-        )
+        raise InputError(f"{folder}: no permission to write in {nearest}; choose another folder")
 
 
 def write_failed(path: Path, error: Exception, where: str = "") -> InputError:
@@ -86,7 +83,7 @@ def write_failed(path: Path, error: Exception, where: str = "") -> InputError:
     text = match[1] if match else str(getattr(error, "strerror", None) or error)
     full = getattr(error, "errno", None) in (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
     advice = "free some space or choose" if full else "choose"
-    return InputError(f"{path}: cannot be written{where}: {text}; {advice} another output with -o")
+    return InputError(f"{path}: cannot be written{where}: {text}; {advice} another output")
 
 
 def free_space(folder: Path) -> int:
@@ -165,6 +162,4 @@ def _lock_path(target: Path) -> Path:
 
 
 def _busy(target: Path) -> InputError:
-    return InputError(
-        f"{target}: another run is writing this file; wait for it or choose another with -o"
-    )
+    return InputError(f"{target}: another run is writing this file; wait for it or choose another")

@@ -29,15 +29,13 @@ def check_page(target: Path, kind: str) -> None:
         If the folder is missing or not writable, or another file or a folder has the name.
     """
     if target.is_dir():
-        raise InputError(f"{target}: is a folder; give the name of a page in it with -o")
+        raise InputError(f"{target}: is a folder; give the name of a page in it")
     if not target.parent.is_dir():
         raise InputError(f"{target}: the folder {target.parent} does not exist; create it first")
     if not os.access(target.parent, os.W_OK | os.X_OK):
-        raise InputError(f"{target}: no permission to write there; choose another with -o")
+        raise InputError(f"{target}: no permission to write there; choose another")
     if target.exists() and not _is_of_kind(target, kind):
-        raise InputError(
-            f"{target}: exists and is no {kind}, so it is kept; choose another with -o"
-        )
+        raise InputError(f"{target}: exists and is no {kind}, so it is kept; choose another")
 
 
 def write_page(target: Path, text: str) -> None:

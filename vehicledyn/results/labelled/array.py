@@ -111,6 +111,10 @@ class LabelledArray(NDArrayOperatorsMixin):
         plain = [item.values if isinstance(item, LabelledArray) else item for item in inputs]
         return getattr(ufunc, method)(*plain, **kwargs)
 
+    def __float__(self) -> float:
+        """Return the only value as a number."""
+        return float(self.values)
+
     def __getitem__(self, key: Any) -> Any:
         """Return some of the values."""
         return self.values[key]

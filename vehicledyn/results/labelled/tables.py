@@ -16,13 +16,20 @@ from vehicledyn.results.labelled.array import LabelledArray
 from vehicledyn.results.labelled.source import Head, Source
 from vehicledyn.results.store.layout import EventRecord, SummaryEntry
 from vehicledyn.results.store.linear_file import old_file, read_texts
-from vehicledyn.results.tables import contact_table, hunt_table, mode_table, response_table
+from vehicledyn.results.tables import (
+    contact_table,
+    equilibrium_table,
+    hunt_table,
+    mode_table,
+    response_table,
+)
 
 KINDS = {
     mode_table.FORMAT: "modes",
     response_table.FORMAT: "response",
     hunt_table.FORMAT: "hunt",
     contact_table.FORMAT: "contacts",
+    equilibrium_table.FORMAT: "equilibrium",
 }
 """What the formats of these files are called."""
 
@@ -93,7 +100,11 @@ def table_source(path: Path, kind: str) -> Source:
         str(plain.get("message", "")),
         {key: value for key, value in plain.items() if key not in _HEAD},
     )
-    arrays = _stacked(found, path) if kind == mode_table.FORMAT else found
+    arrays = found
+    if kind == mode_table.FORMAT:
+        arrays = _stacked(found, path)
+    elif kind == equilibrium_table.FORMAT:
+        arrays = found | _by_name(path)
     return TableSource(head, {name: a for name, a in arrays.items() if name != "notes"}, notes)
 
 
@@ -146,6 +157,19 @@ def _labels(name: str, dataset: h5py.Dataset) -> tuple[tuple[str, ...], dict[str
         values = _values(scale)
         coords[label] = LabelledArray(label, values, (label,), words["units"], words["long_name"])
     return tuple(dims), coords
+
+
+def _by_name(path: Path) -> dict[str, LabelledArray]:
+    """Return the values of an equilibrium one by one, by the names of coordinates and forces."""
+    table = equilibrium_table.read_equilibrium(path)
+    pairs = [
+        *zip(table.coordinates, table.coordinate_values[1], strict=True),
+        *zip(table.forces, table.force_values[1], strict=True),
+    ]
+    return {
+        item.name: LabelledArray(item.name, np.asarray(value), (), item.unit, item.description)
+        for item, value in pairs
+    }
 
 
 def _stacked(found: Mapping[str, LabelledArray], path: Path) -> dict[str, LabelledArray]:

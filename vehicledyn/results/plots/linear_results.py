@@ -15,12 +15,24 @@ from vehicledyn.results.plots.mode_figures import mode_figures
 from vehicledyn.results.plots.picture_files import save_figures
 from vehicledyn.results.plots.plot_style import STYLE
 from vehicledyn.results.store.linear_file import format_of
-from vehicledyn.results.tables import contact_table, hunt_table, mode_table, response_table
+from vehicledyn.results.tables import (
+    contact_table,
+    equilibrium_table,
+    hunt_table,
+    mode_table,
+    response_table,
+)
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-FORMATS = (mode_table.FORMAT, response_table.FORMAT, contact_table.FORMAT, hunt_table.FORMAT)
+FORMATS = (
+    mode_table.FORMAT,
+    response_table.FORMAT,
+    contact_table.FORMAT,
+    hunt_table.FORMAT,
+    equilibrium_table.FORMAT,
+)
 
 
 @dataclass(frozen=True)
@@ -66,6 +78,10 @@ def describe_linear(path: Path) -> LinearDescription:
         return LinearDescription(str(path), facts)
     if format_of(path) == hunt_table.FORMAT:
         return LinearDescription(str(path), _hunt_facts(hunt_table.read_hunt(path)))
+    if format_of(path) == equilibrium_table.FORMAT:
+        return LinearDescription(
+            str(path), _equilibrium_facts(equilibrium_table.read_equilibrium(path))
+        )
     table = response_table.read_response(path)
     first, last = table.frequency[0], table.frequency[-1]
     facts = {
@@ -78,6 +94,20 @@ def describe_linear(path: Path) -> LinearDescription:
         "outputs": [f"{item.name} [{item.unit}]" for item in table.outputs],
     }
     return LinearDescription(str(path), facts)
+
+
+def _equilibrium_facts(table: equilibrium_table.EquilibriumTable) -> dict[str, Any]:
+    """Return what a file of an equilibrium holds."""
+    return {
+        "holds": "an equilibrium",
+        "title": table.title,
+        "model": table.model,
+        "speed": f"{table.speed:g} m/s",
+        "residual": f"{table.residual:.1e}",
+        "stability": table.stability,
+        "coordinates": len(table.coordinates),
+        "forces": len(table.forces),
+    }
 
 
 def _contact_facts(path: Path) -> dict[str, Any]:
@@ -133,6 +163,8 @@ def draw_linear(
     for name in names or ():
         if name not in figures:
             raise InputError(f"{path}: {unknown_name('figure', name, figures)}")
+    if not figures:
+        raise InputError(f"{path}: holds numbers only, there is nothing to draw")
     chosen = [(name, figures[name]) for name in names or figures]
     return save_figures(chosen, folder, formats)
 
@@ -145,5 +177,5 @@ def linear_figures(path: Path) -> Iterator[tuple[str, Figure]]:
         yield from hunt_figures(hunt_table.read_hunt(path))
     elif format_of(path) == contact_table.FORMAT:
         yield from contact_figures(contact_table.read_contacts(path))
-    else:
+    elif format_of(path) != equilibrium_table.FORMAT:
         yield from bode_figures(response_table.read_response(path))

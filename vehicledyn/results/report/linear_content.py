@@ -13,7 +13,13 @@ from vehicledyn.results.report.content import Content, KeyFigure, words
 from vehicledyn.results.report.page import Block, Facts, Notes, Section, Table
 from vehicledyn.results.report.texts import number, reading
 from vehicledyn.results.store.linear_file import format_of
-from vehicledyn.results.tables import contact_table, hunt_table, mode_table, response_table
+from vehicledyn.results.tables import (
+    contact_table,
+    equilibrium_table,
+    hunt_table,
+    mode_table,
+    response_table,
+)
 from vehicledyn.results.tables.response_table import ratio_unit
 
 MOST_CASES = 12
@@ -34,6 +40,9 @@ def linear_content(path: Path) -> Content:
         what, key_figures, sections = "Responses", *_responses(response_table.read_response(path))
     elif kind == contact_table.FORMAT:
         what, key_figures, sections = "Contact", *_contacts(contact_table.read_contacts(path))
+    elif kind == equilibrium_table.FORMAT:
+        balance = equilibrium_table.read_equilibrium(path)
+        what, key_figures, sections = "Equilibrium", *_equilibrium(balance)
     else:
         table = hunt_table.read_hunt(path)
         what, key_figures, sections = "Limit cycles", *_cycles(table)
@@ -56,6 +65,30 @@ def linear_content(path: Path) -> Content:
 
 
 Parts = tuple[Sequence[KeyFigure], Sequence[Section]]
+
+
+def _equilibrium(table: equilibrium_table.EquilibriumTable) -> Parts:
+    sections = [
+        Section(
+            title,
+            [
+                Table(
+                    (title, "Unit", "Nominal", "Equilibrium"),
+                    [
+                        (item.name, item.unit, number(float(first)), number(float(last)))
+                        for item, first, last in zip(quantities, *values, strict=True)
+                    ],
+                    (2, 3),
+                )
+            ],
+        )
+        for title, quantities, values in (
+            ("Coordinates", table.coordinates, table.coordinate_values),
+            ("Forces", table.forces, table.force_values),
+        )
+        if quantities
+    ]
+    return [], sections
 
 
 def _modes(table: mode_table.ModeTable) -> Parts:

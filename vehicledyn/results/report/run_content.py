@@ -78,7 +78,7 @@ def _facts(result: Result) -> list[tuple[str, str]]:
         span = f"{first} to {last} s, " if result.is_timed else ""
         rows.append(("Time" if span else "Positions", f"{span}{result.samples} samples"))
     if isinstance(known.get("overrides"), list) and known["overrides"]:
-        rows.append(("Changed by --set", ", ".join(map(str, known["overrides"]))))
+        rows.append(("Changed values", ", ".join(map(str, known["overrides"]))))
     digest = f", equations and parameters {result.model_hash[:12]}" if result.model_hash else ""
     origin = f"{moment(result.created)} by vehicledyn {result.program_version}{digest}"
     return [*rows, ("Status", result.status), ("Computed", origin)]

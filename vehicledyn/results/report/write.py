@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from pathlib import Path
 
+from vehicledyn.base.argument_names import argument
 from vehicledyn.base.errors import InputError
 from vehicledyn.results.hdf5.page_file import check_page, write_page
 from vehicledyn.results.report.page import render
@@ -52,7 +53,9 @@ def write_report(
     with matplotlib.rc_context(STYLE):
         if source.is_dir():
             if against is not None:
-                raise InputError(f"{source}: --against compares result files, not folders")
+                raise InputError(
+                    f"{source}: {argument('against')} compares result files, not folders"
+                )
             page = folder_page(source, target, told)
         elif against is not None:
             page = page_of_two(source, against, target, told)

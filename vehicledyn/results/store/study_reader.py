@@ -13,6 +13,7 @@ import h5py
 import numpy as np
 from numpy.typing import NDArray
 
+from vehicledyn.base.argument_names import argument
 from vehicledyn.base.errors import InputError, unknown_name
 from vehicledyn.results.hdf5.damage import reading
 from vehicledyn.results.hdf5.opening import OpenFile, open_file
@@ -132,7 +133,7 @@ class StudyFile:
     def state(self) -> str:
         """How far the study is, for people."""
         if self.status == RUNNING and not is_being_written(self.path.resolve()):
-            return "partial: its process ended without a word; go on with --resume"
+            return f"partial: its process ended without a word; go on with {argument('resume')}"
         return f"partial: {self.message or self.status}" if not self.is_whole else "whole"
 
     def case_status(self) -> NDArray[np.int8]:

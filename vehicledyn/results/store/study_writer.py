@@ -16,6 +16,7 @@ import h5py
 import numpy as np
 from numpy.typing import NDArray
 
+from vehicledyn.base.argument_names import argument
 from vehicledyn.base.errors import InputError
 from vehicledyn.base.interrupts import undisturbed
 from vehicledyn.base.version import VERSION
@@ -80,7 +81,7 @@ class StudyWriter:
         going_on = resume and self.path.exists()
         if self.path.exists() and not (resume or overwrite):
             raise InputError(
-                f"{path}: exists; go on with it by --resume, or choose another output with -o"
+                f"{path}: exists; go on with it by {argument('resume')}, or choose another output"
             )
         self._lock = OutputLock(self.path)
         self._container: Container | None = None
@@ -240,7 +241,7 @@ class StudyWriter:
         cause = self._container.failure if self._container is not None else None
         self._release()
         told = write_failed(self.path, cause or error)
-        return InputError(f"{told}; what is complete is kept, go on with --resume")
+        return InputError(f"{told}; what is complete is kept, go on with {argument('resume')}")
 
     def _release(self) -> None:
         if self._container is not None:

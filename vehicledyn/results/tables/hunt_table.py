@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from vehicledyn.base.argument_names import argument
 from vehicledyn.results.hdf5.output import is_being_written
 from vehicledyn.results.store.consistency import Sizes, require_known
 from vehicledyn.results.store.linear_file import (
@@ -278,7 +279,10 @@ def _status(path: Path, status: str, message: str) -> tuple[str, str]:
     """Return status and message; what runs no more, and never said how it ended, was killed."""
     if status != RUNNING or is_being_written(path.resolve()):
         return status, message
-    words = "the program was ended from outside; 'hunt --resume' goes on with the same options"
+    words = (
+        f"the program was ended from outside; 'hunt {argument('resume')}' goes on with "
+        "the same options"
+    )
     return INTERRUPTED, "; ".join(filter(None, (message, words)))
 
 

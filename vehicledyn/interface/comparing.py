@@ -1,0 +1,65 @@
+"""Comparison of results from Python."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+
+from vehicledyn.base.errors import InputError
+from vehicledyn.interface.quantities import texts
+from vehicledyn.results.compare.any_compare import compare_results
+from vehicledyn.results.compare.comparison import Comparison
+from vehicledyn.results.labelled.data import LabelledData
+
+Result = str | Path | LabelledData
+
+
+def compare(
+    result: Result,
+    reference: Result,
+    *,
+    relative: float = 1e-6,
+    absolute: float = 1e-12,
+    tolerances: Mapping[str, float] | None = None,
+    channels: str | Iterable[str] | None = None,
+    allow_missing: bool = False,
+    interpolate: bool = False,
+) -> Comparison:
+    """Return how a result differs from a reference; ``is_equal`` says whether within tolerances.
+
+    Parameters
+    ----------
+    result, reference
+        Results, or their files.
+    relative
+        Tolerance relative to the range of each channel of the reference [1].
+    absolute
+        Tolerance added to it, in the unit of each channel.
+    tolerances
+        Relative tolerances by pattern of channel names.
+    channels
+        Names or patterns to compare; all of the reference if None.
+    allow_missing
+        Whether the result may lack channels.
+    interpolate
+        Whether sample times may differ.
+
+    Raises
+    ------
+    InputError
+        If a result cannot be used, such as a run that did not finish.
+    """
+    one, other = (r.path if isinstance(r, LabelledData) else Path(r) for r in (result, reference))
+    found = compare_results(
+        one,
+        other,
+        relative=relative,
+        absolute=absolute,
+        channel_tolerances=tolerances,
+        channels=None if channels is None else texts("channels", channels),
+        allow_missing=allow_missing,
+        interpolate=interpolate,
+    )
+    if found.problems:
+        raise InputError("\n".join(found.problems))
+    return found

@@ -1,0 +1,185 @@
+"""Equilibria, eigenmodes and frequency responses from Python."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+from typing import Any, Literal
+
+from vehicledyn.files.scenario.settings import Settings, override_texts
+from vehicledyn.interface.quantities import positive, speed_in_si, speeds_in_si, texts
+from vehicledyn.interface.running import Progress, reporter, result_place
+from vehicledyn.interface.targets import Source, read_target
+from vehicledyn.kernel.kernel import Backend
+from vehicledyn.results.labelled.data import LabelledData
+
+
+def equilibrium(
+    model: Source,
+    *,
+    speed: float | str | None = None,
+    set: Settings | None = None,
+    save_to: str | Path | None = None,
+    backend: Backend = "auto",
+    progress: Progress = False,
+    **settings: Any,
+) -> LabelledData:
+    """Return the equilibrium of a vehicle that stands or runs straight ahead, or of a system.
+
+    Parameters
+    ----------
+    model
+        Path or name of a scenario or model, a System, or what :func:`vehicledyn.load` returned.
+    speed
+        Speed such as "20 m/s", or a number [m/s]; the scenario's if None.
+    set, settings, save_to, backend, progress
+        As for :func:`vehicledyn.simulate`.
+
+    Returns
+    -------
+    LabelledData
+        Coordinates and forces by name, and ``coordinate_nominal``, ``coordinate_equilibrium``,
+        ``force_nominal``, ``force_equilibrium`` as arrays; ``attributes["stability"]`` is a word.
+
+    Raises
+    ------
+    InputError
+        If the model or a setting cannot be used.
+    NumericalError
+        If there is no equilibrium.
+    """
+    from vehicledyn.analyses.linear.equilibrium import find_equilibrium
+
+    target = read_target(model, override_texts(set, settings))
+    with result_place(save_to) as place:
+        find_equilibrium(
+            target,
+            speed=None if speed is None else speed_in_si(speed),
+            backend=backend,
+            progress=reporter(progress),
+            output=place.path,
+        )
+        return place.value()
+
+
+def modes(
+    model: Source,
+    *,
+    speed: float | str | Iterable[float | str] | None = None,
+    cases: Mapping[str, Settings] | None = None,
+    start: Literal["nominal", "static", "steady"] | None = None,
+    set: Settings | None = None,
+    save_to: str | Path | None = None,
+    backend: Backend = "auto",
+    progress: Progress = False,
+    **settings: Any,
+) -> LabelledData:
+    """Return the eigenmodes about straight running, or about a start or equilibrium of a system.
+
+    Parameters
+    ----------
+    model
+        Path or name of a scenario or model, a System, or what :func:`vehicledyn.load` returned.
+    speed
+        One speed or several, such as "20 m/s" or [10.0, 20.0]; the scenario's if None.
+    cases
+        Variants by label, each with the values by dotted keys that it changes.
+    start
+        Point to linearise about; the usual one if None.
+    set, settings, save_to, backend, progress
+        As for :func:`vehicledyn.simulate`.
+
+    Returns
+    -------
+    LabelledData
+        ``eigenvalue``, ``frequency``, ``damping_ratio``, ``kind`` over case and mode, and the
+        shapes ``state_shape``, ``channel_shape``, ``participation``.
+
+    Raises
+    ------
+    InputError
+        If the model or a setting cannot be used.
+    NumericalError
+        If there is no steady motion at a speed.
+    """
+    from vehicledyn.analyses.linear.eigenmodes import find_modes
+
+    common = override_texts(set, settings)
+    variants = [
+        (label, read_target(model, [*common, *override_texts(changes, {})]))
+        for label, changes in (cases or {"": {}}).items()
+    ]
+    with result_place(save_to) as place:
+        find_modes(
+            variants,
+            speeds=speeds_in_si(speed),
+            start=start,
+            backend=backend,
+            progress=reporter(progress),
+            output=place.path,
+        )
+        return place.value()
+
+
+def response(
+    model: Source,
+    inputs: str | Iterable[str],
+    outputs: str | Iterable[str],
+    *,
+    first: float | str = "0.1 Hz",
+    last: float | str = "30 Hz",
+    points: int = 200,
+    spacing: Literal["log", "linear"] = "log",
+    speed: float | str | None = None,
+    set: Settings | None = None,
+    save_to: str | Path | None = None,
+    progress: Progress = False,
+    **settings: Any,
+) -> LabelledData:
+    """Return the frequency responses of outputs to inputs, linearised about a reference motion.
+
+    Parameters
+    ----------
+    model
+        Path or name of a scenario or model, a System, or what :func:`vehicledyn.load` returned.
+    inputs, outputs
+        Names of inputs, such as "steering", "road" or "force:COORDINATE", and of channels.
+    first, last
+        Lowest and highest frequency [Hz].
+    points, spacing
+        Number of frequencies, and whether they are evenly spaced on a "log" or "linear" scale.
+    speed
+        Speed such as "20 m/s", or a number [m/s]; the scenario's if None.
+    set, settings, save_to, progress
+        As for :func:`vehicledyn.simulate`.
+
+    Returns
+    -------
+    LabelledData
+        ``response``, ``magnitude`` and ``phase`` over frequency, input and output, and
+        ``static_gain``.
+
+    Raises
+    ------
+    InputError
+        If the model, an input, an output or a frequency cannot be used.
+    NumericalError
+        If there is no reference motion.
+    """
+    from vehicledyn.analyses.linear.frequency_grid import FrequencyGrid
+    from vehicledyn.analyses.linear.response import find_response
+
+    span = (positive("first", first, "Hz"), positive("last", last, "Hz"))
+    grid = FrequencyGrid(*span, points, spacing)
+    target = read_target(model, override_texts(set, settings))
+    with result_place(save_to) as place:
+        find_response(
+            target,
+            inputs=texts("inputs", inputs),
+            outputs=texts("outputs", outputs),
+            grid=grid,
+            speed=None if speed is None else speed_in_si(speed),
+            output=place.path,
+            progress=reporter(progress),
+        )
+        return place.value()

@@ -1,0 +1,133 @@
+"""Kinematics and inverse dynamics from Python."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from vehicledyn.base.argument_names import given
+from vehicledyn.base.errors import InputError
+from vehicledyn.files.scenario.settings import Settings, override_texts
+from vehicledyn.interface.quantities import texts
+from vehicledyn.interface.running import Progress, refuse_interrupt, reporter, result_place
+from vehicledyn.interface.targets import Source, read_scenario, read_target
+from vehicledyn.kernel.kernel import Backend
+from vehicledyn.results.labelled.data import LabelledData
+
+Path_ = str | float | Sequence[Any]
+"""Values of a drive: one, "FROM:TO:STEPS", or (from, to, steps)."""
+
+
+def kinematics(
+    model: Source,
+    drives: Mapping[str, Path_] | None = None,
+    *,
+    together: bool = False,
+    hold: str | Iterable[str] = (),
+    set: Settings | None = None,
+    save_to: str | Path | None = None,
+    progress: Progress = False,
+    **settings: Any,
+) -> LabelledData:
+    """Return positions and velocity ratios of a system along driven paths.
+
+    Parameters
+    ----------
+    model
+        Path or name of a scenario or model, a System, or what :func:`vehicledyn.load` returned.
+    drives
+        For coordinates or sensors their values: one, ("200 mm", "400 mm", 20) for 21 values, or
+        the same as a text "200 mm:400 mm:20"; the scenario's section "kinematics" if None.
+    together
+        Whether the drives move at once instead of through all combinations.
+    hold
+        Coordinates that stay at their start.
+    set, settings, save_to, progress
+        As for :func:`vehicledyn.simulate`.
+
+    Returns
+    -------
+    LabelledData
+        Every channel over ``sample``.
+
+    Raises
+    ------
+    InputError
+        If the model, a drive or a setting cannot be used.
+    NumericalError
+        If the loops cannot be assembled.
+    """
+    from vehicledyn.analyses.mechanism.kinematics import Wish, sweep_kinematics
+
+    wish = Wish(
+        {name: _range(name, values) for name, values in (drives or {}).items()},
+        together,
+        tuple(texts("hold", hold)) if hold else (),
+    )
+    target = read_target(model, override_texts(set, settings), ("scenario", "system"))
+    with result_place(save_to) as place:
+        report = sweep_kinematics(
+            target, wish, output=place.path, plots=None, progress=reporter(progress)
+        )
+        refuse_interrupt(report.status)
+        return place.value()
+
+
+def inverse(
+    scenario: Source,
+    *,
+    motion: str | Path | LabelledData | None = None,
+    set: Settings | None = None,
+    save_to: str | Path | None = None,
+    backend: Backend = "auto",
+    progress: Progress = False,
+    **settings: Any,
+) -> LabelledData:
+    """Return the forces that a prescribed motion needs.
+
+    Parameters
+    ----------
+    scenario
+        Path or name of a scenario or model, a System, or what :func:`vehicledyn.load` returned.
+    motion
+        CSV file, result file or result with the motion; the scenario's section "motion" if None.
+    set, settings, save_to, backend, progress
+        As for :func:`vehicledyn.simulate`.
+
+    Returns
+    -------
+    LabelledData
+        Every channel over time, forces included.
+
+    Raises
+    ------
+    InputError
+        If the scenario, the motion or a setting cannot be used.
+    """
+    from vehicledyn.analyses.mechanism.inverse_report import find_forces
+
+    loaded = read_scenario(scenario, override_texts(set, settings))
+    table = motion.path if isinstance(motion, LabelledData) else motion
+    with result_place(save_to) as place:
+        report = find_forces(
+            loaded,
+            table=None if table is None else Path(table),
+            output=place.path,
+            backend=backend,
+            plots=None,
+            progress=reporter(progress),
+        )
+        refuse_interrupt(report.status)
+        return place.value()
+
+
+def _range(name: str, values: Path_) -> str:
+    """Return the values of a drive as a text."""
+    if isinstance(values, str):
+        return values
+    if isinstance(values, Sequence):
+        if len(values) != len(("from", "to", "steps")):
+            raise InputError(f"{given('drives', {name: values})}: write (from, to, steps)")
+        return ":".join(map(str, values))
+    return str(values)

@@ -1,0 +1,139 @@
+"""Studies of many cases from Python."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import vehicledyn.catalogue  # noqa: F401
+from vehicledyn.base.argument_names import argument
+from vehicledyn.base.errors import InputError
+from vehicledyn.base.problems import Problem
+from vehicledyn.base.yaml import parse_yaml
+from vehicledyn.files.scenario import LoadedScenario
+from vehicledyn.files.scenario.overrides import read_override
+from vehicledyn.files.scenario.settings import Settings, override_texts
+from vehicledyn.interface.running import Progress, refuse_interrupt, reporter, result_place
+from vehicledyn.interface.targets import Source, read_scenario
+from vehicledyn.kernel.kernel import Backend
+from vehicledyn.library import locate
+from vehicledyn.results.labelled.data import LabelledData
+from vehicledyn.studies.load import LoadedStudy, load_study, study_of
+from vehicledyn.studies.sweep import run_study
+
+
+def sweep(
+    study: Source,
+    *,
+    vary: Settings | None = None,
+    cases: Settings | None = None,
+    set: Settings | None = None,
+    channels: list[str] | None = None,
+    save_to: str | Path | None = None,
+    resume: bool = False,
+    workers: int | None = None,
+    lanes: int | None = None,
+    backend: Backend = "auto",
+    progress: Progress = False,
+    **settings: Any,
+) -> LabelledData:
+    """Return the results of many cases of one scenario.
+
+    Parameters
+    ----------
+    study
+        Path or name of a study; or a scenario or model, if ``vary`` or ``cases`` says what varies.
+    vary
+        For keys of the scenario their values, as a list or as ``{"from": 1, "to": 2, "count": 5}``;
+        all combinations are computed.
+    cases
+        In place of ``vary`` the section "cases" of a study, such as ``{"kind": "random",
+        "number": 100, "seed": 1, "vary": {"speed": {"from": "10 m/s", "to": "20 m/s"}}}``.
+    set, settings
+        As for :func:`vehicledyn.simulate`; of a study file also fields of the study.
+    channels
+        Channels to keep of each case, as patterns; the scenario's if None.
+    save_to, backend, progress
+        As for :func:`vehicledyn.simulate`.
+    resume
+        Whether to go on with the file ``save_to`` where it stopped.
+    workers
+        Processes; one a core if None.
+    lanes
+        Cases side by side in each process: 1, 4 or 8; what suits if None.
+
+    Returns
+    -------
+    LabelledData
+        What varies and the key figures over ``case``, the channels over ``case`` and ``time``.
+        Failed cases warn.
+
+    Raises
+    ------
+    InputError
+        If the study, the scenario or a setting cannot be used.
+    NumericalError
+        If the equations cannot be set up.
+    """
+    changes = override_texts(set, settings)
+    if vary is None and cases is None:
+        loaded = _from_file(study, changes, channels)
+    elif vary is not None and cases is not None:
+        raise InputError(f"{argument('vary')} and {argument('cases')}: give one of the two")
+    else:
+        wanted = cases if vary is None else {"kind": "grid", "vary": vary}
+        loaded = _from_scenario(read_scenario(study, changes), wanted or {}, channels)
+    with result_place(save_to, may_exist=resume) as place:
+        outcome = run_study(
+            loaded,
+            output=place.path,
+            workers=workers,
+            lanes=lanes,
+            resume=resume,
+            backend=backend,
+            progress=reporter(progress),
+        )
+        refuse_interrupt(outcome.status)
+        return place.value()
+
+
+def _from_file(study: Source, changes: list[str], channels: list[str] | None) -> LoadedStudy:
+    if not isinstance(study, str | Path):
+        words = "say what varies, such as {'speed': ['10 m/s', '20 m/s']}"
+        raise InputError(f"{argument('vary')}: missing: {words}")
+    if channels is not None:
+        changes = [*changes, *override_texts({"output.channels": channels}, {})]
+    return load_study(locate(str(study), ("study",)), changes)
+
+
+def _from_scenario(
+    scenario: LoadedScenario, cases: Mapping[str, Any], channels: list[str] | None
+) -> LoadedStudy:
+    """Return the study of a scenario, which need not be a file."""
+    if scenario.built is not None:
+        raise InputError(
+            f"{argument('study')}: '{scenario.built.name}' was built in Python, and the "
+            "processes of "
+            "a study read files; write it as a system file"
+        )
+    path = Path(scenario.path).resolve()
+    data: dict[str, Any] = {
+        "title": scenario.scenario.title,
+        "scenario": str(path),
+        "set": dict(map(_change, scenario.overrides)),
+        "cases": json.loads(override_texts({"cases": cases}, {})[0].partition("=")[2]),
+    }
+    if channels is not None:
+        data["output"] = {"channels": list(channels)}
+    document = parse_yaml(json.dumps(data, ensure_ascii=False), argument("cases"))
+    documents = {str(path): parse_yaml(scenario.text, str(path))}
+    return study_of(document, path.with_name("study.yaml"), documents=documents)
+
+
+def _change(override: str) -> tuple[str, Any]:
+    change = read_override(override)
+    if isinstance(change, Problem):
+        raise InputError(str(change))
+    return change.key, change.value

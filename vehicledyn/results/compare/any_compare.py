@@ -1,0 +1,54 @@
+"""Comparing two results of whatever kind."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+
+from vehicledyn.results.compare.comparison import Comparison
+from vehicledyn.results.compare.linear_compare import compare_linear, other_kinds
+from vehicledyn.results.compare.run_compare import compare_files
+from vehicledyn.results.compare.study_compare import compare_studies
+from vehicledyn.results.compare.tolerances import Tolerances
+from vehicledyn.results.plots.linear_results import is_linear
+from vehicledyn.results.store.study_reader import is_study_file
+
+
+def compare_results(
+    result: Path,
+    reference: Path,
+    *,
+    relative: float = 1e-6,
+    absolute: float = 1e-12,
+    channel_tolerances: Mapping[str, float] | None = None,
+    channels: Sequence[str] | None = None,
+    allow_missing: bool = False,
+    interpolate: bool = False,
+) -> Comparison:
+    """Compare a result with a reference of the same kind.
+
+    Parameters are those of :func:`vehicledyn.results.compare.run_compare.compare_files`; unusable
+    files are reported in the comparison, not raised.
+    """
+    if is_linear(reference) or other_kinds(result, reference):
+        compare = compare_linear
+    elif is_study_file(reference):
+        compare = compare_studies
+    else:
+        return compare_files(
+            result,
+            reference,
+            relative=relative,
+            absolute=absolute,
+            channel_tolerances=channel_tolerances,
+            channels=channels,
+            allow_missing=allow_missing,
+            interpolate=interpolate,
+        )
+    return compare(
+        result,
+        reference,
+        tolerances=Tolerances(relative, absolute, channel_tolerances or {}),
+        channels=channels,
+        allow_missing=allow_missing,
+    )
