@@ -246,7 +246,7 @@ def test_simulations_end_with_the_motion_that_is_allowed(tmp_path):
     settings = HuntSettings("speed", 50.0, 75.0, points=10, simulated="12 s")
     report = study(settings, tmp_path=tmp_path)
     (told,) = (m for m in report.messages if m.startswith("the check by lowering speed"))
-    assert "as many as are allowed; --simulated allows more" in told
+    assert "as many as are allowed; simulated allows more" in told
     kept = read_hunt(tmp_path / "hunt.h5")
     assert "cut short" in [row.ending for row in kept.simulated]
     assert "simulated_lowering" not in kept.figures

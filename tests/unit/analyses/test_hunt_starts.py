@@ -95,7 +95,7 @@ def test_a_parameter_of_the_start_alone_is_refused(tmp_path):
 def test_a_start_beside_the_steady_motion_is_named():
     """A roll rate leads to a motion in circles, whose speed is not that of the start."""
     path = Path(__file__).parents[3] / "scenarios" / "systems" / "bicycle.yaml"
-    with pytest.raises(InputError, match=r"forward_speed: .*without disturbances in 'initial'"):
+    with pytest.raises(InputError, match=r"forward_speed': .*without disturbances in 'initial'"):
         study(load_scenario(path), "forward_speed", 3.0, 8.0)
 
 
