@@ -10,7 +10,7 @@ from test_partitions import L, R, rk4, slider_crank
 from vehicledyn.analyses.simulation.repartitioning import simulate_watched
 from vehicledyn.codegen.toolchain.compiler import CompilationError, find_compiler, suitable_lanes
 from vehicledyn.integrate.batch import Cases, make_batch, run_batch
-from vehicledyn.integrate.single_case import Alone
+from vehicledyn.integrate.single_case import SingleCase
 from vehicledyn.kernel.kernel import compile_kernel
 from vehicledyn.multibody import derive
 
@@ -68,13 +68,13 @@ def has_lanes():
 
 @pytest.mark.skipif(not has_lanes(), reason="lanes need a compiler and wide registers")
 def test_cases_that_pass_a_dead_centre_leave_their_lanes(monkeypatch):
-    left, run = [], Alone.run
+    left, run = [], SingleCase.run
 
     def counted(alone, cases, number, room):
         left.append(number)
         return run(alone, cases, number, room)
 
-    monkeypatch.setattr(Alone, "run", counted)
+    monkeypatch.setattr(SingleCase, "run", counted)
     found = swept("dependent", 4, watched=True)
     assert 2 <= len(left) <= 9
     assert not any(end.failed for end in found.ends)

@@ -73,12 +73,12 @@ def kinematics(
     if len(ranges) != len(drives or []):
         raise InputError("--drive: a channel is driven twice; name each once")
     loaded = read_target(target, overrides, ("scenario", "system"))
-    from vehicledyn.analyses.mechanism.kinematics import Wish, sweep_kinematics
+    from vehicledyn.analyses.mechanism.kinematics import Request, sweep_kinematics
 
     result = output or Path(f"{Path(target).stem}_kinematics.h5")
     check_replacing(result, RUN, overwrite=overwrite)
     folder = None if no_plots else plots or result.parent / f"{result.stem}_plots"
-    wish = Wish(ranges, together, tuple(hold or ()), tuple(columns or ()))
+    wish = Request(ranges, together, tuple(hold or ()), tuple(columns or ()))
     with show_progress(quiet=quiet) as progress:
         report = sweep_kinematics(loaded, wish, output=result, plots=folder, progress=progress)
     for message in () if quiet and report.exit_code == 0 else report.messages:

@@ -26,9 +26,9 @@ from vehicledyn.integrate.channel_ranges import watched_channels
 from vehicledyn.integrate.fixed_step import steps_per_interval
 from vehicledyn.integrate.judged_quantities import Judged
 from vehicledyn.integrate.lane_accuracy import lane_watch
-from vehicledyn.integrate.lane_run import Platoon, Stopped, march
+from vehicledyn.integrate.lane_run import LaneRun, Stopped, march
 from vehicledyn.integrate.simulate import Solver, simulate
-from vehicledyn.integrate.single_case import Alone, Judging, Runner
+from vehicledyn.integrate.single_case import Judging, Runner, SingleCase
 from vehicledyn.kernel.engine import WEAK_PIVOT, Status, Vector
 from vehicledyn.kernel.kernel import Kernel, Progress
 from vehicledyn.kernel.lanes import CHOICES, LaneEngine, compile_lanes
@@ -196,7 +196,9 @@ def run_batch(
     kind = np.float32 if single else np.float64
     samples = np.full((len(cases), plan.n_samples, len(channels)), np.nan, dtype=kind)
     parts = _in_turn if batch.engine is None or not hasattr(solver, "fixed_method") else _abreast
-    alone = Alone(batch.kernel, solver, plan, runner, rates, judged or _by_channels(batch, plan))
+    alone = SingleCase(
+        batch.kernel, solver, plan, runner, rates, judged or _by_channels(batch, plan)
+    )
     ends: list[CaseEnd] = []
     for part in parts(batch, cases, samples, alone):
         if isinstance(part, float):
@@ -214,13 +216,13 @@ Part: TypeAlias = float | tuple[CaseEnd, ...]
 """How many cases are done behind those that ended last, or how the next ones ended."""
 
 
-def _in_turn(batch: Batch, cases: Cases, samples: Samples, alone: Alone) -> Iterator[Part]:
+def _in_turn(batch: Batch, cases: Cases, samples: Samples, alone: SingleCase) -> Iterator[Part]:
     for index in range(len(cases)):
         yield (alone.run(cases, index, samples[index]),)
         yield 0.0
 
 
-def _abreast(batch: Batch, cases: Cases, samples: Samples, alone: Alone) -> Iterator[Part]:
+def _abreast(batch: Batch, cases: Cases, samples: Samples, alone: SingleCase) -> Iterator[Part]:
     """Run groups of cases in lanes."""
     engine: Any = batch.engine
     solver: Any = alone.solver
@@ -229,7 +231,7 @@ def _abreast(batch: Batch, cases: Cases, samples: Samples, alone: Alone) -> Iter
     further = [] if alone.rates is None else list(alone.rates.channels)
     for first in range(0, len(cases), engine.lanes):
         group = cases.part(slice(first, first + engine.lanes))
-        platoon = Platoon(
+        platoon = LaneRun(
             engine,
             solver.fixed_method,
             plan.start,
@@ -269,7 +271,7 @@ def _abreast(batch: Batch, cases: Cases, samples: Samples, alone: Alone) -> Iter
         yield 0.0
 
 
-def _is_weak(alone: Alone, samples: Samples) -> bool:
+def _is_weak(alone: SingleCase, samples: Samples) -> bool:
     """Return whether dependent rates are ill determined at samples, the channels for it last."""
     if alone.rates is None:
         return False

@@ -20,7 +20,7 @@ from vehicledyn.integrate.accuracy_windows import (
 from vehicledyn.integrate.cases import Samples
 from vehicledyn.integrate.channel_ranges import Ranges
 from vehicledyn.integrate.judged_quantities import Judged
-from vehicledyn.integrate.lane_run import Platoon
+from vehicledyn.integrate.lane_run import LaneRun
 from vehicledyn.kernel.engine import Status, Vector
 from vehicledyn.kernel.kernel import Kernel
 
@@ -44,12 +44,12 @@ class LaneWatch:
         count = window_count(self.kernel, self.grid, by_itself=False)
         self._waiting = window_places(self.grid.n_intervals, count)
 
-    def steps_to_go(self, platoon: Platoon) -> int:
+    def steps_to_go(self, platoon: LaneRun) -> int:
         """Return the steps up to the next window."""
         following = self._waiting[0] if self._waiting else self.grid.n_intervals
         return max(1, following * self.grid.per_interval - platoon.step)
 
-    def look(self, platoon: Platoon) -> None:
+    def look(self, platoon: LaneRun) -> None:
         """Take a window if one is due."""
         if not self._waiting or platoon.step != self._waiting[0] * self.grid.per_interval:
             return
@@ -62,10 +62,10 @@ class LaneWatch:
         )
         self.ends.append(np.array([nothing if end is None else end for end in one]))
 
-    def _ends(self, platoon: Platoon, divided: int) -> list[Vector | None]:
+    def _ends(self, platoon: LaneRun, divided: int) -> list[Vector | None]:
         """Return the channels of each lane at the end of a window, None behind an event."""
         engine, count = platoon.engine, STEPS * divided
-        window = Platoon(
+        window = LaneRun(
             engine,
             platoon.method,
             self.grid.start + self.grid.interval * (platoon.step // self.grid.per_interval),

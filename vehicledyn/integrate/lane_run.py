@@ -30,7 +30,7 @@ class Stopped:
 
 
 @dataclass
-class Platoon:
+class LaneRun:
     """Cases that run side by side with fixed steps, changed in place as they advance.
 
     ``state`` and ``unknowns`` are in lanes; ``good`` counts the good steps of each lane. A lane
@@ -113,7 +113,7 @@ class Platoon:
 
 
 def march(
-    platoon: Platoon, samples: NDArray[Any], watch: LaneWatch | None = None
+    platoon: LaneRun, samples: NDArray[Any], watch: LaneWatch | None = None
 ) -> Iterator[float]:
     """Run a platoon to its end in chunks of a tenth of a second, telling the part done.
 

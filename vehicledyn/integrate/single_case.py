@@ -31,7 +31,7 @@ class _Weak(Exception):  # noqa: N818
 
 
 @dataclass
-class Alone:
+class SingleCase:
     """Runs cases by themselves, whether or not they were in lanes before."""
 
     kernel: Kernel

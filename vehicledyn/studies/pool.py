@@ -37,7 +37,7 @@ class Pool(Protocol):
 
 
 @dataclass(frozen=True)
-class Alone:
+class SingleProcess:
     """The process itself."""
 
     worker: Worker

@@ -144,7 +144,7 @@ def run_study(
     with contextlib.ExitStack() as stack:
         helpers = _helpers(stack, work, workers or study.study.workers, cluster, progress)
         worker, model = facts_of(work, progress)
-        computing = helpers or pool.Alone(worker)
+        computing = helpers or pool.SingleProcess(worker)
         header = _header(study, work, model)
         _refuse_size(output, header)
         writer = stack.enter_context(

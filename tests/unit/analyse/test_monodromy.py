@@ -15,7 +15,7 @@ from vehicledyn.analyse.periodic.cycle_points import Limits
 from vehicledyn.analyse.periodic.floquet import multipliers_of
 from vehicledyn.analyse.periodic.monodromy import passages
 from vehicledyn.analyse.periodic.multiple_shooting import SHIFTED, closed, direction_of
-from vehicledyn.analyse.periodic.radau import NODES, Place, radau_steps
+from vehicledyn.analyse.periodic.radau import NODES, ParameterPoint, radau_steps
 
 
 @pytest.fixture(scope="module")
@@ -129,11 +129,11 @@ def test_steps_have_their_order_and_damp_what_is_stiff():
         "decay", time=t, states=[(x, 1.0)], rates=[rate * x], parameters=[(rate, -1.0)],
         outputs=[("x", x)],
     )  # fmt: skip
-    place = Place(field(equations, "rate"), np.ones(1), -1.0)
+    place = ParameterPoint(field(equations, "rate"), np.ones(1), -1.0)
 
     def step(size, value=-1.0):
         guess = np.ones((1, len(NODES), 1))
-        own = Place(place.field, place.scales, value)
+        own = ParameterPoint(place.field, place.scales, value)
         return radau_steps(own, np.ones((1, 1)), guess, np.zeros((1, 4, 0)), np.array([size]))
 
     errors = [abs(step(h).ends[0, 0] - math.exp(-h)) for h in (0.4, 0.2)]

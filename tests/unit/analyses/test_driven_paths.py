@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import vehicledyn.catalogue  # noqa: F401
-from vehicledyn.analyses.mechanism.kinematics import Wish, sweep_kinematics
+from vehicledyn.analyses.mechanism.kinematics import Request, sweep_kinematics
 from vehicledyn.analyses.mechanism.mechanism_path import Drive, mechanism, run_sweep
 from vehicledyn.analyses.preparation.build_model import build_subject
 from vehicledyn.base.errors import InputError
@@ -150,7 +150,7 @@ def test_drives_that_cannot_be(drives, hold, words):
 
 def test_what_was_reached_is_kept(tmp_path):
     path = tmp_path / "found.h5"
-    wish = Wish({"slider.position": "150 mm:250 mm:10"})
+    wish = Request({"slider.position": "150 mm:250 mm:10"})
     model = load_model(str(SYSTEMS / "slider_crank.yaml"))
     report = sweep_kinematics(model, wish, output=path, plots=None, progress=lambda *_: None)
     assert report.exit_code == 3
@@ -198,7 +198,7 @@ def test_sensors_of_forces_are_left_out(tmp_path):
     system = tmp_path / "hoist.yaml"
     system.write_text(HOIST, encoding="utf-8")
     output = tmp_path / "hoist.h5"
-    wish = Wish({"drum.angle": "0:1 rad:2"})
+    wish = Request({"drum.angle": "0:1 rad:2"})
     target = load_model(str(system))
     report = sweep_kinematics(target, wish, output=output, plots=None, progress=lambda *_: None)
     note = "left out: 'bearing', 'holds', 'floor', since a motion along a path knows no forces"

@@ -10,7 +10,7 @@ import pytest
 import vehicledyn.catalogue  # noqa: F401
 from vehicledyn.analyses.linear.eigenmodes import find_modes
 from vehicledyn.analyses.linear.equilibrium import find_equilibrium
-from vehicledyn.analyses.mechanism.kinematics import Wish, sweep_kinematics
+from vehicledyn.analyses.mechanism.kinematics import Request, sweep_kinematics
 from vehicledyn.analyses.preparation.prepare import prepare, start_point
 from vehicledyn.base.errors import InputError
 from vehicledyn.files.scenario import is_system_file, load_model, load_scenario
@@ -189,7 +189,7 @@ def test_kinematics_knows_switches(write, tmp_path):
         + "switches: {held: 1}\nforces: {f: {coordinate: slider.x, force: 2 N * held}}\n"
     )
     model = load_model(str(write(system=text).parent / "sub" / "system.yaml"))
-    wish = Wish({"crank.angle": "60 deg:70 deg:2"})
+    wish = Request({"crank.angle": "60 deg:70 deg:2"})
     quiet = {"plots": None, "progress": lambda *_: None}
     sweep_kinematics(model, wish, output=tmp_path / "k.h5", **quiet)
     with open_result(tmp_path / "k.h5") as result:

@@ -12,7 +12,7 @@ from vehicledyn.integrate.methods.rk4 import RungeKutta4
 from vehicledyn.integrate.methods.rkc import RungeKuttaChebyshev
 from vehicledyn.integrate.methods.symplectic_euler import SymplecticEuler
 from vehicledyn.integrate.simulate import simulate
-from vehicledyn.integrate.single_case import Alone
+from vehicledyn.integrate.single_case import SingleCase
 from vehicledyn.kernel.kernel import compile_kernel
 
 SPAN = {"start": 0.0, "stop": 0.5, "interval": 0.05}
@@ -193,14 +193,14 @@ def test_only_cases_with_events_leave_their_lanes(lanes, monkeypatch):
     heights = np.linspace(0.5, 2.5, 11)
     heights[4] = 0.0
     cases.states[:, 0], cases.states[4, 1] = heights, 3.0
-    left, run = [], Alone.run
+    left, run = [], SingleCase.run
 
     def told(alone, cases, number, room):
         left.append(float(cases.states[number, 0]))
         return run(alone, cases, number, room)
 
     one = run_batch(make_batch(kernel, lanes=1), METHODS[0], cases, channels=[0], **SPAN)
-    monkeypatch.setattr(Alone, "run", told)
+    monkeypatch.setattr(SingleCase, "run", told)
     many = run_batch(make_batch(kernel, lanes=lanes), METHODS[0], cases, channels=[0], **SPAN)
     assert left == [height for height in heights if height < 1.23]
     assert same(many.samples, one.samples)

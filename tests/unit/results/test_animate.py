@@ -21,7 +21,7 @@ from vehicledyn.results.animation.animate import (
     picture_of_result,
     read_scenes,
 )
-from vehicledyn.results.animation.frame_state import Moment
+from vehicledyn.results.animation.frame_state import SceneState
 from vehicledyn.results.animation.packed_columns import Columns, unpack
 from vehicledyn.results.animation.still import figure_of
 from vehicledyn.results.store import study_reader
@@ -335,7 +335,7 @@ def test_a_part_of_a_result(car, tmp_path):
 
 def test_poses_between_pictures(car):
     scene = read_scenes([car])[0]
-    moment = Moment(scene, 1.2345)
+    moment = SceneState(scene, 1.2345)
     pictures, _ = motion(np.array([1.2345]))
     assert moment.position == pytest.approx(pictures.position[0], abs=1e-3)
     top = moment.places("wheel", [0.0, 0.0, 0.3], spins=True)[0] - moment.position[1]

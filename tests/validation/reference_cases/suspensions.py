@@ -11,7 +11,7 @@ import numpy as np
 from reference_cases.comparison import Group, deviation
 from reference_cases.motions import SCENARIOS, quiet
 from reference_cases.tables import read_rows
-from vehicledyn.analyses.mechanism.kinematics import Wish, sweep_kinematics
+from vehicledyn.analyses.mechanism.kinematics import Request, sweep_kinematics
 from vehicledyn.files.scenario import load_model
 from vehicledyn.results.store.reader import open_result
 
@@ -63,7 +63,7 @@ def swept(name, drives, **wish):
     with TemporaryDirectory() as folder:
         file = Path(folder) / "sweep.h5"
         model = load_model(str(SYSTEMS / f"{name}_suspension.yaml"))
-        sweep_kinematics(model, Wish(drives, **wish), output=file, plots=None, progress=quiet)
+        sweep_kinematics(model, Request(drives, **wish), output=file, plots=None, progress=quiet)
         with open_result(file) as result:
             assert result.is_whole
             return {n: result.channel(n).values for n in result.channels}

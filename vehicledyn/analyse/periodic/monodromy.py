@@ -21,7 +21,14 @@ from numpy.typing import NDArray
 from vehicledyn.analyse.periodic.autonomous import AutonomousField
 from vehicledyn.analyse.periodic.mirror_symmetry import Mirror
 from vehicledyn.analyse.periodic.orbit import Orbit
-from vehicledyn.analyse.periodic.radau import NODES, ORDER, STAGES, Place, Steps, radau_steps
+from vehicledyn.analyse.periodic.radau import (
+    NODES,
+    ORDER,
+    STAGES,
+    ParameterPoint,
+    Steps,
+    radau_steps,
+)
 from vehicledyn.base.errors import NumericalError
 from vehicledyn.kernel.engine import Vector
 from vehicledyn.kernel.path_code import Path
@@ -302,7 +309,7 @@ class _Pieces:
         before, _ = self.orbit.sample(self.places[active])
         beside = begin - before / self.scales
         return radau_steps(
-            Place(self.field, self.scales, self.orbit.parameter),
+            ParameterPoint(self.field, self.scales, self.orbit.parameter),
             begin,
             (guess / self.scales).reshape(count, STAGES, n) + beside[:, None],
             unknowns.reshape(count, STAGES, self.field.n_unknowns),

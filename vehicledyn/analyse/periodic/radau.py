@@ -79,7 +79,7 @@ class Steps:
 
 
 @dataclass(frozen=True)
-class Place:
+class ParameterPoint:
     """A field at a value of its parameter, its states counted in scales (n,)."""
 
     field: AutonomousField
@@ -88,7 +88,7 @@ class Place:
 
 
 def radau_steps(
-    place: Place, begin: Vector, stages: Vector, unknowns: Vector, durations: Vector
+    place: ParameterPoint, begin: Vector, stages: Vector, unknowns: Vector, durations: Vector
 ) -> Steps:
     """Return steps from some states, found by Newton's method from a guess of their stages.
 
@@ -147,7 +147,7 @@ class _System:
     matrix: Vector
 
     @staticmethod
-    def at(place: Place, stages: Vector, unknowns: Vector, weights: Vector) -> _System:
+    def at(place: ParameterPoint, stages: Vector, unknowns: Vector, weights: Vector) -> _System:
         """Return the equations at stages."""
         count, n = len(stages), stages.shape[2]
         field, scales = place.field, place.scales

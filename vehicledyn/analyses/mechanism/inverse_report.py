@@ -114,7 +114,7 @@ def find_forces(
     motion, inverse = _prepared(loaded, system, table)
     tables = motion.at(times) if motion is not None else _no_motion(len(times))
     kernel = compile_kernel(inverse.equations, backend=backend, progress=progress)
-    book = _Book.of(inverse)
+    book = _Columns.of(inverse)
     report = InverseReport(output)
     found: list[Array] = []
     with ResultWriter(
@@ -183,7 +183,7 @@ def _no_motion(n_times: int) -> tuple[Array, Array, Array]:
 
 
 @dataclass(frozen=True)
-class _Book:
+class _Columns:
     """Channels of the result: those of the equations and the power of each drive."""
 
     channels: tuple[Channel, ...]
@@ -192,7 +192,7 @@ class _Book:
     coordinates: tuple[str, ...]
 
     @classmethod
-    def of(cls, inverse: InverseDynamics) -> _Book:
+    def of(cls, inverse: InverseDynamics) -> _Columns:
         """Return the channels; states of the prescribed motion are left out."""
         everything = inverse.equations.channels
         kept = tuple(k for k, c in enumerate(everything) if not c.name.startswith(PRESCRIBED))
@@ -251,7 +251,7 @@ def _panels(label: str, channels: list[str], units: dict[str, str]) -> Iterator[
         yield {"label": label, "unit": _SHOWN_IN.get(unit, unit), "channels": lines}
 
 
-def _header(loaded: LoadedScenario, system: System, book: _Book) -> ResultHeader:
+def _header(loaded: LoadedScenario, system: System, book: _Columns) -> ResultHeader:
     return ResultHeader(
         title=f"Inverse dynamics: {loaded.scenario.title}",
         model=system.name,

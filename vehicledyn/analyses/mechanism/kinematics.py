@@ -51,7 +51,7 @@ _FLAT = 1e-12
 
 
 @dataclass(frozen=True)
-class Wish:
+class Request:
     """What to sweep: ranges of drives as texts by channel, at once or all combinations.
 
     ``hold`` names coordinates that stay at their start, ``columns`` patterns of the channels
@@ -65,7 +65,7 @@ class Wish:
 
 
 def sweep_kinematics(
-    target: Target, wish: Wish, *, output: Path, plots: Path | None, progress: Progress
+    target: Target, wish: Request, *, output: Path, plots: Path | None, progress: Progress
 ) -> KinematicsReport:
     """Sweep a system, write the result file and the figures.
 
@@ -98,7 +98,7 @@ def sweep_kinematics(
     positions = Positions(system)
     machine = mechanism(positions, list(wish.drives), wish.hold)
     drives = _drives(positions, wish)
-    book = _Book(machine, _wheels(system, positions))
+    book = _Columns(machine, _wheels(system, positions))
     shown = book.shown(wish.columns)
     swept = run_sweep(machine, drives, together=wish.together, told=progress)
     files = _Files(target, system.name, output, plots, _left_out(positions))
@@ -122,7 +122,7 @@ def _wheels(system: System, positions: Positions) -> list[WheelColumns]:
     return [columns for columns in found if columns is not None]
 
 
-def _complete(target: Target, wish: Wish) -> Wish:
+def _complete(target: Target, wish: Request) -> Request:
     """Return a wish with drives, those of the scenario where it has none of its own."""
     if wish.drives:
         return wish
@@ -133,7 +133,7 @@ def _complete(target: Target, wish: Wish) -> Wish:
             "coordinate, or the section 'kinematics' "
             "of a scenario"
         )
-    return Wish(
+    return Request(
         section.drives,
         wish.together or section.together,
         (*wish.hold, *section.hold),
@@ -141,7 +141,7 @@ def _complete(target: Target, wish: Wish) -> Wish:
     )
 
 
-def _drives(positions: Positions, wish: Wish) -> list[Drive]:
+def _drives(positions: Positions, wish: Request) -> list[Drive]:
     units = {c.name: c.unit for c in positions.channels}
     found = []
     for name, text in wish.drives.items():
@@ -159,7 +159,7 @@ def _drives(positions: Positions, wish: Wish) -> list[Drive]:
     return [Drive(d.channel, d.values * count if len(d.values) == 1 else d.values) for d in found]
 
 
-class _Book:
+class _Columns:
     """Columns of the result: channels, velocity ratios by drive, instant axes by drive."""
 
     def __init__(self, machine: Mechanism, wheels: Sequence[WheelColumns]) -> None:
@@ -272,7 +272,7 @@ class _Files:
     plots: Path | None
     notes: list[str]
 
-    def write(self, book: _Book, swept: Sweep, shown: tuple[int, ...]) -> KinematicsReport:
+    def write(self, book: _Columns, swept: Sweep, shown: tuple[int, ...]) -> KinematicsReport:
         """Write result and figures; return the report."""
         table = book.table(swept)
         status, code, message = _ending(swept)
@@ -328,7 +328,7 @@ def _ending(swept: Sweep) -> tuple[str, int, str]:
     return "ok", EXIT_OK, ""
 
 
-def _summary(book: _Book, swept: Sweep) -> Iterator[SummaryEntry]:
+def _summary(book: _Columns, swept: Sweep) -> Iterator[SummaryEntry]:
     yield SummaryEntry("places", len(swept.samples), "1", "Places reached")
     gaps = [
         np.abs(book.machine.positions.residual(s.coordinates)).max(initial=0.0)

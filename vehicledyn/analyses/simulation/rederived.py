@@ -43,13 +43,13 @@ def derived_at(
         If the constraints cannot be treated in this way.
     """
     from vehicledyn.multibody.equations.derivation import derive
-    from vehicledyn.multibody.loops.loop_closure import Moment
+    from vehicledyn.multibody.loops.loop_closure import AssemblyState
     from vehicledyn.multibody.loops.partition_monitor import freed
 
     values, parameters = values_of(kernel, sample), kernel.parameters
     changed = replace(freed(system, values, parameters), constraint_method=method)
     states = {s.name: values[s.name] for s in first.states if s.name in values}
-    equations = derive(changed, moment=Moment(sample.time, states))
+    equations = derive(changed, moment=AssemblyState(sample.time, states))
     backend: Backend = "compiled" if kernel.backend == "compiled" else "interpreted"
     return compile_kernel(equations, backend=backend)
 

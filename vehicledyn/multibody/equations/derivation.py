@@ -13,7 +13,7 @@ from vehicledyn.multibody.equations.multipliers import Multipliers, Projection, 
 from vehicledyn.multibody.equations.outputs import Solved
 from vehicledyn.multibody.equations.singular_mass import Resistance, refuse_idle
 from vehicledyn.multibody.loops.closure import Closure, MultiplierClosure
-from vehicledyn.multibody.loops.loop_closure import Loops, Moment, close
+from vehicledyn.multibody.loops.loop_closure import AssemblyState, Loops, close
 from vehicledyn.multibody.model.kinematics import Kinematics
 from vehicledyn.multibody.model.parts import Loads, Motion
 from vehicledyn.multibody.model.symbols import Symbols, declare, motions
@@ -31,7 +31,7 @@ _log = logging.getLogger(__name__)
 
 
 def derive(
-    system: System, *, formulation: Formulation = "auto", moment: Moment | None = None
+    system: System, *, formulation: Formulation = "auto", moment: AssemblyState | None = None
 ) -> Equations:
     """Return the symbolic equations of a system.
 
@@ -88,7 +88,7 @@ class Derivation:
 
 
 def solve_motion(
-    system: System, formulation: Formulation = "auto", moment: Moment | None = None
+    system: System, formulation: Formulation = "auto", moment: AssemblyState | None = None
 ) -> Derivation:
     """Return a checked system solved for its accelerations, see :func:`derive`."""
     system.check()

@@ -33,7 +33,7 @@ Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
-class Moment:
+class AssemblyState:
     """When the loops are assembled: time [s] and states of parts by full name, as started."""
 
     time: float = 0.0
@@ -84,7 +84,7 @@ def close(
     tree: Tree,
     symbols: Symbols,
     motion: dict[str, Motion],
-    moment: Moment | None = None,
+    moment: AssemblyState | None = None,
 ) -> Loops:
     """Assemble the loops, partition the coordinates and derive the closure.
 
@@ -106,7 +106,7 @@ def close(
         configuration is singular, or constraints contradict each other or what is declared to
         move.
     """
-    when = moment or Moment()
+    when = moment or AssemblyState()
     kinematics = symbols.kinematics(tree)
     gaps = Gaps(system, symbols, rows_of_system(system, kinematics, symbols.time))
     given = start_values(system, symbols, motion, when)
@@ -137,7 +137,7 @@ def close(
 
 
 def start_values(
-    system: System, symbols: Symbols, motion: dict[str, Motion], moment: Moment
+    system: System, symbols: Symbols, motion: dict[str, Motion], moment: AssemblyState
 ) -> Array:
     """Return the start values of all coordinates, driven ones from their motion."""
     q = np.array([j.start for j in symbols.joints])

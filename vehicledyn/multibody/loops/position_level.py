@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from vehicledyn.multibody.loops.configuration import Place
 from vehicledyn.multibody.loops.constraint_equations import Gaps, rows_of_system
-from vehicledyn.multibody.loops.loop_closure import Moment, guesses, start_values
+from vehicledyn.multibody.loops.loop_closure import AssemblyState, guesses, start_values
 from vehicledyn.multibody.model.kinematics import Kinematics
 from vehicledyn.multibody.model.parts import ForcesUnknownError, Output
 from vehicledyn.multibody.model.symbols import Symbols, declare, locked, motions
@@ -67,7 +67,7 @@ class Positions:
             system, symbols, rows_of_system(system, symbols.kinematics(tree), symbols.time)
         )
         place = Place(symbols.joints, self._gaps, 0.0, locked(system, symbols))
-        moment = Moment()
+        moment = AssemblyState()
         self.start = place.assembled_by(
             start_values(system, symbols, motion, moment), guesses(system, symbols, moment.time)
         )

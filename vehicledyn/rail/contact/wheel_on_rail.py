@@ -20,7 +20,7 @@ from vehicledyn.rail.track.running import (
     LATERAL_SHIFT,
     TRACK_POSITION,
     Running,
-    Seen,
+    SideMotion,
     design_rows,
     running,
     sloping_rails,
@@ -63,7 +63,7 @@ class PatchForces:
 class WheelForces:
     """All contacts of one wheel, from the field side to the flange."""
 
-    seen: Seen
+    seen: SideMotion
     patches: tuple[PatchForces, ...]
 
     @property
@@ -178,13 +178,13 @@ class ElasticWheels(BasePart):
             self.name, w.body, w.sides, radius=w.radius, tape_circle=w.tape_circle
         )
 
-    def forces(self, seen: Seen) -> WheelForces:
+    def forces(self, seen: SideMotion) -> WheelForces:
         """Return the contacts of the wheel on one side and what acts there."""
         axle = Axle(seen.lateral, seen.height, seen.axle, self.wheels.tape_circle, seen.curvature)
         patches = self.contact.patches(axle, self.wheels.radius, self.effective_modulus)
         return WheelForces(seen, tuple(self._at(seen, patch) for patch in reversed(patches)))
 
-    def _at(self, seen: Seen, patch: ElasticPatch) -> PatchForces:
+    def _at(self, seen: SideMotion, patch: ElasticPatch) -> PatchForces:
         """Return what acts at one contact."""
         slopes = seen.slopes_at(patch.y)
         along, across, normal = _axes(patch, slopes)
@@ -242,7 +242,7 @@ class ElasticWheels(BasePart):
         for (name, unit, text, _, frame, turns), value in zip(rows, found[6:], strict=True):
             yield f"{side}.{name}", unit, text, seen.sign * value if turns else value, frame
 
-    def _shared(self, seen: Seen) -> tuple[list[Scalar], list[_WheelRow]]:
+    def _shared(self, seen: SideMotion) -> tuple[list[Scalar], list[_WheelRow]]:
         """Return force, torque and channels of a wheel seen from its side, and the channels.
 
         The equations are those of all equal wheels, left and right, so they are shared.
@@ -250,7 +250,7 @@ class ElasticWheels(BasePart):
         built, rows = self._built
 
         def build(values: list[Scalar]) -> list[Scalar]:
-            forces = self._with(values[_SEEN:]).forces(Seen.of(values[:_SEEN], 1.0))
+            forces = self._with(values[_SEEN:]).forces(SideMotion.of(values[:_SEEN], 1.0))
             rows[:] = _wheel_rows(forces)
             force, torque = forces.force, forces.torque()
             acting = [*(force[k] for k in range(3)), *(torque[k] for k in range(3))]

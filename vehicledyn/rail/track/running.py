@@ -47,11 +47,11 @@ class Running:
     angular_velocity: Vec
     shifts: dict[Side, RailPlace]
 
-    def seen_from(self, side: Side) -> Seen:
+    def seen_from(self, side: Side) -> SideMotion:
         """Return the motion in axes seen from one side: y points outwards to its field side."""
         sign = -1.0 if side == "right" else 1.0
         rail, bend = self.shifts[side], self.frame.curvature
-        return Seen(
+        return SideMotion(
             sign,
             sign * (self.place[1] - rail.lateral),
             self.place[2] - rail.vertical,
@@ -77,7 +77,7 @@ class RailPlace:
 
 
 @dataclass(frozen=True)
-class Seen:
+class SideMotion:
     """A motion seen from one side of the track; for the right side it is the mirror image.
 
     Attributes
@@ -122,13 +122,13 @@ class Seen:
         return [self.lateral, self.height, *self.axle, *velocity, *spin, *way, *rail]
 
     @staticmethod
-    def of(numbers: Sequence[Scalar], sign: float) -> Seen:
+    def of(numbers: Sequence[Scalar], sign: float) -> SideMotion:
         """Return the motion of these numbers."""
         lateral, height, ex, ey, ez, *others = numbers
         velocity, spin = ops.vector(*others[:3]), ops.vector(*others[3:6])
         curvature, rate, stretch, outwards, upwards, twist = others[6:]
         axle, rail = (ex, ey, ez), (outwards, upwards)
-        return Seen(
+        return SideMotion(
             sign, lateral, height, axle, velocity, spin, curvature, rate, stretch, rail, twist
         )  # fmt: skip
 

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vehicledyn.base.errors import InputError
-from vehicledyn.results.animation.frame_state import Bounds, Moment
+from vehicledyn.results.animation.frame_state import Bounds, SceneState
 from vehicledyn.results.animation.scene import AnimatedScene
 from vehicledyn.results.animation.solids import Face
 
@@ -46,7 +46,7 @@ class Camera:
         """Return the camera of a view onto the vehicle, as near as the box around it allows."""
         if view not in VIEWS:
             raise InputError(f"view '{view}' is unknown; take one of {', '.join(VIEWS)}")
-        target = np.nan_to_num(Moment(scene, time).position[0]) + bounds.middle
+        target = np.nan_to_num(SceneState(scene, time).position[0]) + bounds.middle
         x, y, z = np.array(VIEWS[view]) / np.linalg.norm(VIEWS[view])
         heading = _heading(scene)
         c, s = math.cos(heading), math.sin(heading)
@@ -112,7 +112,7 @@ class Camera:
 
 def _heading(scene: AnimatedScene) -> float:
     """Return the angle of the first body's x axis about the vertical at the start [rad]."""
-    start = Moment(scene, float(scene.time[0]))
+    start = SceneState(scene, float(scene.time[0]))
     feet = start.places(scene.bodies[0]["name"], [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0]])
     x, y = (feet[1] - feet[0])[:2]
     return math.atan2(y, x) if math.isfinite(x + y) else 0.0

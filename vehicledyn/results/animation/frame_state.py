@@ -16,7 +16,7 @@ Array = NDArray[np.float64]
 Plain = Mapping[str, Any]
 
 
-class Moment:
+class SceneState:
     """The poses of a scene at one time, between two pictures if need be."""
 
     def __init__(self, scene: AnimatedScene, time: float) -> None:
@@ -87,7 +87,7 @@ def _span(scene: AnimatedScene, times: Array) -> tuple[Array, Array]:
     """Return the middle of all that moves at some times, and half the edges of its box [m]."""
     points = []
     for time in times:
-        moment = Moment(scene, float(time))
+        moment = SceneState(scene, float(time))
         points.append(moment.position)
         points += [_reach(moment, shape) for shape in scene.shapes]
     found = np.concatenate(points)
@@ -98,7 +98,7 @@ def _span(scene: AnimatedScene, times: Array) -> tuple[Array, Array]:
     return 0.5 * (low + high), 0.5 * (high - low)
 
 
-def _reach(moment: Moment, shape: Plain) -> Array:
+def _reach(moment: SceneState, shape: Plain) -> Array:
     """Return the outermost points of a shape on bodies that move, shape (n, 3) [m]."""
     if shape["kind"] == "hull":
         heights = shape["bottom"], roof(shape)

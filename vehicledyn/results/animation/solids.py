@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from vehicledyn.results.animation.frame_state import Moment, roof
+from vehicledyn.results.animation.frame_state import SceneState, roof
 from vehicledyn.results.animation.scene import AnimatedScene
 
 Array = NDArray[np.float64]
@@ -45,7 +45,7 @@ class Face:
 
 def faces_of(scene: AnimatedScene, time: float, extent: float) -> list[Face]:
     """Return the faces of everything that moves and stands in a scene, nothing of the ground."""
-    moment = Moment(scene, time)
+    moment = SceneState(scene, time)
     has_hull = any(shape["kind"] == "hull" for shape in scene.shapes)
     faces: list[Face] = []
     for shape in scene.shapes:
@@ -58,17 +58,17 @@ def faces_of(scene: AnimatedScene, time: float, extent: float) -> list[Face]:
     return [face for face in faces if np.isfinite(face.corners).all()]
 
 
-def _colour(moment: Moment, body: str, has_hull: bool) -> str:
+def _colour(moment: SceneState, body: str, has_hull: bool) -> str:
     return ARM if has_hull else BODIES[moment.index(body) % len(BODIES)]
 
 
-def _tube(moment: Moment, shape: Plain, has_hull: bool) -> list[Face]:
+def _tube(moment: SceneState, shape: Plain, has_hull: bool) -> list[Face]:
     a, b = (moment.places(shape[k]["body"], shape[k]["point"])[0] for k in ("a", "b"))
     own = _colour(moment, shape["a"]["body"], has_hull)
     return prism(a, b, shape["radius"], STYLES.get(shape["style"], own), sides=8)
 
 
-def _coil(moment: Moment, shape: Plain, _: bool) -> list[Face]:
+def _coil(moment: SceneState, shape: Plain, _: bool) -> list[Face]:
     a, b = (moment.places(shape[k]["body"], shape[k]["point"])[0] for k in ("a", "b"))
     if shape["direction"]:
         ends = moment.places(shape["a"]["body"], [[0.0, 0.0, 0.0], shape["direction"]])
@@ -87,7 +87,7 @@ def _coil(moment: Moment, shape: Plain, _: bool) -> list[Face]:
     return [Face(line[k : k + 2], COIL, width=0.32 * shape["radius"]) for k in range(len(line) - 1)]
 
 
-def _ball(moment: Moment, shape: Plain, has_hull: bool) -> list[Face]:
+def _ball(moment: SceneState, shape: Plain, has_hull: bool) -> list[Face]:
     at = shape["at"]
     centre = moment.places(at["body"], at["point"])[0]
     own = STYLES.get(shape["style"], JOINT)
@@ -98,7 +98,7 @@ def _ball(moment: Moment, shape: Plain, has_hull: bool) -> list[Face]:
     return _revolved(lambda p: centre + p, profile, np.eye(3), own, sides=12)
 
 
-def _box(moment: Moment, shape: Plain, has_hull: bool) -> list[Face]:
+def _box(moment: SceneState, shape: Plain, has_hull: bool) -> list[Face]:
     at = shape["at"]
     corners = 0.5 * np.array([[i, j, k] for i in (-1, 1) for j in (-1, 1) for k in (-1, 1)])
     local = corners * np.array(shape["size"])
@@ -111,7 +111,7 @@ def _box(moment: Moment, shape: Plain, has_hull: bool) -> list[Face]:
     return [Face(points[list(s)], own, opacity) for s in sides]
 
 
-def _wheel(moment: Moment, shape: Plain, _: bool) -> list[Face]:
+def _wheel(moment: SceneState, shape: Plain, _: bool) -> list[Face]:
     r, h = shape["radius"], 0.5 * shape["width"]
     along, left, up = _frame(np.array(shape["axis"], dtype=float))
     axes = np.array([left, along, up])
@@ -156,7 +156,7 @@ def _wheel(moment: Moment, shape: Plain, _: bool) -> list[Face]:
     return faces
 
 
-def _hull(moment: Moment, shape: Plain, _: bool) -> list[Face]:
+def _hull(moment: SceneState, shape: Plain, _: bool) -> list[Face]:
     outline = np.array(shape["outline"], dtype=float)
     front, rear = outline[:, 0].max(), outline[:, 0].min()
     left, right = outline[:, 1].max(), outline[:, 1].min()
@@ -206,7 +206,7 @@ def _track(scene: AnimatedScene, place: Array, reach: float) -> list[Face]:
     return faces
 
 
-def _arrows(scene: AnimatedScene, moment: Moment, extent: float) -> list[Face]:
+def _arrows(scene: AnimatedScene, moment: SceneState, extent: float) -> list[Face]:
     faces = []
     for arrow in scene.arrows if scene.usual_force > 0.0 else ():
         foot, force = moment.mixed(arrow.foot), moment.mixed(arrow.force)
@@ -282,7 +282,7 @@ def _frame(along: Array) -> tuple[Array, Array, Array]:
     return first, second, np.cross(first, second)
 
 
-_MAKERS: dict[str, Callable[[Moment, Plain, bool], Sequence[Face]]] = {
+_MAKERS: dict[str, Callable[[SceneState, Plain, bool], Sequence[Face]]] = {
     "tube": _tube,
     "coil": _coil,
     "ball": _ball,
