@@ -58,12 +58,14 @@ def test_articulated_and_composite_inertias_give_the_same_accelerations(seed):
     assert two == pytest.approx(one, rel=0.0, abs=1e-10 * max(1.0, np.abs(one).max()))
 
 
+@pytest.mark.parametrize("large", [1, 1000])
 @pytest.mark.parametrize("seed", range(12))
-def test_steps_written_once_give_the_same_accelerations(seed, monkeypatch):
-    """Of any joints on any base, whether alike or not."""
+def test_steps_written_once_give_the_same_accelerations(seed, large, monkeypatch):
+    """Of any joints on any base, whether alike or not, and with their numbers given or not."""
     system = (tree if seed % 4 == 0 else bare)(seed)
     one = rates(derive(system, formulation="composite"), seed)
     monkeypatch.setattr(forward, "_MANY", 1)
+    monkeypatch.setattr(forward, "_LARGE", large)
     monkeypatch.setattr(Steps, "are_alike", True)
     equations = derive(system, formulation="articulated")
     function = casadi.Function(

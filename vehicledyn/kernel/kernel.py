@@ -23,6 +23,7 @@ from vehicledyn.codegen.toolchain.compiler import (
     find_compiler,
 )
 from vehicledyn.codegen.toolchain.fingerprint import fingerprint, generator_fingerprint
+from vehicledyn.kernel.compilation_worth import compiling_pays, is_large
 from vehicledyn.kernel.compiled import CompiledEngine
 from vehicledyn.kernel.engine import (
     Count,
@@ -255,7 +256,11 @@ class Kernel:
 
 
 def compile_kernel(
-    equations: Equations, *, backend: Backend = "auto", progress: Progress | None = None
+    equations: Equations,
+    *,
+    backend: Backend = "auto",
+    progress: Progress | None = None,
+    evaluations: float | None = None,
 ) -> Kernel:
     """Return the kernel of some equations.
 
@@ -265,9 +270,12 @@ def compile_kernel(
         The model; its blocks must cover the unknowns in order.
     backend
         "compiled" needs a C compiler, "interpreted" uses none, "auto" takes the first of the
-        two that works.
+        two that works; a large model that is not evaluated often is interpreted, since its first
+        result comes sooner then.
     progress
         Told what is going on.
+    evaluations
+        How many evaluations of the rates are expected; None where few are, or nobody knows.
 
     Raises
     ------
@@ -284,6 +292,8 @@ def compile_kernel(
                 f"model '{equations.name}' has so many entangled constraints that they are solved "
                 "by sparse elimination, which is not compiled; take the kernel 'auto'"
             )
+        return _interpreted(equations, "", tell)
+    if backend == "auto" and not compiling_pays(equations, evaluations):
         return _interpreted(equations, "", tell)
     try:
         return _compiled(equations, find_compiler(), tell)
@@ -353,13 +363,15 @@ def known_kernel(equations: Equations, key: str) -> Kernel | None:
 
 def _interpreted(equations: Equations, remark: str, tell: Progress) -> Kernel:
     from vehicledyn.codegen.passes.kernel_functions import derive_functions, operations_of
+    from vehicledyn.codegen.passes.plain_functions import plain_functions
     from vehicledyn.kernel.interpreted import InterpretedEngine
 
     if remark:
         _log.warning(remark)
     tell("deriving the equations of the kernel", None)
     started = time.perf_counter()
-    functions = derive_functions(equations)
+    is_plain = not equations.parameters and is_large(equations)
+    functions = (plain_functions if is_plain else derive_functions)(equations)
     engine = InterpretedEngine(equations, functions)
     seconds = time.perf_counter() - started
     tell("ready", 1.0)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import fnmatch
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
@@ -179,7 +180,7 @@ def make_model(
         If no such scenario can be brought to run.
     """
     loaded = _template(recipe, values)
-    prepared = prepare(loaded, backend=backend, progress=progress)
+    prepared = prepare(loaded, backend=backend, progress=progress, evaluations=math.inf)
     _check_equations(recipe, values, prepared)
     solver: Any = loaded.scenario.solver
     check = getattr(solver, "check", None)

@@ -185,9 +185,34 @@ def scalar(x: Scalar) -> Scalar:
 
 def vector(x: Scalar, y: Scalar, z: Scalar) -> Vec:
     """Return the column of three components."""
+    return filled(3, 1, (x, y, z))
+
+
+_SET_ONE_BY_ONE = 9
+"""Entries up to which setting each takes less time than CasADi's search for a fitting overload."""
+
+
+def filled(rows: int, columns: int, entries: Sequence[Scalar]) -> Any:
+    """Return the dense SX matrix of entries, column after column."""
     import casadi
 
-    return casadi.vertcat(scalar(x), scalar(y), scalar(z))
+    if len(entries) > _SET_ONE_BY_ONE or not entries:
+        column = casadi.vertcat(*[scalar(item) for item in entries]) if entries else casadi.SX(0, 1)
+        return casadi.reshape(column, rows, columns)
+    found = casadi.SX.zeros(rows, columns)
+    for place, item in enumerate(entries):
+        found.set_nz(item, False, place)
+    return found
+
+
+def entries_of(matrix: Any) -> list[Scalar]:
+    """Return the entries of a matrix, column after column."""
+    import casadi
+
+    if type(matrix) is casadi.SX and matrix.is_dense():
+        found: list[Scalar] = matrix.nonzeros()
+        return found
+    return [matrix[k] for k in range(matrix.numel())]
 
 
 def column(items: Sequence[Scalar]) -> Any:
@@ -213,6 +238,7 @@ def dot(a: Vec, b: Vec) -> Scalar:
 
 def plus_cross(a: Vec, b: Vec, c: Vec) -> Vec:
     """Return a + b × c of columns, each component summed from a on, as fused sums take it."""
+    a, b, c = (entries_of(item) for item in (a, b, c))
     pairs = ((1, 2), (2, 0), (0, 1))
     return vector(*(a[k] + b[i] * c[j] - b[j] * c[i] for k, (i, j) in enumerate(pairs)))
 
@@ -325,11 +351,12 @@ def matrix_of(rows: Sequence[dict[int, Scalar]], width: int) -> Any:
     """Return the sparse SX matrix of rows {column: entry}, shape (len(rows), width)."""
     import casadi
 
-    matrix = casadi.SX(len(rows), width)
-    for i, row in enumerate(rows):
-        for j, value in row.items():
-            matrix[i, j] = value
-    return matrix
+    places = sorted((j, i) for i, row in enumerate(rows) for j in row)
+    if not places:
+        return casadi.SX(len(rows), width)
+    columns, found = zip(*places, strict=True)
+    pattern = casadi.Sparsity.triplet(len(rows), width, found, columns)
+    return casadi.SX(pattern, column([rows[i][j] for j, i in places]))
 
 
 def rows_of(matrix: Any) -> list[dict[int, Scalar]]:

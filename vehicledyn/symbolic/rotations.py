@@ -8,6 +8,7 @@ of the parent; the book writes its transpose.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import cache
 
 from vehicledyn.symbolic import ops
 from vehicledyn.symbolic.ops import Mat, Scalar, Vec
@@ -30,10 +31,8 @@ def turn_by(axis: int, c: Scalar, s: Scalar) -> Mat:
 
 def matrix(rows: list[list[Scalar]]) -> Mat:
     """Return the SX matrix with these rows."""
-    import casadi
-
-    columns = [ops.scalar(x) for column in zip(*rows, strict=True) for x in column]
-    return casadi.reshape(casadi.vertcat(*columns), len(rows), len(rows[0]))
+    entries = [x for column in zip(*rows, strict=True) for x in column]
+    return ops.filled(len(rows), len(rows[0]), entries)
 
 
 def symmetric(diagonal: Sequence[Scalar], beside: Sequence[Scalar]) -> Mat:
@@ -74,6 +73,7 @@ def _turned_about(axis: int, rotation: Mat, tensor: Mat) -> Mat:
     """
     i, j, k = axis - 1, axis % 3, (axis + 1) % 3
     c, s = rotation[j, j], rotation[k, j]
+    tensor = _by_place(tensor)
     difference, both = tensor[j, j] - tensor[k, k], tensor[j, k] + tensor[k, j]
     moved = s * s * difference + c * s * both
     crossed = c * s * difference - s * s * both
@@ -93,16 +93,22 @@ def _turned_about(axis: int, rotation: Mat, tensor: Mat) -> Mat:
 
 def elementary_axis(rotation: Mat) -> int | None:
     """Return the axis, 1 to 3, about which a rotation turns whatever its symbols, if any."""
+    entry = _by_place(rotation)
     for i in range(3):
         others = [(i, n) for n in range(3) if n != i] + [(n, i) for n in range(3) if n != i]
-        if rotation[i, i].is_one() and all(rotation[pair].is_zero() for pair in others):
+        if entry[i, i].is_one() and all(entry[pair].is_zero() for pair in others):
             return i + 1
     return None
 
 
+def _by_place(matrix: Mat) -> dict[tuple[int, int], Scalar]:
+    """Return the entries of a matrix of three rows by row and column."""
+    return {(k % 3, k // 3): item for k, item in enumerate(ops.entries_of(matrix))}
+
+
 def is_diagonal(tensor: Mat) -> bool:
     """Return whether a matrix is diagonal whatever the values of its symbols."""
-    return all(tensor[i, j].is_zero() for i in range(3) for j in range(3) if i != j)
+    return all(item.is_zero() for (i, j), item in _by_place(tensor).items() if i != j)
 
 
 def identity() -> Mat:
@@ -122,6 +128,13 @@ def product(*factors: Mat | None) -> Mat:
 
 def axis_vector(axis: int) -> Vec:
     """Return the unit column along axis 1, 2 or 3."""
+    import casadi
+
+    return casadi.SX(_unit(axis))
+
+
+@cache
+def _unit(axis: int) -> Vec:
     return ops.vector(*[1.0 if k == axis else 0.0 for k in (1, 2, 3)])
 
 

@@ -12,6 +12,7 @@ from collections.abc import Callable, Hashable, Sequence
 from dataclasses import dataclass
 from typing import Any, TypeAlias
 
+from vehicledyn.symbolic import ops
 from vehicledyn.symbolic.ops import Mat
 from vehicledyn.symbolic.shared import known_function
 
@@ -39,9 +40,17 @@ _STEPS: dict[Hashable, _Step] = {}
 
 
 class Steps:
-    """Writes steps as calls of functions, and counts these and the calls."""
+    """Writes steps as calls of functions, and counts these and the calls.
 
-    def __init__(self) -> None:
+    Parameters
+    ----------
+    gives_numbers
+        Whether numbers other than 0, 1 and -1 are given to the functions, as in a system where
+        each place has its own. Else they are written into the functions, which spares operations.
+    """
+
+    def __init__(self, *, gives_numbers: bool = False) -> None:
+        self._gives_numbers = gives_numbers
         self._kinds: set[Hashable] = set()
         self._calls = 0
 
@@ -73,10 +82,10 @@ class Steps:
         """
         import casadi
 
-        matrices = [casadi.densify(casadi.SX(item)) for item in given]
+        matrices = [_dense(item) for item in given]
         entries = [entry for item in matrices for entry in item.nonzeros()]
         free: list[Any] = []
-        forms = _forms(entries, free, signs=True)
+        forms = _forms(entries, free, signs=True, numbers=self._gives_numbers)
         shapes = tuple(item.shape for item in matrices)
         key = (name, structure, shapes, tuple(forms))
         known = _STEPS.get(key)
@@ -87,7 +96,7 @@ class Steps:
         self._calls += 1
         values = list(free)
         if known.function is not None:
-            values += casadi.vertsplit(known.function(casadi.vertcat(*free)))
+            values += ops.entries_of(known.function(casadi.vertcat(*free)))
         return [_filled([shape], form, values)[0] for shape, form in known.results]
 
 
@@ -101,11 +110,23 @@ def written_out(
     return list(build(list(given)))
 
 
-def _forms(entries: Sequence[Any], free: list[Any], *, signs: bool) -> list[Entry]:
+def _dense(item: Mat) -> Mat:
+    import casadi
+
+    return item if type(item) is casadi.SX and item.is_dense() else casadi.densify(casadi.SX(item))
+
+
+_WRITTEN = (0.0, 1.0, -1.0)
+
+
+def _forms(
+    entries: Sequence[Any], free: list[Any], *, signs: bool, numbers: bool = False
+) -> list[Entry]:
     """Return what each entry is; ``free`` grows by those that are neither number nor known.
 
     With ``signs`` what an entry is the opposite of is taken in its place; else only where that
-    occurs itself, so that signs of results make no other form of what they are given to.
+    occurs itself, so that signs of results make no other form of what they are given to. With
+    ``numbers`` all but a few of these are taken as what is not known, each by itself.
     """
     parts = [(1.0, entry) if entry.is_constant() else _unsigned(entry) for entry in entries]
     known = {item.element_hash() for sign, item in parts if signs or sign > 0}
@@ -113,7 +134,11 @@ def _forms(entries: Sequence[Any], free: list[Any], *, signs: bool) -> list[Entr
     forms: list[Entry] = []
     for entry, (sign, item) in zip(entries, parts, strict=True):
         if entry.is_constant():
-            forms.append((_NUMBER, float(entry)))
+            if numbers and float(entry) not in _WRITTEN:
+                forms.append((len(free), 1.0))
+                free.append(entry)
+            else:
+                forms.append((_NUMBER, float(entry)))
             continue
         key = item.element_hash()
         if key not in places:
@@ -139,17 +164,14 @@ def _filled(
     shapes: Sequence[tuple[int, int]], forms: Sequence[Entry], values: Sequence[Any]
 ) -> list[Mat]:
     """Return matrices of these shapes from what their entries are."""
-    import casadi
-
     matrices, first = [], 0
     for rows, columns in shapes:
         entries = [
-            casadi.SX(sign) if place == _NUMBER else values[place] if sign > 0 else -values[place]
+            sign if place == _NUMBER else values[place] if sign > 0 else -values[place]
             for place, sign in forms[first : first + rows * columns]
         ]
         first += rows * columns
-        column = casadi.vertcat(*entries) if entries else casadi.SX(0, 1)
-        matrices.append(casadi.reshape(column, rows, columns))
+        matrices.append(ops.filled(rows, columns, entries))
     return matrices
 
 

@@ -19,12 +19,17 @@ def calls_in(function: Any) -> dict[int, Any]:
 
     if not function.get_function():
         return {}
+    code_of, call = function.instruction_id, casadi.OP_CALL
+    places = [k for k in range(function.n_instructions()) if code_of(k) == call]
+    return calls_at(function, places)
+
+
+def calls_at(function: Any, places: Sequence[int]) -> dict[int, Any]:
+    """Return what a function calls, by the numbers of the instructions, which are calls."""
+    if not places:
+        return {}
     instructions = function.instructions_sx()
-    return {
-        k: instructions[k].which_function()
-        for k in range(function.n_instructions())
-        if function.instruction_id(k) == casadi.OP_CALL
-    }
+    return {k: instructions[k].which_function() for k in places}
 
 
 def tables_in(expressions: Sequence[Any]) -> tuple[CurveTable, ...]:
@@ -114,6 +119,5 @@ def call_with(function: Any, scalars: Sequence[Any]) -> list[Any]:
         first += size
     found = []
     for k, result in enumerate(function.call(arguments)):
-        column = casadi.SX(function.sparsity_out(k), result).nz[:]
-        found += [column[n] for n in range(function.nnz_out(k))]
+        found += casadi.SX(function.sparsity_out(k), result).nonzeros()
     return found

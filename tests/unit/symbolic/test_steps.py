@@ -64,3 +64,18 @@ def test_what_is_known_of_results_is_not_lost(x):
     assert ca.is_equal(found[6], x[0])
     assert ca.is_equal(found[7], -x[4], 1)
     assert not functions(found[6:], x)
+
+
+def test_numbers_of_their_own_are_given_where_asked_for(x):
+    """Places that differ in their numbers share a function; 0, 1 and -1 are still written in."""
+    places = [(0.6, 0.8, x[5]), (0.8, -0.6, x[6]), (0.28, 0.96, x[7])]
+    each, shared = Steps(), Steps(gives_numbers=True)
+    ways = [chained(write, x, places) for write in (each, shared, written_out)]
+    assert [len(functions(way, x)) for way in ways] == [3, 1, 0]
+    assert shared.are_alike
+    assert not each.are_alike
+    point = np.random.default_rng(3).uniform(-1.0, 1.0, 9)
+    one, two, three = (np.array(ca.Function("f", [x], [e])(point).full()) for e in ways)
+    assert one == pytest.approx(three, rel=1e-14, abs=1e-15)
+    assert two == pytest.approx(three, rel=1e-14, abs=1e-15)
+    assert chained(Steps(gives_numbers=True), x, [(1.0, 0.0, 0.0)])[3:6].is_zero()

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 
 from vehicledyn.analyses.hunting.refusals import check_subject
@@ -64,6 +65,7 @@ def find_limit_cycles(
         progress=progress,
         check=lambda derived: check_subject(derived, settings),
         varies_states=True,
+        evaluations=math.inf,
     )
     identity = "" if output is None else identity_of(prepared, settings)
     before = finished(output, identity) if output is not None and resume else None

@@ -55,6 +55,7 @@ def prepare(
     change: Callable[[Subject], Subject] | None = None,
     check: Check | None = None,
     varies_states: bool = False,
+    evaluations: float | None = None,
 ) -> Prepared:
     """Return the derived and compiled system of a scenario or model.
 
@@ -74,6 +75,8 @@ def prepare(
     varies_states
         Whether the states are to be varied one by one, as equilibria and linear analyses do: they
         are independent coordinates then, however the system's runs treat constraints.
+    evaluations
+        How many evaluations of the rates are expected; None where few are.
     """
     progress("deriving the equations of motion", None)
     with undisturbed(), told_with_places(target):
@@ -85,7 +88,9 @@ def prepare(
     derived = Derived(target, subject)
     if check is not None:
         check(derived)
-    kernel = compile_kernel(derived.equations, backend=backend, progress=progress)
+    kernel = compile_kernel(
+        derived.equations, backend=backend, progress=progress, evaluations=evaluations
+    )
     return Prepared(subject, derived.equations, kernel, derived)
 
 

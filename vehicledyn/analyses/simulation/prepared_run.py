@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import logging
+import math
 from collections.abc import Iterator
 from contextlib import contextmanager
 
@@ -36,7 +37,13 @@ def prepare_run(
     if found is not None:
         return found
     with _warnings() as told:
-        prepared = prepare(loaded, backend=backend, progress=progress, check=check)
+        prepared = prepare(
+            loaded,
+            backend=backend,
+            progress=progress,
+            check=check,
+            evaluations=expected_evaluations(loaded),
+        )
         progress("finding the point to start from", None)
         with told_with_places(loaded):
             refuse_rigid_loops(prepared)
@@ -46,6 +53,19 @@ def prepare_run(
     if key is not None and prepared.kernel.key and not told:
         remember(key, _memory_of(prepared, start))
     return prepared, start
+
+
+_STAGES = 4
+"""Evaluations of a step of a usual method."""
+
+
+def expected_evaluations(loaded: LoadedScenario) -> float:
+    """Return about how many evaluations of the rates a run takes; infinite where nobody knows."""
+    duration = loaded.scenario.duration
+    step = getattr(loaded.scenario.solver, "step", None)
+    if duration is None or step is None:
+        return math.inf
+    return _STAGES * float(duration) / float(step)
 
 
 def _from_memory(loaded: LoadedScenario, memory: Memory) -> tuple[Prepared, Point] | None:

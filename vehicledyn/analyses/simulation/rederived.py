@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
@@ -50,8 +51,9 @@ def derived_at(
     changed = replace(freed(system, values, parameters), constraint_method=method)
     states = {s.name: values[s.name] for s in first.states if s.name in values}
     equations = derive(changed, moment=AssemblyState(sample.time, states))
-    backend: Backend = "compiled" if kernel.backend == "compiled" else "interpreted"
-    return compile_kernel(equations, backend=backend)
+    # Multipliers of many entangled constraints are solved sparsely, which cannot be compiled.
+    backend: Backend = "auto" if kernel.backend == "compiled" else "interpreted"
+    return compile_kernel(equations, backend=backend, evaluations=math.inf)
 
 
 def state_in(new: Kernel, old: Kernel, sample: Sample) -> tuple[Vector, Vector]:

@@ -54,15 +54,7 @@ def derive_functions(equations: Equations) -> KernelFunctions:
 
     time, state, unknown = equations.time, equations.state, equations.algebraic
     expressions: Any = [equations.rate, equations.output, *event_expressions(equations)]
-    for block in equations.blocks:
-        inside = slice(block.start, block.stop)
-        residual = equations.residual[inside]
-        slopes = equations.slopes
-        known = None if slopes is None else slopes[inside, inside]
-        expressions += [
-            residual,
-            ops.jacobian(residual, unknown[inside]) if known is None else known,
-        ]
+    expressions += block_expressions(equations)
     given = [time, state, unknown, equations.parameter]
     expressions, constants, values = _apart(given, expressions)
     inputs = [time, state, unknown, constants]
@@ -151,10 +143,10 @@ def _apart(inputs: list[Any], expressions: list[Any]) -> tuple[list[Any], Any, A
     last = len(inputs) - 1
     whole = casadi.cse([casadi.densify(casadi.SX(item)) for item in expressions])
     with _as_written():
-        whole = _split_calls(casadi.Function("all", inputs, whole), inputs)
-        whole = use_reciprocals(
-            casadi.Function("all", inputs, whole), inputs, lambda source: source[0] == last
-        )
+        function = casadi.Function("all", inputs, whole)
+        if function.get_function():
+            function = casadi.Function("all", inputs, _split_calls(function, inputs))
+        whole = use_reciprocals(function, inputs, lambda source: source[0] == last)
         return _move_apart(casadi.Function("all", inputs, whole), inputs)
 
 
@@ -186,6 +178,19 @@ def event_expressions(equations: Equations) -> list[Any]:
     return [casadi.vertcat(*marks) if marks else casadi.SX(0, 1), reset]
 
 
+def block_expressions(equations: Equations) -> list[Any]:
+    """Return the residual and the Jacobian of each block, one after the other."""
+    found: list[Any] = []
+    for block in equations.blocks:
+        inside = slice(block.start, block.stop)
+        residual = equations.residual[inside]
+        slopes = equations.slopes
+        known = None if slopes is None else slopes[inside, inside]
+        unknown = equations.algebraic[inside]
+        found += [residual, ops.jacobian(residual, unknown) if known is None else known]
+    return found
+
+
 def count_operations(equations: Equations) -> dict[str, int]:
     """Return the number of operations of prepare, rates, outputs and blocks (all together)."""
     return operations_of(derive_functions(equations))
@@ -203,12 +208,22 @@ def operations_of(functions: KernelFunctions) -> dict[str, int]:
 
 def operations_in(function: Any) -> int:
     """Return the number of operations of a function, those that it calls included."""
+    return _operations_in(function, {})
+
+
+def _operations_in(function: Any, known: dict[str, int]) -> int:
+    """Return the same number, given those of called functions by name, which grow."""
     import casadi
 
     free = {getattr(casadi, name) for name in _NO_WORK}
     own = sum(function.instruction_id(k) not in free for k in range(function.n_instructions()))
-    called = [item for item in calls_in(function).values() if table_of(item) is None]
-    return own + sum(operations_in(item) - 1 for item in called)
+    for item in calls_in(function).values():
+        if table_of(item) is not None:
+            continue
+        if item.name() not in known:
+            known[item.name()] = _operations_in(item, known)
+        own += known[item.name()] - 1
+    return own
 
 
 @contextmanager
@@ -233,13 +248,12 @@ def _split_calls(function: Any, inputs: list[Any]) -> list[Any]:
 
     nodes, results = read_nodes(function)
     fixed = _fixed_values(nodes, function.n_in() - 1)
-    calls = calls_in(function)
-    rebuild = Rebuild(function, inputs)
+    rebuild = Rebuild(function, inputs, nodes)
     values: list[Any] = []
     for index, node in enumerate(nodes):
         code, operands, detail = node
         if code == casadi.OP_CALL and not fixed[index]:
-            mask, called = tuple(fixed[item] for item in operands), calls[int(detail)]
+            mask, called = tuple(fixed[item] for item in operands), rebuild.calls[int(detail)]
             if table_of(called) is None:
                 values.append(call_apart(called, mask, [values[item] for item in operands]))
                 continue
@@ -255,21 +269,22 @@ def _move_apart(function: Any, inputs: list[Any]) -> tuple[list[Any], Any, Any]:
     """
     import casadi
 
+    source, constant, call = casadi.OP_INPUT, casadi.OP_CONST, casadi.OP_CALL
     nodes, results = read_nodes(function)
     fixed = _fixed_values(nodes, function.n_in() - 1)
-    number = [code == casadi.OP_CONST for code, _, _ in nodes]
+    number = [code == constant for code, _, _ in nodes]
     needed = {value for pairs in results for _, value in pairs}
     for (code, operands, _), is_fixed in zip(nodes, fixed, strict=True):
-        if not is_fixed and code != casadi.OP_INPUT:
+        if not is_fixed and code != source:
             needed.update(operands)
-    given = [k for code, operands, _ in nodes if code == casadi.OP_CALL for k in operands]
+    given = [k for code, operands, _ in nodes if code == call for k in operands]
     order = {k: place for place, k in reversed([*enumerate(given)])}
     wanted = sorted(
         (k for k in needed if fixed[k] and not number[k]),
         key=lambda k: (order.get(k, len(given)), k),
     )
     constants = casadi.SX.sym("constant", len(wanted))
-    rebuild = Rebuild(function, inputs)
+    rebuild = Rebuild(function, inputs, nodes)
     apart: list[Any] = []
     values: list[Any] = []
     names = {value: constants[k] for k, value in enumerate(wanted)}

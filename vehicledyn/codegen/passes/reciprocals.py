@@ -20,10 +20,10 @@ def use_reciprocals(
     import casadi
 
     nodes, results = read_nodes(function)
-    dividing = (casadi.OP_DIV, casadi.OP_INV)
+    dividing = {casadi.OP_DIV, casadi.OP_INV}
     divided = Counter(operands[-1] for code, operands, _ in nodes if code in dividing)
     fixed = fixed_from(nodes, is_fixed)
-    rebuild = Rebuild(function, inputs)
+    rebuild = Rebuild(function, inputs, nodes)
     values: list[Any] = []
     inverse: dict[int, Any] = {}
     for node in nodes:

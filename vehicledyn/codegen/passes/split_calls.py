@@ -75,7 +75,7 @@ def _split(function: Any, fixed: tuple[bool, ...]) -> _Split | None:
     wanted = sorted(k for k in needed if early[k] and not plain[k])
     used = sorted({nodes[k][1][1] for k in needed if nodes[k][0] == casadi.OP_INPUT})
     values = casadi.SX.sym("v", len(wanted))
-    rebuild = Rebuild(function, [symbols])
+    rebuild = Rebuild(function, [symbols], nodes)
     names = {value: values[k] for k, value in enumerate(wanted)}
     first: list[Any] = []
     late: list[Any] = []

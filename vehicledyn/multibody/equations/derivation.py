@@ -26,6 +26,7 @@ from vehicledyn.multibody.recursion.substructuring import solve_loops
 from vehicledyn.symbolic import ops
 from vehicledyn.symbolic.equations import Equations
 from vehicledyn.symbolic.ops import Scalar
+from vehicledyn.symbolic.quick_arithmetic import quick_arithmetic
 
 _log = logging.getLogger(__name__)
 
@@ -87,6 +88,7 @@ class Derivation:
     projection: Projection | None = None
 
 
+@quick_arithmetic()
 def solve_motion(
     system: System, formulation: Formulation = "auto", moment: AssemblyState | None = None
 ) -> Derivation:
@@ -122,6 +124,7 @@ def solve_motion(
     )
 
 
+@quick_arithmetic()
 def equations_of(derivation: Derivation) -> Equations:
     """Return the equations of a solved system, in the order of states and channels."""
     d = derivation

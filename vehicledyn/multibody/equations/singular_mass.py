@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vehicledyn.base.errors import InputError
+from vehicledyn.multibody.equations.felt_inertia import LinkNumbers, body_rows, smallest_share
 from vehicledyn.multibody.loops.closure import Closure, MultiplierClosure
 from vehicledyn.multibody.model.bodies import Joint
 from vehicledyn.multibody.model.kinematics import Kinematics
@@ -30,6 +31,12 @@ _ASIDE = 0.3
 _ROUNDING = 1e-13
 _SHOWN = 1e-3
 _PER_LINK = 18
+
+_DENSE = 150
+"""Most independent coordinates whose motions are always compared all at once.
+
+That costs the cube of their number, and finds motions together as well as joints by themselves.
+"""
 
 
 @dataclass(frozen=True)
@@ -93,6 +100,8 @@ class Resistance:
             Share of the inertia of its coordinates below which a motion counts [1].
         """
         values = self._values if parameters is None else parameters
+        if self._is_large_tree and self._smallest_share(time, q, values) > share:
+            return []
         moved = self._inertial(time, q, values) @ self._transfer(time, q, values)
         if not moved.shape[1] or not np.isfinite(moved).all():
             return []
@@ -102,6 +111,27 @@ class Resistance:
         _, found, motions = np.linalg.svd(np.linalg.qr(scaled, mode="r"))
         rank = int(np.sum(found > share))
         return [self._named(vector) for vector in _sparse(motions[rank:])]
+
+    @property
+    def _is_large_tree(self) -> bool:
+        """Whether there are too many joints for a factorisation that knows nothing of the tree."""
+        return not self._pairs and len(self._free) > _DENSE
+
+    def _smallest_share(self, time: float, q: Array, values: Array) -> float:
+        """Return the least share of its inertia that a joint keeps as those beyond it yield."""
+        frames = self._frames(time, q, values).reshape(-1, _PER_LINK)
+        free = {self.joints[k].name for k in self._free}
+        links = []
+        for item, numbers in zip(self._links, frames, strict=True):
+            is_free = item.joint is not None and item.joint.name in free
+            rotation, arm, motion = numbers[:9].reshape(3, 3), numbers[9:12], numbers[12:18]
+            links.append(LinkNumbers(item.parent, rotation, arm, motion if is_free else None))
+        masses = self._masses(time, q, values).reshape(-1, 13)
+        bodies = {
+            link: body_rows(row[0], row[1:4], row[4:].reshape(3, 3))
+            for link, row in zip(self._body_links, masses, strict=True)
+        }
+        return smallest_share(links, bodies)
 
     def anywhere(self, time: float, q: Array) -> list[Idle]:
         """Return the motions that nothing resists at a configuration nor anywhere about it."""

@@ -165,20 +165,22 @@ class _Elimination:
     def eliminate(self, rows: list[int], candidates: list[int]) -> None:
         """Pair rows with candidates, which are taken from their list, as long as pivots last."""
         rows = [row for row in rows if row in self._open]
+        entries = _Sizes(self._work, rows, candidates)
         while rows and candidates:
-            block = np.abs(self._work[np.ix_(rows, candidates)])
-            i, j = np.unravel_index(int(_first_largest(block)), block.shape)
-            if block[i, j] <= RANK_TOLERANCE * self._scale:
+            size, row, column = entries.first_largest()
+            if size <= RANK_TOLERANCE * self._scale:
                 break
-            row, column = rows.pop(int(i)), candidates.pop(int(j))
+            rows.remove(row)
+            candidates.remove(column)
             self._open.remove(row)
-            self._pivots.append(float(block[i, j]))
+            self._pivots.append(size)
             self.pairs.append((row, column))
             others = np.array(self._open, dtype=int)
             others = others[self._work[others, column] != 0.0]
             factors = (self._work[others, column] / self._work[row, column])[:, None]
             self._work[others] -= self._work[row] * factors
             self._combined[others] -= self._combined[row] * factors
+            entries.renew(row, column, others)
 
     def partition(
         self,
@@ -210,9 +212,43 @@ class _Elimination:
         return Redundancy(row, weights, rest)
 
 
+class _Sizes:
+    """Magnitudes of the entries that may become pivots, with the largest of each row kept."""
+
+    def __init__(self, work: Array, rows: Sequence[int], columns: Sequence[int]) -> None:
+        self._work, self._rows = work, np.array(rows, dtype=int)
+        self._columns = np.array(columns, dtype=int)
+        self._place = {row: k for k, row in enumerate(rows)}
+        self._sizes = np.abs(work[np.ix_(self._rows, self._columns)])
+        self._is_taken = np.zeros(len(columns), dtype=bool)
+        self._largest = self._sizes.max(axis=1, initial=0.0)
+
+    def first_largest(self) -> tuple[float, int, int]:
+        """Return size, row and column of the first entry within rounding of the largest."""
+        i = _first_largest(self._largest)
+        enough = self._largest.max() * _NEARLY
+        j = int(np.flatnonzero(self._sizes[i] >= enough)[0])
+        return float(self._sizes[i, j]), int(self._rows[i]), int(self._columns[j])
+
+    def renew(self, row: int, column: int, changed: NDArray[np.intp]) -> None:
+        """Take row and column of a pivot away, and look at the rows that changed."""
+        taken = self._columns == column
+        self._is_taken |= taken
+        self._sizes[:, taken] = 0.0
+        places = [self._place[other] for other in changed.tolist() if other in self._place]
+        found = np.abs(self._work[np.ix_(self._rows[places], self._columns)])
+        self._sizes[places] = np.where(self._is_taken, 0.0, found)
+        self._largest[places] = self._sizes[places].max(axis=1, initial=0.0)
+        self._sizes[self._place[row]] = self._largest[self._place[row]] = 0.0
+
+
+_NEARLY = 1.0 - 1e-6
+"""Part of the largest size from which entries are as good, so that symmetry breaks alike."""
+
+
 def _first_largest(block: Array) -> int:
     """Return the first entry within rounding of the largest, so that symmetry breaks alike."""
-    return int(np.flatnonzero(block.ravel() >= block.max() * (1.0 - 1e-6))[0])
+    return int(np.flatnonzero(block.ravel() >= block.max() * _NEARLY)[0])
 
 
 def _blocks(

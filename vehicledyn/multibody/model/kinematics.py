@@ -53,6 +53,7 @@ class Kinematics:
         self._base = _GROUND
         self._placed: dict[tuple[str, int], object] = {}
         self._moving: dict[tuple[str, int], object] = {}
+        self._seen_from: dict[int, set[int]] = {}
 
     def with_accelerations(self, accelerations: dict[str, Scalar]) -> Kinematics:
         """Return the same kinematics with the accelerations of all coordinates known."""
@@ -103,6 +104,7 @@ class Kinematics:
         other = Kinematics(self.tree, self._q, self._qd, accelerations, ground)
         other._base = self._base
         other._placed = self._placed
+        other._seen_from = self._seen_from
         if not forget >= _MOVING:
             other._moving = {k: v for k, v in self._moving.items() if k[0] not in forget}
         return other
@@ -317,7 +319,9 @@ class Kinematics:
             between = self._evaluated_from(ancestor, link)
             return self.rotation_in(ancestor, between) @ self.rotation_in(between, link)
 
-        return self._once(f"rotation in {ancestor}", link, build)
+        found = self._once(f"rotation in {ancestor}", link, build)
+        self._seen_from.setdefault(link, set()).add(ancestor)
+        return found
 
     def position_in(self, ancestor: int, link: int, point: Vec, datum: int | None = None) -> Vec:
         """Return the position of a point of a link in the axes of an ancestor [m].
@@ -355,12 +359,13 @@ class Kinematics:
 
     def _evaluated_from(self, ancestor: int, link: int) -> int:
         """Return a link between two whose motion relative to it is known, else the parent."""
-        between = self.tree.links[link].parent
-        while between != ancestor:
-            if (f"rotation in {between}", link) in self._placed:
+        parent = between = self.tree.links[link].parent
+        known = self._seen_from.get(link)
+        while known and between != ancestor:
+            if between in known:
                 return between
             between = self.tree.links[between].parent
-        return self.tree.links[link].parent
+        return parent
 
     def between(self, body_a: str, body_b: str) -> Relative:
         """Return the geometry of two bodies in the axes of their common ancestor."""

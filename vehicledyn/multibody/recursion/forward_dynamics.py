@@ -37,6 +37,13 @@ Written out, the 5,000 operations of 12 joints fill the 32 KiB that most cores k
 Beyond, a joint takes 1.7 times as long; within, in steps, it takes a fifth longer than written out.
 """
 
+_LARGE = 200
+"""Free coordinates from which steps are given their numbers, and no other way is tried.
+
+Where every joint has numbers of its own each would else have a function of its own, and the time
+to derive a thousand of them is what counts.
+"""
+
 _WRITTEN_OUT = 1.5
 """Time of an operation of a long system written out over that of one in steps."""
 
@@ -90,9 +97,8 @@ def solve_tree(
     where axes may be aligned.
     """
     by_matrix = None
-    if formulation != "articulated" and not (
-        formulation == "auto" and _entries(problem) > _LONG * len(problem.free)
-    ):
+    is_long = len(problem.free) >= _LARGE or _entries(problem) > _LONG * len(problem.free)
+    if formulation == "composite" or (formulation == "auto" and not is_long):
         by_matrix = by_composite(problem)
     if by_matrix is not None and formulation == "composite":
         return by_matrix
@@ -111,7 +117,7 @@ def _by_aligned(problem: TreeProblem, table: ParameterTable) -> tuple[dict[str, 
     """
     tree = problem.kinematics.tree
     if len(problem.free) >= _MANY and all(map(_is_elementary, tree.links)):
-        named, steps = with_common_axis(tree), Steps()
+        named, steps = with_common_axis(tree), Steps(gives_numbers=len(problem.free) >= _LARGE)
         found = by_articulated(_on(problem, named.then(align(named.tree, table))), write=steps)
         if steps.are_alike:
             return found, True
