@@ -15,8 +15,10 @@ from vehicledyn.cli.options import (
     Json,
     Overrides,
     Target,
+    is_result_name,
     speed_in_si,
 )
+from vehicledyn.cli.replacing import EQUILIBRIUM, Overwrite, check_replacing
 from vehicledyn.cli.terminal import emit, emit_report, show_progress, to_json
 from vehicledyn.library import Kind
 from vehicledyn.library import entries as library_entries
@@ -25,9 +27,6 @@ if TYPE_CHECKING:
     from vehicledyn.files.scenario import LoadedModel, LoadedScenario
 
 models = typer.Typer(no_args_is_help=True, help="List and show the models of the catalogue.")
-ReportFile = Annotated[
-    Path | None, typer.Option("--output", "-o", help="File to write as JSON as well.")
-]
 
 
 def add_verbs(app: typer.Typer) -> None:
@@ -88,16 +87,29 @@ def equilibrium(
         str | None, typer.Option(help='Speed such as "20 m/s"; the scenario\'s if absent.')
     ] = None,
     backend: BackendChoice = Backend.AUTO,
-    output: ReportFile = None,
+    output: Annotated[
+        Path | None,
+        typer.Option("--output", "-o", help="File to write: a result (.h5), or JSON (others)."),
+    ] = None,
+    overwrite: Overwrite = False,
     as_json: Json = False,
 ) -> None:
     """Find the equilibrium of a vehicle that stands or runs straight ahead, or of a system."""
     loaded, wanted = read_target(target, overrides), None if speed is None else speed_in_si(speed)
     from vehicledyn.analyses import find_equilibrium
 
+    as_result = output is not None and is_result_name(output)
+    if output is not None and as_result:
+        check_replacing(output, EQUILIBRIUM, overwrite=overwrite)
     with show_progress() as progress:
-        report = find_equilibrium(loaded, speed=wanted, backend=backend.value, progress=progress)
-    emit_report(report, as_json=as_json, file=output)
+        report = find_equilibrium(
+            loaded,
+            speed=wanted,
+            backend=backend.value,
+            progress=progress,
+            output=output if as_result else None,
+        )
+    emit_report(report, as_json=as_json, file=None if as_result else output)
 
 
 def read_target(

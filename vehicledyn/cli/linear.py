@@ -18,6 +18,7 @@ from vehicledyn.cli.options import (
     Overrides,
     Target,
     frequency_in_hz,
+    is_result_name,
     speed_in_si,
     speeds_in_si,
 )
@@ -93,7 +94,7 @@ def eig(
     targets = _targets(target, cases)
     from vehicledyn.analyses import find_modes
 
-    is_result = output is not None and output.suffix in (".h5", ".hdf5", ".nc")
+    is_result = output is not None and is_result_name(output)
     if output is not None and is_result:
         check_replacing(output, MODES, overwrite=overwrite)
     with show_progress() as progress:

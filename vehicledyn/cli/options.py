@@ -96,6 +96,11 @@ def speeds_in_si(text: str) -> list[float]:
     return [begin + (end - begin) * k / (count - 1) for k in range(count)]
 
 
+def is_result_name(path: Path) -> bool:
+    """Return whether a file to write is to be a result, not a JSON report."""
+    return path.suffix in (".h5", ".hdf5", ".nc")
+
+
 def frequency_in_hz(option: str, text: str) -> float:
     """Return a frequency such as "2" or "1.5 Hz" in Hz."""
     try:

@@ -20,6 +20,7 @@ Overwrite = Annotated[
 
 RUN, STUDY, HUNT = "vehicledyn-result", "vehicledyn-study", "vehicledyn-hunt"
 MODES, RESPONSE, PROFILES = "vehicledyn-modes", "vehicledyn-response", "vehicledyn-profiles"
+EQUILIBRIUM = "vehicledyn-equilibrium"
 
 _STUDIES = (STUDY, HUNT)
 

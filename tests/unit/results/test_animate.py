@@ -193,12 +193,12 @@ def bad_length(path):
 
 def times_with_a_gap(path):
     with h5py.File(path, "a") as file:
-        file["animation/time"][50:60] = np.nan
+        file["animation/picture_time"][50:60] = np.nan
 
 
 def times_that_fall(path):
     with h5py.File(path, "a") as file:
-        file["animation/time"][50] = 3.9
+        file["animation/picture_time"][50] = 3.9
 
 
 def other_hdf5(path):

@@ -281,7 +281,7 @@ def test_an_older_result_is_replaced_at_once(make_result):
         writer.close()
 
 
-@pytest.mark.parametrize("limit", [3_000, 20_000, 26_000, 40_000, 90_000, 400_000])
+@pytest.mark.parametrize("limit", [3_000, 20_000, 26_000, 60_000, 90_000, 400_000])
 def test_a_full_disk_is_one_message_and_a_partial_result(tmp_path, limit):
     path = tmp_path / "full.h5"
     done = subprocess.run(
@@ -301,7 +301,7 @@ def test_a_full_disk_is_one_message_and_a_partial_result(tmp_path, limit):
             for name in result.channels:
                 assert np.array_equal(result.channel(name).values, result.time)
     else:
-        assert limit < 40_000
+        assert limit < 60_000
 
 
 def test_ctrl_c_waits_until_the_file_is_consistent(tmp_path, monkeypatch):

@@ -18,6 +18,7 @@ from vehicledyn.base.argument_names import argument
 from vehicledyn.base.errors import InputError
 from vehicledyn.results.compare.comparison import ChannelComparison, Comparison
 from vehicledyn.results.compare.tolerances import Tolerances
+from vehicledyn.results.store.dimensions import is_bare
 from vehicledyn.results.store.linear_file import format_of, old_file
 from vehicledyn.results.tables import (
     contact_table,
@@ -124,7 +125,7 @@ def _numbers(file: h5py.File) -> Iterator[tuple[str, tuple[str, Any]]]:
     found: dict[str, h5py.Dataset] = {}
 
     def note(name: str, item: Any) -> None:
-        if isinstance(item, h5py.Dataset) and item.dtype.kind in "fiu":
+        if isinstance(item, h5py.Dataset) and item.dtype.kind in "fiu" and not is_bare(item):
             found[name.replace("/", ".")] = item
 
     file.visititems(note)

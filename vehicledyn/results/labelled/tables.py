@@ -14,6 +14,7 @@ import numpy as np
 from vehicledyn.base.errors import InputError
 from vehicledyn.results.labelled.array import LabelledArray
 from vehicledyn.results.labelled.source import Head, Source
+from vehicledyn.results.store.dimensions import is_bare
 from vehicledyn.results.store.layout import EventRecord, SummaryEntry
 from vehicledyn.results.store.linear_file import old_file, read_texts
 from vehicledyn.results.tables import (
@@ -131,7 +132,7 @@ def _arrays(file: h5py.File) -> Iterator[tuple[str, LabelledArray]]:
 
 
 def _is_data(item: Any) -> bool:
-    return isinstance(item, h5py.Dataset)
+    return isinstance(item, h5py.Dataset) and not is_bare(item)
 
 
 def _values(dataset: h5py.Dataset) -> Any:
@@ -155,6 +156,8 @@ def _labels(name: str, dataset: h5py.Dataset) -> tuple[tuple[str, ...], dict[str
         dims.append(label)
         words = {key: str(scale.attrs.get(key, "")) for key in ("units", "long_name")}
         values = _values(scale)
+        if is_bare(scale):
+            continue
         coords[label] = LabelledArray(label, values, (label,), words["units"], words["long_name"])
     return tuple(dims), coords
 

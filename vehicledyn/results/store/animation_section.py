@@ -3,7 +3,7 @@
 ::
 
     /animation/description   JSON: bodies and shapes
-    /animation/time          (n,) times of the pictures [s]
+    /animation/picture_time  (n,) times of the pictures [s]
     /animation/body          names of the bodies
     /animation/origin        (n, 3) place that positions are counted from [m]
     /animation/position      (n, bodies, 3) origins of the bodies less that place, world axes [m]
@@ -27,6 +27,7 @@ from vehicledyn.results.store.layout import clean_text
 
 Array = NDArray[np.float64]
 
+PICTURE_TIME = "picture_time"
 GROUP = "animation"
 MOST_IN_CHUNK = 512
 ROWS_AT_ONCE = 1 << 16
@@ -75,10 +76,10 @@ class PictureDatasets:
         group.create_dataset("description", data=text, dtype=h5py.string_dtype())
         chunk, count = min(max(expected, 1), MOST_IN_CHUNK), len(stage.bodies)
         self._time = group.create_dataset(
-            "time", (0,), "f8", maxshape=(None,), chunks=(chunk,), fillvalue=np.nan
+            PICTURE_TIME, (0,), "f8", maxshape=(None,), chunks=(chunk,), fillvalue=np.nan
         )
         self._time.attrs.update({"units": "s", "long_name": "Time of the picture"})
-        self._time.make_scale("time")
+        self._time.make_scale(PICTURE_TIME)
         names = [clean_text(str(body["name"])) for body in stage.bodies]
         body = group.create_dataset("body", data=names, dtype=h5py.string_dtype())
         body.make_scale("body")
@@ -167,10 +168,15 @@ class Span:
         return np.union1d(rows, near[(near >= first) & (near < last)])
 
 
+def picture_times(group: h5py.Group) -> h5py.Dataset:
+    """Return the times of the pictures; in older files they have the name of the samples' times."""
+    return group[PICTURE_TIME if PICTURE_TIME in group else "time"]
+
+
 def read_animation(group: h5py.Group, span: Span) -> Animation:
     """Return the section with some of its pictures."""
     stage = read_stage(json.loads(group["description"].asstr()[()]))
-    time = np.asarray(group["time"][()], dtype=float)
+    time = np.asarray(picture_times(group)[()], dtype=float)
     _check_sizes(group, len(time), len(stage.bodies))
     _check_times(time)
     rows = span.rows(time)
@@ -212,7 +218,7 @@ def _check_times(time: Array) -> None:
     """Raise if times are no numbers or fall, but for an end that was not written any more."""
     known = time[: int(np.isfinite(time).sum())]
     if not np.isfinite(known).all() or (np.diff(known) < 0.0).any():
-        raise ValueError("animation/time holds values that are no numbers or fall")
+        raise ValueError("the times of animation/ hold values that are no numbers or fall")
 
 
 def thinned(count: int, most: int) -> NDArray[np.intp]:

@@ -24,6 +24,7 @@ from vehicledyn.results.hdf5.opening import open_file
 from vehicledyn.results.hdf5.output import check_output, write_failed
 from vehicledyn.results.hdf5.seal import seal
 from vehicledyn.results.store.consistency import require_stored
+from vehicledyn.results.store.dimensions import name_dimensions
 from vehicledyn.results.store.layout import clean_text
 from vehicledyn.results.store.sections import write_attributes
 
@@ -66,6 +67,7 @@ def new_file(
             }
             write_attributes(file, head | attributes)
             yield file
+            name_dimensions(file)
         seal(scratch)
         scratch.replace(target)
     except (OSError, RuntimeError) as error:

@@ -21,6 +21,7 @@ from vehicledyn.results.store.animation_section import (
     GROUP,
     Animation,
     Span,
+    picture_times,
     read_animation,
     read_rows,
 )
@@ -318,7 +319,7 @@ class Result:
     def pictures(self) -> int:
         """Number of pictures for an animation."""
         with self._reading():
-            return int(self._file[GROUP]["time"].shape[0]) if GROUP in self._file else 0
+            return int(picture_times(self._file[GROUP]).shape[0]) if GROUP in self._file else 0
 
     def animation(self, span: Span) -> Animation | None:
         """Return shapes and some poses of the bodies, None where there are none."""

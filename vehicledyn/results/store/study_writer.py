@@ -27,6 +27,7 @@ from vehicledyn.results.hdf5.journal import reopen
 from vehicledyn.results.hdf5.output import OutputLock, check_output, write_failed
 from vehicledyn.results.hdf5.text_checksums import write_text_sum
 from vehicledyn.results.store import case_checksums as case_sums
+from vehicledyn.results.store.dimensions import attach, bare_dimension, resize_dimension
 from vehicledyn.results.store.layout import clean_text
 from vehicledyn.results.store.sections import write_attributes
 from vehicledyn.results.store.study_layout import (
@@ -51,6 +52,10 @@ _CHANGED = {
     "scenario": "its scenario or model has changed",
     "program": "it was begun by another version of vehicledyn",
 }
+
+FIGURE = "figure"
+_COLUMNS = {"channel": "channels", "axis": "axes"}
+"""Groups of the columns along these dimensions."""
 
 
 class StudyWriter:
@@ -235,6 +240,8 @@ class StudyWriter:
         ):
             group[key].resize(count, axis=0)
             group[key][first:] = [fitted(text, NAME_BYTES) for text in texts]
+        if FIGURE in self._file:
+            resize_dimension(self._file[FIGURE], count)
         self._figures |= {figure.name: first + k for k, figure in enumerate(new)}
 
     def _failed(self, error: Exception) -> InputError:
@@ -293,6 +300,15 @@ def _write_header(file: h5py.File, header: StudyHeader) -> None:
     file.create_dataset("state", (2,), f"S{MESSAGE_BYTES}")
     time = file.create_dataset("time", data=header.times)
     write_attributes(time, {"units": "s", "long_name": "Time"})
+    time.make_scale("time")
+    for name, length in (
+        ("state_part", 2),
+        ("case", header.n_cases),
+        ("channel", len(header.channels)),
+        ("axis", max(1, len(header.axes))),
+    ):
+        bare_dimension(file, name, length)
+    bare_dimension(file, FIGURE, 0, grows=True)
     for name, text in (("study/text", header.study_text), ("scenario/text", header.scenario_text)):
         file[name] = clean_text(text)
     _write_texts(file, "channels", [tuple(c) for c in header.channels])
@@ -311,6 +327,20 @@ def _write_header(file: h5py.File, header: StudyHeader) -> None:
             chunks=(header.chunk, rows_of_chunk, shape[2]),
             fillvalue=np.nan,
         )
+        attach(file["samples"], [file["case"], time, file["channel"]])
+    _label(file)
+
+
+def _label(file: h5py.File) -> None:
+    """Name the dimensions of all columns."""
+    attach(file["state"], [file["state_part"]])
+    for name in ("channel", "axis"):
+        for column in file[_COLUMNS[name]].values():
+            attach(column, [file[name]])
+    for name, column in file["cases"].items():
+        attach(column, [file["case"], *([file["axis"]] if name == "values" else [])])
+    for name, column in file["figures"].items():
+        attach(column, [*([file["case"]] if name in ("value", "text") else []), file[FIGURE]])
 
 
 def _most_rows(header: StudyHeader) -> int:

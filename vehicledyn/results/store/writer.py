@@ -288,6 +288,8 @@ class ResultWriter:
             dataset = sections.create_column(file, channel, self._chunk, self._time)
             sections.write_attributes(dataset, {"frame": channel.frame})
             self._channels.append(dataset)
+            if "." in channel.name:  # the root offers all channels at once, under whole names
+                file[channel.name] = dataset
         sections.write_names(file, "channels", [channel.name for channel in channels])
         group = file.create_group("states")
         self._states = sections.create_states(group, states, self._chunk, self._time)

@@ -237,9 +237,19 @@ _CURVES = {
 }
 
 
+_FINE = "fine_"
+"""Begins the names of the axes of curves, which the tables have too, with other values."""
+
+
+def _curve(group: Any, name: str) -> Any:
+    """Return a dataset of the curves; in older files their axes have the names of the tables'."""
+    return group[f"{_FINE}{name}" if f"{_FINE}{name}" in group else name]
+
+
 def _write_curves(group: Any, curves: ContactCurves) -> None:
-    shift = _scale(group, "shift", curves.shift, "Lateral shift, positive to the left")
-    amplitude = _scale(group, "amplitude", curves.amplitude, "Amplitude of the lateral motion")
+    shift = _scale(group, f"{_FINE}shift", curves.shift, "Lateral shift, positive to the left")
+    meaning = "Amplitude of the lateral motion"
+    amplitude = _scale(group, f"{_FINE}amplitude", curves.amplitude, meaning)
     for name, words in _CURVES.items():
         scale = amplitude if name in _BY_AMPLITUDE else shift
         write_numbers(group, name, getattr(curves, name), (scale,), words)
@@ -275,7 +285,7 @@ def _read_curves(file: Any, arrays: dict[str, Any], contacts: ContactColumns) ->
         sizes = Sizes()
         return ContactCurves(
             **{
-                name: sizes.fit(name, group[name][()], *axes, gaps=True)
+                name: sizes.fit(name, _curve(group, name)[()], *axes, gaps=True)
                 for name, axes in _CURVE_AXES.items()
             }
         )

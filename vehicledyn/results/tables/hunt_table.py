@@ -11,6 +11,7 @@ import numpy as np
 from vehicledyn.base.argument_names import argument
 from vehicledyn.results.hdf5.output import is_being_written
 from vehicledyn.results.store.consistency import Sizes, require_known
+from vehicledyn.results.store.dimensions import attach, bare_dimension
 from vehicledyn.results.store.linear_file import (
     Quantity,
     new_file,
@@ -163,8 +164,12 @@ def write_hunt(path: Path, table: HuntTable, *, is_locked: bool = False) -> None
     with new_file(path, FORMAT, head, is_locked=is_locked) as file:
         write_quantities(file, "parameter", [table.parameter])
         channels = write_quantities(file, "channel", table.channels)
-        write_numbers(file, "equilibrium_parameter", table.locus_values, (), (unit, name))
-        write_numbers(file, "eigenvalue", table.eigenvalues, (), ("1/s", "Eigenvalues"))
+        cycle = bare_dimension(file, "cycle", len(table.cycles))
+        simulated = bare_dimension(file, "simulated_motion", len(table.simulated))
+        equilibrium = bare_dimension(file, "equilibrium", len(table.locus_values))
+        locus = (equilibrium,)
+        write_numbers(file, "equilibrium_parameter", table.locus_values, locus, (unit, name))
+        write_numbers(file, "eigenvalue", table.eigenvalues, locus, ("1/s", "Eigenvalues"))
         columns: dict[str, tuple[Any, str, str]] = {
             "cycle_parameter": ([r.value for r in table.cycles], unit, name),
             "cycle_branch": ([r.branch for r in table.cycles], "1", "Number of the branch"),
@@ -173,22 +178,23 @@ def write_hunt(path: Path, table: HuntTable, *, is_locked: bool = False) -> None
             "cycle_trivial": ([r.trivial for r in table.cycles], "1", "Trivial multiplier"),
         }
         for place, (values, units, words) in columns.items():
-            write_numbers(file, place, values, (), (units, words))
-        write_texts(file, "cycle_kind", [row.kind for row in table.cycles])
-        shape = (len(table.cycles), len(table.channels))
+            write_numbers(file, place, values, (cycle,), (units, words))
+        attach(write_texts(file, "cycle_kind", [row.kind for row in table.cycles]), [cycle])
+        shape, by_channel = (len(table.cycles), len(table.channels)), (cycle, channels)
         for place, pick in (("smallest", "smallest"), ("greatest", "greatest")):
             values = [getattr(row, pick) for row in table.cycles]
             stacked = np.array(values, dtype=float).reshape(shape)
-            write_numbers(file, f"cycle_{place}", stacked, (), ("SI", f"{pick} value"))
+            write_numbers(file, f"cycle_{place}", stacked, by_channel, ("SI", f"{pick} value"))
         multipliers = [row.multipliers for row in table.cycles]
-        write_numbers(file, "cycle_multiplier", _rows(multipliers), (), ("1", "Multipliers"))
+        write_numbers(file, "cycle_multiplier", _rows(multipliers), (cycle,), ("1", "Multipliers"))
         motion = [row.motion for row in table.cycles]
         whole = np.array(motion, dtype=float) if motion else np.zeros((0, 0, len(table.channels)))
-        write_numbers(file, "cycle_motion", whole, (), ("SI", "One period, equally sampled"))
+        write_numbers(file, "cycle_motion", whole, (cycle,), ("SI", "One period, equally sampled"))
         numbers = [[getattr(row, name) for name in _SIMULATED] for row in table.simulated]
         columns_of = np.array(numbers, dtype=float).reshape(-1, len(_SIMULATED))
-        write_numbers(file, "simulated", columns_of, (), ("SI", ", ".join(_SIMULATED)))
-        write_texts(file, "simulated_ending", [row.ending for row in table.simulated])
+        write_numbers(file, "simulated", columns_of, (simulated,), ("SI", ", ".join(_SIMULATED)))
+        endings = write_texts(file, "simulated_ending", [row.ending for row in table.simulated])
+        attach(endings, [simulated])
         channels.attrs["long_name"] = "Channels watched"
 
 
