@@ -58,9 +58,9 @@ def kinematics(
     NumericalError
         If the loops cannot be assembled.
     """
-    from vehicledyn.analyses.mechanism.kinematics import Wish, sweep_kinematics
+    from vehicledyn.analyses.mechanism.kinematics import Request, sweep_kinematics
 
-    wish = Wish(
+    request = Request(
         {name: _range(name, values) for name, values in (drives or {}).items()},
         together,
         tuple(texts("hold", hold)) if hold else (),
@@ -68,7 +68,7 @@ def kinematics(
     target = read_target(model, override_texts(set, settings), ("scenario", "system"))
     with result_place(save_to) as place:
         report = sweep_kinematics(
-            target, wish, output=place.path, plots=None, progress=reporter(progress)
+            target, request, output=place.path, plots=None, progress=reporter(progress)
         )
         refuse_interrupt(report.status)
         return place.value()
