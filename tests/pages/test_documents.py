@@ -101,12 +101,42 @@ simulate(
 """
 
 
+LAWS = """
+import vehicledyn.catalogue
+from vehicledyn.base.registry import find
+from vehicledyn.integrate.simulate import simulate
+from vehicledyn.kernel.kernel import compile_kernel
+from vehicledyn.multibody import GROUND, Body, Joint, ParameterTable, System, derive
+from vehicledyn.multibody.elements.coordinate_forces import CoordinateForce
+from vehicledyn.rail.creep.creep_law import CreepContact, kalker_forces
+from vehicledyn.rail.geometry.hertz import ContactEllipse
+
+last = []
+mass = Body("mass", GROUND, joints=(Joint("T1", "x", start=1.0),), mass=1.0)
+pull = lambda situation: -4.0 * situation.kinematics.coordinate("x")
+spring = CoordinateForce("spring", "x", pull)
+system = System("oscillator", ParameterTable(), (mass,), parts=(spring,))
+simulate(
+    compile_kernel(derive(system), backend="interpreted"),
+    find("solver", "rk23")(relative_tolerance=1e-7, absolute_tolerance=1e-9),
+    start=0.0, stop=1.0, interval=0.1, state=[1.0, 0.0], unknowns=[],
+    sink=lambda t, x, z, y: last.extend(x[:, 0]),
+)
+print(last[-1])
+law = find("creep", "exponential")(friction=0.3)
+felt = lambda xi: CreepContact(xi, 0.0, 0.0, 5e4, ContactEllipse(5e-3, 5e-3), 8.2e10, 0.28, 0.0)
+print(law.forces(felt(0.1)).longitudinal)
+linear = kalker_forces(felt(1e-6), law.stiffness_factor).longitudinal
+print(law.forces(felt(1e-6)).longitudinal / linear)
+"""
+
+
 def test_examples_of_contributing_make_a_vehicle_that_changes_the_lane(tmp_path):
     """Each example is put where its first line says, into a copy of the package, and runs."""
     ignored = shutil.ignore_patterns("__pycache__")
     shutil.copytree(Path(vehicledyn.__file__).parent, tmp_path / "vehicledyn", ignore=ignored)
     examples = [*blocks(CONTRIBUTING, "python"), *blocks(CONTRIBUTING, "yaml")]
-    assert len(examples) == 11
+    assert len(examples) == 13
     for example in examples:
         path = tmp_path / FILE.match(example)[1]
         if path.exists():  # shown as an example, and part of the package
@@ -127,6 +157,12 @@ def test_examples_of_contributing_make_a_vehicle_that_changes_the_lane(tmp_path)
     fall = math.sqrt(2.0 / 9.81)
     expected = [fall, 2.0 * fall, 2.5 * fall]
     assert [float(time) for time in impacts] == pytest.approx(expected, abs=1e-6)
+    angle, sliding, sticking = run(
+        [sys.executable, "-c", LAWS], tmp_path, PYTHONSAFEPATH=""
+    ).split()
+    assert float(angle) == pytest.approx(math.cos(2.0), abs=1e-5)
+    assert float(sliding) == pytest.approx(-0.3 * 5e4, rel=1e-3)
+    assert float(sticking) == pytest.approx(1.0, abs=1e-3)
 
 
 def test_all_data_files_are_packed():
