@@ -5,6 +5,7 @@ no case outlives its ten seconds of processor time, hangs or fills the memory.
 """
 
 import contextlib
+import faulthandler
 import os
 import re
 import resource
@@ -54,13 +55,7 @@ def run(case, keep=None):
     """Run a case in a folder of its own and return what became of it."""
     folder = Path(tempfile.mkdtemp(prefix="hostile-"))
     try:
-        for name, content in case.files.items():
-            place = folder / name
-            place.parent.mkdir(parents=True, exist_ok=True)
-            if callable(content):
-                content(place)
-            else:
-                place.write_bytes(content)
+        write(case.files, folder)
         before = _listed(folder)
         outcome = _run_in(folder, case)
         outcome.left = sorted(_listed(folder) - before)
@@ -70,6 +65,17 @@ def run(case, keep=None):
         return outcome
     finally:
         shutil.rmtree(folder, ignore_errors=True)
+
+
+def write(files, folder):
+    """Write files by name, whose content is bytes or a function of the path."""
+    for name, content in files.items():
+        place = folder / name
+        place.parent.mkdir(parents=True, exist_ok=True)
+        if callable(content):
+            content(place)
+        else:
+            place.write_bytes(content)
 
 
 def _listed(folder):
@@ -114,6 +120,7 @@ def _be_child(folder, case, output, limited):
             signal.signal(getattr(signal, name), signal.SIG_DFL)
         os.environ["VEHICLEDYN_CC"] = "none"
         os.environ.pop("VEHICLEDYN_TRACEBACK", None)
+        faulthandler.disable()  # pytest's; its stack dump goes to the runner's own stderr
         _be_a_program()
         if limited:
             _limit()
@@ -150,7 +157,7 @@ def call(command):
     """Call the program as its command line does; return the exit code."""
     from vehicledyn.cli import main
 
-    sys.argv = ["vehicledyn", *command]
+    argv, sys.argv = sys.argv, ["vehicledyn", *command]
     try:
         main()
     except SystemExit as end:
@@ -158,6 +165,8 @@ def call(command):
             return end.code or 0
         print(end.code, file=sys.stderr)  # noqa: T201
         return 1
+    finally:
+        sys.argv = argv
 
 
 def _faults(outcome, folder):
@@ -175,8 +184,8 @@ def _faults(outcome, folder):
         yield f"exit code {code}: {_last_line(text)}"
     if "Traceback (most recent call last)" in text and code != _ESCAPED:
         yield "a traceback"
-    if re.search(r"\w+Warning: ", text):
-        yield f"a warning of Python's: {re.search('.*Warning: .*', text)[0][:200]}"
+    if warned := re.search(r"[^\n]{0,100}\wWarning: [^\n]{0,100}", text[:MOST_TEXT]):
+        yield f"a warning of Python's: {warned[0]}"
     if re.search("^out of memory$", text, re.MULTILINE):
         yield "out of memory"
     if outcome.memory > MOST_MEMORY:

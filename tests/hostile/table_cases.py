@@ -121,7 +121,7 @@ def road(rng, name):
 
 
 def motion(rng, name):
-    files = yaml_cases._around({"motion.csv": _spoilt(MOTION, rng)})
+    files = yaml_cases.around({"motion.csv": _spoilt(MOTION, rng)})
     sets = ["--set", "duration=60 ms", "--set", "output.interval=5 ms"]
     command = ["inverse", "scenarios/systems/slider_crank.yaml", "--motion", "motion.csv", *sets,
                "-o", "out.h5", "--no-plots", "--backend", "interpreted", "-q"]  # fmt: skip
@@ -133,7 +133,7 @@ def cases_table(rng, name):
     study = (
         yaml_cases.LISTED.partition("  rows:")[0] + "  file: cases.csv\noutput: {channels: []}\n"
     )
-    files = yaml_cases._around({"study.yaml": study.encode(), "cases.csv": _spoilt(table, rng)})
+    files = yaml_cases.around({"study.yaml": study.encode(), "cases.csv": _spoilt(table, rng)})
     sweep = ["sweep", "study.yaml", "-o", "out.h5", "--workers", "1", "--backend", "interpreted"]
     command = rng.choice([["validate", "study.yaml"], [*sweep, "-q"]])
     return Case(name, files, command, yaml_cases.OUTPUTS)

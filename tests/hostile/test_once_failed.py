@@ -140,7 +140,7 @@ def giant(place):
 def test_studies_that_do_not_fit_together(change, words):
     study = {"study.yaml": yaml_cases.STUDY.encode(), "study.h5": changed("study.h5", change)}
     resume = ["sweep", "study.yaml", "-o", "study.h5", "--resume", "--workers", "1"]
-    refused(Case("study", yaml_cases._around(study), resume), words)
+    refused(Case("study", yaml_cases.around(study), resume), words)
 
 
 @pytest.mark.parametrize(

@@ -1,12 +1,38 @@
-"""Imports whatever the program may import, once, before children are forked."""
+"""Imports and fills, once, whatever every start of the program would, before children are forked.
 
+Commands on whole input run in the parent: validators, option parsers and fonts are built there.
+"""
+
+import contextlib
+import functools
+import gc
 import importlib
+import io
 import os
 import pkgutil
+import tempfile
+from pathlib import Path
+
+PENDULUM = "scenarios/systems/double_pendulum.yaml"
+REHEARSED = [
+    ["validate", "scenarios/iltis_ramp_steer.yaml"],
+    ["validate", "systems/simple_wheelset.yaml"],
+    ["validate", "study.yaml"],
+    ["eig", PENDULUM, "-o", "modes.h5"],
+    ["equilibrium", PENDULUM],
+    ["track", "track.yaml"],
+    ["profiles", "s1002.csv", "60E1", "--shift", "-1:1:1", "--amplitude", "2:3:1"],
+    ["run", PENDULUM, "-o", "run.h5", "--set", "duration=10 ms", "--backend", "interpreted",
+     "--set", "output.interval=5 ms", "--no-plots", "-q"],
+    ["sweep", "study.yaml", "-o", "study.h5", "--workers", "1", "--backend", "interpreted", "-q"],
+    ["info", "run.h5"], ["plot", "run.h5"], ["plot", "run.h5", "--format", "png"],
+    ["report", "run.h5"], ["animate", "run.h5"], ["compare", "run.h5", "run.h5"],
+]  # fmt: skip
 
 
+@functools.cache
 def up():
-    """Import all modules of the program and the packages that they load lazily."""
+    """Import all modules of the program and its lazy packages, and rehearse its commands."""
     for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"):
         os.environ.setdefault(name, "1")
     os.environ["MPLBACKEND"] = "agg"
@@ -21,3 +47,35 @@ def up():
         "matplotlib.backends.backend_agg", "matplotlib.backends.backend_svg",
     ):  # fmt: skip
         importlib.import_module(name)
+    _rehearse()
+    gc.collect()
+    gc.freeze()  # a collection in a child would copy every page of the parent
+
+
+def _rehearse():
+    import harness
+    import table_cases
+    import yaml_cases
+
+    files = yaml_cases.around({
+        "study.yaml": yaml_cases.STUDY.encode(),
+        "track.yaml": table_cases.LAYOUT.encode(),
+        "s1002.csv": table_cases.profiles()["s1002.csv"].encode(),
+    })  # fmt: skip
+    started = Path.cwd()
+    with tempfile.TemporaryDirectory(prefix="hostile-warm-") as name:
+        harness.write(files, Path(name))
+        os.chdir(name)
+        try:
+            for command in REHEARSED:
+                _call(harness.call, command)
+        finally:
+            os.chdir(started)
+
+
+def _call(call, command):
+    text = io.StringIO()
+    with contextlib.redirect_stdout(text), contextlib.redirect_stderr(text):
+        code = call(command)
+    if code:
+        raise RuntimeError(f"{command}: exit code {code}: {text.getvalue()}")
