@@ -26,7 +26,8 @@ from vehicledyn.integrate.channel_ranges import watched_channels
 from vehicledyn.integrate.fixed_step import steps_per_interval
 from vehicledyn.integrate.judged_quantities import Judged
 from vehicledyn.integrate.lane_accuracy import lane_watch
-from vehicledyn.integrate.lane_run import LaneRun, Stopped, march
+from vehicledyn.integrate.lane_march import march
+from vehicledyn.integrate.lane_run import LaneRun, Stopped
 from vehicledyn.integrate.simulate import Solver, simulate
 from vehicledyn.integrate.single_case import Judging, Runner, SingleCase
 from vehicledyn.kernel.engine import WEAK_PIVOT, Status, Vector
@@ -231,7 +232,7 @@ def _abreast(batch: Batch, cases: Cases, samples: Samples, alone: SingleCase) ->
     further = [] if alone.rates is None else list(alone.rates.channels)
     for first in range(0, len(cases), engine.lanes):
         group = cases.part(slice(first, first + engine.lanes))
-        platoon = LaneRun(
+        abreast = LaneRun(
             engine,
             solver.fixed_method,
             plan.start,
@@ -245,18 +246,18 @@ def _abreast(batch: Batch, cases: Cases, samples: Samples, alone: SingleCase) ->
         )
         room = samples[first : first + engine.lanes]
         if further:
-            room = np.full((*room.shape[:2], len(platoon.channels)), np.nan)
+            room = np.full((*room.shape[:2], len(abreast.channels)), np.nan)
         grid = Grid(
             solver.fixed_method, plan.start, plan.interval, per_interval, plan.n_samples - 1
         )
         watch = lane_watch(batch.kernel, grid, alone.judged(first), plan.channels)
-        for part in march(platoon, room, watch):
+        for part in march(abreast, room, watch):
             yield part * len(group)
         if further:
             samples[first : first + engine.lanes] = room[:, :, : len(plan.channels)]
         ends = []
         for lane in range(len(group)):
-            stopped, accuracy = platoon.stopped(lane), None
+            stopped, accuracy = abreast.stopped(lane), None
             if stopped is None:
                 accuracy = watch.accuracy(lane, room[lane])
                 is_left = accuracy is None or _is_weak(alone, room[lane])

@@ -44,17 +44,17 @@ class LaneWatch:
         count = window_count(self.kernel, self.grid, by_itself=False)
         self._waiting = window_places(self.grid.n_intervals, count)
 
-    def steps_to_go(self, platoon: LaneRun) -> int:
+    def steps_to_go(self, run: LaneRun) -> int:
         """Return the steps up to the next window."""
         following = self._waiting[0] if self._waiting else self.grid.n_intervals
-        return max(1, following * self.grid.per_interval - platoon.step)
+        return max(1, following * self.grid.per_interval - run.step)
 
-    def look(self, platoon: LaneRun) -> None:
+    def look(self, run: LaneRun) -> None:
         """Take a window if one is due."""
-        if not self._waiting or platoon.step != self._waiting[0] * self.grid.per_interval:
+        if not self._waiting or run.step != self._waiting[0] * self.grid.per_interval:
             return
         self._waiting.pop(0)
-        one, other = (self._ends(platoon, divided) for divided in (1, 2))
+        one, other = (self._ends(run, divided) for divided in (1, 2))
         apart = [two_ends_apart(own, half) for own, half in zip(one, other, strict=True)]
         nothing = np.full(len(self.kernel.equations.channels), np.nan)
         self.differences.append(
@@ -62,19 +62,19 @@ class LaneWatch:
         )
         self.ends.append(np.array([nothing if end is None else end for end in one]))
 
-    def _ends(self, platoon: LaneRun, divided: int) -> list[Vector | None]:
+    def _ends(self, run: LaneRun, divided: int) -> list[Vector | None]:
         """Return the channels of each lane at the end of a window, None behind an event."""
-        engine, count = platoon.engine, STEPS * divided
+        engine, count = run.engine, STEPS * divided
         window = LaneRun(
             engine,
-            platoon.method,
-            self.grid.start + self.grid.interval * (platoon.step // self.grid.per_interval),
+            run.method,
+            self.grid.start + self.grid.interval * (run.step // self.grid.per_interval),
             STEPS * self.grid.step,
             count,
             np.arange(len(self.kernel.equations.channels), dtype=np.intc),
-            platoon.constants,
-            _copy(engine.room(len(platoon.state)), platoon.state),
-            _copy(engine.room(len(platoon.unknowns)), platoon.unknowns),
+            run.constants,
+            _copy(engine.room(len(run.state)), run.state),
+            _copy(engine.room(len(run.unknowns)), run.unknowns),
         )
         window.fate.status[:] = Status.SOLVED
         room = np.full((engine.lanes, 1, len(window.channels)), np.nan)

@@ -2,21 +2,13 @@
 
 from __future__ import annotations
 
-import time
-from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from vehicledyn.kernel.engine import Count, Figure, Ledger, Status, Vector
 from vehicledyn.kernel.lanes import Fate, LaneEngine
-
-if TYPE_CHECKING:
-    from vehicledyn.integrate.lane_accuracy import LaneWatch
-
-_CHUNK_SECONDS, _FIRST_CHUNK, _GROWTH, _MOST_NUMBERS = 0.08, 16, 8, 1_000_000
 
 
 @dataclass(frozen=True)
@@ -110,44 +102,3 @@ class LaneRun:
     def _room(self, samples: Vector) -> list[int]:
         stride = samples.shape[1] * samples.shape[2]
         return [len(self.channels), self.channels.ctypes.data, samples.ctypes.data, stride]
-
-
-def march(
-    platoon: LaneRun, samples: NDArray[Any], watch: LaneWatch | None = None
-) -> Iterator[float]:
-    """Run a platoon to its end in chunks of a tenth of a second, telling the part done.
-
-    Parameters
-    ----------
-    platoon
-        Cases that have not begun.
-    samples
-        Room for their samples, shape (n_cases, n_samples, n_channels), at most as many cases
-        as lanes; what is not reached becomes not a number.
-    watch
-        Looks at the state at some samples, to judge the accuracy.
-    """
-    lanes, per_interval, width = platoon.engine.lanes, platoon.per_interval, samples.shape[2]
-    whole = (samples.shape[1] - 1) * per_interval
-    most = max(1, _MOST_NUMBERS // max(1, lanes * width)) * per_interval
-    samples[:] = np.nan
-    room = np.full((lanes, 1, width), np.nan)
-    going, size = platoon.begin(room), _FIRST_CHUNK
-    samples[:, :1] = room[: len(samples)]
-    if watch is not None:
-        watch.look(platoon)
-    while going and platoon.step < whole:
-        size = min(size, whole - platoon.step, most)
-        if watch is not None:
-            size = min(size, watch.steps_to_go(platoon))
-        first = platoon.step // per_interval + 1
-        last = (platoon.step + size) // per_interval
-        room = np.full((lanes, last + 1 - first, width), np.nan)
-        started = time.perf_counter()
-        going = platoon.advance(size, room)
-        seconds = max(time.perf_counter() - started, 1e-6)
-        samples[:, first : last + 1] = room[: len(samples)]
-        if watch is not None:
-            watch.look(platoon)
-        size = max(1, min(_GROWTH * size, int(size * _CHUNK_SECONDS / seconds)))
-        yield platoon.step / whole
