@@ -29,6 +29,7 @@ if TYPE_CHECKING:
     from vehicledyn.interface.linear import equilibrium, modes, response
     from vehicledyn.interface.loading import load
     from vehicledyn.interface.mechanism import inverse, kinematics
+    from vehicledyn.interface.plugins import load_plugin
     from vehicledyn.interface.simulation import simulate
     from vehicledyn.interface.studies import sweep
     from vehicledyn.multibody.model.bodies import Body, Joint, Turn
@@ -68,6 +69,7 @@ __all__ = [
     "inverse",
     "kinematics",
     "load",
+    "load_plugin",
     "modes",
     "open_result",
     "response",
@@ -99,6 +101,7 @@ _HOMES = {
     ),
     "vehicledyn.interface.studies": ("sweep",),
     "vehicledyn.interface.loading": ("load",),
+    "vehicledyn.interface.plugins": ("load_plugin",),
     "vehicledyn.interface.simulation": ("simulate",),
     "vehicledyn.multibody.model.bodies": ("Body", "Joint", "Turn"),
     "vehicledyn.multibody.model.cuts": ("BallCut", "BodyCut", "RodCut"),

@@ -8,6 +8,7 @@ import vehicledyn.rail
 import vehicledyn.road
 import vehicledyn.road.manoeuvres
 import vehicledyn.vehicles  # noqa: F401
+from vehicledyn.base.plugins import load_installed
 from vehicledyn.base.registry import families, find, kinds
 
 
@@ -23,3 +24,6 @@ def counts() -> dict[str, int]:
 
     load_kinds()
     return {family: len(kinds(family)) for family in families()}
+
+
+load_installed()  # last, since plugins may use all that is above

@@ -9,11 +9,13 @@ from __future__ import annotations
 import importlib
 import pkgutil
 import re
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, TypeVar
 
 from vehicledyn.base.errors import InputError, unknown_name
+from vehicledyn.base.version import PACKAGE
 
 _catalogues: dict[str, dict[str, type[Any] | str | Callable[[], type[Any]]]] = {}
 """Class of each entry by family and name, or the module that will register it, or its maker."""
@@ -31,15 +33,48 @@ def register(family: str, name: str) -> Callable[[type[T]], type[T]]:
 
     def enter(entry: type[T]) -> type[T]:
         catalogue = _catalogues.setdefault(family, {})
-        known = catalogue.get(name)
-        if isinstance(known, type) and known.__qualname__ != entry.__qualname__:
-            raise ValueError(f"{family} '{name}' is registered twice")
+        holder = _holder(catalogue.get(name))
+        if holder not in ("", entry.__module__) or _is_another(catalogue.get(name), entry):
+            raise ValueError(f"{family} '{name}' is registered twice; {holder} has it")
         entry.family = family  # type: ignore[attr-defined]
         entry.kind = name  # type: ignore[attr-defined]
         catalogue[name] = entry
         return entry
 
     return enter
+
+
+def _holder(known: type[Any] | str | Callable[[], type[Any]] | None) -> str:
+    """Return the module that an entry of a catalogue is from, empty for none."""
+    return known if isinstance(known, str) else getattr(known, "__module__", "")
+
+
+def _is_another(known: Any, entry: type[Any]) -> bool:
+    return isinstance(known, type) and known.__qualname__ != entry.__qualname__
+
+
+@contextmanager
+def all_or_nothing() -> Iterator[list[tuple[str, str]]]:
+    """Give the list of what the block registers, complete at its end; undo it after an error."""
+    before = _foreign_entries()
+    found: list[tuple[str, str]] = []
+    try:
+        yield found
+    except BaseException:
+        for family, name in _foreign_entries() - before:
+            del _catalogues[family][name]
+        raise
+    found += sorted(_foreign_entries() - before)
+
+
+def _foreign_entries() -> set[tuple[str, str]]:
+    """Return the entries that are not this package's own."""
+    return {
+        (family, name)
+        for family, catalogue in _catalogues.items()
+        for name, entry in catalogue.items()
+        if _holder(entry).partition(".")[0] != PACKAGE
+    }
 
 
 def announce(family: str, name: str, make: Callable[[], type[Any]]) -> None:
@@ -71,7 +106,9 @@ def find(family: str, name: str) -> type[Any]:
         importlib.import_module(found)
         found = catalogue[name]
     if found is not None and not isinstance(found, type | str):
-        found = catalogue[name] = register(family, name)(found())
+        made = found()
+        del catalogue[name]
+        found = register(family, name)(made)
     if not isinstance(found, type):
         raise InputError(unknown_name(family, name, kinds(family)))
     return found

@@ -26,6 +26,12 @@ from vehicledyn.cli.options import (
     ScenarioFile,
     Verbose,
 )
+from vehicledyn.cli.plugins import (
+    PLUGIN_HELP,
+    TAKE_PLUGINS,
+    load_plugins,
+    take_plugins,
+)
 from vehicledyn.cli.replacing import RUN, Overwrite, check_replacing, is_same
 from vehicledyn.cli.terminal import (
     emit,
@@ -39,6 +45,13 @@ from vehicledyn.cli.terminal import (
 
 
 class _Verbs(TyperGroup):
+    def get_command(self, ctx: Any, cmd_name: str) -> Any:
+        """Return a verb; those that load models take plugins after their name, too."""
+        command = super().get_command(ctx, cmd_name)
+        if command is not None and cmd_name in TAKE_PLUGINS:
+            take_plugins(self, command)
+        return command
+
     def invoke(self, ctx: Any) -> Any:
         """Run a verb; messages name its options, Ctrl-C becomes an error with a message."""
         try:
@@ -53,6 +66,7 @@ HOMES = {
     "analyses": ("models", "equilibrium"),
     "linear": ("eig", "response"),
     "exports": ("export",),
+    "export_data": ("export-data",),
     "paths": ("kinematics", "inverse"),
     "rail": ("profiles",),
     "sweep": ("sweep",),
@@ -106,6 +120,16 @@ def common(
         bool,
         typer.Option("--version", is_eager=True, callback=_show_version, help="Show the version."),
     ] = False,
+    plugins: Annotated[
+        list[Path] | None,
+        typer.Option(
+            "--plugin",
+            metavar="FILE.py",
+            is_eager=True,
+            callback=load_plugins,
+            help=PLUGIN_HELP,
+        ),
+    ] = None,
 ) -> None:
     """Vehicle dynamics from symbolic multibody equations: scenario in, result file out."""
 

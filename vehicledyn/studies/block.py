@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vehicledyn.base.errors import InputError, VehicledynError
+from vehicledyn.base.plugins import load_plugin, loaded_plugins, plugin_digest
 from vehicledyn.base.version import FOLDER, VERSION
 from vehicledyn.integrate.accuracy import Accuracy
 from vehicledyn.integrate.batch import Cases, Samples, run_batch
@@ -30,7 +31,8 @@ Tell: TypeAlias = Callable[[str, float | None], None]
 class Work:
     """All that is needed to compute any case of a study, to be sent to other processes.
 
-    ``key`` is equal for equal work; ``program`` the fingerprint of the program that asks.
+    ``key`` is equal for equal work; ``program`` the fingerprint of the program that asks, with its
+    ``plugins``.
     """
 
     key: str
@@ -44,6 +46,7 @@ class Work:
     interval: float
     lanes: int | None
     backend: Backend
+    plugins: tuple[str, ...] = ()
 
     @property
     def n_samples(self) -> int:
@@ -55,10 +58,11 @@ def work_of(study: LoadedStudy, *, lanes: int | None, backend: Backend) -> Work:
     """Return the work of a study."""
     output, base = study.study.output, study.base.scenario
     patterns = base.output.channels if output.channels is None else output.channels
-    digests = study.digests
+    digests, plugins = study.digests, loaded_plugins()
     return Work(
         key="-".join([*digests.values(), str(lanes), backend]),
-        program=program_fingerprint(),
+        program=program_of(plugins),
+        plugins=plugins,
         recipe=study.recipe,
         design=study.design,
         patterns=patterns,
@@ -69,6 +73,15 @@ def work_of(study: LoadedStudy, *, lanes: int | None, backend: Backend) -> Work:
         lanes=lanes,
         backend=backend,
     )
+
+
+def program_of(plugins: Sequence[str]) -> str:
+    """Return a text that changes with the program's own code and with that of plugins."""
+    own = program_fingerprint()
+    if not plugins:
+        return own
+    contents = [plugin_digest(path) for path in plugins]
+    return hashlib.sha256("".join([own, *contents]).encode()).hexdigest()
 
 
 @functools.cache
@@ -234,10 +247,13 @@ def set_up(work: Work) -> None:
 
 
 def _worker_of(work: Work) -> Worker:
+    import vehicledyn.catalogue  # noqa: F401
 
     worker = _workers.get(work.key)
     if worker is None:
-        if program_fingerprint() != work.program:
+        for path in work.plugins:
+            load_plugin(path)
+        if program_of(work.plugins) != work.program:
             raise InputError(
                 f"a worker runs another vehicledyn ({VERSION}, in "
                 f"{FOLDER}); install the same everywhere"

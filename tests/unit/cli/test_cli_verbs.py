@@ -187,14 +187,14 @@ def test_compare_passes_everything_on(call, monkeypatch, tmp_path):
         exit_code=1, as_text=lambda: "different", as_dict=dict, as_junit=lambda: "<testsuite/>"
     )
 
-    def compare_files(result, reference, **options):
+    def compare_results(result, reference, **options):
         asked.update(options)
         return comparison
 
     monkeypatch.setitem(
         sys.modules,
-        "vehicledyn.results.compare.run_compare",
-        SimpleNamespace(compare_files=compare_files),
+        "vehicledyn.results.compare.any_compare",
+        SimpleNamespace(compare_results=compare_results),
     )
     junit = tmp_path / "report.xml"
     options = ("--relative", "1e-3", "--tolerance", "a=b.*=0.1", "--channel", "x.*")

@@ -1,0 +1,158 @@
+"""A user's own laws are loaded by a file or an installed package, and by nothing else."""
+
+import os
+import subprocess
+import sys
+
+import pytest
+
+import vehicledyn as vd
+import vehicledyn.catalogue
+from vehicledyn.base import plugins, registry
+
+SPRING = '''\
+"""A tyre of the user's own."""
+
+from vehicledyn.base.parameters import quantity
+from vehicledyn.base.registry import register
+from vehicledyn.road.tyres.tyre import Tyre, TyreForces, TyreInput
+
+
+@register("tyre", "NAME")
+class Own(Tyre):
+    """Force in proportion to the slip angle."""
+
+    stiffness: float = quantity("N/rad", "Slope of the lateral force", gt=0)
+
+    def forces(self, contact: TyreInput) -> TyreForces:
+        """Return the force against the slip."""
+        return TyreForces(0.0, -self.stiffness * contact.slip_angle, 0.0)
+'''
+SCENARIO = """\
+title: On own tyres
+model: iltis
+tyres: {kind: own_of_test, stiffness: 60 kN/rad}
+road: {kind: flat}
+wheel_spin: free
+speed: 15 m/s
+manoeuvre: {kind: straight}
+duration: 1 s
+solver: {kind: rk4, step: 1 ms}
+output: {interval: 10 ms}
+"""
+
+
+@pytest.fixture(autouse=True)
+def catalogues_as_before():
+    before, loaded = registry._foreign_entries(), dict(plugins._loaded)
+    yield
+    for family, name in registry._foreign_entries() - before:
+        del registry._catalogues[family][name]
+    plugins._loaded.clear()
+    plugins._loaded.update(loaded)
+
+
+def written(folder, text=SPRING, name="own_of_test", file="my_tyre.py"):
+    path = folder / file
+    path.write_text(text.replace("NAME", name), encoding="utf-8")
+    return path
+
+
+def command(folder, *words):
+    return subprocess.run(
+        [sys.executable, "-m", "vehicledyn", *map(str, words)], cwd=folder, check=False,
+        env=os.environ | {"PYTHONPATH": str(folder)}, capture_output=True, text=True, timeout=120,
+    )  # fmt: skip
+
+
+def test_a_law_is_known_once_its_file_is_loaded(tmp_path):
+    (tmp_path / "own.yaml").write_text(SCENARIO, encoding="utf-8")
+    with pytest.raises(vd.InputError, match="no tyre named 'own_of_test'"):
+        vd.load(tmp_path / "own.yaml")
+    path = written(tmp_path)
+    assert vd.load_plugin(path) == [("tyre", "own_of_test")]
+    assert vd.load_plugin(str(path)) == [("tyre", "own_of_test")]
+    loaded = vd.load(tmp_path / "own.yaml")
+    assert loaded.scenario.tyres.front.stiffness == 60e3
+
+
+@pytest.mark.parametrize(
+    ("text", "name", "words"),
+    [
+        (SPRING, "linear", r"my_tyre\.py:8: .*tyre 'linear' is registered twice; vehicledyn\.road"),
+        (SPRING + "\n1 / 0\n", "own_of_test", r"my_tyre\.py:18: .*ZeroDivisionError"),
+        ("def f(:\n", "", r"my_tyre\.py:1: .*SyntaxError"),
+        ("import no_such_module\n", "", r"my_tyre\.py:1: .*ModuleNotFoundError: No module named"),
+        ("import sys\nsys.exit(3)\n", "", r"my_tyre\.py:2: .*SystemExit"),
+        (SPRING + SPRING, "own_of_test", "registered twice"),
+    ],
+)
+def test_a_plugin_that_fails_is_one_message_and_registers_nothing(tmp_path, text, name, words):
+    if text == SPRING + SPRING:
+        text = text.replace("class Own", "class First", 1)
+    before = registry.kinds("tyre")
+    path = written(tmp_path, text, name)
+    with pytest.raises(vd.InputError, match=words):
+        vd.load_plugin(path)
+    assert registry.kinds("tyre") == before
+    assert str(path) not in plugins.loaded_plugins()
+
+
+def test_what_is_no_python_file_is_refused(tmp_path):
+    with pytest.raises(vd.InputError, match="there is no such file"):
+        vd.load_plugin(tmp_path / "none.py")
+    with pytest.raises(vd.InputError, match="a plugin is a Python file"):
+        vd.load_plugin(tmp_path / "own.yaml")
+
+
+def test_a_plugin_may_import_what_lies_beside_it(tmp_path):
+    (tmp_path / "numbers_of_test.py").write_text("NAME = 'own_of_test'\n", encoding="utf-8")
+    text = SPRING.replace('"NAME"', "NAME").replace(
+        "from vehicledyn.base.parameters", "from numbers_of_test import NAME\n"
+        "from vehicledyn.base.parameters", 1,
+    )  # fmt: skip
+    path = tmp_path / "my_tyre.py"
+    path.write_text(text, encoding="utf-8")
+    paths = list(sys.path)
+    assert vd.load_plugin(path) == [("tyre", "own_of_test")]
+    assert sys.path == paths
+
+
+def test_the_command_line_takes_it_before_and_after_the_verb(tmp_path):
+    written(tmp_path)
+    (tmp_path / "own.yaml").write_text(SCENARIO, encoding="utf-8")
+    without = command(tmp_path, "validate", "own.yaml")
+    assert without.returncode == 2 and "no tyre named 'own_of_test'" in without.stderr
+    for words in (("--plugin", "my_tyre.py", "validate"), ("validate", "--plugin", "my_tyre.py")):
+        done = command(tmp_path, *words, "own.yaml")
+        assert (done.returncode, done.stdout) == (0, "own.yaml: ok\n"), done.stderr
+    wrong = command(tmp_path, "run", "own.yaml", "--plugin", "none.py")
+    assert (wrong.returncode, wrong.stderr) == (2, "none.py: there is no such file\n")
+
+
+def test_an_installed_package_brings_laws_with_it(tmp_path):
+    written(tmp_path, file="own_tyres.py")
+    info = tmp_path / "own_tyres-1.0.dist-info"
+    info.mkdir()
+    (info / "METADATA").write_text("Name: own-tyres\nVersion: 1.0\n", encoding="utf-8")
+    (info / "entry_points.txt").write_text(
+        "[vehicledyn.plugins]\ntyres = own_tyres\n", encoding="utf-8"
+    )
+    (tmp_path / "own.yaml").write_text(SCENARIO, encoding="utf-8")
+    done = command(tmp_path, "validate", "own.yaml")
+    assert (done.returncode, done.stdout) == (0, "own.yaml: ok\n"), done.stderr
+    (tmp_path / "own_tyres.py").write_text("1 / 0\n", encoding="utf-8")
+    done = command(tmp_path, "validate", "own.yaml")
+    assert done.returncode == 2
+    assert "plugin 'tyres' of own-tyres" in done.stderr and "own_tyres.py:1" in done.stderr
+
+
+@pytest.mark.long
+def test_the_processes_of_a_sweep_know_it(tmp_path):
+    vd.load_plugin(written(tmp_path))
+    (tmp_path / "own.yaml").write_text(SCENARIO, encoding="utf-8")
+    study = vd.sweep(
+        tmp_path / "own.yaml", vary={"tyres.stiffness": ["50 kN/rad", "60 kN/rad"]},
+        duration="0.1 s", channels=["chassis.x"], workers=2,
+    )  # fmt: skip
+    assert study["case.status"].values.tolist() == ["done", "done"]

@@ -1,0 +1,149 @@
+"""Laws and parts of the user's own: Python files and installed packages that register them.
+
+They are loaded because the user or the installation says so, never because a scenario does.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import hashlib
+import importlib.util
+import sys
+import traceback
+import zlib
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from types import ModuleType
+from typing import Any
+
+from vehicledyn.base.errors import InputError, VehicledynError
+from vehicledyn.base.files import read_regular
+from vehicledyn.base.registry import all_or_nothing
+
+GROUP = "vehicledyn.plugins"
+"""Entry points of this group name modules to load, whenever catalogues are."""
+
+_LARGEST = 10_000_000
+_loaded: dict[Path, list[tuple[str, str]]] = {}
+
+
+def load_plugin(path: str | Path) -> list[tuple[str, str]]:
+    """Run a Python file that registers laws or parts; return family and name of each.
+
+    A file that was loaded before is not run again. A file that fails registers nothing.
+
+    Raises
+    ------
+    InputError
+        If there is no such file, it fails, or it registers a name that is taken; the message
+        names file and line.
+    """
+    place = Path(path).resolve()
+    if place in _loaded:
+        return _loaded[place]
+    if place.suffix != ".py":
+        raise InputError(f"{path}: a plugin is a Python file, my_tyre.py for example")
+    read_regular(Path(path), _LARGEST)
+    name = f"vehicledyn_plugin_{place.stem}_{zlib.crc32(str(place).encode()):08x}"
+    specification = importlib.util.spec_from_file_location(name, place)
+    if specification is None or specification.loader is None:
+        raise InputError(f"{path}: cannot be loaded as a Python file")
+    module = importlib.util.module_from_spec(specification)
+    with _failures_told(str(path), place), all_or_nothing() as found, _importable(name, module):
+        specification.loader.exec_module(module)
+    _loaded[place] = found
+    return found
+
+
+def load_installed() -> None:
+    """Load the plugins of all installed packages.
+
+    Raises
+    ------
+    InputError
+        If one fails; the message names it and the package.
+    """
+    if not any(map(_names_plugins, sys.path)):
+        return
+    from importlib.metadata import entry_points
+
+    for entry in entry_points(group=GROUP):
+        package = entry.dist.name if entry.dist is not None else "an unknown package"
+        with _failures_told(f"plugin '{entry.name}' of {package}", None), all_or_nothing():
+            _load(entry)
+
+
+def loaded_plugins() -> tuple[str, ...]:
+    """Return the files that were loaded as plugins, for other processes to load as well."""
+    return tuple(map(str, _loaded))
+
+
+def plugin_digest(path: str) -> str:
+    """Return a text that changes with a plugin's file."""
+    return hashlib.sha256(read_regular(Path(path), _LARGEST)).hexdigest()
+
+
+def _names_plugins(folder: str) -> bool:
+    """Return whether a package in a folder of modules names plugins, without loading much."""
+    wanted = f"[{GROUP}]".encode()
+    with contextlib.suppress(OSError):
+        for file in Path(folder or ".").glob("*.*-info/entry_points.txt"):
+            if wanted in file.read_bytes():
+                return True
+    return False
+
+
+def _load(entry: Any) -> None:
+    found = entry.load()
+    if callable(found) and not isinstance(found, type):
+        found()
+
+
+@contextmanager
+def _importable(name: str, module: ModuleType) -> Iterator[None]:
+    """Enter a module, and let it import what lies beside it while it is run."""
+    folder = str(Path(str(module.__file__)).parent)
+    sys.modules[name] = module
+    sys.path.append(folder)
+    try:
+        yield
+    except BaseException:
+        del sys.modules[name]
+        raise
+    finally:
+        sys.path.remove(folder)
+
+
+@contextmanager
+def _failures_told(what: str, place: Path | None) -> Iterator[None]:
+    """Turn whatever a plugin raises into one message with the line where it happened."""
+    try:
+        yield
+    except KeyboardInterrupt:
+        raise
+    except VehicledynError as error:
+        raise InputError(f"{_where(what, place, error)}: {error}") from error
+    except (Exception, SystemExit) as error:
+        told = " ".join(str(error).split()) or "no reason given"
+        kind = "" if isinstance(error, ValueError) else f"{type(error).__name__}: "
+        raise InputError(
+            f"{_where(what, place, error)}: the plugin cannot be loaded: {kind}{told}"
+        ) from error
+
+
+def _where(what: str, place: Path | None, error: BaseException) -> str:
+    """Return the last line of the plugin that an error went through."""
+    frames = traceback.extract_tb(error.__traceback__)
+    if isinstance(error, SyntaxError) and error.filename and error.lineno:
+        name = what if Path(error.filename) == place else error.filename
+        return f"{name}:{error.lineno}"
+    if place is None:
+        own = [frame for frame in frames if not _is_machinery(frame.filename)]
+        return f"{what}: {own[-1].filename}:{own[-1].lineno}" if own else what
+    own = [frame for frame in frames if Path(frame.filename) == place]
+    return f"{what}:{own[-1].lineno}" if own else what
+
+
+def _is_machinery(filename: str) -> bool:
+    return filename.startswith("<") or "importlib" in filename or Path(filename) == Path(__file__)
