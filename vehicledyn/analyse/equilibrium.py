@@ -146,6 +146,9 @@ def find_equilibrium(
         loose = _loose(equations, problem, found.point, int(np.argmax(np.abs(found.residual))))
         raise NumericalError(_unbalanced(equations, balanced, found.residual, tolerance, loose))
     final_state, final_unknowns = problem.point(found.point)
+    for attitude in equations.attitudes:
+        quaternion = list(attitude.quaternion)
+        final_state[quaternion] /= np.linalg.norm(final_state[quaternion])
     residual = float(np.abs(found.residual).max(initial=0.0))
     return EquilibriumPoint(final_state, final_unknowns, residual, found.iterations)
 

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from vehicledyn.analyse.small_motions import SmallMotions, varied_states
 from vehicledyn.base.errors import NumericalError
 from vehicledyn.kernel.derivatives import Derivatives
 from vehicledyn.kernel.engine import Vector
@@ -17,9 +18,10 @@ from vehicledyn.symbolic.equations import Equations
 class Linearisation:
     """Small motions about a point: d(δx)/dt = A δx + B δp, δy = C δx + D δp.
 
-    ``matrix`` A (n_states, n_states) and ``output_matrix`` C (n_channels, n_states), with the
-    names of their rows; ``input_matrix`` B and ``feedthrough`` D by the parameters that the
-    derivatives were made for, and ``unknowns_by_input`` dz/dp (n_unknowns, n_chosen).
+    δx are changes of the states, small turns in place of those of quaternions. ``matrix`` A
+    (n_varied, n_varied) and ``output_matrix`` C (n_channels, n_varied), with the names of their
+    rows; ``input_matrix`` B and ``feedthrough`` D by the parameters that the derivatives were
+    made for, and ``unknowns_by_input`` dz/dp (n_unknowns, n_chosen).
     """
 
     matrix: Vector
@@ -69,12 +71,17 @@ def linearise(
             f"the derivative of the rate of '{equations.states[row].name}' by "
             f"'{equations.states[column].name}' is no finite number at t = {time:.9g} s"
         )
+    matrix, outputs, inputs = total.rates, total.outputs, total.rates_by_parameter
+    if equations.attitudes:
+        motions = SmallMotions.at(equations, point[0])
+        matrix = motions.reduce @ matrix @ motions.expand + motions.drift
+        outputs, inputs = outputs @ motions.expand, motions.reduce @ inputs
     return Linearisation(
-        matrix=total.rates,
-        names=tuple(item.name for item in equations.states),
-        output_matrix=total.outputs,
+        matrix=matrix,
+        names=tuple(item.name for item in varied_states(equations)),
+        output_matrix=outputs,
         channels=tuple(channel.name for channel in equations.channels),
-        input_matrix=total.rates_by_parameter,
+        input_matrix=inputs,
         feedthrough=total.outputs_by_parameter,
         unknowns_by_input=total.unknowns_by_parameter,
     )

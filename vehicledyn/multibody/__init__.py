@@ -41,7 +41,7 @@ if TYPE_CHECKING:
     from vehicledyn.multibody.elements.rolling import RollingWheel
     from vehicledyn.multibody.elements.transmissions import belt, gears, rack, screw
     from vehicledyn.multibody.equations.derivation import derive
-    from vehicledyn.multibody.model.bodies import Body, Joint, Turn
+    from vehicledyn.multibody.model.bodies import Body, Joint, Turn, quaternion_joint
     from vehicledyn.multibody.model.constraints import (
         BaseConstraint,
         LinearConstraint,
@@ -88,6 +88,7 @@ __all__ = [
     "belt",
     "derive",
     "gears",
+    "quaternion_joint",
     "rack",
     "screw",
 ]
@@ -123,7 +124,7 @@ __getattr__ = door(
             "SequenceSensor",
         ),
         "vehicledyn.multibody.model.ground": ("GROUND",),
-        "vehicledyn.multibody.model.bodies": ("Body", "Joint", "Turn"),
+        "vehicledyn.multibody.model.bodies": ("Body", "Joint", "Turn", "quaternion_joint"),
         "vehicledyn.multibody.model.system": ("System",),
         "vehicledyn.symbolic.parameters": ("ParameterTable",),
     },

@@ -338,7 +338,7 @@ def _held(subject: Subject, prepared: Prepared, reference: Reference | None) -> 
     kept = np.ones(len(equations.states), dtype=bool)
     if reference is not None:
         kept[reference.free] = False
-        kept[list(equations.velocities)] = True
+        kept[list(equations.speeds)] = True
         spun = [k for k in reference.free if k in equations.velocities]
         kept[spun] = False
     guesses = [u.start for u in equations.unknowns]

@@ -96,7 +96,7 @@ def find_reference(prepared: Prepared, speed: float, kind: Start | None) -> Refe
     state = point.state.copy()
     free, balanced = subject.balance_pairs(e, balanced_speed)
     if chosen != "steady":
-        velocities = [k for k in e.velocities if k not in free]
+        velocities = [k for k in e.speeds if k not in free]
         state[velocities] = begin[velocities]
     total = prepared.derivatives.total(
         subject.balance_time, state, point.unknowns, prepared.kernel.parameters
@@ -163,7 +163,7 @@ def _moving(prepared: Prepared, point: Point, speed: float, found: list[int] | N
     subject, e = prepared.subject, prepared.equations
     state = point.state.copy()
     if found is not None:
-        velocities = [k for k in e.velocities if k not in found]
+        velocities = [k for k in e.speeds if k not in found]
         state[velocities] = subject.start_state(e, speed)[velocities]
         set_speed(prepared, speed)
     state = start_rates(

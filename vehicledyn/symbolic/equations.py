@@ -95,11 +95,24 @@ class Event:
 
 
 @dataclass(frozen=True)
+class Attitude:
+    """A unit quaternion Q among the states, and the angular velocity that turns it.
+
+    ``quaternion`` are the indices of its components (w, x, y, z), ``velocity`` those of ω in the
+    turned axes, Q̇ = ½ Q ∘ (0, ω).
+    """
+
+    quaternion: tuple[int, ...]
+    velocity: tuple[int, ...]
+
+
+@dataclass(frozen=True)
 class Equations:
     """Symbolic equations of a system, see the module's text for the meaning of the parts.
 
     ``positions`` and ``velocities`` are the indices of x that form second-order pairs: the
-    rate of ``x[positions[k]]`` is ``x[velocities[k]]``. ``reset`` is a column of new values of
+    rate of ``x[positions[k]]`` is ``x[velocities[k]]``; ``attitudes`` are the quaternions among the
+    states, whose rates are not velocities. ``reset`` is a column of new values of
     states for the resets of events, None where there are none. ``slopes`` is ∂residual/∂algebraic
     where its author knows it better than differentiation would, else None. ``tables`` are all
     that the expressions look up; like values of parameters, they are no part of what is
@@ -124,10 +137,16 @@ class Equations:
     events: tuple[Event, ...] = ()
     positions: tuple[int, ...] = ()
     velocities: tuple[int, ...] = ()
+    attitudes: tuple[Attitude, ...] = ()
     slopes: Expression | None = None
     reset: Expression = None
     tables: tuple[CurveTable, ...] = ()
     structure: dict[str, Any] = field(default_factory=dict)
+
+    @property
+    def speeds(self) -> tuple[int, ...]:
+        """Indices of all states that are speeds, angular velocities of attitudes included."""
+        return (*self.velocities, *(k for a in self.attitudes for k in a.velocity))
 
 
 def with_tables(equations: Equations) -> Equations:

@@ -23,6 +23,7 @@ JOINTS = {
     "cylindrical": "{kind: cylindrical, axis: 3}",
     "planar": "{kind: planar, normal: 2}",
     "screw": "{kind: screw, axis: 3, lead: 5 mm}",
+    "spherical_quaternion": "{kind: spherical_quaternion, start_rate: [0, 1 rad/s, 20 deg/s]}",
     "track_frame": "{kind: track_frame, position: 3 m/s * time}, R1 q",
 }
 COORDINATES = {
@@ -33,7 +34,22 @@ COORDINATES = {
     "cylindrical": ["z", "yaw"],
     "planar": ["x", "z", "pitch"],
     "screw": ["angle"],
+    "spherical_quaternion": [],
 }
+
+
+def test_joint_with_a_quaternion_has_its_components_and_an_angular_velocity(tmp_path):
+    text = (
+        f"title: t\nmirror:\n- plane: y\n  names: {{left: right}}\n  bodies:\n"
+        f"    left: {{joints: [T1, {{kind: spherical_quaternion, start: [2, 1, 0.5, 0], "
+        f"start_rate: [1 rad/s, 60 deg/s, 0]}}], {MASS}}}\n"
+        "initial: {left.quaternion_w: 3, right.omega_z: 5 rad/s}\n"
+    )
+    start = {s.name: s.start for s in equations(tmp_path, text).states}
+    assert [start[f"left.quaternion_{c}"] for c in "wxyz"] == [3.0, 1.0, 0.5, 0.0]
+    assert [start[f"right.quaternion_{c}"] for c in "wxyz"] == [2.0, -1.0, 0.5, 0.0]
+    assert [start[f"left.omega_{c}"] for c in "xyz"] == pytest.approx([1.0, np.pi / 3.0, 0.0])
+    assert [start[f"right.omega_{c}"] for c in "xyz"] == pytest.approx([-1.0, np.pi / 3.0, 5.0])
 
 
 @pytest.mark.parametrize("kind", kinds("joint"))

@@ -11,6 +11,7 @@ import numpy as np
 
 from vehicledyn.analyse.linearise import Linearisation, linearise
 from vehicledyn.analyse.modes import Mode, eigenmodes
+from vehicledyn.analyse.small_motions import varied_states
 from vehicledyn.analyses.linear.mode_report import ModesAtSpeed, ModesReport
 from vehicledyn.analyses.preparation.build_model import Target
 from vehicledyn.analyses.preparation.own_speed import at_speed, refuse_idle_speed, speed_matters
@@ -165,7 +166,7 @@ def _empty_table(prepared: Prepared, target: Target) -> ModeTable:
     return ModeTable(
         title,
         e.name,
-        tuple(Quantity(s.name, s.unit, s.description) for s in e.states),
+        tuple(Quantity(s.name, s.unit, s.description) for s in varied_states(e)),
         tuple(Quantity(c.name, c.unit, c.description) for c in e.channels),
         tuple(j.name for j in prepared.subject.system.joints() if j.name in names),
         (),

@@ -166,7 +166,7 @@ def find_equilibrium(
 def _still(prepared: Prepared, point: Point) -> Point:
     """Return a point without the velocities that a start gives it."""
     state = point.state.copy()
-    state[list(prepared.equations.velocities)] = 0.0
+    state[list(prepared.equations.speeds)] = 0.0
     return replace(point, state=state)
 
 
@@ -181,7 +181,8 @@ def _tables(
     prepared: Prepared, nominal: NDArray[np.float64], balanced: NDArray[np.float64]
 ) -> tuple[list[Row], list[Row]]:
     e = prepared.equations
-    coordinates = {s.name for s in (*(e.states[k] for k in e.positions), *e.unknowns)}
+    turned = [k for attitude in e.attitudes for k in attitude.quaternion]
+    coordinates = {s.name for s in (*(e.states[k] for k in (*e.positions, *turned)), *e.unknowns)}
     rows = [
         Row(c.name, c.unit, float(a), float(b), c.description)
         for c, a, b in zip(e.channels, nominal, balanced, strict=True)
@@ -192,10 +193,14 @@ def _tables(
     )
 
 
+_SHOWN_IN = {"rad": (180.0 / np.pi, "deg"), "m": (1e3, "mm"), "1": (1.0, "")}
+"""Factor and unit in which positions are printed, by their SI unit."""
+
+
 def _position_texts(row: Row) -> tuple[str, str, str]:
-    factor, unit = (180.0 / np.pi, "deg") if row.unit == "rad" else (1e3, "mm")
+    factor, unit = _SHOWN_IN.get(row.unit, (1.0, row.unit))
     values = (row.nominal, row.equilibrium, row.equilibrium - row.nominal)
-    nominal, balanced, change = (f"{_clean(v * factor):.4f} {unit}" for v in values)
+    nominal, balanced, change = (f"{_clean(v * factor):.4f} {unit}".rstrip() for v in values)
     return nominal, balanced, change
 
 

@@ -181,7 +181,7 @@ def equilibrium_point(
     )
     final = found.state.copy()
     if kind == "static":
-        velocities = [k for k in e.velocities if k not in free]
+        velocities = [k for k in e.speeds if k not in free]
         final[velocities] = moving[velocities]
         set_speed(prepared, speed)
     return _moving(prepared, Point(final, found.unknowns, found.residual))

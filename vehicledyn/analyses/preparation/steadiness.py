@@ -19,10 +19,10 @@ def unsteadiness(prepared: Prepared, point: Point, limit: float = STEADY) -> str
     """
     e = prepared.equations
     rates = prepared.kernel.rates(prepared.subject.balance_time, point.state, point.unknowns)
-    accelerations = rates[list(e.velocities)]
+    accelerations = rates[list(e.speeds)]
     if not accelerations.size or np.abs(accelerations).max() <= limit:
         return ""
     worst = int(np.argmax(np.abs(accelerations)))
-    state = e.states[e.velocities[worst]]
+    state = e.states[e.speeds[worst]]
     value = shown(float(accelerations[worst]), state.unit).replace("/s", "/s^2")
     return f"the reference motion is not steady: {state.name} changes by {value}"

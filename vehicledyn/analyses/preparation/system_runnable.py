@@ -14,7 +14,7 @@ from vehicledyn.multibody.model.ground import GROUND
 from vehicledyn.multibody.model.parts import Part
 from vehicledyn.multibody.model.system import System
 from vehicledyn.road.manoeuvres.channel_recorder import Recording
-from vehicledyn.symbolic.equations import Channel, Equations
+from vehicledyn.symbolic.equations import Attitude, Channel, Equations
 
 if TYPE_CHECKING:
     from vehicledyn.base.shapes import Shape
@@ -84,6 +84,8 @@ class SystemSubject:
         for position, velocity in zip(equations.positions, equations.velocities, strict=True):
             if not (self._rolls and kinds[equations.states[position].name] in ROLLING):
                 state[velocity] = 0.0
+        for attitude in equations.attitudes:
+            state[list(attitude.velocity)] = 0.0
         return state
 
     def balance_pairs(self, equations: Equations, speed: float) -> tuple[list[int], list[int]]:
@@ -91,7 +93,7 @@ class SystemSubject:
 
         Coordinates whose rates follow from others, as those of a rolling wheel, are held. Of a
         turn that makes no difference to what rolls on rails the rate takes its place, of a way
-        nothing does.
+        nothing does. A quaternion is turned by the components but the largest at its start.
         """
         e = equations
         taken = {*e.positions, *e.velocities}
@@ -108,6 +110,11 @@ class SystemSubject:
                 if position in matter or e.states[position].unit == "rad"
             ]
             further = [k for k in further if k in matter]
+        pairs += [
+            pair
+            for attitude in e.attitudes
+            for pair in zip(_turning(e, attitude), attitude.velocity, strict=True)
+        ]
         return [*(free for free, _ in pairs), *further], [*(rate for _, rate in pairs), *further]
 
     @property
@@ -214,6 +221,12 @@ class SystemSubject:
     def _coordinates(self, known: set[str]) -> list[str]:
         names = [j.name for j in self.system.joints()]
         return [n for n in names if n in known] if len(names) <= MOST_COORDINATES else []
+
+
+def _turning(equations: Equations, attitude: Attitude) -> list[int]:
+    """Return the three components of a quaternion whose changes turn it in every direction."""
+    largest = max(attitude.quaternion, key=lambda k: abs(equations.states[k].start))
+    return [k for k in attitude.quaternion if k != largest]
 
 
 def _assessed(units: dict[str, str], others: Collection[str]) -> list[str]:

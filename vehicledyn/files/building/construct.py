@@ -186,13 +186,17 @@ def _chain(values: Values, body: str, joint: JointSet) -> list[Joint | Turn]:
         Joint(
             c.joint,
             c.name,
-            start=float(values.number(initial.get(c.name, c.start))),
+            start=float(values.number(c.start if speed else initial.get(c.name, c.start))),
             role="driven" if c.name in _driven(values) else c.role,
-            start_rate=float(values.number(initial.get(f"{c.name}_rate", c.start_rate))),
+            start_rate=float(
+                values.number(initial.get(c.name if speed else f"{c.name}_rate", c.start_rate))
+            ),
             description=c.description,
             settings={n: values.setting(item) for n, item in c.settings.items()},
+            siblings=c.siblings,
         )
         for c in joint.coordinates(body)
+        for speed in (not c.type.has_position,)
     ]
 
 

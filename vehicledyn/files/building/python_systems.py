@@ -62,7 +62,7 @@ class _Writer:
         at = self._numbers(body.at)
         if any(at):
             written["at"] = at
-        joints = [entry for item in body.joints for entry in self._joint(item)]
+        joints = [entry for item in body.joints for entry in self._joint(item, body.joints)]
         if joints:
             written["joints"] = joints
         if body.mass is None:
@@ -78,11 +78,13 @@ class _Writer:
             written["apparent_inertia"] = True
         return written
 
-    def _joint(self, item: Joint | Turn) -> list[dict[str, Any]]:
+    def _joint(self, item: Joint | Turn, joints: tuple[Joint | Turn, ...]) -> list[dict[str, Any]]:
         if isinstance(item, Turn):
             angles = rotations.tait_bryan(item.rotation, (3, 2, 1))
             pairs = zip((3, 2, 1), self._numbers(angles), strict=True)
             return [{"kind": "turn", "axis": k, "angle": a} for k, a in pairs if abs(a) > _SMALL]
+        if item.siblings:
+            return self._elements(item, joints)
         written: dict[str, Any] = {"kind": item.kind, "name": item.name}
         for name, value in item.settings.items():
             is_plain = isinstance(value, str | int)
@@ -91,6 +93,17 @@ class _Writer:
         written |= {"start_rate": item.start_rate} if item.start_rate else {}
         written |= {"role": item.role} if item.role != "auto" else {}
         return [written | ({"description": item.description} if item.description else {})]
+
+    def _elements(self, item: Joint, joints: tuple[Joint | Turn, ...]) -> list[dict[str, Any]]:
+        """Return a joint with several coordinates, written where the first of them stands."""
+        if item.type.element > 0:
+            return []
+        own = {j.name: j for j in joints if isinstance(j, Joint) and j.siblings == item.siblings}
+        start = [own[name].start for name in item.positions]
+        return [
+            {"kind": item.kind, "start": start}
+            | {"start_rate": [own[name].start_rate for name in item.speeds]}
+        ]
 
     def _cut(self, cut: Any, written: dict[str, Any]) -> None:
         kind = _KINDS.get(type(cut))

@@ -8,12 +8,12 @@ from dataclasses import Field as SettingField
 from dataclasses import dataclass, field, fields, is_dataclass
 from typing import Any, Literal, Self
 
-from pydantic import Field, field_validator
+from pydantic import Field, field_validator, model_validator
 
 from vehicledyn import multibody
 from vehicledyn.base.registry import find, register
-from vehicledyn.files.expressions.expressions import Expression, zero
-from vehicledyn.files.expressions.fields import Scalar, SystemSet, measured
+from vehicledyn.files.expressions.expressions import Expression, read_expression, zero
+from vehicledyn.files.expressions.fields import Scalar, Scalars, SystemSet, measured
 from vehicledyn.multibody.joints.joint_type import FAMILY, JointType, joint_type
 from vehicledyn.symbolic import rotations
 
@@ -32,6 +32,7 @@ class Coordinate:
     start_rate: Expression
     description: str
     settings: dict[str, Any] = field(default_factory=dict, compare=False)
+    siblings: tuple[str, ...] = ()
 
     @property
     def type(self) -> JointType:
@@ -40,8 +41,8 @@ class Coordinate:
 
     @property
     def unit(self) -> str:
-        """SI unit of the coordinate."""
-        return self.type.unit
+        """SI unit of the coordinate; that of the speed where it is no position."""
+        return self.type.elements[self.type.element].unit if self.siblings else self.type.unit
 
     @property
     def force_unit(self) -> str:
@@ -105,6 +106,54 @@ class TypedJointSet(JointSet):
         if coordinate.is_turned_by_mirror(axis):
             names += ["start", "start_rate"]
         return self.model_copy(update={name: getattr(self, name).negated() for name in names})
+
+
+class ElementsJointSet(JointSet):
+    """A joint of a type of the catalogue whose speeds are not the rates of its positions."""
+
+    start: Scalars | None = None
+    start_rate: Scalars | None = None
+    description: str = Field(default="", description="What the joint is, for people")
+
+    def coordinates(self, body: str) -> list[Coordinate]:
+        """Return its positions, then its speeds."""
+        of = find(FAMILY, self.kind)
+        names = tuple(full_name(body, element.name) for element in of.elements)
+        positions = self.start or tuple(map(read_expression, of.start))
+        speeds = self.start_rate or (zero(),) * (len(names) - of.positions)
+        starts = [*((p, zero()) for p in positions), *((zero(), v) for v in speeds)]
+        return [
+            Coordinate(
+                name, self.kind, "independent", *given,
+                f"{self.description or body}, {element.description}", {"element": k}, names,
+            )
+            for k, (name, element, given) in enumerate(
+                zip(names, of.elements, starts, strict=True)
+            )
+        ]  # fmt: skip
+
+    @model_validator(mode="after")
+    def _as_many_as_it_has(self) -> Self:
+        of = find(FAMILY, self.kind)
+        wanted = {"start": of.positions, "start_rate": len(of.elements) - of.positions}
+        for name, count in wanted.items():
+            given = getattr(self, name)
+            if given is not None and len(given) != count:
+                raise ValueError(f"'{name}' has {count} numbers, not {len(given)}")
+        return self
+
+    def mirrored(self, axis: int) -> Self:
+        """Return the joint with its starts turned round where the motion is."""
+        of = find(FAMILY, self.kind)
+        turned = [c.is_turned_by_mirror(axis) for c in self.coordinates("")]
+        signs = {"start": turned[: of.positions], "start_rate": turned[of.positions :]}
+        given = {name: getattr(self, name) for name in signs}
+        update = {
+            name: tuple(e.negated() if t else e for e, t in zip(values, signs[name], strict=True))
+            for name, values in given.items()
+            if values is not None
+        }
+        return self.model_copy(update=update)
 
 
 def settings_of(kind: str) -> dict[str, SettingField[Any]]:

@@ -18,6 +18,7 @@ from vehicledyn.multibody.model.symbols import Symbols, locked
 from vehicledyn.multibody.model.system import System
 from vehicledyn.symbolic import ops
 from vehicledyn.symbolic.equations import (
+    Attitude,
     Block,
     Equations,
     ParameterValue,
@@ -39,13 +40,15 @@ class Roles:
 
     ``independent`` ones are states with their rates, ``dependent`` ones (in the order of
     solution) unknowns, ``driven`` ones known in time. ``following`` ones are states too, but
-    non-holonomic constraints give their rates.
+    non-holonomic constraints give their rates. ``turned`` ones are positions that the speeds of
+    others turn: components of quaternions, whose speeds are among the independent ones.
     """
 
     independent: list[int]
     dependent: list[int]
     driven: list[int]
     following: list[int] = field(default_factory=list)
+    turned: list[int] = field(default_factory=list)
 
 
 def roles_of(symbols: Symbols, loops: Loops) -> Roles:
@@ -53,9 +56,10 @@ def roles_of(symbols: Symbols, loops: Loops) -> Roles:
     dependent = loops.dependent
     driven = [k for k, j in enumerate(symbols.joints) if j.role == "driven"]
     following = loops.following
-    taken = {*dependent, *driven, *following}
+    turned = [k for k, j in enumerate(symbols.joints) if not j.type.has_speed]
+    taken = {*dependent, *driven, *following, *turned}
     independent = [k for k in range(len(symbols.joints)) if k not in taken]
-    return Roles(independent, dependent, driven, following)
+    return Roles(independent, dependent, driven, following, turned)
 
 
 def collect(
@@ -71,10 +75,11 @@ def collect(
 ) -> Equations:
     """Return the equations of a solved system.
 
-    States are the independent coordinates, their rates, the coordinates whose rates alone are
-    dependent, and the parts' states; unknowns are the dependent coordinates in the order of
-    solution, the parts' unknowns and, in one block, the forces of constraints that loads depend
-    on. With ``multipliers`` the states are those that ``projection`` puts onto the constraints.
+    States are the independent coordinates, their rates, quaternions and their angular velocities,
+    the coordinates whose rates alone are dependent, and the parts' states; unknowns are the
+    dependent coordinates in the order of solution, the parts' unknowns and, in one block, the
+    forces of constraints that loads depend on. With ``multipliers`` the states are those that
+    ``projection`` puts onto the constraints.
 
     Raises
     ------
@@ -91,19 +96,23 @@ def collect(
     part_states = [(p, v) for p in system.parts for v in p.states()]
     part_unknowns = [(p, v) for p in system.parts for v in p.unknowns()]
     reactions = [(p, v) for p in system.parts for v in p.reactions()]
-    independent = [joints[k] for k in roles.independent]
+    independent = [joints[k] for k in roles.independent if joints[k].type.is_paired]
+    speeds = [joints[k] for k in roles.independent if not joints[k].type.is_paired]
+    turned = [joints[k] for k in roles.turned]
     dependent = [joints[k] for k in roles.dependent]
     following = [joints[k] for k in roles.following]
     state = [
         *(at[j.name] for j in independent),
         *(rates[j.name] for j in independent),
-        *(symbols.coordinates[j.name] for j in following),
+        *(symbols.coordinates[j.name] for j in (*turned, *following)),
+        *(rates[j.name] for j in speeds),
         *(symbols.states[p.name][v.name] for p, v in part_states),
     ]
     rate = [
         *(symbols.rates[j.name] for j in independent),
         *(solved.accelerations[j.name] for j in independent),
-        *(solved.rates[j.name] for j in following),
+        *(solved.rates[j.name] for j in (*turned, *following)),
+        *(solved.accelerations[j.name] for j in speeds),
         *(solved.loads[p.name].rates[v.name] for p, v in part_states),
     ]
     algebraic = [
@@ -119,7 +128,8 @@ def collect(
     _check_unique(outputs)
     states = (
         *_coordinate_states(independent, loops),
-        *(_coordinate(j, loops.start[j.name]) for j in following),
+        *(_coordinate(j, loops.start[j.name]) for j in (*turned, *following)),
+        *(_coordinate(j, j.start_rate) for j in speeds),
         *_part_variables(part_states),
     )
     respond = None if multipliers is None else multipliers.impulse_response
@@ -162,6 +172,7 @@ def collect(
         positions=tuple(range(n)),
         events=tuple(found.events),
         velocities=tuple(range(n, 2 * n)),
+        attitudes=_attitudes(turned, speeds, states),
         slopes=finished(_slopes(loops, contact, implicit, unknowns=algebraic)),
         reset=finished(ops.column(found.new_values)),
         structure=_structure(system, symbols, loops, roles, multipliers),
@@ -263,6 +274,18 @@ def _coordinate_states(joints: list[Joint], loops: Loops) -> tuple[Variable, ...
     return (*positions, *rates)
 
 
+def _attitudes(
+    turned: list[Joint], speeds: list[Joint], states: tuple[Variable, ...]
+) -> tuple[Attitude, ...]:
+    """Return where the states hold quaternions and the angular velocities that turn them."""
+    place = {variable.name: k for k, variable in enumerate(states)}
+    found = {j.siblings: (j.positions, j.speeds) for j in (*turned, *speeds)}
+    return tuple(
+        Attitude(tuple(place[n] for n in positions), tuple(place[n] for n in rates))
+        for positions, rates in found.values()
+    )
+
+
 def _part_variables(pairs: list[tuple[Part, Variable]]) -> tuple[Variable, ...]:
     return tuple(replace(v, name=f"{p.name}.{v.name}") for p, v in pairs)
 
@@ -297,6 +320,10 @@ def _check_unique(outputs: list[Output]) -> None:
         seen.add(output.channel.name)
 
 
+def _words(joint: Joint) -> str:
+    return joint.kind if joint.siblings else f"{joint.kind} {joint.name}"
+
+
 def _structure(
     system: System,
     symbols: Symbols,
@@ -315,7 +342,7 @@ def _structure(
             {
                 "name": b.name,
                 "parent": b.parent,
-                "joints": [f"{j.kind} {j.name}" for j in b.joints if isinstance(j, Joint)],
+                "joints": [_words(j) for j in b.joints if isinstance(j, Joint) and j.leads],
                 "massless": b.mass is None,
             }
             for b in system.bodies

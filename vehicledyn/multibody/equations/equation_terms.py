@@ -18,7 +18,7 @@ from vehicledyn.multibody.equations.derivation import Derivation, equations_of, 
 from vehicledyn.multibody.model.joint_wrench import JointWrench
 from vehicledyn.multibody.model.kinematics import Kinematics
 from vehicledyn.multibody.model.parts import Loads, Part
-from vehicledyn.multibody.model.system import System
+from vehicledyn.multibody.model.system import System, refuse_quaternions
 from vehicledyn.multibody.model.tree import Tree
 from vehicledyn.multibody.recursion.newton_euler import inverse_dynamics, mass_matrix
 from vehicledyn.symbolic import ops
@@ -97,6 +97,7 @@ def derive_ingredients(system: System) -> Ingredients:
     InputError, NumericalError
         As :func:`~vehicledyn.multibody.equations.derivation.derive` does.
     """
+    refuse_quaternions(system, "the export of equations")
     d = solve_motion(system)
     names = [j.name for j in d.symbols.joints]
     closure = d.loops.closure

@@ -72,7 +72,7 @@ class Impacts:
         before = [self._solved.rates[joints[k].name] for k in self._independent]
         jumps = self._jumps(demands)
         return {
-            f"{joints[k].name}_rate": rate + jump
+            joints[k].rate_name: rate + jump
             for k, rate, jump in zip(self._independent, before, jumps, strict=True)
         }
 
@@ -114,7 +114,7 @@ class Impacts:
                         whole[i][j] = whole[i].get(j, 0.0) + left * (value * right)
         jumps = solve_symmetric(whole, taken)
         return {
-            f"{joints[k].name}_rate": rates[joints[k].name] + jump
+            joints[k].rate_name: rates[joints[k].name] + jump
             for k, jump in zip(self._independent, jumps, strict=True)
         }
 
@@ -142,7 +142,8 @@ class Impacts:
             return []
         s = self._symbols
         function = ops.scalar(event.expression)
-        (gradient,) = ops.rows_of(ops.jacobian(function, s.coordinate_column)) or ({},)
+        slopes = s.by_speeds(ops.jacobian(function, s.coordinate_column))
+        (gradient,) = ops.rows_of(slopes) or ({},)
         if not gradient or ops.depends_on(function, s.rate_column):
             raise InputError(
                 f"event '{name}' has a restitution, so its function must be one of coordinates "

@@ -20,7 +20,7 @@ from vehicledyn.multibody.loops.loop_closure import close
 from vehicledyn.multibody.model.bodies import Body, Joint
 from vehicledyn.multibody.model.parts import BasePart, Clock, Loads, Motion, Situation
 from vehicledyn.multibody.model.symbols import declare, motions
-from vehicledyn.multibody.model.system import System
+from vehicledyn.multibody.model.system import System, refuse_quaternions
 from vehicledyn.multibody.model.tree import unfold
 from vehicledyn.symbolic.equations import Equations, Variable
 
@@ -133,6 +133,7 @@ def derive_inverse(system: System, coordinates: Sequence[str] | None = None) -> 
         If a name is unknown, or the coordinates do not determine the motion, or are too many.
     """
     system.check()
+    refuse_quaternions(system, "inverse dynamics")
     independent, start = _assembled(system)
     # Held at the given start, coordinates that the assembly has moved could not close the loops.
     system = system.with_starts(start)

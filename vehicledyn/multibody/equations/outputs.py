@@ -96,6 +96,10 @@ def _coordinates(system: System, symbols: Symbols, solved: Solved) -> list[Outpu
             continue
         text = joint.description or joint.name
         frame = "joint"
+        if not joint.type.is_paired:
+            value = solved.kinematics.coordinate(joint.name)
+            outputs.append(Output(Channel(joint.name, joint.unit, text, frame), value))
+            continue
         position = solved.kinematics.coordinate(joint.name)
         rate = solved.kinematics.rate(joint.name)
         outputs.append(Output(Channel(joint.name, joint.unit, text, frame), position))

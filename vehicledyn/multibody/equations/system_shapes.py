@@ -72,7 +72,7 @@ def _offered(system: System) -> list[Shape]:
 
 
 def _own(body: Body) -> Plain:
-    joints = [item for item in body.joints if isinstance(item, Joint)]
+    joints = [j for j in body.joints if isinstance(j, Joint) and j.type.has_speed]
     return {
         "name": body.name,
         "parent": body.parent,

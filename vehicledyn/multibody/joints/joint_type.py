@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
+from collections.abc import Sequence
 from dataclasses import MISSING, dataclass, field, fields
 from typing import Any, ClassVar
 
@@ -44,12 +45,26 @@ class Axes:
         return self.angular if self.linear is None else None
 
 
+@dataclass(frozen=True)
+class Element:
+    """A coordinate of a joint that has several: its usual name, unit and meaning."""
+
+    name: str
+    unit: str
+    description: str
+
+
 class JointType(ABC):
-    """A joint with one coordinate q.
+    """A joint, or one of the coordinates of a joint that has several; q is its coordinate.
 
     Beyond the joint stands a frame that is displaced by d(q) and turned by R(q) from the frame
     before it, and moves relative to that with q̇ times the axes of :meth:`motion`. A new type
     gives these three; the class attributes say where a recursion may take a shorter way.
+
+    A joint whose speeds are not the rates of its positions lists its ``elements``, the
+    ``positions`` first, the speeds after them, and gives the rates of the positions by
+    :meth:`rates`. Each speed is a link of its own with constant axes, all links of the joint have
+    the same origin and, but for the rotation of the first, the same axes.
     """
 
     family: ClassVar[str]
@@ -63,6 +78,34 @@ class JointType(ABC):
     """Axis of a pure turn by the coordinate."""
     slides_along: ClassVar[int | None] = None
     """Axis of a pure slide by the coordinate."""
+    elements: ClassVar[tuple[Element, ...]] = ()
+    """Positions and speeds of a joint that has several."""
+    positions: ClassVar[int] = 0
+    """Number of positions among the elements."""
+    start: ClassVar[tuple[float, ...]] = ()
+    """Positions that it starts from where nothing is said."""
+    element: int = -1
+    """Place of this coordinate among the elements; -1 where there are none."""
+
+    @property
+    def has_position(self) -> bool:
+        """Whether the coordinate is a position."""
+        return self.element < self.positions or not self.elements
+
+    @property
+    def has_speed(self) -> bool:
+        """Whether the coordinate has a speed, which a force acts along."""
+        return self.element >= self.positions or not self.elements
+
+    @property
+    def is_paired(self) -> bool:
+        """Whether the coordinate is a position and its rate the speed."""
+        return self.has_position and self.has_speed
+
+    @classmethod
+    def rates(cls, positions: Sequence[Scalar], speeds: Sequence[Scalar]) -> list[Scalar]:
+        """Return the rates of the positions of a joint with several coordinates."""
+        raise NotImplementedError
 
     @property
     def angle_about(self) -> int | None:
@@ -84,8 +127,10 @@ class JointType(ABC):
         """Unit of the force on the coordinate, "N*m" or "N"."""
         return "N*m" if self.unit == "rad" else "N"
 
-    def rotation(self, q: Scalar) -> Mat | None:
+    def rotation(self, q: Any) -> Mat | None:
         """Return R with v_before = R v_beyond; None without rotation.
+
+        ``q`` are all positions of a joint that has several.
 
         It is asked where the type ``turns_otherwise``; a turn about an axis is known by that.
         """

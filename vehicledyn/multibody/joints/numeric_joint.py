@@ -24,17 +24,21 @@ def displacements(joint: JointType, values: Array) -> Array | None:
 
 
 def quaternions(joint: JointType, values: Array) -> Array | None:
-    """Return the rotations at values of shape (n,), shape (n, 4); None where nothing turns."""
+    """Return the rotations at values of shape (n,), shape (n, 4); None where nothing turns.
+
+    Of a joint with several positions the values have the shape (n, positions).
+    """
     if joint.angle_about is not None:
         return about(np.eye(3)[joint.angle_about - 1], values)
     if not joint.turns_otherwise:
         return None
-    q = ops.symbol("coordinate")
+    q = ops.symbols("position", values[0].size)
     rows = _at(q, ops.flat(joint.rotation(q)), values)
     # A matrix is kept column by column.
     return np.stack([from_rows(row.reshape(3, 3).T) for row in rows])
 
 
 def _at(q: Scalar, column: Scalar, values: Array) -> Array:
-    found = ops.numeric([q], column)(values[None, :])
+    count = len(values)
+    found = ops.numeric([q], column)(values.reshape(count, -1).T)
     return np.asarray(found.T)

@@ -104,7 +104,9 @@ class Gaps:
             [row.residual.expression for row in rows if row.is_holonomic and row.moving is None]
         )
         self._h = ops.column([row.residual.expression for row in rows[: self.holonomic]])
-        self._jacobian = ops.stacked(self._cut_jacobian(), ops.jacobian(self._others, q))
+        self._jacobian = ops.stacked(
+            self._cut_jacobian(), symbols.by_speeds(ops.jacobian(self._others, q))
+        )
         self._speed = ops.column([row.residual.expression for row in rows[self.holonomic :]])
         self._drift = ops.substitute(self._speed, qd, ops.column([0.0] * len(symbols.joints)))
         if len(rows) > self.holonomic:
@@ -152,7 +154,7 @@ class Gaps:
     def differentiate(self) -> Derivatives:
         """Return what the closure of velocities and accelerations needs."""
         s = self._symbols
-        q, qd = s.coordinate_column, s.rate_column
+        q, qd = s.coordinate_column, s.velocity_column
         first = ops.derivative(self._others, q, qd) + ops.derivative(self._others, s.time, 1.0)
         if len(self.rows) > self.holonomic:
             first = ops.stacked(first, self._speed)

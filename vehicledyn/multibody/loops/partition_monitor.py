@@ -155,7 +155,7 @@ class PartitionWatch:
     def _at(self, time: float, values: dict[str, float]) -> tuple[list[str], Array, list[int]]:
         """Return names, Jacobian and the indices of the coordinates that are not driven."""
         q = np.array([values.get(j.name, j.start) for j in self._joints])
-        moving = [k for k, j in enumerate(self._joints) if j.role != "driven"]
+        moving = [k for k, j in enumerate(self._joints) if j.role != "driven" and j.type.is_paired]
         return [j.name for j in self._joints], self._gaps.jacobian(time, q), moving
 
     def _leverages(self, jacobian: Array, columns: list[int], moving: list[int]) -> Array:
@@ -218,10 +218,10 @@ def bound_to(system: System) -> set[str]:
 
 
 def _moved(joint: Joint, values: dict[str, float], bound: set[str]) -> Joint:
-    keeps = joint.role == "driven" or joint.name in bound
+    keeps = joint.role == "driven" or joint.name in bound or not joint.type.is_paired
     return replace(
         joint,
-        start=values.get(joint.name, joint.start),
-        start_rate=values.get(f"{joint.name}_rate", joint.start_rate),
+        start=values.get(joint.name, joint.start) if joint.type.has_position else 0.0,
+        start_rate=values.get(joint.rate_name, joint.start_rate),
         role=joint.role if keeps else "auto",
     )

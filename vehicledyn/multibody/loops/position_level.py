@@ -13,7 +13,7 @@ from vehicledyn.multibody.loops.loop_closure import AssemblyState, guesses, star
 from vehicledyn.multibody.model.kinematics import Kinematics
 from vehicledyn.multibody.model.parts import ForcesUnknownError, Output
 from vehicledyn.multibody.model.symbols import Symbols, declare, locked, motions
-from vehicledyn.multibody.model.system import System
+from vehicledyn.multibody.model.system import System, refuse_quaternions
 from vehicledyn.multibody.model.tree import Tree, unfold
 from vehicledyn.symbolic import ops
 from vehicledyn.symbolic.equations import Channel
@@ -61,6 +61,7 @@ class Positions:
             If its loops cannot be assembled.
         """
         system.check()
+        refuse_quaternions(system, "kinematics")
         tree, symbols = unfold(system.bodies), declare(system)
         motion = motions(system, symbols)
         self._gaps = Gaps(

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
 
-from vehicledyn.multibody.joints.joint_type import JointType, joint_type
+from vehicledyn.base.registry import find
+from vehicledyn.multibody.joints.joint_type import FAMILY, JointType, joint_type
 from vehicledyn.symbolic.ops import Mat, Scalar
 
 ROLES = ("auto", "independent", "dependent", "driven")
@@ -22,6 +24,8 @@ class Joint:
     ``name`` is the dotted name of its coordinate, ``start`` and ``start_rate`` the values it
     starts from [m, rad; m/s, rad/s]. ``role`` says whether the coordinate is a state, solved
     from the loops, prescribed in time, or left to the automatic partition ("auto").
+    ``siblings`` are the names of all coordinates of a joint that has several, such as one of
+    :func:`quaternion_joint`.
     """
 
     kind: str
@@ -31,6 +35,7 @@ class Joint:
     start_rate: float = 0.0
     description: str = ""
     settings: dict[str, Any] = field(default_factory=dict, compare=False)
+    siblings: tuple[str, ...] = ()
 
     @cached_property
     def type(self) -> JointType:
@@ -39,13 +44,71 @@ class Joint:
 
     @property
     def unit(self) -> str:
-        """Unit of the coordinate."""
-        return self.type.unit
+        """Unit of the coordinate; that of the speed where it is no position."""
+        return self.type.elements[self.type.element].unit if self.siblings else self.type.unit
+
+    @property
+    def positions(self) -> tuple[str, ...]:
+        """Names of the positions that the rotation of the joint depends on."""
+        return self.siblings[: self.type.positions] if self.siblings else (self.name,)
+
+    @property
+    def leads(self) -> bool:
+        """Whether it is the only or first coordinate of its joint."""
+        return self.type.element <= 0
+
+    @property
+    def speeds(self) -> tuple[str, ...]:
+        """Names of the coordinates whose speeds the rates of the positions depend on."""
+        return self.siblings[self.type.positions :]
+
+    @property
+    def rate_name(self) -> str:
+        """Name of the speed of the coordinate, as a state and as a channel."""
+        return f"{self.name}_rate" if self.type.is_paired else self.name
 
     @property
     def force_unit(self) -> str:
         """Unit of the force on the coordinate."""
         return self.type.force_unit
+
+
+def quaternion_joint(
+    body: str,
+    start: Sequence[float] = (1.0, 0.0, 0.0, 0.0),
+    start_rate: Sequence[float] = (0.0, 0.0, 0.0),
+) -> tuple[Joint, ...]:
+    """Return the coordinates of a ball joint whose attitude is a quaternion.
+
+    Parameters
+    ----------
+    body
+        Name that the coordinates begin with.
+    start
+        Quaternion (w, x, y, z) to start with, v_before = R v_beyond; it is made a unit one.
+    start_rate
+        Angular velocity to start with, in the axes beyond the joint [rad/s].
+    """
+    kind = "spherical_quaternion"
+    elements = find(FAMILY, kind).elements
+    names = tuple(f"{body}.{element.name}" for element in elements)
+    size = math.sqrt(sum(value * value for value in start))
+    values = [*((value / size, 0.0) for value in start), *((0.0, rate) for rate in start_rate)]
+    return tuple(
+        Joint(
+            kind,
+            name,
+            start=value,
+            role="independent",
+            start_rate=rate,
+            description=f"{body}, {element.description}",
+            settings={"element": k},
+            siblings=names,
+        )
+        for k, (name, element, (value, rate)) in enumerate(
+            zip(names, elements, values, strict=True)
+        )
+    )
 
 
 @dataclass(frozen=True)

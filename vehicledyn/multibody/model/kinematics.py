@@ -7,10 +7,11 @@ Everything is evaluated once, on demand.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import TypeVar
+from typing import Any, TypeVar
 
 from vehicledyn.multibody.joints.joint_type import Axes
-from vehicledyn.multibody.model.tree import Tree, joint_rotation, joint_turns
+from vehicledyn.multibody.model.bodies import Joint
+from vehicledyn.multibody.model.tree import Link, Tree, joint_rotation, joint_turns
 from vehicledyn.symbolic import ops, rotations
 from vehicledyn.symbolic.ops import Mat, Scalar, Vec
 
@@ -115,8 +116,8 @@ class Kinematics:
     # -- by body, in world axes ------------------------------------------------------------
 
     def coordinate(self, name: str) -> Scalar:
-        """Return a joint coordinate [m or rad]."""
-        return self._q[name]
+        """Return a joint coordinate [m or rad], of a speed that has none the speed."""
+        return self._q[name] if name in self._q else self._qd[name]
 
     def rate(self, name: str) -> Scalar:
         """Return the rate of a joint coordinate [m/s or rad/s]."""
@@ -161,9 +162,17 @@ class Kinematics:
     def _rotation(self, link: int) -> Mat:
         item = self.tree.links[link]
         if item.turns_otherwise and item.joint is not None:
-            turn = item.joint.type.rotation(self._q[item.joint.name])
+            turn = item.joint.type.rotation(self._positions(item.joint))
             return rotations.product(item.before, turn, item.after)
         return joint_rotation(item, *self.link_turn(link))
+
+    def _positions(self, joint: Joint) -> Any:
+        """Return the coordinate of a joint, all positions of one that has several."""
+        return [self._q[n] for n in joint.positions] if joint.siblings else self._q[joint.name]
+
+    def _at(self, item: Link) -> Scalar:
+        """Return the coordinate of a link; a speed alone has none."""
+        return self._q.get(item.name, 0.0)
 
     def link_turns(self, link: int) -> list[Mat]:
         """Return factors of the link's rotation, the innermost first, for inertias."""
@@ -191,7 +200,7 @@ class Kinematics:
     def _arm_from(self, offset: Vec, link: int) -> Vec:
         """Return a joint's place on its parent with how far the joint has moved from there."""
         item = self.tree.links[link]
-        slide = None if item.joint is None else item.joint.type.displacement(self._q[item.name])
+        slide = None if item.joint is None else item.joint.type.displacement(self._at(item))
         if slide is None:
             return offset
         return offset + (slide if item.before is None else item.before @ slide)
@@ -201,7 +210,7 @@ class Kinematics:
         item = self.tree.links[link]
         if item.joint is None:
             return Axes()
-        axes = item.joint.type.motion(self._q[item.name])
+        axes = item.joint.type.motion(self._at(item))
         return axes if item.after is None else axes.seen_by(item.after)
 
     def _growth(self, link: int, axis: Vec) -> Vec | None:
@@ -252,9 +261,25 @@ class Kinematics:
                 return carried
             turning = axis * self._qd[item.name]
             spin_up = _plus(axis * self._acceleration(item.name), self._growth(link, axis))
-            return carried + ops.cross(self.link_angular_velocity(link), turning) + spin_up
+            return carried + ops.cross(self._turned_velocity(link), turning) + spin_up
 
         return self._once("alpha", link, build)
+
+    def _turned_velocity(self, link: int) -> Vec:
+        """Return an angular velocity whose cross product with the joint's own is the Coriolis term.
+
+        It is that of the link; of links that share a joint that before their joint, because their
+        speeds are components of one vector.
+        """
+        joint = self.tree.links[link].joint
+        if joint is None or not joint.siblings:
+            return self.link_angular_velocity(link)
+        first = link
+        while not self.tree.links[first].turns_otherwise:
+            first = self.tree.links[first].parent
+        before = self.tree.links[first].parent
+        turn = self.rotation_in(first, link).T @ self.link_rotation(first).T
+        return turn @ self.link_angular_velocity(before)
 
     def link_acceleration(self, link: int) -> Vec:
         """Return the acceleration of a link's origin in its own axes [m/s²]."""

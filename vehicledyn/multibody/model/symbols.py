@@ -19,7 +19,8 @@ from vehicledyn.symbolic.ops import Scalar
 class Symbols:
     """Symbols of a system before it is known which coordinates are independent.
 
-    ``coordinates`` and ``rates`` are indexed like ``joints``; ``states``, ``unknowns`` and
+    ``coordinates`` hold the symbols of all positions and ``rates`` the symbols of all speeds,
+    and the rates of positions that are expressions of these, by name. ``states``, ``unknowns`` and
     ``reactions`` hold the parts' symbols by part name and short name. The symbols of reactions
     are forces over ``force_scale``, a number near one for any size of system.
     """
@@ -32,16 +33,39 @@ class Symbols:
     unknowns: dict[str, dict[str, Scalar]]
     reactions: dict[str, dict[str, Scalar]] = field(default_factory=dict)
     force_scale: Scalar = 1.0
+    idle: dict[str, Scalar] = field(default_factory=dict)
 
     @property
     def coordinate_column(self) -> Scalar:
-        """All coordinates, shape (n, 1)."""
-        return ops.column([self.coordinates[j.name] for j in self.joints])
+        """All coordinates, shape (n, 1); a symbol that is nowhere else for one without position."""
+        return ops.column(
+            [
+                self.coordinates[j.name] if j.type.has_position else self.idle[j.name]
+                for j in self.joints
+            ]
+        )
 
     @property
     def rate_column(self) -> Scalar:
-        """All rates, shape (n, 1)."""
-        return ops.column([self.rates[j.name] for j in self.joints])
+        """All speeds, shape (n, 1); a symbol that is nowhere else for a coordinate without one."""
+        return ops.column(
+            [self.rates[j.name] if j.type.has_speed else self.idle[j.name] for j in self.joints]
+        )
+
+    @property
+    def velocity_column(self) -> Scalar:
+        """Rates of :attr:`coordinate_column`, shape (n, 1); zero without position."""
+        return ops.column([self.rates[j.name] if j.type.has_position else 0.0 for j in self.joints])
+
+    def by_speeds(self, slopes: Scalar) -> Scalar:
+        """Return derivatives by the coordinates as derivatives by what the speeds turn them by.
+
+        ``slopes`` has a column a coordinate, and so has the result; those of coordinates without
+        speed are zero.
+        """
+        if all(j.type.is_paired for j in self.joints):
+            return slopes
+        return slopes @ ops.jacobian(self.velocity_column, self.rate_column)
 
     def kinematics(self, tree: Tree) -> Kinematics:
         """Return the kinematics of a tree at these coordinates and rates."""
@@ -65,16 +89,29 @@ class Symbols:
 def declare(system: System) -> Symbols:
     """Return fresh symbols for a system."""
     joints = system.joints()
+    coordinates = {j.name: ops.symbol(j.name) for j in joints if j.type.has_position}
     return Symbols(
         time=ops.symbol("time"),
         joints=joints,
-        coordinates={j.name: ops.symbol(j.name) for j in joints},
-        rates={j.name: ops.symbol(f"{j.name}_rate") for j in joints},
+        coordinates=coordinates,
+        rates=_rates(joints, coordinates),
         states={p.name: _named(p.name, p.states()) for p in system.parts},
         unknowns={p.name: _named(p.name, p.unknowns()) for p in system.parts},
         reactions={p.name: _named(p.name, p.reactions()) for p in system.parts},
         force_scale=_weight(system),
+        idle={j.name: ops.symbol(f"{j.name}_idle") for j in joints if not j.type.is_paired},
     )
+
+
+def _rates(joints: list[Joint], coordinates: dict[str, Scalar]) -> dict[str, Scalar]:
+    """Return symbols of the speeds, and what they make the rates of other positions."""
+    found = {j.name: ops.symbol(j.rate_name) for j in joints if j.type.has_speed}
+    for joint in joints:
+        if joint.type.element == 0:
+            given = [coordinates[name] for name in joint.positions]
+            rates = joint.type.rates(given, [found[name] for name in joint.speeds])
+            found |= dict(zip(joint.positions, rates, strict=True))
+    return {j.name: found[j.name] for j in joints}
 
 
 def _weight(system: System) -> Scalar:

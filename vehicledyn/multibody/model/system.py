@@ -133,6 +133,8 @@ def _joint_problems(system: System) -> list[str]:
         problem = _type_problem(joint)
         if problem:
             problems.append(f"joint '{joint.name}': {problem}")
+        if not problem and joint.siblings and joint.role != "independent":
+            problems.append(f"joint '{joint.name}': the role of a quaternion is 'independent'")
         if joint.role not in ROLES:
             problems.append(f"joint '{joint.name}': {unknown_name('role', joint.role, ROLES)}")
         if joint.name in seen:
@@ -150,6 +152,17 @@ def _type_problem(joint: Joint) -> str:
     except InputError as error:
         return str(error)
     return ""
+
+
+def refuse_quaternions(system: System, what: str) -> None:
+    """Raise InputError if the attitude of a body is a quaternion, which ``what`` cannot treat."""
+    found = [j.name for j in system.joints() if not j.type.is_paired]
+    if found:
+        raise InputError(
+            f"system '{system.name}': {what} cannot treat '{found[0]}', a part of a joint with a "
+            "quaternion; use three turns, as the joint 'spherical' has them",
+            about=found,
+        )
 
 
 def _end_problems(system: System) -> list[str]:

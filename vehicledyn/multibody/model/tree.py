@@ -108,12 +108,12 @@ def unfold(bodies: Sequence[Body]) -> Tree:
 
 def _steps(body: Body) -> list[tuple[Vec, Mat | None, Joint | None, Mat | None, bool]]:
     """Split a chain into (offset, turn before, joint, turn after, last?) a joint."""
-    joints = [item for item in body.joints if isinstance(item, Joint)]
+    joints = [j for j in body.joints if isinstance(j, Joint) and j.type.has_speed]
     turns: list[Mat | None] = [None] * (len(joints) + 1)
     slot = 0
     for item in body.joints:
         if isinstance(item, Joint):
-            slot += 1
+            slot += item.type.has_speed
         else:
             known = turns[slot]
             turns[slot] = item.rotation if known is None else known @ item.rotation

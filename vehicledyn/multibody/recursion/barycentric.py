@@ -25,7 +25,7 @@ def augmented_inertias(tree: Tree, base: int | None = None) -> list[Inertia]:
     - a turning joint feels no mass on its axis and no transverse inertia of such a mass; what
       stays has mass zero, a first moment across the axis and five integrals of second degree;
     - a sliding joint feels no inertia matrix: mass and first moment stay;
-    - a joint that turns and slides feels everything;
+    - a joint that turns and slides feels everything, a ball joint no mass at its centre;
     - a link without a joint keeps nothing, a body of revolution on its spin axis everything:
       its inertia is diagonal where it is.
 
@@ -69,9 +69,9 @@ def _split(item: Link, own: Inertia) -> tuple[Inertia, Inertia]:
             Inertia(own.mass, own.moment, nothing.matrix),
             Inertia(nothing.mass, nothing.moment, own.matrix),
         )
-    if item.turns_about is None:
+    if item.turns_about is None and not item.type.elements:
         return own, nothing
-    if item.after is not None:
+    if item.turns_about is None or item.after is not None:
         # Oblique to the link's axes nothing but the mass vanishes from the recursions.
         return (
             Inertia(nothing.mass, own.moment, own.matrix),

@@ -48,11 +48,11 @@ def _is_free(chain: list[Link]) -> bool:
     if any(item.before is not None or item.after is not None for item in chain):
         return False
     slides, turns = {item.slides_along for item in chain[:3]}, [i.turns_about for i in chain[3:]]
+    is_ball = all(item.type is not None and item.type.elements for item in chain[3:])
     return (
         None not in slides
-        and None not in turns
         and len(slides) == len(chain[:3])
-        and all(a != b for a, b in pairwise(turns))
+        and (is_ball or (None not in turns and all(a != b for a, b in pairwise(turns))))
         and not any(item.is_ignorable_spin for item in chain)
     )
 
@@ -89,12 +89,14 @@ def coordinate_accelerations(
         along = tree.links[k].slides_along
         if along is not None:
             found[tree.links[k].name] = world[along - 1]
+    turns = [tree.links[k] for k in path[3:]]
+    if None in (item.turns_about for item in turns):
+        return found | {item.name: angular[k] for k, item in enumerate(turns)}
     middle = path[4]
     # In the axes between the last two turns those two have constant axes.
     turned = kinematics.link_rotation(link) @ angular
     own = [kinematics.link_axes(k).angular for k in path[3:]]
     axes = [kinematics.link_rotation(middle).T @ own[0], *own[1:]]
-    turns = [tree.links[k] for k in path[3:]]
     last, between = (about - 1 for item in turns[:0:-1] if (about := item.turns_about) is not None)
     across = 3 - last - between
     rows: Rows = [

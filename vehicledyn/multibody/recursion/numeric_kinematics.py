@@ -52,7 +52,7 @@ class Skeleton:
     @property
     def coordinates(self) -> tuple[str, ...]:
         """Names of the coordinates that the poses follow from."""
-        names = (link["coordinate"] for link in self.links)
+        names = [n for link in self.links for n in (link["coordinate"], *link.get("positions", ()))]
         return tuple(dict.fromkeys(name for name in names if name))
 
     def poses(self, values: Mapping[str, Array]) -> Poses:
@@ -78,6 +78,8 @@ class Skeleton:
             if slide is not None:
                 position = position + rotated(turned, slide)
             before.append((position, turned))
+            if link.get("positions"):
+                value = np.stack([values[name] for name in link["positions"]], axis=1)
             turn = None if joint is None or link["ignored"] else quaternions(joint, value)
             if turn is not None:
                 turned = multiplied(turned, turn)
@@ -109,6 +111,7 @@ def raw_skeleton(system: System) -> dict[str, Any]:
     for link in tree.links:
         joint = link.joint
         is_fixed = joint is not None and joint.name in fixed
+        paired = joint is not None and not joint.siblings
         links.append(
             {
                 "parent": link.parent,
@@ -116,9 +119,10 @@ def raw_skeleton(system: System) -> dict[str, Any]:
                 "before": _rows(link.before),
                 "after": _rows(link.after),
                 "kind": joint.kind if joint else None,
-                "coordinate": joint.name if joint and not is_fixed else None,
+                "coordinate": joint.name if joint and not is_fixed and paired else None,
                 "value": joint.start if joint and is_fixed else 0.0,
                 **({"settings": dict(joint.settings)} if joint and joint.settings else {}),
+                **({"positions": list(joint.positions)} if joint and joint.siblings else {}),
                 "ignored": link.is_ignorable_spin,
             }
         )
