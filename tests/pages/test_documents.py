@@ -59,12 +59,20 @@ def test_listings_of_the_readme(tmp_path):
     assert "<testsuite " in (tmp_path / "report.xml").read_text()
 
 
-def test_reading_a_result_in_python(tmp_path):
+def test_twenty_lines_of_python_load_change_simulate_plot_sweep_and_compare(tmp_path):
     (listing,) = blocks(README, "python")
-    run(["vehicledyn", "run", str(ROOT / SLALOM), "--set", "duration=5 s"], tmp_path)
-    clearance, *table = run([sys.executable, "-c", listing], tmp_path).splitlines()
-    assert re.fullmatch(r"0\.\d+ m", clearance)
-    assert "chassis.roll" in table[0]
+    assert len(listing.splitlines()) <= 20
+    printed = run([sys.executable, "-W", "error", "-c", listing], tmp_path)
+    assert "chassis.roll (time: 501) [rad]  Roll angle" in printed
+    assert re.search(r"^0\.\d+ m$", printed, re.MULTILINE)
+    speeds = re.findall(r"^[01] +(\d\.\d+) +(0\.\d+)$", printed, re.MULTILINE)
+    assert [float(speed) for speed, _ in speeds] == pytest.approx([30 / 3.6, 35 / 3.6], rel=1e-6)
+    assert float(speeds[0][1]) < float(speeds[1][1]), "it rolls more at the higher speed"
+    assert "different: result against reference" in printed
+    assert "chassis.mass = 1500 kg" in printed
+    assert (tmp_path / "roll.png").is_file()
+    with open_result(tmp_path / "loaded.h5") as result:
+        assert result.is_whole
 
 
 def test_readme_lists_every_command_and_folder():

@@ -38,7 +38,7 @@ def test_own_tyre(tmp_path):
         s = 60e3 * math.radians(float(degrees)) / (0.9 * 4e3)
         assert float(force) == pytest.approx(-0.9 * 4e3 * s / (1.0 + s), abs=0.06)
     assert len(curve) == 4
-    assert printed["drive.py"].split() == ["ok", "slow"]
+    assert printed["drive.py"].split() == ["ok", "N"]
     with open_result(tmp_path / "mine.h5") as result:
         table = result.as_frame()
     last = table.iloc[-1]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
+from dataclasses import replace
 from pathlib import Path
 
 from vehicledyn.base.errors import InputError
@@ -49,10 +50,9 @@ def compare(
     InputError
         If a result cannot be used, such as a run that did not finish.
     """
-    one, other = (r.path if isinstance(r, LabelledData) else Path(r) for r in (result, reference))
     found = compare_results(
-        one,
-        other,
+        _path(result),
+        _path(reference),
         relative=relative,
         absolute=absolute,
         channel_tolerances=tolerances,
@@ -62,4 +62,19 @@ def compare(
     )
     if found.problems:
         raise InputError("\n".join(found.problems))
-    return found
+    return replace(
+        found,
+        result=_name(result, "result"),
+        reference=_name(reference, "reference"),
+    )
+
+
+def _path(result: Result) -> Path:
+    return result.path if isinstance(result, LabelledData) else Path(result)
+
+
+def _name(result: Result, what: str) -> str:
+    """Return a file, or what takes its place for a value that has none of its own."""
+    if isinstance(result, LabelledData) and result.is_temporary:
+        return what
+    return str(_path(result))

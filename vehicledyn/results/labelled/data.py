@@ -40,6 +40,8 @@ class LabelledData(Mapping[str, LabelledArray]):
         "ok" for a whole result, else how it ended and why.
     attributes
         Further facts by name: versions, creation, speed.
+    is_temporary
+        Whether the file goes with this value.
     """
 
     def __init__(self, path: Path, *, owned_folder: Path | None = None) -> None:
@@ -48,7 +50,7 @@ class LabelledData(Mapping[str, LabelledArray]):
         self._arrays: dict[str, LabelledArray] = {}
         if owned_folder is not None:
             weakref.finalize(self, shutil.rmtree, str(owned_folder), ignore_errors=True)
-        self._is_temporary = owned_folder is not None
+        self.is_temporary = owned_folder is not None
         head = self._source.head
         self.kind, self.title, self.model = head.kind, head.title, head.model
         self.status, self.status_message = head.status, head.message
