@@ -35,7 +35,8 @@ def pytest_collection_modifyitems(items):
         if item.path.relative_to(folder).parts[0] in STRATA:
             item.add_marker("long")
         known = item._fixtureinfo.name2fixturedefs.values()
-        if any(found.scope == "module" for fixtures in known for found in fixtures):
+        own = item.get_closest_marker("xdist_group") is None
+        if own and any(found.scope == "module" for fixtures in known for found in fixtures):
             # What the tests of a module share is made once, in one process.
             item.add_marker(pytest.mark.xdist_group(str(item.path)))
 

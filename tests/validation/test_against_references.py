@@ -5,7 +5,7 @@ from reference_cases import histories, positions
 from reference_cases.groups import GROUPS, computed
 from reference_cases.motions import is_compiled
 
-pytestmark = pytest.mark.validation
+pytestmark = [pytest.mark.validation, pytest.mark.xdist_group("comparisons")]  # computed once
 
 ROWS = {
     "positions": 12,

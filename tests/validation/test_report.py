@@ -12,7 +12,7 @@ import vehicledyn
 REPORTS = Path(__file__).parents[2] / "reports"
 COMPUTED = 3  # column of figures whose last digits may differ between processors
 
-pytestmark = pytest.mark.validation
+pytestmark = [pytest.mark.validation, pytest.mark.xdist_group("comparisons")]  # computed once
 
 
 @pytest.fixture(scope="module")
