@@ -1,6 +1,7 @@
 """Where the model of a road vehicle no longer holds: rolling over ends a run and a case."""
 
 import math
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -15,6 +16,7 @@ from vehicledyn.studies.sweep import run_study
 
 pytestmark = pytest.mark.long
 
+SMALL_CAR = Path(__file__).parents[3] / "scenarios" / "systems" / "small_car.yaml"
 STEERED = """\
 title: The Iltis is steered hard on tyres that hold well
 model: iltis
@@ -83,3 +85,25 @@ def test_a_case_that_rolls_over_says_so(steered, tmp_path):
     over = [reason.startswith("event 'chassis.overturned' at t = ") for reason in reasons]
     assert over[-1] and not over[0]
     assert all((end < 2.0) == told for end, told in zip(ends, over, strict=True))
+
+
+def test_wheels_that_go_through_the_road_end_the_run(tmp_path):
+    """Tyres of a hundredth of their stiffness let the wheels down to their centres."""
+    loaded = load_scenario(
+        SMALL_CAR, ("parameters.wheel.stiffness=1 kN/m", "start=nominal", "duration=1 s")
+    )
+    outcome = run_scenario(
+        loaded, output=tmp_path / "s.h5", backend="auto", plots=None, progress=lambda *_: None
+    )
+    assert (outcome.status, outcome.exit_code) == ("sunk", 1)
+    (ending,) = [text for text in outcome.messages if text.startswith("sunk at t = ")]
+    assert "the centre of a wheel has gone through the road" in ending
+    assert outcome.summary["sunk_body"].value == "chassis"
+    with open_result(tmp_path / "s.h5") as result:
+        assert result.status == "sunk" and result.has_ended
+        assert result.time[-1] == outcome.summary["sunk_at_time"].value < 1.0
+        radius = result.equations[1]["wheel.radius"][0]
+        names = [name for name in result.channels if name.endswith(".tyre.deflection")]
+        deepest = np.max([result.channel(name).values for name in names], axis=0)
+    assert deepest[-1] == pytest.approx(radius, abs=1e-6)
+    assert np.all(deepest[:-1] < radius)

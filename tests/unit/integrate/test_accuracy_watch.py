@@ -1,6 +1,7 @@
 """The watch of accuracy: verdicts on motions with known errors, and runs it must not touch."""
 
 from dataclasses import replace
+from itertools import count
 
 import numpy as np
 import pytest
@@ -176,6 +177,53 @@ def test_a_figure_is_what_counts():
     )
     assert bare.verdict == "inaccurate"
     assert (judged.verdict, judged.worst) == ("accurate", "'count'")
+
+
+@pytest.mark.parametrize(("size", "verdict"), [(4e-7, "accurate"), (4e-2, "inaccurate")])
+def test_what_symmetry_makes_zero_is_no_error(size, verdict):
+    """Noise of 4e-7 m/s² beside 400 m/s² counts for nothing, that of 4e-2 m/s² does."""
+    import casadi as ca
+
+    from vehicledyn.symbolic.equations import Channel
+
+    e = swinging()
+    x = e.state[0]
+    lateral, vertical = size * ca.sin(1e7 * x), 400.0 * x
+    noisy = replace(
+        e,
+        output=ca.vertcat(e.output, lateral, vertical),
+        channels=(
+            *e.channels,
+            Channel("lateral", "m/s^2", "zero by symmetry"),
+            Channel("vertical", "m/s^2", "alike"),
+        ),
+    )
+
+    def figures(times, values):
+        return {"largest_lateral": (float(np.abs(values).max()), "m/s^2")}
+
+    number = [c.name for c in noisy.channels].index("lateral")
+    for make in (None, figures):
+        judged = Judged([number], make)
+        found = watched(noisy, RungeKutta4(step=2e-3), stop=1.0, interval=0.1, judged=judged)
+        if make is None or verdict == "accurate":
+            assert found[0].accuracy.verdict == verdict
+
+
+def test_an_impact_that_no_step_settles_is_called_so():
+    """The figure is another one in every run, whatever the step."""
+    runs = count()
+
+    def figures(times, values):
+        return {"chance": (1.0 + next(runs) % 2, "1")}
+
+    found = watched(
+        swinging(), RungeKutta4(step=0.05), stop=10.0, interval=0.1, judged=Judged([1], figures)
+    )[0].accuracy
+    assert found.verdict == "inaccurate"
+    assert found.step is None and found.finest < 0.01
+    assert "'chance' is off by" in found.warning
+    assert "do not settle it" in found.warning and "take a step" not in found.warning
 
 
 def test_stiff_decay_that_is_stable_raises_no_alarm():
