@@ -14,14 +14,25 @@ from dataclasses import dataclass
 import numpy as np
 
 from vehicledyn.integrate.accuracy import Accuracy
-from vehicledyn.integrate.accuracy_windows import SPENT, STEPS, Place, order_of, total_error
+from vehicledyn.integrate.accuracy_windows import (
+    SPENT,
+    STEPS,
+    Grid,
+    Place,
+    may_be_repeated,
+    order_of,
+    total_error,
+)
 from vehicledyn.integrate.half_step_run import ends_without_reason, look_again
 from vehicledyn.integrate.recommended_step import recommended_step
 from vehicledyn.integrate.watched_run import DivergenceError, WatchedRun
 from vehicledyn.kernel.engine import Vector
+from vehicledyn.kernel.kernel import Kernel
 
 _MOST_BOUND = {1: 0.01, 2: 0.04, 4: 0.04}
-"""What the errors in windows may add up to without a second look, by the order of the method.
+_MOST_IF_CHEAP = {1: 0.003, 2: 0.01, 4: 0.005}
+"""What the errors in windows may add up to without a second look, by the order of the method; the
+second where that costs little, as motions may amplify what goes wrong in a window tenfold.
 
 Errors of order one have one sign throughout, and what amplifies them has all the run to do so.
 """
@@ -71,7 +82,7 @@ class AccuracyWatch(WatchedRun):
         """Return what is to be said of the errors in windows, shape (n_windows, n_channels)."""
         spent = SPENT * len(places)
         bound, worst = bound_of(errors, self.taken * self.grid.per_interval)
-        if bound <= most_bound(self.grid.method):
+        if bound <= most_bound(self.kernel, self.grid):
             name = f"'{self.names[worst]}'" if self.names else ""
             return Accuracy("accurate", bound, name, None, spent)
         moved = look_again(self, places, errors, ended_early=ended_early)
@@ -96,9 +107,10 @@ class AccuracyWatch(WatchedRun):
         return bool(((growth > _GROWN) & (errors[-1] > _ERRING)).any())
 
 
-def most_bound(method: int) -> float:
+def most_bound(kernel: Kernel, grid: Grid) -> float:
     """Return what errors in windows may add up to without a second look, as a part of a range."""
-    return _MOST_BOUND[order_of(method)]
+    limits = _MOST_IF_CHEAP if may_be_repeated(kernel, grid) else _MOST_BOUND
+    return limits[order_of(grid.method)]
 
 
 def bound_of(errors: Vector, n_steps: int) -> tuple[float, int]:

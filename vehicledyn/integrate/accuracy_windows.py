@@ -16,6 +16,9 @@ STEPS = 4
 SPENT = 3 * STEPS
 """Steps that a window takes, with the step and with half of it."""
 
+_CHEAP = 2.5e9
+"""Operations of a whole run that are always worth their price when it is judged."""
+
 _SHARE, _LEAST_WINDOWS, _MOST_WINDOWS = 0.01, 2, 16
 _OVERHEAD, _FREE = 6e5, 1.05e7
 """Operations that calling a window costs, and that a run by itself may always spend on them."""
@@ -134,6 +137,16 @@ def operations_of_step(kernel: Kernel, method: int) -> float:
     counted = kernel.report.operations
     once = counted.get("rates", 0) + 2 * counted.get("blocks", 0)
     return float(max(50, once) * stages_of(method))
+
+
+def is_cheap(kernel: Kernel, method: int, steps: float) -> bool:
+    """Return whether so many steps may be taken at any time when a run is judged."""
+    return kernel.backend == "compiled" and steps * operations_of_step(kernel, method) <= _CHEAP
+
+
+def may_be_repeated(kernel: Kernel, grid: Grid) -> bool:
+    """Return whether a whole run with half the step is cheap."""
+    return is_cheap(kernel, grid.method, 2.0 * grid.n_steps)
 
 
 def window_places(n_intervals: int, count: int) -> list[int]:

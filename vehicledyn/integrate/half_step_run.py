@@ -3,22 +3,23 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from vehicledyn.base.errors import NumericalError
-from vehicledyn.integrate.accuracy_windows import Place, operations_of_step, order_of
+from vehicledyn.integrate.accuracy_windows import Place, is_cheap, order_of
 from vehicledyn.integrate.channel_ranges import Ranges
 from vehicledyn.integrate.judged_quantities import Sizes, figure_errors
 from vehicledyn.integrate.watched_run import WatchedRun, Way
 from vehicledyn.kernel.engine import Method, Vector
 
-_CHEAP = 2.5e9
-"""Operations of a whole run with half the step that are always worth their price."""
+_PART, _LONG_PART, _LEAST = 0.006, 0.1, 200
+"""Parts of an expensive run that are taken again, and the fewest steps of such a part."""
 
-_PART, _LEAST = 0.05, 200
-"""Part of an expensive run that is taken again, and the fewest steps of that part."""
+_DOUBT, _DEAR = 0.005, 20.0
+"""Error in the short part from which a longer one is taken, all of a run that costs no more than
+so many times what is cheap."""
 
 _FINEST = 256
 """Most parts of a step when the early end of a run is looked at again."""
@@ -66,27 +67,63 @@ def look_again(
     ended_early
         Whether an event ended the run before its time.
     """
-    taken, grid = intervals_of(watch), watch.grid
     better = _better_way(watch, ended_early=ended_early)
-    power = 2.0 ** order_of(grid.method)
-    factor = power / (power - 1.0) if better.method == grid.method else 1.0
-    if is_cheap(watch, better, taken):
-        half = taken_again(watch, watch.places[0], taken, better)
-        if ended_early and half.got_through:
-            return Moved(np.inf, "", half.steps, goes_on=True)
-        own = Again(watch.ranges, watch.history or [])
-        error, name = apart(watch, own, half)
-        return Moved(factor * error, name, half.steps)
-    count = min(taken, max(int(_PART * taken), -(-_LEAST // grid.per_interval)))
+    if may_be_taken(watch, better, intervals_of(watch)):
+        return _all_again(watch, better, ended_early=ended_early)
+    short = _part_again(watch, places, errors, better, _PART)
+    if short.error <= _DOUBT:
+        return short
+    if may_be_taken(watch, better, intervals_of(watch), times=_DEAR):
+        longer = _all_again(watch, better, ended_early=ended_early)
+    else:
+        longer = _part_again(watch, places, errors, better, _LONG_PART)
+    return replace(longer, extra_steps=longer.extra_steps + short.extra_steps)
+
+
+def _all_again(watch: WatchedRun, better: Way, *, ended_early: bool) -> Moved:
+    """Return how far the figures of the whole run move."""
+    half = taken_again(watch, watch.places[0], intervals_of(watch), better)
+    if ended_early and half.got_through:
+        return Moved(np.inf, "", half.steps, goes_on=True)
+    own = Again(watch.ranges, watch.history or [])
+    error, name = apart(watch, own, half)
+    return Moved(_richardson(watch, better) * error, name, half.steps)
+
+
+def _part_again(
+    watch: WatchedRun, places: list[Place], errors: Vector, better: Way, share: float
+) -> Moved:
+    """Return how far the channels move in a part of the run, where windows differ most."""
+    taken, grid = intervals_of(watch), watch.grid
+    count = min(taken, max(int(share * taken), -(-_LEAST // grid.per_interval)))
     largest = np.where([place.index <= taken - count for place in places], errors.max(axis=1), -1.0)
     place = places[int(np.argmax(largest))]
-    ways = Way(grid.method, grid.step), better
-    whole, half = (taken_again(watch, place, count, way) for way in ways)
-    error, name = _ranges_apart(watch, whole, half)
+    own = _known_part(watch, place, count)
+    if own is None:
+        own = taken_again(watch, place, count, Way(grid.method, grid.step))
+    half = taken_again(watch, place, count, better)
+    factor = _richardson(watch, better)
+    error, name = _ranges_apart(watch, own, half)
     usual = errors.mean(axis=0)
     if usual.max() > factor * error:
         error, name = float(usual.max()) / factor, f"'{watch.names[int(np.argmax(usual))]}'"
-    return Moved(factor * error, name, whole.steps + half.steps)
+    return Moved(factor * error, name, own.steps + half.steps)
+
+
+def _known_part(watch: WatchedRun, place: Place, count: int) -> Again | None:
+    """Return a part of the run from its own samples, None if they are not kept."""
+    if not watch.history:
+        return None
+    values = np.concatenate([part[1] for part in watch.history])[place.index :][: count + 1]
+    again = Again(Ranges.of(watch.equations, watch.judged.channels))
+    again.ranges.take(values)
+    return again
+
+
+def _richardson(watch: WatchedRun, better: Way) -> float:
+    """Return the error of the run in parts of how far a better way leads elsewhere."""
+    power = 2.0 ** order_of(watch.grid.method)
+    return power / (power - 1.0) if better.method == watch.grid.method else 1.0
 
 
 def ends_without_reason(watch: WatchedRun) -> bool:
@@ -120,11 +157,12 @@ def intervals_of(watch: WatchedRun) -> int:
     return max(1, watch.taken - 1)
 
 
-def is_cheap(watch: WatchedRun, way: Way, count: int) -> bool:
-    """Return whether so many intervals may be taken again in some way at any time."""
-    steps = count * watch.grid.interval / way.step
-    operations = steps * operations_of_step(watch.kernel, way.method)
-    return watch.kernel.backend == "compiled" and operations <= _CHEAP
+def may_be_taken(watch: WatchedRun, way: Way, count: int, *, times: float = 1.0) -> bool:
+    """Return whether so many intervals may be taken again in some way at any time.
+
+    They may cost so many ``times`` what is cheap.
+    """
+    return is_cheap(watch.kernel, way.method, count * watch.grid.interval / way.step / times)
 
 
 def taken_again(watch: WatchedRun, place: Place, count: int, way: Way) -> Again:

@@ -107,7 +107,7 @@ class LaneWatch:
             errors = total_error(rows, self.grid.method) / ranges.scales()
         errors = np.nan_to_num(errors, nan=np.inf, posinf=np.inf)
         bound, worst = bound_of(errors, (self.grid.n_intervals + 1) * self.grid.per_interval)
-        if bound > most_bound(self.grid.method):
+        if bound > most_bound(self.kernel, self.grid):
             return None
         name = self.kernel.equations.channels[self.channels[worst]].name
         return Accuracy("accurate", bound, f"'{name}'", None, SPENT * len(rows))

@@ -11,7 +11,7 @@ from vehicledyn.integrate.half_step_run import (
     Moved,
     apart,
     intervals_of,
-    is_cheap,
+    may_be_taken,
     taken_again,
 )
 from vehicledyn.integrate.proposed_step import dividing_step
@@ -90,7 +90,7 @@ class _Halvings:
         before: Again | None = None
         for halvings in range(_MOST_HALVINGS + 1):
             way = Way(watch.grid.method, self._begin / 2**halvings)
-            if not is_cheap(watch, way, count):
+            if not may_be_taken(watch, way, count):
                 return
             again = taken_again(watch, watch.places[0], count, way)
             self.spent += again.steps
