@@ -34,6 +34,15 @@ ARM = "title: t\nbodies:\n  a: {joints: [R2 q], mass: 1 kg, com: [0, 0, 1 m]}\n"
         ("constraints: {c: {kind: rate_expression, zero: sin(time / 1 s)}}\n",
          ["4:48: constraints.c.zero: names no coordinate, rate or point of a body that could "
           "make it zero"]),
+        ("initial: {a.q: 1e17 rad, a.q_rate: 1e308 rad/s}\n",
+         ["4:16: initial.a.q: 1e+17 rad is too large to start from: neighbouring numbers of that "
+          "size are 16 rad apart; stay below 6.7e+07 rad",
+          "4:36: initial.a.q_rate: 1e+308 rad/s is too large to start from: neighbouring numbers "
+          "of that size are 2e+292 rad/s apart; stay below 6.7e+07 rad/s"]),
+        ("  b: {parent: a, joints: [{kind: R2, name: p, start: -1e9 rad}], mass: 1 kg, "
+         "com: [0, 0, 1 m]}\n",
+         ["4:54: bodies.b.joints[0].start: -1e+09 rad is too large to start from: neighbouring "
+          "numbers of that size are 1.2e-07 rad apart; stay below 6.7e+07 rad"]),
         ("initial: {a: {q: 1 rad}, a.q: 2 rad}\n", ["4:26: initial.a.q: 'a.q' is given twice"]),
         ("parameters: {l: 1 m, k: l**(20 / 2)}\n",
          ["4:25: parameters.k: a parameter needs a unit that can be written: 'm^10' is not a "

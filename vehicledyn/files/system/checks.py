@@ -23,10 +23,11 @@ from vehicledyn.files.system.walk import Found, Reference, walk
 from vehicledyn.multibody.model.ground import GROUND
 
 Problems = Iterator[tuple[Place, str]]
-_COARSEST = 2.0**-27
+COARSEST_START = 2.0**-27
 """Largest distance between neighbouring numbers at a start, in SI units: about a hundredth of a
 micrometre, and a hundred times the finest tolerance that makes sense."""
-_LARGEST_START = 2.0**26
+LARGEST_START = 2.0**26
+"""Largest number whose neighbours are that close [SI]."""
 _PARTS = tuple(name for name in Sections.model_fields if name not in ("bodies", "initial"))
 
 
@@ -227,11 +228,11 @@ def _bounds(item: Found, known: _Known) -> Problems:
 def _vague_start(item: Found, value: float) -> Problems:
     """Yield that numbers so large are too far apart to say where a motion starts."""
     apart = math.ulp(value)
-    if apart > _COARSEST:
+    if apart > COARSEST_START:
         yield (
             item.place,
             f"{value:g} {item.unit} is too large to start from: neighbouring numbers of that size "
-            f"are {apart:.2g} {item.unit} apart; stay below {_LARGEST_START:.2g} {item.unit}",
+            f"are {apart:.2g} {item.unit} apart; stay below {LARGEST_START:.2g} {item.unit}",
         )
 
 

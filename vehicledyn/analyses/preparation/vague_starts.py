@@ -1,0 +1,34 @@
+"""Refuse starts at numbers so large that their neighbours are too far apart to say where."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from vehicledyn.base.errors import InputError
+from vehicledyn.files.system.checks import COARSEST_START, LARGEST_START
+from vehicledyn.kernel.engine import Vector
+from vehicledyn.symbolic.equations import Equations
+
+
+def refuse_vague_start(equations: Equations, state: Vector) -> None:
+    """Raise InputError for coordinates and rates at which numbers lie too far apart.
+
+    Parameters
+    ----------
+    equations
+        The equations.
+    state
+        The states that a run starts from.
+    """
+    moving = [*equations.positions, *equations.velocities]
+    wrong = [k for k in moving if not np.spacing(abs(state[k])) <= COARSEST_START]
+    if not wrong:
+        return
+    names = [equations.states[k].name for k in wrong]
+    value, unit = float(state[wrong[0]]), equations.states[wrong[0]].unit
+    raise InputError(
+        f"{', '.join(repr(name) for name in names)}: {value:g} {unit} is too large to start from: "
+        f"neighbouring numbers of that size are {np.spacing(abs(value)):.2g} {unit} apart; stay "
+        f"below {LARGEST_START:.2g} {unit}",
+        about=names,
+    )
