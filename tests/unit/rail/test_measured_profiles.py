@@ -148,6 +148,79 @@ def test_good_profiles_have_no_defects(profile, spacing, size):
             found = find_defects(given)
             assert not found.outliers
             assert not found.gaps
+            assert not found.steps
+
+
+@pytest.mark.parametrize("profile", [WHEEL, RAIL], ids=["S1002", "60E1"])
+@pytest.mark.parametrize("spacing", [5e-4, 1e-3, 2e-3, 2.5e-3])
+def test_points_evenly_spaced_in_y_have_no_gaps(profile, spacing):
+    """On the sides of a rail's head they are twenty times as far apart as on its crown."""
+    for shift in np.linspace(0.0, spacing, 20, endpoint=False):
+        y = np.arange(profile.begin + shift, profile.end, spacing)
+        points = np.column_stack([y, profile.height(y)])
+        found = find_defects(points[np.isfinite(points[:, 1])])
+        assert not found.outliers
+        assert not found.gaps
+        assert not found.steps
+
+
+@pytest.mark.parametrize("radius", [1e-4, 5e-4, 2e-3])
+@pytest.mark.parametrize("slope", [0.1, 0.5, 1.7])
+def test_rounded_corners_are_no_steps(radius, slope):
+    for shift in (0.0, 1e-4, 2e-4):
+        x = np.arange(shift, 0.04, 2.5e-4) - 0.02
+        points = np.column_stack([x, 0.5 * slope * (x + np.hypot(x, radius))])
+        found = find_defects(points)
+        assert not found.steps
+        assert not found.outliers
+
+
+@pytest.mark.parametrize("profile", [POINTS, POINTS_OF_RAIL], ids=["S1002", "60E1"])
+@pytest.mark.parametrize("size", [1.5e-4, -5e-4])
+@pytest.mark.parametrize("rise", [0, 1])
+def test_patches_are_found_and_nothing_else(profile, size, rise):
+    """50 points that lie beside the rest turned a conicity of 0.17 into 0.03 in silence."""
+    for seed, begin in enumerate((-0.027, -0.01, 0.0, 0.01)):
+        points = noisy(profile[2.5e-4], 5e-6, seed)
+        first = int(np.argmin(np.abs(points[:, 0] - begin)))
+        points[first : first + 50, 1] += size
+        for k in range(rise):
+            points[[first + k, first + 49 - k], 1] -= 0.5 * size
+        patch = set(range(first + rise, first + 50 - rise))
+        found = find_defects(points)
+        assert not found.steps
+        assert patch <= set(found.outliers) <= set(range(first - 4, first + 54))
+        assert found.in_patches <= set(found.outliers)
+
+
+def test_patch_is_refused_by_line_and_bridged_on_request(tmp_path):
+    points = POINTS_OF_RAIL[2.5e-4].copy()
+    first = int(np.argmin(np.abs(points[:, 0])))
+    points[first : first + 50, 1] += 1.5e-4
+    path = written(tmp_path, rows(points), "rail.txt")
+    with pytest.raises(InputError) as caught:
+        read_profile(path, "rail")
+    lines = str(caught.value).splitlines()
+    assert lines[0].startswith(f"{path}:{first + 1}:1: 50 outliers, the first in line {first + 1}")
+    assert f"the last in line {first + 50}, 0.15 mm beside the curve" in lines[0]
+    assert lines[-1] == f"2 problems in {path}"
+    profile = read_profile(path, "rail", MEND)
+    crown = np.linspace(-0.02, 0.02, 201)
+    assert profile.height(crown) == pytest.approx(RAIL.height(crown), abs=3e-5)
+    assert len(profile.measured.outliers) == 50
+    assert len(profile.measured.bridges) == 1
+
+
+@pytest.mark.parametrize("defects", ["refuse", "mend"])
+def test_single_step_is_refused(tmp_path, defects):
+    """Two sweeps that do not fit: no one knows which of them is right."""
+    points = POINTS[2.5e-4].copy()
+    first = int(np.argmin(np.abs(points[:, 0])))
+    points[first:, 1] += 1.5e-4
+    path = written(tmp_path, rows(points))
+    with pytest.raises(InputError, match=rf"{first}:1: a step of 0.15 mm after line {first}, betw"):
+        read_profile(path, "wheel", ProfileReading(defects=defects))
+    read_profile(path, "wheel", ProfileReading(defects="keep"))
 
 
 def test_corners_are_no_outliers():
@@ -156,7 +229,9 @@ def test_corners_are_no_outliers():
     for slope in (0.3, 1.0, 5.0):
         for shift in (0.0, 1e-4):
             points = np.column_stack([x, slope * np.maximum(x - 0.02 - shift, 0.0)])
-            assert not find_defects(points).outliers
+            found = find_defects(points)
+            assert not found.outliers
+            assert not found.steps
 
 
 @pytest.mark.parametrize("profile", [POINTS, POINTS_OF_RAIL], ids=["S1002", "60E1"])

@@ -1,9 +1,10 @@
-"""Defects of measured profiles: points that do not belong to the curve, and gaps without points.
+"""Defects of measured profiles: points that do not belong to the curve, gaps and steps.
 
 A run of up to six points is an outlier where a cubic through three points on either side fits
 these well and misses the run by far: by more than it misses the points it is fitted to, than the
-points elsewhere scatter, and than 30 µm. A corner is none, as no cubic fits beside it. A gap is a
-stretch without points ten times as long as is usual in the file.
+points elsewhere scatter, and than 30 µm. A corner is none, as no cubic fits beside it. A patch between
+two opposite steps is outliers too, however many points it has. A gap is a stretch without points
+ten times as long as is usual in the file.
 """
 
 from __future__ import annotations
@@ -16,6 +17,7 @@ from numpy.typing import NDArray
 
 from vehicledyn.rail.profiles.profile import STEEPEST
 from vehicledyn.rail.profiles.profile_pieces import Floats
+from vehicledyn.rail.profiles.profile_steps import Step, find_patches, find_steps
 
 LONGEST_RUN = 6
 MOST_OUTLIERS = 0.1
@@ -38,14 +40,18 @@ Places = NDArray[np.int_]
 
 @dataclass(frozen=True)
 class Defects:
-    """Outliers by their number, with their distance from the curve [m], and gaps.
+    """Outliers by their number, with their distance from the curve [m], gaps and steps.
 
-    A gap is the number of the point before it, counted among all points.
+    A gap is the number of the point before it, counted among all points, as are the numbers of
+    steps; ``in_patches`` are the outliers between two opposite steps. Steps are those that bound
+    no patch.
     """
 
     outliers: dict[int, float]
     gaps: tuple[int, ...]
     scatter: float
+    steps: tuple[Step, ...] = ()
+    in_patches: frozenset[int] = frozenset()
 
 
 def find_defects(points: Floats) -> Defects:
@@ -56,17 +62,52 @@ def find_defects(points: Floats) -> Defects:
     points
         y and z, shape (n, 2) [m].
     """
-    left = np.arange(len(points))
-    found: dict[int, float] = _stray(points)
+    # Patches come first: points at their edges look like outliers.
+    patched = _patched(points, np.arange(len(points)))
+    found = _stray(points) | patched
+    left = _others(found, len(points))
     for _ in range(_PASSES):
-        left = np.array([k for k in range(len(points)) if k not in found], dtype=int)
         fresh = _outliers(points[left])
         if not fresh:
             break
         found |= {int(left[k]): distance for k, distance in fresh.items()}
+        left = _others(found, len(points))
+    hidden = _patched(points, left)
+    patched |= hidden
+    found |= hidden
+    left = _others(found, len(points))
     kept = points[left]
     gaps = tuple(int(left[k]) for k in _gaps(kept))
-    return Defects(dict(sorted(found.items())), gaps, find_scatter(kept))
+    steps = tuple(
+        Step(int(left[step.before]), int(left[step.behind]), step.height) for step in _steps(kept)
+    )
+    outliers = dict(sorted(found.items()))
+    return Defects(outliers, gaps, find_scatter(kept), steps, frozenset(patched))
+
+
+def _others(found: dict[int, float], count: int) -> Places:
+    """Return the numbers of the points that are not found."""
+    return np.array([k for k in range(count) if k not in found], dtype=int)
+
+
+def _patched(points: Floats, left: Places) -> dict[int, float]:
+    """Return the points of patches among those left, with the height of the patch."""
+    found: dict[int, float] = {}
+    for first, last in find_patches(_steps(points[left]), len(left)):
+        size = 0.5 * (abs(first.height) + abs(last.height))
+        found |= {int(k): size for k in left[first.before + 1 : last.behind]}
+    return found
+
+
+def _steps(points: Floats) -> list[Step]:
+    """Return the steps of points between gaps."""
+    scatter = find_scatter(points)
+    found = []
+    for part in _parts(points):
+        begin = int(part[0])
+        for step in find_steps(points[part], scatter):
+            found.append(Step(begin + step.before, begin + step.behind, step.height))
+    return found
 
 
 def _spacing(points: Floats) -> Floats:
@@ -84,13 +125,22 @@ def _breaks(points: Floats) -> Places:
 
 
 def _gaps(points: Floats) -> Places:
-    """Return the points before gaps; upright sides and evenly wide parts have none."""
+    """Return the points before gaps; upright sides and evenly wide parts have none.
+
+    Evenly wide is along the profile and across: points evenly spaced in y are far apart where the
+    profile is steep.
+    """
     spacing = _spacing(points)
-    padded = np.pad(spacing, 1)
-    beside = np.maximum(padded[:-2], padded[2:])
     across, up = np.abs(np.diff(points, axis=0)).T
-    wide = (spacing > _widest(points)) & (spacing > _OF_NEIGHBOURS * beside)
+    wide = (spacing > _widest(points)) & (spacing > _OF_NEIGHBOURS * _beside(spacing))
+    wide &= across > _OF_NEIGHBOURS * _beside(across)
     return np.flatnonzero(wide & (up < STEEPEST * across))
+
+
+def _beside(values: Floats) -> Floats:
+    """Return the larger of both neighbours of each value."""
+    padded = np.pad(values, 1)
+    return np.asarray(np.maximum(padded[:-2], padded[2:]))
 
 
 def _stray(points: Floats) -> dict[int, float]:

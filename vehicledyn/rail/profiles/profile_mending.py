@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -60,10 +60,11 @@ def mended(raw: RawPoints, points: Floats, wish: Defects) -> Mended:
     if wish == "keep":
         return Mended(points, lines, none, none, [])
     found = find_defects(points)
-    if wish == "refuse" and (found.outliers or found.gaps):
+    if found.steps or (wish == "refuse" and (found.outliers or found.gaps)):
         raise _refused(raw, points, found)
-    if len(found.outliers) > MOST_OUTLIERS * len(points):
-        message = f"{len(found.outliers)} of {len(points)} points are outliers: this is no profile"
+    stray = len(found.outliers) - len(found.in_patches)
+    if stray > MOST_OUTLIERS * len(points):
+        message = f"{stray} of {len(points)} points are outliers: this is no profile"
         raise raw.refused(raw.lines[next(iter(found.outliers))], 1, message)
     left = np.array([k for k in range(len(points)) if k not in found.outliers], dtype=int)
     kept, kept_lines, bridges = points[left], lines[left], []
@@ -80,12 +81,18 @@ def mended(raw: RawPoints, points: Floats, wish: Defects) -> Mended:
 
 
 def _refused(raw: RawPoints, points: Floats, found: Found) -> InputError:
-    told = sorted([*_runs(raw, points, found), *_stretches(raw, points, found)])
-    problems = [Problem(raw.file, Mark(line, 1), "", words) for line, words in told[:_SHOWN]]
-    if len(told) > _SHOWN:
-        more = f"{len(told) - _SHOWN} more defects"
-        problems.append(Problem(raw.file, Mark(told[_SHOWN][0], 1), "", more))
+    gaps = tuple(k for k in found.gaps if k + 1 not in found.in_patches)
+    given = replace(found, gaps=gaps)
+    defects = sorted(
+        [*_runs(raw, points, given), *_stretches(raw, points, given), *_steps(raw, points, given)]
+    )
+    problems = [Problem(raw.file, Mark(line, 1), "", words) for line, words in defects[:_SHOWN]]
+    if len(defects) > _SHOWN:
+        more = f"{len(defects) - _SHOWN} more defects"
+        problems.append(Problem(raw.file, Mark(defects[_SHOWN][0], 1), "", more))
     hint = "mend leaves outliers out and bridges gaps, keep takes the points as they are"
+    if found.steps:
+        hint = "no one can mend a step: measure again, or keep takes the points as they are"
     problems.append(
         Problem(raw.file, Mark(raw.lines[-1], 1), "defects", f"say what to do with them: {hint}")
     )
@@ -96,7 +103,7 @@ def _runs(raw: RawPoints, points: Floats, found: Found) -> list[tuple[int, str]]
     """Return line and words of each run of outliers beside each other."""
     numbers = np.array(list(found.outliers), dtype=int)
     runs = np.split(numbers, np.flatnonzero(np.diff(numbers) > 1) + 1) if len(numbers) else []
-    told = []
+    described = []
     for run in runs:
         size = max(found.outliers[int(k)] for k in run)
         count = "an outlier" if len(run) == 1 else f"{len(run)} outliers, the first"
@@ -106,20 +113,31 @@ def _runs(raw: RawPoints, points: Floats, found: Found) -> list[tuple[int, str]]
             f"{count} in line {raw.lines[run[0]]} at ({place}) mm{until}, {_MILLI * size:.3g} mm "
             "beside the curve through the points around"
         )
-        told.append((raw.lines[int(run[0])], words))
-    return told
+        described.append((raw.lines[int(run[0])], words))
+    return described
 
 
 def _stretches(raw: RawPoints, points: Floats, found: Found) -> list[tuple[int, str]]:
     """Return line and words of each gap."""
-    told = []
+    described = []
     for gap in found.gaps:
         behind = next(k for k in range(gap + 1, len(points)) if k not in found.outliers)
         length = _MILLI * float(np.hypot(*(points[behind] - points[gap])))
         ends = f"y = {_MILLI * points[gap, 0]:.4g} to {_MILLI * points[behind, 0]:.4g} mm"
         line = raw.lines[gap]
-        told.append((line, f"a gap of {length:.3g} mm after line {line}, {ends}"))
-    return told
+        described.append((line, f"a gap of {length:.3g} mm after line {line}, {ends}"))
+    return described
+
+
+def _steps(raw: RawPoints, points: Floats, found: Found) -> list[tuple[int, str]]:
+    """Return line and words of each step that bounds no patch."""
+    described = []
+    for step in found.steps:
+        before, behind = (f"{_MILLI * points[k, 0]:.4g}" for k in (step.before, step.behind))
+        line = raw.lines[step.before]
+        words = f"a step of {_MILLI * abs(step.height):.3g} mm after line {line}"
+        described.append((line, f"{words}, between y = {before} and {behind} mm"))
+    return described
 
 
 def _bridge(points: Floats, at: int) -> Floats:
