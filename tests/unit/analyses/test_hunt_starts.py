@@ -17,6 +17,7 @@ from vehicledyn.files.scenario import load_model, load_scenario
 pytestmark = pytest.mark.long
 
 SYSTEMS = Path(__file__).parents[3] / "systems"
+SCENARIO = SYSTEMS.parent / "scenarios" / "systems" / "bicycle.yaml"
 
 WEAVE, CAPSIZE = 4.29238253634111, 6.02426201538837
 """Meijaard, Papadopoulos, Ruina, Schwab (2007), section 5: where the benchmark bicycle changes
@@ -92,11 +93,20 @@ def test_a_parameter_of_the_start_alone_is_refused(tmp_path):
         study(target, "aside", 0.0, 0.2)
 
 
-def test_a_start_beside_the_steady_motion_is_named():
+def test_disturbances_of_a_scenario_are_set_aside():
     """A roll rate leads to a motion in circles, whose speed is not that of the start."""
-    path = Path(__file__).parents[3] / "scenarios" / "systems" / "bicycle.yaml"
+    report = study(load_scenario(SCENARIO), "forward_speed", 3.0, 8.0)
+    figures = report.table.figures
+    assert report.exit_code == 0
+    assert figures["oscillation_ceases"] == pytest.approx(WEAVE, abs=1e-9)
+    assert figures["divergence_begins"] == pytest.approx(CAPSIZE, abs=1e-9)
+    assert report.messages[0].startswith("'initial' of the scenario is set aside (frame.roll_rate)")
+
+
+def test_a_disturbance_that_is_asked_for_is_kept():
+    target = load_scenario(SCENARIO, ("initial.frame.roll_rate=0.1 rad/s",))
     with pytest.raises(InputError, match=r"forward_speed': .*without disturbances in 'initial'"):
-        study(load_scenario(path), "forward_speed", 3.0, 8.0)
+        study(target, "forward_speed", 3.0, 8.0)
 
 
 def test_a_motion_that_cannot_follow_is_refused(tmp_path):

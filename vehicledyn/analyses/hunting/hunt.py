@@ -10,6 +10,7 @@ from vehicledyn.analyses.hunting.report import HuntReport
 from vehicledyn.analyses.hunting.saving import Saving, finished, identity_of
 from vehicledyn.analyses.hunting.start import HuntSettings, check_settings
 from vehicledyn.analyses.hunting.study import Study
+from vehicledyn.analyses.hunting.undisturbed import without_disturbances
 from vehicledyn.analyses.preparation.build_model import Target
 from vehicledyn.analyses.preparation.prepare import prepare
 from vehicledyn.analyses.preparation.prepared import Progress
@@ -59,6 +60,7 @@ def find_limit_cycles(
     if plots is not None:
         check_folder(plots)
     check_settings(settings)
+    target, remarks = without_disturbances(target, settings)
     prepared = prepare(
         target,
         backend=backend,
@@ -73,6 +75,7 @@ def find_limit_cycles(
         words = f"{output}: is finished; nothing was left to do"
         return HuntReport(before, (words,), 0 if before.status == "ok" else 3)
     study = Study.of(prepared, target, settings, progress)
+    study.messages += remarks
     if output is None:
         study.examine()
         table = study.table()

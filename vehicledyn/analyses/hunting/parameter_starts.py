@@ -46,7 +46,7 @@ class ParameterStarts:
 
     def differ(self, first: float, last: float) -> bool:
         """Return whether the start differs between two values of the parameter."""
-        return _starts(self.at(first).subject) != _starts(self.at(last).subject)
+        return starts_of(self.at(first).subject) != starts_of(self.at(last).subject)
 
 
 def starting_at(equations: Equations, before: Subject, subject: Subject) -> Equations:
@@ -54,7 +54,7 @@ def starting_at(equations: Equations, before: Subject, subject: Subject) -> Equa
 
     Only what differs from the subject the equations were made of, ``before``, is changed.
     """
-    old, new = _starts(before), _starts(subject)
+    old, new = starts_of(before), starts_of(subject)
     changed = {name: value for name, value in new.items() if old.get(name) != value}
     if not changed:
         return equations
@@ -67,7 +67,8 @@ def starting_at(equations: Equations, before: Subject, subject: Subject) -> Equa
     return replace(equations, states=states, unknowns=unknowns)
 
 
-def _starts(subject: Subject) -> dict[str, float]:
+def starts_of(subject: Subject) -> dict[str, float]:
+    """Return start coordinates and rates of the joints of a subject by name [m, rad, m/s, rad/s]."""
     found = {}
     for joint in subject.system.joints():
         found[joint.name] = float(joint.start)
