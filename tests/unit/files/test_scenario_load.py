@@ -1,4 +1,5 @@
 import re
+from pathlib import Path
 
 import pytest
 from small_catalogue import SCENARIO, BrokenCart, Preview, Rigid
@@ -287,3 +288,16 @@ def test_model_on_its_own_refuses(catalogue, name, overrides, words):
     with pytest.raises(InputError) as refused:
         load_model(name, overrides)
     assert words in str(refused.value)
+
+
+@pytest.mark.parametrize("key", ["tyres.front.lateral.a2", "parameters.tyres.front.lateral.a2"])
+def test_tyres_are_set_by_the_names_that_models_show_prints(key):
+    """Tyres that a file gives once for both axles are parted."""
+    slalom = Path(__file__).parents[3] / "scenarios" / "iltis_slalom.yaml"
+    tyres = load_scenario(slalom, (f"{key}=900 N/kN",)).scenario.tyres
+    before = load_scenario(slalom).scenario.tyres
+    assert tyres.front.lateral.a2 == pytest.approx(900.0)
+    assert tyres.rear == before.rear
+    assert tyres.front.lateral.a1 == before.front.lateral.a1
+    with pytest.raises(InputError, match=r"--set \S*tyres.front.lateral.nosuch: unknown key"):
+        load_scenario(slalom, (f"{key.replace('a2', 'nosuch')}=1",))

@@ -68,7 +68,7 @@ def starting_at(equations: Equations, before: Subject, subject: Subject) -> Equa
 
 
 def starts_of(subject: Subject) -> dict[str, float]:
-    """Return start coordinates and rates of the joints of a subject by name [m, rad, m/s, rad/s]."""
+    """Return start coordinates [m, rad] and rates of the joints of a subject by name."""
     found = {}
     for joint in subject.system.joints():
         found[joint.name] = float(joint.start)

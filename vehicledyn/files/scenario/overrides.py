@@ -10,10 +10,12 @@ from typing import Any, NamedTuple
 from vehicledyn.base.argument_names import setting
 from vehicledyn.base.errors import InputError
 from vehicledyn.base.problems import Place, Problem
+from vehicledyn.base.registry import kinds
 from vehicledyn.base.units import describe
 from vehicledyn.base.yaml import parse_yaml
 from vehicledyn.files.scenario.sources import Sources
 
+_TYRES, _AXLES = "tyres", ("front", "rear")
 _COMPONENTS = {"x": 0, "y": 1, "z": 2}
 
 
@@ -77,7 +79,23 @@ def apply_change(
         return Problem(change.origin, None, "", "names no value of the scenario")
     if place[0] in groups:
         place = ("parameters", *place)
+    place = _of_tyres(data, place)
     return _put(data, place, copy.deepcopy(change.value), change.origin, sources)
+
+
+def _of_tyres(data: dict[str, Any], place: Place) -> Place:
+    """Return the place in a scenario of a tyre's value, named as 'models show' names it.
+
+    A vehicle's table of parameters has ``tyres.front`` and ``tyres.rear``, which a scenario has
+    beside its 'parameters'; tyres that it gives once for both axles are parted.
+    """
+    if place[:2] == ("parameters", _TYRES) and data.get("model") in kinds("model"):
+        place = place[1:]
+    tyres = data.get(_TYRES)
+    of_axle = place[0] == _TYRES and len(place) > 2 and place[1] in _AXLES
+    if of_axle and isinstance(tyres, dict) and not any(axle in tyres for axle in _AXLES):
+        data[_TYRES] = {axle: copy.deepcopy(tyres) for axle in _AXLES}
+    return place
 
 
 def _place(key: str) -> Place:

@@ -2,9 +2,9 @@
 
 A run of up to six points is an outlier where a cubic through three points on either side fits
 these well and misses the run by far: by more than it misses the points it is fitted to, than the
-points elsewhere scatter, and than 30 µm. A corner is none, as no cubic fits beside it. A patch between
-two opposite steps is outliers too, however many points it has. A gap is a stretch without points
-ten times as long as is usual in the file.
+points elsewhere scatter, and than 30 µm. A corner is none, as no cubic fits beside it. A patch
+between two opposite steps is outliers too, however many points it has. A gap is a stretch without
+points ten times as long as is usual in the file.
 """
 
 from __future__ import annotations
