@@ -96,7 +96,7 @@ def test_multiplier_of_the_slider_is_the_normal_force():
 
 @pytest.mark.parametrize("stiffness", [0.0, 1.7, 9.0])
 def test_ball_in_the_tube_obeys_equation_2_59(stiffness):
-    prepared = ready("ball_in_tube", f"parameters.stiffness={stiffness}")
+    prepared = ready("ball_in_tube", f"parameters.stiffness={stiffness} N/m")
     p = parameters(prepared)
     state = dict(zip(("ball.place", "ball.place_rate"), (0.41, -0.23), strict=True))
     x = np.array([state[s.name] for s in prepared.equations.states])

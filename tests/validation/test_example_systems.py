@@ -41,7 +41,7 @@ def seen(prepared, state, time=0.0):
 @pytest.mark.parametrize("seed", range(5))
 def test_double_pendulum_has_the_textbook_accelerations(seed):
     """(1/3 + 1) a'' + ... with angles of the rods to the vertical, Lagrange's equations."""
-    prepared = ready("double_pendulum", "length=0.7", "mass=2.5")
+    prepared = ready("double_pendulum", "length=0.7 m", "mass=2.5 kg")
     rng, length = np.random.default_rng(seed), 0.7
     first, relative, rate, relative_rate = rng.normal(size=4)
     rates, _ = seen(prepared, np.array([first, relative, rate, relative_rate]))
@@ -213,7 +213,7 @@ def test_bicycle_has_the_eigenvalues_of_the_linearised_equations(speed):
     The formulas are written from memory; that they agree with the derived equations, which
     share nothing with them, is what speaks for both.
     """
-    prepared = ready("bicycle", f"parameters.forward_speed={speed}")
+    prepared = ready("bicycle", f"parameters.forward_speed={speed} m/s")
     point = nominal_point(prepared, 0.0)
     e, values = prepared.equations, prepared.kernel.parameters
     found = np.linalg.eigvals(linearise(e, values, 0.0, point.state, point.unknowns).matrix)

@@ -332,7 +332,7 @@ def test_jeep_stands_on_its_wheels():
 def test_small_carts_have_their_linear_frequencies(seed):
     """The cart that rolls: 1/ω² from load and the carried mass with its rolling axles."""
     stiffness = 30.0 + 40.0 * seed
-    prepared = ready("small_cart_2", f"load.stiffness={stiffness}", "load.damping=0")
+    prepared = ready("small_cart_2", f"load.stiffness={stiffness} N/m", "load.damping=0")
     p = parameters(prepared)
     rolling = p["cart.mass"] + 2.0 * p["axle.mass"] * 1.5
     reduced = rolling * p["load.mass"] / (rolling + p["load.mass"])

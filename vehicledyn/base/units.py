@@ -134,6 +134,11 @@ def to_si(value: object, unit: str) -> float:
     return float(number) * given.factor / wanted.factor
 
 
+def is_pure(unit: str) -> bool:
+    """Return whether a unit has no dimension, as that of pure numbers."""
+    return parse_unit(unit).dimension == _NONE
+
+
 def describe(value: object) -> str:
     """Return what a value read from a file is, in words a user knows."""
     if value is None:

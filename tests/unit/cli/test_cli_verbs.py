@@ -66,7 +66,7 @@ def test_validate_several_files(call, write, tmp_path):
 
 
 def test_run_names_its_files_after_the_scenario(call, write, pipeline):
-    code, out, err = call("run", write(), "--set", "speed=3")
+    code, out, err = call("run", write(), "--set", "speed=3 m/s")
     assert (code, err) == (0, "compiled in 3 s\n")
     assert out == "cart.h5: ok\n  acceleration  6.1 m/s^2 at 3.2 s\n"
     assert pipeline.asked["target"].scenario.speed == 3.0

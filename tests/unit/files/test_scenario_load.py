@@ -53,7 +53,7 @@ def test_every_quantity_in_the_resolved_scenario_has_a_unit(write):
 
 
 def test_tyres_by_axle(write):
-    tyres = "tyres: {front: {kind: rigid}, rear: {kind: linear, stiffness: 1}}"
+    tyres = "tyres: {front: {kind: rigid}, rear: {kind: linear, stiffness: 1 N}}"
     loaded = load_scenario(write(("tyres: {kind: linear, stiffness: 30 kN}", tyres)))
     assert loaded.scenario.tyres.front == Rigid()
     assert loaded.scenario.tyres.rear.stiffness == 1.0
@@ -201,8 +201,8 @@ def test_a_part_of_another_kind_replaces_the_default(write):
 
 def test_overrides_win_and_are_applied_in_order(write):
     overrides = [
-        "speed=20 m/s", "speed = 30 m/s", "parameters.chassis.centre.z=0.7",
-        "parameters.chassis.inertia=[3, 3 kg m^2, 3]", "output.channels.0=wheel.*",
+        "speed=20 m/s", "speed = 30 m/s", "parameters.chassis.centre.z=0.7 m",
+        "parameters.chassis.inertia=[3 kg m^2, 3 kg m^2, 3 kg m^2]", "output.channels.0=wheel.*",
         "manoeuvre.driver={kind: fixed_wheel, angle: 90 deg}", "road=", "title=1'",
         "parameters.wheel_radius=31 cm",
     ]  # fmt: skip
@@ -219,7 +219,7 @@ def test_overrides_win_and_are_applied_in_order(write):
 
 
 def test_defaults_of_the_model_stay_as_they_are(write):
-    load_scenario(write(), ["parameters.chassis.centre.z=0.7"])
+    load_scenario(write(), ["parameters.chassis.centre.z=0.7 m"])
     assert load_scenario(write()).model_parameters.chassis.centre == (0.1, 0.0, 0.5)
 
 
@@ -256,7 +256,7 @@ def test_problems_of_overrides_name_the_key(write, override, told):
 
 def test_an_override_repairs_the_file(write):
     path = write(("speed: 36 km/h", "speed: fast"))
-    assert load_scenario(path, ["speed=3"]).scenario.speed == 3.0
+    assert load_scenario(path, ["speed=3 m/s"]).scenario.speed == 3.0
 
 
 def test_problems_of_the_file_come_before_those_of_options(write):
@@ -301,3 +301,32 @@ def test_tyres_are_set_by_the_names_that_models_show_prints(key):
     assert tyres.front.lateral.a1 == before.front.lateral.a1
     with pytest.raises(InputError, match=r"--set \S*tyres.front.lateral.nosuch: unknown key"):
         load_scenario(slalom, (f"{key.replace('a2', 'nosuch')}=1",))
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "told"),
+    [
+        ("speed: 36 km/h", "speed: 72", "16:8: speed: 72 has no unit; write '72 m/s'"),
+        ("speed: 36 km/h", "speed: '72'", "16:8: speed: 72 has no unit; write '72 m/s'"),
+        ("mass: 1.2 t", "mass: 1200", "4:13: parameters.chassis.mass: 1200 has no unit; "
+         "write '1200 kg'"),
+        ("mass: 1.2 t", "centre: {y: 0.1}", "5:17: parameters.chassis.centre.y: 0.1 has no unit; "
+         "write '0.1 m'"),
+        ("step: 1 ms", "step: 1e-3", "20:9: solver.step: 0.001 has no unit; write '0.001 s'"),
+    ],
+)  # fmt: skip
+def test_numbers_need_their_unit(write, old, new, told):
+    """A speed of 72 would be taken as m/s by the program and read as km/h by a person."""
+    (line,) = problems(write((old, new)))
+    assert line.partition(": ")[2] == told.partition(": ")[2]
+
+
+def test_numbers_of_options_need_their_unit_too(write):
+    assert problems(write(), ["speed=72"]) == ["speed: 72 has no unit; write '72 m/s'"]
+    with pytest.raises(InputError, match=r"^chassis\.mass: 1200 has no unit; write"):
+        load_model("cart", ["chassis.mass=1200"])
+
+
+def test_zero_and_pure_numbers_need_none(write):
+    loaded = load_scenario(write(), ["speed=0", "parameters.chassis.centre=[0, 0, 0]"])
+    assert loaded.scenario.speed == 0.0

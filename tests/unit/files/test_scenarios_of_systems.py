@@ -220,4 +220,4 @@ def test_model_on_its_own_refuses_other_changes(write):
     system = write().parent / "sub" / "system.yaml"
     with pytest.raises(InputError, match="duration: only 'parameters' of a model"):
         load_model(str(system), ["duration=3"])
-    assert load_model(str(system), ["parameters.rod=0.4"]).written.resolved["rod"] == 0.4
+    assert load_model(str(system), ["parameters.rod=0.4 m"]).written.resolved["rod"] == 0.4

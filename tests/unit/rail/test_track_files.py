@@ -164,8 +164,8 @@ def test_a_scenario_tells_what_is_wrong_with_the_files_of_its_track(tmp_path):
         "title: t\nbodies: {b: {joints: [{kind: track_frame, position: 0 m}, T2], mass: 1}}\n"
     )
     path = tmp_path / "ride.yaml"
-    rest = "model: rider.yaml\nduration: 1\nsolver: {kind: rk4, step: 1e-3}\n"
-    path.write_text(f"title: t\ntrack: track.yaml\n{rest}output: {{interval: 0.1}}\n")
+    rest = "model: rider.yaml\nduration: 1 s\nsolver: {kind: rk4, step: 1 ms}\n"
+    path.write_text(f"title: t\ntrack: track.yaml\n{rest}output: {{interval: 0.1 s}}\n")
 
     def told():
         with pytest.raises(InputError) as error:

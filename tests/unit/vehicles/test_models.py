@@ -55,4 +55,4 @@ def test_data_file_names_its_source(model):
 def test_an_inertia_that_no_body_has_names_the_change():
     told = r"^parameters\.wheel\.inertia_spin: parameters\.wheel: inertia_spin = 10 kg"
     with pytest.raises(InputError, match=told):
-        load_model("iltis", ["parameters.wheel.inertia_spin=10"])
+        load_model("iltis", ["parameters.wheel.inertia_spin=10 kg m^2"])

@@ -253,7 +253,7 @@ def _panels(label: str, channels: list[str], units: dict[str, str]) -> Iterator[
 
 def _header(loaded: LoadedScenario, system: System, book: _Columns) -> ResultHeader:
     return ResultHeader(
-        title=f"Inverse dynamics: {loaded.scenario.title}",
+        title=f"Inverse dynamics: {loaded.title}",
         model=system.name,
         scenario_text=loaded.text,
         configuration=dict(loaded.resolved),

@@ -310,7 +310,7 @@ class _Files:
             title = f"Kinematics of {self.model}"
             return ResultHeader(title=title, model=self.model, plots=plots, axis=axis)
         return ResultHeader(
-            title=f"Kinematics: {self.target.scenario.title}",
+            title=f"Kinematics: {self.target.title}",
             model=self.model,
             scenario_text=self.target.text,
             configuration=dict(self.target.resolved),

@@ -287,7 +287,7 @@ class _Run:
     def _writer(self, output: Path, *, hidden: bool) -> ResultWriter:
         e, s = self.prepared.equations, self.loaded.scenario
         header = ResultHeader(
-            title=s.title,
+            title=self.loaded.title,
             model=s.model,
             model_hash=model_hash(self.prepared),
             equations_hash=model_hash(self.prepared, parameters=False),

@@ -17,6 +17,7 @@ from vehicledyn.base.registry import find, kinds
 from vehicledyn.base.units import describe
 from vehicledyn.base.validation_messages import UNKNOWN_KEY
 from vehicledyn.base.yaml import Document, copied, parse_yaml, read_yaml
+from vehicledyn.files.scenario.bare_numbers import bare_numbers
 from vehicledyn.files.scenario.checks import check_times
 from vehicledyn.files.scenario.merge import merge_parameters
 from vehicledyn.files.scenario.model_names import is_written, known_models, system_path
@@ -32,6 +33,7 @@ from vehicledyn.files.scenario.system_models import (
     read_model,
     unsuitable,
 )
+from vehicledyn.files.scenario.titles import changed_title
 
 if TYPE_CHECKING:
     from vehicledyn.files.scenario.python_models import PythonModel
@@ -57,6 +59,11 @@ class LoadedScenario:
     units: dict[str, str]
     written: WrittenModel | None = None
     built: PythonModel | None = None
+
+    @property
+    def title(self) -> str:
+        """Title of its runs: that of the file, and what was changed."""
+        return changed_title(self.scenario.title, self.overrides)
 
     def changed(self, changes: Settings | None = None, **fields: Any) -> LoadedScenario:
         """Return the scenario with other values.
@@ -170,6 +177,10 @@ def examine_scenario(
     if written is not None:
         resolved |= {"parameters": written.resolved, "system": written.text}
         units |= {f"parameters.{name}": unit for name, unit in written.units.items()}
+    if not changes:  # those of studies are numbers in SI, and their scenario was read before
+        problems = bare_numbers(data, units, sources)
+        if problems:
+            return None, problems
     return (
         LoadedScenario(
             path,
@@ -261,8 +272,10 @@ def load_model(
         written, wrong = read_model(system_path(name, Path()), data, sources)
     else:
         parameters, wrong = merge_parameters(model, data["parameters"], sources)
-    if problems or wrong:
-        raise refusal(problems + wrong, name)
+    units = units_of(parameters) if parameters is not None else written.units if written else {}
+    bare = bare_numbers(data, {f"parameters.{key}": unit for key, unit in units.items()}, sources)
+    if problems or wrong or bare:
+        raise refusal(problems + wrong + bare, name)
     told = name if written is None else written.name
     return LoadedModel(told, parameters, written, tuple(overrides), built)
 

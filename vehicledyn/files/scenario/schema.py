@@ -9,6 +9,7 @@ from pydantic.json_schema import models_json_schema
 
 from vehicledyn.base.parameters import ParameterSet, field_family
 from vehicledyn.base.registry import find, kinds
+from vehicledyn.base.units import is_pure
 from vehicledyn.files.scenario.model_names import known_models
 from vehicledyn.files.scenario.partial import partial_definitions
 from vehicledyn.files.scenario.sets import Scenario, Tyres
@@ -19,6 +20,11 @@ Schema = dict[str, Any]
 DIALECT = "https://json-schema.org/draft/2020-12/schema"
 FILE_NAME = r"\.[yY][aA]?[mM][lL]$"
 """Pattern of the names of system files."""
+
+_NUMBER = r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?\s*$"
+_ZERO = r"[+-]?(0+\.?0*|\.0+)\s*$"
+_NEEDS_UNIT = rf"^\s*(?={_ZERO}|(?!{_NUMBER}))"
+"""Begins the pattern of quantities that have a dimension: zero, or no number alone."""
 
 _NUMBER_WITH_UNIT = r"^\s*[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?(\s*[^\s\d.].*)?\s*$"
 
@@ -102,7 +108,7 @@ def _definitions(
     wanted: list[type[ParameterSet]] = [Scenario, Tyres, *sets, *models.values()]
     references, combined = models_json_schema([(entry, "validation") for entry in wanted])
     definitions: dict[str, Schema] = combined["$defs"]
-    definitions = {name: rewrite(schema) for name, schema in definitions.items()}
+    definitions = {name: rewrite(item, bare=False) for name, item in definitions.items()}
     return definitions | catalogue_definitions(definitions, references, families)
 
 
@@ -152,39 +158,45 @@ def _when_model(name: str, reference: Schema) -> Schema:
     return {"if": chosen, "then": changes}
 
 
-def rewrite(schema: Any) -> Any:
-    """Return a schema with quantities and parts as files write them, at any depth."""
+def rewrite(schema: Any, *, bare: bool = True) -> Any:
+    """Return a schema with quantities and parts as files write them, at any depth.
+
+    ``bare`` says whether numbers without a unit are in SI; else only zero may stand alone.
+    """
     if isinstance(schema, list):
-        return [rewrite(item) for item in schema]
+        return [rewrite(item, bare=bare) for item in schema]
     if not isinstance(schema, dict):
         return schema
     if "unit" in schema:
-        return _quantity(schema)
+        return _quantity(schema, bare=bare or is_pure(schema["unit"]))
     if "family" in schema:
         return _part(schema)
-    rewritten = {key: rewrite(item) for key, item in schema.items() if key != "title"}
+    rewritten = {k: rewrite(item, bare=bare) for k, item in schema.items() if k != "title"}
     if "properties" in schema:
         inner = schema["properties"].items()
-        rewritten["properties"] = {name: rewrite(item) for name, item in inner}
+        rewritten["properties"] = {name: rewrite(item, bare=bare) for name, item in inner}
     return rewritten
 
 
-def _quantity(schema: Schema) -> Schema:
+def _quantity(schema: Schema, *, bare: bool) -> Schema:
     described = f"{schema.get('description', '')} [{schema['unit']}]".strip()
     kept = {k: v for k, v in schema.items() if k not in ("unit", "title", "description")}
-    return {"description": described, **_accept_text(kept)}
+    return {"description": described, **_accept_text(kept, bare=bare)}
 
 
-def _accept_text(schema: Any) -> Any:
+def _accept_text(schema: Any, *, bare: bool) -> Any:
     if isinstance(schema, list):
-        return [_accept_text(item) for item in schema]
+        return [_accept_text(item, bare=bare) for item in schema]
     if not isinstance(schema, dict):
         return schema
     if schema.get("type") == "number":
         outer = {key: schema[key] for key in ("default",) if key in schema}
         number = {key: item for key, item in schema.items() if key != "default"}
-        return {**outer, "anyOf": [number, {"type": "string", "pattern": _NUMBER_WITH_UNIT}]}
-    return {key: _accept_text(item) for key, item in schema.items()}
+        pattern = _NUMBER_WITH_UNIT
+        if not bare:
+            number, pattern = {**number, "const": 0}, _NEEDS_UNIT + pattern[1:]
+        return {**outer, "anyOf": [number, {"type": "string", "pattern": pattern}]}
+    return {key: _accept_text(item, bare=bare) for key, item in schema.items()}
 
 
 def _part(schema: Schema) -> Schema:
