@@ -19,6 +19,7 @@ def test_the_title_of_a_changed_run_says_so():
     ("changes", "end"),
     [
         (["parameters.chassis.mass=1.5 t"], ", changed: chassis.mass = 1.5 t"),
+        (['length="2 m"'], ", changed: length = 2 m"),
         (["speed=1 m/s", "speed=2 m/s"], ", changed: speed = 2 m/s"),
         (["solver.step=1 ms", "duration=3 s", "output.interval=1 s"], ""),
         (["title=Mine", "speed=2 m/s"], ""),

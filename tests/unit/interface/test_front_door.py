@@ -69,7 +69,7 @@ def test_a_system_in_python_swings_as_the_closed_form_says():
     )  # fmt: skip
     expected = math.radians(0.01) * np.cos(math.sqrt(1.5 * 9.81 / 2.0) * swing.time)
     assert swing["rod.angle"].values == pytest.approx(expected, abs=1e-10)
-    assert swing.title == "pendulum"
+    assert swing.title == "pendulum, changed: initial.rod.angle = 0.01 deg, length = 2 m"
 
 
 def test_a_value_is_changed_and_its_origin_stays():

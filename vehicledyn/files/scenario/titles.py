@@ -19,7 +19,7 @@ def changed_title(title: str, overrides: Sequence[str]) -> str:
     values = {}
     for override in overrides:
         key, _, value = override.partition("=")
-        values[key.strip().removeprefix("parameters.")] = " ".join(value.split())
+        values[key.strip().removeprefix("parameters.")] = " ".join(value.split()).strip("\"'")
     told = [f"{key} = {text}" for key, text in values.items() if key.split(".")[0] not in _BESIDE]
     if not told or "title" in values:
         return title
