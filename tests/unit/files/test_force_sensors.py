@@ -105,7 +105,7 @@ def test_mistakes_are_told_with_their_place(sensor, message, tmp_path):
 
 def test_reading_system_files_loads_nothing_heavy():
     code = (
-        "import sys; from vehicledyn.files.system import load_kinds; load_kinds(); "
+        "import sys; from vehicledyn.files.system.kinds import load_kinds; load_kinds(); "
         "print(sorted({'casadi', 'h5py', 'matplotlib', 'numpy', 'pandas'} & set(sys.modules)))"
     )
     done = subprocess.run([sys.executable, "-c", code], check=True, capture_output=True, text=True)
