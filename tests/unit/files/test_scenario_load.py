@@ -299,7 +299,7 @@ def test_tyres_are_set_by_the_names_that_models_show_prints(key):
     assert tyres.front.lateral.a2 == pytest.approx(900.0)
     assert tyres.rear == before.rear
     assert tyres.front.lateral.a1 == before.front.lateral.a1
-    with pytest.raises(InputError, match=r"--set \S*tyres.front.lateral.nosuch: unknown key"):
+    with pytest.raises(InputError, match=r"tyres.front.lateral.nosuch: unknown key"):
         load_scenario(slalom, (f"{key.replace('a2', 'nosuch')}=1",))
 
 
