@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 
 import harness
 import result_cases
+import resume_cases
 import table_cases
 import warm
 import yaml_cases
@@ -23,7 +24,9 @@ KINDS = {
     "motion": table_cases.motion,
     "cases": table_cases.cases_table,
     "result": result_cases.result,
+    "resumed": resume_cases.resumed,
 }
+TOLD = 200  # cases after which a long campaign says how far it is
 WEIGHTS = {"scenario": 3, "system": 3, "option": 2, "result": 4}
 
 
@@ -36,6 +39,11 @@ class Table:
     memory: dict = field(default_factory=lambda: defaultdict(int))
     failures: list = field(default_factory=list)
 
+    @property
+    def total(self):
+        """Cases so far."""
+        return sum(counter.total() for counter in self.codes.values())
+
     def enter(self, kind, number, code, signal, seconds, memory, faults):
         self.codes[kind][f"signal {signal}" if signal else str(code)] += 1
         self.seconds[kind] = max(self.seconds[kind], seconds)
@@ -44,8 +52,7 @@ class Table:
             self.failures.append((kind, number, "; ".join(faults)))
 
     def as_text(self, wall):
-        total = sum(counter.total() for counter in self.codes.values())
-        lines = [f"{total} cases in {wall:.0f} s, {len(self.failures)} failed"]
+        lines = [f"{self.total} cases in {wall:.0f} s, {len(self.failures)} failed"]
         for kind, codes in self.codes.items():
             shown = ", ".join(f"{code}: {count}" for code, count in sorted(codes.items()))
             lines.append(
@@ -72,8 +79,9 @@ def attack(number, *, first=0, kinds=None, processes=2, keep=None, tell=None):
     """Run a campaign and return its table."""
     warm.up()
     counts = shares(number, kinds)
-    if "result" in counts:
+    if counts.keys() & {"result", "resumed"}:
         result_cases.seeds()
+        resume_cases.checkpoint()
     numbered = [(kind, k) for kind, count in counts.items() for k in range(first, first + count)]
     random.Random(1).shuffle(numbered)
     table = Table()
@@ -81,6 +89,8 @@ def attack(number, *, first=0, kinds=None, processes=2, keep=None, tell=None):
     with context.Pool(processes, initializer=_begin, initargs=(keep,)) as pool:
         for found in pool.imap_unordered(_attack_one, numbered, chunksize=4):
             table.enter(*found)
+            if tell is not None and table.total % TOLD == 0:
+                tell(f"{table.total} of {len(numbered)} cases")
             if tell is not None and found[-1]:
                 tell(f"FAILED {found[0]} {found[1]}: {'; '.join(found[-1])}")
     table.failures.sort()

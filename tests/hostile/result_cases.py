@@ -56,7 +56,6 @@ def seeds():
 def result(rng, name):
     files = seeds()
     file = rng.choice(list(files))
-    spoilt = _spoilt_objects if rng.random() < 0.7 else _cut
     content = spoilt(files[file], rng)
     png = ["--format", "png"]
     commands = [["info", file], ["info", file, "--json"], ["plot", file, *png], ["report", file],
@@ -73,6 +72,11 @@ def result(rng, name):
     outputs = (f"{stem}_plots", f"{stem}_report.html", f"{stem}_animation.html",
                "whole_report.html")  # fmt: skip
     return Case(name, given, command, outputs)
+
+
+def spoilt(content, rng):
+    """Return a result file with objects changed, or with bytes changed or cut off."""
+    return (_spoilt_objects if rng.random() < 0.7 else _cut)(content, rng)
 
 
 def _unsealed(content):

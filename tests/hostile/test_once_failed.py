@@ -50,6 +50,13 @@ def test_roads_beyond_all_bounds(rows):
     refused(Case("road", files, ["run", "a.yaml"]), "x: farther than 1e+06 m")
 
 
+def test_motions_that_no_smooth_curve_joins():
+    table = f"{table_cases.MOTION}1e+301, 40\n"
+    files = yaml_cases.around({"motion.csv": table.encode()})
+    command = ["inverse", "scenarios/systems/slider_crank.yaml", "--motion", "motion.csv"]
+    refused(Case("motion", files, command), "motion.csv: no smooth curve goes through points")
+
+
 @pytest.mark.parametrize("factor", [20.0, 1e3, 1e6])
 @pytest.mark.parametrize("name", ["s1002.csv", "60e1.csv"])
 def test_profiles_a_thousand_times_too_high(name, factor):
@@ -89,11 +96,11 @@ def plot_named(name, panels=None):
     ("change", "verb", "words"),
     [
         (facts_that_are_lists, "info", "its fact 'method' is neither number nor text"),
-        (plot_named("a\0b"), "plot", r"a plot is named 'a\x00b'"),
+        (plot_named("a\0b"), "plot", r"run.h5: a plot is named 'a\x00b'"),
         (plot_named("a" * 5000), "plot", "give it a name that a file can have"),
         (plot_named("../a"), "plot", "give it a name that a file can have"),
         (plot_named("a", [3]), "plot", "plot 'a': a panel is no mapping"),
-        (plot_named("a", [3]), "report", "plot 'a': a panel is no mapping"),
+        (plot_named("a", [3]), "report", "run.h5: plot 'a': a panel is no mapping"),
         (plot_named("a", 3), "animate", "plot 'a': a list is needed"),
         (plot_named("a", [{"label": "a", "unit": "1", "channels": 5}]), "plot", "a list is needed"),
     ],

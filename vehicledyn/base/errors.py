@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import difflib
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
 
 _MOST_LISTED = 60
 _MOST_TRIED = 5_000
@@ -64,6 +65,17 @@ class AccuracyWarning(ResultWarning):
 
 class UnfinishedWarning(ResultWarning):
     """An analysis ended before its planned end; what it found until then is kept."""
+
+
+@contextmanager
+def errors_of(source: object) -> Iterator[None]:
+    """Put the name of a file in front of errors about its content that do not name it yet."""
+    try:
+        yield
+    except InputError as error:
+        if str(error).startswith(f"{source}:"):
+            raise
+        raise InputError(f"{source}: {error}", about=error.about) from error
 
 
 def nearest_name(name: str, known: Iterable[str]) -> str | None:

@@ -6,7 +6,7 @@ import itertools
 import os
 import stat
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from vehicledyn.base.interrupts import undisturbed
@@ -38,6 +38,26 @@ def whole_file(target: Path) -> Iterator[Path]:
             scratch.replace(place)
     finally:
         scratch.unlink(missing_ok=True)
+
+
+@contextmanager
+def folder_for_files(folder: Path) -> Iterator[None]:
+    """Make a folder, with its parents, for files; those made that an error leaves empty go again.
+
+    Raises
+    ------
+    OSError
+        If the folder cannot be made.
+    """
+    made = [place for place in (folder, *folder.parents) if not place.exists()]
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        yield
+    except BaseException:
+        with suppress(OSError):  # one that holds something
+            for place in made:
+                place.rmdir()
+        raise
 
 
 def write_whole(target: Path, text: str, errors: str = "strict") -> None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from vehicledyn.base.errors import InputError
-from vehicledyn.base.whole_file import write_whole
+from vehicledyn.base.whole_file import folder_for_files, write_whole
 from vehicledyn.export import c, matlab, python
 from vehicledyn.export.document import Start, write_document
 from vehicledyn.export.languages import MATLAB, PYTHON, C, safe_name
@@ -81,8 +81,8 @@ def write_text(file: Path, text: str) -> Path:
         If it cannot be written.
     """
     try:
-        file.parent.mkdir(parents=True, exist_ok=True)
-        write_whole(file, text)
+        with folder_for_files(file.parent):
+            write_whole(file, text)
     except OSError as error:
         raise InputError(f"{file}: cannot be written: {error.strerror}") from None
     return file

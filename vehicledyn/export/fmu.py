@@ -18,7 +18,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from vehicledyn.base.errors import InputError
-from vehicledyn.base.whole_file import whole_file
+from vehicledyn.base.whole_file import folder_for_files, whole_file
 from vehicledyn.codegen.ir.table_rows import ROW
 from vehicledyn.codegen.passes.kernel_functions import KernelFunctions, derive_functions
 from vehicledyn.codegen.printers.kernel_source import portable_source
@@ -153,8 +153,8 @@ def _binary_name(identifier: str) -> str:
 
 def _write(path: Path, files: dict[str, bytes]) -> None:
     try:
-        path.parent.mkdir(parents=True, exist_ok=True)
         with (
+            folder_for_files(path.parent),
             whole_file(path) as place,
             zipfile.ZipFile(place, "w", zipfile.ZIP_DEFLATED) as archive,
         ):

@@ -100,7 +100,8 @@ class Derivatives:
                 "no derivative along their motions exists there"
             ) from None
         follow = -np.asarray(solved, dtype=float)
-        total = by_known + by_unknown @ follow
+        with np.errstate(over="ignore", invalid="ignore"):  # callers check what is not finite
+            total = by_known + by_unknown @ follow
         return TotalDerivatives(
             total[:n, :n],
             follow[:, :n],

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from vehicledyn.base.errors import InputError
-from vehicledyn.base.whole_file import write_whole
+from vehicledyn.base.whole_file import folder_for_files, write_whole
 from vehicledyn.base.yaml import read_yaml
 from vehicledyn.library.names import Entry, library_folder
 
@@ -39,8 +39,8 @@ def copy_entry(entry: Entry, folder: Path) -> list[Path]:
         raise InputError(f"{exist} already, so nothing was copied; give another folder")
     for copy, source in copies.items():
         try:
-            copy.parent.mkdir(parents=True, exist_ok=True)
-            write_whole(copy, source.read_text(encoding="utf-8"))
+            with folder_for_files(copy.parent):
+                write_whole(copy, source.read_text(encoding="utf-8"))
         except OSError as error:
             raise InputError(f"{copy}: cannot be written: {error.strerror}") from None
     return list(copies)

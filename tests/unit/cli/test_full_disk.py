@@ -105,10 +105,10 @@ def result(tmp_path_factory):
         ("animate", "RESULT", "--picture", "still.png"),
         ("plot", "RESULT", "-o", "figures"),
         ("schema", "-o", "schema.json"),
-        ("export", "MODEL", "--to", "c", "-o", "model.c"),
-        ("export", "MODEL", "--to", "fmu", "-o", "model.fmu"),
+        ("export", "MODEL", "--to", "c", "-o", "new/model.c"),
+        ("export", "MODEL", "--to", "fmu", "-o", "new/model.fmu"),
         ("eig", "SCENARIO", "-o", "modes.h5"),
-        ("init", "project"),
+        ("init", "new/project"),
     ],
     ids=lambda command: " ".join(word for word in command if word.islower()),
 )
@@ -121,6 +121,7 @@ def test_no_file_is_left_empty_or_cut_off(disk, result, command):
     assert done.stderr.strip().count("\n") < 5
     # What came whole before the disk was full may stay; nothing hidden, empty or cut off may.
     assert all(not path.name.startswith(".") and path.stat().st_size for path in files)
+    assert all(any(path.iterdir()) for path in left if path.is_dir())
     assert not {"page.html", "film.gif", "schema.json", "model.fmu"} & {p.name for p in files}
 
 

@@ -162,13 +162,13 @@ def test_many_channels_are_spread_over_figures(make_result):
     ],
 )
 def test_descriptions_that_cannot_be_drawn(change, message):
-    with pytest.raises(InputError, match=message):
-        read_plots([{**LOADS, **change}])
+    with pytest.raises(InputError, match=rf"^run\.h5: .*{message}"):
+        read_plots([{**LOADS, **change}], "run.h5")
 
 
 def test_two_plots_of_one_name_are_refused():
-    with pytest.raises(InputError, match="two plots are named"):
-        read_plots([LOADS, LOADS])
+    with pytest.raises(InputError, match=r"^run\.h5: two plots are named"):
+        read_plots([LOADS, LOADS], "run.h5")
 
 
 def test_requests_that_cannot_be_met(make_result, tmp_path):

@@ -11,7 +11,7 @@ from typing import Any
 from vehicledyn.base.errors import InputError, unknown_name
 from vehicledyn.base.files import read_regular
 from vehicledyn.base.schema_line import FileKind, schema_line, schema_name
-from vehicledyn.base.whole_file import write_whole
+from vehicledyn.base.whole_file import folder_for_files, write_whole
 from vehicledyn.files.scenario import scenario_schema
 from vehicledyn.files.system.schema import system_schema
 
@@ -45,9 +45,9 @@ def write_start(folder: Path, kind: str) -> list[Path]:
         names = ", ".join(path.name for path in taken)
         raise InputError(f"{folder}: has {names} already, so nothing was written; name another")
     try:
-        folder.mkdir(parents=True, exist_ok=True)
-        for path, text in texts.items():
-            write_whole(path, text)
+        with folder_for_files(folder):
+            for path, text in texts.items():
+                write_whole(path, text)
     except OSError as error:
         raise InputError(f"{folder}: cannot be written to: {error.strerror}") from None
     return list(texts)

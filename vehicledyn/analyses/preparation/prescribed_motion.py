@@ -136,7 +136,14 @@ class TableMotion:
     def _spline(self) -> Any:
         from scipy.interpolate import make_interp_spline
 
-        return make_interp_spline(self.times, self.values, k=DEGREE)
+        try:
+            return make_interp_spline(self.times, self.values, k=DEGREE)
+        except (np.linalg.LinAlgError, ValueError):
+            steps = np.diff(self.times)
+            raise InputError(
+                f"{self.source}: no smooth curve goes through points as uneven as these, "
+                f"{steps.min():.3g} to {steps.max():.3g} s apart; give values at even distances"
+            ) from None
 
 
 def read_table(path: Path, system: System, wanted: Sequence[str]) -> TableMotion:
@@ -176,7 +183,7 @@ def _checked(path: Path, names: tuple[str, ...], times: Array, values: Array) ->
     if not np.all(np.diff(times) > 0.0):
         row = int(np.flatnonzero(np.diff(times) <= 0.0)[0]) + 1
         raise InputError(f"{path}: the times do not grow at {times[row]:g} s")
-    if not np.isfinite(values).all():
+    if not (np.isfinite(values).all() and np.isfinite(times).all()):
         raise InputError(f"{path}: a value is no finite number")
     motion = TableMotion(path, names, times, values)
     motion.check_swing()

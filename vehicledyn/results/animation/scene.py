@@ -154,7 +154,7 @@ def _panels(result: Result, rows: NDArray[np.intp]) -> list[PlotPanel]:
     Those with nothing but ways travelled and angles turned, which only rise or fall, come last.
     """
     panels = []
-    for plot in read_plots(result.plots):
+    for plot in read_plots(result.plots, result.path):
         if isinstance(plot, TimePlot):
             whole = set(result.channels).issuperset(c for p in plot.panels for c in p.channels)
             tidy = plot.arranged and whole

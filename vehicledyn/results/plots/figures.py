@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from vehicledyn.base.errors import errors_of
 from vehicledyn.results.plots.arrangement import arranged
 from vehicledyn.results.plots.path_figure import draw_path
 from vehicledyn.results.plots.plot_description import Panel, PathPlot, Plot, TimePlot, unit_factor
@@ -41,9 +42,10 @@ def draw_figure(result: Result, plot: Plot) -> Figure:
     InputError
         If the result lacks a channel or a unit does not fit.
     """
-    if isinstance(plot, TimePlot) and plot.arranged:
-        plot = arranged(result, plot)
-    figure = _time_figure(result, plot) if isinstance(plot, TimePlot) else _path(result, plot)
+    with errors_of(result.path):
+        if isinstance(plot, TimePlot) and plot.arranged:
+            plot = arranged(result, plot)
+        figure = _time_figure(result, plot) if isinstance(plot, TimePlot) else _path(result, plot)
     figure.suptitle(_title(result, plot), fontsize=10.5, fontweight="bold", x=0.01, ha="left")
     figure.supxlabel(_origin(result), fontsize=6.5, color="0.45", x=0.99, ha="right")
     return figure

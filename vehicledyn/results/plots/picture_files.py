@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from vehicledyn.base.errors import InputError, unknown_name
-from vehicledyn.base.whole_file import whole_file
+from vehicledyn.base.whole_file import folder_for_files, whole_file
 from vehicledyn.results.hdf5.output import write_failed
 from vehicledyn.results.plots.plot_style import STYLE
 
@@ -37,12 +37,14 @@ def save_figures(
     import matplotlib
 
     check_formats(formats)
-    made_folder(folder)
     written = []
-    with matplotlib.rc_context(STYLE):
-        for name, figure in figures:
-            settle(figure)
-            written += [save(figure, folder / f"{name}.{kind}", kind) for kind in formats]
+    try:
+        with folder_for_files(folder), matplotlib.rc_context(STYLE):
+            for name, figure in figures:
+                settle(figure)
+                written += [save(figure, folder / f"{name}.{kind}", kind) for kind in formats]
+    except OSError as error:
+        raise write_failed(folder, error) from error
     return written
 
 
@@ -82,12 +84,3 @@ def signs_may_be_missing() -> Iterator[None]:
     with warnings.catch_warnings():
         warnings.filterwarnings("ignore", message="Glyph .* missing from")
         yield
-
-
-def made_folder(folder: Path) -> Path:
-    """Return a folder, made if it is missing; an InputError says why it cannot be."""
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise write_failed(folder, error) from error
-    return folder

@@ -23,9 +23,10 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
-from vehicledyn.base.errors import InputError, unknown_name
+from vehicledyn.base.errors import InputError, errors_of, unknown_name
 from vehicledyn.base.units import parse_unit
 
 _LONGEST = 100
@@ -72,14 +73,19 @@ class PathPlot:
 Plot = TimePlot | PathPlot
 
 
-def read_plots(descriptions: Iterable[Mapping[str, Any]]) -> tuple[Plot, ...]:
+def read_plots(descriptions: Iterable[Mapping[str, Any]], source: str | Path) -> tuple[Plot, ...]:
     """Return the plots that descriptions ask for.
 
     Raises
     ------
     InputError
-        If a description lacks a part or is of an unknown kind.
+        If a description lacks a part or is of an unknown kind; it names the file, ``source``.
     """
+    with errors_of(source):
+        return _read_plots(descriptions)
+
+
+def _read_plots(descriptions: Iterable[Mapping[str, Any]]) -> tuple[Plot, ...]:
     plots = tuple(_read_plot(description) for description in descriptions)
     names = [plot.name for plot in plots]
     for name in names:

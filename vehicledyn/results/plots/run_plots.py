@@ -50,7 +50,7 @@ def draw_plots(
 
 def plots_of(result: Result) -> tuple[Plot, ...]:
     """Return the plots a file describes, or plots of all its channels if it describes none."""
-    return read_plots(result.plots) or default_plots(result)
+    return read_plots(result.plots, result.path) or default_plots(result)
 
 
 def _chosen(result: Result, names: Sequence[str] | None) -> list[Plot]:
