@@ -55,3 +55,35 @@ def _point(key, place, rates, is_pinned):
         for k in range(3)
     )
     return Body(name(key), GROUND, joints=joints, mass=MASS)
+
+
+def net_text(rows, columns, *, pinned, bend=0.05):
+    """Return the system file of the same net; points that are pinned are places on the ground."""
+    at = places(rows, columns, bend)
+    lines = ["title: A net of rods", "bodies:"]
+    for key, place in at.items():
+        if key not in pinned:
+            starts = ", ".join(
+                f"{{kind: T{k + 1}, name: {axis}, start: {float(x)!r} m}}"
+                for k, (axis, x) in enumerate(zip("xyz", place, strict=True))
+            )
+            lines += [f"  {name(key)}:", f"    joints: [{starts}]", f"    mass: {MASS} kg"]
+    lines.append("cuts:")
+    pairs = [((i, j), (i + 1, j)) for i in range(rows - 1) for j in range(columns)]
+    pairs += [((i, j), (i, j + 1)) for i in range(rows) for j in range(columns - 1)]
+    for a, b in pairs:
+        ends = []
+        for key in (a, b):
+            fixed = ", ".join(f"{float(x)!r} m" for x in at[key])
+            is_fixed = key in pinned
+            body = f"ground, point: [{fixed}]" if is_fixed else name(key)
+            ends.append(f"{{body: {body}}}")
+        length = float(np.linalg.norm(at[a] - at[b]))
+        lines += [
+            f"  rod_{a[0]}{a[1]}_{b[0]}{b[1]}:",
+            "    kind: rod",
+            f"    a: {ends[0]}",
+            f"    b: {ends[1]}",
+            f"    length: {length!r} m",
+        ]
+    return "\n".join(lines) + "\n"

@@ -4,6 +4,7 @@ from functools import partial
 
 import numpy as np
 import pytest
+from nets import net
 from test_closed_forms import start_values
 from test_partitions import L, R, rk4, slider_crank
 
@@ -85,3 +86,60 @@ def test_cases_that_pass_a_dead_centre_leave_their_lanes(monkeypatch):
     assert np.array_equal(found.samples, one.samples)
     unwatched = swept("dependent", 4, watched=False)
     assert any(end.failed for end in unwatched.ends)
+
+
+def swinging(system, equations, count):
+    """Cases of a net that starts with random rates, from none to fast ones."""
+    state = np.array([s.start for s in equations.states])
+    states, rng = np.tile(state, (count, 1)), np.random.default_rng(1)
+    rates = list(equations.velocities)
+    for k in range(count):
+        states[k, rates] = 0.25 * k * rng.normal(size=len(rates))
+    unknowns = np.tile([u.start for u in equations.unknowns], (count, 1))
+    return Cases(np.zeros((count, 0)), states, unknowns)
+
+
+@pytest.mark.skipif(not has_lanes(), reason="lanes need a compiler and wide registers")
+@pytest.mark.parametrize("rows", [2, 3])
+def test_nets_in_lanes_change_their_partition_as_single_runs_do(rows, monkeypatch):
+    """Every case whose partition changes leaves its lane, and all are the same to the bit."""
+    left, run = [], SingleCase.run
+
+    def counted(alone, cases, number, room):
+        left.append(number)
+        return run(alone, cases, number, room)
+
+    monkeypatch.setattr(SingleCase, "run", counted)
+    system = net(rows, 2, pinned=((0, 0),))
+    equations = derive(system)
+    kernel, span = compile_kernel(equations), {"start": 0.0, "stop": 0.2, "interval": 0.01}
+    cases = swinging(system, equations, 9)
+    silent = {"progress": lambda *_: None}
+    names = [c.name for c in equations.channels]
+    channels = [names.index(name) for name in ("p1_0.x", "p1_1.z", "energy.kinetic")]
+    found = run_batch(
+        make_batch(kernel, lanes=4),
+        rk4(1e-3),
+        cases,
+        channels=channels,
+        runner=partial(simulate_watched, system, happened=lambda *_: None, **silent),
+        **span,
+    )
+    changed = set()
+    for k in range(len(cases)):
+        rows_of_case = []
+        simulate_watched(
+            system,
+            kernel,
+            rk4(1e-3),
+            state=cases.states[k],
+            unknowns=cases.unknowns[k],
+            sink=lambda t, x, z, y, kept=rows_of_case: kept.append(y[:, channels]),
+            happened=lambda name, time, k=k: changed.add(k),
+            **silent,
+            **span,
+        )
+        assert np.array_equal(found.samples[k], np.vstack(rows_of_case))
+    assert changed
+    assert changed <= set(left)
+    assert len(left) < len(cases)

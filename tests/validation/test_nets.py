@@ -14,6 +14,7 @@ import vehicledyn.catalogue  # noqa: F401
 from vehicledyn.analyses.linear.eigenmodes import find_modes
 from vehicledyn.analyses.preparation.prepare import equilibrium_point, prepare
 from vehicledyn.analyses.preparation.start_rates import start_rates
+from vehicledyn.analyses.simulation import partition_changes, rederived
 from vehicledyn.analyses.simulation.repartitioning import simulate_watched
 from vehicledyn.base.errors import NumericalError
 from vehicledyn.base.registry import find
@@ -27,16 +28,16 @@ SYSTEMS = Path(__file__).parents[2] / "systems"
 
 
 @cache
-def kernel_of(make):
+def kernel_of(make, backend="interpreted"):
     system = make()
-    return system, compile_kernel(derive(system), backend="interpreted")
+    return system, compile_kernel(derive(system), backend=backend)
 
 
 class Run:
     """Samples of a run by channel, and the events of its constraint method."""
 
-    def __init__(self, make, duration, interval, step=1e-3):
-        system, kernel = kernel_of(make)
+    def __init__(self, make, duration, interval, step=1e-3, *, backend="interpreted"):
+        system, kernel = kernel_of(make, backend)
         e = kernel.equations
         found, self.happened = [], []
         self.method = e.structure["constraint_method"]
@@ -75,6 +76,10 @@ class Run:
 
 def pinned_3():
     return net(3, 3, pinned=((0, 0), (0, 2)))
+
+
+def hanging_6():
+    return net(3, 2, pinned=((0, 0),))
 
 
 def hanging_3():
@@ -217,6 +222,8 @@ def test_a_given_rate_is_kept():
         moving = start_rates(kernel, given, 0.0, state, unknowns)
         outputs = kernel.outputs(0.0, moving, unknowns)
         names = [c.name for c in e.channels]
+        kept = [outputs[names.index(e.states[k].name)] for k in e.velocities]
+        assert moving[list(e.velocities)] == pytest.approx(np.array(kept), abs=1e-12)
         wanted = ("upright_0.angle_rate", "coupler_0.angle_rate", "upright_1.angle_rate")
         found.append([outputs[names.index(name)] for name in wanted])
     assert found[0] == pytest.approx(found[1], abs=1e-12)
@@ -386,3 +393,34 @@ def test_four_points_keep_their_energy_through_changes_of_partition(interval):
     run = Run(pinned_2, 0.8, interval)
     assert run.happened.count("partition.changed") >= 2
     assert np.abs(run.energy - run.energy[0]).max() < 5e-7
+
+
+def test_partitions_that_never_last_are_left_for_multipliers():
+    """Six points, seven rods: the energy stays, and every sample is there once."""
+    run = Run(hanging_6, 2.0, 0.01)
+    assert run.method == "partitioning"
+    assert run.happened.count("partition.changed") >= 6
+    assert run.happened.count("constraint_method.changed") == 1
+    assert run.time == pytest.approx(np.arange(201) * 0.01, abs=1e-12)
+    assert np.abs(run.energy - run.energy[0]).max() < 1e-5 * run.channel["energy.kinetic"].max()
+    assert np.isfinite(run.place((2, 1))).all()
+
+
+def test_brief_partitions_are_interpreted_and_lasting_ones_compiled(monkeypatch):
+    """Both give the same motion; a partition is compiled once it has lasted."""
+    forced, made = partitioned(hanging_6), []
+    usual = Run(forced, 0.5, 0.01, backend="compiled")
+
+    def compiled(equations, **options):
+        made.append(options.get("backend", "auto"))
+        return compile_kernel(equations, **options)
+
+    for module in (rederived, partition_changes):
+        monkeypatch.setattr(module, "compile_kernel", compiled)
+    monkeypatch.setattr(partition_changes, "_BRIEF", 50)
+    monkeypatch.setattr(partition_changes.PartitionChanges, "_is_brief", lambda self, time: True)
+    short = Run(forced, 0.5, 0.01, backend="compiled")
+    assert short.happened == usual.happened
+    assert made[:2] == ["interpreted", "auto"]
+    assert made.count("interpreted") == usual.happened.count("partition.changed")
+    assert short.energy == pytest.approx(usual.energy, abs=1e-9)

@@ -7,6 +7,7 @@ from collections.abc import Mapping
 import numpy as np
 from numpy.typing import NDArray
 
+from vehicledyn.analyses.preparation.projection import projected
 from vehicledyn.base.errors import InputError
 from vehicledyn.base.units import shown
 from vehicledyn.kernel.kernel import Kernel
@@ -21,7 +22,8 @@ def start_rates(
     """Return a state whose rates agree with those that were given.
 
     The rates of all coordinates are linear in the independent ones, at a given position. Those
-    that were given stay, others are chosen as small as may be.
+    that were given stay, others are chosen as small as may be. With multipliers, where all rates
+    are states, those returned fulfil the constraints.
 
     Parameters
     ----------
@@ -46,7 +48,7 @@ def start_rates(
     all_free = e.structure.get("constraint_method") == "multipliers"
     following = [n for n in given if (all_free or n not in names) and f"{n}_rate" in channels]
     if not following:
-        return state
+        return _on_constraints(kernel, time, state, unknowns) if all_free else state
     rows = [channels[f"{name}_rate"] for name in following]
     wanted = np.array([given[name] for name in following])
     pairs = zip(e.velocities, names, strict=True)
@@ -57,7 +59,7 @@ def start_rates(
         return np.array(kernel.outputs(time, found, unknowns))[rows]
 
     if all_free and np.all(np.abs(rates() - wanted) <= _AGREE * (1.0 + np.abs(wanted))):
-        return found
+        return _on_constraints(kernel, time, found, unknowns)
     found[free] = 0.0
     base, slopes = rates(), np.zeros((len(rows), len(free)))
     for column, index in enumerate(free):
@@ -74,7 +76,11 @@ def start_rates(
             if m > _AGREE * (1.0 + abs(w))
         ]
         raise InputError(_contradiction(kernel, following, wanted, rates()), about=about)
-    return found
+    return _on_constraints(kernel, time, found, unknowns) if all_free else found
+
+
+def _on_constraints(kernel: Kernel, time: float, state: Vector, unknowns: Vector) -> Vector:
+    return projected(kernel, state, kernel.outputs(time, state, unknowns))
 
 
 def _contradiction(kernel: Kernel, names: list[str], wanted: Vector, rates: Vector) -> str:

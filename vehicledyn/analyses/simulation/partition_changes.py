@@ -23,7 +23,7 @@ from vehicledyn.analyses.simulation.singularity_monitor import (
 )
 from vehicledyn.base.errors import NumericalError
 from vehicledyn.integrate.task import Statistics
-from vehicledyn.kernel.kernel import Kernel
+from vehicledyn.kernel.kernel import Kernel, compile_kernel
 from vehicledyn.multibody.model.system import MOST_ENTANGLED, System
 from vehicledyn.symbolic.equations import Equations
 
@@ -38,6 +38,16 @@ _INACCURATE = 10.0 * FINE_LEVERAGE
 """Leverage behind which steps of a fixed size are inaccurate, if other coordinates do better."""
 _WELL_REGULAR = 0.02
 """Least singular value of scaled constraints that is far from a singular position [1]."""
+_COMPILED = 3
+"""Partitions that are compiled whatever follows: that of the start, and the next two."""
+_MANY_CHANGES = 6
+"""Changes of partitions that do not last, behind which constraints are left to multipliers."""
+_BRIEF = 2_000
+"""Steps that partitions must last on average for the compiler to pay.
+
+A step of a net of six points takes 0.6 ms by the virtual machine and 0.03 ms compiled; to print
+and compile its equations takes 1.2 s.
+"""
 _log = logging.getLogger(__name__)
 
 
@@ -66,6 +76,11 @@ class PartitionChanges:
     parts: list[Statistics]
     changed_at: float = -np.inf
     log: PivotLog = field(init=False)
+    _changes: int = field(default=0, init=False)
+
+    def __post_init__(self) -> None:
+        """Remember whether the run compiles its kernels."""
+        self.compiles = self.kernel.backend == "compiled"
 
     @cached_property
     def watch(self) -> PartitionWatch:
@@ -83,6 +98,35 @@ class PartitionChanges:
         return (
             self.system.constraint_method == "auto" and self.watch.most_entangled > MOST_ENTANGLED
         )
+
+    def never_lasts(self, time: float) -> bool:
+        """Return whether partitions change so often that multipliers are likely to do better."""
+        is_open = self.system.constraint_method == "auto"
+        return is_open and self._changes >= _MANY_CHANGES and self._is_brief(time)
+
+    @property
+    def looks_on_trial(self) -> int | None:
+        """Looks after which a partition has lasted so long that it is compiled; None if it is."""
+        step = self.plan.step
+        if not self.compiles or step is None or self.kernel.backend == "compiled":
+            return None
+        return max(1, round(_BRIEF * step / self.plan.interval))
+
+    def settle(self) -> None:
+        """Compile the equations of a partition that has lasted."""
+        parameters, equations = self.kernel.parameters, self.kernel.equations
+        self.kernel = compile_kernel(equations, evaluations=np.inf).with_parameters(parameters)
+        self.compiles = self.kernel.backend == "compiled"
+        for best, kernel in self.known.items():
+            if kernel.equations is equations:
+                self.known[best] = self.kernel
+
+    def _is_brief(self, time: float) -> bool:
+        """Return whether partitions change so often that another one is not compiled."""
+        step = self.plan.step
+        if step is None or len(self.known) < _COMPILED - 1:
+            return False
+        return (time - self.plan.start) / step < _BRIEF * (self._changes + 1)
 
     @property
     def _dependent(self) -> list[str]:
@@ -173,11 +217,16 @@ class PartitionChanges:
         """
         if sample.time <= self.changed_at:
             raise lasts_no_longer(sample, found)
-        self.changed_at = sample.time
+        self.changed_at, self._changes = sample.time, self._changes + 1
         if found.best not in self.known:
             self.plan.progress("deriving the equations with other dependent coordinates", None)
             self.known[found.best] = derived_at(
-                self.system, self.kernel, sample, first=self.first, method="partitioning"
+                self.system,
+                self.kernel,
+                sample,
+                first=self.first,
+                method="partitioning",
+                interpreted=not self.compiles or self._is_brief(sample.time),
             )
         new = self.known[found.best].with_parameters(self.kernel.parameters)
         state, guess = state_in(new, self.kernel, sample)

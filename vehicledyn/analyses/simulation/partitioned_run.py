@@ -117,7 +117,7 @@ class PartitionedRun:
     def _go(self, place: Place) -> None:
         resumed, plan = False, self.plan
         while True:
-            last = None if self._segment is None else place.look + self._segment
+            last = self._last_look(place)
             self._log.begin(skip=resumed)
             try:
                 found = self._piece(place, last)
@@ -126,6 +126,8 @@ class PartitionedRun:
             except Degrading as degrading:
                 if self._changes.prefers_multipliers:
                     raise
+                if self._ends_with_multipliers(degrading):
+                    return
                 place = self._changes.change_for(degrading)
             except DivergenceError:
                 raise
@@ -137,8 +139,16 @@ class PartitionedRun:
                     self._log.release()
                     return
                 place = Place(last, end.state, end.unknowns)
-                self._segment = 2 * (self._segment or _FIRST_SEGMENT)
+                if self._segment is not None:
+                    self._segment *= 2
+                if self._changes.looks_on_trial is not None:
+                    self._changes.settle()
             resumed = True
+
+    def _last_look(self, place: Place) -> int | None:
+        """Return the look at which a piece ends, None where that is the end of the run."""
+        counts = (self._segment, self._changes.looks_on_trial)
+        return min((place.look + count for count in counts if count is not None), default=None)
 
     def _piece(self, place: Place, last: int | None) -> Statistics:
         plan = self.plan
@@ -174,23 +184,56 @@ class PartitionedRun:
             raise error
         return self._pass(crossing)
 
+    def _ends_with_multipliers(self, degrading: Degrading) -> bool:
+        """Run to the end with multipliers where no partition lasts long; return whether it did."""
+        sample = degrading.before or degrading.sample
+        if not self._changes.never_lasts(sample.time):
+            return False
+        kernel = self._multiplier_kernel(sample)
+        if kernel is None:
+            return False
+        self._log.release()
+        self._finish(kernel, sample)
+        return True
+
     def _go_on_with_multipliers(self, sample: Sample | None, error: NumericalError) -> None:
         """Go on with multipliers where no partition lasts, but no constraint depends on others.
 
         Raises the error where that is not so, or leads no further.
         """
+        kernel = None if sample is None else self._multiplier_kernel(sample)
+        if sample is None or kernel is None:
+            raise error
+        try:
+            self._finish(kernel, sample)
+        except DivergenceError:
+            raise
+        except NumericalError:
+            raise error from None
+
+    def _multiplier_kernel(self, sample: Sample) -> Kernel | None:
+        """Return the equations with multipliers, if they are allowed and regular at a sample."""
         changes = self._changes
-        if sample is None or self.system.constraint_method != "auto":
-            raise error
+        if self.system.constraint_method != "auto":
+            return None
         if not changes.watch.is_regular(sample.time, values_of(changes.kernel, sample)):
-            raise error
+            return None
         self.plan.progress("deriving the equations with multipliers", None)
         try:
-            kernel = derived_at(
-                self.system, changes.kernel, sample, first=self.first, method="multipliers"
+            return derived_at(
+                self.system,
+                changes.kernel,
+                sample,
+                first=self.first,
+                method="multipliers",
+                interpreted=not changes.compiles,
             )
         except InputError:
-            raise error from None
+            return None
+
+    def _finish(self, kernel: Kernel, sample: Sample) -> None:
+        """Run from a sample to the end with multipliers."""
+        changes = self._changes
         state, guess = state_in(kernel, changes.kernel, sample)
         changes.kernel = kernel.with_parameters(changes.kernel.parameters)
         self.plan.happened("constraint_method.changed", sample.time)
@@ -198,13 +241,8 @@ class PartitionedRun:
         plan = replace(
             self.plan, start=sample.time, stop=self.plan.end, every=1, sink=self._hand_on
         )
-        try:
-            run = ProjectedRun(changes.kernel, projected_plan(plan), lambda: changes.watch)
-            self._parts.append(run.go(state, guess, skip=True))
-        except DivergenceError:
-            raise
-        except NumericalError:
-            raise error from None
+        run = ProjectedRun(changes.kernel, projected_plan(plan), lambda: changes.watch)
+        self._parts.append(run.go(state, guess, skip=True))
 
     def _forward(self, samples: list[Sample]) -> None:
         """Hand samples on, which are given in order."""

@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from vehicledyn.analyses.preparation.projection import projected
 from vehicledyn.analyses.simulation.rederived import values_of
 from vehicledyn.analyses.simulation.run_plan import Point, RunPlan
 from vehicledyn.analyses.simulation.singularity_crossing import Sample
@@ -172,16 +173,6 @@ class ProjectedRun:
             raise ValueError("no sample has been taken yet")
         state = projected(self.kernel, self._last.state, self._last.outputs)
         return state, self._last.unknowns
-
-
-def projected(kernel: Kernel, state: Vector, outputs: Vector) -> Vector:
-    """Return a state on the constraints, from the channels there."""
-    e = kernel.equations
-    places = {c.name: k for k, c in enumerate(e.channels)}
-    found = state.copy()
-    for k in (*e.positions, *e.velocities):
-        found[k] = outputs[places[e.states[k].name]]
-    return found
 
 
 def projected_plan(plan: RunPlan) -> RunPlan:

@@ -26,6 +26,7 @@ def derived_at(
     *,
     first: Equations,
     method: ConstraintMethod,
+    interpreted: bool,
 ) -> Kernel:
     """Return a kernel of the equations with the configuration of a sample as the start.
 
@@ -37,6 +38,8 @@ def derived_at(
         The equations that the run began with, whose states are further states of parts too.
     method
         How the constraints are treated from now on; the partition is chosen anew.
+    interpreted
+        Whether the equations are not compiled.
 
     Raises
     ------
@@ -52,7 +55,7 @@ def derived_at(
     states = {s.name: values[s.name] for s in first.states if s.name in values}
     equations = derive(changed, moment=AssemblyState(sample.time, states))
     # Multipliers of many entangled constraints are solved sparsely, which cannot be compiled.
-    backend: Backend = "auto" if kernel.backend == "compiled" else "interpreted"
+    backend: Backend = "interpreted" if interpreted else "auto"
     return compile_kernel(equations, backend=backend, evaluations=math.inf)
 
 

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from vehicledyn.analyses.preparation.projection import projected
 from vehicledyn.analyses.simulation.chosen_step import leaves_step
 from vehicledyn.analyses.simulation.partitioned_run import PartitionedRun
 from vehicledyn.analyses.simulation.projected_run import ProjectedRun, projected_plan
@@ -90,6 +91,9 @@ def simulate_watched(
         )
     begun = time.perf_counter()
     given = np.asarray(state, dtype=float), np.asarray(unknowns, dtype=float)
+    is_new = course is None or course.beginning is None
+    if is_new and kernel.equations.structure.get("constraint_method") == "multipliers":
+        given = projected(kernel, given[0], kernel.outputs(start, *given)), given[1]
     if leaves_step(solver):
         method: Any = solver
         point = (start, given[0], given[1].copy())
