@@ -8,6 +8,7 @@ from __future__ import annotations
 import contextlib
 import hashlib
 import importlib.util
+import os
 import sys
 import traceback
 import zlib
@@ -87,10 +88,12 @@ def plugin_digest(path: str) -> str:
 def _names_plugins(folder: str) -> bool:
     """Return whether a package in a folder of modules names plugins, without loading much."""
     wanted = f"[{GROUP}]".encode()
-    with contextlib.suppress(OSError):
-        for file in Path(folder or ".").glob("*.*-info/entry_points.txt"):
-            if wanted in file.read_bytes():
-                return True
+    with contextlib.suppress(OSError), os.scandir(folder or ".") as entries:
+        for entry in entries:
+            if entry.name.endswith("-info"):
+                with contextlib.suppress(OSError):
+                    if wanted in Path(entry.path, "entry_points.txt").read_bytes():
+                        return True
     return False
 
 

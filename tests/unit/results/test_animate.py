@@ -168,7 +168,7 @@ def no_shapes(path):
 
 def no_pictures(path):
     with h5py.File(path, "a") as file:
-        for name in ("time", "origin", "position", "quaternion", "turn"):
+        for name in ("picture_time", "origin", "position", "quaternion", "turn"):
             file["animation"][name].resize(0, axis=0)
 
 
@@ -311,9 +311,9 @@ def test_long_results_are_thinned_in_bounded_memory(tmp_path):
         names = [*file.attrs["channels"], *(f"more.c{k}" for k in range(60))]
         file.attrs["channels"] = np.array(names, dtype=h5py.string_dtype())
         group = file["animation"]
-        for name in ("time", "origin", "position", "quaternion", "turn"):
+        for name in ("picture_time", "origin", "position", "quaternion", "turn"):
             group[name].resize(500_000, axis=0)
-        group["time"][:] = np.linspace(0.0, DURATION, 500_000)
+        group["picture_time"][:] = np.linspace(0.0, DURATION, 500_000)
     begun = time.perf_counter()
     tracemalloc.start()
     written = animate_result(path, tmp_path / "page.html", span=Span(1000))
