@@ -9,6 +9,7 @@ import pytest
 
 from vehicledyn.cli import main
 
+pytestmark = pytest.mark.long
 ROOT = Path(__file__).parents[3]
 RAMP = ROOT / "scenarios" / "iltis_ramp_steer.yaml"
 
@@ -38,8 +39,6 @@ sys.modules["casadi"] = sys.modules["vehicledyn"] = None
 sys.path.insert(0, ".")
 import iltis_ramp_steer as m
 import numpy as np
-
-pytestmark = pytest.mark.long
 p = m.Parameters()
 z = m.solve_loops(0.0, m.x_start, m.z_start, p)
 print(p.chassis_mass, np.abs(z - m.z_start).max(), m.x_start.max())

@@ -43,6 +43,8 @@ def test_axes_are_the_rates_of_rotation_and_displacement(kind):
 @pytest.mark.parametrize("kind", ONE_COORDINATE)
 def test_numbers_are_those_of_the_expressions(kind):
     of, values = joint(kind).type, np.array([-2.0, 0.3, 4.0])
+    for found in (displacements(of, values[:0]), quaternions(of, values[:0])):
+        assert found is None or len(found) == 0
     shift, turned = displacements(of, values), quaternions(of, values)
     for k, value in enumerate(values):
         if shift is not None:

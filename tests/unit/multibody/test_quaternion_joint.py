@@ -315,6 +315,7 @@ def test_pictures_show_the_attitude():
     values = {n: np.array([2.0 * q, q]) for n, q in zip(skeleton.coordinates, OBLIQUE, strict=True)}
     found = skeleton.poses(values)
     assert np.abs(found.quaternion[:, 0] @ OBLIQUE) == pytest.approx(1.0, abs=1e-14)
+    assert skeleton.poses({n: np.zeros(0) for n in values}).quaternion.shape == (0, 1, 4)
 
 
 def test_force_on_a_speed_is_a_torque_about_that_axis():

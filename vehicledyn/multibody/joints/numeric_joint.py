@@ -32,13 +32,15 @@ def quaternions(joint: JointType, values: Array) -> Array | None:
         return about(np.eye(3)[joint.angle_about - 1], values)
     if not joint.turns_otherwise:
         return None
-    q = ops.symbols("position", values[0].size)
+    q = ops.symbols("position", values.shape[1] if values.ndim > 1 else 1)
     rows = _at(q, ops.flat(joint.rotation(q)), values)
     # A matrix is kept column by column.
-    return np.stack([from_rows(row.reshape(3, 3).T) for row in rows])
+    return np.array([from_rows(row.reshape(3, 3).T) for row in rows]).reshape(-1, 4)
 
 
 def _at(q: Scalar, column: Scalar, values: Array) -> Array:
     count = len(values)
+    if not count:
+        return np.zeros((0, column.shape[0]))
     found = ops.numeric([q], column)(values.reshape(count, -1).T)
     return np.asarray(found.T)
