@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from system_texts import Motion, equations
+from system_texts import Motion, equations, problems
 
 import vehicledyn.catalogue
 from vehicledyn.base.registry import kinds
@@ -50,6 +50,21 @@ def test_joint_with_a_quaternion_has_its_components_and_an_angular_velocity(tmp_
     assert [start[f"right.quaternion_{c}"] for c in "wxyz"] == [2.0, -1.0, 0.5, 0.0]
     assert [start[f"left.omega_{c}"] for c in "xyz"] == pytest.approx([1.0, np.pi / 3.0, 0.0])
     assert [start[f"right.omega_{c}"] for c in "xyz"] == pytest.approx([-1.0, np.pi / 3.0, 5.0])
+
+
+@pytest.mark.parametrize(
+    ("joint", "told"),
+    [
+        ("{kind: screw, axis: 3}", "b.joints[0].lead: missing: Advance in one turn"),
+        ("{kind: screw, axis: 4, lead: 1 mm}", "b.joints[0].axis: must be 1, 2 or 3, is '4'"),
+        ("{kind: screw, axis: 3, lead: 5 kg}", "b.joints[0].lead: this is in kg, a quantity in m"),
+        ("{kind: spherical_quaternion, start: [1, 0, 0]}", "b.joints[0].start: it has 4 numbers"),
+        ("{kind: spherical_quaternion, start_rate: [1 m, 0, 0]}", "start_rate[0]: this is in m"),
+    ],
+)
+def test_joint_with_a_mistake_is_refused(joint, told, tmp_path):
+    found = problems(tmp_path, f"title: t\nbodies: {{b: {{joints: [{joint}], {MASS}}}}}\n")
+    assert len(found) == 1 and told in found[0]
 
 
 @pytest.mark.parametrize("kind", kinds("joint"))

@@ -349,6 +349,13 @@ def test_a_loop_that_leaves_the_joint_no_freedom_is_refused():
         derive(System("top", ParameterTable(), (body,), (cut,)))
 
 
+@pytest.mark.parametrize("start", [(0.0, 0.0, 0.0, 0.0), (1.0, np.nan, 0.0, 0.0)])
+def test_a_quaternion_without_length_is_refused(start):
+    body = Body("top", GROUND, joints=quaternion_joint("top", start), **RIGID)
+    with pytest.raises(InputError, match="its quaternion has no length"):
+        System("top", ParameterTable(), (body,)).check()
+
+
 def test_a_force_on_a_component_of_a_quaternion_is_refused():
     body = Body("top", GROUND, joints=quaternion_joint("top"), **RIGID)
     push = CoordinateForce("push", "top.quaternion_x", lambda _: 1.0)

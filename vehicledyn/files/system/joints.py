@@ -8,7 +8,7 @@ from dataclasses import Field as SettingField
 from dataclasses import dataclass, field, fields, is_dataclass
 from typing import Any, Literal, Self
 
-from pydantic import Field, field_validator, model_validator
+from pydantic import Field, ValidationInfo, field_validator
 
 from vehicledyn import multibody
 from vehicledyn.base.registry import find, register
@@ -132,15 +132,17 @@ class ElementsJointSet(JointSet):
             )
         ]  # fmt: skip
 
-    @model_validator(mode="after")
-    def _as_many_as_it_has(self) -> Self:
-        of = find(FAMILY, self.kind)
-        wanted = {"start": of.positions, "start_rate": len(of.elements) - of.positions}
-        for name, count in wanted.items():
-            given = getattr(self, name)
-            if given is not None and len(given) != count:
-                raise ValueError(f"'{name}' has {count} numbers, not {len(given)}")
-        return self
+    @field_validator("start", "start_rate")
+    @classmethod
+    def _as_many_as_it_has(
+        cls, value: tuple[Expression, ...] | None, info: ValidationInfo
+    ) -> tuple[Expression, ...] | None:
+        of = find(FAMILY, cls.kind)
+        speeds = len(of.elements) - of.positions
+        count = speeds if info.field_name == "start_rate" else of.positions
+        if value is not None and len(value) != count:
+            raise ValueError(f"it has {count} numbers, not {len(value)}")
+        return value
 
     def mirrored(self, axis: int) -> Self:
         """Return the joint with its starts turned round where the motion is."""

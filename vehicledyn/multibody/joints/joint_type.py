@@ -107,6 +107,11 @@ class JointType(ABC):
         """Return the rates of the positions of a joint with several coordinates."""
         raise NotImplementedError
 
+    @classmethod
+    def start_problem(cls, positions: Sequence[float]) -> str:
+        """Return what is wrong with positions to start from, empty if nothing."""
+        return ""
+
     @property
     def angle_about(self) -> int | None:
         """Axis of the frame about which R is the turn by the angle q; None for any other R."""

@@ -75,6 +75,14 @@ class SphericalQuaternion(JointType):
             back * z + w * c + x * b - y * a,
         ]
 
+    @classmethod
+    def start_problem(cls, positions: Sequence[float]) -> str:
+        """Refuse a quaternion of no length."""
+        size = sum(value * value for value in positions)
+        if 0.0 < size < float("inf"):
+            return ""
+        return "its quaternion has no length; start from [1, 0, 0, 0] for no rotation"
+
     def is_turned_by_mirror(self, axis: int) -> bool:
         """Return whether a component is about an axis in the mirror's plane."""
         about = (0, 1, 2, 3, 1, 2, 3)[self.element]

@@ -92,7 +92,7 @@ def quaternion_joint(
     kind = "spherical_quaternion"
     elements = find(FAMILY, kind).elements
     names = tuple(f"{body}.{element.name}" for element in elements)
-    size = math.sqrt(sum(value * value for value in start))
+    size = math.sqrt(sum(value * value for value in start)) or 1.0
     values = [*((value / size, 0.0) for value in start), *((0.0, rate) for rate in start_rate)]
     return tuple(
         Joint(

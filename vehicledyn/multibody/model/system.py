@@ -129,10 +129,15 @@ def _spins(body: Body) -> bool:
 def _joint_problems(system: System) -> list[str]:
     problems: list[str] = []
     seen: set[str] = set()
+    starts = {joint.name: joint.start for joint in system.joints()}
     for joint in system.joints():
         problem = _type_problem(joint)
         if problem:
             problems.append(f"joint '{joint.name}': {problem}")
+        if not problem and joint.siblings and joint.leads:
+            start = [starts.get(name, 0.0) for name in joint.positions]
+            found = joint.type.start_problem(start)
+            problems += [f"joint '{joint.name}': {found}"] if found else []
         if not problem and joint.siblings and joint.role != "independent":
             problems.append(f"joint '{joint.name}': the role of a quaternion is 'independent'")
         if joint.role not in ROLES:
