@@ -20,7 +20,7 @@ ROOT = Path(__file__).resolve().parents[1]
 SCENARIOS = ROOT / "scenarios"
 PAGE = ROOT / "docs" / "gallery.md"
 FIGURES = ROOT / "docs" / "figures"
-_STRETCHED = ("small_car", "iltis_slalom")
+_STRETCHED = ("small_car", "assembled_car", "iltis_slalom")
 """Whose paths are long: not true to scale."""
 SIZE, DOTS = (4.2, 2.5), 100
 _SMALL = 0.1
@@ -106,6 +106,10 @@ PICTURES = {
     "simple_wheelset": Picture(("wheelset.lateral",), "mm", "Lateral shift"),
     "slider_crank": Picture(("slider.position",), "mm", "Place of the slider"),
     "slider_crank_two_angles": Picture(("guide.multiplier",), "N", "Normal force of the guide"),
+    "assembled_car": Picture(("chassis.y",), "m", "Place y", "chassis.x"),
+    "double_wishbone_axle": Picture(("chassis.height",), "mm", "Height of the chassis"),
+    "five_link_axle": Picture(("chassis.height",), "mm", "Height of the chassis"),
+    "manchester_bogie": Picture(("wheelset_1.y", "wheelset_2.y"), "mm", "Wheelsets: y"),
     "small_car": Picture(("chassis.y",), "m", "Place y", "chassis.x"),
     "small_cart": Picture(("cart.x", "mass.x"), "m", "Cart and pendulum: x"),
     "small_cart_2": Picture(("load.slide",), "mm", "Load against the cart"),

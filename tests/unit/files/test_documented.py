@@ -59,9 +59,9 @@ def test_commands_of_the_page(tmp_path):
 
 @pytest.mark.parametrize("name", SYSTEMS)
 def test_system_of_the_page_moves(name, tmp_path):
-    path = tmp_path / name
-    path.write_text(LISTINGS[name], encoding="utf-8")
-    model, problems = read_system(path)
+    for file in SYSTEMS:
+        (tmp_path / file).write_text(LISTINGS[file], encoding="utf-8")
+    model, problems = read_system(tmp_path / name)
     assert [str(problem) for problem in problems] == []
     seen = Motion(derive(build_system(model))).at(0.1)
     assert all(np.isfinite(value) for value in seen.values())

@@ -6,6 +6,7 @@ import textwrap
 from dataclasses import dataclass
 from typing import Any
 
+from vehicledyn.analyses.models.assembly_tree import assemblies_as_data, assembly_lines
 from vehicledyn.analyses.preparation.build_model import Target, build_subject
 from vehicledyn.analyses.preparation.prepare import prepare
 from vehicledyn.analyses.preparation.prepared import Progress
@@ -13,6 +14,7 @@ from vehicledyn.base.registry import find
 from vehicledyn.files.building.python_systems import system_as_yaml
 from vehicledyn.files.building.write import model_as_yaml
 from vehicledyn.files.scenario import LoadedModel
+from vehicledyn.files.system.assemblies import Assembly
 from vehicledyn.files.system.read import SystemModel
 from vehicledyn.kernel.kernel import Backend, KernelReport
 from vehicledyn.symbolic.equations import Equations, ParameterValue
@@ -26,6 +28,7 @@ class ModelReport:
     equations: Equations
     kernel: str
     report: KernelReport
+    assemblies: tuple[Assembly, ...] = ()
 
     def as_text(self) -> str:
         """Return the report as text."""
@@ -37,6 +40,7 @@ class ModelReport:
             f"{len(s['cuts'])} loop cuts, {len(self.equations.parameters)} parameters, "
             f"{len(self.equations.channels)} channels",
             "",
+            *assembly_lines(self.assemblies),
             "bodies",
             *(_body_line(b) for b in s["bodies"]),
             "",
@@ -66,6 +70,7 @@ class ModelReport:
             "name": e.name,
             "summary": self.summary,
             **e.structure,
+            "assemblies": assemblies_as_data(self.assemblies),
             "states": [{"name": v.name, "unit": v.unit, "start": v.start} for v in e.states],
             "parameters": {
                 p.name: {"value": p.value, "unit": p.unit, "description": p.description}
@@ -86,12 +91,13 @@ def describe_model(target: Target, *, backend: Backend, progress: Progress) -> M
     """Return what a model is made of, of the catalogue with its standard parts."""
     prepared = prepare(target, backend=backend, progress=progress)
     kernel, written = prepared.kernel, target.written
+    assemblies: tuple[Assembly, ...] = ()
     if isinstance(written, SystemModel):
-        summary = written.file.title
+        summary, assemblies = written.file.title, written.assemblies
     else:
         name = target.name if isinstance(target, LoadedModel) else target.scenario.model
         summary = (find("model", name).__doc__ or "").strip().partition("\n")[0]
-    return ModelReport(summary, prepared.equations, kernel.description, kernel.report)
+    return ModelReport(summary, prepared.equations, kernel.description, kernel.report, assemblies)
 
 
 def write_system(target: Target) -> str:

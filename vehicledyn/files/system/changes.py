@@ -46,7 +46,7 @@ def apply(data: dict[str, Any], given: dict[str, Any]) -> Changes:
     if isinstance(parameters, dict) and parameters:
         own = copy.deepcopy(data.get("parameters") or {})
         data["parameters"] = own
-        _merge(own, parameters, ("parameters",), changes)
+        merge(own, parameters, ("parameters",), changes)
     starts = given.get("initial") or {}
     if isinstance(starts, dict):
         known = data.get("initial")
@@ -68,7 +68,8 @@ def changed_units(changes: Changes, after: Parameters) -> Iterator[tuple[Place, 
                 yield place, f"this is in {new}, the parameter is a quantity in {wanted}"
 
 
-def _merge(own: dict[str, Any], change: dict[str, Any], place: Place, changes: Changes) -> None:
+def merge(own: dict[str, Any], change: dict[str, Any], place: Place, changes: Changes) -> None:
+    """Change a section of parameters in place; ``changes`` notes what was given and is wrong."""
     for key, value in change.items():
         here = (*place, key)
         if key not in own:
@@ -84,7 +85,7 @@ def _merged(old: Any, new: Any, place: Place, changes: Changes) -> Any:
     if is_long(old):
         return {**old, "value": _merged(old["value"], new, place, changes)}
     if isinstance(old, dict) and isinstance(new, dict):
-        _merge(old, new, place, changes)
+        merge(old, new, place, changes)
         return old
     if isinstance(old, dict):
         changes.problems.append(

@@ -44,6 +44,9 @@ def check(file: SystemFile, coordinates: dict[str, Coordinate], parameters: Para
         The parameters, those without mistakes.
     """
     yield from _names(file)
+    if file.wheels and "speed" in parameters.declared:
+        words = "'speed' is the forward speed of what has wheels; take another name"
+        yield ("parameters", "speed"), words
     yield from _coordinates_twice(file)
     yield from tree_problems(file.bodies)
     known = _Known(file, coordinates, parameters)
@@ -140,7 +143,7 @@ def _names(file: SystemFile) -> Problems:
             place = (section, name)
             if not all(is_name(piece) for piece in name.split(".")):
                 yield place, f"'{name}' cannot be a name; use letters, digits, _ and dots"
-            if section == "bodies" and ("." in name or name == GROUND):
+            if section == "bodies" and name == GROUND:
                 yield place, f"'{name}' cannot be a body's name"
             if section != "bodies" and name in seen:
                 yield place, f"the name is taken: {seen[name]} '{name}' has it"

@@ -13,7 +13,7 @@ from vehicledyn.files.scenario.sources import Sources
 if TYPE_CHECKING:
     from vehicledyn.files.system.read import SystemModel
 
-KEYS = ("bodies", "repeat", "mirror")
+KEYS = ("bodies", "repeat", "mirror", "assemblies")
 """Keys by which a file shows that it is a system."""
 
 
@@ -39,5 +39,13 @@ class SystemFiles:
     def groups(path: Path) -> set[str]:
         """Return the first words of the names of its parameters."""
         data = read_yaml(path).data
-        known = data.get("parameters") if isinstance(data, dict) else None
-        return set(known) if isinstance(known, dict) else set()
+        if not isinstance(data, dict):
+            return set()
+        known = data.get("parameters")
+        names = set(known) if isinstance(known, dict) else set()
+        if "assemblies" in read_yaml(path).text:
+            from vehicledyn.files.system.assemblies import raw_assemblies
+            from vehicledyn.files.system.repeat import expand
+
+            names |= {name for _, name, _ in raw_assemblies(expand(data).data)}
+        return names

@@ -65,7 +65,7 @@ def mirror_image(group: MirrorSet, outside: Sequence[Coordinate] = ()) -> Image:
         them in the group, or uses them, acts in the image on their mirror motion.
     """
     image = Image()
-    axis, pieces = AXES[group.plane], group.names
+    axis, pieces = AXES[group.plane], _Pieces(group.names, frozenset(group.assemblies))
     coordinates = [c for name, body in group.bodies.items() for c in body.coordinates(name)]
     renamed = _Names(
         {name: _replaced(name, pieces) for name in group.bodies},
@@ -77,7 +77,7 @@ def mirror_image(group: MirrorSet, outside: Sequence[Coordinate] = ()) -> Image:
         {name: _replaced(name, pieces) for name in (*group.cuts, *group.constraints)},
         {name: _replaced(name, pieces) for name in group.switches},
     )
-    for section in Sections.model_fields:
+    for section in (name for name in Sections.model_fields if name != "assemblies"):
         entries: dict[str, Any] = image.sections.setdefault(section, {})
         for name, item in getattr(group, section).items():
             if section == "initial":
@@ -85,12 +85,25 @@ def mirror_image(group: MirrorSet, outside: Sequence[Coordinate] = ()) -> Image:
             else:
                 new, value = _replaced(name, pieces), _mirrored(item, axis, renamed, pieces)
             if new == name:
-                words = f"the name has none of the pieces {', '.join(pieces)} of 'names'"
+                words = f"the name has none of the pieces {', '.join(pieces.texts)} of 'names'"
                 image.problems.append(((section, name), words))
             elif new in entries:
                 image.problems.append(((section, name), f"its image '{new}' is made twice"))
             entries[new], image.old[section, new] = value, name
     return image
+
+
+def image_name(name: str, group: MirrorSet) -> str:
+    """Return the name of the mirror image of an assembly."""
+    return _replaced(name, _Pieces(group.names, frozenset()))
+
+
+@dataclass(frozen=True)
+class _Pieces:
+    """Pieces of names and what they become; of the names in ``assemblies`` only the first word."""
+
+    texts: Mapping[str, str]
+    assemblies: frozenset[str]
 
 
 @dataclass(frozen=True)
@@ -113,15 +126,19 @@ class _Names:
         return found | {old: named(new) for old, new in self.switches.items()}
 
 
-def _replaced(name: str, pieces: Mapping[str, str]) -> str:
-    """Return a name with each piece replaced, once a place."""
-    if not pieces:
+def _replaced(name: str, pieces: _Pieces) -> str:
+    """Return a name with each piece replaced, once a place; inside an assembly names stay."""
+    head, dot, inside = name.partition(".")
+    if dot and head in pieces.assemblies:
+        return _replaced(head, pieces) + dot + inside
+    texts = pieces.texts
+    if not texts:
         return name
-    pattern = "|".join(re.escape(piece) for piece in sorted(pieces, key=len, reverse=True))
-    return re.sub(pattern, lambda match: pieces[match[0]], name)
+    pattern = "|".join(re.escape(piece) for piece in sorted(texts, key=len, reverse=True))
+    return re.sub(pattern, lambda match: texts[match[0]], name)
 
 
-def _new_coordinate(name: str, group: MirrorSet, pieces: Mapping[str, str]) -> str:
+def _new_coordinate(name: str, group: MirrorSet, pieces: _Pieces) -> str:
     body = next((b for b in group.bodies if name.startswith(f"{b}.")), None)
     if body is None:
         return _replaced(name, pieces)
@@ -137,7 +154,7 @@ def _mirrored_start(name: str, value: Expression, renamed: _Names) -> tuple[str,
     return new + name[len(coordinate) :], turned
 
 
-def _mirrored(item: Any, axis: int, renamed: _Names, pieces: Mapping[str, str]) -> Any:
+def _mirrored(item: Any, axis: int, renamed: _Names, pieces: _Pieces) -> Any:
     """Return the mirror image of a part, of several, or of what is none unchanged."""
     if isinstance(item, dict):
         return {k: _mirrored(entry, axis, renamed, pieces) for k, entry in item.items()}
@@ -192,9 +209,7 @@ def _turned(item: SystemSet, image: SystemSet, renamed: _Names) -> SystemSet:
     return image
 
 
-def _mirrored_field(
-    item: SystemSet, name: str, axis: int, renamed: _Names, pieces: Mapping[str, str]
-) -> Any:
+def _mirrored_field(item: SystemSet, name: str, axis: int, renamed: _Names, pieces: _Pieces) -> Any:
     value, what = getattr(item, name), fact(type(item), name, "names")
     if what is not None:
         known = {"body": renamed.bodies, "constraint": renamed.constraints}
@@ -218,7 +233,7 @@ def _mirrored_inertia(value: tuple[Expression, ...], axis: int) -> tuple[Express
     return (*value[:3], *(e.negated() if axis in pair else e for e, pair in beside))
 
 
-def _mirrored_joint(joint: JointSet, axis: int, pieces: Mapping[str, str]) -> JointSet:
+def _mirrored_joint(joint: JointSet, axis: int, pieces: _Pieces) -> JointSet:
     image, name = joint.mirrored(axis), getattr(joint, "name", "")
     if "." in name:
         return image.model_copy(update={"name": _replaced(name, pieces)})

@@ -94,6 +94,10 @@ class RailWheelSet(SystemSet):
 
         return open_profile(self._text(folder), "wheel", self.profile_reading)
 
+    def seen_from(self, way: str) -> RailWheelSet:
+        """Return the wheels with the file of their profile at the end of a way to its folder."""
+        return self.model_copy(update={"profile": self._text(Path(way))})
+
     def _text(self, folder: Path) -> str:
         """Return the name of the profile, of a file with its folder."""
         is_file = not is_name(self.profile) and bool(Path(self.profile).suffix)

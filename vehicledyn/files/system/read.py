@@ -16,12 +16,14 @@ from vehicledyn.base.yaml import Document, read_yaml
 from vehicledyn.files.expressions.parameters import Parameters, read_parameters
 from vehicledyn.files.scenario.referenced_files import beside
 from vehicledyn.files.scenario.sources import Sources
-from vehicledyn.files.system import changes
+from vehicledyn.files.system import assemblies, changes
+from vehicledyn.files.system.assemblies import Assembly, Library, PartFile, Use
 from vehicledyn.files.system.checks import check
+from vehicledyn.files.system.flat import Flat, flatten
+from vehicledyn.files.system.instances import interface_problems
 from vehicledyn.files.system.joints import Coordinate
 from vehicledyn.files.system.kinds import load_kinds
 from vehicledyn.files.system.laws import TimeLaw
-from vehicledyn.files.system.mirror import mirror_image
 from vehicledyn.files.system.motion import read_motion
 from vehicledyn.files.system.repeat import Expansion, expand
 from vehicledyn.files.system.sets import Sections, SystemFile
@@ -35,7 +37,8 @@ class SystemModel:
 
     ``file`` has its repetition and mirror images carried out and its bodies parents first;
     ``places`` are the lines of coordinates, parts and bodies by name, without a message;
-    ``motion`` are the laws that a scenario gives for inverse dynamics, by coordinate.
+    ``motion`` are the laws that a scenario gives for inverse dynamics, by coordinate;
+    ``text`` is that of the file and, as comments, those of the files it uses as ``assemblies``.
     """
 
     path: Path
@@ -45,6 +48,7 @@ class SystemModel:
     coordinates: dict[str, Coordinate]
     places: dict[str, Problem] = field(default_factory=dict)
     motion: dict[str, TimeLaw] = field(default_factory=dict)
+    assemblies: tuple[Assembly, ...] = ()
 
     @property
     def name(self) -> str:
@@ -109,9 +113,9 @@ def read_system(
     load_kinds()
     document = read_yaml(path)
     if not isinstance(document.data, dict):
-        words = f"the file holds {describe(document.data)}; a system is a mapping"
-        return None, [*document.problems, Problem(document.name, START, "file", words)]
-    reading = _Reading(document, given or {}, sources or Sources(Document(str(path), "")))
+        return None, _no_mapping(document)
+    own = sources or Sources(Document(str(path), ""))
+    reading = _Reading(document, given or {}, own, Library(_read_part).inside(path))
     file = reading.read()
     if reading.problems or file is None:
         return None, _once(reading.problems)
@@ -121,17 +125,62 @@ def read_system(
     reading.look_beside(file, path.parent)
     if reading.problems:
         return None, _once(reading.problems)
-    model = SystemModel(path, document.text, file, reading.parameters, coordinates, places, laws)
+    text, inner = _whole_text(reading.texts, path), tuple(reading.flat.assemblies)
+    model = SystemModel(path, text, file, reading.parameters, coordinates, places, laws, inner)
     return model, []
+
+
+def _read_part(path: Path, library: Library) -> tuple[PartFile | None, list[Problem]]:
+    """Return a system file for use as an assembly, or None, and all that is wrong with it."""
+    document = read_yaml(path)
+    if not isinstance(document.data, dict):
+        return None, _no_mapping(document)
+    reading = _Reading(document, {}, Sources(Document(str(path), "")), library)
+    file = reading.read()
+    if file is not None and not reading.problems:
+        reading.look_beside(file, path.parent)
+    if reading.problems or file is None:
+        return None, _once(reading.problems)
+    return PartFile(
+        path,
+        file,
+        reading.parameters,
+        reading.expansion.data.get("parameters") or {},
+        frozenset(_coordinates(file)),
+        reading.problem,
+        tuple(reading.flat.assemblies),
+        reading.texts,
+    ), []
+
+
+def _no_mapping(document: Document) -> list[Problem]:
+    words = f"the file holds {describe(document.data)}; a system is a mapping"
+    return [*document.problems, Problem(document.name, START, "file", words)]
+
+
+def _whole_text(texts: dict[Path, str], path: Path) -> str:
+    """Return the text of a file, and in comments those of the files it uses."""
+    lines = [texts[path]]
+    for inner, text in texts.items():
+        if inner != path:
+            lines += [f"# {inner.name}", *(f"#   {line}".rstrip() for line in text.splitlines())]
+    return "\n".join(lines)
 
 
 class _Reading:
     """The steps of reading one file, and the problems they find."""
 
-    def __init__(self, document: Document, given: dict[str, Any], sources: Sources) -> None:
+    def __init__(
+        self, document: Document, given: dict[str, Any], sources: Sources, library: Library
+    ) -> None:
         self.own, self.outer, self.given = Sources(document), sources, given
+        self.path = library.chain[-1]
+        self.texts = {self.path: document.text}
         self.problems = list(document.problems)
         self.expansion: Expansion = expand(document.data)
+        self.flat = Flat({})
+        self.uses: list[Use] = []
+        self._open_assemblies(library)
         for inner, words in given_twice(self.expansion.data.get("initial")):
             self._note([(("initial", *inner), words)], at_key=True)
         self.changes = changes.apply(self.expansion.data, given)
@@ -144,8 +193,9 @@ class _Reading:
             self.problems.append(self.outer.problem(place, words, at_key=True))
         self._tell(self.parameters.problems)
         changed = list(changes.changed_units(self.changes, self.parameters))
-        self._tell(changed)
-        if self.expansion.overflows:
+        unfit = [p for use in self.uses for p in assemblies.other_units(use, self.parameters)]
+        self._tell([*changed, *unfit])
+        if self.expansion.overflows or unfit:
             return None
         try:
             file = SystemFile.model_validate(self.expansion.data)
@@ -153,10 +203,49 @@ class _Reading:
             for line in error.errors():
                 self._tell_one(line["loc"], line["msg"], at_key=line["type"] == UNKNOWN_KEY)
             return None
-        flat = self._flat(file)
+        if self.lacks_assemblies:
+            return None
+        flat, self.flat = flatten(file, self.uses, self.path)
+        self.expansion.origins.update(self.flat.origins)
+        for place, words, at_key in self.flat.problems:
+            self._tell_one(place, words, at_key=at_key)
+        if self.flat.problems and self.uses:
+            return None
         known = self.changes.before if changed else self.parameters
-        self._tell(check(flat, _coordinates(flat), known))
+        coordinates = _coordinates(flat)
+        self._tell(check(flat, coordinates, known))
+        self._tell(interface_problems(flat, coordinates, self.parameters.declared))
         return _parents_first(flat)
+
+    def _open_assemblies(self, library: Library) -> None:
+        """Read the files of the assemblies and take over their parameters."""
+        data, found = self.expansion.data, list(assemblies.raw_assemblies(self.expansion.data))
+        self.lacks_assemblies = False
+        seen: set[str] = set()
+        for place, name, entry in found:
+            wrong = "" if name in seen else assemblies.name_problem(name, data)
+            wrong = f"'{name}' is defined twice" if name in seen else wrong
+            seen.add(name)
+            part, words, problems = library.open(entry["file"])
+            if wrong:
+                self._note([(self.expansion.place(place), wrong)], at_key=True)
+            if words:
+                self._note([(self.expansion.place((*place, "file")), words)])
+            self.problems += [self._used_as(place, problem) for problem in problems]
+            if part is None or wrong:
+                self.lacks_assemblies = True
+                continue
+            use, unknown = assemblies.take_parameters(data, place, entry, part)
+            self._note(((self.expansion.place(p), w) for p, w in unknown), at_key=True)
+            self.uses.append(use)
+            self.texts |= part.texts
+            for given in use.given:
+                origin = (*place, "parameters", *given)
+                self.expansion.origins["parameters", name, *given] = origin
+        if sum(use.part.size for use in self.uses) > assemblies.MOST_PARTS:
+            words = f"the assemblies make more than {assemblies.MOST_PARTS} parts"
+            self._note([(self.expansion.place(self.uses[-1].place), words)], at_key=True)
+            self.lacks_assemblies = True
 
     def places(self, file: SystemFile) -> dict[str, Problem]:
         """Return where coordinates, parts and bodies stand, in this order of precedence."""
@@ -170,7 +259,7 @@ class _Reading:
             for name in getattr(file, section):
                 found.setdefault(name, (section, name))
         rates = {name: ("initial", name) for name in file.initial if name not in found}
-        return {name: self._problem(place, "") for name, place in (found | rates).items()}
+        return {name: self.problem(place, "") for name, place in (found | rates).items()}
 
     def look_beside(self, file: SystemFile, folder: Path) -> None:
         """Note what is wrong with the files that the parts of the file name."""
@@ -183,41 +272,41 @@ class _Reading:
         self.problems += [self.outer.problem(place, words) for place, words in problems]
         return laws
 
-    def _flat(self, file: SystemFile) -> SystemFile:
-        """Return the file with its groups and their mirror images in its sections."""
-        sections = {name: dict(getattr(file, name)) for name in Sections.model_fields}
-        outside = list(_coordinates(file).values())
-        for number, group in enumerate(file.mirror):
-            image, at = mirror_image(group, outside), ("mirror", number)
-            self._tell(((*at, *place), words) for place, words in image.problems)
-            for section, entries in sections.items():
-                own: dict[str, Any] = getattr(group, section)
-                made = [(n, e, n) for n, e in own.items()]
-                made += [(n, e, image.old[section, n]) for n, e in image.sections[section].items()]
-                for name, entry, old in made:
-                    if name in entries:
-                        words = f"'{name}' is defined twice"
-                        self._tell_one((*at, section, old), words, at_key=True)
-                    else:
-                        entries[name] = entry
-                        self.expansion.origins[section, name] = (*at, section, old)
-        return file.model_copy(update={**sections, "mirror": ()})
-
     def _tell(self, found: Iterable[tuple[Place, str]]) -> None:
         for place, words in found:
             self._tell_one(place, words)
 
     def _tell_one(self, place: Place, words: str, *, at_key: bool = False) -> None:
-        self.problems.append(self._problem(place, words, at_key=at_key))
+        self.problems.append(self.problem(place, words, at_key=at_key))
 
-    def _problem(self, place: Place, words: str, *, at_key: bool = True) -> Problem:
-        """Return the problem of a place of the expanded data, in the file or the scenario."""
+    def problem(self, place: Place, words: str, *, at_key: bool = True) -> Problem:
+        """Return the problem of a place of the expanded data: of a file or the scenario."""
         if self.changes.gave(place):
             known = self.outer.options.keys() | self.outer.document.keys.keys()
             split = (place[0], *".".join(map(str, place[1:])).split("."))
             nested = place if place in known else split
             return self.outer.problem(nested, words, at_key=at_key)
-        return self.own.problem(self.expansion.place(place), words, at_key=at_key)
+        for size in range(len(place), 0, -1):
+            head, rest = place[:size], place[size:]
+            if head in self.flat.inner:
+                use, inner = self.flat.inner[head]
+                return self._used_as(use.place, use.part.problem((*inner, *rest), words))
+            if head in self.flat.origins or head in self.expansion.origins:
+                return self.problem((*self.expansion.origins[head], *rest), words, at_key=at_key)
+            used = [use for use in self.uses if head == ("parameters", use.name)]
+            if used:
+                inner_problem = used[0].part.problem(("parameters", *rest), words, at_key=at_key)
+                return self._used_as(used[0].place, inner_problem)
+        return self.own.problem(place, words, at_key=at_key)
+
+    def _used_as(self, place: Place, problem: Problem) -> Problem:
+        """Return the problem of a file with where it is used as an assembly."""
+        if not problem.message:
+            return problem
+        here = self.own.problem(self.expansion.place(place), "", at_key=True)
+        line = f":{here.mark.line}" if here.mark else ""
+        words = f"{problem.message} (in '{place[-1]}' of {here.source}{line})"
+        return problem._replace(message=words)
 
     def _note(self, found: Iterable[tuple[Place, str]], *, at_key: bool = False) -> None:
         self.problems += [self.own.problem(place, words, at_key=at_key) for place, words in found]

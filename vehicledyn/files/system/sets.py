@@ -19,6 +19,7 @@ from vehicledyn.files.expressions.fields import (
     reference,
     section,
 )
+from vehicledyn.files.system.assembly_sets import AssemblySet, ConnectionSet
 from vehicledyn.files.system.events import EventSet
 from vehicledyn.files.system.joints import Coordinate, JointSet
 from vehicledyn.files.system.laws import ForceLaw, TimeLaw
@@ -211,6 +212,9 @@ class VehicleSet(SystemSet):
 class Sections(SystemSet):
     """What a file and its groups for repetition and mirror images may hold."""
 
+    assemblies: dict[str, AssemblySet] = Field(
+        default_factory=dict, description="Other system files used as parts of this one, by name"
+    )
     bodies: dict[str, BodySet] = Field(default_factory=dict, description="Bodies by name")
     cuts: dict[str, ParameterSet] = section("cut", "Cuts that close loops, by name")
     constraints: dict[str, ParameterSet] = section("constraint", "Further constraints, by name")
@@ -305,6 +309,15 @@ class SystemFile(Sections):
     )
     mirror: tuple[MirrorSet, ...] = Field(
         default=(), description="Groups that are made twice, as written and as mirror image"
+    )
+    connections: dict[str, ConnectionSet] = Field(
+        default_factory=dict,
+        description="Bodies and coordinates that a file which uses this one has to give, by name",
+    )
+    rig: dict[str, tuple[str, ...]] = Field(
+        default_factory=dict,
+        description="Names by section of the parts that are there only when the file runs by "
+        "itself; stand-ins of connections need not be listed",
     )
 
     @field_validator("track", mode="before")

@@ -88,7 +88,7 @@ def _walk(
     for name in type(item).model_fields:
         value, here = getattr(item, name), (*place, name)
         what = fact(type(item), name, "names")
-        if what is not None:
+        if what is not None and value is not None:
             yield Reference(here, what, value)
         yield from _expressions(item, name, here, units)
         if isinstance(value, SystemSet):
