@@ -10,8 +10,11 @@ from numpy.typing import NDArray
 Vector = NDArray[np.float64]
 
 
-_WINDOW, _MARGIN = 1 << 15, 64
-"""Samples whose slopes are found together, and those beyond them that count."""
+_WINDOW = 1 << 15
+"""Samples whose slopes are found together."""
+
+MARGIN = 64
+"""Samples beyond others that count for the spline through these, to rounding."""
 
 
 def spline_integral(places: Vector, values: Vector) -> Vector:
@@ -46,7 +49,7 @@ def _windowed_slopes(steps: Vector, secants: Vector) -> Vector:
     found = np.empty(count)
     for first in range(0, count, _WINDOW):
         last = min(first + _WINDOW, count)
-        begin, end = max(0, first - _MARGIN), min(count, last + _MARGIN)
+        begin, end = max(0, first - MARGIN), min(count, last + MARGIN)
         slopes = _slopes(steps[begin : end - 1], secants[begin : end - 1])
         found[first:last] = slopes[first - begin : last - begin]
     return found

@@ -5,6 +5,7 @@ An extreme of samples that hold NaN is NaN, at the time of the first of them.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -36,6 +37,35 @@ def smallest(time: ArrayLike, values: ArrayLike) -> Extreme:
 def peak(time: ArrayLike, values: ArrayLike) -> Extreme:
     """Return the value of largest magnitude, with its sign, and the first time it occurs."""
     return _pick(time, values, np.abs(np.asarray(values, dtype=float)))
+
+
+class RunningExtreme:
+    """An extreme value of samples that come block by block.
+
+    Parameters
+    ----------
+    pick
+        :func:`largest`, :func:`smallest` or :func:`peak`.
+    """
+
+    def __init__(self, pick: Callable[[ArrayLike, ArrayLike], Extreme]) -> None:
+        self._pick = pick
+        self.found: Extreme | None = None
+
+    def take(self, time: ArrayLike, values: ArrayLike) -> None:
+        """Take further samples, if there are any."""
+        if not np.size(values):
+            return
+        here = self._pick(time, values)
+        if self.found is not None:
+            known = self.found
+            here = self._pick([known.time, here.time], [known.value, here.value])
+        self.found = here
+
+    @property
+    def value(self) -> float:
+        """The value; NaN if there were no samples."""
+        return np.nan if self.found is None else self.found.value
 
 
 @dataclass(frozen=True)

@@ -6,16 +6,20 @@ import numpy as np
 import pytest
 
 from vehicledyn.road.manoeuvres.channel_recorder import Recording
-from vehicledyn.road.manoeuvres.key_figures import _rollover
+from vehicledyn.road.manoeuvres.key_figures import channels, summarise
 
 
 @pytest.mark.parametrize("angle", ["roll", "pitch"])
 @pytest.mark.parametrize("sign", [1.0, -1.0])
 def test_first_sample_beyond_a_right_angle_is_named(angle, sign):
     time = np.linspace(0.0, 2.0, 21)
-    channels = {"car.roll": np.zeros(21), "car.pitch": np.zeros(21)}
-    vehicle = SimpleNamespace(chassis="car")
-    assert _rollover(Recording(time, channels), vehicle) == []
-    channels[f"car.{angle}"] = sign * 1.6 * time
-    (entry,) = _rollover(Recording(time, channels), vehicle)
-    assert (entry.name, entry.value, entry.unit) == ("rolled_over_at", pytest.approx(1.0), "s")
+    vehicle = SimpleNamespace(chassis="car", rack="rack", corners=[SimpleNamespace(name="wheel")])
+    values = {name: np.zeros(21) for name in channels(vehicle)}
+    assert rollovers(Recording(time, values), vehicle) == []
+    values[f"car.{angle}"] = sign * 1.6 * time
+    (entry,) = rollovers(Recording(time, values), vehicle)
+    assert (entry.value, entry.unit) == (pytest.approx(1.0), "s")
+
+
+def rollovers(recording, vehicle):
+    return [e for e in summarise(recording, vehicle) if e.name == "rolled_over_at"]

@@ -7,6 +7,12 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, Self
 
 from vehicledyn.analyse.periodic.invariance import mattering_states
+from vehicledyn.analyses.preparation.energy_figures import (
+    ENERGIES,
+    POWER,
+    energy_error,
+    ranges,
+)
 from vehicledyn.analyses.preparation.ports import Ports
 from vehicledyn.analyses.preparation.runnable import Vector, start_values
 from vehicledyn.multibody.model.bodies import Joint
@@ -34,7 +40,6 @@ _MOST_PATHS = 3
 _FORCE_UNITS = ("N", "N*m")
 _SHOWN_IN = {"rad": "deg", "rad/s": "deg/s"}
 _GAP, _OPENING = "constraints.position_error", "constraints.velocity_error"
-_ENERGIES, _POWER = ("energy.kinetic", "energy.gravity"), "power.forces"
 
 
 @dataclass(frozen=True)
@@ -148,7 +153,7 @@ class SystemSubject:
             by_name = {n: c for n, c in by_name.items() if n not in drawn and not is_of_rails(n)}
         coordinates = [by_name[n] for n in names if n in by_name]
         rates = [by_name[f"{n}_rate"] for n in names if f"{n}_rate" in by_name]
-        energies = [by_name[n] for n in _ENERGIES if n in by_name]
+        energies = [by_name[n] for n in ENERGIES if n in by_name]
         forces = [c for c in by_name.values() if c.unit in _FORCE_UNITS]
         figures = [
             _figure("coordinates", "Coordinates", "Coordinate", coordinates),
@@ -174,7 +179,7 @@ class SystemSubject:
     def channels(self, equations: Equations) -> list[str]:
         """Return the channels that the summary is made from."""
         units = {c.name: c.unit for c in equations.channels}
-        wanted = [*self._coordinates(set(units)), _GAP, _OPENING, *_ENERGIES, _POWER]
+        wanted = [*self._coordinates(set(units)), _GAP, _OPENING, *ENERGIES, POWER]
         wanted += [f"{part.name}.angle_of_attack" for part in self._elastic_wheels()]
         return [*(name for name in wanted if name in units), *_assessed(units, wanted)]
 
@@ -193,30 +198,34 @@ class SystemSubject:
         from vehicledyn.rail.contact.attack_remarks import attack_remarks
         from vehicledyn.results.store.layout import SummaryEntry
 
-        remarks = "; ".join(attack_remarks(wheels, recording.channels))
+        names = [f"{part.name}.angle_of_attack" for part in wheels]
+        lows, highs = ranges(recording, [name for name in names if name in recording.channels])
+        extremes = {name: [lows[name], highs[name]] for name in lows}
+        remarks = "; ".join(attack_remarks(wheels, extremes))
         if remarks:
             yield SummaryEntry("contact_remarks", remarks, "", "")
 
     def _general(self, recording: Recording) -> list[SummaryEntry]:
         from vehicledyn.results.store.layout import SummaryEntry
 
-        values = recording.channels
+        known = set(recording.channels)
         units = {j.name: j.unit for j in self.system.joints()}
+        coordinates = self._coordinates(known)
+        lows, highs = ranges(recording, [*coordinates, *known.intersection((_GAP, _OPENING))])
         entries = []
-        for name in self._coordinates(set(values)):
-            low, high = float(values[name].min()), float(values[name].max())
-            text = f"value of {name}"
+        for name in coordinates:
+            low, high, text = lows[name], highs[name], f"value of {name}"
             entries.append(SummaryEntry(f"{name}.smallest", low, units[name], f"Smallest {text}"))
             entries.append(SummaryEntry(f"{name}.largest", high, units[name], f"Largest {text}"))
         for name, key, unit, text in (
             (_GAP, "largest_loop_gap", "m", "Largest position error of a constraint"),
             (_OPENING, "largest_loop_speed", "m/s", "Largest velocity error of a constraint"),
         ):
-            if name in values:
-                entries.append(SummaryEntry(key, float(values[name].max()), unit, text))
+            if name in known:
+                entries.append(SummaryEntry(key, highs[name], unit, text))
         if any(getattr(part, "changes_motion", False) for part in self.system.parts):
             return entries  # Impacts take energy that no force is seen to take.
-        return [*entries, *_energy_error(recording)]
+        return [*entries, *energy_error(recording)]
 
     def _coordinates(self, known: set[str]) -> list[str]:
         names = [j.name for j in self.system.joints()]
@@ -248,34 +257,6 @@ def _assessment(recording: Recording) -> list[SummaryEntry]:
     from vehicledyn.results.assessment.summary import summarise_assessment
 
     return summarise_assessment(assess(recording.time, recording.channels, recording.units))
-
-
-def _energy_error(recording: Recording) -> Iterator[SummaryEntry]:
-    """Yield the largest difference between the energy gained and the work of all forces.
-
-    It is infinite where the samples of a run that diverged are too large to compute it.
-    """
-    import numpy as np
-
-    from vehicledyn.base.spline import spline_integral
-    from vehicledyn.results.store.layout import SummaryEntry
-
-    time, values = recording.time, recording.channels
-    if len(time) < 2 or not {*_ENERGIES, _POWER} <= set(values):
-        return
-    energy = values[_ENERGIES[0]] + values[_ENERGIES[1]]
-    kept, first = np.unique(time, return_index=True)
-    if len(kept) < 2:
-        return
-    with np.errstate(over="ignore", invalid="ignore"):
-        work = np.interp(time, kept, spline_integral(kept, values[_POWER][first]))
-        error = float(np.abs(energy - energy[0] - work).max())
-    yield SummaryEntry(
-        "energy_drift",
-        error if np.isfinite(error) else np.inf,
-        "J",
-        "Largest difference of energy gained and work done, as far as the samples tell",
-    )
 
 
 def _figure(name: str, title: str, label: str, channels: list[Channel]) -> dict[str, Any]:

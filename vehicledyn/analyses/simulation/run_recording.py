@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
+import os
 import tempfile
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import IO
 
 import numpy as np
 from numpy.typing import NDArray
 
 from vehicledyn.results.store.writer import ResultWriter
-from vehicledyn.road.manoeuvres.channel_recorder import Recording
+from vehicledyn.road.manoeuvres.channel_recorder import Recording, Rows
 
 Matrix = NDArray[np.float64]
 
@@ -52,28 +53,61 @@ class RunRecording:
             self._file.close()
 
     def of(self, writer: ResultWriter) -> Recording:
-        """Return what the writer's file holds so far, column by column as they are asked for."""
-        columns = _Columns(self, writer)
-        return Recording(writer.column("time"), columns, self._units)
+        """Return what the writer's file holds so far, read as it is asked for."""
+        return _RecordingOnDisk(self, writer, self._units)
 
     @property
     def names(self) -> list[str]:
         """Names of the channels."""
         return self._names
 
-    def column(self, name: str, writer: ResultWriter) -> Matrix:
-        """Return a channel over all samples that the writer has written, shape (n,)."""
+    def column(
+        self, name: str, writer: ResultWriter, start: int = 0, stop: int | None = None
+    ) -> Matrix:
+        """Return a channel from one sample up to another of those that the writer has written."""
+        end = writer.samples if stop is None else min(stop, writer.samples)
         if name not in self._columns:
-            return writer.column(name)
+            return writer.column(name, start, end)
+        return np.concatenate([np.empty(0), *self._spooled_parts(self._columns[name], start, end)])
+
+    def _spooled_parts(self, place: int, start: int, stop: int) -> Iterator[Matrix]:
+        """Yield the parts of a column in the temporary file from one sample up to another."""
         if self._file is None:
-            return np.empty(0)
-        parts, begin, place = [], 0, self._columns[name]
+            return
+        self._file.flush()
+        number, row, width = self._file.fileno(), 0, len(self._spooled)
         for rows in self._rows:
-            self._file.seek(8 * (begin + place * rows))
-            parts.append(np.frombuffer(self._file.read(8 * rows)))
-            begin += rows * len(self._spooled)
-        self._file.seek(8 * begin)
-        return np.concatenate(parts)[: writer.samples] if parts else np.empty(0)
+            first, last = max(start - row, 0), min(stop - row, rows)
+            if first < last:
+                at = 8 * (row * width + place * rows + first)
+                yield np.frombuffer(os.pread(number, 8 * (last - first), at))
+            row += rows
+
+
+class _RecordingOnDisk(Recording):
+    """Samples that are read when asked for."""
+
+    def __init__(
+        self, recording: RunRecording, writer: ResultWriter, units: dict[str, str]
+    ) -> None:
+        super().__init__(np.empty(0), _Columns(recording, writer), units)
+        self._recording, self._writer = recording, writer
+
+    @property
+    def time(self) -> Matrix:
+        """Times of all samples, read anew each time [s]."""
+        return self._writer.column("time")
+
+    @property
+    def count(self) -> int:
+        """Number of samples."""
+        return self._writer.samples
+
+    def rows(self, names: Iterable[str], start: int, stop: int) -> Rows:
+        """Return some channels from one sample up to another."""
+        read = self._recording.column
+        values = {name: read(name, self._writer, start, stop) for name in names}
+        return Rows(self._writer.column("time", start, stop), values)
 
 
 class _Columns(Mapping[str, Matrix]):

@@ -183,11 +183,12 @@ class ResultWriter:
         """Keep an event, for the case that the run does not come to its end."""
         self._events.append(event)
 
-    def column(self, name: str) -> Floats:
-        """Return a channel, or "time", as it was written so far, shape (samples,)."""
+    def column(self, name: str, start: int = 0, stop: int | None = None) -> Floats:
+        """Return a channel, or "time", as written so far, from one sample up to another."""
         if self._container is None:
             raise ValueError(f"{self.path} is closed")
-        return np.asarray(self._container.file[dataset_path(name)][: self.samples], dtype=float)
+        end = self.samples if stop is None else min(stop, self.samples)
+        return np.asarray(self._container.file[dataset_path(name)][start:end], dtype=float)
 
     def flush(self) -> None:
         """Write what is waiting; a failure is kept for :meth:`close`."""

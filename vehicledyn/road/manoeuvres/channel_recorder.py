@@ -2,22 +2,64 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
+from collections.abc import Iterable, Iterator, Mapping
+from typing import TYPE_CHECKING, NamedTuple
 
 if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
+BLOCK = 1 << 15
+"""Samples that are read at once."""
 
-@dataclass(frozen=True)
-class Recording:
-    """Samples of a run: ``time``, shape (n,) [s], and channels by name, shape (n,), in SI.
 
-    ``units`` are those of the channels, by name.
-    """
+class Rows(NamedTuple):
+    """Samples next to each other: times, shape (n,) [s], and channels by name, shape (n,)."""
 
     time: NDArray[np.float64]
-    channels: Mapping[str, NDArray[np.float64]]
-    units: dict[str, str] = field(default_factory=dict)
+    channels: dict[str, NDArray[np.float64]]
+
+
+class Recording:
+    """Samples of a run.
+
+    Parameters
+    ----------
+    time
+        Times, shape (n,) [s].
+    channels
+        Channels by name, shape (n,), in SI.
+    units
+        Units of the channels, by name.
+    """
+
+    def __init__(
+        self,
+        time: NDArray[np.float64],
+        channels: Mapping[str, NDArray[np.float64]],
+        units: Mapping[str, str] | None = None,
+    ) -> None:
+        self._time = time
+        self.channels = channels
+        self.units = dict(units or {})
+
+    @property
+    def time(self) -> NDArray[np.float64]:
+        """Times of all samples, shape (n,) [s]."""
+        return self._time
+
+    @property
+    def count(self) -> int:
+        """Number of samples."""
+        return len(self.time)
+
+    def rows(self, names: Iterable[str], start: int, stop: int) -> Rows:
+        """Return some channels from sample ``start`` up to ``stop``, in memory for these only."""
+        values = {name: self.channels[name][start:stop] for name in names}
+        return Rows(self.time[start:stop], values)
+
+    def blocks(self, names: Iterable[str]) -> Iterator[Rows]:
+        """Yield some channels block by block, so that memory stays bounded in long runs."""
+        wanted = list(names)
+        for start in range(0, self.count, BLOCK):
+            yield self.rows(wanted, start, min(start + BLOCK, self.count))

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-from vehicledyn.road.manoeuvres.channel_recorder import Recording
+from vehicledyn.road.manoeuvres.channel_recorder import Recording, Rows
 
 if TYPE_CHECKING:
     from vehicledyn.results.store.layout import SceneItem, SummaryEntry
@@ -45,61 +45,84 @@ def outline_scene(vehicle: RoadVehicle) -> dict[str, SceneItem]:
 
 def summarise(recording: Recording, vehicle: RoadVehicle) -> list[SummaryEntry]:
     """Return peaks of acceleration, angles and slip, smallest load, speed and loop errors."""
-    import numpy as np
-
-    from vehicledyn.results.metrics import peak, smallest
     from vehicledyn.results.store.layout import SummaryEntry
 
-    time, values = recording.time, recording.channels
-    entries = _rollover(recording, vehicle)
-
-    def add_peak(name: str, channel: str, unit: str, text: str) -> None:
-        extreme = peak(time, values[channel])
-        entries.append(SummaryEntry(name, abs(extreme.value), unit, text))
-
-    add_peak("largest_lateral_acceleration", _LATERAL, "m/s^2", "Largest lateral acceleration")
-    add_peak("largest_roll_angle", f"{vehicle.chassis}.roll", "rad", "Largest roll angle")
-    moves = ~(np.hypot(values[_SPEED], values[_LEFTWARD]) < _WALK)
-    if moves.any():
-        largest = abs(peak(time[moves], values[_SIDESLIP][moves]).value)
-        text = "Largest side-slip angle of the body"
-        entries.append(SummaryEntry("largest_sideslip_angle", largest, "rad", text))
-    slips = [peak(time, values[f"{c.name}.tyre.slip_angle"]) for c in vehicle.corners]
-    largest_slip = max(abs(s.value) for s in slips)
-    entries.append(
-        SummaryEntry("largest_slip_angle", largest_slip, "rad", "Largest slip angle of a tyre")
-    )
-    loads = {c.name: smallest(time, values[f"{c.name}.tyre.normal_force"]) for c in vehicle.corners}
-    wheel = min(loads, key=lambda name: loads[name].value)
-    entries.append(
-        SummaryEntry("smallest_wheel_load", loads[wheel].value, "N", "Smallest wheel load")
-    )
-    entries.append(SummaryEntry("smallest_wheel_load_at", wheel, "", "Wheel with that load"))
-    speed = values[_SPEED]
-    entries.extend(
-        [
-            SummaryEntry("speed_mean", float(speed.mean()), "m/s", "Mean forward speed"),
-            SummaryEntry("speed_smallest", float(speed.min()), "m/s", "Smallest forward speed"),
-            SummaryEntry("speed_largest", float(speed.max()), "m/s", "Largest forward speed"),
-        ]
-    )
-    add_peak("largest_loop_gap", _GAP, "m", "Largest position error of a loop")
-    add_peak("largest_loop_speed", _OPENING, "m/s", "Largest velocity error of a loop")
+    found = _Extremes(vehicle)
+    for block in recording.blocks(_read(vehicle)):
+        found.take(block)
+    peaks = {name: abs(extreme.value) for name, extreme in found.peaks.items()}
+    wheel = min(found.loads, key=lambda name: found.loads[name].value)
+    load = found.loads[wheel].value
+    slip = max(peaks[f"{c.name}.tyre.slip_angle"] for c in vehicle.corners)
+    entry = SummaryEntry
+    entries = [
+        *found.rollover(),
+        entry("largest_lateral_acceleration", peaks[_LATERAL], "m/s^2",
+              "Largest lateral acceleration"),
+        entry("largest_roll_angle", peaks[f"{vehicle.chassis}.roll"], "rad", "Largest roll angle"),
+        entry("largest_sideslip_angle", peaks[_SIDESLIP], "rad",
+              "Largest side-slip angle of the body"),
+        entry("largest_slip_angle", slip, "rad", "Largest slip angle of a tyre"),
+        entry("smallest_wheel_load", load, "N", "Smallest wheel load"),
+        entry("smallest_wheel_load_at", wheel, "", "Wheel with that load"),
+        entry("speed_mean", found.way / max(recording.count, 1), "m/s", "Mean forward speed"),
+        entry("speed_smallest", found.slowest.value, "m/s", "Smallest forward speed"),
+        entry("speed_largest", found.fastest.value, "m/s", "Largest forward speed"),
+        entry("largest_loop_gap", peaks[_GAP], "m", "Largest position error of a loop"),
+        entry("largest_loop_speed", peaks[_OPENING], "m/s", "Largest velocity error of a loop"),
+    ]  # fmt: skip
     return [entry for entry in entries if _is_usable(entry)]
 
 
-def _rollover(recording: Recording, vehicle: RoadVehicle) -> list[SummaryEntry]:
-    """Return when the vehicle rolled over, if it did."""
-    import numpy as np
+def _read(vehicle: RoadVehicle) -> list[str]:
+    """Return the channels that are read for this summary."""
+    unread = {f"{vehicle.chassis}.{name}" for name in ("x", "y", "yaw")} | {vehicle.rack}
+    return [name for name in channels(vehicle) if name not in unread]
 
-    from vehicledyn.results.store.layout import SummaryEntry
 
-    lean = np.abs([recording.channels[f"{vehicle.chassis}.{n}"] for n in ("roll", "pitch")])
-    over = np.flatnonzero(lean.max(axis=0) > 0.5 * math.pi)
-    if not over.size:
-        return []
-    text = "Time at which the vehicle rolled over; nothing after it is meaningful"
-    return [SummaryEntry("rolled_over_at", float(recording.time[over[0]]), "s", text)]
+class _Extremes:
+    """Extremes of a road vehicle's channels, block by block."""
+
+    def __init__(self, vehicle: RoadVehicle) -> None:
+        from vehicledyn.results.metrics import RunningExtreme, largest, peak, smallest
+
+        slips = [f"{c.name}.tyre.slip_angle" for c in vehicle.corners]
+        whole = [_LATERAL, f"{vehicle.chassis}.roll", _SIDESLIP, *slips, _GAP, _OPENING]
+        self.peaks = {name: RunningExtreme(peak) for name in whole}
+        self.loads = {c.name: RunningExtreme(smallest) for c in vehicle.corners}
+        self.slowest, self.fastest = RunningExtreme(smallest), RunningExtreme(largest)
+        self.way = 0.0  # sum of the speeds of all samples
+        self._lean = [f"{vehicle.chassis}.{name}" for name in ("roll", "pitch")]
+        self._rolled_at: float | None = None
+
+    def take(self, rows: Rows) -> None:
+        """Take further samples."""
+        import numpy as np
+
+        time, values = rows
+        speed = values[_SPEED]
+        for name, extreme in self.peaks.items():
+            if name != _SIDESLIP:
+                extreme.take(time, values[name])
+        moves = ~(np.hypot(speed, values[_LEFTWARD]) < _WALK)
+        self.peaks[_SIDESLIP].take(time[moves], values[_SIDESLIP][moves])
+        for name, load in self.loads.items():
+            load.take(time, values[f"{name}.tyre.normal_force"])
+        self.slowest.take(time, speed)
+        self.fastest.take(time, speed)
+        self.way += float(speed.sum())
+        over = np.flatnonzero(np.abs([values[n] for n in self._lean]).max(axis=0) > 0.5 * math.pi)
+        if self._rolled_at is None and over.size:
+            self._rolled_at = float(time[over[0]])
+
+    def rollover(self) -> list[SummaryEntry]:
+        """Return when the vehicle rolled over, if it did."""
+        from vehicledyn.results.store.layout import SummaryEntry
+
+        if self._rolled_at is None:
+            return []
+        text = "Time at which the vehicle rolled over; nothing after it is meaningful"
+        return [SummaryEntry("rolled_over_at", self._rolled_at, "s", text)]
 
 
 def _is_usable(entry: SummaryEntry) -> bool:

@@ -15,8 +15,13 @@ from vehicledyn.road.manoeuvres.manoeuvre import RoadManoeuvre
 from vehicledyn.road.manoeuvres.slalom_path import SlalomPath
 
 if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
     from vehicledyn.results.store.layout import SceneItem, SummaryEntry
     from vehicledyn.road.vehicle import RoadVehicle
+
+    Floats = NDArray[np.float64]
 
 
 @register("manoeuvre", "slalom")
@@ -61,15 +66,14 @@ class Slalom(RoadManoeuvre):
 
     def summarise(self, recording: Recording, vehicle: RoadVehicle) -> list[SummaryEntry]:
         """Return the cones cleared, the smallest clearance, and the general key figures."""
-        from vehicledyn.results.metrics import clearance
         from vehicledyn.results.store.layout import SummaryEntry
 
-        values, chassis = recording.channels, vehicle.chassis
-        x, y, yaw = (values[f"{chassis}.{name}"] for name in ("x", "y", "yaw"))
-        cones = self.cone_positions()
-        found = clearance(vehicle.outline, x, y, yaw, cones=cones, radius=self.cone_radius)
-        cleared = self._cleared(x, y, found.distance, vehicle)
-        closest = int(found.distance.argmin())
+        names = [f"{vehicle.chassis}.{name}" for name in ("x", "y", "yaw")]
+        passage = _Passage(self.cone_positions(), vehicle, self.cone_radius)
+        for block in recording.blocks(names):
+            passage.take(*(block.channels[name] for name in names))
+        cleared = passage.cleared()
+        closest = int(passage.distance.argmin())
         entries = [
             SummaryEntry("cones", self.cones, "1", "Cones of the course"),
             SummaryEntry(
@@ -77,7 +81,7 @@ class Slalom(RoadManoeuvre):
             ),
             SummaryEntry(
                 "smallest_clearance",
-                float(found.distance[closest]),
+                float(passage.distance[closest]),
                 "m",
                 "Smallest clearance between the body's outline and a cone",
             ),
@@ -85,15 +89,41 @@ class Slalom(RoadManoeuvre):
         ]
         return [*entries, *super().summarise(recording, vehicle)]
 
-    def _cleared(self, x: Any, y: Any, distance: Any, vehicle: RoadVehicle) -> list[bool]:
-        """Return for each cone whether it was passed untouched and on its side."""
+
+class _Passage:
+    """How a vehicle passes cones, pose by pose."""
+
+    def __init__(
+        self, cones: list[tuple[float, float]], vehicle: RoadVehicle, radius: float
+    ) -> None:
         import numpy as np
 
-        rear = min(corner[0] for corner in vehicle.outline)
+        self._cones, self._outline, self._radius = cones, vehicle.outline, radius
+        self.distance = np.full(len(cones), np.nan)
+        self._away, self._beside = np.full(len(cones), np.inf), np.zeros(len(cones))
+        self._x = 0.0
+
+    def take(self, x: Floats, y: Floats, yaw: Floats) -> None:
+        """Take further poses, shape (n,) [m, m, rad]."""
+        import numpy as np
+
+        from vehicledyn.results.metrics import clearance
+
+        found = clearance(self._outline, x, y, yaw, cones=self._cones, radius=self._radius)
+        self.distance = np.fmin(self.distance, found.distance)
+        for index, (cone_x, _) in enumerate(self._cones):
+            away = np.abs(x - cone_x)
+            nearest = int(np.argmin(away))
+            if np.minimum(self._away[index], away[nearest]) != self._away[index]:
+                self._away[index], self._beside[index] = away[nearest], y[nearest]
+        self._x = float(x[-1])
+
+    def cleared(self) -> list[bool]:
+        """Return for each cone whether it was passed untouched and on its side."""
+        rear = min(corner[0] for corner in self._outline)
         cleared = []
-        for index, (cone_x, cone_y) in enumerate(self.cone_positions()):
+        for index, (cone_x, cone_y) in enumerate(self._cones):
             side = 1.0 if index % 2 == 0 else -1.0
-            beside = int(np.argmin(np.abs(x - cone_x)))
-            passed = bool(x[-1] + rear > cone_x) and side * (y[beside] - cone_y) > 0.0
-            cleared.append(passed and bool(distance[index] > 0.0))
+            passed = self._x + rear > cone_x and side * (self._beside[index] - cone_y) > 0.0
+            cleared.append(bool(passed and self.distance[index] > 0.0))
         return cleared
