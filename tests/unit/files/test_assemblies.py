@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from system_texts import Motion, equations
 
+from vehicledyn.analyses.models.assembly_tree import assembly_lines
 from vehicledyn.files.building.construct import build_system
 from vehicledyn.files.building.write import model_as_yaml
 from vehicledyn.files.system import assemblies
@@ -96,6 +97,7 @@ def arm(tmp_path):
     """An arm in a file of its own."""
     path = tmp_path / "arm.yaml"
     path.write_text(ARM, encoding="utf-8")
+    written(tmp_path, "swing.yaml", "title: x\nmodel: arm.yaml\nduration: 1 s\n")
     return path
 
 
@@ -225,6 +227,16 @@ repeat:
     assert "The same" not in model.text
 
 
+def test_the_tree_of_assemblies_is_shown(tmp_path):
+    model, _ = read_system(written(tmp_path, "cart.yaml", CART))
+    assert assembly_lines(model.assemblies) == [
+        "assemblies",
+        "  left: arm.yaml, An arm on a spring that hangs on a carrier",
+        "  right: mirror image of left, with its parameters",
+        "",
+    ]
+
+
 def test_the_written_out_file_makes_the_same_equations(tmp_path):
     model, _ = read_system(written(tmp_path, "cart.yaml", CART))
     again = equations(tmp_path, model_as_yaml(model))
@@ -311,6 +323,12 @@ BAD = {
         "bad.yaml:13:30: mirror[0].assemblies.left.parameters.length: this is in kg, the parameter "
         "is a quantity in m",
     ),
+    "image": (
+        "names: {left: right}",
+        "names: {lft: right}",
+        "bad.yaml:9:7: mirror[0].assemblies.left: the name has none of the pieces lft of 'names'",
+    ),
+    "scenario": ("file: arm.yaml", "file: swing.yaml", "swing.yaml:2:1: model: this is a scenario"),
     "missing file": ("file: arm.yaml", "file: none.yaml", "none.yaml"),
     "library": (
         "file: arm.yaml",
@@ -348,6 +366,15 @@ def test_a_circle_of_files_is_refused_with_all_of_them(tmp_path):
     (found,) = complaints(tmp_path / "a.yaml")
     assert found.startswith("c.yaml:2:24: assemblies.a.file: the file would be an assembly of")
     assert "a.yaml -> b.yaml -> c.yaml -> a.yaml (in 'c' of b.yaml:2) (in 'b' of a.yaml:2)" in found
+
+
+def test_files_nested_too_deeply_are_refused(tmp_path):
+    written(tmp_path, "f0.yaml", "title: x\nbodies: {b: {joints: [T1], mass: 1 kg}}\n")
+    for k in range(1, 200):
+        text = f"title: x\nassemblies: {{a: {{file: f{k - 1}.yaml}}}}\n"
+        written(tmp_path, f"f{k}.yaml", text)
+    (found,) = complaints(tmp_path / "f199.yaml")
+    assert "nested more than 25 deep" in found
 
 
 def test_mistakes_inside_a_part_name_its_line_and_where_it_is_used(tmp_path, arm):

@@ -18,6 +18,9 @@ from vehicledyn.files.system.renaming import Renaming
 from vehicledyn.files.system.sets import Sections, SystemFile
 from vehicledyn.library import find_entry, names_of
 
+MOST_NESTED = 25
+"""Assemblies inside each other, at most."""
+
 MOST_PARTS = 5_000
 """Parts that all assemblies of a file make, at most."""
 
@@ -95,13 +98,15 @@ class Library:
         if entry is None and not PurePath(name).suffix:
             guess = nearest_name(name, names_of("system"))
             hint = f"; did you mean '{guess}'?" if guess else ""
-            return None, f"'{name}' is no file and no system of the library{hint}", []
+            return None, f"'{name}' is no YAML file and no system of the library{hint}", []
         path = user.parent / name if entry is None else entry.path
         key = path.resolve()
         if key in [p.resolve() for p in self.chain]:
             first = [p.resolve() for p in self.chain].index(key)
             circle = " -> ".join(p.name for p in (*self.chain[first:], path))
             return None, f"the file would be an assembly of itself: {circle}", []
+        if len(self.chain) > MOST_NESTED:
+            return None, f"assemblies are nested more than {MOST_NESTED} deep", []
         if key in self.known:
             return self.known[key], "", []
         try:

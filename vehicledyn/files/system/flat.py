@@ -125,9 +125,14 @@ def flatten(file: SystemFile, uses: Sequence[Use], path: Path) -> tuple[SystemFi
         sections = {name: dict(getattr(written, name)) for name in _SECTIONS}
         group = Group(written, ("mirror", number), sections)
         for name, item in written.assemblies.items():
+            if image_name(name, written) == name:
+                words = f"the name has none of the pieces {', '.join(written.names)} of 'names'"
+                flat.problems.append(((*group.at, "assemblies", name), words, True))
+                continue
             flat.enter(by_place[*group.at, "assemblies", name], item, path, group)
             items[*group.at, "assemblies", name] = item
         flat.enter_group(group, outside)
     for use in uses:
-        flat.check_connections(use, items[use.place])
+        if use.place in items:
+            flat.check_connections(use, items[use.place])
     return file.model_copy(update={**flat.sections, "mirror": (), "assemblies": {}}), flat
