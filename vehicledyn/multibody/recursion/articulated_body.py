@@ -18,6 +18,7 @@ from vehicledyn.multibody.joints.joint_type import Axes
 from vehicledyn.multibody.model.joint_wrench import JointWrench
 from vehicledyn.multibody.model.kinematics import Kinematics
 from vehicledyn.multibody.model.tree import Link
+from vehicledyn.multibody.recursion.body_inertia import BodyInertia
 from vehicledyn.multibody.recursion.floating_body import (
     body_acceleration,
     coordinate_accelerations,
@@ -43,9 +44,9 @@ class ArticulatedInertia:
     angular: Mat
 
     @classmethod
-    def of(cls, rigid: Inertia) -> ArticulatedInertia:
-        """Return that of a rigid body."""
-        return cls(rigid.mass * rotations.identity(), -ops.tilde(rigid.moment), rigid.matrix)
+    def of(cls, body: BodyInertia) -> ArticulatedInertia:
+        """Return that of a body on its own."""
+        return cls(*body.mass_blocks())
 
     def __add__(self, other: ArticulatedInertia) -> ArticulatedInertia:
         """Return the inertia of both together."""

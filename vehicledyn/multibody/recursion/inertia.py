@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from vehicledyn.multibody.model.bodies import Body
+from vehicledyn.multibody.recursion.body_inertia import BodyInertia, LinkMotion
 from vehicledyn.symbolic import ops, rotations
 from vehicledyn.symbolic.ops import Mat, Scalar, Vec
 
@@ -14,7 +15,7 @@ CYCLES = ((0, 1, 2), (1, 2, 0), (2, 0, 1))
 
 
 @dataclass(frozen=True)
-class Inertia:
+class Inertia(BodyInertia):
     """Rigid-body inertia about a frame's origin, in that frame's axes.
 
     ``mass`` [kg], ``moment`` = mass times the position of the centre of mass [kg m],
@@ -38,6 +39,48 @@ class Inertia:
         moment = rotation @ self.moment
         matrix = rotations.congruent(rotation, self.matrix) + _shifted(self.mass, moment, arm)
         return Inertia(self.mass, moment + self.mass * arm, matrix)
+
+    def inertial_wrench(self, motion: LinkMotion) -> tuple[Vec, Vec]:
+        """Return m a + β s and I α + ω × I ω + s × a, s the first moment [N, N m]."""
+        force = torque = ops.vector(0.0, 0.0, 0.0)
+        if not ops.is_structurally_zero(self.mass):
+            force = self.mass * motion.acceleration
+        if not ops.is_structurally_zero(self.matrix):
+            torque = self._spin_torque(motion)
+        if not ops.is_structurally_zero(self.moment):
+            force = force + motion.beta @ self.moment
+            torque = torque + ops.cross(self.moment, motion.acceleration)
+        return force, torque
+
+    def mass_blocks(self) -> tuple[Mat, Mat, Mat]:
+        """Return m 1, -tilde(s) and I, s the first moment."""
+        return self.mass * rotations.identity(), -ops.tilde(self.moment), self.matrix
+
+    def _spin_torque(self, motion: LinkMotion) -> Vec:
+        """Return I α + ω × I ω [N m] of the inertia matrix I.
+
+        With P = ½ tr(I) 1 - I, the integral of x xᵀ dm, it is the axial vector of β P - (β P)ᵀ,
+        cheaper where β is needed anyway.
+        """
+        matrix = self.matrix
+        if rotations.is_diagonal(matrix) and ops.is_structurally_zero(self.moment):
+            omega, alpha = motion.angular_velocity, motion.angular_acceleration
+            return ops.vector(
+                *(
+                    matrix[i, i] * alpha[i] + (matrix[k, k] - matrix[j, j]) * (omega[j] * omega[k])
+                    for i, j, k in CYCLES
+                )
+            )
+        beta, spread = motion.beta, self.spread()
+        return ops.vector(
+            *(
+                beta[k, j] * spread[j]
+                - beta[j, k] * spread[k]
+                + (beta[j, j] - beta[k, k]) * matrix[j, k]
+                + (beta[j, i] * matrix[k, i] - beta[k, i] * matrix[i, j])
+                for i, j, k in CYCLES
+            )
+        )
 
     def spread(self) -> list[Scalar]:
         """Return the integrals of x² dm, y² dm and z² dm about the origin [kg m²]."""

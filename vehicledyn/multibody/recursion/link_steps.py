@@ -11,8 +11,8 @@ from vehicledyn.multibody.model.joint_wrench import JointWrench
 from vehicledyn.multibody.model.kinematics import Kinematics
 from vehicledyn.multibody.model.parts import Wrench
 from vehicledyn.multibody.model.tree import Link, Tree
+from vehicledyn.multibody.recursion.body_inertia import LinkMotion
 from vehicledyn.multibody.recursion.inertia import Inertia
-from vehicledyn.multibody.recursion.newton_euler import newton_euler
 from vehicledyn.symbolic import ops
 from vehicledyn.symbolic.ops import Mat, Vec
 from vehicledyn.symbolic.shared_steps import Writer
@@ -92,7 +92,8 @@ def _motion(given: list[Mat], *, item: Link, thin: int | None) -> list[Mat]:
     alone.learn(_PARENT, **dict(zip(_MOTION, parent, strict=True)))
     if item.angle_about:
         alone.learn(_LINK, turn=(turn[0], turn[1]))
-    own_force, own_torque = newton_euler(alone, _LINK, Inertia(mass, moment, matrix, thin))
+    own = Inertia(mass, moment, matrix, thin)
+    own_force, own_torque = own.inertial_wrench(LinkMotion(alone, _LINK))
     return [
         alone.link_rotation(_LINK),
         alone.link_arm(_LINK),

@@ -14,8 +14,9 @@ from vehicledyn.multibody.model.joint_wrench import JointWrench
 from vehicledyn.multibody.model.kinematics import Kinematics
 from vehicledyn.multibody.model.parts import Wrench
 from vehicledyn.multibody.recursion import inertia
-from vehicledyn.multibody.recursion.inertia import CYCLES, Inertia
-from vehicledyn.symbolic import ops, rotations
+from vehicledyn.multibody.recursion.body_inertia import LinkMotion
+from vehicledyn.multibody.recursion.inertia import Inertia
+from vehicledyn.symbolic import ops
 from vehicledyn.symbolic.ops import Scalar, Vec
 
 
@@ -80,54 +81,11 @@ def needed_wrenches(
     lifted = kinematics.in_lift(-gravity)
     needed = []
     for link, item in enumerate(own):
-        force, torque = newton_euler(lifted, link, item)
+        force, torque = item.inertial_wrench(LinkMotion(lifted, link))
         for wrench in applied[link]:
             force, torque = force - wrench.force, torque - wrench.torque
         needed.append(JointWrench(force, torque))
     return needed
-
-
-def newton_euler(kinematics: Kinematics, link: int, own: Inertia) -> tuple[Vec, Vec]:
-    """Return force and torque about the origin that motion and weight of one link need."""
-    force = torque = ops.vector(0.0, 0.0, 0.0)
-    if not ops.is_structurally_zero(own.mass):
-        force = own.mass * kinematics.link_acceleration(link)
-    if not ops.is_structurally_zero(own.matrix):
-        torque = _spin_torque(kinematics, link, own)
-    if not ops.is_structurally_zero(own.moment):
-        force = force + kinematics.beta(link) @ own.moment
-        torque = torque + ops.cross(own.moment, kinematics.link_acceleration(link))
-    return force, torque
-
-
-def _spin_torque(kinematics: Kinematics, link: int, own: Inertia) -> Vec:
-    """Return I α + ω × I ω [N m] of an inertia matrix I.
-
-    With P = ½ tr(I) 1 - I, the integral of x xᵀ dm, it is the axial vector of β P - (β P)ᵀ,
-    cheaper where β is needed anyway.
-    """
-    matrix = own.matrix
-    if rotations.is_diagonal(matrix) and ops.is_structurally_zero(own.moment):
-        omega, alpha = (
-            kinematics.link_angular_velocity(link),
-            kinematics.link_angular_acceleration(link),
-        )
-        return ops.vector(
-            *(
-                matrix[i, i] * alpha[i] + (matrix[k, k] - matrix[j, j]) * (omega[j] * omega[k])
-                for i, j, k in CYCLES
-            )
-        )
-    beta, spread = kinematics.beta(link), own.spread()
-    return ops.vector(
-        *(
-            beta[k, j] * spread[j]
-            - beta[j, k] * spread[k]
-            + (beta[j, j] - beta[k, k]) * matrix[j, k]
-            + (beta[j, i] * matrix[k, i] - beta[k, i] * matrix[i, j])
-            for i, j, k in CYCLES
-        )
-    )
 
 
 def mass_matrix(
