@@ -45,7 +45,7 @@ def hunt(
         typer.Option(
             "--channel",
             metavar="CHANNEL",
-            help="Tell amplitudes of this; the first one is watched in simulations.",
+            help="Report amplitudes of this; the first one is watched in simulations.",
         ),
     ] = None,
     amplitude: Annotated[
@@ -69,7 +69,7 @@ def hunt(
         bool | None,
         typer.Option(
             "--secondary/--no-secondary",
-            help="Follow cycles that lead off at branch points, more to one side than to the "
+            help="Follow cycles that branch off at branch points, more to one side than to the "
             "other; if not given, where no stable cycle is found.",
         ),
     ] = None,

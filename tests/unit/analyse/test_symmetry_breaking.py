@@ -1,4 +1,4 @@
-"""Cycles that lead off where others cease to be their own mirror image."""
+"""Cycles that branch off where others lose their mirror symmetry."""
 
 import math
 

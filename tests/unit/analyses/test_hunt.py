@@ -339,7 +339,7 @@ def test_a_branch_leads_off_where_cycles_cease_to_be_their_own_image(tmp_path):
     assert len(set(np.sign(middles))) == 1
     assert middles**2 == pytest.approx(40.0 * (values - point.value), rel=0.05, abs=2e-3)
     place = f"branch 1 at push = {point.value:.6g}"
-    origin = f"leads off {place}; its mirror image counts as the same branch"
+    origin = f"branches off {place}; its mirror image counts as the same branch"
     assert read_hunt(tmp_path / "hunt.h5").origins == {2: origin}
     assert report.as_dict()["origins"] == [{"branch": 2, "origin": origin}]
     assert origin in report.as_text() and f"branch 2 {origin}" in report.messages

@@ -209,7 +209,7 @@ class _Search:
     def corrected(self, orbit: Orbit, gap: Vector, *, stay: bool = False) -> Orbit:
         """Return the orbit after a step, its points as they follow the first.
 
-        It comes to the plane of the search, or stays where it is on the branch.
+        It reaches the plane of the search, or stays where it is on the branch.
         """
         chain, n = self._chain, len(gap)
         right = self._right(orbit, gap)

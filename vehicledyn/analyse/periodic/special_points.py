@@ -18,7 +18,7 @@ _NO_TURN = 1e-5
 """Scaled slope of the parameter along the branch below which its sign may be rounding [1]."""
 
 _BEFORE = 1.0 - 1e-5, 1.0 - 1e-3, 0.7, 0.4
-"""Parts of the way to a corner at which it is told, the first at which an orbit is found."""
+"""Parts of the way to a corner at which it is reported, the first at which an orbit is found."""
 
 _NEUTRAL = 1e-6
 """Distance from 1 at which a multiplier counts as 1 all along the branch."""
@@ -168,7 +168,7 @@ class SpecialPoints:
         ][:2] or [f"{p.orbit.parameter:.8g}" for p in (points[0], points[-1])]
         self.remarks.append(
             f"{kind.replace('_', ' ')} not located: it lies on the branch between the cycles at "
-            f"{self.steps.model.parameter} = {' and '.join(ends)}; one of them is told"
+            f"{self.steps.model.parameter} = {' and '.join(ends)}; one of them is reported"
         )
 
     def _torus(

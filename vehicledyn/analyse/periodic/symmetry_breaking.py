@@ -1,4 +1,4 @@
-"""Where cycles lead off that are no more their own mirror image: the first of them, and its way.
+"""Where cycles branch off that are no longer mirror-symmetric: the first of them, and its way.
 
 With the half map P = S φ_T/2 of an orbit that is its own image (:mod:`.mirror`), such cycles branch
 off where P has the multiplier -1. Its eigenvector v is the way to them:
@@ -55,7 +55,7 @@ class LeadingOff:
 def leading_off(
     field: AutonomousField, point: CyclePoint, span: tuple[float, float]
 ) -> LeadingOff | None:
-    """Return the way from a branch point to cycles that are not their own mirror image.
+    """Return the way from a branch point to cycles that are not mirror-symmetric.
 
     None where the cycle is not its own image in a mirror that holds at the ends of the ``span`` of
     the parameter, or where the branch that is met does not break it.
@@ -127,7 +127,7 @@ class OwnImages:
         """Return about where a branch that has come back meets its own images, and how surely.
 
         Value and period [s] change with the square of the distance; they are led on from the two
-        cycles before the last one, of which the difference of the values is told too.
+        cycles before the last one, of which the difference of the values is reported too.
         """
         orbits = [point.orbit for point in points[-3:-1]]
         squares = [float((self.distances(orbit) ** 2).sum()) for orbit in orbits]

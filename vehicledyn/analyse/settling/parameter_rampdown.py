@@ -64,7 +64,7 @@ def lower(
     size
         Disturbance of the first of them.
     resolution
-        How finely is told where the cycle dies.
+        How finely the value is found at which the cycle dies.
     expected
         Values at which it may, such as folds: they are tried first.
     told
@@ -153,7 +153,7 @@ class _Lowering:
         """Return what the cycle settles to at another value, moved there with the equilibrium.
 
         A wheel that rolls turns more slowly at a lower speed: from its old rate it would slide.
-        What lasts is told and taken for the cycle from now on.
+        What lasts is reported and taken for the cycle from now on.
         """
         before, field = self.alive, self.runner.field
         old, new = self.balances(before.value), self.balances(value)

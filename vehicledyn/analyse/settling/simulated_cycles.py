@@ -35,7 +35,7 @@ STIFF = 0.5
 
 @dataclass(frozen=True)
 class Settled:
-    """Where a simulation came to at a value of the parameter, and how it ended.
+    """What a simulation reached at a value of the parameter, and how it ended.
 
     ``amplitude`` is half the range of the watched channel, ``middle`` the middle of that,
     ``period`` [s], ``states`` and ``unknowns`` the samples of the last period and a little more,
@@ -99,7 +99,7 @@ class Runner:
     """Simulates a model at values of the parameter, watching one channel.
 
     No more than ``allowed`` seconds of motion are simulated [s], ``spent`` were so far in
-    ``runs`` motions. ``begins`` is told the value of each.
+    ``runs`` motions. ``begins`` receives the value of each.
     """
 
     kernel: Kernel

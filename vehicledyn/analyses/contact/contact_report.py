@@ -12,7 +12,7 @@ from vehicledyn.base.slope_text import slope_text
 from vehicledyn.results.tables.contact_table import SIDES, ContactColumns, ContactTable
 
 TOUCHING = 1e-6
-"""Gap up to which a further contact is told [m]."""
+"""Gap up to which a further contact is reported [m]."""
 
 _HEADS = (
     "lateral shift y, positive to the left; contact on the wheels and on the rails, outwards",

@@ -90,7 +90,7 @@ def view_track(
     every
         Distance of the lines [m]; about 25 lines if None.
     speed
-        Speed for which the deficiency of cant is told [m/s].
+        Speed for which the cant deficiency is reported [m/s].
     output, plots
         Table as CSV to write and folder of the figures; None for none.
 

@@ -44,7 +44,7 @@ class HuntSettings:
     and ``disturbance`` that with which simulations start, both of the position that moves
     most, in its unit. ``simulate`` asks for the check by simulation at ``levels`` values, in which
     at most ``simulated`` seconds of motion are simulated, None for what suits the model.
-    ``secondary`` asks for the branches that lead off where cycles cease to be their own image;
+    ``secondary`` asks for the branches that branch off where cycles lose their mirror symmetry;
     None for them where the equilibrium is unstable and no stable cycle is found.
     """
 

@@ -55,11 +55,11 @@ _VALUES, _FEWEST_VALUES = 60, 20
 _NO_LAW = "look for play, dry friction or another law that bends at rest"
 
 _MET = 2
-"""Cycles in a row on another branch with which a branch has come to it."""
+"""Cycles in a row on another branch with which a branch has reached it."""
 
 
 class _JoinedError(Exception):
-    """A branch comes to another one, of which the number is told."""
+    """A branch reaches another one, of this number."""
 
     def __init__(self, number: int) -> None:
         super().__init__()
@@ -244,7 +244,7 @@ class Study:
         """Follow a branch of at most so many cycles; ``wide`` makes its steps wider.
 
         It ends where two cycles in a row lie on a branch that is ``known``, and where it ``joins``
-        one, of which that tells the number.
+        one, and returns its number.
         """
         low, high = self.span
         budget, branch = self._budget, Branch()
@@ -293,7 +293,7 @@ class Study:
         return branch
 
     def _secondary(self) -> None:
-        """Follow the branches of cycles that cease to be their own mirror image."""
+        """Follow the branches of cycles that are no longer mirror-symmetric."""
         args = self.model, self.span, self.branches, self.messages, self.origins
         Secondary(*args, self._follow).examine(self._budget.further)
 

@@ -1,4 +1,4 @@
-"""Branches of cycles that lead off those that are their own mirror image, at branch points."""
+"""Branches of cycles that branch off mirror-symmetric ones, at branch points."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ _OFF = 0.03, 0.01, 0.1
 """Ways off a branch point, part of the scales, at which the first cycle is looked for."""
 
 _SAME_POINT = 1e-2
-"""Relative differences of range and period within which a branch comes to a branch point, where its
+"""Relative differences of range and period within which a branch reaches a branch point, where its
 last steps were smaller."""
 
 
@@ -47,10 +47,10 @@ class Follow(Protocol):
 
 @dataclass
 class Secondary:
-    """Branches that lead off the first ones of a study.
+    """Branches that branch off the first ones of a study.
 
     ``branches`` and ``messages`` are those of the study, ``span`` its range; ``origins`` tell by
-    number where branches lead off.
+    number where branches begin.
     """
 
     model: AutonomousField
@@ -84,7 +84,7 @@ class Secondary:
             left = cycles - sum(len(branch.points) for branch in self.branches[first:])
             if len(self.branches) - first == _MOST_BRANCHES or left < _FEWEST_CYCLES:
                 self.messages.append(
-                    f"what leads off branch {number} at {place}, and what follows, is left out: "
+                    f"what branches off branch {number} at {place}, and what follows, is left out: "
                     f"branches off branch points are {_MOST_BRANCHES} at most, with {cycles} "
                     "cycles together"
                 )
@@ -93,14 +93,14 @@ class Secondary:
                 way = leading_off(self.model, point, self.span)
                 if way is None:
                     self.messages.append(
-                        f"what leads off branch {number} at {place} is not followed: there is no "
-                        "multiplier -1 of half a cycle that is its own mirror image"
+                        f"what branches off branch {number} at {place} is not followed: there is "
+                        "no multiplier -1 of half a mirror-symmetric cycle"
                     )
                 else:
                     self._lead_off(way, number, first=first, most=left)
             except NumericalError as error:
                 self.messages.append(
-                    f"what leads off branch {number} at {place} is not found: {error}"
+                    f"what branches off branch {number} at {place} is not found: {error}"
                 )
 
     def _lead_off(self, way: LeadingOff, number: int, *, first: int, most: int) -> None:
@@ -109,7 +109,7 @@ class Secondary:
         known = [Branch() if k < first else b for k, b in enumerate(self.branches)]
         for size in _OFF:
             self.origins[own] = (
-                f"leads off branch {number} at {self.model.parameter} = "
+                f"branches off branch {number} at {self.model.parameter} = "
                 f"{way.orbit.parameter:.6g}; its mirror image counts as the same branch"
             )
             try:

@@ -16,7 +16,7 @@ _STEP = 1e-3
 
 
 def attack_remarks(parts: Iterable[Part], channels: Mapping[str, ArrayLike]) -> Iterator[str]:
-    """Yield what to tell of wheels whose contacts had too few windows for how they ran.
+    """Yield remarks on wheels whose contacts had too few windows for how they ran.
 
     Windows are those of a rigid wheel at the angle at which the axle ran, in whole milliradians
     up: were there more of them than the equations have, two contacts were taken for one.

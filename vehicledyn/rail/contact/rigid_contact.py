@@ -11,7 +11,7 @@ Where the wheel touches the rail at a second point, the contact jumps there: ``<
 an event after which the constraint holds the other point. The wheel hits the rail there without
 rebound and comes free of the old one (:mod:`vehicledyn.multibody.equations.impacts`). A wheel that
 lifts,
-``<side>.lifts``, or whose contact comes to the end of a profile, ``<side>.leaves``, ends the run:
+``<side>.lifts``, or whose contact reaches the end of a profile, ``<side>.leaves``, ends the run:
 the elastic model goes on from there.
 """
 
@@ -181,7 +181,7 @@ class RigidRailWheels(BasePart):
             if w.ends is not None:
                 place = situation.kinematics.coordinate(self._place(w))
                 inside = ops.minimum(place - w.ends[0], w.ends[1] - place)
-                leaves = f"the contact comes to the end of the {w.side} wheel's profile; {_ADVICE}"
+                leaves = f"the contact reaches the end of the {w.side} wheel's profile; {_ADVICE}"
                 events.append(_ending(f"{w.side}.leaves", inside, leaves, "derailed"))
             if w.places:
                 constraint = self._constraint(w)

@@ -147,8 +147,8 @@ def stand_level(wheelset: WheelsetOnTrack, lateral: float, yaw: float = 0.0) -> 
 def find_jumps(wheelset: WheelsetOnTrack, standing: Sequence[Standing]) -> list[Jump]:
     """Return the shifts, between those given, at which a contact leaps to another place.
 
-    A leap is told from a fast but steady motion by halving the interval, down to a micrometre,
-    until the motion agrees with the rates at both ends.
+    Halving the interval, down to a micrometre, distinguishes a jump from a fast but steady
+    motion, which then agrees with the rates at both ends.
     """
     known = {position.lateral: position for position in standing}
 

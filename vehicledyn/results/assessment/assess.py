@@ -53,7 +53,7 @@ _ROUNDING = 1e-6
 
 @dataclass
 class Assessment:
-    """What a run comes to.
+    """Key figures and verdicts of a run.
 
     ``begin`` and ``end`` limit the section that was assessed [s]; ``way`` is the distance run in
     it, None if unknown [m]; ``rate`` the samples a second [Hz]. ``remarks`` say what was left out

@@ -12,7 +12,7 @@ import numpy as np
 from vehicledyn.results.assessment.signals import Floats, integral_between
 
 PARTS = 10
-"""Equal parts of the distance for which a mean is told."""
+"""Equal parts of the distance for which a mean is reported."""
 
 
 @dataclass(frozen=True)

@@ -60,7 +60,7 @@ def compare_files(
     Returns
     -------
     Comparison
-        Its ``exit_code`` says how it went; unusable files are told of in it, not raised.
+        Its ``exit_code`` says how it went; unusable files are reported in it, not raised.
     """
     names = (str(result), str(reference))
     tolerances = Tolerances(relative, absolute, dict(channel_tolerances or {}))

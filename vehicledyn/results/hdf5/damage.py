@@ -65,7 +65,7 @@ def describe(error: DamagedError, file: h5py.File | None) -> str:
 
     with contextlib.suppress(*BROKEN):
         file.visititems(look)
-    # Looking around may have met further damage; the first is what is told.
+    # Looking around may have met further damage; the first is reported.
     with contextlib.suppress(DamagedError):
         file.check()
     if not found:

@@ -20,7 +20,7 @@ LIBRARY_VERSIONS = ("v110", "v110")  # newest bounds that common HDF5 1.10 tools
 
 
 class Container:
-    """An HDF5 file open for writing, whose flush and close tell of every failed write.
+    """An HDF5 file open for writing, whose flush and close report every failed write.
 
     Parameters
     ----------

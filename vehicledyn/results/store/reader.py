@@ -276,7 +276,7 @@ class Result:
 
     @property
     def notes(self) -> tuple[str, ...]:
-        """What the run told its user, such as warnings."""
+        """Messages of the run to its user, such as warnings."""
         with self._reading():
             group = self._file["scenario"]
             return texts(group["notes"]) if "notes" in group else ()

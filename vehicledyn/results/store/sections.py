@@ -146,7 +146,7 @@ def write_events(group: h5py.Group, events: Sequence[EventRecord]) -> None:
 
 
 def write_notes(group: h5py.Group, notes: Sequence[str]) -> None:
-    """Write what the run told its user."""
+    """Write the messages of the run to its user."""
     if notes:
         _write_texts(group, "notes", notes)
 

@@ -77,7 +77,7 @@ class CycleRow:
 
 @dataclass(frozen=True)
 class SimulatedRow:
-    """A motion that simulation came to: parameter, amplitude of the first channel, period [s].
+    """A motion that simulation reached: parameter, amplitude of the first channel, period [s].
 
     ``spread`` is by what part of itself the amplitude varies where it has not settled, ``seconds``
     how long it was simulated [s]; ``ending`` tells whether it settled.
@@ -96,8 +96,8 @@ class HuntTable:
     """A hunting study: the parameter, what was watched, and what was found.
 
     ``locus_values`` (n,) and ``eigenvalues`` (n, n_states) belong to the equilibria;
-    ``simulated`` are motions that simulation came to; ``figures`` are the critical values by name;
-    ``origins`` tell by number where branches lead off others, ``means`` by name how figures were
+    ``simulated`` are motions that simulation reached; ``figures`` are the critical values by name;
+    ``origins`` say by number where branches branch off others, ``means`` by name how figures were
     found, ``identity`` is equal for studies that find the same. ``status`` is "ok", "partial",
     "failed", "interrupted" or, while it is computed, "running".
     """
