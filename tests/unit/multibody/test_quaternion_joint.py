@@ -1,5 +1,7 @@
 """Bodies whose attitude is a quaternion: tops, loops, small motions, and what is refused."""
 
+from dataclasses import dataclass
+
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
@@ -12,9 +14,11 @@ from vehicledyn.base.quaternions import about, multiplied, rotated
 from vehicledyn.multibody import (
     GROUND,
     BallCut,
+    BasePart,
     Body,
     Joint,
     ParameterTable,
+    PartEvent,
     RodCut,
     System,
     UserConstraint,
@@ -361,3 +365,43 @@ def test_a_force_on_a_component_of_a_quaternion_is_refused():
     push = CoordinateForce("push", "top.quaternion_x", lambda _: 1.0)
     with pytest.raises(InputError, match="not a coordinate"):
         derive(System("top", ParameterTable(), (body,), parts=(push,)))
+
+
+@dataclass(frozen=True)
+class Floor(BasePart):
+    """The ground, from which a corner of a body bounces back without loss."""
+
+    def events(self, situation):
+        height = situation.kinematics.position("body", CORNER)[2]
+        return (PartEvent("impact", height, "falling", restitution=1.0),)
+
+
+CORNER = (0.4, 0.3, -0.5)
+
+
+def test_a_corner_bounces_back_without_loss():
+    """A free rigid body that turns: the corner's speed turns round, the energy stays."""
+    slides = tuple(Joint(f"T{k}", f"body.{n}") for k, n in ((1, "x"), (2, "y"), (3, "z")))
+    joints = (*slides, *quaternion_joint("body"))
+    body = Body("body", GROUND, joints=joints, **RIGID)
+    e = derive(System("dice", ParameterTable(), (body,), parts=(Floor("floor"),)))
+    (event,) = e.events
+    names = [s.name for s in e.states]
+    before = np.zeros(len(names))
+    values = {
+        "body.z": 0.4, "body.x_rate": 0.3, "body.z_rate": -2.0, "body.omega_x": 0.7,
+        "body.omega_y": -0.4, "body.omega_z": 0.2,
+        **{f"body.quaternion_{c}": q for c, q in zip("wxyz", OBLIQUE, strict=True)},
+    }  # fmt: skip
+    for name, value in values.items():
+        before[names.index(name)] = value
+    after, reset = before.copy(), function(e, e.reset)(before)
+    for state, row in event.resets:
+        after[state] = reset[row]
+    assert {names[k] for k, _ in event.resets} >= {f"body.omega_{c}" for c in "xyz"}
+    speed = ops.derivative(e.event[event.index], e.state, e.rate)
+    seen = function(e, ops.stacked(speed, _energy(e)))
+    (falls, energy), (rises, kept) = seen(before), seen(after)
+    assert falls < -1.0
+    assert rises == pytest.approx(-falls, rel=1e-12)
+    assert kept == pytest.approx(energy, rel=1e-13)
