@@ -287,6 +287,40 @@ assemblies: {brake: {file: brake.yaml, connect: {shaft: wheel.turn}}}
     assert found["d.wheel.turn_rate"] == pytest.approx(-1.5, rel=1e-12)
 
 
+def test_events_and_switches_of_a_part_keep_to_it(tmp_path):
+    written(
+        tmp_path,
+        "bumper.yaml",
+        """
+title: A mass that counts its impacts on a wall
+parameters: {wall: 0.5 m}
+bodies: {slug: {joints: [T1 x, T2 y], mass: 1 kg}}
+switches: {count: 0}
+events:
+  hit:
+    when: wall - tip.x + slug.y * count
+    points: {tip: {body: slug, point: [0.1 m, 0, 0]}}
+    reset: {slug.x_rate: -slug.x_rate, count: count + 1}
+""",
+    )
+    text = """
+title: Two of them
+assemblies:
+  one: {file: bumper.yaml, at: [1 m, 0, 0]}
+  two: {file: bumper.yaml, parameters: {wall: 0.7 m}}
+"""
+    model, problems = read_system(written(tmp_path, "two.yaml", text))
+    assert not problems
+    event = model.file.events["two.hit"]
+    assert str(event.when) == "two.wall - tip.x + two.slug.y * two.count"
+    assert {name: str(value) for name, value in event.reset.items()} == {
+        "two.slug.x_rate": "-two.slug.x_rate",
+        "two.count": "two.count + 1",
+    }
+    assert model.file.bodies["one.slug"].parent == "one.ground"
+    assert model.file.bodies["two.slug"].parent == "ground"
+
+
 BAD = {
     "itself": (
         "file: arm.yaml",

@@ -114,8 +114,8 @@ def test_good_file_has_no_problems_and_keeps_its_parameters_free(tmp_path):
          "Known: crank.angle", "24:28: sensors.tip.body: no body named 'tip'; "
          "Known: crank, ground"]),
         ("{kind: T3, name: slide}", "R7", ["17:14: bodies.tip.joints[0].kind: no joint named "
-         "'R7'; Known: R1, R2, R3, T1, T2, T3, cylindrical, free, planar, spherical, track_frame, "
-         "turn, universal"]),
+         "'R7'; Known: R1, R2, R3, T1, T2, T3, cylindrical, free, planar, screw, spherical, "
+         "spherical_quaternion, track_frame, turn, universal"]),
         ("name: slide}", "name: crank.angle}", ["17:14: bodies.tip.joints[0]: coordinate "
          "'crank.angle' is defined twice, first in body 'crank'; give this one a name",
          "22:23: drives.slide.coordinate: no coordinate named 'tip.slide'; Known: crank.angle"]),
