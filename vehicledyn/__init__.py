@@ -116,7 +116,8 @@ _HOMES = {
 __version__ = VERSION
 
 # Importing the package loads nothing: each name loads its module when it is first used.
-__getattr__ = door(__name__, _HOMES)
+if not TYPE_CHECKING:  # for type checkers there are no other names than those above
+    __getattr__ = door(__name__, _HOMES)
 
 
 def __dir__() -> list[str]:

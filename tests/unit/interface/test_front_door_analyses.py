@@ -9,6 +9,8 @@ import pytest
 from small_systems import pendulum
 
 import vehicledyn as vd
+from vehicledyn.results.store.linear_file import Quantity
+from vehicledyn.results.tables.hunt_table import CycleRow, HuntTable, write_hunt
 
 PACKAGE = Path(vd.__file__).parent
 QUICK = {"backend": "interpreted"}
@@ -77,6 +79,26 @@ def test_sweep_of_a_scenario_in_memory():
     assert study["body.height"][0] == pytest.approx(single["body.height"].values, abs=1e-9)
     assert study.to_dataframe().shape[0] == 2
     assert len(study.plot("body.height").axes[0].lines) == 2
+
+
+def test_limit_cycles_with_critical_values_in_their_units(tmp_path):
+    row = CycleRow(1, 50.0, 0.2, True, "", 1.0, np.ones(2), np.array([-1.0]), np.array([1.0]),
+                   np.zeros((3, 1)))  # fmt: skip
+    speed, channel = Quantity("speed", "m/s", "Speed"), Quantity("y", "m", "Lateral")
+    write_hunt(
+        tmp_path / "hunt.h5",
+        HuntTable(
+            "Hunting", "wheelset", speed, (channel,), np.array([40.0]), np.ones((1, 2)) * 1j,
+            (row, row), (), {"linear_critical": 61.0}, "ok", "",
+        ),
+    )  # fmt: skip
+    found = vd.open_result(tmp_path / "hunt.h5")
+    assert (found.summary["linear_critical"].value, found.summary["linear_critical"].unit) == (
+        61.0, "m/s",
+    )  # fmt: skip
+    assert found["cycle_greatest"].dims == ("cycle", "channel")
+    assert found["eigenvalue"].values.tolist() == [[1j, 1j]]
+    assert found.to_dataframe()["cycle_parameter"].tolist() == [50.0, 50.0]
 
 
 def test_comparison_of_values():

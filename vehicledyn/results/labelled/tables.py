@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -47,6 +47,7 @@ class TableSource:
     head: Head
     arrays: Mapping[str, LabelledArray]
     remarks: tuple[str, ...] = ()
+    figures: Mapping[str, SummaryEntry] = field(default_factory=dict)
 
     @property
     def names(self) -> Sequence[str]:
@@ -58,17 +59,8 @@ class TableSource:
         return self.arrays[name]
 
     def summary(self) -> Mapping[str, SummaryEntry]:
-        """Return the facts among the attributes that are numbers, as key figures."""
-        return {
-            key.removeprefix("figure_"): SummaryEntry(
-                key.removeprefix("figure_"),
-                value,
-                "",
-                key.removeprefix("figure_").replace("_", " "),
-            )
-            for key, value in self.head.attributes.items()
-            if key.startswith("figure_")
-        }
+        """Return the critical values of a hunting study."""
+        return self.figures
 
     def events(self) -> tuple[EventRecord, ...]:
         """Return nothing: these analyses have no events."""
@@ -106,7 +98,18 @@ def table_source(path: Path, kind: str) -> Source:
         arrays = _stacked(found, path)
     elif kind == equilibrium_table.FORMAT:
         arrays = found | _by_name(path)
-    return TableSource(head, {name: a for name, a in arrays.items() if name != "notes"}, notes)
+    figures = _critical_values(path) if kind == hunt_table.FORMAT else {}
+    kept = {name: array for name, array in arrays.items() if name != "notes"}
+    return TableSource(head, kept, notes, figures)
+
+
+def _critical_values(path: Path) -> dict[str, SummaryEntry]:
+    table = hunt_table.read_hunt(path)
+    meanings = hunt_table.FIGURE_MEANINGS
+    return {
+        name: SummaryEntry(name, value, table.figure_unit(name), meanings.get(name, name))
+        for name, value in table.figures.items()
+    }
 
 
 def _plain(value: Any) -> Any:
