@@ -14,7 +14,7 @@ def without_disturbances(target: Target, settings: HuntSettings) -> tuple[Target
 
     Where the system's own start follows the parameter, as the spin of wheels follows a speed, it
     says which of many steady motions is meant, and a scenario's ``initial`` would lead to another
-    one. Other targets are returned as they are; ``--set initial...`` is kept.
+    one. Other targets are returned as they are; changes of ``initial`` from outside the file are kept.
 
     Raises
     ------
