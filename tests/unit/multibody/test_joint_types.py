@@ -1,9 +1,12 @@
 """Every type of joint of the catalogue: what it says of its motion, and what follows from it."""
 
+from dataclasses import dataclass
+
 import numpy as np
 import pytest
 from joint_examples import SETTINGS, joint, train
 
+from vehicledyn.base import registry
 from vehicledyn.base.errors import InputError
 from vehicledyn.base.registry import kinds
 from vehicledyn.multibody import (
@@ -18,6 +21,7 @@ from vehicledyn.multibody import (
 )
 from vehicledyn.multibody.elements.coordinate_forces import CoordinateForce
 from vehicledyn.multibody.equations.inverse_dynamics import derive_inverse
+from vehicledyn.multibody.joints.joint_type import Axes, JointType, setting
 from vehicledyn.multibody.joints.numeric_joint import displacements, quaternions
 from vehicledyn.symbolic import ops, rotations
 
@@ -178,3 +182,36 @@ def test_every_type_with_settings_has_an_example():
     for kind in KINDS:
         assert joint(kind).type.kind == kind
     assert set(SETTINGS) <= set(KINDS)
+
+
+@dataclass(frozen=True)
+class Slot(JointType):
+    """Slide along z = k x²/2 by the coordinate x: axes that change, and no turn."""
+
+    unit = "m"
+    kind = "slot"
+    has_constant_axes = False
+
+    curvature: float = setting("1/m", "Curvature k at the bottom")
+
+    def displacement(self, q):
+        return ops.vector(q, 0.0, 0.5 * self.curvature * q * q)
+
+    def motion(self, q):
+        return Axes(linear=ops.vector(1.0, 0.0, self.curvature * q))
+
+    def is_turned_by_mirror(self, axis):
+        return axis == 1
+
+
+@pytest.mark.parametrize("formulation", ["composite", "articulated"])
+def test_bead_in_a_slot_whose_direction_changes(formulation, monkeypatch):
+    """ẍ = -k x (g + k ẋ²) / (1 + k² x²), of L = m/2 (1 + k² x²) ẋ² - m g k x²/2."""
+    monkeypatch.setitem(registry._catalogues["joint_type"], "slot", Slot)
+    k, x, v = 3.0, 0.4, -1.2
+    bead = Body(
+        "bead", GROUND, joints=(Joint("slot", "bead.x", settings={"curvature": k}),), mass=2.0
+    )
+    e = derive(System("bead", ParameterTable(), (bead,)), formulation=formulation)
+    exact = -k * x * (GRAVITY + k * v * v) / (1.0 + k * k * x * x)
+    assert rates(e, np.array([x, v]))[1] == pytest.approx(exact, rel=1e-14)

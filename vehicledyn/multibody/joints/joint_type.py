@@ -37,13 +37,6 @@ class Axes:
         )
         return Axes(angular, linear)
 
-    @property
-    def pure(self) -> Vec | None:
-        """The only axis; None where the motion turns and slides."""
-        if self.angular is None:
-            return self.linear
-        return self.angular if self.linear is None else None
-
 
 @dataclass(frozen=True)
 class Element:

@@ -208,7 +208,7 @@ def _inwards(
         given = []
         if item.joint is not None and is_free:
             force = ops.scalar(joint_forces.get(item.joint.name, 0.0))
-            given += [_columns(kinematics.link_axes(link)), force]
+            given += [_columns(kinematics.link_axes(link), item), force]
         if item.parent >= 0:
             given += [kinematics.link_arm(link), *kinematics.link_turns(link)]
         inward = partial(_inward, item=item, n_own=len(own), is_free=is_free)
@@ -231,11 +231,14 @@ def _kind(item: Link) -> tuple[object, ...]:
     return (axes, item.angle_about, item.before is None, item.after is None)
 
 
-def _columns(axes: Axes) -> Mat:
-    """Return the only axis as one column, or the angular one and the linear one as two."""
-    if axes.pure is not None:
-        return axes.pure
-    return ops.unflat(ops.stacked(axes.angular, axes.linear), 3)
+def _columns(axes: Axes, item: Link) -> Mat:
+    """Return the axis of a slide or of what only turns as a column, of others both as two."""
+    if item.slides_along is not None:
+        return axes.linear
+    if axes.linear is None:
+        return axes.angular
+    turning = ops.vector(0.0, 0.0, 0.0) if axes.angular is None else axes.angular
+    return ops.unflat(ops.stacked(turning, axes.linear), 3)
 
 
 def _axes(columns: Mat, item: Link) -> Axes:
@@ -366,7 +369,7 @@ def _outwards(
         given = [*moved[item.parent], kinematics.link_arm(link), *turns]
         if link in gates:
             gate = gates[link]
-            axis = _columns(kinematics.link_axes(link))
+            axis = _columns(kinematics.link_axes(link), item)
             given += [axis, gate.force, gate.torque, gate.push]
         outward = partial(_outward, item=item, n_turns=len(turns), is_end=link in ends)
         structure = (_kind(item), link in gates, link in ends)
