@@ -6,7 +6,7 @@ from vehicledyn.analyses.hunting.parameter_starts import starts_of
 from vehicledyn.analyses.hunting.start import HuntSettings, span_of
 from vehicledyn.analyses.preparation.build_model import Target, build_subject
 from vehicledyn.analyses.preparation.own_speed import at_value
-from vehicledyn.files.scenario import LoadedScenario, load_scenario
+from vehicledyn.files.scenario import LoadedScenario, changed_scenario
 
 
 def without_disturbances(target: Target, settings: HuntSettings) -> tuple[Target, list[str]]:
@@ -14,7 +14,8 @@ def without_disturbances(target: Target, settings: HuntSettings) -> tuple[Target
 
     Where the system's own start follows the parameter, as the spin of wheels follows a speed, it
     says which of many steady motions is meant, and a scenario's ``initial`` would lead to another
-    one. Other targets are returned as they are; changes of ``initial`` from outside the file are kept.
+    one. Other targets are returned as they are, and changes of ``initial`` from outside the file
+    are kept.
 
     Raises
     ------
@@ -27,7 +28,7 @@ def without_disturbances(target: Target, settings: HuntSettings) -> tuple[Target
     unit = target.written.units.get(name)
     if not given or unit is None:
         return target, []
-    plain = load_scenario(target.path, ("initial={}", *target.overrides))
+    plain = changed_scenario(target, (), first=("initial={}",))
     aside = [key for key in given if key not in plain.scenario.initial]
     first, last = (
         starts_of(build_subject(at_value(plain, name, value, unit)))

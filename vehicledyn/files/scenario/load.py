@@ -111,8 +111,12 @@ def load_scenario(path: Path, overrides: Sequence[str] = ()) -> LoadedScenario:
     return loaded
 
 
-def changed_scenario(loaded: LoadedScenario, overrides: Sequence[str]) -> LoadedScenario:
-    """Return a scenario with further changes, made after those it has; its file is not read again.
+def changed_scenario(
+    loaded: LoadedScenario, overrides: Sequence[str], *, first: Sequence[str] = ()
+) -> LoadedScenario:
+    """Return a scenario with further changes; its file is not read again.
+
+    They are made after those it has, but for some that are made ``first``.
 
     Raises
     ------
@@ -120,7 +124,7 @@ def changed_scenario(loaded: LoadedScenario, overrides: Sequence[str]) -> Loaded
         As :func:`load_scenario`.
     """
     document = parse_yaml(loaded.text, str(loaded.path))
-    changes = (*loaded.overrides, *overrides)
+    changes = (*first, *loaded.overrides, *overrides)
     changed, problems = examine_scenario(document, loaded.path, changes, built=loaded.built)
     if changed is None:
         raise refusal(problems, document.name)
