@@ -3,11 +3,12 @@
 import sys
 from dataclasses import replace
 
+import h5py
 import numpy as np
 import pytest
 
 from vehicledyn.cli import main
-from vehicledyn.results.compare.linear_compare import compare_linear
+from vehicledyn.results.compare.linear_compare import _numbers, compare_linear
 from vehicledyn.results.compare.tolerances import Tolerances
 from vehicledyn.results.store.linear_file import Quantity
 from vehicledyn.results.tables.hunt_table import CycleRow, HuntTable, SimulatedRow, write_hunt
@@ -48,6 +49,15 @@ def compared(path, reference, table, relative=1e-6, **more):
 def test_equal_studies(reference, tmp_path):
     found = compared(tmp_path / "hunt.h5", reference, study(), relative=0.0)
     assert found.exit_code == 0 and len(found.channels) > 8
+
+
+def test_infinite_parts_of_complex_numbers_stay_apart(tmp_path):
+    """Multiplied by 1j an infinite part would make the other one no number, with a warning."""
+    with h5py.File(tmp_path / "modes.h5", "w") as file:
+        file["eigenvalue_real"], file["eigenvalue_imag"] = [0.5, 1.0], [np.inf, 2.0]
+        ((name, (_, values)),) = _numbers(file)
+    assert name == "eigenvalue"
+    assert values.real.tolist() == [0.5, 1.0] and values.imag.tolist() == [np.inf, 2.0]
 
 
 def test_each_number_counts(reference, tmp_path):

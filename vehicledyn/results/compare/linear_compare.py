@@ -133,8 +133,10 @@ def _numbers(file: h5py.File) -> Iterator[tuple[str, tuple[str, Any]]]:
         head, end = name[: -len(_ENDS[0])], name[-len(_ENDS[0]) :]
         unit = str(dataset.attrs.get("units", ""))
         if end == _ENDS[0] and head + _ENDS[1] in found:
-            imaginary = np.asarray(found[head + _ENDS[1]][()])
-            yield head, (unit, np.asarray(dataset[()]) + 1j * imaginary)
+            imaginary = np.asarray(found[head + _ENDS[1]][()], dtype=float)
+            values = np.asarray(dataset[()], dtype=complex)
+            values.imag = imaginary  # 1j * infinity would be no number
+            yield head, (unit, values)
         elif not (end == _ENDS[1] and head + _ENDS[0] in found):
             yield name, (unit, np.asarray(dataset[()], dtype=float))
 
