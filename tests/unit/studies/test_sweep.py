@@ -48,7 +48,8 @@ def test_a_case_is_the_run_of_its_scenario(tmp_path, study):
     assert (outcome.status, outcome.exit_code, outcome.counts["done"]) == ("ok", 0, 24)
     with open_study(outcome.path) as file:
         values, samples = file.values(), file.samples(11)
-        changes = [f"{a.name}={v!r}" for a, v in zip(file.axes, values[11].tolist(), strict=True)]
+        case = zip(file.axes, values[11].tolist(), strict=True)
+        changes = [f"{axis.name}={value!r} {axis.unit}" for axis, value in case]
         loaded = load_scenario(
             PENDULUM,
             [*changes, "solver={kind: rk4, step: 1 ms}", "duration=0.2 s", "output.interval=20 ms"],
