@@ -256,8 +256,10 @@ def test_every_kind_was_there():
         kinds_of = {j.kind for n in names for j in structure(n).system.joints()}
         assert kinds_of == set(JOINT_KINDS)
     text = WRITTEN.read_text(encoding="utf-8")
-    # Track frames are in tests/unit/files/test_track_frames.py.
+    # Track frames are in tests/unit/files/test_track_frames.py, quaternions in
+    # tests/unit/multibody/test_quaternion_joint.py.
     elsewhere = {
+        "spherical_quaternion",
         "track_frame",
         "rolling_wheel",
         "body",

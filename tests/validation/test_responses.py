@@ -341,22 +341,22 @@ def test_profile_as_driven_over_a_wavy_road(tmp_path):
 
 
 def test_a_profile_needs_a_speed():
-    with pytest.raises(InputError, match="a road is run over at a speed; give --speed"):
+    with pytest.raises(InputError, match="a road is run over at a speed; give speed"):
         respond(load_model("iltis"), "profile", "chassis.z")
 
 
 @pytest.mark.parametrize(
     ("given", "output", "words"),
     [
-        ("body.height", "body.height", "--input body.height: 'body.height' is free.*'force:body"),
-        ("base.heigt", "body.height", "--input base.heigt: the model has no such input; did you"),
+        ("body.height", "body.height", "inputs='body.height': 'body.height' is free.*'force:body"),
+        ("base.heigt", "body.height", "inputs='base.heigt': the model has no such input; did you"),
         ("force:bdy", "body.height", "there is no coordinate 'bdy'"),
         ("wrench:body", "body.height", "write wrench:BODY.COMPONENT"),
         ("wrench:bod.force_x", "body.height", "there is no body 'bod'; did you mean 'body'"),
         ("wrench:body.force_x@1,b", "body.height", "'@1,b' is no point"),
         ("parameter:mas", "body.height", "there is no parameter 'mas'; did you mean 'mass'"),
         ("road", "body.height", "the model has no wheels"),
-        ("base.height", "body.heigt", "--output body.heigt: there is no such channel; did you"),
+        ("base.height", "body.heigt", "outputs='body.heigt': there is no such channel; did you"),
     ],
 )
 def test_unusable_names_are_told(system, given, output, words):
@@ -366,9 +366,9 @@ def test_unusable_names_are_told(system, given, output, words):
 
 def test_parameters_that_move_bodies_or_loops_are_refused(system):
     four_bar = load_model(str(ROOT / "systems/four_bar.yaml"))
-    with pytest.raises(InputError, match=r"parameter:crank.length: the parameter (moves|changes)"):
+    with pytest.raises(InputError, match=r"parameter:crank.length': the parameter (moves|changes)"):
         respond(four_bar, "parameter:crank.length", "rocker.angle")
     with pytest.raises(
-        InputError, match=r"parameter:rocker.length: the parameter changes the loops"
+        InputError, match=r"parameter:rocker.length': the parameter changes the loops"
     ):
         respond(four_bar, "parameter:rocker.length", "rocker.angle")

@@ -81,7 +81,7 @@ def test_a_study_killed_again_and_again_finds_the_same(tmp_path, whole):
         killed += 1
         if output.exists():
             table = read_hunt(output)
-            assert table.status == "interrupted" and "--resume" in table.message
+            assert table.status == "interrupted" and "resume" in table.message
             found.append(len(table.cycles))
     assert killed >= 2 and found[-1] > 0 and found == sorted(found)
     subprocess.run(command(output, "--resume"), check=True, capture_output=True, timeout=600)

@@ -46,7 +46,8 @@ def installed(tmp_path_factory):
     (packages,) = (place / "venv").glob("lib/python*/site-packages")
     others = [path for path in sys.path if path.endswith("-packages")]
     packages.joinpath("shared.pth").write_text("\n".join(others))
-    run([sys.executable, "-m", "pip", "--python", python, "install", "--no-deps", wheel], place)
+    install = ["install", "--no-deps", "--ignore-installed"]  # another may stand on the shared path
+    run([sys.executable, "-m", "pip", "--python", python, *install, wheel], place)
     return place / "venv" / "bin" / "vehicledyn"
 
 
