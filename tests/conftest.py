@@ -1,6 +1,8 @@
 """What all tests share: they test the package that is installed, and say which one that is."""
 
+import functools
 import os
+import re
 import signal
 import tempfile
 from pathlib import Path
@@ -34,11 +36,27 @@ def pytest_collection_modifyitems(items):
     for item in items:
         if item.path.relative_to(folder).parts[0] in STRATA:
             item.add_marker("long")
-        known = item._fixtureinfo.name2fixturedefs.values()
-        own = item.get_closest_marker("xdist_group") is None
-        if own and any(found.scope == "module" for fixtures in known for found in fixtures):
-            # What the tests of a module share is made once, in one process.
-            item.add_marker(pytest.mark.xdist_group(str(item.path)))
+
+
+@pytest.hookimpl(optionalhook=True)
+def pytest_xdist_make_scheduler(config, log):
+    """Run in one process what shares something that takes long to make."""
+    from xdist.scheduler import LoadScopeScheduling
+
+    class Scheduling(LoadScopeScheduling):
+        def _split_scope(self, nodeid):
+            path = nodeid.partition("::")[0]
+            return shared_in(config.rootpath / path) or nodeid
+
+    return Scheduling(config, log)
+
+
+@functools.cache
+def shared_in(path):
+    """Return a name for what the tests of a module share, empty if that is nothing."""
+    source = path.read_text(encoding="utf-8") if path.is_file() else ""
+    group = re.search(r'xdist_group\("(\w+)"\)', source)
+    return group[1] if group else str(path) if 'scope="module"' in source else ""
 
 
 def pytest_report_header():
