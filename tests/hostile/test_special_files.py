@@ -7,7 +7,12 @@ from pathlib import Path
 import pytest
 from harness import Case, run
 
-from vehicledyn.base.files import UnreadableFileError, check_regular, open_regular, read_regular
+from vehicledyn.base.files.limits import (
+    UnreadableFileError,
+    check_regular,
+    open_regular,
+    read_regular,
+)
 
 ROOT = Path(__file__).parents[2]
 RAMP = (ROOT / "scenarios" / "iltis_ramp_steer.yaml").read_bytes()

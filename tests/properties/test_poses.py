@@ -5,7 +5,7 @@ import pytest
 from random_systems import CLOSED, tree
 from scipy.spatial.transform import Rotation
 
-from vehicledyn.base.quaternions import continuous
+from vehicledyn.base.numbers.quaternions import continuous
 from vehicledyn.multibody.equations.system_shapes import appearance
 from vehicledyn.multibody.model.kinematics import Kinematics
 from vehicledyn.multibody.model.tree import unfold

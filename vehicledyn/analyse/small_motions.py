@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from vehicledyn.base.quaternions import multiplied
+from vehicledyn.base.numbers.quaternions import multiplied
 from vehicledyn.kernel.engine import Vector
 from vehicledyn.symbolic.equations import Equations, Variable
 

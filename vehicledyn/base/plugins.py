@@ -19,7 +19,7 @@ from types import ModuleType
 from typing import Any
 
 from vehicledyn.base.errors import InputError, VehicledynError
-from vehicledyn.base.files import read_regular
+from vehicledyn.base.files.limits import read_regular
 from vehicledyn.base.registry import all_or_nothing
 
 GROUP = "vehicledyn.plugins"

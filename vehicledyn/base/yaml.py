@@ -16,7 +16,7 @@ from ruamel.yaml.error import MarkedYAMLError, YAMLStreamError
 from ruamel.yaml.nodes import MappingNode, Node, ScalarNode, SequenceNode
 from ruamel.yaml.reader import ReaderError
 
-from vehicledyn.base.files import UnreadableFileError, read_regular
+from vehicledyn.base.files.limits import UnreadableFileError, read_regular
 from vehicledyn.base.problems import START, Mark, Place, Problem, dotted, refusal
 
 LARGEST_FILE = 5_000_000

@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import Any, Protocol
 
 from vehicledyn.base.errors import InputError, StoppedError
-from vehicledyn.base.whole_file import write_whole
+from vehicledyn.base.files.whole_file import write_whole
 
 _PIPE_CLOSED = 141
 _REFRESH = 0.1

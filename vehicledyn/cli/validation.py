@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from vehicledyn.base.errors import InputError, MissingPartError
-from vehicledyn.base.files import read_regular
+from vehicledyn.base.files.limits import read_regular
 from vehicledyn.base.version import FOLDER, VERSION
 from vehicledyn.cli.terminal import emit, show_progress
 

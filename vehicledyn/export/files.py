@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from vehicledyn.base.errors import InputError
-from vehicledyn.base.whole_file import folder_for_files, write_whole
+from vehicledyn.base.files.whole_file import folder_for_files, write_whole
 from vehicledyn.export import c, matlab, python
 from vehicledyn.export.document import Start, write_document
 from vehicledyn.export.languages import MATLAB, PYTHON, C, safe_name

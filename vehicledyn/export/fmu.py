@@ -18,7 +18,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from vehicledyn.base.errors import InputError
-from vehicledyn.base.whole_file import folder_for_files, whole_file
+from vehicledyn.base.files.whole_file import folder_for_files, whole_file
 from vehicledyn.codegen.ir.table_rows import ROW
 from vehicledyn.codegen.passes.kernel_functions import KernelFunctions, derive_functions
 from vehicledyn.codegen.printers.kernel_source import portable_source

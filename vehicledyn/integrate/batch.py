@@ -19,13 +19,13 @@ import numpy as np
 
 from vehicledyn.base.errors import InputError
 from vehicledyn.codegen.toolchain.compiler import CompilationError, suitable_lanes
-from vehicledyn.integrate.accuracy import Accuracy
-from vehicledyn.integrate.accuracy_windows import Grid
+from vehicledyn.integrate.accuracy.lanes import lane_watch
+from vehicledyn.integrate.accuracy.windows import Grid
 from vehicledyn.integrate.cases import CaseEnd, Cases, Plan, Samples
 from vehicledyn.integrate.channel_ranges import watched_channels
+from vehicledyn.integrate.estimated_accuracy import Accuracy
 from vehicledyn.integrate.fixed_step import steps_per_interval
 from vehicledyn.integrate.judged_quantities import Judged
-from vehicledyn.integrate.lane_accuracy import lane_watch
 from vehicledyn.integrate.lane_march import march
 from vehicledyn.integrate.lane_run import LaneRun, Stopped
 from vehicledyn.integrate.simulate import Solver, simulate

@@ -9,7 +9,7 @@ from typing import Any, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from vehicledyn.integrate.accuracy import Accuracy
+from vehicledyn.integrate.estimated_accuracy import Accuracy
 from vehicledyn.kernel.engine import Vector
 
 Samples: TypeAlias = NDArray[Any]

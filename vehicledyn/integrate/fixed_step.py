@@ -7,14 +7,14 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 from vehicledyn.base.errors import InputError, NumericalError
-from vehicledyn.integrate.accuracy_watch import AccuracyWatch
-from vehicledyn.integrate.accuracy_windows import Grid, Place
+from vehicledyn.integrate.accuracy.proposed_step import proposed_step
+from vehicledyn.integrate.accuracy.watch import AccuracyWatch
+from vehicledyn.integrate.accuracy.watched_run import Way
+from vehicledyn.integrate.accuracy.windows import Grid, Place
 from vehicledyn.integrate.course import go_on_from, history_of
 from vehicledyn.integrate.events import Point
 from vehicledyn.integrate.judged_quantities import Judged
-from vehicledyn.integrate.proposed_step import proposed_step
 from vehicledyn.integrate.task import SampleBuffer, Sink, Statistics, StepError, Task
-from vehicledyn.integrate.watched_run import Way
 from vehicledyn.kernel.engine import Count, Figure, March, Method, Rows, Status, Vector
 
 _CHUNK_SECONDS = 0.08

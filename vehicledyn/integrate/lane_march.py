@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from vehicledyn.integrate.lane_accuracy import LaneWatch
+from vehicledyn.integrate.accuracy.lanes import LaneWatch
 from vehicledyn.integrate.lane_run import LaneRun
 
 _CHUNK_SECONDS, _FIRST_CHUNK, _GROWTH, _MOST_NUMBERS = 0.08, 16, 8, 1_000_000

@@ -16,7 +16,7 @@ from vehicledyn.kernel.engine import Count, Figure, Ledger, Rows, Vector
 from vehicledyn.kernel.kernel import Kernel, Progress
 
 if TYPE_CHECKING:
-    from vehicledyn.integrate.accuracy import Accuracy
+    from vehicledyn.integrate.estimated_accuracy import Accuracy
     from vehicledyn.integrate.judged_quantities import Judged
 
 Sink: TypeAlias = Callable[[Vector, Vector, Vector, Vector], None]

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from vehicledyn.base.errors import InputError
-from vehicledyn.base.whole_file import folder_for_files, write_whole
+from vehicledyn.base.files.whole_file import folder_for_files, write_whole
 from vehicledyn.base.yaml import read_yaml
 from vehicledyn.library.names import Entry, library_folder
 

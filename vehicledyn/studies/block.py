@@ -15,8 +15,8 @@ from numpy.typing import NDArray
 from vehicledyn.base.errors import InputError, VehicledynError
 from vehicledyn.base.plugins import load_plugin, loaded_plugins, plugin_digest
 from vehicledyn.base.version import FOLDER, VERSION
-from vehicledyn.integrate.accuracy import Accuracy
 from vehicledyn.integrate.batch import Cases, Samples, run_batch
+from vehicledyn.integrate.estimated_accuracy import Accuracy
 from vehicledyn.kernel.kernel import Backend
 from vehicledyn.results.store.study_layout import ACCURACY, DONE, ENDED, StudyBlock, StudyFigure
 from vehicledyn.studies.axes import Design

@@ -19,7 +19,7 @@ from typing import Any
 
 from vehicledyn.base.argument_names import given
 from vehicledyn.base.errors import InputError, MissingPartError, NumericalError, VehicledynError
-from vehicledyn.base.ownership import writable_by_others
+from vehicledyn.base.files.ownership import writable_by_others
 from vehicledyn.studies.block import Work, compute_remotely, set_up
 from vehicledyn.studies.pool import LIVES, Span, Spans, Take, divided
 

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from vehicledyn.base.errors import InputError
-from vehicledyn.base.files import open_regular
+from vehicledyn.base.files.limits import open_regular
 from vehicledyn.base.problems import Mark, Place, Problem
 from vehicledyn.base.units import describe, parse_unit, to_si
 from vehicledyn.files.scenario.sources import Sources

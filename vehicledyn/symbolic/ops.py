@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Any, TypeAlias
 
-from vehicledyn.base import quarter_turns
+from vehicledyn.base.numbers import quarter_turns
 
 if TYPE_CHECKING:
     import numpy as np

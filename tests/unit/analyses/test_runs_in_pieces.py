@@ -4,7 +4,7 @@ import pytest
 
 from vehicledyn.analyses.simulation.repartitioning import simulate_watched
 from vehicledyn.base.errors import NumericalError
-from vehicledyn.integrate.accuracy_watch import AccuracyWatch
+from vehicledyn.integrate.accuracy.watch import AccuracyWatch
 from vehicledyn.integrate.judged_quantities import Judged
 from vehicledyn.integrate.methods.rk4 import RungeKutta4
 from vehicledyn.integrate.methods.symplectic_euler import SymplecticEuler
@@ -116,6 +116,6 @@ def test_what_goes_wrong_in_the_first_piece_is_found(known, needs_compiler):
 
 def test_a_run_that_diverges_is_not_continued_in_another_way(known, needs_compiler, monkeypatch):
     """Divergence is reported as such, whatever piece it comes in."""
-    monkeypatch.setattr("vehicledyn.integrate.watched_run._HUGE", 1.5)
+    monkeypatch.setattr("vehicledyn.integrate.accuracy.watched_run._HUGE", 1.5)
     with pytest.raises(NumericalError, match=r"the integration diverges with a step of 0\.5 ms"):
         run(known, RungeKutta4(step=5e-4))

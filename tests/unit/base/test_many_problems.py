@@ -5,7 +5,7 @@ import pytest
 from vehicledyn.base.errors import InputError, unknown_name
 from vehicledyn.base.problems import START, Problem, refusal
 from vehicledyn.base.yaml import parse_yaml
-from vehicledyn.files.system.repeat import expand
+from vehicledyn.files.system.assemblies.repeat import expand
 
 
 def test_twenty_of_many_problems_are_listed():

@@ -4,7 +4,7 @@ import os
 
 import pytest
 
-from vehicledyn.base.ownership import writable_by_others
+from vehicledyn.base.files.ownership import writable_by_others
 
 pytestmark = pytest.mark.skipif(not hasattr(os, "geteuid"), reason="needs owners and modes")
 ROOT = pytest.mark.skipif(getattr(os, "geteuid", lambda: 1)() != 0, reason="only root gives away")

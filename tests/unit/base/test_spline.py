@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.interpolate import CubicSpline
 
-from vehicledyn.base.spline import spline_integral
+from vehicledyn.base.numbers.spline import spline_integral
 
 ALGEBRA = 1e-12
 

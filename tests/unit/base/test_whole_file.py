@@ -2,7 +2,7 @@
 
 import pytest
 
-from vehicledyn.base.whole_file import folder_for_files, write_whole
+from vehicledyn.base.files.whole_file import folder_for_files, write_whole
 
 
 def fail_in(folder, *, after=None):

@@ -7,7 +7,7 @@ from system_texts import Motion, equations
 from vehicledyn.analyses.models.assembly_tree import assembly_lines
 from vehicledyn.files.building.construct import build_system
 from vehicledyn.files.building.write import model_as_yaml
-from vehicledyn.files.system import assemblies
+from vehicledyn.files.system.assemblies import read as assemblies
 from vehicledyn.files.system.files import SystemFiles
 from vehicledyn.files.system.read import read_system
 from vehicledyn.multibody import derive

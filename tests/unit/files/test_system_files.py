@@ -11,7 +11,7 @@ from vehicledyn.base.errors import InputError
 from vehicledyn.base.yaml import parse_yaml
 from vehicledyn.files.building.construct import build_system
 from vehicledyn.files.building.write import model_as_yaml
-from vehicledyn.files.system.mirror import mirror_image
+from vehicledyn.files.system.assemblies.mirror import mirror_image
 from vehicledyn.files.system.schema import system_schema
 from vehicledyn.files.system.sets import MirrorSet
 from vehicledyn.multibody import derive

@@ -8,20 +8,20 @@ import pytest
 from solve_examples import build, decay, oscillator, symbols
 
 from vehicledyn.base.errors import NumericalError
-from vehicledyn.integrate.accuracy import Accuracy, worst_of
-from vehicledyn.integrate.accuracy_watch import AccuracyWatch
-from vehicledyn.integrate.accuracy_windows import window_places
-from vehicledyn.integrate.batch import Cases, make_batch, run_batch
-from vehicledyn.integrate.judged_quantities import Judged
-from vehicledyn.integrate.methods.rk4 import RungeKutta4
-from vehicledyn.integrate.methods.rkc import RungeKuttaChebyshev
-from vehicledyn.integrate.methods.symplectic_euler import SymplecticEuler
-from vehicledyn.integrate.proposed_step import (
+from vehicledyn.integrate.accuracy.proposed_step import (
     dividing_step,
     eigenvalues,
     longest_step,
     proposed_step,
 )
+from vehicledyn.integrate.accuracy.watch import AccuracyWatch
+from vehicledyn.integrate.accuracy.windows import window_places
+from vehicledyn.integrate.batch import Cases, make_batch, run_batch
+from vehicledyn.integrate.estimated_accuracy import Accuracy, worst_of
+from vehicledyn.integrate.judged_quantities import Judged
+from vehicledyn.integrate.methods.rk4 import RungeKutta4
+from vehicledyn.integrate.methods.rkc import RungeKuttaChebyshev
+from vehicledyn.integrate.methods.symplectic_euler import SymplecticEuler
 from vehicledyn.integrate.simulate import simulate
 from vehicledyn.kernel.engine import Method
 from vehicledyn.kernel.kernel import compile_kernel
@@ -248,7 +248,7 @@ def test_windows_are_spread_over_the_run_and_end_with_it():
 def test_places_do_not_depend_on_chunks():
     equations = swinging()
     kernel = compile_kernel(equations, backend="compiled")
-    from vehicledyn.integrate.accuracy_windows import Grid
+    from vehicledyn.integrate.accuracy.windows import Grid
 
     grid = Grid(Method.RK4, 0.0, 0.1, 10, 100)
     rows = np.random.default_rng(1).normal(size=(101, 5))

@@ -11,7 +11,7 @@ from small_systems import pendulum
 
 import vehicledyn as vd
 from vehicledyn.base.errors import UnknownNameError
-from vehicledyn.integrate.accuracy_watch import Accuracy, AccuracyWatch
+from vehicledyn.integrate.accuracy.watch import Accuracy, AccuracyWatch
 
 HEAVY = ("casadi", "h5py", "matplotlib", "numpy", "pandas", "pydantic", "ruamel", "scipy", "xarray")
 QUICK = {"backend": "interpreted"}

@@ -10,7 +10,7 @@ from scipy.special import ellipj
 from vehicledyn.analyse.linearise import linearise
 from vehicledyn.analyse.modes import eigenmodes
 from vehicledyn.base.errors import InputError
-from vehicledyn.base.quaternions import about, multiplied, rotated
+from vehicledyn.base.numbers.quaternions import about, multiplied, rotated
 from vehicledyn.multibody import (
     GROUND,
     BallCut,

@@ -11,7 +11,7 @@ import vehicledyn.catalogue  # noqa: F401
 from vehicledyn.analyses.preparation.prepare import prepare, start_point
 from vehicledyn.analyses.preparation.run_cache import key_of_run
 from vehicledyn.base.errors import InputError
-from vehicledyn.base.shape_preserving import excess, level_slopes
+from vehicledyn.base.numbers.shape_preserving import excess, level_slopes
 from vehicledyn.codegen.toolchain.fingerprint import fingerprint
 from vehicledyn.files.scenario import load_scenario
 from vehicledyn.road.surfaces.profile import ProfileRoad

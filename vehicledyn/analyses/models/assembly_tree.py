@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from typing import Any
 
-from vehicledyn.files.system.assemblies import Assembly
+from vehicledyn.files.system.assemblies.read import Assembly
 
 
 def assembly_lines(assemblies: Sequence[Assembly]) -> list[str]:

@@ -14,7 +14,7 @@ from vehicledyn.base.registry import find
 from vehicledyn.files.building.python_systems import system_as_yaml
 from vehicledyn.files.building.write import model_as_yaml
 from vehicledyn.files.scenario import LoadedModel
-from vehicledyn.files.system.assemblies import Assembly
+from vehicledyn.files.system.assemblies.read import Assembly
 from vehicledyn.files.system.read import SystemModel
 from vehicledyn.kernel.kernel import Backend, KernelReport
 from vehicledyn.symbolic.equations import Equations, ParameterValue

@@ -9,9 +9,9 @@ from pathlib import Path
 from typing import Any
 
 from vehicledyn.base.errors import InputError, unknown_name
-from vehicledyn.base.files import read_regular
+from vehicledyn.base.files.limits import read_regular
+from vehicledyn.base.files.whole_file import folder_for_files, write_whole
 from vehicledyn.base.schema_line import FileKind, schema_line, schema_name
-from vehicledyn.base.whole_file import folder_for_files, write_whole
 from vehicledyn.files.scenario import scenario_schema
 from vehicledyn.files.system.schema import system_schema
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from vehicledyn.base.spline import MARGIN, spline_integral
+from vehicledyn.base.numbers.spline import MARGIN, spline_integral
 from vehicledyn.road.manoeuvres.channel_recorder import BLOCK, Recording, Rows
 
 if TYPE_CHECKING:

@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-from vehicledyn.base.files import TooLargeError, UnreadableFileError, read_regular
+from vehicledyn.base.files.limits import TooLargeError, UnreadableFileError, read_regular
 from vehicledyn.files.scenario import LoadedScenario
 
 _YAML = (".yaml", ".yml")

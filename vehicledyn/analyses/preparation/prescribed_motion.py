@@ -13,8 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vehicledyn.base.errors import InputError, unknown_name
-from vehicledyn.base.files import read_regular
-from vehicledyn.base.shape_preserving import largest_swing
+from vehicledyn.base.files.limits import read_regular
+from vehicledyn.base.numbers.shape_preserving import largest_swing
 from vehicledyn.base.units import parse_unit
 from vehicledyn.files.expressions.algebra import SYMBOLS
 from vehicledyn.files.system.laws import TimeLaw

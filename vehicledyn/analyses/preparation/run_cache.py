@@ -22,8 +22,8 @@ from typing import Any
 
 from vehicledyn.analyses.preparation.named_files import named_files
 from vehicledyn.base.errors import InputError
-from vehicledyn.base.files import read_regular
-from vehicledyn.base.ownership import writable_by_others
+from vehicledyn.base.files.limits import read_regular
+from vehicledyn.base.files.ownership import writable_by_others
 from vehicledyn.base.registry import find
 from vehicledyn.base.version import FOLDER, PACKAGE
 from vehicledyn.codegen.toolchain.cache import cache_folder, distrust

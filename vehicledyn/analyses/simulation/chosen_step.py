@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from vehicledyn.base.errors import NumericalError
-from vehicledyn.integrate.proposed_step import proposed_step
+from vehicledyn.integrate.accuracy.proposed_step import proposed_step
 
 if TYPE_CHECKING:
     from vehicledyn.analyses.preparation.prepare import Point

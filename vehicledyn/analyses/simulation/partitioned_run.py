@@ -36,9 +36,9 @@ from vehicledyn.analyses.simulation.singularity_monitor import (
 )
 from vehicledyn.analyses.simulation.singularity_passing import SingularityPassing
 from vehicledyn.base.errors import InputError, NumericalError
+from vehicledyn.integrate.accuracy.watched_run import DivergenceError
 from vehicledyn.integrate.course import Course
 from vehicledyn.integrate.task import Statistics, joined
-from vehicledyn.integrate.watched_run import DivergenceError
 from vehicledyn.kernel.kernel import Kernel
 from vehicledyn.multibody.model.system import System
 from vehicledyn.symbolic.equations import Equations

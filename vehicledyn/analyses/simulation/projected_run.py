@@ -22,8 +22,8 @@ from vehicledyn.analyses.simulation.rederived import values_of
 from vehicledyn.analyses.simulation.run_plan import Point, RunPlan
 from vehicledyn.analyses.simulation.singularity_crossing import Sample
 from vehicledyn.base.errors import NumericalError
+from vehicledyn.integrate.accuracy.watched_run import DivergenceError
 from vehicledyn.integrate.task import Statistics, joined
-from vehicledyn.integrate.watched_run import DivergenceError
 from vehicledyn.kernel.kernel import Kernel
 
 if TYPE_CHECKING:

@@ -16,15 +16,15 @@ from vehicledyn.analyses.simulation.partitioned_run import PartitionedRun
 from vehicledyn.analyses.simulation.projected_run import ProjectedRun, projected_plan
 from vehicledyn.analyses.simulation.run_plan import RunPlan
 from vehicledyn.analyses.simulation.sample_delivery import Delivery
-from vehicledyn.integrate.accuracy_watch import AccuracyWatch
-from vehicledyn.integrate.accuracy_windows import Grid, Place
+from vehicledyn.integrate.accuracy.proposed_step import proposed_step
+from vehicledyn.integrate.accuracy.watch import AccuracyWatch
+from vehicledyn.integrate.accuracy.watched_run import Way
+from vehicledyn.integrate.accuracy.windows import Grid, Place
 from vehicledyn.integrate.course import Course
 from vehicledyn.integrate.fixed_step import FixedSteps, steps_per_interval
 from vehicledyn.integrate.judged_quantities import Judged
-from vehicledyn.integrate.proposed_step import proposed_step
 from vehicledyn.integrate.simulate import Solver, simulate
 from vehicledyn.integrate.task import Happened, Sink, Statistics
-from vehicledyn.integrate.watched_run import Way
 from vehicledyn.kernel.kernel import Kernel, Progress
 from vehicledyn.multibody.model.system import System
 from vehicledyn.symbolic.equations import Equations

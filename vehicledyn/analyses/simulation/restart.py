@@ -14,8 +14,8 @@ from vehicledyn.analyses.preparation.prepared import Prepared
 from vehicledyn.base.argument_names import argument, setting
 from vehicledyn.base.errors import InputError
 from vehicledyn.files.scenario import LoadedScenario
-from vehicledyn.integrate.accuracy import Accuracy, worst_of
 from vehicledyn.integrate.course import Beginning
+from vehicledyn.integrate.estimated_accuracy import Accuracy, worst_of
 from vehicledyn.results.hdf5.output import is_being_written
 from vehicledyn.results.store.layout import EventRecord
 from vehicledyn.results.store.reader import Result, open_result

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from vehicledyn.integrate.accuracy_watch import AccuracyWatch
+from vehicledyn.integrate.accuracy.watch import AccuracyWatch
 from vehicledyn.integrate.task import Sink
 from vehicledyn.kernel.kernel import Kernel
 from vehicledyn.symbolic.equations import Equations

@@ -21,7 +21,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TypeVar
 
-from vehicledyn.base.ownership import writable_by_others
+from vehicledyn.base.files.ownership import writable_by_others
 from vehicledyn.codegen.toolchain.compiler import CompilationError
 
 T = TypeVar("T")

@@ -11,7 +11,7 @@ from vehicledyn.files.building.rail_parts import rail_wheel_parts, track_frames
 from vehicledyn.files.building.values import RoadChoice, Values
 from vehicledyn.files.building.wheel_parts import spin_of, surface_numbers, wheel_parts
 from vehicledyn.files.expressions.dimensions import MEASURES, multiplier_unit
-from vehicledyn.files.system.checks import variables
+from vehicledyn.files.system.checks.references import variables
 from vehicledyn.files.system.constraints import ConstraintSet, WrittenConstraint, WrittenRate
 from vehicledyn.files.system.cuts import CutSet
 from vehicledyn.files.system.events import switch

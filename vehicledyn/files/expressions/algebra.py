@@ -8,7 +8,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from vehicledyn.base import quarter_turns
+from vehicledyn.base.numbers import quarter_turns
 from vehicledyn.base.units import Unit
 from vehicledyn.symbolic import ops
 

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 from pydantic import ValidationError
 
 from vehicledyn.base.errors import InputError, unknown_name
-from vehicledyn.base.files import UnreadableFileError, check_regular
+from vehicledyn.base.files.limits import UnreadableFileError, check_regular
 from vehicledyn.base.parameters import ParameterSet, as_plain, units_of
 from vehicledyn.base.problems import START, Place, Problem, refusal
 from vehicledyn.base.registry import find, kinds

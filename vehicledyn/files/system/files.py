@@ -44,8 +44,8 @@ class SystemFiles:
         known = data.get("parameters")
         names = set(known) if isinstance(known, dict) else set()
         if "assemblies" in read_yaml(path).text:
-            from vehicledyn.files.system.assemblies import raw_assemblies
-            from vehicledyn.files.system.repeat import expand
+            from vehicledyn.files.system.assemblies.read import raw_assemblies
+            from vehicledyn.files.system.assemblies.repeat import expand
 
             names |= {name for _, name, _ in raw_assemblies(expand(data).data)}
         return names

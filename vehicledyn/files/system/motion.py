@@ -12,7 +12,7 @@ from vehicledyn.base.problems import Place
 from vehicledyn.files.expressions.algebra import ExpressionError
 from vehicledyn.files.expressions.dimensions import MEASURES
 from vehicledyn.files.expressions.parameters import Parameters
-from vehicledyn.files.system.checks import unfit, variables
+from vehicledyn.files.system.checks.references import unfit, variables
 from vehicledyn.files.system.joints import Coordinate
 from vehicledyn.files.system.laws import TimeLaw
 from vehicledyn.files.system.sets import DriveSet, SystemFile

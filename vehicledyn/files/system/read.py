@@ -11,7 +11,7 @@ from vehicledyn.base.units import describe
 from vehicledyn.base.yaml import Document, read_yaml
 from vehicledyn.files.expressions.parameters import Parameters
 from vehicledyn.files.scenario.sources import Sources
-from vehicledyn.files.system.assemblies import Assembly, Library, PartFile
+from vehicledyn.files.system.assemblies.read import Assembly, Library, PartFile
 from vehicledyn.files.system.joints import Coordinate
 from vehicledyn.files.system.kinds import load_kinds
 from vehicledyn.files.system.laws import TimeLaw

@@ -14,17 +14,18 @@ from vehicledyn.base.yaml import Document
 from vehicledyn.files.expressions.parameters import read_parameters
 from vehicledyn.files.scenario.referenced_files import beside
 from vehicledyn.files.scenario.sources import Sources
-from vehicledyn.files.system import assemblies, changes
-from vehicledyn.files.system.assemblies import Library, Use
-from vehicledyn.files.system.checks import check
-from vehicledyn.files.system.flat import Flat, flatten
-from vehicledyn.files.system.instances import interface_problems
+from vehicledyn.files.system import changes
+from vehicledyn.files.system.assemblies import read as assemblies
+from vehicledyn.files.system.assemblies.flat import Flat, flatten
+from vehicledyn.files.system.assemblies.instances import interface_problems
+from vehicledyn.files.system.assemblies.read import Library, Use
+from vehicledyn.files.system.assemblies.repeat import Expansion, expand
+from vehicledyn.files.system.checks.references import check
+from vehicledyn.files.system.checks.structure import given_twice
 from vehicledyn.files.system.joints import Coordinate
 from vehicledyn.files.system.laws import TimeLaw
 from vehicledyn.files.system.motion import read_motion
-from vehicledyn.files.system.repeat import Expansion, expand
 from vehicledyn.files.system.sets import Sections, SystemFile
-from vehicledyn.files.system.structure_checks import given_twice
 
 
 class Reading:

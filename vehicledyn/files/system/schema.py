@@ -16,9 +16,9 @@ from vehicledyn.files.scenario.schema import (
     reachable,
     rewrite,
 )
+from vehicledyn.files.system.assemblies.repeat import SECTIONS
 from vehicledyn.files.system.kinds import load_kinds
 from vehicledyn.files.system.places import Place
-from vehicledyn.files.system.repeat import SECTIONS
 from vehicledyn.files.system.sets import SystemFile
 
 _OWN = ("cut", "constraint", "sensor")

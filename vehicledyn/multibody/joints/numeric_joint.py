@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from vehicledyn.base.quaternions import about, from_rows
+from vehicledyn.base.numbers.quaternions import about, from_rows
 from vehicledyn.multibody.joints.joint_type import JointType
 from vehicledyn.symbolic import ops
 from vehicledyn.symbolic.ops import Scalar

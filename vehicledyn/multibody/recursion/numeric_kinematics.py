@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from vehicledyn.base.quaternions import from_rows, multiplied, rotated
+from vehicledyn.base.numbers.quaternions import from_rows, multiplied, rotated
 from vehicledyn.multibody.joints.joint_type import JointType, joint_type
 from vehicledyn.multibody.joints.numeric_joint import displacements, quaternions
 from vehicledyn.multibody.model.symbols import declare, locked

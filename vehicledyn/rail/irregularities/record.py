@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, ClassVar
 
 from pydantic import Field
 
-from vehicledyn.base.column_files import Column
 from vehicledyn.base.errors import InputError
+from vehicledyn.base.files.column_files import Column
 from vehicledyn.base.parameters import quantity
 from vehicledyn.base.registry import register
 from vehicledyn.rail.track.track_set import IrregularitySet

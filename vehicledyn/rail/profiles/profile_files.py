@@ -11,7 +11,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 from vehicledyn.base.errors import InputError
-from vehicledyn.base.files import read_regular
+from vehicledyn.base.files.limits import read_regular
 from vehicledyn.rail.profiles.miniprof import is_miniprof, read_miniprof
 from vehicledyn.rail.profiles.profile_columns import read_columns
 from vehicledyn.rail.profiles.profile_points import RawPoints

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from vehicledyn.base.column_files import Column, Columns, read_columns
+from vehicledyn.base.files.column_files import Column, Columns, read_columns
 from vehicledyn.base.problems import Problem, refusal
 
 Array = NDArray[np.float64]

@@ -9,7 +9,7 @@ from subprocess import CalledProcessError
 import numpy as np
 
 from vehicledyn.base.errors import InputError, MissingPartError
-from vehicledyn.base.whole_file import whole_file
+from vehicledyn.base.files.whole_file import whole_file
 from vehicledyn.results.animation.scene import AnimatedScene
 from vehicledyn.results.animation.still import RESOLUTION, figure_of, paint
 from vehicledyn.results.hdf5.output import write_failed

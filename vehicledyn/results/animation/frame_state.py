@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from vehicledyn.base.quaternions import about, multiplied, rotated
+from vehicledyn.base.numbers.quaternions import about, multiplied, rotated
 from vehicledyn.results.animation.scene import AnimatedScene
 
 Array = NDArray[np.float64]

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vehicledyn.base.errors import InputError, nearest_name
-from vehicledyn.base.quaternions import continuous, rotated
+from vehicledyn.base.numbers.quaternions import continuous, rotated
 from vehicledyn.results.plots.arrangement import arranged
 from vehicledyn.results.plots.plot_description import TimePlot, read_plots
 from vehicledyn.results.store.animation_section import Animation, Pictures, Span

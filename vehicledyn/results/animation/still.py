@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vehicledyn.base.errors import InputError
-from vehicledyn.base.whole_file import whole_file
+from vehicledyn.base.files.whole_file import whole_file
 from vehicledyn.results.animation.camera import FIELD, Camera
 from vehicledyn.results.animation.frame_state import bounds_of
 from vehicledyn.results.animation.scene import AnimatedScene

@@ -16,7 +16,7 @@ from typing import Any
 import h5py
 
 from vehicledyn.base.errors import InputError
-from vehicledyn.base.files import open_regular
+from vehicledyn.base.files.limits import open_regular
 from vehicledyn.results.hdf5 import superblock
 from vehicledyn.results.hdf5.guard import GuardedFile
 from vehicledyn.results.hdf5.output import is_being_written

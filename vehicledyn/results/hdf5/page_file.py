@@ -6,7 +6,7 @@ import os
 from pathlib import Path
 
 from vehicledyn.base.errors import InputError
-from vehicledyn.base.whole_file import write_whole
+from vehicledyn.base.files.whole_file import write_whole
 from vehicledyn.results.hdf5.output import write_failed
 
 _HEAD = 2048  # bytes

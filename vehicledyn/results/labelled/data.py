@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from vehicledyn.base.errors import InputError, UnknownNameError, unknown_name
-from vehicledyn.base.whole_file import whole_file
+from vehicledyn.base.files.whole_file import whole_file
 from vehicledyn.results.hdf5.output import check_output, write_failed
 from vehicledyn.results.labelled.array import LabelledArray
 from vehicledyn.results.labelled.source import Source

@@ -12,7 +12,7 @@ import numpy as np
 
 from vehicledyn.base.argument_names import argument
 from vehicledyn.base.errors import InputError, MissingPartError
-from vehicledyn.base.whole_file import whole_file
+from vehicledyn.base.files.whole_file import whole_file
 from vehicledyn.results.hdf5.output import write_failed
 from vehicledyn.results.labelled.conversion import labels_along, table_arrays
 from vehicledyn.results.labelled.labels import Labelled, LabelledSet

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from vehicledyn.base.errors import InputError, unknown_name
-from vehicledyn.base.whole_file import folder_for_files, whole_file
+from vehicledyn.base.files.whole_file import folder_for_files, whole_file
 from vehicledyn.results.hdf5.output import write_failed
 from vehicledyn.results.plots.plot_style import STYLE
 

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 
 from pydantic import Field
 
-from vehicledyn.base.column_files import Column, Columns, read_columns
 from vehicledyn.base.errors import InputError
+from vehicledyn.base.files.column_files import Column, Columns, read_columns
 from vehicledyn.base.parameters import quantity
 from vehicledyn.base.problems import Problem, refusal
 from vehicledyn.base.registry import register
@@ -17,7 +17,7 @@ from vehicledyn.road.surfaces.surface import RoadSurface
 from vehicledyn.symbolic.ops import Scalar
 
 if TYPE_CHECKING:
-    from vehicledyn.base.shape_preserving import Vector
+    from vehicledyn.base.numbers.shape_preserving import Vector
     from vehicledyn.symbolic.tables import CurveTable
 
 LARGEST_DEVIATION = 1e-6
@@ -117,7 +117,7 @@ def _through(path: Path, x: object, z: object) -> CurveTable:
     import numpy as np
     from scipy.interpolate import CubicHermiteSpline
 
-    from vehicledyn.base.shape_preserving import level_slopes, limited_slopes
+    from vehicledyn.base.numbers.shape_preserving import level_slopes, limited_slopes
 
     places, heights = np.asarray(x, dtype=float), np.asarray(z, dtype=float)
     exact = CubicHermiteSpline(places, heights, level_slopes(places, heights))

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 from pydantic import Field, ValidationError
 
-from vehicledyn.base.column_files import Column, Columns, read_columns
+from vehicledyn.base.files.column_files import Column, Columns, read_columns
 from vehicledyn.base.parameters import read_part
 from vehicledyn.base.problems import Problem, refusal
 from vehicledyn.base.registry import register

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, ClassVar
 
 from pydantic import Field
 
-from vehicledyn.base.column_files import Column
+from vehicledyn.base.files.column_files import Column
 from vehicledyn.base.registry import register
 from vehicledyn.rail.track.pieces import Grade, Piece
 from vehicledyn.rail.track.track_set import DesignedTrack

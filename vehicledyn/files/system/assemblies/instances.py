@@ -14,11 +14,11 @@ from typing import Any
 from vehicledyn.base.errors import unknown_name
 from vehicledyn.base.problems import Place
 from vehicledyn.files.expressions.expressions import Expression, origin
-from vehicledyn.files.system.assemblies import Use, way_between
+from vehicledyn.files.system.assemblies.read import Use, way_between
+from vehicledyn.files.system.assemblies.renaming import Renaming
 from vehicledyn.files.system.assembly_sets import AssemblySet
 from vehicledyn.files.system.joints import Coordinate, FixedTurn
 from vehicledyn.files.system.rail_wheels import RailWheelSet
-from vehicledyn.files.system.renaming import Renaming
 from vehicledyn.files.system.sets import BodySet, Sections, SystemFile, WheelSet
 from vehicledyn.files.system.walk import Found, Reference, walk
 from vehicledyn.multibody.model.ground import GROUND

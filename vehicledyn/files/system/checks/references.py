@@ -12,12 +12,12 @@ from vehicledyn.files.expressions.algebra import NUMBERS, ExpressionError
 from vehicledyn.files.expressions.dimensions import MEASURES, Measure, measure_of
 from vehicledyn.files.expressions.expressions import Expression
 from vehicledyn.files.expressions.parameters import Parameters, is_name
+from vehicledyn.files.system.checks.inertia import inertia_problems
+from vehicledyn.files.system.checks.structure import structure_problems
 from vehicledyn.files.system.events import EventSet
 from vehicledyn.files.system.force_sensors import ConstraintForceSet, acted_on
-from vehicledyn.files.system.inertia_checks import inertia_problems
 from vehicledyn.files.system.joints import Coordinate
 from vehicledyn.files.system.sets import BodySet, Sections, SystemFile
-from vehicledyn.files.system.structure_checks import structure_problems
 from vehicledyn.files.system.track_frame import track_frame_problems
 from vehicledyn.files.system.walk import Found, Reference, walk
 from vehicledyn.multibody.model.ground import GROUND

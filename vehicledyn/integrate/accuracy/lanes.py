@@ -6,9 +6,8 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from vehicledyn.integrate.accuracy import Accuracy
-from vehicledyn.integrate.accuracy_watch import bound_of, most_bound
-from vehicledyn.integrate.accuracy_windows import (
+from vehicledyn.integrate.accuracy.watch import bound_of, most_bound
+from vehicledyn.integrate.accuracy.windows import (
     SPENT,
     STEPS,
     Grid,
@@ -19,6 +18,7 @@ from vehicledyn.integrate.accuracy_windows import (
 )
 from vehicledyn.integrate.cases import Samples
 from vehicledyn.integrate.channel_ranges import Ranges
+from vehicledyn.integrate.estimated_accuracy import Accuracy
 from vehicledyn.integrate.judged_quantities import Judged
 from vehicledyn.integrate.lane_run import LaneRun
 from vehicledyn.kernel.engine import Status, Vector

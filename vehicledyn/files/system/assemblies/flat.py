@@ -9,11 +9,11 @@ from typing import Any
 
 from vehicledyn.base.errors import unknown_name
 from vehicledyn.base.problems import Place
-from vehicledyn.files.system.assemblies import Assembly, Use
+from vehicledyn.files.system.assemblies.instances import instance
+from vehicledyn.files.system.assemblies.mirror import image_name, mirror_image
+from vehicledyn.files.system.assemblies.read import Assembly, Use
 from vehicledyn.files.system.assembly_sets import AssemblySet
-from vehicledyn.files.system.instances import instance
 from vehicledyn.files.system.joints import Coordinate
-from vehicledyn.files.system.mirror import image_name, mirror_image
 from vehicledyn.files.system.sets import MirrorSet, Sections, SystemFile
 from vehicledyn.multibody.model.ground import GROUND
 

@@ -13,8 +13,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from vehicledyn.integrate.accuracy import Accuracy
-from vehicledyn.integrate.accuracy_windows import (
+from vehicledyn.integrate.accuracy.half_step_run import ends_without_reason, look_again
+from vehicledyn.integrate.accuracy.recommended_step import recommended_step
+from vehicledyn.integrate.accuracy.watched_run import DivergenceError, WatchedRun
+from vehicledyn.integrate.accuracy.windows import (
     SPENT,
     STEPS,
     Grid,
@@ -23,9 +25,7 @@ from vehicledyn.integrate.accuracy_windows import (
     order_of,
     total_error,
 )
-from vehicledyn.integrate.half_step_run import ends_without_reason, look_again
-from vehicledyn.integrate.recommended_step import recommended_step
-from vehicledyn.integrate.watched_run import DivergenceError, WatchedRun
+from vehicledyn.integrate.estimated_accuracy import Accuracy
 from vehicledyn.kernel.engine import Vector
 from vehicledyn.kernel.kernel import Kernel
 

@@ -10,7 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vehicledyn.base.errors import NumericalError
-from vehicledyn.integrate.accuracy_windows import (
+from vehicledyn.integrate.accuracy.proposed_step import proposed_step
+from vehicledyn.integrate.accuracy.windows import (
     Grid,
     Place,
     two_ends_apart,
@@ -20,7 +21,6 @@ from vehicledyn.integrate.accuracy_windows import (
 from vehicledyn.integrate.channel_ranges import Ranges
 from vehicledyn.integrate.course import Course
 from vehicledyn.integrate.judged_quantities import Judged
-from vehicledyn.integrate.proposed_step import proposed_step
 from vehicledyn.integrate.task import Sink, Statistics
 from vehicledyn.kernel.engine import Vector
 from vehicledyn.kernel.kernel import Kernel

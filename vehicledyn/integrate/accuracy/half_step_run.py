@@ -8,10 +8,10 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from vehicledyn.base.errors import NumericalError
-from vehicledyn.integrate.accuracy_windows import Place, is_cheap, order_of
+from vehicledyn.integrate.accuracy.watched_run import WatchedRun, Way
+from vehicledyn.integrate.accuracy.windows import Place, is_cheap, order_of
 from vehicledyn.integrate.channel_ranges import Ranges
 from vehicledyn.integrate.judged_quantities import Sizes, figure_errors
-from vehicledyn.integrate.watched_run import WatchedRun, Way
 from vehicledyn.kernel.engine import Method, Vector
 
 _PART, _LONG_PART, _LEAST = 0.006, 0.1, 200

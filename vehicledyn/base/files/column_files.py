@@ -13,7 +13,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from vehicledyn.base.errors import InputError, unknown_name
-from vehicledyn.base.files import read_regular
+from vehicledyn.base.files.limits import read_regular
 from vehicledyn.base.problems import START, Mark, Problem, refusal
 from vehicledyn.base.units import parse_unit
 

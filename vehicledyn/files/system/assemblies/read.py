@@ -14,7 +14,7 @@ from vehicledyn.files.expressions.algebra import ExpressionError
 from vehicledyn.files.expressions.expressions import read_expression
 from vehicledyn.files.expressions.parameters import RESERVED, Parameters, is_long, is_name
 from vehicledyn.files.system import changes
-from vehicledyn.files.system.renaming import Renaming
+from vehicledyn.files.system.assemblies.renaming import Renaming
 from vehicledyn.files.system.sets import Sections, SystemFile
 from vehicledyn.library import find_entry, names_of
 

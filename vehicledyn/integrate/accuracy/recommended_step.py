@@ -5,8 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from vehicledyn.integrate.accuracy_windows import order_of
-from vehicledyn.integrate.half_step_run import (
+from vehicledyn.integrate.accuracy.half_step_run import (
     Again,
     Moved,
     apart,
@@ -14,8 +13,9 @@ from vehicledyn.integrate.half_step_run import (
     may_be_taken,
     taken_again,
 )
-from vehicledyn.integrate.proposed_step import dividing_step
-from vehicledyn.integrate.watched_run import WatchedRun, Way
+from vehicledyn.integrate.accuracy.proposed_step import dividing_step
+from vehicledyn.integrate.accuracy.watched_run import WatchedRun, Way
+from vehicledyn.integrate.accuracy.windows import order_of
 
 _AIM, _ASYMPTOTIC = 0.01, 0.2
 """Error that the recommended step is to have, and the largest from which it can be foretold."""

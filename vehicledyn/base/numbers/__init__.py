@@ -1,0 +1,1 @@
+"""Numbers without mechanics: splines, interpolation keeping shapes, quaternions, quarter turns."""

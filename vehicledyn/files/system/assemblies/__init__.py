@@ -1,0 +1,1 @@
+"""Systems as parts of systems: assemblies, mirror images and repetition, carried out."""
