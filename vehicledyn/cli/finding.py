@@ -5,9 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
-import click
-
-from vehicledyn.cli.terminal import tell
+from vehicledyn.cli.terminal import is_quiet, tell
 from vehicledyn.library import Kind, locate
 
 
@@ -20,9 +18,3 @@ def find_file(given: str | Path, *kinds: Kind, others: Sequence[str] = ()) -> Pa
     if path != Path(given) and not is_quiet():
         tell(f"{given}: reading {path}")
     return path
-
-
-def is_quiet() -> bool:
-    """Return whether the verb that runs shows errors only."""
-    context = click.get_current_context(silent=True)
-    return context is not None and bool(context.params.get("quiet"))

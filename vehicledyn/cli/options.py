@@ -11,6 +11,7 @@ import typer
 from vehicledyn.base.errors import InputError
 from vehicledyn.base.units import to_si
 from vehicledyn.cli.completion import model_names, scenario_names
+from vehicledyn.cli.terminal import set_quiet
 
 MOST_SPEEDS = 1000
 
@@ -65,7 +66,10 @@ BackendChoice = Annotated[
     Backend, typer.Option("--backend", help="Compiled C code, CasADi's interpreter, or the best.")
 ]
 Json = Annotated[bool, typer.Option("--json", help="Write JSON to standard output.")]
-Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="Show errors only.")]
+Quiet = Annotated[
+    bool,
+    typer.Option("--quiet", "-q", help="Show errors only.", is_eager=True, callback=set_quiet),
+]
 Verbose = Annotated[bool, typer.Option("--verbose", "-v", help="Say more about what is done.")]
 
 

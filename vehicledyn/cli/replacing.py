@@ -8,8 +8,7 @@ from typing import Annotated
 import typer
 
 from vehicledyn.base.errors import InputError
-from vehicledyn.cli.finding import is_quiet
-from vehicledyn.cli.terminal import tell
+from vehicledyn.cli.terminal import is_quiet, tell
 
 Overwrite = Annotated[
     bool,

@@ -10,6 +10,7 @@ import sys
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
+from contextvars import ContextVar
 from pathlib import Path
 from typing import Any, Protocol
 
@@ -18,6 +19,7 @@ from vehicledyn.base.files.whole_file import write_whole
 
 _PIPE_CLOSED = 141
 _REFRESH = 0.1
+_quiet: ContextVar[bool] = ContextVar("quiet", default=False)
 
 
 class Report(Protocol):
@@ -54,6 +56,17 @@ def emit_report(report: Report, *, as_json: bool, file: Path | None = None) -> N
     if file is not None:
         write_text(file, to_json(report.as_dict()))
     emit(to_json(report.as_dict()) if as_json else report.as_text())
+
+
+def set_quiet(wanted: bool) -> bool:
+    """Set whether the verb that runs shows errors only; return the same."""
+    _quiet.set(wanted)
+    return wanted
+
+
+def is_quiet() -> bool:
+    """Return whether the verb that runs shows errors only."""
+    return _quiet.get()
 
 
 def tell(text: str) -> None:

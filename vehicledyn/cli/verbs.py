@@ -37,6 +37,7 @@ from vehicledyn.cli.terminal import (
     emit,
     emit_report,
     listen,
+    set_quiet,
     show_progress,
     tell,
     to_json,
@@ -54,6 +55,7 @@ class _Verbs(TyperGroup):
 
     def invoke(self, ctx: Any) -> Any:
         """Run a verb; messages name its options, Ctrl-C becomes an error with a message."""
+        set_quiet(False)
         try:
             with arguments_named(OptionNaming()):
                 return super().invoke(ctx)

@@ -1,13 +1,12 @@
 """Verbs replace what they can compute again, and say so; everything else is kept."""
 
-from types import SimpleNamespace
-
 import h5py
 import pytest
 
 from vehicledyn.base.errors import InputError
-from vehicledyn.cli import replacing
+from vehicledyn.cli import verbs
 from vehicledyn.cli.replacing import HUNT, MODES, RUN, STUDY, check_replacing
+from vehicledyn.cli.terminal import is_quiet, set_quiet
 
 
 @pytest.fixture
@@ -71,9 +70,18 @@ def test_studies_are_gone_on_with_or_begun_anew(result):
         check_replacing(path, STUDY, resume=True, overwrite=True)
 
 
-def test_quiet_verbs_say_nothing(result, capsys, monkeypatch):
-    context = SimpleNamespace(params={"quiet": True})
-    monkeypatch.setattr("click.get_current_context", lambda silent: context)
-    check_replacing(result(RUN), RUN)
-    assert replacing.is_quiet()
+def test_quiet_verbs_say_nothing(result, capsys):
+    set_quiet(True)
+    try:
+        check_replacing(result(RUN), RUN)
+    finally:
+        set_quiet(False)
     assert not capsys.readouterr().err
+
+
+def test_the_option_makes_one_verb_quiet(result):
+    app, path = verbs.command_line(["run"]), result(STUDY)
+    for option, expected in ((["-q"], True), ([], False)):
+        with pytest.raises(InputError, match="holds a sweep"):
+            app(["run", "double_pendulum", "-o", str(path), *option], standalone_mode=False)
+        assert is_quiet() is expected
