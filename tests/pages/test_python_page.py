@@ -3,6 +3,7 @@
 import csv
 
 import numpy as np
+import pytest
 from scipy.io import loadmat
 from test_own_pages import work_through
 
@@ -18,10 +19,13 @@ def test_the_page_on_python(tmp_path):
     drops = eval(results.splitlines()[-1])
     assert drops == sorted(drops, reverse=True)
     assert printed["wrong.py"].startswith("duration: '1 kg' has the wrong unit")
-    frequency, drift = printed["pendulum.py"].splitlines()
+    frequency, drift, ends = printed["pendulum.py"].splitlines()
     # A rod of 2 m about its end: ω² = 3 g/(2 l).
     assert frequency == str(np.round([[np.sqrt(1.5 * 9.81 / 2.0) / (2.0 * np.pi)]], 4))
     assert drift == "True"
+    pulse = np.sqrt(1.5 * 9.81 / np.array([1.0, 2.0, 3.0]))
+    angles = [float(text) for text in ends.strip("[]").split()]
+    assert angles == pytest.approx(0.1 * np.cos(pulse), abs=1e-3)
     assert printed["tree.py"] == "3 ('case', 'time', 'channel')\n"
     assert (tmp_path / "heights.png").is_file()
     table = list(csv.reader((tmp_path / "body.csv").read_text(encoding="utf-8").splitlines()))

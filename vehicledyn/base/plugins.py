@@ -25,6 +25,9 @@ from vehicledyn.base.registry import all_or_nothing
 GROUP = "vehicledyn.plugins"
 """Entry points of this group name modules to load, whenever catalogues are."""
 
+MODULE_PREFIX = "vehicledyn_plugin_"
+"""Begins the names under which files are imported, the same in every process."""
+
 _LARGEST = 10_000_000
 _loaded: dict[Path, list[tuple[str, str]]] = {}
 
@@ -46,7 +49,7 @@ def load_plugin(path: str | Path) -> list[tuple[str, str]]:
     if place.suffix != ".py":
         raise InputError(f"{path}: a plugin is a Python file, my_tyre.py for example")
     read_regular(Path(path), _LARGEST)
-    name = f"vehicledyn_plugin_{place.stem}_{zlib.crc32(str(place).encode()):08x}"
+    name = f"{MODULE_PREFIX}{place.stem}_{zlib.crc32(str(place).encode()):08x}"
     specification = importlib.util.spec_from_file_location(name, place)
     if specification is None or specification.loader is None:
         raise InputError(f"{path}: cannot be loaded as a Python file")

@@ -112,12 +112,6 @@ def _from_scenario(
     scenario: LoadedScenario, cases: Mapping[str, Any], channels: list[str] | None
 ) -> LoadedStudy:
     """Return the study of a scenario, which need not be a file."""
-    if scenario.built is not None:
-        raise InputError(
-            f"{argument('study')}: '{scenario.built.name}' was built in Python, and the "
-            "processes of "
-            "a study read files; write it as a system file"
-        )
     path = Path(scenario.path).resolve()
     data: dict[str, Any] = {
         "title": scenario.scenario.title,
@@ -129,7 +123,8 @@ def _from_scenario(
         data["output"] = {"channels": list(channels)}
     document = parse_yaml(json.dumps(data, ensure_ascii=False), argument("cases"))
     documents = {str(path): parse_yaml(scenario.text, str(path))}
-    return study_of(document, path.with_name("study.yaml"), documents=documents)
+    place = path.with_name("study.yaml")
+    return study_of(document, place, documents=documents, built=scenario.built)
 
 
 def _change(override: str) -> tuple[str, Any]:

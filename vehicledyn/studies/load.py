@@ -3,19 +3,18 @@
 from __future__ import annotations
 
 import copy
-import hashlib
 import json
 import math
 from array import array
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
 from pydantic import ValidationError
 
 import vehicledyn.catalogue  # noqa: F401
-from vehicledyn.analyses.preparation.named_files import named_files
 from vehicledyn.base.errors import InputError
 from vehicledyn.base.problems import START, Place, Problem, dotted, refusal
 from vehicledyn.base.units import describe
@@ -23,9 +22,12 @@ from vehicledyn.base.validation_messages import UNKNOWN_KEY
 from vehicledyn.base.yaml import Document, read_yaml, remembered_files
 from vehicledyn.files.scenario.load import LoadedScenario, examine_scenario
 from vehicledyn.files.scenario.overrides import Change, apply_change, read_override
+from vehicledyn.files.scenario.portable_models import PortableModel
+from vehicledyn.files.scenario.python_models import PythonModel
 from vehicledyn.files.scenario.sources import Sources
 from vehicledyn.studies.axes import Axis, Design
 from vehicledyn.studies.columns import Written, read_columns
+from vehicledyn.studies.digests import study_digests
 from vehicledyn.studies.sets import Grid, Study
 
 MOST_STRUCTURES = 64
@@ -42,6 +44,7 @@ class Recipe:
     changes: tuple[Change, ...]
     axes: tuple[Axis, ...]
     documents: dict[str, Document] = field(default_factory=dict)
+    built: PortableModel | None = None
 
     def scenario(self, values: Sequence[float], name: str) -> LoadedScenario:
         """Return the scenario of a case with these values, in the order of the axes.
@@ -66,7 +69,8 @@ class Recipe:
         """Return the scenario with further changes, or None, and all that is wrong with it."""
         with remembered_files(self.documents):
             document = read_yaml(self.path)
-            return examine_scenario(document, self.path, (), [*self.changes, *further])
+            built = None if self.built is None else self.built.model
+            return examine_scenario(document, self.path, (), [*self.changes, *further], built)
 
 
 @dataclass(frozen=True)
@@ -80,16 +84,10 @@ class LoadedStudy:
     base: LoadedScenario
     design: Design
 
-    @property
+    @cached_property
     def digests(self) -> dict[str, str]:
         """Fingerprints of what decides the results: the study and the scenario with its files."""
-        axes = [(a.key, a.unit, a.choices, a.low, a.high, a.is_log) for a in self.design.axes]
-        values = hashlib.sha256(b"".join(a.values.tobytes() for a in self.design.axes)).hexdigest()
-        kept = self.study.output.model_dump()
-        facts = (self.design.kind, self.design.count, self.design.seed, axes, values, kept)
-        contents = sorted((Path(name).name, d) for name, d in named_files(self.base).items())
-        scenario = {**self.base.resolved, "files": contents}
-        return {"study": _digest(facts), "scenario": _digest(scenario)}
+        return study_digests(self.study, self.base, self.design)
 
 
 def load_study(path: Path, overrides: Sequence[str] = ()) -> LoadedStudy:
@@ -116,8 +114,11 @@ def study_of(
     path: Path,
     overrides: Sequence[str] = (),
     documents: dict[str, Document] | None = None,
+    built: PythonModel | None = None,
 ) -> LoadedStudy:
-    """Return the study of a document that was read; ``documents`` are files that are not read.
+    """Return the study of a document that was read.
+
+    ``documents`` are files that are not read, ``built`` is a model that is no file.
 
     Raises
     ------
@@ -128,7 +129,8 @@ def study_of(
         words = f"the file holds {describe(document.data)}; a study is a mapping"
         problem = Problem(document.name, START, "file", f"{words} with title, scenario and cases")
         raise refusal([*document.problems, problem], document.name)
-    return _Reading(document, path, overrides, documents or {}).load()
+    portable = None if built is None else PortableModel(built)
+    return _Reading(document, path, overrides, documents or {}, portable).load()
 
 
 class _Reading:
@@ -140,8 +142,10 @@ class _Reading:
         path: Path,
         overrides: Sequence[str],
         documents: dict[str, Document],
+        built: PortableModel | None,
     ) -> None:
         self.document, self.path, self.documents = document, path, documents
+        self.built = built
         self.data, self.sources = copy.deepcopy(document.data), Sources(document)
         self.problems = list(document.problems)
         self.outside: list[Change] = []
@@ -159,7 +163,8 @@ class _Reading:
         study = self._study()
         columns, problems = read_columns(study, self.path, self.sources)
         self.problems += problems
-        recipe = Recipe(self.path.parent / study.scenario, self._changes(study), (), self.documents)
+        scenario, changes = self.path.parent / study.scenario, self._changes(study)
+        recipe = Recipe(scenario, changes, (), self.documents, self.built)
         base = self._base(recipe)
         self._check_keys(columns)
         self._refuse()
@@ -167,7 +172,7 @@ class _Reading:
         self._refuse()
         design = self._design(study, [axis for axis in axes if axis is not None])
         self._refuse()
-        whole = Recipe(recipe.path, recipe.changes, design.axes, recipe.documents)
+        whole = replace(recipe, axes=design.axes)
         return LoadedStudy(self.path, self.document.text, study, whole, base, design)
 
     def _study(self) -> Study:
@@ -387,7 +392,3 @@ def _lowest(values: array[float]) -> int:
 
 def _highest(values: array[float]) -> int:
     return max(range(len(values)), key=values.__getitem__)
-
-
-def _digest(facts: Any) -> str:
-    return hashlib.sha256(json.dumps(facts, sort_keys=True, default=str).encode()).hexdigest()

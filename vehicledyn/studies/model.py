@@ -290,7 +290,8 @@ def _find_shortcut(
     varying = np.flatnonzero((tables[0] != tables[1]) | (tables[0] != tables[2])).tolist()
     named = _leaf_by_values(scenarios)
     paths = [named.get(tuple(tables[:, index].tolist())) for index in varying]
-    starts = [_held(subject, prepared, reference) for subject in subjects]
+    # The template's own start counts, too: an axis of a single value differs from nothing else.
+    starts = [_held(subject, prepared, reference) for subject in (*subjects, prepared.subject)]
     exact = (
         None not in paths
         and all(np.array_equal(start, starts[0]) for start in starts)

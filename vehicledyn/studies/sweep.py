@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from vehicledyn.analyses.preparation.prepared import Progress
-from vehicledyn.base.argument_names import argument
+from vehicledyn.base.argument_names import argument, given
 from vehicledyn.base.errors import InputError, NumericalError
 from vehicledyn.base.processors import cores
 from vehicledyn.kernel.kernel import Backend
@@ -257,10 +257,30 @@ def _helpers(
         workers_there.warm_up()
         return workers_there
     count = min(workers or cores(), work.design.count)
-    if count == 1:
+    if count == 1 or _must_stay(work, workers):
         return None
     progress("starting the processes", None)
     return stack.enter_context(own_processes(work, count))
+
+
+def _must_stay(work: Work, workers: int | None) -> bool:
+    """Return whether the model, built in Python, cannot go to other processes.
+
+    Raises
+    ------
+    InputError
+        If several were asked for.
+    """
+    built = work.recipe.built
+    obstacle = "" if built is None else built.obstacle()
+    if built is None or not obstacle:
+        return False
+    if workers is not None:
+        raise InputError(
+            f"{given('workers', workers)}: system '{built.model.name}' cannot leave this process: "
+            f"{obstacle}; define them in a plugin, or ask for one worker"
+        )
+    return True
 
 
 def _refuse_output(output: Path, *, may_exist: bool) -> None:

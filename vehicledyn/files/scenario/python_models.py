@@ -12,6 +12,7 @@ from vehicledyn.base.problems import Place, Problem
 from vehicledyn.base.units import to_si
 from vehicledyn.files.scenario.model_names import PYTHON
 from vehicledyn.files.scenario.sources import Sources
+from vehicledyn.multibody.model.bodies import Joint
 from vehicledyn.multibody.model.system import System
 
 
@@ -48,6 +49,11 @@ class PythonModel:
         return {entry.name: entry.unit for entry in self.system.table.entries}
 
     @property
+    def coordinates(self) -> dict[str, Joint]:
+        """Joints by the name of their coordinate."""
+        return {joint.name: joint for joint in self.system.joints()}
+
+    @property
     def groups(self) -> set[str]:
         """First words of its parameters."""
         return {name.partition(".")[0] for name in self.resolved}
@@ -77,7 +83,8 @@ class PythonModel:
         return [replace(entry, value=values.get(entry.name, entry.value)) for entry in entries]
 
     def _coordinate_units(self) -> dict[str, str]:
-        return {joint.name: joint.unit for joint in self.system.joints()}
+        units = {name: joint.unit for name, joint in self.coordinates.items()}
+        return units | {f"{name}_rate": f"{unit}/s" for name, unit in units.items()}
 
 
 def _value(section: str, name: str, value: Any, units: Mapping[str, str]) -> float:

@@ -49,8 +49,8 @@ class System:
         return replace(self, parts=(*self.parts, *parts))
 
     def with_starts(self, starts: dict[str, float]) -> System:
-        """Return the system with other start values of some coordinates, by name."""
-        known = {joint.name for joint in self.joints()}
+        """Return the system with other start values of coordinates, and of rates as NAME_rate."""
+        known = {name for joint in self.joints() for name in (joint.name, f"{joint.name}_rate")}
         for name in starts:
             if name not in known:
                 raise InputError(unknown_name("coordinate", name, known))
@@ -69,11 +69,13 @@ class System:
 
 
 def _restart(body: Body, starts: dict[str, float]) -> Body:
-    joints = tuple(
-        replace(j, start=starts[j.name]) if isinstance(j, Joint) and j.name in starts else j
-        for j in body.joints
-    )
+    joints = tuple(_started(j, starts) if isinstance(j, Joint) else j for j in body.joints)
     return replace(body, joints=joints)
+
+
+def _started(joint: Joint, starts: dict[str, float]) -> Joint:
+    rate = starts.get(f"{joint.name}_rate", joint.start_rate)
+    return replace(joint, start=starts.get(joint.name, joint.start), start_rate=rate)
 
 
 def _tree_problems(system: System) -> list[str]:
