@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from functools import cache
+from functools import lru_cache
 from typing import Any, ClassVar
 
 from pydantic import (
@@ -201,7 +201,7 @@ def field_family(parameters: type[ParameterSet], name: str) -> str | None:
     return _declared(parameters, name, "family")
 
 
-@cache
+@lru_cache(maxsize=4096)
 def _declared(parameters: type[ParameterSet], name: str, what: str) -> str | None:
     extra = parameters.model_fields[name].json_schema_extra
     return str(extra[what]) if isinstance(extra, dict) and what in extra else None

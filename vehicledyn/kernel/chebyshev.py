@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from functools import cache
+from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -22,7 +22,7 @@ class ChebyshevWeights(NamedTuple):
     place: Vector
 
 
-@cache
+@lru_cache(maxsize=64)
 def chebyshev_weights(stages: int) -> ChebyshevWeights:
     """Return what the stages of a step add up.
 

@@ -264,7 +264,8 @@ class InterpretedEngine:
         if status is not Status.SOLVED:
             return status
         new = x + h / 6.0 * (k1 + 2.0 * k2 + 2.0 * k3 + k4)
-        return self._accept(march, end, (new, z4, 0.5 * (z2 + z3)), constants)
+        kept = (z, 0.5 * (z2 + z3))
+        return self._accept(march, end, (new, z4), constants, kept)
 
     def _step_symplectic(self, march: March, stretch: _Stretch, constants: Vector) -> Status:
         """Semi-implicit Euler step: positions move with the new velocities."""
@@ -275,7 +276,7 @@ class InterpretedEngine:
         march.ledger.counts[Count.EVALUATIONS] += 1
         new[self._positions] = x[self._positions] + h * new[self._velocities]
         guess = 2.0 * z - before if march.memory[0] else z.copy()
-        return self._accept(march, stretch.end, (new, guess, z), constants)
+        return self._accept(march, stretch.end, (new, guess), constants, (z,))
 
     def _step_chebyshev(self, march: March, stretch: _Stretch, constants: Vector) -> Status:
         """Stabilised explicit step of second order, see loop.c."""
@@ -293,19 +294,25 @@ class InterpretedEngine:
             moved = h * (weights.rate[j] * rate + weights.first_rate[j] * first)
             kept = weights.last[j] * gain + weights.before[j] * before
             before, gain = gain, kept + moved
-        return self._accept(march, stretch.end, (x + gain, unknowns, march.unknowns), constants)
+        return self._accept(march, stretch.end, (x + gain, unknowns), constants)
 
     def _accept(
-        self, march: March, end: float, result: tuple[Vector, Vector, Vector], constants: Vector
+        self,
+        march: March,
+        end: float,
+        result: tuple[Vector, Vector],
+        constants: Vector,
+        kept: tuple[Vector, ...] = (),
     ) -> Status:
-        """Solve the unknowns at the end of a step, and make state and memory the new ones."""
-        state, unknowns, between = result
+        """Solve the unknowns at the end of a step; ``kept`` is what the next one's guess needs."""
+        state, unknowns = result
         status = _check_finite(state, march.ledger)
         if status is Status.SOLVED:
             status = self.solve(end, state, unknowns, constants, march.ledger)
         if status is Status.SOLVED:
-            march.memory[0] = 1.0
-            march.memory[1:] = np.concatenate([march.unknowns, between])
+            if kept:
+                march.memory[0] = 1.0
+                march.memory[1 : 1 + len(kept) * unknowns.size] = np.concatenate(kept)
             march.state[:], march.unknowns[:] = state, unknowns
         return status
 

@@ -12,20 +12,19 @@ import hashlib
 from collections.abc import Callable, Collection, Sequence
 from typing import Any
 
+from vehicledyn.base.bounded_cache import BoundedCache
 from vehicledyn.symbolic.ops import Scalar
-from vehicledyn.symbolic.table_calls import call_with, walk_calls
+from vehicledyn.symbolic.table_calls import call_with, rewritten, walk_calls
 
 _PREFIX = "shared_"
 
 
-class _Shared:
-    """The function that is called, and the same function as CasADi inlines it."""
+_MOST = 1024
 
-    def __init__(self, function: Any, body: Any) -> None:
-        self.function, self.body = function, body
-
-
-_KEPT: dict[str, _Shared] = {}
+_FUNCTIONS: BoundedCache[str, Any] = BoundedCache(_MOST)
+"""Functions that are called, by their names, which tell their content."""
+_BODIES: BoundedCache[str, Any] = BoundedCache(_MOST)
+"""The same functions as CasADi inlines them."""
 
 
 def shared(
@@ -86,39 +85,40 @@ def _written(
 
 def inlined(expression: Any) -> Any:
     """Return an SX matrix with all shared functions written out."""
-    if not _KEPT:
+    if not len(_FUNCTIONS):
         return expression
 
     def written(function: Any, scalars: list[Any]) -> list[Any]:
-        known = _KEPT.get(function.name())
-        return call_with(function if known is None else known.body, scalars)
+        return call_with(body_of(function) if is_shared(function.name()) else function, scalars)
 
-    return walk_calls(expression, lambda name: name in _KEPT, written)
+    return walk_calls(expression, is_shared, written)
 
 
 def is_shared(name: str) -> bool:
     """Return whether a name is that of a shared function."""
-    return name in _KEPT
+    return name.startswith(_PREFIX)
 
 
 def body_of(function: Any) -> Any:
     """Return a shared function as CasADi writes it out where it is called."""
-    return _KEPT[function.name()].body
+    import casadi
+
+    def built() -> Any:
+        symbols = casadi.SX.sym("a", function.numel_in(0))
+        results = rewritten(function, [casadi.vertsplit(symbols)], call_with)
+        return casadi.Function(function.name(), [symbols], [results])
+
+    return _BODIES.get(function.name(), built)
 
 
 def known_function(name: str, symbols: Any, results: Any) -> Any:
     """Return the shared function of a column of symbols that gives a column of results."""
-    return _known(name, symbols, results).function
-
-
-def _known(name: str, symbols: Any, results: Any) -> _Shared:
     import casadi
 
     body = casadi.Function(name, [symbols], [results])
     digest = hashlib.sha256(body.serialize().encode()).hexdigest()
     full = f"{_PREFIX}{digest[:16]}_{name}"
-    known = _KEPT.get(full)
-    if known is None:
-        function = casadi.Function(full, [symbols], [results], {"never_inline": True})
-        known = _KEPT[full] = _Shared(function, body)
-    return known
+    _BODIES.get(full, lambda: body)
+    return _FUNCTIONS.get(
+        full, lambda: casadi.Function(full, [symbols], [results], {"never_inline": True})
+    )

@@ -12,6 +12,7 @@ from collections.abc import Callable, Hashable, Sequence
 from dataclasses import dataclass
 from typing import Any, TypeAlias
 
+from vehicledyn.base.bounded_cache import BoundedCache
 from vehicledyn.symbolic import ops
 from vehicledyn.symbolic.ops import Mat
 from vehicledyn.symbolic.shared import known_function
@@ -36,7 +37,7 @@ class _Step:
     """Places count the symbols of the arguments first, then the results of the function."""
 
 
-_STEPS: dict[Hashable, _Step] = {}
+_STEPS: BoundedCache[Hashable, _Step] = BoundedCache(1024)
 
 
 class Steps:
@@ -88,10 +89,12 @@ class Steps:
         forms = _forms(entries, free, signs=True, numbers=self._gives_numbers)
         shapes = tuple(item.shape for item in matrices)
         key = (name, structure, shapes, tuple(forms))
-        known = _STEPS.get(key)
-        if known is None:
+
+        def written() -> _Step:
             symbols = casadi.vertsplit(casadi.SX.sym(name, len(free))) if free else []
-            known = _STEPS[key] = _written(name, symbols, build(_filled(shapes, forms, symbols)))
+            return _written(name, symbols, build(_filled(shapes, forms, symbols)))
+
+        known = _STEPS.get(key, written)
         self._kinds.add(key)
         self._calls += 1
         values = list(free)

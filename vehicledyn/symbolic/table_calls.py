@@ -85,6 +85,21 @@ def walk_calls(
     function = casadi.Function("walked", symbols, [expression])
     if not any(concerned(name) for name in function.get_function()):
         return expression
+    return rewritten(function, [[symbol] for symbol in symbols], replaced)
+
+
+def rewritten(
+    function: Any,
+    inputs: Sequence[Sequence[Any]],
+    replaced: Callable[[Any, list[Any]], list[Any]],
+) -> Any:
+    """Return the first result of an SX function, built again from its instructions.
+
+    ``inputs`` are scalars for the elements of its inputs; ``replaced`` returns the results of a
+    call, see :func:`walk_calls`.
+    """
+    import casadi
+
     calls = calls_in(function)
     values: dict[int, Any] = {}
     entries = [casadi.SX(0.0)] * function.nnz_out(0)
@@ -94,7 +109,7 @@ def walk_calls(
         if code == casadi.OP_OUTPUT:
             entries[target[1]] = values[given[0]]
         elif code == casadi.OP_INPUT:
-            values[target[0]] = symbols[given[0]]
+            values[target[0]] = inputs[given[0]][given[1]]
         elif code == casadi.OP_CONST:
             values[target[0]] = casadi.SX(function.instruction_constant(k))
         elif code == casadi.OP_CALL:

@@ -4,7 +4,9 @@ import casadi as ca
 import numpy as np
 import pytest
 
+from vehicledyn.base.bounded_cache import BoundedCache
 from vehicledyn.symbolic import ops
+from vehicledyn.symbolic import shared as shared_functions
 from vehicledyn.symbolic.shared import inlined, shared
 from vehicledyn.symbolic.tables import CurveTable
 
@@ -86,3 +88,19 @@ def test_what_is_built_for_equal_numbers_is_built_once(x):
     found, expected = (ca.Function("f", [x], [ca.vertcat(*e)])(POINTS[0]) for e in (kept, fresh))
     assert np.array(found).tolist() == np.array(expected).tolist()
     assert asked == [2.0, 2.0, 3.0]
+
+
+def test_functions_that_are_kept_no_longer_are_written_out_all_the_same(x, monkeypatch):
+    calls, _ = both(x)
+    kept = inlined(calls)
+    for cache in ("_BODIES", "_FUNCTIONS"):
+        monkeypatch.setattr(shared_functions, cache, BoundedCache(1))
+    assert not inlined(calls).is_constant()
+    again, _ = both(x)  # the same functions anew, in one expression with those of before
+    values = [ca.Function("f", [x], [item]) for item in (kept, inlined(calls), again, calls)]
+    together = ca.Function("f", [x], [inlined(calls + again) / 2.0])
+    assert not [name for name in together.get_function() if "law" in name]
+    for point in POINTS:
+        found = [np.array(f(point)) for f in (*values, together)]
+        assert all(np.array_equal(found[0], other) for other in found[1:])
+    assert len(shared_functions._FUNCTIONS) == 1

@@ -10,6 +10,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from vehicledyn.base.bounded_cache import BoundedCache
 from vehicledyn.codegen.ir.sx_graph import Rebuild, fixed_from, read_nodes
 from vehicledyn.codegen.passes.reciprocals import use_reciprocals
 from vehicledyn.symbolic.shared import known_function
@@ -29,7 +30,7 @@ class _Split:
     late: Any
 
 
-_SPLITS: dict[tuple[str, tuple[bool, ...]], _Split | None] = {}
+_SPLITS: BoundedCache[tuple[str, tuple[bool, ...]], _Split | None] = BoundedCache(1024)
 
 
 def call_apart(function: Any, fixed: tuple[bool, ...], arguments: Sequence[Any]) -> list[Any]:
@@ -44,10 +45,7 @@ def call_apart(function: Any, fixed: tuple[bool, ...], arguments: Sequence[Any])
     arguments
         The arguments of the call, scalars.
     """
-    key = (function.name(), fixed)
-    if key not in _SPLITS:
-        _SPLITS[key] = _split(function, fixed)
-    split = _SPLITS[key]
+    split = _SPLITS.get((function.name(), fixed), lambda: _split(function, fixed))
     if split is None:
         return call_with(function, arguments)
     known = [item for item, is_fixed in zip(arguments, fixed, strict=True) if is_fixed]

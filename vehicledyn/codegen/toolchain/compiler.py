@@ -10,7 +10,7 @@ import shutil
 import subprocess
 import sys
 from dataclasses import dataclass
-from functools import cache
+from functools import lru_cache
 from pathlib import Path
 
 UNIT_BREAK = "\n/* ---- another unit ---- */\n"
@@ -161,7 +161,7 @@ def _split(named: str) -> tuple[str, ...]:
     return command
 
 
-@cache
+@lru_cache(maxsize=16)
 def _ask_once(command: tuple[str, ...], _changed: int) -> Compiler | str:
     """Return the compiler of a command, or why there is none; a program is asked only once."""
     try:

@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from fractions import Fraction
-from functools import cache
+from functools import lru_cache
 from typing import Any
 
 from vehicledyn.base.units import parse_unit
@@ -71,7 +71,7 @@ class Measure:
         return self.fits(other.unit) or (not other.exact and self.lengths == other.lengths)
 
 
-@cache
+@lru_cache(maxsize=256)
 def measure_of(unit: str) -> Measure:
     """Return the measure of a unit."""
     return Measure(_powers(parse_unit(unit).dimension), exact=True)

@@ -6,21 +6,17 @@ import hashlib
 
 import numpy as np
 
+from vehicledyn.base.bounded_cache import BoundedCache
 from vehicledyn.rail.contact.elastic_contact import ElasticContact
 from vehicledyn.rail.geometry.contact_geometry import Rail, Wheel
 
-_MOST = 32
-_KNOWN: dict[str, ElasticContact] = {}
+_KNOWN: BoundedCache[str, ElasticContact] = BoundedCache(32)
 
 
 def contact_of(wheel: Wheel, rail: Rail, attack: float) -> ElasticContact:
     """Return the contact of a wheel and its rail, see :meth:`ElasticContact.of`."""
     key = _identity(wheel, rail, attack)
-    if key not in _KNOWN:
-        if len(_KNOWN) >= _MOST:
-            _KNOWN.pop(next(iter(_KNOWN)))
-        _KNOWN[key] = ElasticContact.of(wheel, rail, attack)
-    return _KNOWN[key]
+    return _KNOWN.get(key, lambda: ElasticContact.of(wheel, rail, attack))
 
 
 def _identity(wheel: Wheel, rail: Rail, attack: float) -> str:
