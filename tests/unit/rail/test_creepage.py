@@ -1,8 +1,8 @@
-"""Creepages and their reference speeds."""
+"""Creepages and their reference speed."""
 
 import pytest
 
-from vehicledyn.rail.creep.creepage import SPEED_FLOOR, creepages, mean_speed
+from vehicledyn.rail.creep.creepage import SPEED_FLOOR, creepages
 from vehicledyn.symbolic import ops
 
 
@@ -21,14 +21,8 @@ def test_direction_of_travel_changes_no_sign():
     assert ahead == creepages((0.1, 0.2), 0.3, -10.0)
 
 
-def test_mean_speed_lies_between_travelling_and_rolling():
-    for slip in (-0.5, 0.0, 0.5):
-        assert mean_speed((10.0, 0.0, 0.0), (slip, 0.0, 0.0)) == pytest.approx(10.0 - 0.5 * slip)
-
-
 def test_at_standstill_all_stays_finite():
     speed = ops.symbol("speed")
     found = creepages((0.01, 0.0), 0.0, speed).longitudinal
     value = ops.numeric([speed], ops.stacked(found, ops.jacobian(found, speed)))
     assert value(0.0)[:, 0] == pytest.approx([0.01 / SPEED_FLOOR, 0.0])
-    assert mean_speed((0.0, 0.0), (0.0, 0.0)) == pytest.approx(SPEED_FLOOR)

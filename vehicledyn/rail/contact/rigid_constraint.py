@@ -55,6 +55,16 @@ class OnTrack:
         """Return the place of the body's origin in the axes of the track [m]."""
         return self.frame(kinematics).place(kinematics.position(self.body))
 
+    def speed(self, kinematics: Kinematics, y: Scalar | None = None) -> Scalar:
+        """Return the rate of the arc coordinate, or how fast a place beside the track moves [m/s].
+
+        ``y`` is the place, from the middle of the track to the left [m].
+        """
+        frame = self.frame(kinematics)
+        velocity = frame.rotation.T @ kinematics.velocity(self.body)
+        rate = self.track.progress(frame, self.place(kinematics), velocity)
+        return rate if y is None else rate * frame.length(y)
+
 
 @dataclass(frozen=True)
 class PositionConstraint(BaseConstraint):
@@ -139,7 +149,7 @@ class TouchConstraint(BaseConstraint):
         frame, beside = carrier.frame(kinematics), carrier.place(kinematics)
         rail = rail_place(carrier.track, self.side, carrier.arc(kinematics))
         across = beside[1] + self.wheel.side * self.wheel.half_distance
-        length = frame.stretch - frame.curvature * across
+        length = frame.length(across)
         climb = rail.vertical_slope + frame.turning[0] * across
         return touch_at(
             self.wheel,

@@ -25,6 +25,13 @@ from vehicledyn.base.shapes import Shape
 from vehicledyn.multibody.model.bodies import Body, Joint
 from vehicledyn.multibody.model.ground import GROUND
 from vehicledyn.multibody.model.parts import BasePart, Loads, Output, PartEvent, Situation
+from vehicledyn.rail.contact.contact_channels import (
+    ReportedContact,
+    Row,
+    body_rows,
+    outputs_of,
+    wheel_rows,
+)
 from vehicledyn.rail.contact.rail_shapes import rail_wheel_shapes
 from vehicledyn.rail.contact.rigid_constraint import (
     FORCE,
@@ -40,16 +47,14 @@ from vehicledyn.rail.contact.rolling_contact import (
     rolling_contact,
 )
 from vehicledyn.rail.creep.creep_law import CreepLaw
-from vehicledyn.rail.track.running import LATERAL_SHIFT, design_rows
+from vehicledyn.rail.track.running import TRACK_POSITION
 from vehicledyn.rail.track.track import Side, Track
 from vehicledyn.symbolic import ops
-from vehicledyn.symbolic.equations import Channel, Variable
+from vehicledyn.symbolic.equations import Variable
 from vehicledyn.symbolic.ops import Scalar
 
 PENETRATION = 1e-7
 """How deep a second place of a wheel goes into the rail before the contact jumps there [m]."""
-
-_Row = tuple[str, str, str, Scalar]
 
 _ADVICE = "take 'rail_contact: {kind: elastic}' for this motion"
 
@@ -147,29 +152,20 @@ class RigidRailWheels(BasePart):
     def outputs(self, situation: Situation) -> tuple[Output, ...]:
         """Return the channels of the body and of each wheel, named as those of elastic contact."""
         kinematics, carrier = situation.kinematics, self._carrier
-        frame, place = carrier.frame(kinematics), carrier.place(kinematics)
-        axle = frame.rotation.T @ carrier.axle(kinematics)
-        velocity = frame.rotation.T @ kinematics.velocity(self.body)
-        attack = ops.atan2(-axle[0], axle[1])
-        speed = self.track.progress(frame, place, velocity)
-        rows: list[_Row] = [
-            ("lateral_shift", "m", LATERAL_SHIFT, place[1] - self.nominal),
-            ("angle_of_attack", "rad", "Yaw angle of the axle to the track", attack),
-            ("track_speed", "m/s", "Rate of the place along the track", speed),
-            *design_rows(self.track, carrier.arc(kinematics)),
-        ]
-        if self.track.is_straight:  # elsewhere it is a coordinate, which has its channel
-            along = carrier.arc(kinematics)
-            rows.append(("track_position", "m", "Place along the track", along))
-        for wheel in self.wheels:
-            rows += [
-                (f"{wheel.side}.{name}", unit, text, value)
-                for name, unit, text, value in self._wheel_rows(situation, wheel)
-            ]
-        return tuple(
-            Output(Channel(f"{self.name}.{name}", unit, text, "track"), value)
-            for name, unit, text, value in rows
+        rows = body_rows(
+            self.track,
+            position=carrier.arc(kinematics),
+            rate=carrier.speed(kinematics),
+            place=carrier.place(kinematics),
+            axle=carrier.frame(kinematics).rotation.T @ carrier.axle(kinematics),
+            nominal=self.nominal,
         )
+        if not self.track.is_straight:  # there it is a coordinate, which has its channel
+            rows = [row for row in rows if row.name != TRACK_POSITION]
+        for wheel in self.wheels:
+            own = self._wheel_rows(situation, wheel)
+            rows += [row._replace(name=f"{wheel.side}.{row.name}") for row in own]
+        return outputs_of(self.name, rows)
 
     def events(self, situation: Situation) -> tuple[PartEvent, ...]:
         """Return jumps of contacts, and what ends rigid contact."""
@@ -218,6 +214,7 @@ class RigidRailWheels(BasePart):
             point=point,
             normal=frame.rotation @ touch.normal,
             axle=carrier.axle(kinematics),
+            speed=carrier.speed(kinematics, touch.point[1]),
         )
         return rolling_contact(
             point,
@@ -228,34 +225,25 @@ class RigidRailWheels(BasePart):
             material=self.material,
         )
 
-    def _wheel_rows(self, situation: Situation, wheel: RigidWheel) -> Iterator[_Row]:
-        """Yield name, unit, description and value of the channels of a wheel."""
+    def _wheel_rows(self, situation: Situation, wheel: RigidWheel) -> Iterator[Row]:
+        """Return the channels of a wheel."""
         touch = self._constraint(wheel).touch(situation.kinematics)
         contact = self._contact(situation, wheel)
         force = self._carrier.frame(situation.kinematics).rotation.T @ contact.force
-        felt, creep = contact.motion.creepages, contact.creep
-        yield "Y", "N", "Force of the wheel on the rail to the left", -force[1]
-        yield "Q", "N", "Wheel load, downwards on the rail", force[2]
-        yield "X", "N", "Force of the wheel on the rail forwards", -force[0]
-        yield "wear_number", "N", "Creep forces times creepages", contact.wear_number
-        rows: tuple[_Row, ...] = (
-            ("normal_force", "N", "Normal force", contact.normal_force),
-            ("longitudinal_force", "N", "Creep force on the wheel forwards", creep.longitudinal),
-            ("lateral_force", "N", "Creep force on the wheel to the left", creep.lateral),
-            ("spin_moment", "N*m", "Creep moment on the wheel", creep.spin_moment),
-            ("longitudinal_creepage", "1", "Longitudinal creepage", felt.longitudinal),
-            ("lateral_creepage", "1", "Lateral creepage to the left", felt.lateral),
-            ("spin_creepage", "1/m", "Spin creepage", felt.spin),
-            ("angle", "rad", "Contact angle, rising outwards", ops.atan(touch.rail.slope)),
-            ("lateral_place", "m", "Contact point left of the track's middle", touch.point[1]),
-            ("rolling_radius", "m", "Radius at the contact", touch.rolling_radius),
+        reported = ReportedContact(
+            contact.motion.creepages,
+            contact.creep,
+            contact.normal_force,
+            place=situation.kinematics.coordinate(self._place(wheel)),
+            lateral_place=touch.point[1],
+            angle=ops.atan(touch.rail.slope),
+            rolling_radius=touch.rolling_radius,
         )
-        for name, unit, text, value in rows:
-            yield f"contact_1.{name}", unit, text, value
+        return wheel_rows(force, [reported])
 
     @property
     def _carrier(self) -> OnTrack:
-        return OnTrack(self.body, self.track, f"{self.name}.track_position")
+        return OnTrack(self.body, self.track, f"{self.name}.{TRACK_POSITION}")
 
     def _constraint(self, wheel: RigidWheel) -> TouchConstraint:
         name = f"{self.name}.{wheel.side}"

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from vehicledyn.multibody.model.kinematics import Kinematics
 from vehicledyn.multibody.model.parts import Wrench
 from vehicledyn.rail.creep.creep_law import CreepContact, CreepForces, CreepLaw
-from vehicledyn.rail.creep.creepage import Creepages, creepages, mean_speed
+from vehicledyn.rail.creep.creepage import Creepages, creepages
 from vehicledyn.rail.geometry.hertz import ContactEllipse, effective_modulus, hertz
 from vehicledyn.symbolic import ops
 from vehicledyn.symbolic.ops import Scalar, Vec
@@ -49,12 +49,11 @@ class ContactMotion:
 
 
 def contact_motion(
-    kinematics: Kinematics, body: str, *, point: Vec, normal: Vec, axle: Vec
+    kinematics: Kinematics, body: str, *, point: Vec, normal: Vec, axle: Vec, speed: Scalar
 ) -> ContactMotion:
     """Return the motion of a wheel over a rail at rest.
 
-    The direction of rolling is e × n, e the axis of the axle. Creepages refer to the mean of the
-    body's travelling and the wheel's rolling speed.
+    The direction of rolling is e × n, e the axis of the axle.
 
     Parameters
     ----------
@@ -64,13 +63,14 @@ def contact_motion(
         Contact point, world axes [m].
     normal, axle
         Unit normal of the rail, upwards, and unit axis of the axle, to the left, world axes.
+    speed
+        Speed at which the contact travels, which creepages refer to [m/s].
     """
     longitudinal = ops.unit(ops.cross(axle, normal))
     lateral = ops.cross(normal, longitudinal)
     travelling = kinematics.velocity(body)
     turning = kinematics.rotation(body) @ kinematics.angular_velocity(body)
     sliding = travelling + ops.cross(turning, point - kinematics.position(body))
-    speed = mean_speed([travelling[k] for k in range(3)], [sliding[k] for k in range(3)])
     slid = (ops.dot(sliding, longitudinal), ops.dot(sliding, lateral))
     felt = creepages(slid, ops.dot(turning, normal), speed)
     return ContactMotion(longitudinal, lateral, normal, speed, felt)
@@ -96,16 +96,6 @@ class RollingContact:
     def force(self) -> Vec:
         """Return the whole force on the wheel, world axes [N]."""
         return self.creep_force + self.normal_force * self.motion.normal
-
-    @property
-    def wear_number(self) -> Scalar:
-        """Return |F_x ξ| + |F_y η| + |M φ|, the work of friction a length of way [N]."""
-        felt, creep = self.motion.creepages, self.creep
-        return (
-            ops.absolute(creep.longitudinal * felt.longitudinal)
-            + ops.absolute(creep.lateral * felt.lateral)
-            + ops.absolute(creep.spin_moment * felt.spin)
-        )
 
     def creep_wrench(self, kinematics: Kinematics, body: str) -> Wrench:
         """Return what creep does to a body, the normal force left out."""
@@ -141,15 +131,14 @@ def rolling_contact(
     """
     load = ops.maximum(normal_force, 0.0)
     ellipse = hertz(*curvatures, material.contact_modulus).ellipse(load)
-    felt = motion.creepages
-    contact = CreepContact(
-        longitudinal=felt.longitudinal,
-        lateral=felt.lateral,
-        spin=felt.spin,
-        normal_force=load,
-        ellipse=ellipse,
-        shear_modulus=material.shear_modulus,
-        poissons_ratio=material.poissons_ratio,
-        speed=motion.speed,
+    creep = law.forces(
+        CreepContact.of(
+            motion.creepages,
+            load,
+            ellipse,
+            shear_modulus=material.shear_modulus,
+            poissons_ratio=material.poissons_ratio,
+            speed=motion.speed,
+        )
     )
-    return RollingContact(point, motion, normal_force, ellipse, law.forces(contact))
+    return RollingContact(point, motion, normal_force, ellipse, creep)

@@ -9,6 +9,14 @@ from typing import Any, ClassVar
 from vehicledyn.base.parameters import field_unit
 from vehicledyn.base.shapes import Shape
 from vehicledyn.multibody.model.parts import BasePart, Loads, Output, PartEvent, Situation, Wrench
+from vehicledyn.rail.contact.contact_channels import (
+    LATERAL_PLACE,
+    ReportedContact,
+    Row,
+    body_rows,
+    outputs_of,
+    wheel_rows,
+)
 from vehicledyn.rail.contact.elastic_contact import Axle, ElasticContact
 from vehicledyn.rail.contact.elastic_patch import ElasticPatch
 from vehicledyn.rail.contact.rail_contact import RailWheels
@@ -17,17 +25,15 @@ from vehicledyn.rail.creep.creep_law import CreepContact, CreepForces, CreepLaw
 from vehicledyn.rail.creep.creepage import Creepages, creepages
 from vehicledyn.rail.geometry.gauge_fit import CLIMBED
 from vehicledyn.rail.track.running import (
-    LATERAL_SHIFT,
     TRACK_POSITION,
     Running,
     SideMotion,
-    design_rows,
     running,
     sloping_rails,
 )
 from vehicledyn.rail.track.track import Side
 from vehicledyn.symbolic import ops
-from vehicledyn.symbolic.equations import Channel, Variable
+from vehicledyn.symbolic.equations import Variable
 from vehicledyn.symbolic.ops import Scalar, Vec
 from vehicledyn.symbolic.shared import shared
 
@@ -49,13 +55,18 @@ class PatchForces:
     moment: Vec
 
     @property
-    def wear_number(self) -> Scalar:
-        """Creep force times creepage, |T_x ξ| + |T_y η| + |M φ| [N]."""
-        force, creep = self.creep_forces, self.creepages
-        return (
-            ops.absolute(force.longitudinal * creep.longitudinal)
-            + ops.absolute(force.lateral * creep.lateral)
-            + ops.absolute(force.spin_moment * creep.spin)
+    def reported(self) -> ReportedContact:
+        """What the channels show."""
+        patch = self.patch
+        return ReportedContact(
+            self.creepages,
+            self.creep_forces,
+            self.normal_force,
+            place=patch.place,
+            lateral_place=patch.y,
+            angle=patch.angle,
+            rolling_radius=patch.radius,
+            approach=patch.approach,
         )
 
 
@@ -131,22 +142,19 @@ class ElasticWheels(BasePart):
     def outputs(self, situation: Situation) -> tuple[Output, ...]:
         """Return the channels of the body, of each wheel and of each contact."""
         motion = self._running(situation)
-        rows: list[_Row] = [
-            ("lateral_shift", "m", LATERAL_SHIFT, motion.place[1] - self.wheels.nominal, "track"),
-            ("angle_of_attack", "rad", "Yaw angle of the axle to the track",
-             ops.atan2(-motion.axle[0], motion.axle[1]), "track"),
-            ("track_position", "m", "Place along the track", motion.position, ""),
-            ("track_speed", "m/s", "Rate of the place along the track", motion.rate, ""),
-            *((*row, "") for row in design_rows(self.wheels.track, motion.position)),
-        ]  # fmt: skip
+        rows = body_rows(
+            self.wheels.track,
+            position=motion.position,
+            rate=motion.rate,
+            place=motion.place,
+            axle=motion.axle,
+            nominal=self.wheels.nominal,
+        )
         if not self.wheels.finds_its_place:
-            rows = [row for row in rows if row[0] != TRACK_POSITION]  # a state has its channel
+            rows = [row for row in rows if row.name != TRACK_POSITION]  # a state has its channel
         for side in self.wheels.sides:
             rows.extend(self._wheel_rows(motion, side))
-        return tuple(
-            Output(Channel(f"{self.name}.{name}", unit, text, frame), value)
-            for name, unit, text, value, frame in rows
-        )
+        return outputs_of(self.name, rows)
 
     def events(self, situation: Situation) -> tuple[PartEvent, ...]:
         """Return the derailment of each wheel, over its rail or between the rails."""
@@ -199,15 +207,13 @@ class ElasticWheels(BasePart):
         )
         closing = -ops.dot(sliding, normal)
         load = patch.force * ops.maximum(1.0 + self.damping * closing, 0.0)
-        contact = CreepContact(
-            creep.longitudinal,
-            creep.lateral,
-            creep.spin,
+        contact = CreepContact.of(
+            creep,
             load,
             patch.ellipse,
-            self.shear_modulus,
-            self.poissons_ratio,
-            speed,
+            shear_modulus=self.shear_modulus,
+            poissons_ratio=self.poissons_ratio,
+            speed=speed,
         )
         tangential = self.wheels.creep.forces(contact)
         force = normal * load + along * tangential.longitudinal + across * tangential.lateral
@@ -235,14 +241,17 @@ class ElasticWheels(BasePart):
         found, _ = self._shared(seen)
         return seen.polar(ops.vector(*found[:3])), seen.axial(ops.vector(*found[3:6]))
 
-    def _wheel_rows(self, motion: Running, side: Side) -> Iterator[_Row]:
-        """Yield name, unit, description, value and frame of the channels of a wheel."""
+    def _wheel_rows(self, motion: Running, side: Side) -> Iterator[Row]:
+        """Yield the channels of a wheel."""
         seen = motion.seen_from(side)
         found, rows = self._shared(seen)
-        for (name, unit, text, _, frame, turns), value in zip(rows, found[6:], strict=True):
-            yield f"{side}.{name}", unit, text, seen.sign * value if turns else value, frame
+        for row, own in zip(rows, found[6:], strict=True):
+            value = seen.sign * own if row.turns else own
+            if row.name.endswith(LATERAL_PLACE):  # seen from its side the rail is not displaced
+                value = value + motion.shifts[side].lateral
+            yield row._replace(name=f"{side}.{row.name}", value=value)
 
-    def _shared(self, seen: SideMotion) -> tuple[list[Scalar], list[_WheelRow]]:
+    def _shared(self, seen: SideMotion) -> tuple[list[Scalar], list[Row]]:
         """Return force, torque and channels of a wheel seen from its side, and the channels.
 
         The equations are those of all equal wheels, left and right, so they are shared.
@@ -251,10 +260,10 @@ class ElasticWheels(BasePart):
 
         def build(values: list[Scalar]) -> list[Scalar]:
             forces = self._with(values[_SEEN:]).forces(SideMotion.of(values[:_SEEN], 1.0))
-            rows[:] = _wheel_rows(forces)
+            rows[:] = wheel_rows(forces.force, [at.reported for at in forces.patches])
             force, torque = forces.force, forces.torque()
             acting = [*(force[k] for k in range(3)), *(torque[k] for k in range(3))]
-            return [*acting, *(row[3] for row in rows)]
+            return [*acting, *(row.value for row in rows)]
 
         slopes = sloping_rails(self.wheels.track)
         kept = [k for k, is_there in zip(_SLOPES, slopes, strict=True) if is_there]
@@ -262,12 +271,12 @@ class ElasticWheels(BasePart):
         return shared("wheel_on_rail", numbers, build, kept, built), rows
 
     @property
-    def _built(self) -> tuple[dict[tuple[float | None, ...], Any], list[_WheelRow]]:
+    def _built(self) -> tuple[dict[tuple[float | None, ...], Any], list[Row]]:
         """The equations that were built for such wheels, and the channels among them."""
         creep = self.wheels.creep
         quantities = set(_numbers_of(creep))
         rest = [(n, getattr(creep, n)) for n in type(creep).model_fields if n not in quantities]
-        kept: tuple[dict[tuple[float | None, ...], Any], list[_WheelRow]]
+        kept: tuple[dict[tuple[float | None, ...], Any], list[Row]]
         kept = self.contact.functions.setdefault((type(creep), repr(rest)), ({}, []))
         return kept
 
@@ -306,41 +315,6 @@ _SEEN, _SLOPES = 17, (14, 15, 16)
 def _numbers_of(creep: CreepLaw) -> list[str]:
     """Return the fields of a creep law that hold quantities."""
     return [name for name in type(creep).model_fields if field_unit(type(creep), name) is not None]
-
-
-_Row = tuple[str, str, str, Scalar, str]
-_WheelRow = tuple[str, str, str, Scalar, str, bool]
-"""Name, unit, description, value, frame, and whether the right side shows the opposite."""
-
-
-def _wheel_rows(wheel: WheelForces) -> Iterator[_WheelRow]:
-    """Yield the channels of a wheel, seen from its own side."""
-    force = wheel.force
-    worn = sum((p.wear_number for p in wheel.patches), ops.scalar(0.0))
-    yield "Y", "N", "Force of the wheel on the rail to the left", -force[1], "track", True
-    yield "Q", "N", "Wheel load, downwards on the rail", force[2], "track", False
-    yield "X", "N", "Force of the wheel on the rail forwards", -force[0], "track", False
-    yield "wear_number", "N", "Creep forces times creepages", worn, "", False
-    for number, contact in enumerate(wheel.patches, 1):
-        for name, unit, text, value, turns in _contact_rows(contact):
-            yield f"contact_{number}.{name}", unit, text, value, "contact", turns
-
-
-def _contact_rows(at: PatchForces) -> Iterator[tuple[str, str, str, Scalar, bool]]:
-    """Yield the channels of a contact; those that turn round are to the left on both sides."""
-    creep, force, patch = at.creepages, at.creep_forces, at.patch
-    yield "normal_force", "N", "Normal force", at.normal_force, False
-    yield "longitudinal_force", "N", "Creep force on the wheel forwards", force.longitudinal, False
-    yield "lateral_force", "N", "Creep force on the wheel to the left", force.lateral, True
-    yield "spin_moment", "N*m", "Creep moment on the wheel", force.spin_moment, True
-    yield "longitudinal_creepage", "1", "Longitudinal creepage", creep.longitudinal, False
-    yield "lateral_creepage", "1", "Lateral creepage to the left", creep.lateral, True
-    yield "spin_creepage", "1/m", "Spin creepage", creep.spin, True
-    yield "place", "m", "Place on the wheel's profile, outwards", patch.place, False
-    angle = "Contact angle, positive where the rail rises outwards"
-    yield "angle", "rad", angle, patch.angle, False
-    yield "approach", "m", "Approach of wheel and rail", patch.approach, False
-    yield "rolling_radius", "m", "Radius at the contact", patch.radius, False
 
 
 def _axes(patch: ElasticPatch, slopes: tuple[Scalar, Scalar]) -> tuple[Vec, Vec, Vec]:

@@ -2,9 +2,8 @@
 
 Axes of the contact: x in the rolling direction, y to the left in the contact plane, z normal to
 it, out of the rail. Creepages are those of :mod:`vehicledyn.rail.creep.creepage`: the velocity of
-the
-wheel's material over the rail's, so that forces on the wheel oppose them. Turned about x by half
-a turn (y to the right, z down) all laws read the same.
+the wheel's material over the rail's, so that forces on the wheel oppose them. Turned about x by
+half a turn (y to the right, z down) all laws read the same.
 """
 
 from __future__ import annotations
@@ -13,6 +12,7 @@ from abc import abstractmethod
 from dataclasses import dataclass
 
 from vehicledyn.base.parameters import ParameterSet, quantity
+from vehicledyn.rail.creep.creepage import Creepages
 from vehicledyn.rail.creep.kalker import CreepCoefficients, creep_coefficients
 from vehicledyn.rail.geometry.hertz import ContactEllipse
 from vehicledyn.symbolic import ops
@@ -55,6 +55,20 @@ class CreepContact:
     shear_modulus: Scalar
     poissons_ratio: Scalar
     speed: Scalar = 0.0
+
+    @staticmethod
+    def of(
+        creepages: Creepages,
+        normal_force: Scalar,
+        ellipse: ContactEllipse,
+        *,
+        shear_modulus: Scalar,
+        poissons_ratio: Scalar,
+        speed: Scalar,
+    ) -> CreepContact:
+        """Return a contact with these creepages, see the attributes."""
+        felt = (creepages.longitudinal, creepages.lateral, creepages.spin)
+        return CreepContact(*felt, normal_force, ellipse, shear_modulus, poissons_ratio, speed)
 
     @property
     def area_scale(self) -> Scalar:

@@ -8,20 +8,18 @@ velocity of the wheel over that of the rail about z. A braked wheel has ξ > 0: 
 moves forward. The forces on the wheel have the opposite sign of the creepages, as in Kalker's
 and the UIC's use.
 
-V is the speed that the contact travels at. Sources use the vehicle's speed or the mean of the
-travelling and the rolling speed, which differ by half the creepage: :func:`mean_speed`. The
-circumferential velocity is v less the travelling velocity, so mean and travelling speed agree
-for a wheel that rolls purely.
+V is the speed at which the contact travels along its rail, for rigid and elastic contact alike.
+Some sources take the mean of the travelling and the rolling speed instead, which differs from it
+by the part ξ/2; forces then differ by the same part where creepages are small.
 
 References
 ----------
 Kalker (1990), Three-Dimensional Elastic Bodies in Rolling Contact, section 1.7 and appendix E;
-Simeon, Führer, Rentrop (1991), Surveys on Mathematics for Industry 1, 1-37 (mean speed).
+Simeon, Führer, Rentrop (1991), Surveys on Mathematics for Industry 1, 1-37 (the mean speed).
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 from vehicledyn.symbolic import ops
@@ -56,18 +54,3 @@ def creepages(
     """
     speed = ops.smooth_norm(reference_speed, 0.0, SPEED_FLOOR)
     return Creepages(sliding[0] / speed, sliding[1] / speed, spin_rate / speed)
-
-
-def mean_speed(travelling: Sequence[Scalar], sliding: Sequence[Scalar]) -> Scalar:
-    """Return the mean of travelling and rolling speed, ½ |v_t - v_c| = |v_t - v/2| [m/s].
-
-    Parameters
-    ----------
-    travelling
-        v_t, velocity of the contact point along the rail (of the wheel's centre, its rotation
-        about its own axle left out) [m/s].
-    sliding
-        v = v_t + v_c of the wheel's material point, where v_c is from its rotation [m/s].
-    """
-    means = [t - 0.5 * v for t, v in zip(travelling, sliding, strict=True)]
-    return ops.sqrt(sum((m * m for m in means), SPEED_FLOOR * SPEED_FLOOR))

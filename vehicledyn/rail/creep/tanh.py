@@ -28,8 +28,8 @@ class Tanh(CreepLaw):
 
     and both scaled back where together they exceed μ N. No spin moment. The coefficients do not
     depend on the shape of the contact: the law of the wheelset problem of the Test Set for IVP
-    Solvers, whose ellipse :func:`wheelset_ellipse` gives. Creepages there refer to the mean
-    speed, :func:`vehicledyn.rail.creep.creepage.mean_speed`.
+    Solvers, whose ellipse :func:`wheelset_ellipse` gives. Creepages there refer to the mean of
+    travelling and rolling speed.
 
     References
     ----------

@@ -52,6 +52,10 @@ class TrackFrame:
         """Return a point given in world axes in those of the track, from the centre line [m]."""
         return self.rotation.T @ (position - self.position)
 
+    def length(self, y: Scalar) -> Scalar:
+        """Return the length of a rail a unit of s, at y to the left in their plane [1]."""
+        return self.stretch - self.curvature * y
+
     def advance(self, place: Vec) -> Scalar:
         """Return how far a point moves ahead a unit of s, while it moves with the frame [1].
 
