@@ -16,6 +16,7 @@ EXAMPLES = {
     "flat": {},
     "plane": {"slope_x": 0.05, "slope_y": "-8 %", "level": "20 cm"},
     "profile": {"file": str(Path(__file__).with_name("rough_road.csv")), "start": "25 cm"},
+    "opencrg": {"file": str(Path(__file__).with_name("measured_road.crg"))},
     "bump": {"crest": "200 mm", "length": 5.0, "start": 0.97, "mode": "anti_phase"},
     "sine": {"amplitude_x": 0.05, "wavelength_x": 2, "amplitude_y": 0.03, "wavelength_y": 3},
 }

@@ -1,0 +1,1 @@
+"""OpenCRG roads (curved regular grids): reading files, modifiers, evaluation."""

@@ -1,0 +1,182 @@
+"""OpenCRG roads as ground that wheels drive on: heights by world coordinates, for expressions."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Any, NamedTuple
+
+import numpy as np
+from scipy.spatial import cKDTree
+
+from vehicledyn.base.errors import InputError
+from vehicledyn.road.opencrg.line import ReferenceLine
+from vehicledyn.road.opencrg.road import Border, CrgRoad
+from vehicledyn.symbolic import ops
+from vehicledyn.symbolic.grids import GridTable
+from vehicledyn.symbolic.tables import CurveTable
+
+_STEPS = 4
+_FINEST_CELL = 1.0
+_MOST_CELLS = 500_000
+_MARGIN = 10.0
+_STRAIGHT = 1e-9
+
+
+class _Map(NamedTuple):
+    """First guesses of u [m] in square cells, and the numbers of their columns and rows."""
+
+    guesses: CurveTable
+    columns: CurveTable
+    rows: CurveTable
+    left: float
+    low: float
+    cell: float
+
+
+@dataclass(frozen=True, eq=False)
+class CrgGround:
+    """The surface z(x, y) of a road.
+
+    A curved reference line becomes a smooth curve through its corners; a place belongs to the
+    point of the line whose normal it lies on, found by Newton's method from the corner that is
+    nearest to a cell of a map.
+    """
+
+    road: CrgRoad
+    smooth: bool
+
+    @cached_property
+    def grid(self) -> GridTable:
+        """Heights with those of the line and the bank, over u and v [m]."""
+        road = self.road
+        nodes = road.line.start + road.line.step * np.arange(len(road.heights), dtype=np.float64)
+        exact = replace(road, borders=replace(road.borders, smooth_start=0.0, smooth_end=0.0))
+        heights = exact.height(nodes[:, None], np.clip(road.v, *road.edges)[None, :])
+        if np.isnan(heights).any():
+            raise InputError(
+                "the road has gaps (missing heights); close them with the modifier grid_nan_mode"
+            )
+        return GridTable("road", road.line.start, road.line.step, road.v, heights, self.smooth)
+
+    @cached_property
+    def _curve(self) -> tuple[CurveTable, CurveTable]:
+        line = self.road.line
+        x, y = (
+            CurveTable.through("road line", line.start, line.step, of) for of in (line.x, line.y)
+        )
+        return x, y
+
+    @cached_property
+    def is_straight(self) -> bool:
+        """Whether the reference line is straight."""
+        line = self.road.line
+        return bool(np.ptp(np.diff(line.x)) < _STRAIGHT and np.ptp(np.diff(line.y)) < _STRAIGHT)
+
+    @cached_property
+    def _map(self) -> _Map:
+        line = self.road.line
+        reach = max(abs(self.road.v[0]), abs(self.road.v[-1])) + _MARGIN
+        left, low = line.x.min() - reach, line.y.min() - reach
+        wide, high = np.ptp(line.x) + 2.0 * reach, np.ptp(line.y) + 2.0 * reach
+        cell = max(_FINEST_CELL, math.sqrt(wide * high / _MOST_CELLS))
+        columns, rows = math.ceil(wide / cell), math.ceil(high / cell)
+        x = left + (np.arange(columns) + 0.5) * cell
+        y = low + (np.arange(rows) + 0.5) * cell
+        places = np.stack(np.meshgrid(x, y, indexing="ij"), axis=-1).reshape(-1, 2)
+        nearest = cKDTree(np.column_stack([line.x, line.y])).query(places)[1]
+        guesses = line.start + line.step * nearest
+        table = CurveTable("road map", 0.0, 1.0, np.column_stack([guesses, np.zeros(len(guesses))]))
+        return _Map(table, _numbers(columns), _numbers(rows), float(left), float(low), float(cell))
+
+    def height(self, x: Any, y: Any) -> Any:
+        """Return the height of the ground [m]."""
+        u, v, _, _ = self._place(x, y)
+        return self._smoothed(u, self.grid.value(u, v))[0]
+
+    def gradient(self, x: Any, y: Any) -> tuple[Any, Any]:
+        """Return the slopes along x and y [1]."""
+        u, v, by_u, by_v = self._place(x, y)
+        along, across = self.grid.slopes(u, v)
+        _, scale, rate = self._smoothed(u, self.grid.value(u, v))
+        along, across = scale * along + rate, scale * across
+        return along * by_u[0] + across * by_v[0], along * by_u[1] + across * by_v[1]
+
+    def _place(self, x: Any, y: Any) -> tuple[Any, Any, Any, Any]:
+        """Return u and v with their gradients in the world."""
+        line = self.road.line
+        if self.is_straight:
+            return _straight(line, x, y)
+        of_x, of_y = self._curve
+        u = self._guess(x, y)
+        for _ in range(_STEPS):
+            dx, dy = x - of_x.value(u), y - of_y.value(u)
+            tx, ty = of_x.slope(u), of_y.slope(u)
+            bend = dx * of_x.curvature(u) + dy * of_y.curvature(u)
+            u = u + (dx * tx + dy * ty) / _positive(tx * tx + ty * ty, bend)
+        dx, dy = x - of_x.value(u), y - of_y.value(u)
+        tx, ty = of_x.slope(u), of_y.slope(u)
+        speed = ops.sqrt(tx * tx + ty * ty)
+        bend = dx * of_x.curvature(u) + dy * of_y.curvature(u)
+        stretch = _positive(tx * tx + ty * ty, bend)
+        v = (dy * tx - dx * ty) / speed
+        return u, v, (tx / stretch, ty / stretch), (-ty / speed, tx / speed)
+
+    def _guess(self, x: Any, y: Any) -> Any:
+        of = self._map
+        column = of.columns.value((x - of.left) / of.cell)
+        row = of.rows.value((y - of.low) / of.cell)
+        return of.guesses.value(column * float(len(of.rows.coefficients)) + row + 0.5)
+
+    def _smoothed(self, u: Any, height: Any) -> tuple[Any, Any, Any]:
+        """Return a height led to the ends of the road, its scale, and its own slope along u."""
+        borders, line, scale, rate = self.road.borders, self.road.line, 1.0, 0.0
+        for zone, into, sense, end in (
+            (borders.smooth_start, u - line.start, 1.0, 0),
+            (borders.smooth_end, line.stop - u, -1.0, -1),
+        ):
+            if zone > 0.0:
+                rise = self.road.rise
+                base = rise if isinstance(rise, float) else float(rise[end])
+                share = ops.minimum(ops.maximum(into / zone, 0.0), 1.0)
+                turns = ops.where(ops.logic_and(into >= 0.0, into < zone), sense / zone, 0.0)
+                scale, rate = scale * share, rate * share + (height - base) * turns
+                height = base + (height - base) * share
+        return height, scale, rate
+
+
+def check_borders(road: CrgRoad) -> None:
+    """Refuse borders that ground for wheels cannot have.
+
+    Raises
+    ------
+    InputError
+        If a border repeats, reflects or is zero.
+    """
+    for axis, border in (("u", road.borders.u), ("v", road.borders.v)):
+        if border not in (Border.KEEP, Border.NONE):
+            raise InputError(
+                f"border_mode_{axis} = {int(border)}: for driving only 2 (the last height goes "
+                "on) is possible"
+            )
+
+
+def _positive(square: Any, bend: Any) -> Any:
+    """Return the divisor of a Newton step, kept away from the centre of curvature."""
+    return ops.maximum(square - bend, 0.1 * square)
+
+
+def _numbers(count: int) -> CurveTable:
+    """Return a table of the number of a cell; outside, of the first or last one."""
+    numbers = np.arange(count, dtype=float)
+    return CurveTable("cells", 0.0, 1.0, np.column_stack([numbers, np.zeros(count)]))
+
+
+def _straight(line: ReferenceLine, x: Any, y: Any) -> tuple[Any, Any, Any, Any]:
+    length = math.hypot(line.x[-1] - line.x[0], line.y[-1] - line.y[0])
+    cosine = float(line.x[-1] - line.x[0]) / length
+    sine = float(line.y[-1] - line.y[0]) / length
+    dx, dy = x - float(line.x[0]), y - float(line.y[0])
+    u = line.start + dx * cosine + dy * sine
+    return u, dy * cosine - dx * sine, (cosine, sine), (-sine, cosine)
