@@ -17,6 +17,17 @@ EXAMPLES = {
     "plane": {"slope_x": 0.05, "slope_y": "-8 %", "level": "20 cm"},
     "profile": {"file": str(Path(__file__).with_name("rough_road.csv")), "start": "25 cm"},
     "opencrg": {"file": str(Path(__file__).with_name("measured_road.crg"))},
+    "obstacles": {
+        "crest": "25 mm",
+        "start": "1 m",
+        "length": "200 mm",
+        "bevel": "20 mm",
+        "count": 3,
+        "spacing": "2.2 m",
+        "cam_length": "390 mm",
+        "cam_height": "390 mm",
+        "cam_order": 2,
+    },
     "bump": {"crest": "200 mm", "length": 5.0, "start": 0.97, "mode": "anti_phase"},
     "sine": {"amplitude_x": 0.05, "wavelength_x": 2, "amplitude_y": 0.03, "wavelength_y": 3},
 }

@@ -1,0 +1,103 @@
+"""Enveloping of short obstacles: rigid cams that roll over an outline, alone or in tandem.
+
+A tyre swallows the edges of what is shorter than its contact patch. Schmeitz' model lets two
+rigid cams of superelliptic outline, at a fixed distance, roll over the ground. Their mean height
+is the effective height, the difference over their distance the effective slope of the ground
+that the tyre feels (Pacejka, Tire and Vehicle Dynamics, 3rd ed. 2012, section 10.1.6). A circle
+of the tyre's radius is the single cam of order two.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array: TypeAlias = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Cam:
+    """A convex cam |s/length|ⁿ + |h/height|ⁿ = 1 whose lowest point is at s = 0.
+
+    Parameters
+    ----------
+    length, height
+        Half axes along the ground and upwards, positive [m].
+    order
+        Exponent n, above 1; 2 for an ellipse.
+    """
+
+    length: float
+    height: float
+    order: float
+
+    def outline(self, s: Array) -> Array:
+        """Return the height of the lower outline over the lowest point [m], infinite outside."""
+        share = 1.0 - np.minimum(abs(s) / self.length, 1.0) ** self.order
+        inside = abs(s) <= self.length
+        return np.where(inside, self.height * (1.0 - share ** (1.0 / self.order)), np.inf)
+
+    def place_of_slope(self, slope: Array) -> Array:
+        """Return where the lower outline has a slope [m]."""
+        steep = abs(slope) * self.length / self.height
+        ratio = steep ** (self.order / (self.order - 1.0))
+        return np.sign(slope) * self.length * (ratio / (1.0 + ratio)) ** (1.0 / self.order)
+
+    def lift(self, x: Array, z: Array, at: Array) -> Array:
+        """Return the heights of the lowest point of the cam as it rests on an outline [m].
+
+        Parameters
+        ----------
+        x, z
+            Corners of the outline, x never falling; equal x for vertical edges, shape (n,) [m].
+        at
+            Places of the lowest point along x, shape (m,) [m]; the outline reaches beyond the
+            cam on both sides of each.
+        """
+        at = np.atleast_1d(np.asarray(at, dtype=float))
+        order = np.argsort(at)
+        places = at[order]
+        highest = np.full(len(at), -np.inf)
+        for corner, height in zip(x, z, strict=True):
+            near = self._near(places, corner, corner)
+            rest = height - self.outline(corner - places[near])
+            highest[near] = np.maximum(highest[near], rest)
+        for index in np.flatnonzero(np.diff(x) > 0.0):
+            near = self._near(places, x[index], x[index + 1])
+            slope = (z[index + 1] - z[index]) / (x[index + 1] - x[index])
+            touch = places[near] + self.place_of_slope(np.asarray(slope))
+            inside = (touch > x[index]) & (touch < x[index + 1])
+            height = z[index] + slope * (touch - x[index]) - self.outline(touch - places[near])
+            highest[near] = np.where(inside, np.maximum(highest[near], height), highest[near])
+        result = np.empty_like(highest)
+        result[order] = highest
+        return result
+
+    def _near(self, places: Array, first: float, last: float) -> slice:
+        """Return the sorted places from which the cam reaches a stretch of the outline."""
+        low = np.searchsorted(places, first - self.length)
+        return slice(int(low), int(np.searchsorted(places, last + self.length, side="right")))
+
+
+@dataclass(frozen=True)
+class Tandem:
+    """Two equal cams at a distance [m]; a distance of zero is one cam."""
+
+    cam: Cam
+    spacing: float
+
+    def height_and_slope(self, x: Array, z: Array, at: Array) -> tuple[Array, Array]:
+        """Return effective height [m] and slope [1] at places of the middle of the cams [m].
+
+        The slope is that between the two cams; for one cam that of its height.
+        """
+        at = np.atleast_1d(np.asarray(at, dtype=float))
+        half = 0.5 * self.spacing
+        if half == 0.0:
+            height = self.cam.lift(x, z, at)
+            return height, np.gradient(height, at) if len(at) > 1 else np.zeros(1)
+        front, rear = self.cam.lift(x, z, at + half), self.cam.lift(x, z, at - half)
+        return 0.5 * (front + rear), (front - rear) / self.spacing
