@@ -261,9 +261,7 @@ def whole_run(loaded):
     """Return the processor time of a run from the scenario in memory to its closed file [s]."""
     with TemporaryDirectory() as folder:
         begun = time.process_time()
-        run_scenario(
-            loaded, output=Path(folder) / "run.h5", backend="auto", plots=None, progress=quiet
-        )
+        run_scenario(loaded, output=Path(folder) / "run.h5", backend="auto", progress=quiet)
         return time.process_time() - begun
 
 

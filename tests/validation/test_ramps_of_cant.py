@@ -49,7 +49,7 @@ def run(tmp_path):
         path.write_text(head + RAILS + track + SOLVER.format(seconds, step))
         loaded = load_scenario(path, [f"{name}={value}" for name, value in parameters.items()])
         output.unlink(missing_ok=True)
-        run_scenario(loaded, output=output, backend="auto", plots=None, progress=lambda *_: None)
+        run_scenario(loaded, output=output, backend="auto", progress=lambda *_: None)
         with open_result(output) as result:
             return result.as_frame().reset_index()
 

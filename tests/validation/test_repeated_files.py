@@ -13,7 +13,7 @@ pytestmark = pytest.mark.validation
 
 def run(place):
     loaded = load_scenario(SCENARIOS / "iltis_slalom.yaml", ("duration=3 s",))
-    outcome = run_scenario(loaded, output=place, backend="auto", plots=None, progress=quiet)
+    outcome = run_scenario(loaded, output=place, backend="auto", progress=quiet)
     assert outcome.status == "ok"
     return place
 

@@ -231,9 +231,7 @@ def simulated(text, folder, frequency, changes=()):
     path = folder / "drive.yaml"
     path.write_text(text, encoding="utf-8")
     output = folder / "drive.h5"
-    run_scenario(
-        load_scenario(path, changes), output=output, backend="auto", plots=None, progress=quiet
-    )
+    run_scenario(load_scenario(path, changes), output=output, backend="auto", progress=quiet)
     with open_result(output) as result:
         time, table = result.time, result.as_frame()
     kept = time >= time[-1] - np.floor(0.3 * time[-1] * frequency) / frequency - 1e-9

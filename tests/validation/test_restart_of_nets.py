@@ -28,11 +28,10 @@ def run(folder, output, *overrides, restart=None):
         load_scenario(path, overrides),
         output=folder / output,
         backend="interpreted",
-        plots=None,
         progress=lambda *_: None,
         restart=None if restart is None else folder / restart,
     )
-    assert outcome.exit_code == 0, outcome.messages
+    assert outcome.status == "ok", outcome.messages
     return open_result(folder / output)
 
 

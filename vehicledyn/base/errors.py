@@ -1,10 +1,11 @@
-"""Errors a user can act on: what is wrong, where, what next, and the exit code it means."""
+"""Errors a user can act on: what is wrong, where and what next."""
 
 from __future__ import annotations
 
 import difflib
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
+from typing import Any
 
 _MOST_LISTED = 60
 _MOST_TRIED = 5_000
@@ -19,8 +20,6 @@ class VehicledynError(Exception):
     ``about`` names the parts and coordinates in question, so that their place in a file can be
     told.
     """
-
-    exit_code = 2
 
     def __init__(self, text: str = "", *, about: Iterable[str] = ()) -> None:
         super().__init__(text)
@@ -40,19 +39,21 @@ class UnknownNameError(InputError, KeyError):
 class NumericalError(VehicledynError):
     """A computation failed: a loop, an equilibrium or an integration did not converge."""
 
-    exit_code = 3
-
 
 class MissingPartError(VehicledynError):
     """An optional part (compiler, extra package) that the request needs is absent."""
-
-    exit_code = 4
 
 
 class StoppedError(VehicledynError):
     """The user stopped the program."""
 
-    exit_code = 130
+
+class Interrupted(KeyboardInterrupt):
+    """The user stopped an analysis; ``data`` is the result of what it had computed by then."""
+
+    def __init__(self, data: Any) -> None:
+        super().__init__("interrupted")
+        self.data = data
 
 
 class ResultWarning(UserWarning):

@@ -7,11 +7,10 @@ import os
 import sys
 from typing import NoReturn
 
-from vehicledyn.base.errors import StoppedError, VehicledynError
+from vehicledyn.base.errors import VehicledynError
+from vehicledyn.cli.exit_codes import BUG, INPUT, INTERRUPTED, code_of_error
 
 __all__ = ["main"]
-
-BUG = 70
 
 
 def main() -> NoReturn:
@@ -26,14 +25,14 @@ def main() -> NoReturn:
     try:
         _run()
     except VehicledynError as error:
-        _leave(str(error), error.exit_code)
+        _leave(str(error), code_of_error(error))
     except KeyboardInterrupt:
-        _leave("interrupted", StoppedError.exit_code)
+        _leave("interrupted", INTERRUPTED)
     except MemoryError:
-        _leave("out of memory", VehicledynError.exit_code)
+        _leave("out of memory", INPUT)
     except OSError as error:
         where = f"{error.filename}: " if error.filename else ""
-        _leave(f"{where}{error.strerror or error}", VehicledynError.exit_code)
+        _leave(f"{where}{error.strerror or error}", INPUT)
     except Exception as error:  # the edge of the program: whatever comes here is a bug
         text = " ".join(f"{type(error).__name__}: {error}".split())
         hint = "Set VEHICLEDYN_TRACEBACK=1 to see where, and please report it."

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+import vehicledyn
 from vehicledyn.cli.completion import model_names
 from vehicledyn.cli.finding import find_file
 from vehicledyn.cli.options import (
@@ -16,8 +17,8 @@ from vehicledyn.cli.options import (
     Overrides,
     Target,
     is_result_name,
-    speed_in_si,
 )
+from vehicledyn.cli.performing import perform
 from vehicledyn.cli.replacing import EQUILIBRIUM, Overwrite, check_replacing
 from vehicledyn.cli.terminal import emit, emit_report, show_progress, to_json
 from vehicledyn.library import Kind
@@ -95,21 +96,19 @@ def equilibrium(
     as_json: Json = False,
 ) -> None:
     """Find the equilibrium of a vehicle that stands or runs straight ahead, or of a system."""
-    loaded, wanted = read_target(target, overrides), None if speed is None else speed_in_si(speed)
-    from vehicledyn.analyses import find_equilibrium
-
+    loaded = read_target(target, overrides)
     as_result = output is not None and is_result_name(output)
     if output is not None and as_result:
         check_replacing(output, EQUILIBRIUM, overwrite=overwrite)
-    with show_progress() as progress:
-        report = find_equilibrium(
-            loaded,
-            speed=wanted,
-            backend=backend.value,
-            progress=progress,
-            output=output if as_result else None,
-        )
-    emit_report(report, as_json=as_json, file=None if as_result else output)
+    data = perform(
+        vehicledyn.equilibrium,
+        loaded,
+        speed=speed,
+        backend=backend.value,
+        save_to=output if as_result else None,
+        overwrite=True,
+    )
+    emit_report(data.report, as_json=as_json, file=None if as_result else output)
 
 
 def read_target(

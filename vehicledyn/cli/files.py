@@ -1,4 +1,4 @@
-"""Verbs on result files: compare, plot, info, assess; and how a run's outcome is shown."""
+"""Verbs on result files: compare, plot, info, assess."""
 
 from __future__ import annotations
 
@@ -7,15 +7,16 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+import vehicledyn
 from vehicledyn.base.errors import InputError
 from vehicledyn.base.units import to_si
 from vehicledyn.cli.completion import channel_names, figure_names
+from vehicledyn.cli.exit_codes import CODES_OF_VERDICTS
 from vehicledyn.cli.finding import find_file
 from vehicledyn.cli.options import Format, Json, ResultFile, tolerance_of_channels
-from vehicledyn.cli.terminal import emit, emit_report, write_text
+from vehicledyn.cli.terminal import emit, emit_report, to_json, write_text
 
 if TYPE_CHECKING:
-    from vehicledyn.analyses import RunOutcome
     from vehicledyn.files.scenario import LoadedScenario
 
 
@@ -73,28 +74,6 @@ def _is_track(data: Any) -> bool:
     return isinstance(data, dict) and data.get("kind") in kinds("track") and "title" not in data
 
 
-def outcome_as_dict(outcome: RunOutcome) -> dict[str, Any]:
-    """Return what a run came to, as plain data."""
-    summary = {
-        name: {"value": entry.value, "unit": entry.unit, "text": entry.text}
-        for name, entry in outcome.summary.items()
-    }
-    return {
-        "result": outcome.path,
-        "status": outcome.status,
-        "summary": summary,
-        "messages": outcome.messages,
-    }
-
-
-def outcome_as_text(outcome: RunOutcome) -> str:
-    """Return what a run came to, as lines of text."""
-    entries = outcome.summary
-    width = max(map(len, entries), default=0)
-    lines = [f"  {name:{width}}  {entry.text}" for name, entry in entries.items()]
-    return "\n".join([f"{outcome.path}: {outcome.status}", *lines])
-
-
 def compare(
     result: ResultFile,
     reference: Annotated[Path, typer.Argument(metavar="REFERENCE", help="Result it should equal.")],
@@ -126,22 +105,29 @@ def compare(
     as_json: Json = False,
 ) -> None:
     """Compare a result file with a reference; exit code 0 if equal within tolerance, else 1."""
-    from vehicledyn.results.compare.any_compare import compare_results
+    from vehicledyn.interface.comparing import UnusableResultError
 
-    comparison = compare_results(
-        result,
-        reference,
-        relative=relative,
-        absolute=absolute,
-        channel_tolerances=tolerance_of_channels(tolerances or []),
-        channels=channels or None,
-        allow_missing=allow_missing,
-        interpolate=interpolate,
-    )
+    try:
+        comparison = vehicledyn.compare(
+            result,
+            reference,
+            relative=relative,
+            absolute=absolute,
+            tolerances=tolerance_of_channels(tolerances or []),
+            channels=channels or None,
+            allow_missing=allow_missing,
+            interpolate=interpolate,
+        )
+    except UnusableResultError as error:
+        comparison = error.comparison
+    code = CODES_OF_VERDICTS[comparison.verdict]
     if junit is not None:
         write_text(junit, comparison.as_junit())
-    emit_report(comparison, as_json=as_json)
-    raise typer.Exit(comparison.exit_code)
+    if as_json:
+        emit(to_json({"verdict": "", "exit_code": code} | comparison.as_dict()))
+    else:
+        emit(comparison.as_text())
+    raise typer.Exit(code)
 
 
 def plot(

@@ -7,10 +7,11 @@ from typing import Annotated
 
 import typer
 
+import vehicledyn
 from vehicledyn.cli.analyses import read_target
 from vehicledyn.cli.options import Backend, BackendChoice, Json, Overrides, Quiet, Target
+from vehicledyn.cli.performing import conclude, perform
 from vehicledyn.cli.replacing import HUNT, Overwrite, check_replacing
-from vehicledyn.cli.terminal import emit_report, show_progress, tell
 
 
 def add_verbs(app: typer.Typer) -> None:
@@ -92,36 +93,27 @@ def hunt(
 ) -> None:
     """Find critical speeds and limit cycles along a speed or any other parameter."""
     loaded = read_target(target, overrides)
-    from vehicledyn.analyses.hunting.hunt import find_limit_cycles
-    from vehicledyn.analyses.hunting.start import HuntSettings
-
     result = output or Path(f"{Path(target).stem}_hunt.h5")
     check_replacing(result, HUNT, overwrite=overwrite, resume=resume)
     folder = None if no_plots else plots or result.parent / f"{result.stem}_plots"
-    settings = HuntSettings(
-        parameter,
+    data = perform(
+        vehicledyn.hunt,
+        loaded,
         first,
         last,
+        parameter=parameter,
         points=points,
-        channels=tuple(channels or ()),
+        channels=channels or (),
         amplitude=amplitude,
         disturbance=disturbance,
         simulate=not no_simulation,
         simulated=simulated,
         secondary=secondary,
+        backend=backend.value,
+        save_to=result,
+        overwrite=True,
+        resume=resume,
+        plots=folder,
+        quiet=quiet,
     )
-    with show_progress(quiet=quiet) as progress:
-        report = find_limit_cycles(
-            loaded,
-            settings,
-            backend=backend.value,
-            output=result,
-            plots=folder,
-            progress=progress,
-            resume=resume,
-        )
-    for message in report.messages:
-        tell(message)
-    if as_json or not quiet:
-        emit_report(report, as_json=as_json)
-    raise typer.Exit(report.exit_code)
+    conclude(data, plots=folder, as_json=as_json, quiet=quiet)

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+import vehicledyn
 from vehicledyn.base.errors import InputError
 from vehicledyn.base.problems import counted, is_count
 from vehicledyn.cli.analyses import read_target
@@ -17,13 +18,12 @@ from vehicledyn.cli.options import (
     Json,
     Overrides,
     Target,
-    frequency_in_hz,
     is_result_name,
-    speed_in_si,
     speeds_in_si,
 )
+from vehicledyn.cli.performing import draw_figures, perform
 from vehicledyn.cli.replacing import MODES, RESPONSE, Overwrite, check_replacing
-from vehicledyn.cli.terminal import emit_report, show_progress
+from vehicledyn.cli.terminal import emit_report
 
 if TYPE_CHECKING:
     from vehicledyn.files.scenario import LoadedModel, LoadedScenario
@@ -92,22 +92,22 @@ def eig(
     speeds = [value for text in speed or [] for value in speeds_in_si(text)]
     cases = cases_of(overrides or [])
     targets = _targets(target, cases)
-    from vehicledyn.analyses import find_modes
-
     is_result = output is not None and is_result_name(output)
     if output is not None and is_result:
         check_replacing(output, MODES, overwrite=overwrite)
-    with show_progress() as progress:
-        report = find_modes(
-            targets if len(targets) > 1 else targets[0][1],
-            speeds=speeds,
-            start=None if start is None else start.value,
-            backend=backend.value,
-            progress=progress,
-            output=output if is_result else None,
-            plots=plots,
-        )
-    emit_report(report, as_json=as_json, file=None if is_result else output)
+    data = perform(
+        vehicledyn.modes,
+        dict(targets),
+        speed=speeds,
+        start=None if start is None else start.value,
+        backend=backend.value,
+        save_to=output if is_result else None,
+        overwrite=True,
+        plots=plots,
+    )
+    if plots is not None:
+        draw_figures(data, plots)
+    emit_report(data.report, as_json=as_json, file=None if is_result else output)
 
 
 def _targets(
@@ -121,8 +121,8 @@ def _targets(
         except InputError as error:
             problems += [line for line in str(error).splitlines() if not is_count(line)]
     if problems:
-        told = list(dict.fromkeys(problems))
-        raise InputError("\n".join([*told, counted(len(told), target)]))
+        listed = list(dict.fromkeys(problems))
+        raise InputError("\n".join([*listed, counted(len(listed), target)]))
     return found
 
 
@@ -137,8 +137,8 @@ def cases_of(overrides: list[str]) -> list[tuple[str, list[str]]]:
     varied = {key: texts for key, texts in values.items() if len(texts) > 1}
     counts = {len(texts) for texts in varied.values()}
     if len(counts) > 1:
-        told = ", ".join(f"{key} {len(texts)}" for key, texts in varied.items())
-        raise InputError(f"--set: keys vary together, give each as many values: {told}")
+        counted_keys = ", ".join(f"{key} {len(texts)}" for key, texts in varied.items())
+        raise InputError(f"--set: keys vary together, give each as many values: {counted_keys}")
     return [
         (
             ", ".join(texts[case] for texts in varied.values()),
@@ -171,7 +171,7 @@ def response(
     spacing: Annotated[Spacing, typer.Option(help="How they are spaced.")] = Spacing.LOG,
     at: Annotated[
         list[str] | None,
-        typer.Option(metavar="FREQUENCY", help="Tell the response here; may be repeated."),
+        typer.Option(metavar="FREQUENCY", help="Report the response here; may be repeated."),
     ] = None,
     speed: Annotated[
         str | None, typer.Option(help='Speed such as "20 m/s"; the scenario\'s if absent.')
@@ -192,22 +192,21 @@ def response(
         raise InputError("--output: missing: name a channel; 'models show --json' lists them")
     if not inputs:
         raise InputError("--input: missing: name what is moved or loaded, such as steering")
-    span = (frequency_in_hz("--from", first), frequency_in_hz("--to", last))
-    wanted = [frequency_in_hz("--at", text) for text in at or []]
-    from vehicledyn.analyses.linear.frequency_grid import FrequencyGrid
-    from vehicledyn.analyses.linear.response import find_response
-
-    grid = FrequencyGrid(*span, points, spacing.value)
-    with show_progress() as progress:
-        report = find_response(
-            loaded,
-            inputs=inputs,
-            outputs=outputs,
-            grid=grid,
-            at=wanted,
-            speed=None if speed is None else speed_in_si(speed),
-            output=result,
-            plots=plots,
-            progress=progress,
-        )
-    emit_report(report, as_json=as_json)
+    data = perform(
+        vehicledyn.response,
+        loaded,
+        inputs,
+        outputs,
+        first=first,
+        last=last,
+        points=points,
+        spacing=spacing.value,
+        at=at or (),
+        speed=speed,
+        save_to=result,
+        overwrite=True,
+        plots=plots,
+    )
+    if plots is not None:
+        draw_figures(data, plots)
+    emit_report(data.report, as_json=as_json)

@@ -9,9 +9,9 @@ from typing import Annotated
 import typer
 
 from vehicledyn.base.errors import InputError
-from vehicledyn.base.units import to_si
 from vehicledyn.cli.completion import model_names, scenario_names
 from vehicledyn.cli.terminal import set_quiet
+from vehicledyn.interface.quantities import speed_in_si
 
 MOST_SPEEDS = 1000
 
@@ -73,17 +73,6 @@ Quiet = Annotated[
 Verbose = Annotated[bool, typer.Option("--verbose", "-v", help="Say more about what is done.")]
 
 
-def speed_in_si(text: str) -> float:
-    """Return a speed such as "20 m/s" or "72 km/h" in m/s."""
-    try:
-        speed = to_si(text, "m/s")
-    except InputError as error:
-        raise InputError(f"--speed {text}: {error}") from None
-    if not 0.0 <= speed < float("inf"):
-        raise InputError(f"--speed {text}: must not be negative or infinite")
-    return speed
-
-
 def speeds_in_si(text: str) -> list[float]:
     """Return the speeds that "20 m/s" or FROM:TO:COUNT, "2 m/s:10 m/s:33", means, in m/s."""
     first, colon, rest = text.partition(":")
@@ -103,17 +92,6 @@ def speeds_in_si(text: str) -> list[float]:
 def is_result_name(path: Path) -> bool:
     """Return whether a file to write is to be a result, not a JSON report."""
     return path.suffix in (".h5", ".hdf5", ".nc")
-
-
-def frequency_in_hz(option: str, text: str) -> float:
-    """Return a frequency such as "2" or "1.5 Hz" in Hz."""
-    try:
-        frequency = to_si(text, "Hz")
-    except InputError as error:
-        raise InputError(f"{option} {text}: {error}") from None
-    if not 0.0 < frequency < float("inf"):
-        raise InputError(f"{option} {text}: must be above zero")
-    return frequency
 
 
 def tolerance_of_channels(texts: list[str]) -> dict[str, float]:

@@ -7,6 +7,7 @@ from typing import Annotated
 
 import typer
 
+import vehicledyn
 from vehicledyn.base.errors import InputError
 from vehicledyn.cli.analyses import read_target
 from vehicledyn.cli.files import read_scenario
@@ -19,8 +20,8 @@ from vehicledyn.cli.options import (
     ScenarioFile,
     Target,
 )
+from vehicledyn.cli.performing import conclude, perform
 from vehicledyn.cli.replacing import RUN, Overwrite, check_replacing
-from vehicledyn.cli.terminal import emit_report, show_progress, tell
 
 Plots = Annotated[
     Path | None, typer.Option(help="Folder of the figures; the result's name with _plots.")
@@ -73,19 +74,22 @@ def kinematics(
     if len(ranges) != len(drives or []):
         raise InputError("--drive: a channel is driven twice; name each once")
     loaded = read_target(target, overrides, ("scenario", "system"))
-    from vehicledyn.analyses.mechanism.kinematics import Request, sweep_kinematics
-
     result = output or Path(f"{Path(target).stem}_kinematics.h5")
     check_replacing(result, RUN, overwrite=overwrite)
     folder = None if no_plots else plots or result.parent / f"{result.stem}_plots"
-    wish = Request(ranges, together, tuple(hold or ()), tuple(columns or ()))
-    with show_progress(quiet=quiet) as progress:
-        report = sweep_kinematics(loaded, wish, output=result, plots=folder, progress=progress)
-    for message in () if quiet and report.exit_code == 0 else report.messages:
-        tell(message)
-    if as_json or not quiet:
-        emit_report(report, as_json=as_json)
-    raise typer.Exit(report.exit_code)
+    data = perform(
+        vehicledyn.kinematics,
+        loaded,
+        ranges,
+        together=together,
+        hold=hold or (),
+        channels=columns or (),
+        save_to=result,
+        overwrite=True,
+        plots=folder,
+        quiet=quiet,
+    )
+    conclude(data, plots=folder, as_json=as_json, quiet=quiet)
 
 
 def inverse(
@@ -111,25 +115,20 @@ def inverse(
 ) -> None:
     """Find the forces that a prescribed motion needs; write result file and figures."""
     loaded = read_scenario(scenario, overrides)
-    from vehicledyn.analyses.mechanism.inverse_report import find_forces
-
     result = output or Path(f"{scenario.stem}_inverse.h5")
     check_replacing(result, RUN, overwrite=overwrite)
     folder = None if no_plots else plots or result.parent / f"{result.stem}_plots"
-    with show_progress(quiet=quiet) as progress:
-        report = find_forces(
-            loaded,
-            table=motion,
-            output=result,
-            backend=backend.value,
-            plots=folder,
-            progress=progress,
-        )
-    for message in () if quiet and report.exit_code == 0 else report.messages:
-        tell(message)
-    if as_json or not quiet:
-        emit_report(report, as_json=as_json)
-    raise typer.Exit(report.exit_code)
+    data = perform(
+        vehicledyn.inverse,
+        loaded,
+        motion=motion,
+        save_to=result,
+        overwrite=True,
+        backend=backend.value,
+        plots=folder,
+        quiet=quiet,
+    )
+    conclude(data, plots=folder, as_json=as_json, quiet=quiet)
 
 
 def _drive(text: str) -> tuple[str, str]:

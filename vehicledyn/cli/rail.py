@@ -4,22 +4,18 @@ from __future__ import annotations
 
 import math
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
 
+import vehicledyn
 from vehicledyn.base.errors import InputError
 from vehicledyn.base.ranges import read_range
 from vehicledyn.base.units import to_si
 from vehicledyn.cli.options import Json
+from vehicledyn.cli.performing import draw_figures, perform
 from vehicledyn.cli.replacing import PROFILES, Overwrite, check_replacing
-from vehicledyn.cli.terminal import emit_report, show_progress
-
-if TYPE_CHECKING:
-    from vehicledyn.rail.profiles.profile_reading import ProfileReading
-
-_METRE = 1e3
-_LONGEST_WAVE, _NEAREST_BACK, _FURTHEST_BACK = 0.1, 0.02, 0.15
+from vehicledyn.cli.terminal import emit, emit_report
 
 
 def add_verbs(app: typer.Typer) -> None:
@@ -92,65 +88,40 @@ def profiles(
     """
     if output is not None:
         check_replacing(output, PROFILES, overwrite=overwrite)
-    radii = (_length("--radius", radius), _length("--right-radius", right_radius or radius))
-    values = {
-        "gauge": _positive("--gauge", gauge),
-        "gauge_depth": _positive("--gauge-depth", gauge_depth),
-        "back_to_back": _positive("--back-to-back", back_to_back),
-        "flange_back": _length("--flange-back", flange_back),
-    }
-    reading = _reading(smoothing, defects, tape_circle)
-    if min(radii) <= 0.0:
-        raise InputError("--radius: must be above zero")
-    wanted = _lengths("--shift", shifts)
-    found = [a for a in _lengths("--amplitude", amplitudes) if a > 0.0]
-    angle = _angle(inclination)
-    turn = _yaw(yaw)
-    curvature = 0.0 if curve_radius is None else 1.0 / _curve(curve_radius)
-    from vehicledyn.analyses.contact.contact_geometry import ContactWish, find_contact_geometry
-
-    wish = ContactWish(
-        wheels=(wheel, right_wheel or wheel),
-        rails=(rail, right_rail or rail),
-        radii=radii,
-        inclination=angle,
-        yaw=turn,
-        curvature=curvature,
-        reading=reading,
-        shifts=wanted,
-        amplitudes=found,
-        **values,
+    data = perform(
+        vehicledyn.contact_geometry,
+        wheel,
+        rail,
+        gauge=_length(gauge),
+        gauge_depth=_length(gauge_depth),
+        inclination=inclination,
+        back_to_back=_length(back_to_back),
+        flange_back=_length(flange_back),
+        radius=_length(radius),
+        right_wheel=right_wheel,
+        right_rail=right_rail,
+        right_radius=None if right_radius is None else _length(right_radius),
+        yaw=float(yaw) if _is_number(yaw) else yaw,
+        curve_radius=None if curve_radius is None else _length(curve_radius),
+        smoothing=_length(smoothing),
+        defects=defects,
+        tape_circle=None if tape_circle is None else _length(tape_circle),
+        shifts=_lengths("--shift", shifts),
+        amplitudes=[a for a in _lengths("--amplitude", amplitudes) if a > 0.0],
+        save_to=output,
+        overwrite=True,
+        plots=plots,
     )
-    with show_progress() as progress:
-        report = find_contact_geometry(wish, output=output, plots=plots, progress=progress)
-    emit_report(report, as_json=as_json)
+    if plots is not None:
+        draw_figures(data, plots)
+    emit_report(data.report, as_json=as_json)
+    for place in filter(None, () if as_json else (output, plots)):
+        emit(f"written to {place}")
 
 
-def _reading(smoothing: str, defects: str, tape_circle: str | None) -> ProfileReading:
-    from typing import get_args
-
-    from vehicledyn.rail.profiles.profile_reading import Defects, ProfileReading
-
-    wavelength = _length("--smoothing", smoothing)
-    if not 0.0 <= wavelength <= _LONGEST_WAVE:
-        words = "must not be negative" if wavelength < 0.0 else "must be 100 mm or less"
-        raise InputError(f"--smoothing {smoothing}: {words}")
-    if defects not in get_args(Defects):
-        raise InputError(f"--defects {defects}: choose {', '.join(get_args(Defects))}")
-    back = None if tape_circle is None else _length("--tape-circle", tape_circle)
-    if back is not None and not _NEAREST_BACK < back < _FURTHEST_BACK:
-        raise InputError(f"--tape-circle {tape_circle}: must be between 20 and 150 mm")
-    return ProfileReading.model_validate(
-        {"smoothing": wavelength, "defects": defects, "tape_circle": back}
-    )
-
-
-def _length(option: str, text: str) -> float:
-    """Return a length in m; a number alone is in mm."""
-    try:
-        return float(text) / _METRE if _is_number(text) else to_si(text, "m")
-    except InputError as error:
-        raise InputError(f"{option} {text}: {error}") from None
+def _length(text: str) -> str:
+    """Return a length with its unit; a number alone is in mm."""
+    return f"{text} mm" if _is_number(text) else text
 
 
 def _is_number(text: str) -> bool:
@@ -160,47 +131,15 @@ def _is_number(text: str) -> bool:
         return False
 
 
-def _positive(option: str, text: str) -> float:
-    value = _length(option, text)
-    if value <= 0.0:
-        raise InputError(f"{option} {text}: must be above zero")
-    return value
-
-
 def _lengths(option: str, text: str) -> list[float]:
+    """Return the lengths that a value or FROM:TO:STEPS means [m]."""
     try:
         span = read_range(text)
+        first, last = (to_si(_length(end), "m") for end in (span.first, span.last))
     except InputError as error:
-        raise InputError(f"{option} {error}") from None
-    first, last = _length(option, span.first), _length(option, span.last)
+        raise InputError(f"{option} {text}: {error}") from None
     if span.steps == 0:
         return [first]
     if last <= first:
         raise InputError(f"{option} {text}: must rise")
     return [first + (last - first) * k / span.steps for k in range(span.steps + 1)]
-
-
-def _angle(text: str) -> float:
-    from vehicledyn.base.slope_text import slope_of
-
-    slope = slope_of(text)
-    if slope is None or not abs(slope) < 0.5:
-        raise InputError(f"--inclination {text}: write a slope such as 1:40, 1/20 or 0")
-    return math.atan(slope)
-
-
-def _yaw(text: str) -> float:
-    try:
-        angle = to_si(float(text) if _is_number(text) else text, "rad")
-    except InputError as error:
-        raise InputError(f"--yaw {text}: {error}") from None
-    if not abs(angle) < 0.2:
-        raise InputError(f"--yaw {text}: must be below 0.2 rad")
-    return angle
-
-
-def _curve(text: str) -> float:
-    radius = to_si(text, "m") if not _is_number(text) else float(text) / _METRE
-    if abs(radius) < 5.0:
-        raise InputError(f"--curve-radius {text}: must be 5 m or more; write its unit: '300 m'")
-    return radius

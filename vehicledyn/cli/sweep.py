@@ -7,11 +7,13 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+import vehicledyn
 from vehicledyn.base.errors import InputError
 from vehicledyn.cli.finding import find_file
 from vehicledyn.cli.options import Backend, BackendChoice, Json, Overrides, Quiet, Verbose
+from vehicledyn.cli.performing import conclude, perform
 from vehicledyn.cli.replacing import STUDY, Overwrite, check_replacing
-from vehicledyn.cli.terminal import emit_report, listen, show_progress, tell
+from vehicledyn.cli.terminal import listen
 
 if TYPE_CHECKING:
     from vehicledyn.studies import LoadedStudy
@@ -78,25 +80,21 @@ def sweep(
         raise InputError("--scheduler and --tls belong together; see docs/sweeps.md")
     loaded = read_study(study, overrides)
     from vehicledyn.studies.cluster import ClusterAddress
-    from vehicledyn.studies.sweep import run_study
 
     listen(quiet=quiet, verbose=verbose)
     result = output or Path(f"{study.stem}.h5")
     check_replacing(result, STUDY, overwrite=overwrite, resume=resume)
-    with show_progress(quiet=quiet, verbose=verbose) as progress:
-        outcome = run_study(
-            loaded,
-            output=result,
-            workers=workers,
-            lanes=lanes,
-            resume=resume,
-            overwrite=overwrite,
-            backend=backend.value,
-            progress=progress,
-            cluster=ClusterAddress(scheduler, tls) if scheduler and tls else None,
-        )
-    for message in () if quiet and outcome.exit_code == 0 else outcome.messages:
-        tell(message)
-    if as_json or not quiet:
-        emit_report(outcome, as_json=as_json)
-    raise typer.Exit(outcome.exit_code)
+    data = perform(
+        vehicledyn.sweep,
+        loaded,
+        save_to=result,
+        workers=workers,
+        lanes=lanes,
+        resume=resume,
+        overwrite=overwrite,
+        backend=backend.value,
+        cluster=ClusterAddress(scheduler, tls) if scheduler and tls else None,
+        quiet=quiet,
+        verbose=verbose,
+    )
+    conclude(data, plots=None, as_json=as_json, quiet=quiet)

@@ -8,28 +8,19 @@ import math
 import os
 import sys
 import time
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from contextvars import ContextVar
 from pathlib import Path
-from typing import Any, Protocol
+from typing import Any
 
 from vehicledyn.base.errors import InputError, StoppedError
 from vehicledyn.base.files.whole_file import write_whole
+from vehicledyn.base.report import Report
 
 _PIPE_CLOSED = 141
 _REFRESH = 0.1
 _quiet: ContextVar[bool] = ContextVar("quiet", default=False)
-
-
-class Report(Protocol):
-    """What a public function returns for people and for programs."""
-
-    def as_text(self) -> str:
-        """Return the report as lines of text."""
-
-    def as_dict(self) -> dict[str, Any]:
-        """Return the report as plain data."""
 
 
 def emit(text: str) -> None:
@@ -51,11 +42,27 @@ def emit(text: str) -> None:
         raise InputError(f"standard output cannot be written: {error.strerror}") from None
 
 
-def emit_report(report: Report, *, as_json: bool, file: Path | None = None) -> None:
-    """Write a report as text or JSON to standard output, and as JSON to a file if one is given."""
+def emit_report(
+    report: Report,
+    *,
+    as_json: bool,
+    file: Path | None = None,
+    messages: Sequence[str] | None = None,
+) -> None:
+    """Write a report to standard output, and as JSON to a file if one is given.
+
+    ``messages`` take the place of those in the report's data, if it has any.
+    """
+    if file is None and not as_json:
+        emit(report.as_text())
+        return
+    data = report.as_dict()
+    if messages is not None and "messages" in data:
+        data["messages"] = messages
+    text = to_json(data)
     if file is not None:
-        write_text(file, to_json(report.as_dict()))
-    emit(to_json(report.as_dict()) if as_json else report.as_text())
+        write_text(file, text)
+    emit(text if as_json else report.as_text())
 
 
 def set_quiet(wanted: bool) -> bool:

@@ -15,6 +15,7 @@ from vehicledyn.base.errors import InputError, StoppedError
 from vehicledyn.base.schema_line import schema_line
 from vehicledyn.base.version import VERSION
 from vehicledyn.cli import files
+from vehicledyn.cli.exit_codes import OK, code_of_error
 from vehicledyn.cli.option_names import OptionNaming
 from vehicledyn.cli.options import (
     Backend,
@@ -26,6 +27,7 @@ from vehicledyn.cli.options import (
     ScenarioFile,
     Verbose,
 )
+from vehicledyn.cli.performing import conclude, perform
 from vehicledyn.cli.plugins import (
     PLUGIN_HELP,
     TAKE_PLUGINS,
@@ -38,7 +40,6 @@ from vehicledyn.cli.terminal import (
     emit_report,
     listen,
     set_quiet,
-    show_progress,
     tell,
     to_json,
     write_text,
@@ -160,28 +161,24 @@ def run(
 ) -> None:
     """Simulate a scenario; write its result file and figures."""
     loaded = files.read_scenario(scenario, overrides)
-    from vehicledyn.analyses import run_scenario
+    from vehicledyn import simulate
 
     listen(quiet=quiet, verbose=verbose)
     result = output or Path(f"{scenario.stem}.h5")
     check_replacing(result, RUN, overwrite=overwrite or is_same(restart, result))
     folder = None if no_plots else plots or result.parent / f"{result.stem}_plots"
-    with show_progress(quiet=quiet, verbose=verbose) as progress:
-        outcome = run_scenario(
-            loaded,
-            output=result,
-            backend=backend.value,
-            plots=folder,
-            progress=progress,
-            restart=restart,
-        )
-    for message in () if quiet and outcome.exit_code == 0 else outcome.messages:
-        tell(message)
-    if as_json:
-        emit(to_json(files.outcome_as_dict(outcome)))
-    elif not quiet:
-        emit(files.outcome_as_text(outcome))
-    raise typer.Exit(outcome.exit_code)
+    data = perform(
+        simulate,
+        loaded,
+        save_to=result,
+        overwrite=True,
+        restart=restart,
+        backend=backend.value,
+        plots=folder,
+        quiet=quiet,
+        verbose=verbose,
+    )
+    conclude(data, plots=folder, as_json=as_json, quiet=quiet)
 
 
 def validate(
@@ -191,13 +188,13 @@ def validate(
     overrides: Overrides = None,
 ) -> None:
     """Check scenario, system and study files completely, without running them."""
-    wrong = 0
+    wrong = OK
     for scenario in scenarios:
         try:
             files.read_file(scenario, overrides)
         except InputError as error:
             tell(str(error))
-            wrong = error.exit_code
+            wrong = code_of_error(error)
         else:
             emit(f"{scenario}: ok")
     raise typer.Exit(wrong)

@@ -47,7 +47,7 @@ def compare(
 
     Raises
     ------
-    InputError
+    UnusableResultError
         If a result cannot be used, such as a run that did not finish.
     """
     found = compare_results(
@@ -60,13 +60,22 @@ def compare(
         allow_missing=allow_missing,
         interpolate=interpolate,
     )
-    if found.problems:
-        raise InputError("\n".join(found.problems))
-    return replace(
+    named = replace(
         found,
         result=_name(result, "result"),
         reference=_name(reference, "reference"),
     )
+    if found.problems:
+        raise UnusableResultError(named)
+    return named
+
+
+class UnusableResultError(InputError):
+    """A result that cannot be compared; ``comparison`` holds the problems."""
+
+    def __init__(self, comparison: Comparison) -> None:
+        super().__init__("\n".join(comparison.problems))
+        self.comparison = comparison
 
 
 def _path(result: Result) -> Path:

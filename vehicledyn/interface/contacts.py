@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable
 from pathlib import Path
+from typing import TYPE_CHECKING, Literal, get_args
 
 from vehicledyn.base.argument_names import given
 from vehicledyn.base.errors import InputError
@@ -12,6 +13,9 @@ from vehicledyn.base.slope_text import slope_of
 from vehicledyn.interface.quantities import positive, quantity
 from vehicledyn.interface.running import Progress, reporter, result_place
 from vehicledyn.results.labelled.data import LabelledData
+
+if TYPE_CHECKING:
+    from vehicledyn.rail.profiles.profile_reading import ProfileReading
 
 
 def contact_geometry(
@@ -29,9 +33,13 @@ def contact_geometry(
     right_radius: float | str | None = None,
     yaw: float | str = 0.0,
     curve_radius: float | str | None = None,
+    smoothing: float | str = 0.0,
+    defects: Literal["refuse", "mend", "keep"] = "refuse",
+    tape_circle: float | str | None = None,
     shifts: Iterable[float | str] | None = None,
     amplitudes: Iterable[float | str] | None = None,
     save_to: str | Path | None = None,
+    overwrite: bool = False,
     progress: Progress = False,
 ) -> LabelledData:
     """Return contact points, rolling radii, angles and equivalent conicity of a wheelset on rails.
@@ -54,9 +62,15 @@ def contact_geometry(
         Yaw of the wheelset [rad].
     curve_radius
         Radius of the track, positive to the left; straight if None [m].
+    smoothing
+        Wavelength of which smoothing of profile files leaves half; 0 for none [m].
+    defects
+        What to do with outliers and gaps of files.
+    tape_circle
+        Distance of the tape circle from the back of the flange in files [m].
     shifts, amplitudes
         Lateral shifts, and amplitudes of the conicity [m]; -8 to 8 mm and 1 to 7 mm if None.
-    save_to, progress
+    save_to, overwrite, progress
         As for :func:`vehicledyn.simulate`.
 
     Returns
@@ -72,6 +86,7 @@ def contact_geometry(
     """
     import vehicledyn.catalogue  # noqa: F401
     from vehicledyn.analyses.contact.contact_geometry import ContactWish, find_contact_geometry
+    from vehicledyn.results.tables.contact_table import write_contacts
 
     left = positive("radius", radius, "m")
     right = left if right_radius is None else positive("right_radius", right_radius, "m")
@@ -84,16 +99,36 @@ def contact_geometry(
         inclination=_angle(inclination),
         back_to_back=positive("back_to_back", back_to_back, "m"),
         flange_back=quantity("flange_back", flange_back, "m"),
-        yaw=quantity("yaw", yaw, "rad"),
-        curvature=0.0
-        if curve_radius is None
-        else 1.0 / quantity("curve_radius", curve_radius, "m"),
+        yaw=_yaw(yaw),
+        curvature=0.0 if curve_radius is None else 1.0 / _curve_radius(curve_radius),
+        reading=_reading(smoothing, defects, tape_circle),
         shifts=_lengths("shifts", shifts, range(-8, 9)),
         amplitudes=_lengths("amplitudes", amplitudes, range(1, 8)),
     )
-    with result_place(save_to) as place:
-        find_contact_geometry(wish, output=place.path, progress=reporter(progress))
-        return place.value()
+    with result_place(save_to, may_exist=overwrite) as place:
+        report = find_contact_geometry(wish, progress=reporter(progress))
+        write_contacts(place.path, report.table)
+        return place.value(report)
+
+
+def _reading(
+    smoothing: float | str, defects: str, tape_circle: float | str | None
+) -> ProfileReading:
+    """Return how profile files are read."""
+    from vehicledyn.rail.profiles.profile_reading import Defects, ProfileReading
+
+    wavelength = quantity("smoothing", smoothing, "m")
+    if not 0.0 <= wavelength <= _LONGEST_WAVE:
+        words = "must not be negative" if wavelength < 0.0 else "must be 100 mm or less"
+        raise InputError(f"{given('smoothing', smoothing)}: {words}")
+    if defects not in get_args(Defects):
+        raise InputError(f"{given('defects', defects)}: choose {', '.join(get_args(Defects))}")
+    back = None if tape_circle is None else quantity("tape_circle", tape_circle, "m")
+    if back is not None and not _NEAREST_BACK < back < _FURTHEST_BACK:
+        raise InputError(f"{given('tape_circle', tape_circle)}: must be between 20 and 150 mm")
+    return ProfileReading.model_validate(
+        {"smoothing": wavelength, "defects": defects, "tape_circle": back}
+    )
 
 
 def _lengths(
@@ -105,6 +140,20 @@ def _lengths(
     return tuple(quantity(name, value, "m") for value in values)
 
 
+def _yaw(yaw: float | str) -> float:
+    angle = quantity("yaw", yaw, "rad")
+    if not abs(angle) < _LARGEST_YAW:
+        raise InputError(f"{given('yaw', yaw)}: must be below {_LARGEST_YAW} rad")
+    return angle
+
+
+def _curve_radius(radius: float | str) -> float:
+    found = quantity("curve_radius", radius, "m")
+    if abs(found) < _TIGHTEST:
+        raise InputError(f"{given('curve_radius', radius)}: must be {_TIGHTEST:g} m or more")
+    return found
+
+
 def _angle(slope: float | str) -> float:
     found = slope_of(slope) if isinstance(slope, str) else float(slope)
     if found is None or not abs(found) < _STEEPEST:
@@ -112,4 +161,5 @@ def _angle(slope: float | str) -> float:
     return math.atan(found)
 
 
-_STEEPEST = 0.5
+_STEEPEST, _LARGEST_YAW, _TIGHTEST = 0.5, 0.2, 5.0
+_LONGEST_WAVE, _NEAREST_BACK, _FURTHEST_BACK = 0.1, 0.02, 0.15

@@ -8,7 +8,7 @@ from typing import Any
 
 from vehicledyn.files.scenario.settings import Settings, override_texts
 from vehicledyn.interface.quantities import texts
-from vehicledyn.interface.running import Progress, refuse_interrupt, reporter, result_place
+from vehicledyn.interface.running import Progress, reporter, result_place
 from vehicledyn.interface.targets import Source, read_target
 from vehicledyn.kernel.kernel import Backend
 from vehicledyn.results.labelled.data import LabelledData
@@ -29,6 +29,7 @@ def hunt(
     secondary: bool | None = None,
     set: Settings | None = None,
     save_to: str | Path | None = None,
+    overwrite: bool = False,
     resume: bool = False,
     backend: Backend = "auto",
     progress: Progress = False,
@@ -54,7 +55,7 @@ def hunt(
         Whether to check by simulation, and how much motion to simulate at most [s].
     secondary
         Whether to follow cycles that branch off; where no stable cycle is found if None.
-    set, settings, save_to, backend, progress
+    set, settings, save_to, overwrite, backend, progress
         As for :func:`vehicledyn.simulate`.
     resume
         Whether to go on with a study that was killed while it wrote ``save_to``.
@@ -88,7 +89,7 @@ def hunt(
         secondary=secondary,
     )
     target = read_target(model, override_texts(set, settings))
-    with result_place(save_to, may_exist=resume) as place:
+    with result_place(save_to, may_exist=resume or overwrite) as place:
         report = find_limit_cycles(
             target,
             wanted,
@@ -97,5 +98,4 @@ def hunt(
             progress=reporter(progress),
             resume=resume,
         )
-        refuse_interrupt(report.table.status)
-        return place.value()
+        return place.value(report)

@@ -20,6 +20,7 @@ def equilibrium(
     speed: float | str | None = None,
     set: Settings | None = None,
     save_to: str | Path | None = None,
+    overwrite: bool = False,
     backend: Backend = "auto",
     progress: Progress = False,
     **settings: Any,
@@ -32,7 +33,7 @@ def equilibrium(
         Path or name of a scenario or model, a System, or what :func:`vehicledyn.load` returned.
     speed
         Speed such as "20 m/s", or a number [m/s]; the scenario's if None.
-    set, settings, save_to, backend, progress
+    set, settings, save_to, overwrite, backend, progress
         As for :func:`vehicledyn.simulate`.
 
     Returns
@@ -49,27 +50,29 @@ def equilibrium(
         If there is no equilibrium.
     """
     from vehicledyn.analyses.linear.equilibrium import find_equilibrium
+    from vehicledyn.results.tables.equilibrium_table import write_equilibrium
 
     target = read_target(model, override_texts(set, settings))
-    with result_place(save_to) as place:
-        find_equilibrium(
+    with result_place(save_to, may_exist=overwrite) as place:
+        report = find_equilibrium(
             target,
             speed=None if speed is None else speed_in_si(speed),
             backend=backend,
             progress=reporter(progress),
-            output=place.path,
         )
-        return place.value()
+        write_equilibrium(place.path, report.table)
+        return place.value(report)
 
 
 def modes(
-    model: Source,
+    model: Source | Mapping[str, Source],
     *,
     speed: float | str | Iterable[float | str] | None = None,
     cases: Mapping[str, Settings] | None = None,
     start: Literal["nominal", "static", "steady"] | None = None,
     set: Settings | None = None,
     save_to: str | Path | None = None,
+    overwrite: bool = False,
     backend: Backend = "auto",
     progress: Progress = False,
     **settings: Any,
@@ -79,14 +82,15 @@ def modes(
     Parameters
     ----------
     model
-        Path or name of a scenario or model, a System, or what :func:`vehicledyn.load` returned.
+        Path or name of a scenario or model, a System, or what :func:`vehicledyn.load` returned;
+        or several of these by label.
     speed
         One speed or several, such as "20 m/s" or [10.0, 20.0]; the scenario's if None.
     cases
         Variants by label, each with the values by dotted keys that it changes.
     start
         Point to linearise about; the usual one if None.
-    set, settings, save_to, backend, progress
+    set, settings, save_to, overwrite, backend, progress
         As for :func:`vehicledyn.simulate`.
 
     Returns
@@ -103,22 +107,28 @@ def modes(
         If there is no steady motion at a speed.
     """
     from vehicledyn.analyses.linear.eigenmodes import find_modes
+    from vehicledyn.results.tables.mode_table import write_modes
 
     common = override_texts(set, settings)
+    models = model if isinstance(model, Mapping) else {"": model}
     variants = [
-        (label, read_target(model, [*common, *override_texts(changes, {})]))
+        (
+            ", ".join(filter(None, (name, label))),
+            read_target(source, [*common, *override_texts(changes, {})]),
+        )
+        for name, source in models.items()
         for label, changes in (cases or {"": {}}).items()
     ]
-    with result_place(save_to) as place:
-        find_modes(
+    with result_place(save_to, may_exist=overwrite) as place:
+        report = find_modes(
             variants,
             speeds=speeds_in_si(speed),
             start=start,
             backend=backend,
             progress=reporter(progress),
-            output=place.path,
         )
-        return place.value()
+        write_modes(place.path, report.table)
+        return place.value(report)
 
 
 def response(
@@ -130,9 +140,11 @@ def response(
     last: float | str = "30 Hz",
     points: int = 200,
     spacing: Literal["log", "linear"] = "log",
+    at: Iterable[float | str] = (),
     speed: float | str | None = None,
     set: Settings | None = None,
     save_to: str | Path | None = None,
+    overwrite: bool = False,
     progress: Progress = False,
     **settings: Any,
 ) -> LabelledData:
@@ -148,9 +160,11 @@ def response(
         Lowest and highest frequency [Hz].
     points, spacing
         Number of frequencies, and whether they are evenly spaced on a "log" or "linear" scale.
+    at
+        Frequencies at which the report gives the response, in place of some of the range [Hz].
     speed
         Speed such as "20 m/s", or a number [m/s]; the scenario's if None.
-    set, settings, save_to, progress
+    set, settings, save_to, overwrite, progress
         As for :func:`vehicledyn.simulate`.
 
     Returns
@@ -168,18 +182,20 @@ def response(
     """
     from vehicledyn.analyses.linear.frequency_grid import FrequencyGrid
     from vehicledyn.analyses.linear.response import find_response
+    from vehicledyn.results.tables.response_table import write_response
 
     span = (positive("first", first, "Hz"), positive("last", last, "Hz"))
     grid = FrequencyGrid(*span, points, spacing)
     target = read_target(model, override_texts(set, settings))
-    with result_place(save_to) as place:
-        find_response(
+    with result_place(save_to, may_exist=overwrite) as place:
+        report = find_response(
             target,
             inputs=texts("inputs", inputs),
             outputs=texts("outputs", outputs),
             grid=grid,
+            at=[positive("at", frequency, "Hz") for frequency in at],
             speed=None if speed is None else speed_in_si(speed),
-            output=place.path,
             progress=reporter(progress),
         )
-        return place.value()
+        write_response(place.path, report.table)
+        return place.value(report)

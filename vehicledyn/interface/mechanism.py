@@ -10,7 +10,7 @@ from vehicledyn.base.argument_names import given
 from vehicledyn.base.errors import InputError
 from vehicledyn.files.scenario.settings import Settings, override_texts
 from vehicledyn.interface.quantities import texts
-from vehicledyn.interface.running import Progress, refuse_interrupt, reporter, result_place
+from vehicledyn.interface.running import Progress, reporter, result_place
 from vehicledyn.interface.targets import Source, read_scenario, read_target
 from vehicledyn.kernel.kernel import Backend
 from vehicledyn.results.labelled.data import LabelledData
@@ -25,8 +25,10 @@ def kinematics(
     *,
     together: bool = False,
     hold: str | Iterable[str] = (),
+    channels: str | Iterable[str] = (),
     set: Settings | None = None,
     save_to: str | Path | None = None,
+    overwrite: bool = False,
     progress: Progress = False,
     **settings: Any,
 ) -> LabelledData:
@@ -43,7 +45,9 @@ def kinematics(
         Whether the drives move at once instead of through all combinations.
     hold
         Coordinates that stay at their start.
-    set, settings, save_to, progress
+    channels
+        Names or patterns of the channels that the report shows; the result holds all.
+    set, settings, save_to, overwrite, progress
         As for :func:`vehicledyn.simulate`.
 
     Returns
@@ -64,14 +68,12 @@ def kinematics(
         {name: _range(name, values) for name, values in (drives or {}).items()},
         together,
         tuple(texts("hold", hold)) if hold else (),
+        tuple(texts("channels", channels)) if channels else (),
     )
     target = read_target(model, override_texts(set, settings), ("scenario", "system"))
-    with result_place(save_to) as place:
-        report = sweep_kinematics(
-            target, request, output=place.path, plots=None, progress=reporter(progress)
-        )
-        refuse_interrupt(report.status)
-        return place.value()
+    with result_place(save_to, may_exist=overwrite) as place:
+        report = sweep_kinematics(target, request, output=place.path, progress=reporter(progress))
+        return place.value(report)
 
 
 def inverse(
@@ -80,6 +82,7 @@ def inverse(
     motion: str | Path | LabelledData | None = None,
     set: Settings | None = None,
     save_to: str | Path | None = None,
+    overwrite: bool = False,
     backend: Backend = "auto",
     progress: Progress = False,
     **settings: Any,
@@ -92,7 +95,7 @@ def inverse(
         Path or name of a scenario or model, a System, or what :func:`vehicledyn.load` returned.
     motion
         CSV file, result file or result with the motion; the scenario's section "motion" if None.
-    set, settings, save_to, backend, progress
+    set, settings, save_to, overwrite, backend, progress
         As for :func:`vehicledyn.simulate`.
 
     Returns
@@ -109,17 +112,15 @@ def inverse(
 
     loaded = read_scenario(scenario, override_texts(set, settings))
     table = motion.path if isinstance(motion, LabelledData) else motion
-    with result_place(save_to) as place:
+    with result_place(save_to, may_exist=overwrite) as place:
         report = find_forces(
             loaded,
             table=None if table is None else Path(table),
             output=place.path,
             backend=backend,
-            plots=None,
             progress=reporter(progress),
         )
-        refuse_interrupt(report.status)
-        return place.value()
+        return place.value(report)
 
 
 def _range(name: str, values: Path_) -> str:

@@ -15,8 +15,10 @@ from vehicledyn.base.argument_names import given
 from vehicledyn.base.errors import (
     AccuracyWarning,
     InputError,
+    Interrupted,
     UnfinishedWarning,
 )
+from vehicledyn.base.report import Report
 from vehicledyn.base.version import FOLDER
 from vehicledyn.results.hdf5.output import check_output
 from vehicledyn.results.labelled.data import LabelledData
@@ -34,10 +36,18 @@ class ResultPlace:
     def __init__(self, folder: Path | None, path: Path) -> None:
         self._folder, self.path = folder, path
 
-    def value(self) -> LabelledData:
-        """Return what was written, with the warnings it holds issued."""
-        data = LabelledData(self.path, owned_folder=self._folder)
+    def value(self, report: Report) -> LabelledData:
+        """Return what was written, with the warnings it holds issued.
+
+        Raises
+        ------
+        Interrupted
+            If the user stopped the analysis.
+        """
+        data = LabelledData(self.path, owned_folder=self._folder, report=report)
         self._folder = None
+        if data.status == "interrupted":
+            raise Interrupted(data)
         _warn(data)
         return data
 
@@ -87,12 +97,6 @@ def _print_line(text: str, fraction: float | None = None) -> None:
     done = "" if fraction is None else f" {fraction:4.0%}"
     sys.stderr.write(f"\r\x1b[2K{text}{done}" if sys.stderr.isatty() else f"{text}{done}\n")
     sys.stderr.flush()
-
-
-def refuse_interrupt(status: str) -> None:
-    """Pass Ctrl-C on, which analyses take for the end of their work."""
-    if status == "interrupted":
-        raise KeyboardInterrupt
 
 
 def _warn(data: LabelledData) -> None:

@@ -7,7 +7,7 @@ from typing import Any
 
 from vehicledyn.analyses.simulation.simulation import run_scenario
 from vehicledyn.files.scenario.settings import Settings, override_texts
-from vehicledyn.interface.running import Progress, refuse_interrupt, reporter, result_place
+from vehicledyn.interface.running import Progress, reporter, result_place
 from vehicledyn.interface.targets import Source, read_scenario
 from vehicledyn.kernel.kernel import Backend
 from vehicledyn.results.labelled.data import LabelledData
@@ -18,6 +18,7 @@ def simulate(
     *,
     set: Settings | None = None,
     save_to: str | Path | None = None,
+    overwrite: bool = False,
     restart: str | Path | LabelledData | None = None,
     backend: Backend = "auto",
     progress: Progress = False,
@@ -34,6 +35,8 @@ def simulate(
         Values of the scenario by dotted keys, such as ``{"solver.step": "1 ms"}``.
     save_to
         File to keep the result in while it is written; a temporary one if None.
+    overwrite
+        Whether ``save_to`` may exist; it is replaced.
     restart
         Result, partial or whole, to go on from.
     backend
@@ -57,14 +60,12 @@ def simulate(
     """
     loaded = read_scenario(scenario, override_texts(set, settings))
     before = restart.path if isinstance(restart, LabelledData) else restart
-    with result_place(save_to) as place:
+    with result_place(save_to, may_exist=overwrite) as place:
         outcome = run_scenario(
             loaded,
             output=place.path,
             backend=backend,
-            plots=None,
             progress=reporter(progress),
             restart=None if before is None else Path(before),
         )
-        refuse_interrupt(outcome.status)
-        return place.value()
+        return place.value(outcome)

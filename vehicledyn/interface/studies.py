@@ -15,26 +15,29 @@ from vehicledyn.base.yaml import parse_yaml
 from vehicledyn.files.scenario import LoadedScenario
 from vehicledyn.files.scenario.overrides import read_override
 from vehicledyn.files.scenario.settings import Settings, override_texts
-from vehicledyn.interface.running import Progress, refuse_interrupt, reporter, result_place
+from vehicledyn.interface.running import Progress, reporter, result_place
 from vehicledyn.interface.targets import Source, read_scenario
 from vehicledyn.kernel.kernel import Backend
 from vehicledyn.library import locate
 from vehicledyn.results.labelled.data import LabelledData
+from vehicledyn.studies.cluster import ClusterAddress
 from vehicledyn.studies.load import LoadedStudy, load_study, study_of
 from vehicledyn.studies.sweep import run_study
 
 
 def sweep(
-    study: Source,
+    study: Source | LoadedStudy,
     *,
     vary: Settings | None = None,
     cases: Settings | None = None,
     set: Settings | None = None,
     channels: list[str] | None = None,
     save_to: str | Path | None = None,
+    overwrite: bool = False,
     resume: bool = False,
     workers: int | None = None,
     lanes: int | None = None,
+    cluster: ClusterAddress | None = None,
     backend: Backend = "auto",
     progress: Progress = False,
     **settings: Any,
@@ -55,7 +58,7 @@ def sweep(
         As for :func:`vehicledyn.simulate`; of a study file also fields of the study.
     channels
         Channels to keep of each case, as patterns; the scenario's if None.
-    save_to, backend, progress
+    save_to, overwrite, backend, progress
         As for :func:`vehicledyn.simulate`.
     resume
         Whether to go on with the file ``save_to`` where it stopped.
@@ -63,6 +66,8 @@ def sweep(
         Processes; one a core if None.
     lanes
         Cases side by side in each process: 1, 4 or 8; what suits if None.
+    cluster
+        Dask scheduler whose workers compute in place of processes on this machine.
 
     Returns
     -------
@@ -78,25 +83,28 @@ def sweep(
         If the equations cannot be set up.
     """
     changes = override_texts(set, settings)
-    if vary is None and cases is None:
+    if isinstance(study, LoadedStudy):
+        loaded = study
+    elif vary is None and cases is None:
         loaded = _from_file(study, changes, channels)
     elif vary is not None and cases is not None:
         raise InputError(f"{argument('vary')} and {argument('cases')}: give one of the two")
     else:
         wanted = cases if vary is None else {"kind": "grid", "vary": vary}
         loaded = _from_scenario(read_scenario(study, changes), wanted or {}, channels)
-    with result_place(save_to, may_exist=resume) as place:
+    with result_place(save_to, may_exist=resume or overwrite) as place:
         outcome = run_study(
             loaded,
             output=place.path,
             workers=workers,
             lanes=lanes,
             resume=resume,
+            overwrite=overwrite,
+            cluster=cluster,
             backend=backend,
             progress=reporter(progress),
         )
-        refuse_interrupt(outcome.status)
-        return place.value()
+        return place.value(outcome)
 
 
 def _from_file(study: Source, changes: list[str], channels: list[str] | None) -> LoadedStudy:

@@ -20,8 +20,9 @@ from vehicledyn.integrate.estimated_accuracy import Accuracy
 from vehicledyn.kernel.kernel import Backend
 from vehicledyn.results.store.study_layout import ACCURACY, DONE, ENDED, StudyBlock, StudyFigure
 from vehicledyn.studies.axes import Design
-from vehicledyn.studies.load import LoadedStudy, Recipe
+from vehicledyn.studies.load import LoadedStudy
 from vehicledyn.studies.model import Case, Model, make_model
+from vehicledyn.studies.recipe import Recipe
 
 Floats: TypeAlias = NDArray[np.float64]
 Tell: TypeAlias = Callable[[str, float | None], None]

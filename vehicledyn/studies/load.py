@@ -7,10 +7,10 @@ import json
 import math
 from array import array
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from pydantic import ValidationError
 
@@ -19,58 +19,23 @@ from vehicledyn.base.errors import InputError
 from vehicledyn.base.problems import START, Place, Problem, dotted, refusal
 from vehicledyn.base.units import describe
 from vehicledyn.base.validation_messages import UNKNOWN_KEY
-from vehicledyn.base.yaml import Document, read_yaml, remembered_files
-from vehicledyn.files.scenario.load import LoadedScenario, examine_scenario
+from vehicledyn.base.yaml import Document, read_yaml
+from vehicledyn.files.scenario.load import LoadedScenario
 from vehicledyn.files.scenario.overrides import Change, apply_change, read_override
-from vehicledyn.files.scenario.portable_models import PortableModel
-from vehicledyn.files.scenario.python_models import PythonModel
 from vehicledyn.files.scenario.sources import Sources
 from vehicledyn.studies.axes import Axis, Design
 from vehicledyn.studies.columns import Written, read_columns
-from vehicledyn.studies.digests import study_digests
+from vehicledyn.studies.recipe import Recipe
 from vehicledyn.studies.sets import Grid, Study
+
+if TYPE_CHECKING:
+    from vehicledyn.files.scenario.portable_models import PortableModel
+    from vehicledyn.files.scenario.python_models import PythonModel
 
 MOST_STRUCTURES = 64
 """Combinations of choices; each needs equations of its own."""
 
 _SHARED = ("duration", "output", "title", "description", "kinematics", "motion", "model")
-
-
-@dataclass(frozen=True)
-class Recipe:
-    """How to make the scenario of any case, with no file at hand but those it carries."""
-
-    path: Path
-    changes: tuple[Change, ...]
-    axes: tuple[Axis, ...]
-    documents: dict[str, Document] = field(default_factory=dict)
-    built: PortableModel | None = None
-
-    def scenario(self, values: Sequence[float], name: str) -> LoadedScenario:
-        """Return the scenario of a case with these values, in the order of the axes.
-
-        Raises
-        ------
-        InputError
-            If there is something wrong with it; ``name`` stands before each problem.
-        """
-        found = [
-            Change(axis.key, axis.value(value), f"{name}: {axis.key}")
-            for axis, value in zip(self.axes, values, strict=True)
-        ]
-        loaded, problems = self.examine(found)
-        if loaded is None:
-            raise InputError("; ".join(map(str, problems)))
-        return loaded
-
-    def examine(
-        self, further: Sequence[Change] = ()
-    ) -> tuple[LoadedScenario | None, list[Problem]]:
-        """Return the scenario with further changes, or None, and all that is wrong with it."""
-        with remembered_files(self.documents):
-            document = read_yaml(self.path)
-            built = None if self.built is None else self.built.model
-            return examine_scenario(document, self.path, (), [*self.changes, *further], built)
 
 
 @dataclass(frozen=True)
@@ -87,6 +52,8 @@ class LoadedStudy:
     @cached_property
     def digests(self) -> dict[str, str]:
         """Fingerprints of what decides the results: the study and the scenario with its files."""
+        from vehicledyn.studies.digests import study_digests
+
         return study_digests(self.study, self.base, self.design)
 
 
@@ -129,8 +96,15 @@ def study_of(
         words = f"the file holds {describe(document.data)}; a study is a mapping"
         problem = Problem(document.name, START, "file", f"{words} with title, scenario and cases")
         raise refusal([*document.problems, problem], document.name)
-    portable = None if built is None else PortableModel(built)
-    return _Reading(document, path, overrides, documents or {}, portable).load()
+    return _Reading(document, path, overrides, documents or {}, _portable(built)).load()
+
+
+def _portable(built: PythonModel | None) -> PortableModel | None:
+    if built is None:
+        return None
+    from vehicledyn.files.scenario.portable_models import PortableModel
+
+    return PortableModel(built)
 
 
 class _Reading:

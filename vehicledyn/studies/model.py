@@ -33,7 +33,8 @@ from vehicledyn.kernel.rate_monitor import RateWatch
 from vehicledyn.road.manoeuvres.channel_recorder import Recording
 from vehicledyn.studies import indexed_random as scatter
 from vehicledyn.studies.axes import Axis
-from vehicledyn.studies.load import Recipe, leaves
+from vehicledyn.studies.load import leaves
+from vehicledyn.studies.recipe import Recipe
 from vehicledyn.studies.starts import Reference, find_reference, start_of
 from vehicledyn.symbolic.equations import Channel, Equations
 

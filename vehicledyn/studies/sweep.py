@@ -1,4 +1,4 @@
-"""The verb "sweep": compute all cases of a study, keep them in one file, go on where it stopped."""
+"""Compute all cases of a study, keep them in one file, go on where a sweep stopped."""
 
 from __future__ import annotations
 
@@ -39,9 +39,8 @@ from vehicledyn.studies.load import LoadedStudy
 from vehicledyn.studies.model import Model
 from vehicledyn.studies.processes import own_processes
 
-EXIT_OK, EXIT_STOPPED, EXIT_FAILURES, EXIT_INTERRUPTED = 0, 3, 5, 130
 MOST_SHOWN = 20
-"""Failed cases that are told to a person."""
+"""Failed cases that are printed."""
 
 _CHUNK_BYTES = 1_000_000
 _BLOCK_BYTES = 48_000_000
@@ -55,11 +54,10 @@ _SHARE = 8
 
 @dataclass(frozen=True)
 class SweepOutcome:
-    """What came of a sweep: the file, how many cases ended how, the first failures."""
+    """Outcome of a sweep: the file, how many cases ended how, the first failures."""
 
     path: Path
     status: str
-    exit_code: int
     counts: dict[str, int]
     failures: list[tuple[int, float, str]]
     seconds: float
@@ -155,11 +153,10 @@ def run_study(
     with open_study(output) as file:
         counts, failures = file.counts(), list(file.reasons(MOST_SHOWN))
         warned = _warned(file)
-    code = run.exit_code or (EXIT_FAILURES if counts["failed"] else EXIT_OK)
     seconds = time.monotonic() - started
     told = f"{run.computed} cases computed by {computing.description} in {seconds:.1f} s"
     messages = [*run.messages, *warned, *computing.remarks(), told]
-    return SweepOutcome(output, run.status, code, counts, failures, seconds, messages)
+    return SweepOutcome(output, run.status, counts, failures, seconds, messages)
 
 
 @dataclass
@@ -172,7 +169,6 @@ class _Run:
     progress: Progress
     workers: int
     status: str = OK
-    exit_code: int = EXIT_OK
     messages: list[str] = field(default_factory=list)
     computed: int = 0
     _done: int = 0
@@ -190,10 +186,9 @@ class _Run:
             self._show()
             workers.compute(pending(status, self.header.chunk, self._span()), self._take)
         except KeyboardInterrupt:
-            self.status, self.exit_code = INTERRUPTED, EXIT_INTERRUPTED
-            message = "stopped by the user"
+            self.status, message = INTERRUPTED, "stopped by the user"
         except NumericalError as error:
-            self.status, self.exit_code, message = STOPPED, EXIT_STOPPED, str(error)
+            self.status, message = STOPPED, str(error)
         except InputError as error:
             self.writer.close(STOPPED, str(error))
             raise

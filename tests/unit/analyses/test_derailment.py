@@ -27,13 +27,12 @@ def test_run_ends_where_the_flange_is_over_the_rail(tmp_path):
         load_scenario(path),
         output=tmp_path / "jump.h5",
         backend="interpreted",
-        plots=None,
         progress=lambda *_: None,
     )
     (ending,) = [text for text in outcome.messages if "derailed" in text]
     assert ending.startswith("derailed at t = 0.0114")
     assert "s, 0.2291 m along the track: the left wheel of 'wheels' has left its rail" in ending
-    assert (outcome.status, outcome.exit_code) == ("derailed", 1)
+    assert outcome.status == "derailed"
     assert outcome.summary["derailed_wheel"].value == "wheels.left"
     assert outcome.summary["derailed_at_place"].value == pytest.approx(0.2291, abs=5e-5)
     with open_result(tmp_path / "jump.h5") as result:

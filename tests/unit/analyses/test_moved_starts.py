@@ -35,7 +35,6 @@ def run(folder, *changes, model=DISK):
         load_scenario(folder / "roll.yaml", changes),
         output=folder / "roll.h5",
         backend="interpreted",
-        plots=None,
         progress=lambda *_: None,
     )
     with open_result(outcome.path) as result:

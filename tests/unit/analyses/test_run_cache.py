@@ -30,7 +30,7 @@ def scenario(tmp_path, monkeypatch, needs_compiler):
 
 def run(path, output, *changes):
     loaded = load_scenario(path, changes)
-    return run_scenario(loaded, output=output, backend="auto", plots=None, progress=lambda *_: None)
+    return run_scenario(loaded, output=output, backend="auto", progress=lambda *_: None)
 
 
 def contents(path):

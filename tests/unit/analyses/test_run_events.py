@@ -45,10 +45,9 @@ def test_events_are_written_and_end_the_run(gates, tmp_path):
         loaded,
         output=tmp_path / "result.h5",
         backend="interpreted",
-        plots=None,
         progress=lambda *_: None,
     )
-    assert (outcome.status, outcome.exit_code) == ("ok", 0)
+    assert outcome.status == "ok"
     with open_result(outcome.path) as result:
         assert [event.name for event in result.events] == ["half.passed", "finish.passed"]
         times = [event.time for event in result.events]

@@ -31,11 +31,9 @@ def scenario(tmp_path):
     return path
 
 
-def run(path, output, *changes, plots=None):
+def run(path, output, *changes):
     loaded = load_scenario(path, changes)
-    return run_scenario(
-        loaded, output=output, backend="auto", plots=plots, progress=lambda *_: None
-    )
+    return run_scenario(loaded, output=output, backend="auto", progress=lambda *_: None)
 
 
 def test_solver_that_cannot_treat_the_model_leaves_an_older_result(scenario, tmp_path):
@@ -46,13 +44,6 @@ def test_solver_that_cannot_treat_the_model_leaves_an_older_result(scenario, tmp
     with pytest.raises(InputError, match="cannot treat the loops"):
         run(scenario, output, cvodes)
     assert output.read_bytes() == before
-
-
-def test_place_for_figures_is_checked_before_the_run(scenario, tmp_path):
-    output = tmp_path / "result.h5"
-    with pytest.raises(InputError, match="is a file; choose another folder"):
-        run(scenario, output, plots=scenario)
-    assert not output.exists()
 
 
 @pytest.mark.parametrize("key", ["road", "tyres", "wheel_spin"])
@@ -77,6 +68,6 @@ def test_a_run_that_diverges_keeps_what_it_computed(tmp_path):
     path = tmp_path / "diverging.yaml"
     path.write_text(DIVERGING.format(system=system))
     outcome = run(path, tmp_path / "diverging.h5")
-    assert (outcome.status, outcome.exit_code) == ("failed", 3)
+    assert outcome.status == "failed"
     assert "the integration diverges with a step of 10 ms" in outcome.messages[-1]
     assert outcome.summary["energy_drift"].value > 1e15

@@ -33,7 +33,7 @@ def ran(folder, rate, joint="free"):
     (folder / "run.yaml").write_text(RUN.replace("RATE", str(rate)))
     outcome = run_scenario(
         load_scenario(folder / "run.yaml"), output=folder / "r.h5", backend="interpreted",
-        plots=None, progress=lambda *_: None,
+        progress=lambda *_: None,
     )  # fmt: skip
     told = [m for m in outcome.messages if "accuracy is lost there" in m]
     with h5py.File(folder / "r.h5") as file:

@@ -27,7 +27,6 @@ def test_wheels_that_stand_are_told(tmp_path, speed, told):
         load_scenario(path, [f"parameters.speed={speed}"]),
         output=tmp_path / "swing.h5",
         backend="interpreted",
-        plots=None,
         progress=lambda *_: None,
     )
     standing = [text for text in outcome.messages if "stand at the start: wheels;" in text]
@@ -56,7 +55,6 @@ def parked(folder, text):
         load_scenario(path),
         output=folder / "parked.h5",
         backend="auto",
-        plots=None,
         progress=lambda *_: None,
     )
     notes = [text for text in outcome.messages if text.startswith("wheels stand at the start")]

@@ -20,9 +20,7 @@ SLALOM = ROOT / "scenarios" / "iltis_slalom.yaml"
 
 def run(scenario, output, *overrides, backend="auto"):
     loaded = load_scenario(scenario, overrides)
-    return run_scenario(
-        loaded, output=output, backend=backend, plots=None, progress=lambda *_: None
-    )
+    return run_scenario(loaded, output=output, backend=backend, progress=lambda *_: None)
 
 
 @pytest.mark.parametrize("backend", ["auto", "interpreted"])
@@ -30,7 +28,7 @@ def test_a_diverged_run_fails_and_keeps_what_is_finite(tmp_path, backend):
     path = tmp_path / "a.h5"
     overrides = ("solver.step=50 ms", "output.interval=50 ms")
     outcome = run(QUARTER_CAR, path, *overrides, backend=backend)
-    assert (outcome.status, outcome.exit_code) == ("failed", 3)
+    assert outcome.status == "failed"
     (told,) = [text for text in outcome.messages if "diverges with a step of 50 ms" in text]
     assert "take a step of 6.25 ms" in told
     with open_result(path) as result:
@@ -42,7 +40,7 @@ def test_a_diverged_run_fails_and_keeps_what_is_finite(tmp_path, backend):
 def test_a_coarse_slalom_is_warned_of_with_the_step_to_take(tmp_path, step, error):
     """The side-slip angle is off by 73 times at 10 ms and by 13 % at 5 ms."""
     outcome = run(SLALOM, tmp_path / "a.h5", f"solver.step={step}")
-    assert (outcome.status, outcome.exit_code) == ("ok", 0)
+    assert outcome.status == "ok"
     (told,) = [text for text in outcome.messages if text.startswith("warning: the step is too")]
     assert "largest_sideslip_angle" in told
     with open_result(tmp_path / "a.h5") as result:

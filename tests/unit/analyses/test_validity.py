@@ -51,10 +51,9 @@ def test_a_vehicle_that_rolls_over_ends_its_run(steered, tmp_path):
         load_scenario(steered),
         output=tmp_path / "steered.h5",
         backend="auto",
-        plots=None,
         progress=lambda *_: None,
     )
-    assert (outcome.status, outcome.exit_code) == ("overturned", 1)
+    assert outcome.status == "overturned"
     (ending,) = [text for text in outcome.messages if text.startswith("overturned at t = ")]
     assert "leans by more than 70 deg from the road" in ending
     assert outcome.summary["overturned_body"].value == "chassis"
@@ -93,9 +92,9 @@ def test_wheels_that_go_through_the_road_end_the_run(tmp_path):
         SMALL_CAR, ("parameters.wheel.stiffness=1 kN/m", "start=nominal", "duration=1 s")
     )
     outcome = run_scenario(
-        loaded, output=tmp_path / "s.h5", backend="auto", plots=None, progress=lambda *_: None
+        loaded, output=tmp_path / "s.h5", backend="auto", progress=lambda *_: None
     )
-    assert (outcome.status, outcome.exit_code) == ("sunk", 1)
+    assert outcome.status == "sunk"
     (ending,) = [text for text in outcome.messages if text.startswith("sunk at t = ")]
     assert "the centre of a wheel has gone through the road" in ending
     assert outcome.summary["sunk_body"].value == "chassis"

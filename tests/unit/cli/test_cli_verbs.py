@@ -7,6 +7,8 @@ from types import SimpleNamespace
 
 import pytest
 
+import vehicledyn
+from vehicledyn.analyses.simulation.simulation import RunOutcome, ShownEntry
 from vehicledyn.base.errors import InputError, MissingPartError, NumericalError, StoppedError
 from vehicledyn.cli import main
 from vehicledyn.cli.terminal import Progress, show_progress, to_json
@@ -30,29 +32,35 @@ def call(monkeypatch, capsys):
 def pipeline(monkeypatch):
     """Stand in for the pipeline; remember what it was asked and answer or raise."""
     asked = {}
-    entry = SimpleNamespace(value=float("nan"), unit="m/s^2", text="6.1 m/s^2 at 3.2 s")
-    outcome = SimpleNamespace(
-        path=Path("cart.h5"), status="ok", summary={"acceleration": entry},
-        messages=["compiled in 3 s"], exit_code=0,
-    )  # fmt: skip
+    entry = ShownEntry(float("nan"), "m/s^2", "6.1 m/s^2 at 3.2 s")
+    outcome = RunOutcome(Path("cart.h5"), "ok", {"acceleration": entry}, ["compiled in 3 s"])
+    data = SimpleNamespace(status="ok", kind="run", path=Path("cart.h5"), report=outcome)
 
     def answer(name):
         def function(target, **options):
             asked.update(options, function=name, target=target)
             if isinstance(asked.get("raise"), BaseException):
                 raise asked["raise"]
-            return outcome if name == "run_scenario" else report
+            return data if name == "simulate" else SimpleNamespace(status="ok", report=report)
 
         return function
 
     report = SimpleNamespace(as_text=lambda: "text", as_dict=lambda: {"modes": [1 + 2j]})
-    names = ("run_scenario", "find_equilibrium", "find_modes", "describe_model", "write_system")
-    monkeypatch.setitem(
-        sys.modules,
-        "vehicledyn.analyses",
-        SimpleNamespace(**{name: answer(name) for name in names}),
-    )
-    return SimpleNamespace(asked=asked, outcome=outcome)
+    for name in ("simulate", "equilibrium", "modes"):
+        monkeypatch.setattr(vehicledyn, name, answer(name))
+
+    def describe_model(target, **options):
+        return answer("describe_model")(target, **options).report
+
+    described = SimpleNamespace(describe_model=describe_model, write_system=None)
+    monkeypatch.setitem(sys.modules, "vehicledyn.analyses", described)
+
+    def draw(path, folder):
+        asked["plots"] = folder
+        return ["yaw.png"]
+
+    monkeypatch.setattr("vehicledyn.results.plots.run_plots.draw_described", draw)
+    return SimpleNamespace(asked=asked, data=data)
 
 
 def test_validate_several_files(call, write, tmp_path):
@@ -67,10 +75,10 @@ def test_validate_several_files(call, write, tmp_path):
 
 def test_run_names_its_files_after_the_scenario(call, write, pipeline):
     code, out, err = call("run", write(), "--set", "speed=3 m/s")
-    assert (code, err) == (0, "compiled in 3 s\n")
+    assert (code, err) == (0, "compiled in 3 s\n1 figures in cart_plots\n")
     assert out == "cart.h5: ok\n  acceleration  6.1 m/s^2 at 3.2 s\n"
     assert pipeline.asked["target"].scenario.speed == 3.0
-    assert pipeline.asked["output"] == Path("cart.h5")
+    assert pipeline.asked["save_to"] == Path("cart.h5")
     assert pipeline.asked["plots"] == Path("cart_plots")
     assert pipeline.asked["backend"] == "auto"
 
@@ -85,22 +93,22 @@ def test_run_with_everything_chosen(call, write, pipeline, tmp_path):
         "status": "ok",
         "summary": {"acceleration": {"value": None, "unit": "m/s^2",
                                      "text": "6.1 m/s^2 at 3.2 s"}},
-        "messages": ["compiled in 3 s"],
+        "messages": ["compiled in 3 s", "1 figures in figures"],
     }  # fmt: skip
-    assert pipeline.asked["output"] == output
+    assert pipeline.asked["save_to"] == output
     assert pipeline.asked["plots"] == Path("figures")
     assert pipeline.asked["backend"] == "interpreted"
 
 
 def test_quiet_run_without_figures(call, write, pipeline):
     assert call("run", write(), "-q", "--no-plots") == (0, "", "")
-    assert pipeline.asked["plots"] is None
+    assert "plots" not in pipeline.asked
 
 
 def test_failed_run_passes_its_exit_code_and_messages_on(call, write, pipeline):
-    pipeline.outcome.exit_code = 3
-    pipeline.outcome.messages = ["loop front_left opened at 3.1 s"]
-    code, _, err = call("run", write(), "-q")
+    pipeline.data.status = "failed"
+    pipeline.data.report.messages[:] = ["loop front_left opened at 3.1 s"]
+    code, _, err = call("run", write(), "-q", "--no-plots")
     assert (code, err) == (3, "loop front_left opened at 3.1 s\n")
 
 
@@ -148,8 +156,8 @@ def test_equilibrium_of_a_model(call, catalogue, pipeline, tmp_path):
     file = tmp_path / "report.json"
     options = ("--speed", "36 km/h", "-o", file, "--set", "parameters.wheel_radius=31 cm")
     assert call("equilibrium", "cart", *options) == (0, "text\n", "")
-    assert pipeline.asked["function"] == "find_equilibrium"
-    assert pipeline.asked["speed"] == pytest.approx(10.0, rel=1e-15)
+    assert pipeline.asked["function"] == "equilibrium"
+    assert pipeline.asked["speed"] == "36 km/h"
     assert pipeline.asked["target"].name == "cart"
     assert pipeline.asked["target"].model_parameters.wheel_radius == pytest.approx(0.31)
     assert json.loads(file.read_text()) == {"modes": [{"real": 1.0, "imaginary": 2.0}]}
@@ -164,7 +172,7 @@ def test_equilibrium_of_a_scenario_takes_its_speed(call, write, pipeline):
 def test_modes_at_several_speeds(call, write, pipeline):
     code, out, _ = call("eig", write(), "--speed", "5", "--speed", "72 km/h", "--json")
     assert code == 0
-    assert pipeline.asked["speeds"] == pytest.approx([5.0, 20.0])
+    assert pipeline.asked["speed"] == pytest.approx([5.0, 20.0])
     assert json.loads(out) == {"modes": [{"real": 1.0, "imaginary": 2.0}]}
 
 
@@ -184,24 +192,20 @@ def test_list_models(call, catalogue):
 def test_compare_passes_everything_on(call, monkeypatch, tmp_path):
     asked = {}
     comparison = SimpleNamespace(
-        exit_code=1, as_text=lambda: "different", as_dict=dict, as_junit=lambda: "<testsuite/>"
+        verdict="different", as_text=lambda: "different", as_junit=lambda: "<testsuite/>"
     )
 
-    def compare_results(result, reference, **options):
+    def compare(result, reference, **options):
         asked.update(options)
         return comparison
 
-    monkeypatch.setitem(
-        sys.modules,
-        "vehicledyn.results.compare.any_compare",
-        SimpleNamespace(compare_results=compare_results),
-    )
+    monkeypatch.setattr(vehicledyn, "compare", compare)
     junit = tmp_path / "report.xml"
     options = ("--relative", "1e-3", "--tolerance", "a=b.*=0.1", "--channel", "x.*")
     code, out, _ = call("compare", "a.h5", "b.h5", *options, "--junit", junit)
     assert (code, out) == (1, "different\n")
     assert asked["relative"] == 1e-3
-    assert asked["channel_tolerances"] == {"a=b.*": 0.1}
+    assert asked["tolerances"] == {"a=b.*": 0.1}
     assert asked["channels"] == ["x.*"]
     assert junit.read_text() == "<testsuite/>\n"
 

@@ -14,7 +14,7 @@ from vehicledyn.analyses.contact.contact_geometry import ContactWish, find_conta
 from vehicledyn.base.errors import InputError
 from vehicledyn.rail.profiles.named_profiles import named_profile
 from vehicledyn.results.plots.contact_figures import contact_figures
-from vehicledyn.results.tables.contact_table import read_contacts
+from vehicledyn.results.tables.contact_table import read_contacts, write_contacts
 
 
 def quiet(*_):
@@ -66,17 +66,17 @@ def test_options_reach_the_geometry(tmp_path):
         (("S1002", "none.prr"), "none.prr: there is no such file"),
         (("S1002", "60E1", "--gauge", "1400"), "gauge 1400 mm does not fit the wheelset"),
         (("S1002", "60E1", "--gauge", "1668"), "--back-to-back 1360 and --flange-back 70 are"),
-        (("S1002", "60E1", "--gauge", "-5"), "--gauge -5: must be above zero"),
+        (("S1002", "60E1", "--gauge", "-5"), "--gauge -5 mm: must be above zero"),
         (("S1002", "60E1", "--gauge", "3 s"), "--gauge 3 s: '3 s' has the wrong unit"),
         (("S1002", "60E1", "--inclination", "40"), "--inclination 40: write a slope"),
         (("S1002", "60E1", "--yaw", "1"), "--yaw 1: must be below 0.2 rad"),
-        (("S1002", "60E1", "--radius", "0"), "--radius: must be above zero"),
+        (("S1002", "60E1", "--radius", "0"), "--radius 0 mm: must be above zero"),
         (("S1002", "60E1", "--shift", "3:1:2"), "--shift 3:1:2: must rise"),
-        (("S1002", "60E1", "--curve-radius", "300"), "write its unit: '300 m'"),
-        (("S1002", "60E1", "--smoothing", "-1"), "--smoothing -1: must not be negative"),
-        (("S1002", "60E1", "--smoothing", "200"), "--smoothing 200: must be 100 mm or less"),
+        (("S1002", "60E1", "--curve-radius", "300"), "--curve-radius 300 mm: must be 5 m or more"),
+        (("S1002", "60E1", "--smoothing", "-1"), "--smoothing -1 mm: must not be negative"),
+        (("S1002", "60E1", "--smoothing", "200"), "--smoothing 200 mm: must be 100 mm or less"),
         (("S1002", "60E1", "--defects", "men"), "--defects men: choose refuse, mend, keep"),
-        (("S1002", "60E1", "--tape-circle", "7"), "--tape-circle 7: must be between 20 and 150"),
+        (("S1002", "60E1", "--tape-circle", "7"), "--tape-circle 7 mm: must be between 20 and 150"),
     ],
 )
 def test_refusals(arguments, told, tmp_path):
@@ -182,7 +182,7 @@ def test_jumps_do_not_depend_on_the_shifts_asked():
 
 def test_files_without_curves_are_drawn_from_their_table(tmp_path):
     wish = ContactWish(("cone:1/20",) * 2, ("arc:300",) * 2, shifts=(0.0, 1e-3, 2e-3))
-    find_contact_geometry(wish, output=tmp_path / "r.h5", progress=quiet)
+    write_contacts(tmp_path / "r.h5", find_contact_geometry(wish, progress=quiet).table)
     assert len(read_contacts(tmp_path / "r.h5").curves.shift) == 21
     with h5py.File(tmp_path / "r.h5", "a") as file:
         del file["curves"]

@@ -297,7 +297,7 @@ def test_slalom_of_the_iltis(tmp_path):
     (path,) = export_target(loaded, kind="fmu", path=tmp_path, progress=silent).paths
     assert path == tmp_path / "iltis_slalom.fmu"
     output = tmp_path / "own.h5"
-    run_scenario(loaded, output=output, backend="auto", plots=None, progress=silent)
+    run_scenario(loaded, output=output, backend="auto", progress=silent)
     found = fmpy.simulate_fmu(
         str(path), solver="CVode", relative_tolerance=1e-14, output_interval=0.01,
         record_events=False,

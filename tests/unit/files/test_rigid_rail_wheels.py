@@ -77,7 +77,6 @@ def run(tmp_path):
             load_scenario(scenario),
             output=tmp_path / "run.h5",
             backend="auto",
-            plots=None,
             progress=lambda *_: None,
         )
         with open_result(outcome.path) as result:
@@ -118,7 +117,7 @@ def test_a_wheel_that_lifts_ends_the_run_with_advice(run):
     assert "the right wheel lifts, which rigid contact cannot follow" in outcome.messages[-1]
     assert "take 'rail_contact: {kind: elastic}'" in outcome.messages[-1]
     assert columns["wheels.right.contact_1.normal_force"][-1] == pytest.approx(0.0, abs=1.0)
-    assert (outcome.status, outcome.exit_code) == ("lifted", 1)
+    assert outcome.status == "lifted"
     assert outcome.summary["lifted_wheel"].value == "wheels.right"
     assert "lifted at t = " in outcome.messages[-1]
     with open_result(outcome.path) as result:

@@ -85,7 +85,7 @@ def test_mass_leans_out_of_a_canted_curve_as_much_as_it_must(write):
     path = write()
     output = path.with_suffix(".h5")
     loaded = load_scenario(path)
-    run_scenario(loaded, output=output, backend="auto", plots=None, progress=lambda *_: None)
+    run_scenario(loaded, output=output, backend="auto", progress=lambda *_: None)
     lean, mass, stiffness, radius, outwards, height = math.asin(0.08), 1e3, 2e5, 300.0, 0.0, 1.0
     for _ in range(20):  # The mass runs on a circle of its own.
         own = radius - height * math.sin(lean) + outwards * math.cos(lean)

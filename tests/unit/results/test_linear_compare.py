@@ -48,7 +48,7 @@ def compared(path, reference, table, relative=1e-6, **more):
 
 def test_equal_studies(reference, tmp_path):
     found = compared(tmp_path / "hunt.h5", reference, study(), relative=0.0)
-    assert found.exit_code == 0 and len(found.channels) > 8
+    assert found.verdict == "equal" and len(found.channels) > 8
 
 
 def test_infinite_parts_of_complex_numbers_stay_apart(tmp_path):
@@ -65,7 +65,7 @@ def test_each_number_counts(reference, tmp_path):
     figures = {"linear_critical": 59.3, "nonlinear_critical": 54.1}
     found = compared(path, reference, study(figures=figures))
     assert [c.name for c in found.failed] == ["figures.linear_critical"]
-    assert compared(path, reference, study(figures=figures), relative=2e-3).exit_code == 0
+    assert compared(path, reference, study(figures=figures), relative=2e-3).verdict == "equal"
     moved = np.array(study().eigenvalues)
     moved[1, 0] += 1e-3j
     found = compared(path, reference, study(eigenvalues=moved))
@@ -76,18 +76,18 @@ def test_each_number_counts(reference, tmp_path):
 def test_other_numbers_of_cycles_and_other_endings(reference, tmp_path):
     path = tmp_path / "hunt.h5"
     found = compared(path, reference, study(cycles=study().cycles[:1]))
-    assert found.exit_code == 1 and "holds 1 numbers, in the reference 2" in found.as_text()
+    assert found.verdict == "different" and "holds 1 numbers, in the reference 2" in found.as_text()
     found = compared(path, reference, study(status="partial"))
-    assert found.exit_code == 1 and "partial, the reference is ok" in found.as_text()
+    assert found.verdict == "different" and "partial, the reference is ok" in found.as_text()
     found = compared(path, reference, study(status="running"))
-    assert found.exit_code == 2 and "resume" in found.as_text()
+    assert found.verdict == "unusable" and "resume" in found.as_text()
 
 
 def test_only_what_is_chosen(reference, tmp_path):
     path = tmp_path / "hunt.h5"
     other = study(cycles=study().cycles[:1])
-    assert compared(path, reference, other, channels=["figures.*"]).exit_code == 0
-    assert compared(path, reference, other, channels=["nothing"]).exit_code == 2
+    assert compared(path, reference, other, channels=["figures.*"]).verdict == "equal"
+    assert compared(path, reference, other, channels=["nothing"]).verdict == "unusable"
 
 
 @pytest.fixture

@@ -55,9 +55,7 @@ def drive(folder, **changes):
     path, output = folder / "run.yaml", folder / "run.h5"
     path.write_text(text)
     loaded = load_scenario(path, ())
-    outcome = run_scenario(
-        loaded, output=output, backend="auto", plots=None, progress=lambda *_: None
-    )
+    outcome = run_scenario(loaded, output=output, backend="auto", progress=lambda *_: None)
     assert outcome.status == "ok"
     return open_result(output)
 

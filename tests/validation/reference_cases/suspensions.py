@@ -63,7 +63,7 @@ def swept(name, drives, **wish):
     with TemporaryDirectory() as folder:
         file = Path(folder) / "sweep.h5"
         model = load_model(str(SYSTEMS / f"{name}_suspension.yaml"))
-        sweep_kinematics(model, Request(drives, **wish), output=file, plots=None, progress=quiet)
+        sweep_kinematics(model, Request(drives, **wish), output=file, progress=quiet)
         with open_result(file) as result:
             assert result.is_whole
             return {n: result.channel(n).values for n in result.channels}

@@ -31,7 +31,6 @@ from vehicledyn.results.tables.contact_table import (
     ContactColumns,
     ContactTable,
     MeasuredProfile,
-    write_contacts,
 )
 
 POINTS = 4
@@ -61,19 +60,13 @@ class ContactWish:
     amplitudes: Sequence[float] = tuple(1e-3 * k for k in range(1, 8))
 
 
-def find_contact_geometry(
-    wish: ContactWish, *, output: Path | None = None, plots: Path | None = None, progress: Any
-) -> ContactReport:
-    """Return contact points, rolling radii, angles and conicity; write result and pictures.
+def find_contact_geometry(wish: ContactWish, *, progress: Any) -> ContactReport:
+    """Return contact points, rolling radii, angles and conicity.
 
     Parameters
     ----------
     wish
         What is asked for.
-    output
-        Result file, none if absent.
-    plots
-        Folder of the pictures, none if absent.
     progress
         Called with what is being done.
 
@@ -97,12 +90,7 @@ def find_contact_geometry(
     progress("finding contact points")
     standing, lost = standings(wheelset, wish.shifts, wish.yaw)
     table = _table(wish, wheelset, standing, lost, profiles=(*wheels, *rails), progress=progress)
-    if output is not None:
-        write_contacts(output, table)
-    if plots is not None:
-        progress("drawing")
-        _draw(table, plots)
-    return ContactReport(table, output, plots)
+    return ContactReport(table)
 
 
 def _opened(texts: Sequence[str], kind: Kind, reading: ProfileReading) -> list[Profile]:

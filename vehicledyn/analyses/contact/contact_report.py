@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, fields
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -26,11 +25,9 @@ _HEADS = (
 
 @dataclass(frozen=True)
 class ContactReport:
-    """A table with the file and the folder it was written to."""
+    """Contact geometry as text and as plain data."""
 
     table: ContactTable
-    output: Path | None = None
-    plots: Path | None = None
 
     def as_text(self) -> str:
         """Return contact points against shift, jumps and conicities."""
@@ -53,7 +50,6 @@ class ContactReport:
             "amplitude [mm]   tan gamma_e (EN 15302)   with roll   harmonic   regression",
             *(self._conicity(n) for n in range(len(table.amplitude))),
         ]
-        lines += [f"written to {place}" for place in (self.output, self.plots) if place]
         return "\n".join(lines)
 
     def as_dict(self) -> dict[str, Any]:

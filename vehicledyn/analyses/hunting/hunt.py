@@ -15,9 +15,7 @@ from vehicledyn.analyses.preparation.build_model import Target
 from vehicledyn.analyses.preparation.prepare import prepare
 from vehicledyn.analyses.preparation.prepared import Progress
 from vehicledyn.kernel.kernel import Backend
-from vehicledyn.results.hdf5.output import check_folder, check_output
-from vehicledyn.results.plots.hunt_figures import hunt_figures
-from vehicledyn.results.plots.picture_files import save_figures
+from vehicledyn.results.hdf5.output import check_output
 
 
 def find_limit_cycles(
@@ -26,7 +24,6 @@ def find_limit_cycles(
     *,
     backend: Backend,
     output: Path | None = None,
-    plots: Path | None = None,
     progress: Progress,
     resume: bool = False,
 ) -> HuntReport:
@@ -42,8 +39,6 @@ def find_limit_cycles(
         As for a run.
     output
         Result file to write.
-    plots
-        Folder for the figures.
     resume
         Whether to go on with what a killed study left beside the output; the result is the same
         as without the kill.
@@ -57,8 +52,6 @@ def find_limit_cycles(
     """
     if output is not None:
         check_output(output)
-    if plots is not None:
-        check_folder(plots)
     check_settings(settings)
     target, remarks = without_disturbances(target, settings)
     prepared = prepare(
@@ -73,7 +66,7 @@ def find_limit_cycles(
     before = finished(output, identity) if output is not None and resume else None
     if before is not None:
         words = f"{output}: is finished; nothing was left to do"
-        return HuntReport(before, (words,), 0 if before.status == "ok" else 3)
+        return HuntReport(before, (words,))
     study = Study.of(prepared, target, settings, progress)
     study.messages += remarks
     if output is None:
@@ -85,7 +78,4 @@ def find_limit_cycles(
             study.examine()
             table = study.table()
             saving.finish(table)
-    if plots is not None:
-        progress("drawing", None)
-        save_figures(hunt_figures(table), plots, ("png", "svg"))
-    return HuntReport(table, tuple(study.messages), study.exit_code)
+    return HuntReport(table, tuple(study.messages))

@@ -1,4 +1,4 @@
-"""What a hunting study tells people and programs."""
+"""Results of a hunting study as text and as plain data."""
 
 from __future__ import annotations
 
@@ -17,7 +17,11 @@ class HuntReport:
 
     table: HuntTable
     messages: tuple[str, ...] = ()
-    exit_code: int = 0
+
+    @property
+    def status(self) -> str:
+        """How the study ended."""
+        return self.table.status
 
     def as_text(self) -> str:
         """Return critical values and a table of the branches."""

@@ -86,7 +86,6 @@ class Study:
     figures: dict[str, float] = field(default_factory=dict)
     means: dict[str, str] = field(default_factory=dict)
     messages: list[str] = field(default_factory=list)
-    exit_code: int = 0
     status: str = "ok"
 
     @staticmethod
@@ -141,13 +140,13 @@ class Study:
                 self._simulations()
         except KeyboardInterrupt:
             words = f"stopped by the user; what was found is kept, {argument('resume')} goes on"
-            self._ended("interrupted", 130, words)
+            self._ended("interrupted", words)
         except NumericalError as error:
             if not self.balances:
                 raise NumericalError(
                     f"{error}; a motion whose speed slowly falls is not steady either"
                 ) from None
-            self._ended("failed", 3, f"{error}; what was found is kept")
+            self._ended("failed", f"{error}; what was found is kept")
         check = vars(self).get("_check")
         if check is not None:
             check.conclude()
@@ -192,7 +191,7 @@ class Study:
         values = [float(value) for value in np.linspace(*self.span, count)]
         why = self.equilibria.follow(values, self.start, self.progress)
         if why:
-            self._ended("partial", 3, f"{why}; the equilibrium is followed up to there")
+            self._ended("partial", f"{why}; the equilibrium is followed up to there")
         self.hopfs = self.equilibria.hopfs
         self.divergences = self.equilibria.divergences
 
@@ -219,7 +218,7 @@ class Study:
                 branch = self._follow(start, hopf.growing(start), place)
             except NumericalError as error:
                 self.branches[:] = [branch for branch in self.branches if branch.points]
-                self._ended("partial", 3, f"no branch of cycles is found {place} on: {error}")
+                self._ended("partial", f"no branch of cycles is found {place} on: {error}")
                 continue
             number = len(self.branches)
             remark = far_from(hopf, branch, number, amplitude=s.amplitude, span=self.span)
@@ -283,7 +282,7 @@ class Study:
             self.messages.append(f"{name} joins branch {joined.number} near {place}")
         self.messages.extend(f"{name}: {remark}" for remark in branch.remarks)
         if branch.ending == "lost":
-            self._ended("partial", 3, f"{name}: {branch.reason}")
+            self._ended("partial", f"{name}: {branch.reason}")
         if branch.ending == "points":
             self.messages.append(
                 f"{name}: {branch.reason}; it goes on: raise {argument('points')}, "
@@ -335,7 +334,7 @@ class Study:
             try:
                 stage()
             except NumericalError as error:
-                self._ended("partial", 3, f"the check by simulation is not complete: {error}")
+                self._ended("partial", f"the check by simulation is not complete: {error}")
 
     @cached_property
     def _check(self) -> Check | None:
@@ -381,6 +380,6 @@ class Study:
         if check is not None:
             self.figures |= check.figures
 
-    def _ended(self, status: str, exit_code: int, message: str) -> None:
-        self.status, self.exit_code = status, exit_code
+    def _ended(self, status: str, message: str) -> None:
+        self.status = status
         self.messages.append(message)

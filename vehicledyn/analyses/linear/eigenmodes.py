@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -23,11 +22,8 @@ from vehicledyn.base.errors import InputError
 from vehicledyn.base.units import shown
 from vehicledyn.files.scenario import LoadedScenario
 from vehicledyn.kernel.kernel import Backend
-from vehicledyn.results.hdf5.output import check_folder, check_output
-from vehicledyn.results.plots.mode_figures import mode_figures
-from vehicledyn.results.plots.picture_files import save_figures
 from vehicledyn.results.store.linear_file import Quantity
-from vehicledyn.results.tables.mode_table import ModeCase, ModeTable, write_modes
+from vehicledyn.results.tables.mode_table import ModeCase, ModeTable
 
 __all__ = ["ModesAtSpeed", "ModesReport", "find_modes"]
 
@@ -42,8 +38,6 @@ def find_modes(
     start: Start | None = None,
     backend: Backend,
     progress: Progress,
-    output: Path | None = None,
-    plots: Path | None = None,
 ) -> ModesReport:
     """Return the modes of a vehicle about its steady motion straight ahead, or of a system.
 
@@ -62,22 +56,14 @@ def find_modes(
         None for the usual one.
     backend, progress
         As for a run.
-    output
-        Result file to write.
-    plots
-        Folder for root locus and mode shapes.
 
     Raises
     ------
     InputError
-        If a file cannot be written, or speeds are given to a system that has none.
+        If speeds are given to a system that has none.
     NumericalError
         If there is no steady motion at a speed.
     """
-    if output is not None:
-        check_output(output)
-    if plots is not None:
-        check_folder(plots)
     variants = [("", target)] if not isinstance(target, Sequence) else list(target)
     found: list[ModesAtSpeed] = []
     cases: list[ModeCase] = []
@@ -106,11 +92,6 @@ def find_modes(
         found.append(replace(entry, setting=setting))
         cases.append(_case(table, found[-1], linear))
     whole = replace(table, cases=tuple(cases))
-    if output is not None:
-        write_modes(output, whole)
-    if plots is not None:
-        progress("drawing", None)
-        save_figures(mode_figures(whole), plots, ("png", "svg"))
     return ModesReport(whole.model, found, whole, has_speed)
 
 

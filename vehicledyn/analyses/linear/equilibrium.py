@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -17,9 +16,8 @@ from vehicledyn.analyses.preparation.prepared import Prepared, Progress
 from vehicledyn.base.units import shown
 from vehicledyn.files.scenario import LoadedScenario
 from vehicledyn.kernel.kernel import Backend
-from vehicledyn.results.hdf5.output import check_output
 from vehicledyn.results.store.linear_file import Quantity
-from vehicledyn.results.tables.equilibrium_table import EquilibriumTable, write_equilibrium
+from vehicledyn.results.tables.equilibrium_table import EquilibriumTable
 
 _FORCE_UNITS = ("N", "N*m")
 _SMALL = 5e-10
@@ -87,7 +85,8 @@ class EquilibriumReport:
             "forces": table(self.forces),
         }
 
-    def as_table(self) -> EquilibriumTable:
+    @property
+    def table(self) -> EquilibriumTable:
         """Return the report as a result file holds it."""
         values = [[[r.nominal for r in rows], [r.equilibrium for r in rows]] for rows in self._rows]
         names = [
@@ -110,7 +109,6 @@ def find_equilibrium(
     speed: float | None,
     backend: Backend,
     progress: Progress,
-    output: Path | None = None,
 ) -> EquilibriumReport:
     """Return the equilibrium of a vehicle, or of a system at rest.
 
@@ -122,16 +120,12 @@ def find_equilibrium(
         Forward speed [m/s]; None for a model that stands, or for the start of a scenario.
     backend, progress
         As for a run.
-    output
-        Result file to write.
 
     Raises
     ------
     NumericalError
         If there is no equilibrium; the message names what stays unbalanced.
     """
-    if output is not None:
-        check_output(output)
     is_own = own_speed(target) is not None
     target, speed = at_speed(target, speed)
     check = refuse_idle_speed if speed else None
@@ -155,12 +149,9 @@ def find_equilibrium(
     stability = stability_of(prepared, point)
     coordinates, forces = _tables(prepared, nominal, balanced)
     told = 0.0 if is_still else wanted
-    report = EquilibriumReport(
+    return EquilibriumReport(
         prepared.equations.name, told, kind, point.residual, coordinates, forces, stability
     )
-    if output is not None:
-        write_equilibrium(output, report.as_table())
-    return report
 
 
 def _still(prepared: Prepared, point: Point) -> Point:

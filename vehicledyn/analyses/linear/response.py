@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from pathlib import Path
 
 import numpy as np
 
@@ -29,11 +28,8 @@ from vehicledyn.base.errors import InputError
 from vehicledyn.files.scenario import LoadedScenario
 from vehicledyn.kernel.derivatives import Derivatives
 from vehicledyn.multibody.model.system import System
-from vehicledyn.results.hdf5.output import check_folder, check_output
-from vehicledyn.results.plots.bode import bode_figures
-from vehicledyn.results.plots.picture_files import save_figures
 from vehicledyn.results.store.linear_file import Quantity
-from vehicledyn.results.tables.response_table import ResponseTable, write_response
+from vehicledyn.results.tables.response_table import ResponseTable
 from vehicledyn.symbolic import ops
 
 _MOVES = 1e-12
@@ -63,8 +59,6 @@ def find_response(
     grid: FrequencyGrid,
     at: Sequence[float] = (),
     speed: float | None = None,
-    output: Path | None = None,
-    plots: Path | None = None,
     progress: Progress,
 ) -> ResponseReport:
     """Return the frequency responses of outputs to inputs about a reference motion.
@@ -80,27 +74,19 @@ def find_response(
     grid
         Frequencies.
     at
-        Frequencies to tell magnitude and phase at [Hz].
+        Frequencies to report magnitude and phase at [Hz].
     speed
         Forward speed [m/s]; None for the scenario's, or standstill.
-    output
-        Result file to write.
-    plots
-        Folder for the Bode figures.
     progress
-        Told what is being done.
+        Called with what is being done.
 
     Raises
     ------
     InputError
-        If an input, output or frequency is not usable, or a file cannot be written.
+        If an input, output or frequency is not usable.
     NumericalError
         If there is no such reference motion.
     """
-    if output is not None:
-        check_output(output)
-    if plots is not None:
-        check_folder(plots)
     model = linearise_with_inputs(
         target, inputs=inputs, speed=speed, progress=progress, outputs=outputs
     )
@@ -120,13 +106,7 @@ def find_response(
         response=system.response(grid.frequencies()),
         static_gain=system.static_gain(),
     )
-    report = _report(model, system, table, at)
-    if output is not None:
-        write_response(output, table)
-    if plots is not None:
-        progress("drawing", None)
-        save_figures(bode_figures(table), plots, ("png", "svg"))
-    return report
+    return _report(model, system, table, at)
 
 
 def linearise_with_inputs(

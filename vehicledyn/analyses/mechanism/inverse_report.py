@@ -26,14 +26,12 @@ from vehicledyn.multibody.equations.inverse_dynamics import (
     derive_inverse,
 )
 from vehicledyn.multibody.model.system import System
-from vehicledyn.results.hdf5.output import check_folder, check_output
-from vehicledyn.results.plots.run_plots import draw_plots
+from vehicledyn.results.hdf5.output import check_output
 from vehicledyn.results.store.layout import ResultHeader, SummaryEntry
 from vehicledyn.results.store.writer import ResultWriter
 from vehicledyn.symbolic.equations import Channel
 
 Array = NDArray[np.float64]
-EXIT_OK, EXIT_FAILED, EXIT_INTERRUPTED = 0, 3, 130
 _CHUNK = 256
 _LINES = 6
 _SHOWN_IN = {"rad": "deg", "rad/s": "deg/s"}
@@ -45,7 +43,6 @@ class InverseReport:
 
     path: Path
     status: str = "ok"
-    exit_code: int = EXIT_OK
     samples: int = 0
     summary: list[SummaryEntry] = field(default_factory=list)
     messages: list[str] = field(default_factory=list)
@@ -76,10 +73,9 @@ def find_forces(
     table: Path | None,
     output: Path,
     backend: Backend,
-    plots: Path | None,
     progress: Progress,
 ) -> InverseReport:
-    """Find the forces that the motion of a scenario needs; write result file and figures.
+    """Find the forces that the motion of a scenario needs; write the result file.
 
     The motion is that of the scenario's section "motion", or of a table; where all coordinates
     are driven by the system itself, none is needed. Times are those of the scenario's output.
@@ -94,8 +90,6 @@ def find_forces(
         Result file; it is checked before anything is computed.
     backend, progress
         As for a run.
-    plots
-        Folder of the figures, None for none.
 
     Raises
     ------
@@ -105,8 +99,6 @@ def find_forces(
         If the loops cannot be assembled at the start.
     """
     check_output(output)
-    if plots is not None:
-        check_folder(plots)
     progress("deriving the inverse dynamics", None)
     system = build_subject(loaded).system
     s = loaded.scenario
@@ -134,10 +126,9 @@ def find_forces(
                     )
                     progress("finding the forces", number / len(times))
         except NumericalError as error:
-            report.status, report.exit_code, message = "failed", EXIT_FAILED, str(error)
+            report.status, message = "failed", str(error)
         except KeyboardInterrupt:
-            report.status, report.exit_code = "interrupted", EXIT_INTERRUPTED
-            message = "stopped by the user"
+            report.status, message = "interrupted", "stopped by the user"
         report.samples = len(found)
         rest = len(found) % _CHUNK
         if rest:
@@ -147,8 +138,6 @@ def find_forces(
         writer.close(report.status, message, summary=report.summary)
     if message:
         report.messages.append(f"{message}; the partial result is kept in {output}")
-    if plots is not None and len(found) > 1:
-        report.messages.append(f"{len(draw_plots(output, plots))} figures in {plots}")
     return report
 
 

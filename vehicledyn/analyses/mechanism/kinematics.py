@@ -36,14 +36,12 @@ from vehicledyn.files.scenario import LoadedScenario
 from vehicledyn.multibody.elements.wheel_angles import WheelAngles
 from vehicledyn.multibody.loops.position_level import Positions
 from vehicledyn.multibody.model.system import System
-from vehicledyn.results.hdf5.output import check_folder, check_output
-from vehicledyn.results.plots.run_plots import draw_plots
+from vehicledyn.results.hdf5.output import check_output
 from vehicledyn.results.store.layout import Axis, ResultHeader, SummaryEntry
 from vehicledyn.results.store.writer import ResultWriter
 from vehicledyn.symbolic.equations import Channel
 
 Array = NDArray[np.float64]
-EXIT_OK, EXIT_FAILED, EXIT_INTERRUPTED = 0, 3, 130
 _COLUMNS = 7
 _PANELS = 4
 _MOST_FIGURES = 12
@@ -65,9 +63,9 @@ class Request:
 
 
 def sweep_kinematics(
-    target: Target, wish: Request, *, output: Path, plots: Path | None, progress: Progress
+    target: Target, wish: Request, *, output: Path, progress: Progress
 ) -> KinematicsReport:
-    """Sweep a system, write the result file and the figures.
+    """Sweep a system and write the result file.
 
     Parameters
     ----------
@@ -77,8 +75,6 @@ def sweep_kinematics(
         What to sweep; without drives what the scenario's section "kinematics" says.
     output
         Result file; checked before anything is computed.
-    plots
-        Folder of the figures, None for none.
     progress
         Told what is going on.
 
@@ -90,8 +86,6 @@ def sweep_kinematics(
         If the loops cannot be assembled at the start.
     """
     check_output(output)
-    if plots is not None:
-        check_folder(plots)
     wish = _complete(target, wish)
     progress("assembling the loops", None)
     system = build_subject(target).system
@@ -101,7 +95,7 @@ def sweep_kinematics(
     book = _Columns(machine, _wheels(system, positions))
     shown = book.shown(wish.columns)
     swept = run_sweep(machine, drives, together=wish.together, told=progress)
-    files = _Files(target, system.name, output, plots, _left_out(positions))
+    files = _Files(target, system.name, output, _left_out(positions))
     return files.write(book, swept, shown)
 
 
@@ -269,13 +263,12 @@ class _Files:
     target: Target
     model: str
     output: Path
-    plots: Path | None
     notes: list[str]
 
     def write(self, book: _Columns, swept: Sweep, shown: tuple[int, ...]) -> KinematicsReport:
-        """Write result and figures; return the report."""
+        """Write the result; return the report."""
         table = book.table(swept)
-        status, code, message = _ending(swept)
+        status, message = _ending(swept)
         plots = book.plots(table)
         with ResultWriter(
             self.output,
@@ -288,13 +281,10 @@ class _Files:
         messages = [*self.notes, *(f.words for f in swept.failures)]
         if message:
             messages.append(f"{status}; the partial result is kept in {self.output}")
-        if self.plots is not None and len(table) > 1 and plots:
-            messages.append(f"{len(draw_plots(self.output, self.plots))} figures in {self.plots}")
         return KinematicsReport(
             self.model,
             self.output,
             status,
-            code,
             book.machine.held,
             book.channels,
             table,
@@ -319,13 +309,13 @@ class _Files:
         )
 
 
-def _ending(swept: Sweep) -> tuple[str, int, str]:
-    """Return status, exit code and what went wrong."""
+def _ending(swept: Sweep) -> tuple[str, str]:
+    """Return status and what went wrong."""
     if swept.is_interrupted:
-        return "interrupted", EXIT_INTERRUPTED, "stopped by the user"
+        return "interrupted", "stopped by the user"
     if swept.failures:
-        return "failed", EXIT_FAILED, "; ".join(f.words for f in swept.failures)
-    return "ok", EXIT_OK, ""
+        return "failed", "; ".join(f.words for f in swept.failures)
+    return "ok", ""
 
 
 def _summary(book: _Columns, swept: Sweep) -> Iterator[SummaryEntry]:

@@ -1,4 +1,4 @@
-"""What a sweep came to, as a table for people and as plain data."""
+"""Results of a kinematic sweep as a table and as plain data."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ SHOWN = {"m": ("mm", 1e3), "rad": ("deg", 180.0 / np.pi)}
 
 @dataclass(frozen=True)
 class KinematicsReport:
-    """What a sweep came to.
+    """Results of a kinematic sweep.
 
     ``table`` holds the channels, shape (n_samples, n_channels), in SI.
     """
@@ -27,7 +27,6 @@ class KinematicsReport:
     model: str
     path: Path
     status: str
-    exit_code: int
     held: tuple[str, ...]
     channels: tuple[Channel, ...]
     table: Array

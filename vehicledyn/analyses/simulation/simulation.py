@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 from collections.abc import Iterator
 from contextlib import closing, contextmanager
-from dataclasses import dataclass, field, fields, replace
+from dataclasses import asdict, dataclass, field, fields, replace
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -41,14 +41,13 @@ from vehicledyn.files.scenario import LoadedScenario
 from vehicledyn.integrate.course import Course, most_numbers
 from vehicledyn.integrate.task import Statistics
 from vehicledyn.kernel.kernel import Backend
-from vehicledyn.results.hdf5.output import check_folder, check_output
+from vehicledyn.results.hdf5.output import check_output
 from vehicledyn.results.store.history import History
 from vehicledyn.results.store.layout import EventRecord, ResultHeader, SummaryEntry
 from vehicledyn.results.store.writer import ResultWriter
 from vehicledyn.symbolic.equations import Event
 
 Matrix = NDArray[np.float64]
-EXIT_OK, EXIT_NEGATIVE, EXIT_FAILED, EXIT_INTERRUPTED = 0, 1, 3, 130
 
 _DID = {
     "derailed": "left its rail",
@@ -74,9 +73,23 @@ class RunOutcome:
 
     path: Path
     status: str
-    exit_code: int
     summary: dict[str, ShownEntry]
     messages: list[str]
+
+    def as_text(self) -> str:
+        """Return status and key figures as lines."""
+        width = max(map(len, self.summary), default=0)
+        lines = [f"  {name:{width}}  {entry.text}" for name, entry in self.summary.items()]
+        return "\n".join([f"{self.path}: {self.status}", *lines])
+
+    def as_dict(self) -> dict[str, Any]:
+        """Return status, key figures and messages as plain data."""
+        return {
+            "result": self.path,
+            "status": self.status,
+            "summary": {name: asdict(entry) for name, entry in self.summary.items()},
+            "messages": self.messages,
+        }
 
 
 def run_scenario(
@@ -84,11 +97,10 @@ def run_scenario(
     *,
     output: Path,
     backend: Backend,
-    plots: Path | None,
     progress: Progress,
     restart: Path | None = None,
 ) -> RunOutcome:
-    """Simulate a scenario and write its result file and figures.
+    """Simulate a scenario and write its result file.
 
     Parameters
     ----------
@@ -98,8 +110,6 @@ def run_scenario(
         Result file; it is checked before anything is computed.
     backend
         "auto", "compiled" or "interpreted".
-    plots
-        Folder for the figures, None for no figures.
     progress
         Told what is going on and the part done.
     restart
@@ -120,8 +130,6 @@ def run_scenario(
         If the loops cannot be assembled or there is no equilibrium to start from.
     """
     check_output(output)
-    if plots is not None:
-        check_folder(plots)
     prepared, start = prepare_run(
         loaded, backend=backend, progress=progress, check=partial(written_channels, loaded)
     )
@@ -147,14 +155,7 @@ def run_scenario(
     with _opened(restart, loaded, prepared, kept) as known:
         run.simulate(start, output, progress, known)
     messages = [_kernel_message(prepared), *notes, *run.messages]
-    if plots is not None and run.samples and described:
-        progress("drawing the figures", None)
-        message, code = _draw(output, plots)
-        messages.append(message)
-        run.exit_code = run.exit_code or code
-    return RunOutcome(
-        output, run.status, run.exit_code, {e.name: _shown(e) for e in run.summary}, messages
-    )
+    return RunOutcome(output, run.status, {e.name: _shown(e) for e in run.summary}, messages)
 
 
 @contextmanager
@@ -168,18 +169,6 @@ def _opened(
     known = open_restart(path, loaded, prepared, names, model_hash(prepared))
     with known.result:
         yield known
-
-
-def _draw(output: Path, folder: Path) -> tuple[str, int]:
-    """Draw the figures; return a message and exit code. A failure leaves the result whole."""
-    from vehicledyn.results.plots.run_plots import draw_plots
-
-    try:
-        return f"{len(draw_plots(output, folder))} figures in {folder}", EXIT_OK
-    except KeyboardInterrupt:
-        return f"stopped while drawing; the result {output} is whole", EXIT_INTERRUPTED
-    except InputError as error:
-        return f"the result {output} is whole, but not its figures: {error}", error.exit_code
 
 
 @dataclass
@@ -196,7 +185,6 @@ class _Run:
     turns: SingularTurns
     solver: Any
     status: str = "ok"
-    exit_code: int = EXIT_OK
     samples: int = 0
     messages: list[str] = field(default_factory=list)
     summary: list[SummaryEntry] = field(default_factory=list)
@@ -243,10 +231,10 @@ class _Run:
                     statistics = replace(statistics, accuracy=known.accuracy(statistics.accuracy))
                 self._warn(statistics)
             except NumericalError as error:
-                self.status, self.exit_code = "failed", EXIT_FAILED
+                self.status = "failed"
                 message = "; ".join(filter(None, (str(error), self._cause())))
             except KeyboardInterrupt:
-                self.status, self.exit_code = "interrupted", EXIT_INTERRUPTED
+                self.status = "interrupted"
                 message = f"stopped by the user at t = {self._end():g} s"
             except InputError as error:
                 self.status, message, unwritten = "failed", str(error), error
@@ -363,13 +351,13 @@ class _Run:
         return f"{ended}: {event.advice}" if event.advice else ended
 
     def _leave(self, statistics: Statistics | None) -> None:
-        """Take status, exit code and summary from a wheel whose leaving its rail ended the run."""
+        """Take status and summary from a wheel whose leaving its rail ended the run."""
         if statistics is None or statistics.ended_by is None:
             return
         event = self._event(statistics.ended_by)
         if event.outcome == "ok":
             return
-        self.status, self.exit_code = event.outcome, EXIT_NEGATIVE
+        self.status = event.outcome
         wheel, place = event.name.rpartition(".")[0], self._place(event.name)
         name, did = event.outcome, _DID[event.outcome]
         key, what = ("wheel", "Wheel") if name in _OF_WHEELS else ("body", "Vehicle by its body")

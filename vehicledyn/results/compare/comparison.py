@@ -1,4 +1,4 @@
-"""The outcome of a comparison: values, exit code, and its text, JSON and JUnit forms."""
+"""The outcome of a comparison: values, verdict, and its text, JSON and JUnit forms."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from dataclasses import asdict, dataclass
 from typing import Any
 from xml.etree import ElementTree
 
-EQUAL, DIFFERENT, UNUSABLE = 0, 1, 2
+EQUAL, DIFFERENT, UNUSABLE = "equal", "different", "unusable"
 
 LISTED = 4  # names of channels in a note; the JSON lists all
 _NOT_IN_XML = re.compile("[^\t\n\r\u0020-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
@@ -75,16 +75,9 @@ class Comparison:
         return max(self.channels, key=lambda channel: channel.severity, default=None)
 
     @property
-    def exit_code(self) -> int:
-        """0 equal within tolerance, 1 different, 2 a file or an option is unusable."""
-        if self.problems:
-            return UNUSABLE
-        return DIFFERENT if self.differences or self.failed else EQUAL
-
-    @property
     def is_equal(self) -> bool:
         """Whether the result equals the reference within the tolerances."""
-        return self.exit_code == EQUAL
+        return self.verdict == EQUAL
 
     def __bool__(self) -> bool:
         """Return the same, for ``assert compare(...)``."""
@@ -96,15 +89,16 @@ class Comparison:
 
     @property
     def verdict(self) -> str:
-        """The exit code as a word: equal, different or unusable."""
-        return ("equal", "different", "unusable")[self.exit_code]
+        """One of "equal" (within tolerance), "different" and "unusable" (a file or an option)."""
+        if self.problems:
+            return UNUSABLE
+        return DIFFERENT if self.differences or self.failed else EQUAL
 
     def as_dict(self) -> dict[str, Any]:
         """Return plain data that JSON can hold."""
         worst = self.worst
         return {
             "verdict": self.verdict,
-            "exit_code": self.exit_code,
             **{key: _plain(value) for key, value in asdict(self).items()},
             "worst": None if worst is None else worst.name,
         }

@@ -70,7 +70,7 @@ def compare_linear(
     Returns
     -------
     Comparison
-        Its ``exit_code`` says how it went; unusable files are reported in it, not raised.
+        Its ``verdict`` says how it went; unusable files are reported in it, not raised.
     """
     names = (str(result), str(reference))
     problems = [*tolerances.problems(), *filter(None, [other_kinds(result, reference)])]

@@ -1,9 +1,8 @@
 """Comparing a result with a reference, fit for continuous integration.
 
-Exit codes of a comparison: 0, equal within tolerance; 1, different: a value, a missing
-channel, a unit, a shorter run, other sample times, NaN or infinity; 2, a file or an option is
-unusable: not readable, another format, a run that is not complete, a reference without
-channels, a pattern that matches nothing.
+Verdicts: "equal" within tolerance; "different" in a value, a missing channel, a unit, a shorter
+run, other sample times, NaN or infinity; "unusable": a file that is not readable, has another
+format, holds an incomplete run or no channels, or a pattern that matches nothing.
 """
 
 from __future__ import annotations
@@ -60,7 +59,7 @@ def compare_files(
     Returns
     -------
     Comparison
-        Its ``exit_code`` says how it went; unusable files are reported in it, not raised.
+        Its ``verdict`` says how it went; unusable files are reported in it, not raised.
     """
     names = (str(result), str(reference))
     tolerances = Tolerances(relative, absolute, dict(channel_tolerances or {}))

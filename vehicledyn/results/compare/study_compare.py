@@ -37,7 +37,7 @@ def compare_studies(
     Returns
     -------
     Comparison
-        Its ``exit_code`` says how it went; unusable files are reported in it, not raised.
+        Its ``verdict`` says how it went; unusable files are reported in it, not raised.
     """
     names = (str(result), str(reference))
     problems = tolerances.problems()

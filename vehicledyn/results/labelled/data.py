@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from vehicledyn.base.errors import InputError, UnknownNameError, unknown_name
 from vehicledyn.base.files.whole_file import whole_file
+from vehicledyn.base.report import Report
 from vehicledyn.results.hdf5.output import check_output, write_failed
 from vehicledyn.results.labelled.array import LabelledArray
 from vehicledyn.results.labelled.source import Source
@@ -25,7 +26,7 @@ if TYPE_CHECKING:
 
 
 class LabelledData(Mapping[str, LabelledArray]):
-    """Labelled arrays by name, with how the analysis ended and what it came to.
+    """Labelled arrays by name, with how the analysis ended and its key figures.
 
     It behaves as a read-only mapping: ``data["chassis.yaw_rate"]`` is an array, ``list(data)``
     are the names. A file that belongs to it alone is removed with it.
@@ -42,10 +43,16 @@ class LabelledData(Mapping[str, LabelledArray]):
         Further facts by name: versions, creation, speed.
     is_temporary
         Whether the file goes with this value.
+    report
+        What the command line prints: ``report.as_text()`` and ``report.as_dict()``; None for a
+        file that was opened.
     """
 
-    def __init__(self, path: Path, *, owned_folder: Path | None = None) -> None:
+    def __init__(
+        self, path: Path, *, owned_folder: Path | None = None, report: Report | None = None
+    ) -> None:
         self._path = path
+        self.report = report
         self._source: Source = source_of(path)
         self._arrays: dict[str, LabelledArray] = {}
         if owned_folder is not None:

@@ -147,7 +147,10 @@ def _hunt_facts(table: hunt_table.HuntTable) -> dict[str, Any]:
 
 
 def draw_linear(
-    path: Path, folder: Path, names: Sequence[str] | None, formats: Sequence[str]
+    path: Path,
+    folder: Path,
+    names: Sequence[str] | None = None,
+    formats: Sequence[str] = ("png", "svg"),
 ) -> list[Path]:
     """Draw the figures of such a file, all or those of some names; return where they are.
 

@@ -12,7 +12,7 @@ from vehicledyn.results.plots.picture_files import check_formats, save_figures
 from vehicledyn.results.plots.plot_description import Plot, read_plots
 from vehicledyn.results.store.reader import Result, open_result
 
-__all__ = ["default_plots", "draw_plots", "plots_of"]
+__all__ = ["default_plots", "draw_described", "draw_plots", "plots_of"]
 
 
 def draw_plots(
@@ -46,6 +46,13 @@ def draw_plots(
             raise InputError(f"{path}: holds no samples to plot ({result.state_of_run})")
         chosen = _chosen(result, names)
         return _draw_all(result, chosen, Path(folder), formats)
+
+
+def draw_described(path: Path, folder: Path) -> list[Path]:
+    """Draw the plots that a result file describes; none if it has fewer than two samples."""
+    with open_result(path) as result:
+        found = read_plots(result.plots, result.path) if len(result.time) > 1 else ()
+        return _draw_all(result, found, folder, ("png", "svg")) if found else []
 
 
 def plots_of(result: Result) -> tuple[Plot, ...]:

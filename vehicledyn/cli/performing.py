@@ -1,0 +1,100 @@
+"""What verbs do around an analysis: show progress, then messages, figures, report and exit code."""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Callable
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, NoReturn
+
+import typer
+
+from vehicledyn.base.errors import InputError, Interrupted, ResultWarning
+from vehicledyn.cli.exit_codes import INTERRUPTED, OK, code_of_error, code_of_result
+from vehicledyn.cli.terminal import emit_report, show_progress, tell
+
+if TYPE_CHECKING:
+    from vehicledyn.results.labelled.data import LabelledData
+
+_RUN = "run"
+
+
+def perform(
+    analysis: Callable[..., LabelledData],
+    *arguments: Any,
+    plots: Path | None = None,
+    quiet: bool = False,
+    verbose: bool = False,
+    **options: Any,
+) -> LabelledData:
+    """Return the result of an analysis, of a stopped one what it had computed.
+
+    Parameters
+    ----------
+    analysis
+        Function of :mod:`vehicledyn`.
+    plots
+        Folder that figures will be drawn into, checked before anything is computed.
+    quiet, verbose
+        How much progress to show.
+    arguments, options
+        Of the analysis.
+    """
+    if plots is not None:
+        from vehicledyn.results.hdf5.output import check_folder
+
+        check_folder(plots)
+    with show_progress(quiet=quiet, verbose=verbose) as progress, warnings.catch_warnings():
+        warnings.simplefilter("ignore", ResultWarning)  # the report's messages say the same
+        try:
+            return analysis(*arguments, progress=progress, **options)
+        except Interrupted as stopped:
+            found: LabelledData = stopped.data
+            return found
+
+
+def conclude(
+    data: LabelledData, *, plots: Path | None, as_json: bool, quiet: bool = False
+) -> NoReturn:
+    """Draw the figures, print messages and report, and leave with the exit code of the result."""
+    report: Any = data.report
+    code = code_of_result(data)
+    messages = list(report.messages)
+    if plots is not None:
+        drawn, failure = _draw(data, plots, quiet=quiet)
+        messages += drawn
+        code = code or failure
+    for message in () if quiet and code == OK else messages:
+        tell(message)
+    if as_json or not quiet:
+        emit_report(report, as_json=as_json, messages=messages)
+    raise typer.Exit(code)
+
+
+def draw_figures(data: LabelledData, folder: Path) -> None:
+    """Draw the standard figures of eigenmodes, responses, cycles or contacts into a folder."""
+    from vehicledyn.results.plots.linear_results import linear_figures
+    from vehicledyn.results.plots.picture_files import save_figures
+
+    with show_progress() as progress:
+        progress("drawing", None)
+        save_figures(linear_figures(data.path), folder, ("png", "svg"))
+
+
+def _draw(data: LabelledData, folder: Path, *, quiet: bool) -> tuple[list[str], int]:
+    """Draw figures; return what to say and an exit code. A failure leaves the result whole."""
+    from vehicledyn.results.plots.run_plots import draw_described
+
+    try:
+        if data.kind != _RUN:
+            draw_figures(data, folder)
+            return [], OK
+        with show_progress(quiet=quiet) as progress:
+            progress("drawing the figures", None)
+            number = len(draw_described(data.path, folder))
+    except KeyboardInterrupt:
+        return [f"stopped while drawing; the result {data.path} is whole"], INTERRUPTED
+    except InputError as error:
+        words = f"the result {data.path} is whole, but not its figures: {error}"
+        return [words], code_of_error(error)
+    return [f"{number} figures in {folder}"] if number else [], OK
