@@ -18,7 +18,7 @@ from vehicledyn.cli.options import (
     Target,
     is_result_name,
 )
-from vehicledyn.cli.performing import perform
+from vehicledyn.cli.performing import perform, show
 from vehicledyn.cli.replacing import EQUILIBRIUM, Overwrite, check_replacing
 from vehicledyn.cli.terminal import emit, emit_report, show_progress, to_json
 from vehicledyn.library import Kind
@@ -108,7 +108,7 @@ def equilibrium(
         save_to=output if as_result else None,
         overwrite=True,
     )
-    emit_report(data.report, as_json=as_json, file=None if as_result else output)
+    show(data, as_json=as_json, file=None if as_result else output)
 
 
 def read_target(

@@ -21,9 +21,8 @@ from vehicledyn.cli.options import (
     is_result_name,
     speeds_in_si,
 )
-from vehicledyn.cli.performing import draw_figures, perform
+from vehicledyn.cli.performing import perform, show
 from vehicledyn.cli.replacing import MODES, RESPONSE, Overwrite, check_replacing
-from vehicledyn.cli.terminal import emit_report
 
 if TYPE_CHECKING:
     from vehicledyn.files.scenario import LoadedModel, LoadedScenario
@@ -105,9 +104,7 @@ def eig(
         overwrite=True,
         plots=plots,
     )
-    if plots is not None:
-        draw_figures(data, plots)
-    emit_report(data.report, as_json=as_json, file=None if is_result else output)
+    show(data, as_json=as_json, plots=plots, file=None if is_result else output)
 
 
 def _targets(
@@ -207,6 +204,4 @@ def response(
         overwrite=True,
         plots=plots,
     )
-    if plots is not None:
-        draw_figures(data, plots)
-    emit_report(data.report, as_json=as_json)
+    show(data, as_json=as_json, plots=plots)

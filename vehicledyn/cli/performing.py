@@ -71,7 +71,20 @@ def conclude(
     raise typer.Exit(code)
 
 
-def draw_figures(data: LabelledData, folder: Path) -> None:
+def show(
+    data: LabelledData, *, as_json: bool, plots: Path | None = None, file: Path | None = None
+) -> None:
+    """Draw the figures and print the report, which goes to a file as JSON as well if one is given.
+
+    For results that are either there or an error, such as eigenmodes.
+    """
+    if plots is not None:
+        _draw_tables(data, plots)
+    report: Any = data.report
+    emit_report(report, as_json=as_json, file=file)
+
+
+def _draw_tables(data: LabelledData, folder: Path) -> None:
     """Draw the standard figures of eigenmodes, responses, cycles or contacts into a folder."""
     from vehicledyn.results.plots.linear_results import linear_figures
     from vehicledyn.results.plots.picture_files import save_figures
@@ -87,7 +100,7 @@ def _draw(data: LabelledData, folder: Path, *, quiet: bool) -> tuple[list[str], 
 
     try:
         if data.kind != _RUN:
-            draw_figures(data, folder)
+            _draw_tables(data, folder)
             return [], OK
         with show_progress(quiet=quiet) as progress:
             progress("drawing the figures", None)

@@ -13,9 +13,9 @@ from vehicledyn.base.errors import InputError
 from vehicledyn.base.ranges import read_range
 from vehicledyn.base.units import to_si
 from vehicledyn.cli.options import Json
-from vehicledyn.cli.performing import draw_figures, perform
+from vehicledyn.cli.performing import perform, show
 from vehicledyn.cli.replacing import PROFILES, Overwrite, check_replacing
-from vehicledyn.cli.terminal import emit, emit_report
+from vehicledyn.cli.terminal import emit
 
 
 def add_verbs(app: typer.Typer) -> None:
@@ -112,9 +112,7 @@ def profiles(
         overwrite=True,
         plots=plots,
     )
-    if plots is not None:
-        draw_figures(data, plots)
-    emit_report(data.report, as_json=as_json)
+    show(data, as_json=as_json, plots=plots)
     for place in filter(None, () if as_json else (output, plots)):
         emit(f"written to {place}")
 
