@@ -60,7 +60,7 @@ class Way:
     """What came of following a way: how far it went, where it ended, what it passed.
 
     ``reached`` is the part of the way that could be gone, 1 if all of it; where it is less,
-    ``dead_end`` tells whether the last place reached is singular. ``heading`` is the change of
+    ``dead_end`` says whether the last place reached is singular. ``heading`` is the change of
     the unknowns a whole way at its end.
     """
 
@@ -230,7 +230,7 @@ class _Walk:
         return way
 
     def _choose_rows(self, u: Vector) -> None:
-        """Choose as many independent rows as unknowns, whose determinant tells crossings."""
+        """Choose as many independent rows as unknowns, whose determinant shows crossings."""
         slopes = self.equations.jacobian(u)
         _, _, order = qr(slopes.T, mode="economic", pivoting=True)
         self.kept = sorted(int(k) for k in order[: slopes.shape[1]])

@@ -1,4 +1,4 @@
-"""Eigenmodes of a linear system, with the zeros that belong to free motions told apart."""
+"""Eigenmodes of a linear system, with the zeros that belong to free motions distinguished."""
 
 from __future__ import annotations
 

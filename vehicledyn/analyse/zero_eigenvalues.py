@@ -1,4 +1,4 @@
-"""Zero eigenvalues of a matrix with their chains, told apart before anything is computed.
+"""Zero eigenvalues of a matrix with their chains, distinguished before anything is computed.
 
 A free body has a double zero with one eigenvector: computed like other eigenvalues it would
 come out as a pair as large as the square root of the rounding error. The staircase below finds

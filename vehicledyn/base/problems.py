@@ -1,4 +1,4 @@
-"""Problems of a file: each with its line and column, all of them told at once."""
+"""Problems of a file: each with its line and column, all of them reported at once."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The line that tells editors which schema a YAML file follows."""
+"""The line that shows editors which schema a YAML file follows."""
 
 from __future__ import annotations
 

@@ -29,7 +29,7 @@ def track(
         typer.Option(help='Distance of the lines such as "5 m"; about 25 lines if left out.'),
     ] = None,
     speed: Annotated[
-        str | None, typer.Option(help='Speed such as "80 km/h", to tell what cant curves lack.')
+        str | None, typer.Option(help='Speed such as "80 km/h", to report what cant curves lack.')
     ] = None,
     output: Annotated[
         Path | None, typer.Option("--output", "-o", help="Table (CSV) to write.")

@@ -81,7 +81,7 @@ class Term(NamedTuple):
 class Language:
     """What differs between languages; ``templates`` are those of operations not written alike.
 
-    ``brackets`` and ``first`` tell how elements of arrays are written, ``member`` those of the
+    ``brackets`` and ``first`` say how elements of arrays are written, ``member`` those of the
     structure of parameters.
     """
 

@@ -62,7 +62,7 @@ class BatchResult:
 
 
 Finished: TypeAlias = Callable[[range, Samples, tuple[CaseEnd, ...]], None]
-"""Told the numbers of cases that are done, their samples and how they ended."""
+"""Called with the numbers of cases that are done, their samples and how they ended."""
 
 
 @dataclass(frozen=True)
@@ -92,7 +92,7 @@ def make_batch(
         Cases side by side: 1, 4 or 8; None for what suits this processor, which is also the
         most that it is given.
     progress
-        Told what is going on.
+        Called with what is going on.
 
     Returns
     -------
@@ -169,16 +169,16 @@ def run_batch(
         :func:`vehicledyn.analyses.simulation.repartitioning.simulate_watched`, which changes the
         dependent coordinates.
     rates
-        Tells how well constraints without loops determine the dependent rates, where a model has
+        Says how well constraints without loops determine the dependent rates, where a model has
         such; cases in which they become weak are left to the runner as well.
     judged
         Gives what the accuracy of a case, by number, is judged by; the channels that are kept if
         left out.
     finished
-        Told of cases as soon as they are done, a few at a time, in order. An interrupt
+        Called with cases as soon as they are done, a few at a time, in order. An interrupt
         (Ctrl-C, heeded within a fifth of a second) loses only those that are under way.
     progress
-        Told the part done.
+        Called with the part done.
 
     Returns
     -------

@@ -1,6 +1,6 @@
 """Implicit integration with CasADi's integrators where events are watched.
 
-CasADi's own events tell no times, and cvodes and idas look for them at samples only. So each
+CasADi's own events report no times, and cvodes and idas look for them at samples only. So each
 sampling interval is integrated on a grid at least as fine as the method's own steps, and the
 points of the grid are watched. Trial points come from calls of the method that start at the
 grid point before the event.

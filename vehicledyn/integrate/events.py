@@ -1,4 +1,4 @@
-"""Find the events of a run, let them happen and tell about them; every method uses this.
+"""Find the events of a run, let them happen and report them; every method uses this.
 
 A method watches its own points, as close together as it steps: an event whose function changes
 sign and back between two of them is missed. Where one fires, the method makes trial points in
@@ -24,7 +24,7 @@ _RESOLUTION = 1e-12
 """Bracket of an event when it counts as found [s]; late in a run some units of rounding."""
 
 _LOOK_AHEAD = 1000.0
-"""How far behind an event its function tells the side, in brackets of that width.
+"""How far behind an event its function shows the side, in brackets of that width.
 
 Nothing is watched up to there: what the event left of its function may have either sign.
 """

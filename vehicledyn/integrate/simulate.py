@@ -57,9 +57,9 @@ def simulate(
         Called with times, states, unknowns and outputs as they are found, also those found
         before an error or an interrupt.
     progress
-        Told the part done.
+        Called with the part done.
     happened
-        Told name and time [s] of each event when it happens. A terminal event ends the
+        Called with name and time [s] of each event when it happens. A terminal event ends the
         integration, with a last sample at its time; a sample at the time of an event shows
         the state after its reset.
     judged
@@ -142,7 +142,7 @@ def make_task(
 
 
 def _silent(what: str, part: float | None) -> None:
-    """Tell nobody."""
+    """Show nothing."""
 
 
 def _tell_nobody(name: str, time: float) -> None:

@@ -23,7 +23,7 @@ Sink: TypeAlias = Callable[[Vector, Vector, Vector, Vector], None]
 """Takes times (n,), states, unknowns and outputs (n, ...) of samples, in order."""
 
 Happened: TypeAlias = Callable[[str, float], None]
-"""Told name and time [s] of each event, in order, when it happens."""
+"""Called with name and time [s] of each event, in order, when it happens."""
 
 _MOST_NUMBERS = 1_000_000
 

@@ -41,7 +41,7 @@ from vehicledyn.symbolic.equations import Block, Equations
 
 Backend: TypeAlias = Literal["auto", "compiled", "interpreted"]
 Progress: TypeAlias = Callable[[str, float | None], None]
-"""Told what is being done and the done part of it, between 0 and 1, where that is known."""
+"""Called with what is being done and the done part of it, between 0 and 1, where that is known."""
 
 _log = logging.getLogger(__name__)
 
@@ -273,7 +273,7 @@ def compile_kernel(
         two that works; a large model that is not evaluated often is interpreted, since its first
         result comes sooner then.
     progress
-        Told what is going on.
+        Called with what is going on.
     evaluations
         How many evaluations of the rates are expected; None where few are, or nobody knows.
 
@@ -387,4 +387,4 @@ def _check_blocks(blocks: tuple[Block, ...], n_unknowns: int) -> None:
 
 
 def _silent(what: str, part: float | None) -> None:
-    """Tell nobody."""
+    """Show nothing."""

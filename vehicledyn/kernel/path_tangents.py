@@ -117,7 +117,7 @@ class _Steps:
     """Steps and the points where their Jacobians are.
 
     ``times`` (n_steps,) at which they begin [s], their ``sizes`` [s], the ``durations`` that they
-    lie in, their ``errors``; ``rows`` (n_steps, 3) tell the points at the begin, in the middle and
+    lie in, their ``errors``; ``rows`` (n_steps, 3) give the points at the begin, in the middle and
     at the end, -1 for none. ``points``, ``rates`` (n_points, n) and ``entries`` (n_points,
     n_entries) of the Jacobian are those of the points, ``n_points`` of them; behind these is room.
     """

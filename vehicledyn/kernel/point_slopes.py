@@ -209,8 +209,8 @@ class PointCode:
     ) -> Vector:
         """Return the derivatives of motions by their begins and the parameter.
 
-        Shape (n_motions, n, n + 1). ``counts`` (n_motions,) tell how many of the steps that lie
-        behind each other belong to each; they are told as for :meth:`missed`.
+        Shape (n_motions, n, n + 1). ``counts`` (n_motions,) say how many of the steps that lie
+        behind each other belong to each; they are given as for :meth:`missed`.
         """
         lanes, n = self._lanes, self._n_values
         order = np.argsort(-counts, kind="stable")

@@ -63,7 +63,7 @@ class Wanted:
         return ("flow.c", "tangents.c") if self.often else ()
 
     def key(self, *further: str) -> str:
-        """Return a text that tells all that the code depends on."""
+        """Return a text with all that the code depends on."""
         import casadi
 
         function = casadi.Function("values", [self.point, self.parameter], [self.values])

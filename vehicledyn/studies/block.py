@@ -265,7 +265,7 @@ def _worker_of(work: Work) -> Worker:
 
 
 def _silent(what: str, part: float | None) -> None:
-    """Tell nobody."""
+    """Show nothing."""
 
 
 def facts_of(work: Work, tell: Tell) -> tuple[Worker, Any]:

@@ -30,7 +30,7 @@ def study_digests(study: Study, base: LoadedScenario, design: Design) -> dict[st
 
 
 def _built(base: LoadedScenario) -> Any:
-    """Return what tells one system built in Python from another: its equations and its start."""
+    """Return what distinguishes systems built in Python: its equations and its start."""
     equations = Derived(base, build_subject(base)).equations
     starts = [float(item.start) for item in (*equations.states, *equations.unknowns)]
     return [fingerprint(equations), [table.digest for table in equations.tables], starts]

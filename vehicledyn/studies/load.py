@@ -1,4 +1,4 @@
-"""From a study file to cases that may run; every problem of the file is told at once."""
+"""From a study file to cases that may run; every problem of the file is reported at once."""
 
 from __future__ import annotations
 

@@ -149,7 +149,7 @@ class Model:
 
     @cached_property
     def rates(self) -> RateWatch | None:
-        """What tells of rates that constraints without loops determine, None without such."""
+        """What watches rates that constraints without loops determine, None without such."""
         return rates_watched(self.prepared.equations, lambda: self.prepared.watch)
 
     def figures(self, case: Case, times: Vector, samples: Vector) -> list[Any]:
@@ -353,4 +353,4 @@ def _shape(subject: Subject) -> tuple[Any, ...]:
 
 
 def _silent(what: str, part: float | None) -> None:
-    """Tell nobody."""
+    """Show nothing."""

@@ -80,7 +80,7 @@ class Event:
     A terminal event ends the run. ``resets`` are pairs (state, row of the equations' ``reset``):
     at the event these states take the new values r(t, x, z, p), all at once, after which the
     unknowns are solved anew; ``guesses`` are pairs (unknown, row of ``reset``) of where to look
-    for them then. ``advice`` tells what a terminal event means and what to do, ``outcome`` how the
+    for them then. ``advice`` says what a terminal event means and what to do, ``outcome`` how the
     run then ended: "ok", "derailed", "lifted", "overturned" or "sunk".
     """
 

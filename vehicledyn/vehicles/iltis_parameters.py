@@ -158,7 +158,7 @@ def check_triangle(value: float, info: ValidationInfo, *others: str) -> float:
     value
         The inertia being read [kg m²].
     info
-        What was read before it; a value that was refused is told already and skipped.
+        What was read before it; a value that was refused is reported already and skipped.
     others
         Names of the other two; the field's own name where a body has the same value twice.
 

@@ -336,7 +336,7 @@ def test_a_section_sees_filters_that_have_settled():
     [
         ({"step": 0.05}, "wheels axles comfort", "20 samples a second are too few"),
         ({"duration": 4.9}, "comfort", "4.9 s are shorter than a window of 5 s"),
-        ({"front.track_position": None}, "axles wear", "no channel tells the distance run"),
+        ({"front.track_position": None}, "axles wear", "no channel gives the distance run"),
         ({"speed": 0.03}, "axles", "only 1.8 m were run"),
         ({"cabin.vertical": None}, "", "N_MV of cabin is left out: there is no cabin.vertical"),
         (dict.fromkeys(f"cabin.{d}" for d in DIRECTIONS), "comfort", "there is no accelerometer"),

@@ -2,5 +2,5 @@
 
 From an equilibrium that begins to oscillate (:mod:`.critical`) or from a simulated motion
 (:mod:`.settled`) an orbit is found (:mod:`.collocation`) and followed by pseudo-arclength
-continuation (:mod:`.branch`); :mod:`.floquet` tells its stability.
+continuation (:mod:`.branch`); :mod:`.floquet` determines its stability.
 """

@@ -78,7 +78,7 @@ def follow_cycles(
     branch
         Filled as points are found, so that they are kept where an interrupt comes.
     told
-        Told each point.
+        Called with each point.
 
     Raises
     ------
@@ -241,7 +241,7 @@ class _Tracer:
         except NumericalError as error:
             self.branch.remarks.append(
                 f"no cycle is found at {self.parameter} = {edge:.6g}, where the range "
-                f"ends ({error}); the last one told is at {before.orbit.parameter:.6g}"
+                f"ends ({error}); the last one found is at {before.orbit.parameter:.6g}"
             )
 
     def _is_inside(self, point: CyclePoint) -> bool:

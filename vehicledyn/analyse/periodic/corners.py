@@ -1,7 +1,7 @@
 """Pass a corner of a branch of cycles, at which its direction turns within no length.
 
 A contact that just begins to touch makes the derivatives of the motion jump: those on this side
-tell nothing of where the branch goes on. Those beyond do, at orbits that are not closed: a guess
+say nothing about where the branch goes on. Those beyond do, at orbits that are not closed: a guess
 some way ahead is taken, the direction that its tangents have is turned to the side that the sense
 of the branch asks for, and the orbit is corrected across it with the derivatives from there.
 """
@@ -29,7 +29,7 @@ _AGREES = 0.9
 """Cosine of the angle up to which the direction of an orbit is that with which it was found."""
 
 _OPPOSITE = 1e-6
-"""Squared sine of the angle below which two legs tell nothing of where they meet."""
+"""Squared sine of the angle below which two legs say nothing about where they meet."""
 
 
 def behind_corner(

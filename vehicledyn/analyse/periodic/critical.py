@@ -56,7 +56,7 @@ class Balance:
 class Hopf:
     """Equilibrium with a purely imaginary pair: its frequency ω [rad/s] and shape.
 
-    ``shape`` (n_kept,) and ``unknowns_shape`` are complex; ``begins`` tells whether the
+    ``shape`` (n_kept,) and ``unknowns_shape`` are complex; ``begins`` says whether the
     oscillation begins to grow, rather than to decay, where the parameter gets larger.
     """
 

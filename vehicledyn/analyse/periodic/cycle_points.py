@@ -73,7 +73,7 @@ class Branch:
     """Points in the order they were found, special ones among them, and how it ended.
 
     ``ending`` is "range" (the parameter left it), "equilibrium" (the orbit shrank to one),
-    "points" or "lost"; ``reason`` says it in words. ``remarks`` tell special points that are
+    "points" or "lost"; ``reason`` says it in words. ``remarks`` name special points that are
     known roughly only, and ways outside the range.
     """
 

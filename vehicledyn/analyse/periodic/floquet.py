@@ -17,7 +17,7 @@ STABLE = 1.0 + 1e-6
 class Multipliers:
     """All multipliers (n_kept,) and the trivial one, which belongs to a shift along the orbit.
 
-    The trivial one is 1 on the exact orbit; its distance from 1 tells how good they all are.
+    The trivial one is 1 on the exact orbit; its distance from 1 says how good they all are.
     ``others`` (n_kept - 1,) are those of disturbances across the motion.
     """
 

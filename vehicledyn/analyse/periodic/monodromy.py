@@ -7,7 +7,7 @@ by Radau's method. For the flow and its tangent Φ
     Φ f(x(0)) = f(x(h)),
 
 also across a kink of the rates f. By how much a step misses that is its error: steps shrink where
-it is too large, down to the kink, whose side is thus told as finely as the multipliers need.
+it is too large, down to the kink, whose side is thus resolved as finely as the multipliers need.
 """
 
 from __future__ import annotations
@@ -184,7 +184,7 @@ def passages_along(
     shifted
         Distance of the trivial multiplier from 1 from which on the next tolerance is asked for.
     mirror
-        Tells that the path is half the orbit, the other half its image.
+        Says that the path is half the orbit, the other half its image.
     """
     tangents = field.tangents(path, orbit.parameter, scales=scales)
     for tolerance in tolerances:

@@ -46,7 +46,7 @@ NODES, _WEIGHTS = _nodes_and_weights()
 
 @dataclass
 class Steps:
-    """Steps that were tried, k of them; ``found`` (k,) tells where there is one.
+    """Steps that were tried, k of them; ``found`` (k,) says where there is one.
 
     ``ends`` (k, n), their derivatives ``by_state`` (k, n, n) and ``by_parameter`` (k, n);
     ``rates`` (k, n) are those at the ends [1/s].

@@ -51,7 +51,7 @@ is 1, and else."""
 
 _MOVED = 1e-5
 """Correction from which on an orbit that has returned is looked for more finely: where a multiplier
-is near 1, what is left of the gap tells little."""
+is near 1, what is left of the gap says little."""
 
 _ITERATIONS, _SLOW, _MOST_VAIN, _LOST = 16, 0.3, 2, 3.0
 """Iterations; reduction of the gap from which derivatives are found anew; iterations without
@@ -79,7 +79,7 @@ def returning(
     field
         The equations, with compiled code that carries them along.
     guess
-        Its first point counts; the mesh tells where points of the orbit are wanted.
+        Its first point counts; the mesh says where points of the orbit are wanted.
     near
         Passages of an orbit near by on the same mesh.
     parameter_scale

@@ -52,7 +52,7 @@ class _LocatedError(Exception):
 
 @dataclass
 class SpecialPoints:
-    """Looks for special points; ``remarks`` tell those that could not be located.
+    """Looks for special points; ``remarks`` name those that could not be located.
 
     ``side`` is the sign of the parameter's last slope along the branch.
     """
@@ -159,7 +159,7 @@ class SpecialPoints:
     def _remark(
         self, kind: str, points: list[CyclePoint], measure: Callable[[CyclePoint], float]
     ) -> None:
-        """Tell between which points, in their order, one lies at which a measure passes zero."""
+        """Return between which points, in their order, one lies at which a measure passes zero."""
         ends = [
             f"{point.orbit.parameter:.8g}"
             for pair in pairwise(points)

@@ -48,7 +48,7 @@ def lower(
     expected: Sequence[float] = (),
     told: Callable[[Settled], None],
 ) -> Lowered:
-    """Change the parameter step by step and tell each settled cycle; return where it is gone.
+    """Change the parameter step by step and report each settled cycle; return where it is gone.
 
     A cycle that dies after a large step may live there after small ones, so that each trial
     starts from the last one that lives.
@@ -68,7 +68,7 @@ def lower(
     expected
         Values at which it may, such as folds: they are tried first.
     told
-        Told each motion that lasts.
+        Called with each motion that lasts.
     """
     search = _Lowering(runner, balances, resolution, told)
     return search.run(list(values), size, expected)

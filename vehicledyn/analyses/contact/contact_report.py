@@ -1,4 +1,4 @@
-"""What contact geometry tells people and programs."""
+"""Contact geometry as text and as plain data."""
 
 from __future__ import annotations
 

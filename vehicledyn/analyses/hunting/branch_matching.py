@@ -59,7 +59,7 @@ class Legs:
     model
         The equations.
     rows
-        Tells the range of the first channel.
+        Gives the range of the first channel.
     branches
         They may get more.
     """

@@ -175,7 +175,7 @@ class Check:
         )
 
     def _tell(self, what: str, values: Sequence[float]) -> None:
-        """Tell at which value each simulation is, and how much is done."""
+        """Report at which value each simulation is, and how much is done."""
         first, last = values[0], values[-1]
 
         def begins(value: float) -> None:

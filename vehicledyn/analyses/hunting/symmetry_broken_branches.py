@@ -49,7 +49,7 @@ class Follow(Protocol):
 class Secondary:
     """Branches that branch off the first ones of a study.
 
-    ``branches`` and ``messages`` are those of the study, ``span`` its range; ``origins`` tell by
+    ``branches`` and ``messages`` are those of the study, ``span`` its range; ``origins`` say by
     number where branches begin.
     """
 

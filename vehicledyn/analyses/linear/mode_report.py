@@ -1,4 +1,4 @@
-"""What eigenmodes tell people and programs."""
+"""Eigenmodes as text and as plain data."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ class ModesAtSpeed:
 class ModesReport:
     """Modes of a model in one or several cases; ``table`` holds their shapes.
 
-    ``has_speed`` tells a vehicle from a system, which no single speed describes.
+    ``has_speed`` distinguishes a vehicle from a system, which no single speed describes.
     """
 
     model: str

@@ -1,4 +1,4 @@
-"""What a frequency response tells people and programs."""
+"""Frequency responses as text and as plain data."""
 
 from __future__ import annotations
 

@@ -76,7 +76,7 @@ def sweep_kinematics(
     output
         Result file; checked before anything is computed.
     progress
-        Told what is going on.
+        Called with what is going on.
 
     Raises
     ------

@@ -230,7 +230,7 @@ def run_sweep(
         Whether the drives move at once, through values of the same number, instead of through
         all combinations.
     told
-        Told the part that is done.
+        Called with the part that is done.
     """
     return _Explorer(machine, drives, together, told).go()
 

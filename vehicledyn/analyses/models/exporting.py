@@ -52,7 +52,7 @@ def export_target(
     path
         File to write, or the folder to write it to; None for the present folder.
     progress
-        Told what is going on.
+        Called with what is going on.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""Digests that tell models apart: by their equations, and by their parameters too."""
+"""Digests that distinguish models: by their equations, and by their parameters too."""
 
 from __future__ import annotations
 

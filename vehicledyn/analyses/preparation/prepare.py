@@ -66,7 +66,7 @@ def prepare(
     backend
         "auto", "compiled" or "interpreted".
     progress
-        Told what is going on and the part done.
+        Called with what is going on and the part done.
     change
         Returns a changed subject, before its equations are derived.
     check
@@ -205,7 +205,7 @@ def _by_partitioning(prepared: Prepared, speed: float, kind: Literal["static", "
 def _let_down(prepared: Prepared, start: Point) -> float | None:
     """Return the step in which a road vehicle settles that starts with a wheel off the ground.
 
-    Wheels that only just touch count, since rounding alone would tell which of them carry [m or
+    Wheels that only just touch count, since rounding alone would decide which of them carry [m or
     rad].
     """
     subject, e = prepared.subject, prepared.equations

@@ -83,7 +83,7 @@ class Prepared:
 
     @property
     def resistance(self) -> Resistance:
-        """Tells which motions have inertia."""
+        """Says which motions have inertia."""
         return self.derived.derivation.resistance
 
     @property

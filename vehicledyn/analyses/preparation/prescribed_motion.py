@@ -162,7 +162,7 @@ def read_table(path: Path, system: System, wanted: Sequence[str]) -> TableMotion
     Raises
     ------
     InputError
-        If the file cannot be read, or a column, unit or value is wrong; tells the line.
+        If the file cannot be read, or a column, unit or value is wrong; the message names the line.
     """
     if path.suffix.lower() in (".h5", ".hdf5", ".nc"):
         with open_result(path) as result:

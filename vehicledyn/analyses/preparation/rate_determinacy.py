@@ -1,4 +1,4 @@
-"""Tell batches of cases how well constraints determine rates that no loop determines."""
+"""Show batches of cases how well constraints determine rates that no loop determines."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ Vector = NDArray[np.float64]
 def rates_watched(
     equations: Equations, make_watch: Callable[[], PartitionWatch]
 ) -> RateWatch | None:
-    """Return what tells of the dependent rates of a model, None where it has none of its own."""
+    """Return what watches the dependent rates of a model, None where it has none of its own."""
     structure: dict[str, Any] = equations.structure
     if not structure.get("rate_dependent"):
         return None

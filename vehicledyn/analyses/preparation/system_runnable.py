@@ -34,7 +34,7 @@ SETTLING = 2e-5
 """Step in which wheels are let down on their rails, a part of their approach [m or rad]."""
 
 MOST_COORDINATES = 12
-"""Coordinates whose ranges the summary tells."""
+"""Coordinates whose ranges the summary gives."""
 
 _MOST_PATHS = 3
 _FORCE_UNITS = ("N", "N*m")

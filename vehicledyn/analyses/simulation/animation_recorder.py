@@ -102,7 +102,7 @@ class Recorder:
 
     @property
     def reach(self) -> tuple[float, float] | None:
-        """Smallest and largest place along the track [m]; along x where no channel tells it."""
+        """Smallest and largest place along the track [m]; along x where no channel gives it."""
         if np.isfinite(self._reach).all():
             return self._reach
         x = self.path[:, 0]

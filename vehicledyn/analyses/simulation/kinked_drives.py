@@ -1,4 +1,4 @@
-"""Tell of driven coordinates whose rates jump: what hangs on them does not feel the impulse."""
+"""Report driven coordinates whose rates jump: what hangs on them does not feel the impulse."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Start values that the constraints do not allow: told when a run starts elsewhere."""
+"""Start values that the constraints do not allow: reported when a run starts elsewhere."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ _MOST = 4
 
 
 def moved_starts(prepared: Prepared, start: Point) -> list[str]:
-    """Return a line that tells which coordinates of a system start elsewhere than was given.
+    """Return a line that says which coordinates of a system start elsewhere than was given.
 
     Given is what is not zero. Positions that contradict the constraints are no mistake, because
     a rough guess of where the loops close is one too; rates that do are refused.

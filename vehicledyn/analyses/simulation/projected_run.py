@@ -2,7 +2,7 @@
 
 The equations project the states wherever they are evaluated; so that drift stays small, runs go
 in pieces, each of which begins on the constraints. Between two looks at the motion the sign of
-det(J J'ᵀ), J' being the Jacobian of the look before, tells whether it has lost its rank: it is
+det(J J'ᵀ), J' being the Jacobian of the look before, says whether it has lost its rank: it is
 positive for any small change but one through a singular configuration.
 """
 

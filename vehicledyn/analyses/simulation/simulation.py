@@ -111,7 +111,7 @@ def run_scenario(
     backend
         "auto", "compiled" or "interpreted".
     progress
-        Told what is going on and the part done.
+        Called with what is going on and the part done.
     restart
         Result, partial or whole, of the same equations and parameters to go on from.
 
@@ -330,7 +330,7 @@ class _Run:
             self.notes.append(f"warning: {accuracy.warning}")
 
     def _cause(self) -> str:
-        """Return what the last sample tells of the cause of a failure, if anything."""
+        """Return what the last sample says about the cause of a failure, if anything."""
         return "" if self._last is None else hardly_resisted(self.prepared, *self._last)
 
     def _end(self) -> float:

@@ -1,4 +1,4 @@
-"""Tables of named columns with units, as CSV: read at once, every problem told with its line.
+"""Tables of named columns with units, as CSV: read at once, every problem reported with its line.
 
 The first line that is no comment names the columns, each with its unit in brackets, such as
 ``s [m], cant [mm], kind``. A # opens a comment. Columns are parted by commas, semicolons or tabs.

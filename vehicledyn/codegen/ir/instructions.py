@@ -45,7 +45,7 @@ class Instruction(NamedTuple):
 class Program:
     """Instructions in the order of computation, and (output, element, value) of each result.
 
-    ``done`` tells how many instructions precede each result. ``shared`` are the functions that are
+    ``done`` says how many instructions precede each result. ``shared`` are the functions that are
     called; their arguments are the elements of input 0, their results those of output 0.
     """
 

@@ -3,7 +3,7 @@
 A row holds the origin, 1 / step, the step, the number of the last cell and the address of the
 cells, all as doubles, so each case in lanes or on a GPU can have curves of its own. An address
 fills the fraction of a double between 1 and 2: a double that held nothing else would be so small
-that a processor told to do without such numbers takes it for zero.
+that a processor set to do without such numbers takes it for zero.
 """
 
 from __future__ import annotations

@@ -2,7 +2,7 @@
 
 The joints of a long chain call the same few functions one after the other. Where the arguments
 of a call lie side by side, the function is given their first place and nothing is copied; a row
-of the function's table tells the places of each call, so a loop needs no code for each joint.
+of the function's table gives the places of each call, so a loop needs no code for each joint.
 """
 
 from __future__ import annotations

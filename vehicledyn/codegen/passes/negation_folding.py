@@ -93,7 +93,7 @@ class _Turning:
                 self._leave_out(user, index)
 
     def _takes_negative(self, user: int, value: int) -> bool:
-        """Tell whether a value enters another with the other sign only, as code is printed."""
+        """Return whether a value enters another with the other sign only, as code is printed."""
         item = self._values[user]
         if item.operation == "NEG":
             return True

@@ -54,7 +54,7 @@ def mirrored_constants(prepare: Program) -> dict[int, Signed]:
 
 
 def _identity(item: Instruction, operands: list[Signed]) -> tuple[tuple[object, ...], int]:
-    """Return what tells an instruction from others, and its sign beside that."""
+    """Return what distinguishes an instruction, and its sign beside that."""
     name = item.operation
     signs = [sign for _, sign in operands]
     kept = [number for number, _ in operands]

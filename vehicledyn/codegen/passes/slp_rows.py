@@ -127,7 +127,7 @@ class _Finder:
         self._place: dict[int, tuple[int, int]] = {}
 
     def is_worth_it(self) -> bool:
-        """Tell whether enough values have a neighbourhood that occurs once a place."""
+        """Return whether enough values have a neighbourhood that occurs once a place."""
         for _ in range(_FIRST_LOOK):
             self._look_further()
         counts = Counter(self._colours[-1][k] for k in self._candidates())

@@ -53,7 +53,7 @@ def cuda_source(equations: Equations) -> str:
 
 
 def _contents(equations: Equations) -> str:
-    """Return a comment that tells the order of all numbers, with units and starts."""
+    """Return a comment that gives the order of all numbers, with units and starts."""
     named: list[tuple[str, list[str]]] = [
         ("parameters p", [f"{p.name} [{p.unit}] = {p.value!r}" for p in equations.parameters]),
         ("states x", [f"{v.name} [{v.unit}] = {v.start!r}" for v in equations.states]),

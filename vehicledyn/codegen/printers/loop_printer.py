@@ -11,7 +11,7 @@ from vehicledyn.codegen.printers.value_printer import PieceValues
 
 
 def place_table(rolled: Rolled, own: str) -> str:
-    """Return the table that tells the places of the calls of the function ``own``."""
+    """Return the table that gives the places of the calls of the function ``own``."""
     lines = ",\n".join(f"  {{{', '.join(map(str, row))}}}" for row in rolled.rows)
     width = len(rolled.given.arrays) + len(rolled.found.arrays)
     return f"static const int {own}_at[][{width}] = {{\n{lines}\n}};\n"

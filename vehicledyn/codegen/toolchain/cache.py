@@ -115,7 +115,7 @@ def load(
         See :func:`obtain`.
     open_library
         Opens a library; what it raises of OSError, AttributeError, ValueError and RuntimeError
-        tells that the file is none.
+        says that the file is none.
 
     Raises
     ------

@@ -52,7 +52,7 @@ class CompilationError(Exception):
 class Compiler:
     """A compiler that answered: its command, its version and what it builds for.
 
-    ``processor`` tells processors apart that understand other instructions; empty if unknown.
+    ``processor`` distinguishes processors that understand other instructions; empty if unknown.
     """
 
     command: tuple[str, ...]

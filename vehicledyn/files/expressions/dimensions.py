@@ -27,8 +27,8 @@ class Measure:
     """Powers of metre, kilogram, second and radian.
 
     ``bare`` holds the value of a number written without unit, which in a sum takes the other
-    side's unit and in a product is a pure number. ``exact`` tells that nothing was calculated,
-    so that a frequency and an angular velocity are told apart; elsewhere radians come and go.
+    side's unit and in a product is a pure number. ``exact`` says that nothing was calculated,
+    so that a frequency and an angular velocity are distinguished; elsewhere radians come and go.
     """
 
     powers: Powers

@@ -155,7 +155,7 @@ def expressions(item: ParameterSet, name: str) -> Iterator[tuple[tuple[int, ...]
 
 
 def read_mapping(value: Any) -> Any:
-    """Return a mapping with its values read as expressions, all mistakes told at once."""
+    """Return a mapping with its values read as expressions, all mistakes reported at once."""
     if not isinstance(value, dict):
         return {} if value is None else value
     read, complaints = {}, []

@@ -27,7 +27,7 @@ def check_times(data: dict[str, Any], scenario: Scenario | None, sources: Source
     ----------
     data
         Content of the file; used where the scenario as a whole is not valid, so that these
-        problems are told together with the others.
+        problems are reported together with the others.
     scenario
         The valid scenario, or None.
     sources

@@ -1,4 +1,4 @@
-"""From a scenario file to a validated, resolved run; every problem of the file is told at once."""
+"""From a scenario file to a validated, resolved run; every problem of it is reported at once."""
 
 from __future__ import annotations
 
@@ -349,7 +349,7 @@ def _check_top(document: Document) -> list[Problem]:
 
 
 def _unless_told(told: list[Problem], new: list[Problem]) -> list[Problem]:
-    """Return the new problems but for those at a place where one is told already."""
+    """Return the new problems but for those at a place where one is reported already."""
     places = {(problem.mark, problem.field) for problem in told if problem.mark is not None}
     return [problem for problem in new if (problem.mark, problem.field) not in places]
 

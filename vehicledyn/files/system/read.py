@@ -1,4 +1,4 @@
-"""Read a system file: every problem of it is told at once, with line and field."""
+"""Read a system file: every problem of it is reported at once, with line and field."""
 
 from __future__ import annotations
 

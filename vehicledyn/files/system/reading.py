@@ -174,7 +174,7 @@ class Reading:
 
 
 def once(problems: list[Problem]) -> list[Problem]:
-    """Return the problems, those that repetition tells several times only once."""
+    """Return the problems, those that repetition gives several times only once."""
     return list({(p.source, p.mark, p.message): p for p in reversed(problems)}.values())[::-1]
 
 

@@ -27,7 +27,7 @@ It is the root of a share of mass: below, the mass matrix is singular to roundin
 """
 
 _ASIDE = 0.3
-"""Largest step to the configurations that tell a singular place from a singular system."""
+"""Largest step to the configurations that distinguish a singular place from a singular system."""
 _ROUNDING = 1e-13
 _SHOWN = 1e-3
 _PER_LINK = 18

@@ -112,7 +112,7 @@ class JointType(ABC):
 
     @property
     def turns_otherwise(self) -> bool:
-        """Whether R is a rotation that no axis of the frame tells."""
+        """Whether R is a rotation that no axis of the frame gives."""
         return False
 
     @property

@@ -20,7 +20,7 @@ from vehicledyn.multibody.model.system import System
 
 Array = NDArray[np.float64]
 _STEP_ASIDE = 1e-3
-"""Step that tells a singular configuration from redundant constraints [m, rad]."""
+"""Step that distinguishes a singular configuration from redundant constraints [m, rad]."""
 _GUESSES = 4
 _SAME = 1e-6
 """Coordinates nearer to each other than this belong to one solution [m, rad]."""

@@ -1,6 +1,6 @@
 """Bodies displaced one by one: which force and torque a constraint puts on each of them.
 
-A constraint acts on the coordinates with λ ∂h/∂q. That does not tell how it acts on the bodies,
+A constraint acts on the coordinates with λ ∂h/∂q. That does not say how it acts on the bodies,
 because joints carry a part. By virtual work it does: with every body b displaced by d_b and turned
 by θ_b, free of its joints, the force on it is λ ∂h/∂d_b and the torque λ ∂h/∂θ_b.
 """
@@ -131,7 +131,7 @@ class Displaced:
     def __getattr__(self, name: str) -> Any:
         raise InputError(
             f"constraint '{self._constraint}' uses '{name}' of the kinematics; reactions can be "
-            "told only of constraints that use coordinates, positions, rotations and velocities"
+            "known only for constraints that use coordinates, positions, rotations and velocities"
         )
 
     def action(self, residual: Residual) -> UnitAction:

@@ -46,7 +46,7 @@ class Loops:
 
     ``positions`` is the partition of the coordinates; that of the rates stands in the closure.
     ``start`` holds the assembled value of every coordinate. Coordinates are indexed like
-    ``Symbols.joints``, rows like ``constraints``. ``stresses`` tells which multipliers are not
+    ``Symbols.joints``, rows like ``constraints``. ``stresses`` says which multipliers are not
     unique; it is empty where no constraint is redundant. ``kinematics`` is that at symbolic
     rates, with the motions that the constraints look at evaluated. ``rigid`` are loops without
     freedom.

@@ -30,7 +30,7 @@ class SolvedForces:
     """What joints transmit and constraints exert in a solved system.
 
     Results hold symbols in place of the multipliers until :meth:`settled` replaces them, so
-    that it can be told which of them are unique.
+    that it can be reported which of them are unique.
     """
 
     def __init__(

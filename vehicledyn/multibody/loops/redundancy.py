@@ -2,7 +2,7 @@
 
 Where rows of the Jacobian depend on each other, S J = 0, any multiple of a row of S may be added
 to the multipliers without any effect on the motion. What such a self-stress changes cannot be
-told from rigid bodies; all else can.
+determined from rigid bodies; all else can.
 """
 
 from __future__ import annotations

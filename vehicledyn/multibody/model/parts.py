@@ -135,7 +135,7 @@ class PartEvent:
     ``guesses`` are places from which dependent coordinates, by name, are solved anew: where loops
     have several solutions, such as the points at which two profiles touch, they go over to
     another one. With ``lands`` the constraints that hold there are met by an inelastic impact.
-    ``advice`` tells what a terminal event means and what to do, ``outcome`` how the
+    ``advice`` says what a terminal event means and what to do, ``outcome`` how the
     run then ended, "ok", "derailed", "lifted", "overturned" or "sunk".
     """
 

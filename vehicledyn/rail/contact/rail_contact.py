@@ -44,9 +44,9 @@ class RailWheels:
         Creep law; its parameters may be symbols.
     guide
         Arc coordinate near the body as a function of time [m], where the motion of its carrier
-        tells it.
+        gives it.
     first_place
-        Arc coordinate at the start where nothing tells it, on a track that is straight up to
+        Arc coordinate at the start where nothing gives it, on a track that is straight up to
         there [m].
     nearest
         Distance of the nearest other axle of the vehicle along the track, zero where there is

@@ -100,7 +100,7 @@ def largest_attack(curvature: float, nearest: float = 0.0) -> float:
 
     Axles stand square to their vehicle: a wheel has the angle at which the track turns from where
     the vehicle is tangential to it up to the wheel. That is a wheelbase away at most, where the
-    rear axle stands radially; of two axles, the nearest other one tells it.
+    rear axle stands radially; of two axles, the nearest other one gives it.
 
     Parameters
     ----------

@@ -42,7 +42,7 @@ def draw_film(
     speed
         Seconds of the result a second.
     progress
-        Told the part done.
+        Called with the part done.
 
     Raises
     ------

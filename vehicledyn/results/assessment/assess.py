@@ -127,7 +127,7 @@ def _distance(subjects: Subjects, samples: Samples) -> Floats | None:
     """Return the way from the start of the run at the section's samples; None if unknown.
 
     All bodies of a vehicle go the same way; coordinates relative to another body hardly move. So
-    the channel that goes farthest tells it, arc coordinates along the track before others.
+    the channel that goes farthest gives it, arc coordinates along the track before others.
     """
     known = [name for name in subjects.ways if name in samples.channels]
     ways = {name: np.abs(np.diff(samples.channels[name])) for name in known}
@@ -146,7 +146,7 @@ def _assess_safety(
 ) -> None:
     if subjects.axles and distance is None:
         found.remarks.append(
-            "sliding means over the track are left out: no channel tells the distance run; keep "
+            "sliding means over the track are left out: no channel gives the distance run; keep "
             "a 'track_position', a coordinate 'x' or a 'forward_speed'"
         )
     elif subjects.axles and found.way is not None and found.way < WAY:
@@ -234,7 +234,7 @@ def _assess_transitions(
     if not floors:
         found.remarks.append(
             "comfort on curve transitions is left out: there is no sensor of kind 'floor', which "
-            "tells what is felt along the floor and how fast it rolls"
+            "says what is felt along the floor and how fast it rolls"
         )
     elif len(found.transitions) < len(floors) * len(transitions):
         found.remarks.append(

@@ -41,7 +41,7 @@ _STRAIGHT = 1e-5
 _LEVEL = 1e-3
 """Cant below which a track counts as level [m]."""
 _LONG_ENOUGH = 0.2
-"""Time on straight track that tells the static load [s]."""
+"""Time on straight track that gives the static load [s]."""
 _LIFTED = 0.01
 """Part of its static load below which a wheel counts as lifted: Y/Q means nothing [1]."""
 

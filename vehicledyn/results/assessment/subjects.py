@@ -19,8 +19,8 @@ class Subjects:
     """Names found among the channels of a run.
 
     ``axles`` holds the wheels of each body that has any; ``sensors`` the accelerometers, of which
-    ``floors`` tell the roll rate too; ``worn`` the wheels whose wear number is known; ``ways``
-    channels that may tell the distance run, in m, and ``speeds`` in m/s; ``bends`` those of the
+    ``floors`` give the roll rate too; ``worn`` the wheels whose wear number is known; ``ways``
+    channels that may give the distance run, in m, and ``speeds`` in m/s; ``bends`` those of the
     curvature of the track, in 1/m, of frames before axles, and ``cants`` of its cant at axles.
     """
 

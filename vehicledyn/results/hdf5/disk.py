@@ -100,7 +100,7 @@ class _SteadyFile:
         return self._file.tell()
 
     def read(self, size: int = -1) -> bytes:
-        """Return bytes; h5py tells a file object by this method."""
+        """Return bytes; h5py recognises a file object by this method."""
         return self._file.read(size) or b""
 
     def readinto(self, buffer: bytearray | memoryview) -> int:

@@ -100,7 +100,7 @@ class _Layer:
         return self._place
 
     def read(self, size: int = -1) -> bytes:
-        """Return bytes; h5py tells a file object by this method."""
+        """Return bytes; h5py recognises a file object by this method."""
         data = self._bytes(self._size - self._place if size < 0 else size, self._place)
         self._place += len(data)
         return data

@@ -142,7 +142,7 @@ def _panels(lines: Sequence[Line], title: str) -> Figure:
 
 
 def _draw_panel(axes: Any, lines: Sequence[Line]) -> None:
-    """Draw lines of one unit: colours tell arrays apart and styles results, or colours both."""
+    """Draw lines of one unit: colours distinguish arrays and styles results, or colours both."""
     names = list(dict.fromkeys(line.name for line in lines))
     sources = list(dict.fromkeys(line.source for line in lines))
     labels: list[str] = []

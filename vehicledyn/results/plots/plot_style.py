@@ -1,4 +1,4 @@
-"""How figures look: size, colours that colour-blind readers tell apart, fonts, labels.
+"""How figures look: size, colours that colour-blind readers can distinguish, fonts, labels.
 
 References
 ----------

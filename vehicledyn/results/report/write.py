@@ -32,7 +32,7 @@ def write_report(
     against
         Another result of the same kind to show beside it.
     told
-        Told what is going on and the part done.
+        Called with what is going on and the part done.
 
     Raises
     ------

@@ -80,7 +80,7 @@ class SimulatedRow:
     """A motion that simulation reached: parameter, amplitude of the first channel, period [s].
 
     ``spread`` is by what part of itself the amplitude varies where it has not settled, ``seconds``
-    how long it was simulated [s]; ``ending`` tells whether it settled.
+    how long it was simulated [s]; ``ending`` says whether it settled.
     """
 
     value: float
