@@ -9,6 +9,7 @@ from __future__ import annotations
 import importlib
 import pkgutil
 import re
+import sys
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -35,7 +36,7 @@ def register(family: str, name: str) -> Callable[[type[T]], type[T]]:
         catalogue = _catalogues.setdefault(family, {})
         holder = _holder(catalogue.get(name))
         if holder not in ("", entry.__module__) or _is_another(catalogue.get(name), entry):
-            raise ValueError(f"{family} '{name}' is registered twice; {holder} has it")
+            raise ValueError(f"{family} '{name}' is registered twice; {_place(holder)} has it")
         entry.family = family  # type: ignore[attr-defined]
         entry.kind = name  # type: ignore[attr-defined]
         catalogue[name] = entry
@@ -47,6 +48,12 @@ def register(family: str, name: str) -> Callable[[type[T]], type[T]]:
 def _holder(known: type[Any] | str | Callable[[], type[Any]] | None) -> str:
     """Return the module that an entry of a catalogue is from, empty for none."""
     return known if isinstance(known, str) else getattr(known, "__module__", "")
+
+
+def _place(module: str) -> str:
+    """Return where a module is to be found: its name, of one of the user's own its file."""
+    file = getattr(sys.modules.get(module), "__file__", None)
+    return module if file is None or module.partition(".")[0] == PACKAGE else str(file)
 
 
 def _is_another(known: Any, entry: type[Any]) -> bool:

@@ -9,9 +9,9 @@ from typing import Any
 
 TAKE_PLUGINS = (
     "run", "sweep", "validate", "schema", "models", "equilibrium", "eig", "response", "hunt",
-    "kinematics", "inverse", "export", "track",
+    "kinematics", "inverse", "export", "track", "doctor",
 )  # fmt: skip
-"""Verbs that load models."""
+"""Verbs that load models or list catalogues."""
 
 PLUGINS = "plugins"
 PLUGIN_HELP = "Python file that registers laws or parts of your own; may be repeated."

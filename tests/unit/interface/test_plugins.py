@@ -1,6 +1,7 @@
 """A user's own laws are loaded by a file or an installed package, and by nothing else."""
 
 import os
+import re
 import subprocess
 import sys
 
@@ -96,6 +97,15 @@ def test_a_plugin_that_fails_is_one_message_and_registers_nothing(tmp_path, text
         vd.load_plugin(path)
     assert registry.kinds("tyre") == before
     assert str(path) not in plugins.loaded_plugins()
+
+
+def test_a_name_that_another_plugin_has_names_its_file(tmp_path):
+    first = written(tmp_path, SPRING, "taken_of_test")
+    second = first.with_name("second.py")
+    second.write_text(first.read_text(encoding="utf-8"), encoding="utf-8")
+    vd.load_plugin(first)
+    with pytest.raises(vd.InputError, match=rf"second\.py:8: .*twice; {re.escape(str(first))} has"):
+        vd.load_plugin(second)
 
 
 def test_what_is_no_python_file_is_refused(tmp_path):
