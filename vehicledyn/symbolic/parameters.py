@@ -42,8 +42,11 @@ class ParameterTable:
         """Enter every quantity of a set and return a copy of the set that holds the symbols.
 
         Nested sets are entered under ``prefix.field``; vectors become three parameters
-        ``prefix.field.x``, ``.y``, ``.z`` and a tuple of symbols; other fields are kept.
+        ``prefix.field.x``, ``.y``, ``.z`` and a tuple of symbols; other fields are kept. A set
+        whose quantities are numbers in the equations is kept as it is.
         """
+        if parameters.in_equations:
+            return parameters
         symbols: dict[str, Any] = {}
         for name, declared in type(parameters).model_fields.items():
             value = getattr(parameters, name)

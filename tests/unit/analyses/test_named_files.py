@@ -48,3 +48,11 @@ def test_changed_content_is_another_run(scenario, needs_compiler):
     assert key_of_run(loaded) == before
     data.write_text("2.0")
     assert key_of_run(loaded) != before
+
+
+def test_files_that_an_opencrg_file_includes_count(scenario):
+    scenario.with_name("road.crg").write_text("$ROAD_CRG_FILE\nbelow.crg\n$!\n$$$$\nafter.crg\n")
+    for name in ("below.crg", "after.crg"):
+        scenario.with_name(name).write_text("1")
+    found = names(load_scenario(scenario, ["title=road.crg"]))
+    assert found == {"slider_crank.yaml", "road.crg", "below.crg"}

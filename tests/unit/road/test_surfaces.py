@@ -28,6 +28,7 @@ EXAMPLES = {
         "cam_height": "390 mm",
         "cam_order": 2,
     },
+    "iso8608": {"road_class": "C", "length": "30 m", "start": "-8 m", "fade": "2 m", "seed": 5},
     "bump": {"crest": "200 mm", "length": 5.0, "start": 0.97, "mode": "anti_phase"},
     "sine": {"amplitude_x": 0.05, "wavelength_x": 2, "amplitude_y": 0.03, "wavelength_y": 3},
 }

@@ -11,7 +11,8 @@ from typing import Any
 from vehicledyn.base.files.limits import TooLargeError, UnreadableFileError, read_regular
 from vehicledyn.files.scenario import LoadedScenario
 
-_YAML = (".yaml", ".yml")
+_NAMING = (".yaml", ".yml", ".crg")
+_END_OF_HEADER = b"\n$$$$"
 _SUFFIX = re.compile(r"\.[A-Za-z0-9]{1,8}$")
 _QUOTED = re.compile(r"\"([^\"\n]+)\"|'([^'\n]+)'")
 _BARE = re.compile(r"[^\s\[\]{},\"']+")
@@ -23,7 +24,7 @@ LARGEST_FILE = 200_000_000
 def named_files(loaded: LoadedScenario) -> dict[str, str]:
     """Return digests of the contents of all files that a scenario names, by their paths.
 
-    Every text of the scenario, of its system and of the YAML files among those found is tried as
+    Every text of the scenario, of its system and of the YAML files and OpenCRG headers found is tried as
     the name of a file, relative to the file that holds it, since fields say nothing of whether
     they may name one.
     """
@@ -39,8 +40,9 @@ def named_files(loaded: LoadedScenario) -> dict[str, str]:
         if content is None:
             continue
         found[str(path)] = hashlib.sha256(content).hexdigest()
-        if path.suffix.lower() in _YAML:
-            words = _words(content.decode("utf-8", errors="replace"))
+        if path.suffix.lower() in _NAMING:
+            text = content.split(_END_OF_HEADER)[0] if path.suffix.lower() == ".crg" else content
+            words = _words(text.decode("utf-8", errors="replace"))
             waiting += [(word, path.parent) for word in words]
     return dict(sorted(found.items()))
 

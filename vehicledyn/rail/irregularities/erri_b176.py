@@ -117,7 +117,7 @@ class ErriB176(IrregularitySet):
         """Return the record of each quantity before it fades, shape (n,) [m]."""
         import numpy as np
 
-        from vehicledyn.rail.irregularities.irregularity import synthesise
+        from vehicledyn.base.numbers.random_waves import synthesise
 
         first = math.ceil(self.length / self.longest - 1e-9)
         last = math.floor(self.length / self.shortest + 1e-9)

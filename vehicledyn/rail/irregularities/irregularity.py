@@ -69,33 +69,3 @@ def _window(along: Array, length: float, fade: float) -> Array:
         return np.ones(along.shape)
     u = np.clip(np.minimum(along, length - along) / fade, 0.0, 1.0)
     return np.asarray(u**3 * (10.0 + u * (6.0 * u - 15.0)))
-
-
-def synthesise(
-    spectrum: Array, first: int, *, length: float, count: int, stream: tuple[int, int]
-) -> Array:
-    """Return a record whose one-sided spectrum is given, shape (count + 1,) [m].
-
-    The sum of waves √(2 S ΔΩ) cos(Ω s + φ) with phases φ drawn evenly from 0 to 2π by the bit
-    generator PCG64: the same seed gives the same record everywhere, but for rounding. The
-    variance is that of the spectrum whatever the phases; the record is as good as Gaussian where
-    there are many waves.
-
-    Parameters
-    ----------
-    spectrum
-        S at the multiples of ΔΩ = 2π / length from the ``first`` on [m²/(rad/m)].
-    first
-        Number of the first multiple.
-    length, count
-        Length of the record, after which it repeats, and number of steps in it [m, 1].
-    stream
-        Seed, and the number of the quantity: all quantities are independent of each other.
-    """
-    generator = np.random.Generator(np.random.PCG64(np.random.SeedSequence(stream)))
-    phases = generator.uniform(0.0, 2.0 * np.pi, len(spectrum))
-    amplitudes = np.sqrt(2.0 * spectrum * (2.0 * np.pi / length))
-    waves = np.zeros(count // 2 + 1, dtype=complex)
-    waves[first : first + len(spectrum)] = 0.5 * count * amplitudes * np.exp(1j * phases)
-    record = np.fft.irfft(waves, count)
-    return np.append(record, record[0])

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -97,7 +96,7 @@ def _whole(path: Path, depth: int) -> tuple[Header, bytes]:
     for name in header.includes:
         if depth == _MOST_INCLUDES:
             raise InputError(f"{path}: more than {_MOST_INCLUDES} files include each other")
-        below, data = _whole(path.parent / os.path.expandvars(name), depth + 1)
+        below, data = _whole(path.parent / name, depth + 1)
         _join(header, below)
         if below.has_data and not header.has_data:
             content = data

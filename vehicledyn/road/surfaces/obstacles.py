@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from functools import lru_cache
+from typing import ClassVar
 
 import numpy as np
 from pydantic import Field, model_validator
@@ -26,6 +27,8 @@ class Obstacles(RoadSurface):
     contact patch feels at the wheel's centre, so that no point of contact is looked for.
     With two cams the slope is that between them, not that of the height.
     """
+
+    in_equations: ClassVar[bool] = True
 
     crest: float = quantity("m", "Height of an obstacle; negative for a pothole")
     start: float = quantity("m", "World x where the first obstacle begins")
