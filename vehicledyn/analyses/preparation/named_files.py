@@ -24,9 +24,9 @@ LARGEST_FILE = 200_000_000
 def named_files(loaded: LoadedScenario) -> dict[str, str]:
     """Return digests of the contents of all files that a scenario names, by their paths.
 
-    Every text of the scenario, of its system and of the YAML files and OpenCRG headers found is tried as
-    the name of a file, relative to the file that holds it, since fields say nothing of whether
-    they may name one.
+    Every text of the scenario, of its system and of the YAML files and OpenCRG headers found is
+    tried as the name of a file, relative to the file that holds it, since fields say nothing of
+    whether they may name one.
     """
     found: dict[str, str] = {}
     waiting = [(text, loaded.path.parent) for text in _texts(loaded.resolved)]
