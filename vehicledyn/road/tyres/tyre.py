@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from abc import abstractmethod
 from dataclasses import dataclass
+from pathlib import Path
 
 from vehicledyn.base.parameters import ParameterSet
 from vehicledyn.symbolic.ops import Scalar
@@ -29,17 +30,23 @@ class TyreInput:
         α, within ±π/2 [rad].
     camber
         γ, inclination of the wheel plane to the ground normal [rad].
+    forward_speed
+        v_x of the wheel, negative in reverse; zero is a wheel at rest [m/s].
+    turn_slip
+        φ_t = -ψ̇/v, curvature of the path of the wheel, positive to the right [1/m].
     """
 
     normal_force: Scalar
     longitudinal_slip: Scalar
     slip_angle: Scalar
     camber: Scalar
+    forward_speed: Scalar = 0.0
+    turn_slip: Scalar = 0.0
 
 
 @dataclass(frozen=True)
 class TyreForces:
-    """Force on the tyre at the contact point and moment about the ground normal.
+    """Force and moment on the tyre at the contact point, axes of the contact frame.
 
     Attributes
     ----------
@@ -47,11 +54,25 @@ class TyreForces:
         Components along e_x and e_lat [N].
     aligning_moment
         Moment about the ground normal [N m].
+    overturning_moment
+        Moment about e_x, positive to the right [N m].
+    rolling_resistance
+        Moment about the spin axis, negative while the wheel rolls forwards [N m].
     """
 
     longitudinal_force: Scalar
     lateral_force: Scalar
     aligning_moment: Scalar
+    overturning_moment: Scalar = 0.0
+    rolling_resistance: Scalar = 0.0
+
+
+@dataclass(frozen=True)
+class RelaxationLengths:
+    """Distances over which forces build up along the wheel, σ_κ, and across it, σ_α [m]."""
+
+    longitudinal: Scalar
+    lateral: Scalar
 
 
 class Tyre(ParameterSet):
@@ -63,3 +84,11 @@ class Tyre(ParameterSet):
     @abstractmethod
     def forces(self, contact: TyreInput) -> TyreForces:
         """Return the steady forces of the tyre."""
+
+    def placed(self, folder: Path) -> Tyre:
+        """Return the same tyre; one that names a file looks for it in a folder."""
+        return self
+
+    def mounted(self, side: str) -> Tyre:
+        """Return the tyre as it is on the "left" or "right" of a car, or in the "middle"."""
+        return self

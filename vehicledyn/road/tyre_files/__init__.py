@@ -1,0 +1,1 @@
+"""Tyre property files (.tir): reading, units, names and defaults of coefficients, ranges."""

@@ -1,0 +1,77 @@
+"""Lines of a tyre property file: sections, names and values, with the line each stands on."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+from vehicledyn.base.files.limits import read_regular
+from vehicledyn.base.problems import Mark, Problem, refusal
+
+LARGEST_FILE = 2_000_000
+"""Most bytes that are read of a tyre property file; usual ones have 20 kB."""
+
+_SECTION = re.compile(r"\[\s*([^\]]+?)\s*\]")
+_TABLES = ("SHAPE", "DEFLECTION_LOAD_CURVE", "BOTTOMING_CURVE", "COMMENTS")
+"""Sections that hold no ``name = value`` lines alone, or only words."""
+
+
+@dataclass(frozen=True)
+class Entry:
+    """One ``name = value`` line; ``text`` is the value without quotes and comment."""
+
+    section: str
+    name: str
+    text: str
+    line: int
+
+
+def read_lines(path: Path) -> tuple[list[Entry], list[Problem]]:
+    """Return the entries of a tyre property file, and the problems of its lines.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be read, is too large or no text.
+    """
+    content = read_regular(path, LARGEST_FILE)
+    if b"\0" in content:
+        words = "this is a binary file; a tyre property file (.tir) is text"
+        raise refusal([Problem(str(path), Mark(1, 1), "", words)], str(path))
+    entries: list[Entry] = []
+    problems: list[Problem] = []
+    for item in _entries(content.decode("latin-1"), str(path)):
+        (entries if isinstance(item, Entry) else problems).append(item)  # type: ignore[arg-type]
+    if not entries and not problems:
+        words = "no 'NAME = value' lines; is this a tyre property file (.tir)?"
+        problems.append(Problem(str(path), Mark(1, 1), "", words))
+    return entries, problems
+
+
+def _entries(text: str, source: str) -> Iterator[Entry | Problem]:
+    section = ""
+    for number, raw in enumerate(text.splitlines(), start=1):
+        line = raw.strip()
+        if not line or line[0] in "$!#":
+            continue
+        found = _SECTION.match(line)
+        if found:
+            section = found[1].upper()
+        elif section in _TABLES or line[0] == "{":
+            continue
+        elif "=" in line:
+            name, _, rest = line.partition("=")
+            yield Entry(section, name.strip().upper(), _value(rest), number)
+        else:
+            words = f"expected 'NAME = value', found {line[:40]!r}"
+            yield Problem(source, Mark(number, 1), f"[{section}]" if section else "", words)
+
+
+def _value(rest: str) -> str:
+    """Return what stands behind the equals sign, without comment and quotes."""
+    text = rest.strip()
+    if text[:1] in ("'", '"'):
+        return text[1:].partition(text[0])[0].strip()
+    return re.split(r"[$!]", text, maxsplit=1)[0].strip()

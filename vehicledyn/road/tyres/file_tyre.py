@@ -1,0 +1,185 @@
+"""Base of the tyre laws whose coefficients are in a tyre property file (.tir)."""
+
+from __future__ import annotations
+
+from abc import abstractmethod
+from importlib.resources import files
+from pathlib import Path
+from typing import Any, ClassVar, Literal
+
+from pydantic import Field, field_validator
+
+from vehicledyn.base.errors import InputError, unknown_name
+from vehicledyn.base.parameters import quantity
+from vehicledyn.road.tyre_files.names import coefficients
+from vehicledyn.road.tyre_files.tyre_file import Range, TyreFile, read_tyre_file
+from vehicledyn.road.tyres.pacejka.coefficient_values import MIRRORED, Coefficients
+from vehicledyn.road.tyres.pacejka.relaxation_lengths import (
+    by_coefficients,
+    by_stiffness,
+    has_coefficients,
+    has_stiffness,
+)
+from vehicledyn.road.tyres.tyre import RelaxationLengths, Tyre, TyreForces, TyreInput
+
+_OTHER = {"left": "right", "right": "left"}
+
+
+class FileTyre(Tyre):
+    """Tyre whose coefficients come from a tyre property file.
+
+    The file's numbers stand in the equations as constants; ``friction`` and ``pressure`` are
+    parameters. A name without a folder that is not beside the scenario is looked for in the
+    library. A tyre measured for one side of the car is mirrored on the other side.
+    """
+
+    versions: ClassVar[tuple[str, ...]] = ()
+    """Versions of files that the law takes."""
+
+    file: str = Field(description="Tyre property file (.tir), beside the file that names it")
+    friction: float = quantity("1", "Factor of the friction, on λ_μx and λ_μy", default=1.0, gt=0)
+    pressure: float | None = quantity(
+        "Pa", "Inflation pressure, if not that of the file", default=None, gt=0
+    )
+    scaling: dict[str, float] = Field(
+        default_factory=dict, description="Scaling factors in place of those of the file"
+    )
+    convention: str | None = Field(
+        default=None, description="Rules where public programs disagree, if not the usual ones"
+    )
+    mirror: Literal["by_side", "never", "always", "symmetric"] = Field(
+        default="by_side",
+        description="When the tyre is mirrored; 'symmetric' drops what differs from side to side",
+    )
+
+    @field_validator("scaling")
+    @classmethod
+    def _know_factors(cls, value: dict[str, float]) -> dict[str, float]:
+        known = [c.name for c in coefficients().values() if c.section.startswith("SCALING")]
+        for name in value:
+            if name not in known:
+                raise ValueError(unknown_name("scaling factor", name, known))
+        return value
+
+    @abstractmethod
+    def steady_forces(self, p: Coefficients, contact: TyreInput) -> TyreForces:
+        """Return the forces of a tyre that is not mirrored."""
+
+    def forces(self, contact: TyreInput) -> TyreForces:
+        """Return the forces at combined slip, in ISO 8855 signs."""
+        p = self.coefficients()
+        if self.mirror != "always":
+            return self.steady_forces(p, contact)
+        there = TyreInput(
+            contact.normal_force,
+            contact.longitudinal_slip,
+            -contact.slip_angle,
+            -contact.camber,
+            contact.forward_speed,
+            -contact.turn_slip,
+        )
+        found = self.steady_forces(p, there)
+        return TyreForces(
+            found.longitudinal_force,
+            -found.lateral_force,
+            -found.aligning_moment,
+            -found.overturning_moment,
+            found.rolling_resistance,
+        )
+
+    def relaxation_lengths(self, contact: TyreInput) -> RelaxationLengths:
+        """Return the lengths by the file's coefficients, or else by the carcass's stiffness.
+
+        Raises
+        ------
+        InputError
+            If the file has neither.
+        """
+        p = self.coefficients()
+        if has_coefficients(p):
+            return by_coefficients(p, contact)
+        if has_stiffness(p):
+            return by_stiffness(p, contact)
+        raise InputError(
+            f"{self.path}: no relaxation lengths: the file has neither PTX1, PTY1 and PTY2 nor "
+            "LONGITUDINAL_STIFFNESS and LATERAL_STIFFNESS"
+        )
+
+    def coefficients(self) -> Coefficients:
+        """Return the file's coefficients with the changes of this tyre."""
+        p = Coefficients(self.content.values).changed(**self.scaling)
+        changes: dict[str, Any] = {
+            "LMUX": p.LMUX * self.friction,
+            "LMUY": p.LMUY * self.friction,
+        }
+        if self.pressure is not None:
+            changes["INFLPRES"] = self.pressure
+        if self.mirror == "symmetric":
+            changes |= dict.fromkeys(MIRRORED, 0.0)
+        return p.changed(**changes)
+
+    @property
+    def path(self) -> Path:
+        """The file, in the library where there is none of the name beside the scenario."""
+        path = Path(self.file)
+        library = Path(str(files("vehicledyn.library.tyres"))) / path.name
+        return library if not path.exists() and library.exists() else path
+
+    @property
+    def content(self) -> TyreFile:
+        """What the file says.
+
+        Raises
+        ------
+        InputError
+            If it cannot be read or is of a version that the law does not take.
+        """
+        content = read_tyre_file(self.path)
+        if self.versions and content.version not in self.versions:
+            raise InputError(
+                f"{self.path}: the file is of version {content.version}, the law '{self.kind}' "
+                f"takes {' and '.join(self.versions)}; leave 'kind' out to take what fits the file"
+            )
+        return content
+
+    @property
+    def ranges(self) -> dict[str, Range]:
+        """Return the ranges in which the file holds, by quantity."""
+        return self.content.ranges
+
+    def placed(self, folder: Path) -> FileTyre:
+        """Return the same tyre, its file looked for in a folder."""
+        return self.model_copy(update={"file": str(folder / self.file)})
+
+    def mounted(self, side: str) -> FileTyre:
+        """Return the tyre on a side of the car: mirrored if it was measured for the other."""
+        if self.mirror != "by_side":
+            return self
+        other = _OTHER.get(side) == self.content.side
+        return self.model_copy(update={"mirror": "always" if other else "never"})
+
+    def problems_beside(self, folder: Path) -> list[str]:
+        """Return what is wrong with the file, one line each."""
+        try:
+            placed = self.placed(folder)
+            placed.steady_forces(placed.coefficients(), TyreInput(1.0, 0.0, 0.0, 0.0))
+        except InputError as error:
+            lines = str(error).splitlines()
+            return lines[:-1] if len(lines) > 1 else lines
+        return []
+
+
+def convention_of(tyre: FileTyre, known: tuple[str, ...]) -> str:
+    """Return the convention of a tyre, the first of those known unless it names one.
+
+    Raises
+    ------
+    InputError
+        If it names another one.
+    """
+    chosen = tyre.convention or known[0]
+    if chosen not in known:
+        raise InputError(f"{tyre.path}: {unknown_name('convention', chosen, known)}")
+    return chosen
+
+

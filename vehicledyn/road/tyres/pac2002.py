@@ -1,0 +1,51 @@
+"""PAC2002 by tyre property file."""
+
+from __future__ import annotations
+
+from typing import ClassVar, Literal
+
+from pydantic import Field
+
+from vehicledyn.base.registry import register
+from vehicledyn.road.tyres.file_tyre import FileTyre, convention_of
+from vehicledyn.road.tyres.pacejka.coefficient_values import Coefficients
+from vehicledyn.road.tyres.pacejka.formula_52 import forces_52
+from vehicledyn.road.tyres.pacejka.formula_chrono import forces_chrono, lengths_chrono
+from vehicledyn.road.tyres.tyre import RelaxationLengths, TyreForces, TyreInput
+
+_UNCOMBINED = 3
+
+
+@register("tyre", "pac2002")
+class Pac2002(FileTyre):
+    """PAC2002; see :mod:`vehicledyn.road.tyres.pacejka.formula_52`.
+
+    Conventions: "standard" takes tan α and sin γ, "angles" takes α and γ, "chrono" follows
+    Chrono::Vehicle (:mod:`vehicledyn.road.tyres.pacejka.formula_chrono`).
+    """
+
+    versions: ClassVar[tuple[str, ...]] = ("pac2002", "5.2")
+
+    combined: Literal["ellipse", "pacejka", "none"] | None = Field(
+        default=None,
+        description="Combined slip by Chrono's rules; without it USE_MODE and FE_METHOD decide",
+    )
+
+    def steady_forces(self, p: Coefficients, contact: TyreInput) -> TyreForces:
+        """Return the forces of a tyre that is not mirrored."""
+        chosen = convention_of(self, ("standard", "angles", "chrono"))
+        if chosen == "chrono":
+            return forces_chrono(p, contact, self.combined or self._combined_of_file())
+        return forces_52(p, contact, angles=chosen == "angles")
+
+    def relaxation_lengths(self, contact: TyreInput) -> RelaxationLengths:
+        """Return the lengths by the file's coefficients, in the convention of the tyre."""
+        if self.convention == "chrono":
+            return lengths_chrono(self.coefficients(), contact)
+        return super().relaxation_lengths(contact)
+
+    def _combined_of_file(self) -> str:
+        content = self.content
+        if content.values.get("USE_MODE") == _UNCOMBINED:
+            return "none"
+        return "pacejka" if content.texts.get("FE_METHOD", "").upper() == "NO" else "ellipse"
