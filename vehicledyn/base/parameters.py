@@ -163,7 +163,8 @@ def read_part(family: str, value: Any) -> Any:
     family
         Name of the catalogue.
     value
-        Mapping with ``kind`` and the entry's own fields; a finished set is returned as it is.
+        Mapping with ``kind`` and the entry's own fields, or with ``file`` alone where the
+        catalogue has that kind; a finished set is returned as it is.
 
     Raises
     ------
@@ -180,8 +181,12 @@ def read_part(family: str, value: Any) -> Any:
     )
 
 
+_FILE = "file"
+"""Kind of a mapping that names a file and no kind, in catalogues that have it."""
+
+
 def _part_class(family: str, value: dict[str, Any]) -> type[ParameterSet]:
-    kind = value.get("kind")
+    kind = value.get("kind", _FILE if _FILE in value and _FILE in kinds(family) else None)
     if kind in kinds(family):
         entry: type[ParameterSet] = find(family, str(kind))
         return entry

@@ -287,6 +287,8 @@ def jacobian(expression: Any, variables: Any) -> Any:
 
 def is_structurally_zero(expression: Any) -> bool:
     """Return whether an expression is zero whatever the values of its symbols."""
+    if isinstance(expression, int | float):
+        return expression == 0.0
     return bool(expression.is_zero())
 
 

@@ -256,7 +256,7 @@ class _Corner:
             self.wheel,
             body=self.wheel,
             spin=self.description.spin,
-            tyre=tyre,
+            tyre=tyre.mounted("left" if self.is_left else "right"),
             surface=self.options.surface,
             radius=self.axle.unloaded_radius,
             stiffness=self.p.wheel.vertical_stiffness,

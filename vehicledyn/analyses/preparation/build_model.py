@@ -16,6 +16,7 @@ from vehicledyn.road.limits import limited
 from vehicledyn.road.manoeuvres.manoeuvre import RoadManoeuvre
 from vehicledyn.road.manoeuvres.straight import Straight
 from vehicledyn.road.surfaces.surface import RoadSurface
+from vehicledyn.road.tyres.tyre import Tyre
 from vehicledyn.road.vehicle import RoadOptions, RoadVehicle
 
 if TYPE_CHECKING:
@@ -109,8 +110,8 @@ def _options(loaded: LoadedScenario) -> RoadOptions:
     if problems:
         raise InputError("\n".join([*problems, f"{len(problems)} problem(s) in {loaded.path}"]))
     return RoadOptions(
-        front_tyre=s.tyres.front,  # type: ignore[union-attr, arg-type]
-        rear_tyre=s.tyres.rear,  # type: ignore[union-attr, arg-type]
+        front_tyre=_tyre(loaded, "front"),  # type: ignore[arg-type]
+        rear_tyre=_tyre(loaded, "rear"),  # type: ignore[arg-type]
         surface=_road(loaded),  # type: ignore[arg-type]
         free_wheels=is_free,
         speed=s.speed or 0.0,
@@ -130,8 +131,8 @@ def _choice(target: Target) -> RoadChoice:
     if problems:
         raise InputError("\n".join(f"{target.path}: manoeuvre: {text}" for text in problems))
     return RoadChoice(
-        front_tyre=s.tyres.front if s.tyres else None,
-        rear_tyre=s.tyres.rear if s.tyres else None,
+        front_tyre=_tyre(target, "front"),
+        rear_tyre=_tyre(target, "rear"),
         surface=_road(target),
         free_wheels=s.wheel_spin != "prescribed",
         speed=s.speed or 0.0,
@@ -141,6 +142,13 @@ def _choice(target: Target) -> RoadChoice:
         creep=s.creep,
         rail_contact=s.rail_contact,
     )
+
+
+def _tyre(loaded: LoadedScenario, axle: str) -> ParameterSet | None:
+    """Return the tyre of an axle, its file looked for beside the scenario."""
+    tyres = loaded.scenario.tyres
+    tyre = None if tyres is None else getattr(tyres, axle)
+    return tyre.placed(loaded.path.parent) if isinstance(tyre, Tyre) else tyre
 
 
 def _road(loaded: LoadedScenario) -> ParameterSet | None:

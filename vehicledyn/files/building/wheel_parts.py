@@ -9,6 +9,7 @@ from vehicledyn.files.system.sets import WheelSet
 from vehicledyn.multibody.elements.drives import ConstantRate
 from vehicledyn.multibody.model.parts import Part
 from vehicledyn.road.surfaces.surface import RoadSurface
+from vehicledyn.road.tyres.tyre import Tyre
 from vehicledyn.road.wheel.road_wheel import RoadWheel
 
 
@@ -40,7 +41,10 @@ def wheel_parts(values: Values) -> list[Part]:
         own = wheel.tyre
         tyre = tyres[wheel.axle]
         if tyre is None and own is not None:
-            tyre = values.table.add_set(f"{name}.tyre", own)
+            placed = own.placed(values.model.path.parent) if isinstance(own, Tyre) else own
+            tyre = values.table.add_set(f"{name}.tyre", placed)
+        if isinstance(tyre, Tyre):
+            tyre = tyre.mounted(wheel.side or "middle")
         part = RoadWheel(
             name,
             body=wheel.body,

@@ -14,7 +14,8 @@ def beside(parts: ParameterSet, folder: Path) -> Iterator[tuple[Place, str]]:
     """Yield what is wrong with files that parts name: the part's place, and one line of it.
 
     A part that names files has the method ``problems_beside``, which takes the folder of the file
-    that holds it and returns the lines. Parts may be fields, or entries of fields by name.
+    that holds it and returns the lines. Parts may be fields, entries of fields by name, or fields
+    of these.
     """
     for name in type(parts).model_fields:
         field = getattr(parts, name)
@@ -22,5 +23,7 @@ def beside(parts: ParameterSet, folder: Path) -> Iterator[tuple[Place, str]]:
         named: list[tuple[Place, Any]] = [((name, key), item) for key, item in entries]
         for place, part in named or [((name,), field)]:
             look = getattr(part, "problems_beside", None)
-            for line in look(folder) if callable(look) else ():
-                yield place, line
+            if callable(look):
+                yield from ((place, line) for line in look(folder))
+            elif isinstance(part, ParameterSet):
+                yield from (((*place, *inner), line) for inner, line in beside(part, folder))

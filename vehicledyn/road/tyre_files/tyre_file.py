@@ -175,10 +175,12 @@ def _complete(
     found: dict[str, float], entries: list[Entry], source: str, problems: list[Problem]
 ) -> dict[str, float]:
     """Return the numbers with the defaults of those that the file leaves out."""
-    values = {}
+    values, written = {}, {ALIASES.get(e.name, e.name) for e in entries}
     for name, coefficient in coefficients().items():
         if name in found:
             values[name] = found[name]
+        elif name in written:
+            continue  # not a number, which is a problem already
         elif coefficient.default == "required":
             problems.append(Problem(source, None, name, _missing(coefficient, entries)))
         elif coefficient.default != "none":

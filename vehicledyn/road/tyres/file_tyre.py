@@ -181,5 +181,3 @@ def convention_of(tyre: FileTyre, known: tuple[str, ...]) -> str:
     if chosen not in known:
         raise InputError(f"{tyre.path}: {unknown_name('convention', chosen, known)}")
     return chosen
-
-

@@ -149,6 +149,7 @@ class RoadWheel(BasePart):
             ("contact_y", "m", "Contact point, y", y, "world"),
             ("contact_z", "m", "Contact point, z", z, "world"),
             ("spin_rate", "rad/s", "Spin relative to the carrier", spin_rate, "joint"),
+            *_further_moments(forces),
         )
         return tuple(
             Output(Channel(f"{self.name}.{name}", unit, text, frame), value)
@@ -185,7 +186,7 @@ class RoadWheel(BasePart):
             camber = camber * rolling_share(ops.absolute(motion.longitudinal))
         else:
             slip, angle = transient.longitudinal_slip, transient.slip_angle
-        felt = TyreInput(load, slip, angle, camber)
+        felt = TyreInput(load, slip, angle, camber, motion.longitudinal)
         return WheelState(contact, motion, felt, self.tyre.forces(felt), transient)
 
     def _contact(self, situation: Situation) -> Contact:
@@ -251,5 +252,26 @@ class RoadWheel(BasePart):
         )
         arm = contact.position - situation.kinematics.position(self.body)
         torque = ops.cross(arm, force) + contact.normal * forces.aligning_moment
-        to_body = situation.kinematics.rotation(self.body).T
+        rotation = situation.kinematics.rotation(self.body)
+        if not ops.is_structurally_zero(forces.overturning_moment):
+            torque += contact.longitudinal * forces.overturning_moment
+        if not ops.is_structurally_zero(forces.rolling_resistance):
+            torque += rotation[:, 1] * forces.rolling_resistance
+        to_body = rotation.T
         return Wrench(self.body, to_body @ force, to_body @ torque)
+
+
+def _further_moments(forces: TyreForces) -> tuple[tuple[str, str, str, Scalar, str], ...]:
+    """Return the channels of the moments that only some tyre laws have."""
+    tilt, drag = forces.overturning_moment, forces.rolling_resistance
+    found = (
+        (
+            "tyre.overturning_moment",
+            "N*m",
+            "Tyre moment about the wheel's heading",
+            tilt,
+            "contact",
+        ),
+        ("tyre.rolling_resistance", "N*m", "Rolling resistance about the spin axis", drag, "joint"),
+    )
+    return tuple(item for item in found if not ops.is_structurally_zero(item[3]))

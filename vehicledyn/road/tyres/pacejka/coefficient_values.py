@@ -40,5 +40,5 @@ ASYMMETRIC = (
 )
 """Coefficients by which a tyre differs from its mirror image, or from itself turned round."""
 
-MIRRORED = tuple(name for name in ASYMMETRIC if name not in ("PEX4", "RHX1", "RHY1", "RHY2"))
+MIRRORED = tuple(name for name in ASYMMETRIC if name not in ("PEX4", "RHY1", "RHY2"))
 """Coefficients by which a tyre differs from its mirror image."""

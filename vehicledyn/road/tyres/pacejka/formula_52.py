@@ -67,15 +67,11 @@ def forces_52(p: Coefficients, contact: TyreInput, *, angles: bool = False) -> T
     share, extra = _across_weight(p, state, slip, across)
     free = share * across.force
     fy = free + extra
-    moment = _aligning(p, state, slip, along, across, free)
+    moment = _aligning(p, state, slip, (along, across), free)
     arm = p.SSZ1 + p.SSZ2 * fy / state.nominal + (p.SSZ3 + p.SSZ4 * state.load_change) * slip.camber
     moment += p.UNLOADED_RADIUS * p.LS * arm * fx
     tilt, resistance = other_moments(p, state, fx, fy, slip.camber)
-    return TyreForces(
-        *(state.share * item for item in (fx, fy, moment)),
-        overturning_moment=state.share * tilt,
-        rolling_resistance=state.share * resistance,
-    )
+    return TyreForces(*(state.share * item for item in (fx, fy, moment, tilt, resistance)))
 
 
 def longitudinal(p: Coefficients, s: State, slip: Slip) -> PureCurve:
@@ -151,10 +147,11 @@ def _across_weight(
 
 
 def _aligning(
-    p: Coefficients, s: State, slip: Slip, along: PureCurve, across: PureCurve, free: Scalar
+    p: Coefficients, s: State, slip: Slip, curves: tuple[PureCurve, PureCurve], free: Scalar
 ) -> Scalar:
     """Return the moment by pneumatic trail and the residual moment."""
     df = s.load_change
+    along, across = curves
     camber = p.LGAZ * slip.camber
     at = slip.angle + p.QHZ1 + p.QHZ2 * df + (p.QHZ3 + p.QHZ4 * df) * camber
     ar = slip.angle + across.horizontal_shift + across.vertical_shift / across.stiffness

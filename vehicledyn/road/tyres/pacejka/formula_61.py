@@ -69,9 +69,7 @@ RULES = {
     "standard": Rules(),
     "tangent": Rules(pure_tangent=True, moment_tangent=True),
     "angles": Rules(combined_tangent=False, sine=False),
-    "mf_tyre_library": Rules(
-        moment_tangent=True, residual_cosine_twice=True, upright_moment=True
-    ),
+    "mf_tyre_library": Rules(moment_tangent=True, residual_cosine_twice=True, upright_moment=True),
 }
 """Rules by name of the convention."""
 
@@ -103,11 +101,7 @@ def forces_61(p: Coefficients, contact: TyreInput, rules: Rules) -> TyreForces:
     arm = p.SSZ1 + p.SSZ2 * fy / s.nominal + (p.SSZ3 + p.SSZ4 * s.load_change) * camber
     mz += p.UNLOADED_RADIUS * p.LS * arm * fx
     tilt, drag = other_moments(p, s, fx, fy)
-    return TyreForces(
-        *(s.share * item for item in (fx, fy, mz)),
-        overturning_moment=s.share * tilt,
-        rolling_resistance=s.share * drag,
-    )
+    return TyreForces(*(s.share * item for item in (fx, fy, mz, tilt, drag)))
 
 
 def _is_zero(value: Scalar) -> bool:

@@ -2,9 +2,9 @@
 
 It takes α and γ as angles, bounds B (x + S_h) to ± (π/2 - 0.01), adds 0.1 N to C D before the
 division, takes magnitudes of friction and of B_t and B_xα, scales K_y by λ_μy in place of λ_Ky and
-leaves out the influence of camber on F_x. Combined slip goes by its friction ellipse, by Pacejka's weights, or
-is left out. With Pacejka's weights the sign of κ stands before the equivalent angle of the trail,
-so that M_z jumps at κ = 0, where the trail is the largest.
+leaves out the influence of camber on F_x. Combined slip goes by its friction ellipse, by
+Pacejka's weights, or is left out. With Pacejka's weights the sign of κ stands before the
+equivalent angle of the trail, so that M_z jumps at κ = 0, where the trail is the largest.
 
 References
 ----------
@@ -70,11 +70,7 @@ def forces_chrono(p: Coefficients, contact: TyreInput, combined: str) -> TyreFor
         arm = p.SSZ1 + p.SSZ2 * fy / s.nominal + (p.SSZ3 + p.SSZ4 * s.load_change) * s.camber
         mz += p.UNLOADED_RADIUS * p.LS * arm * fx
     tilt, drag = other_moments(p, s, fx, fy, s.camber)
-    return TyreForces(
-        *(s.share * item for item in (fx, fy, mz)),
-        overturning_moment=s.share * tilt,
-        rolling_resistance=s.share * drag,
-    )
+    return TyreForces(*(s.share * item for item in (fx, fy, mz, tilt, drag)))
 
 
 def _longitudinal(p: Coefficients, s: State) -> _Curve:
@@ -118,7 +114,10 @@ def _on_ellipse(s: State, along: _Curve, across: _Curve) -> tuple[Scalar, Scalar
     """Return the pure forces reduced in the direction of the slip; ratios keep it smooth."""
     x = s.slip + along.shift + along.rise / along.stiffness
     y = ops.sin(s.angle + across.shift + across.rise / across.stiffness)
-    used_x, used_y = ops.absolute(along.force - along.rise), ops.absolute(across.force - across.rise)
+    used_x, used_y = (
+        ops.absolute(along.force - along.rise),
+        ops.absolute(across.force - across.rise),
+    )
     part_x = y * used_x / across.peak
     part_y = x * used_y / along.peak
     size_x, size_y = (ops.smooth_norm(item, 0.0, _SLIP_FLOOR) for item in (x, y))

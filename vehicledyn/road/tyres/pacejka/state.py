@@ -19,7 +19,13 @@ LOAD_CEILING = 4.0
 """Load over nominal load above which forces are in proportion to the load [1]."""
 
 CAMBER_LIMIT = 0.6
-"""Camber beyond which the forces no longer change, unless the file's range is wider [rad]."""
+"""Camber beyond which forces no longer change, for files without a range [rad]."""
+
+CAMBER_MARGIN = 1.5
+"""Camber over the end of the file's range beyond which forces no longer change [1]."""
+
+_LEAST_LIMIT = 0.2
+"""Least of these limits [rad]."""
 
 ANGLE_LIMIT = 1.5
 """Slip angle beyond which its tangent no longer grows [rad]."""
@@ -78,7 +84,6 @@ def state_of(p: Coefficients, contact: TyreInput) -> State:
     """Return the state at a contact, its values kept where the formulas have meaning."""
     nominal = p.FNOMIN * p.LFZO
     load = ops.minimum(floored(contact.normal_force, LOAD_FLOOR * nominal), LOAD_CEILING * nominal)
-    widest = max(CAMBER_LIMIT, abs(getattr(p, "CAMMAX", 0.0)), abs(getattr(p, "CAMMIN", 0.0)))
     quarter = 0.5 * math.pi
     return State(
         load,
@@ -87,10 +92,17 @@ def state_of(p: Coefficients, contact: TyreInput) -> State:
         (p.INFLPRES - p.NOMPRES) / p.NOMPRES,
         contact.longitudinal_slip,
         limited(contact.slip_angle, quarter),
-        limited(contact.camber, min(widest, quarter)),
+        limited(contact.camber, _camber_limit(p)),
         contact.forward_speed,
         contact.normal_force / load,
     )
+
+
+def _camber_limit(p: Coefficients) -> float:
+    if not (p.has("CAMMIN") and p.has("CAMMAX")):
+        return CAMBER_LIMIT
+    widest = CAMBER_MARGIN * max(abs(float(p.CAMMIN)), abs(float(p.CAMMAX)))
+    return min(max(widest, _LEAST_LIMIT), 0.5 * math.pi)
 
 
 def limited(value: Scalar, most: float) -> Scalar:

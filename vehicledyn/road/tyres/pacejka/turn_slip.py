@@ -79,7 +79,7 @@ def turn_factors(
         z1=ops.cos(ops.atan(peak_x * size)),
         z2=z2,
         z3=z3,
-        z4=1.0 + _shift(p, s, slip, radius * phi, stiffness[1] * z3, share),
+        z4=1.0 + _shift(p, s, slip, phi=radius * phi, slopes=(stiffness[1] * z3, share)),
         z5=trail,
         z6=ops.cos(ops.atan(p.QBRP1 * size)),
         z7=z7,
@@ -88,10 +88,13 @@ def turn_factors(
 
 
 def _shift(
-    p: Coefficients, s: State, slip: Slip, phi: Scalar, stiffness: Scalar, share: Scalar
+    p: Coefficients, s: State, slip: Slip, *, phi: Scalar, slopes: tuple[Scalar, Scalar]
 ) -> Scalar:
-    """Return ζ_4 - 1 = S_Hyφ - S_Vyγ/K_yα, the shift of the side force."""
-    df = s.load_change
+    """Return ζ_4 - 1 = S_Hyφ - S_Vyγ/K_yα, the shift of the side force.
+
+    ``slopes`` are K_yα and the share ε_γ of camber in the spin.
+    """
+    df, (stiffness, share) = s.load_change, slopes
     thrust = s.load * (p.PKY6 + p.PKY7 * df) * (1.0 + p.PPY5 * s.pressure_change) * p.LKYC
     slope = thrust / (1.0 - share + _SMALL)
     D = (p.PHYP2 + p.PHYP3 * df) * ops.sign(s.speed)

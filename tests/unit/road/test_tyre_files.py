@@ -1,0 +1,113 @@
+"""Tyre property files: units, defaults, ranges, and every problem with its line."""
+
+import pytest
+
+from vehicledyn.base.errors import InputError
+from vehicledyn.road.tyre_files.names import coefficients
+from vehicledyn.road.tyre_files.tyre_file import read_tyre_file
+
+UNITS = {
+    "LENGTH": "meter",
+    "FORCE": "newton",
+    "ANGLE": "radians",
+    "MASS": "kg",
+    "TIME": "second",
+}
+NEEDED = {
+    "UNLOADED_RADIUS": 0.3,
+    "LONGVL": 16.6,
+    "FNOMIN": 4000,
+    "PCX1": 1.6,
+    "PDX1": 1.1,
+    "PKX1": 20,
+    "PCY1": 1.3,
+    "PDY1": 1.0,
+    "PKY1": -20,
+    "PKY2": 2,
+}
+
+
+@pytest.fixture
+def write(tmp_path):
+    def write(units=(), model="FITTYP = 61", **values):
+        lines = ["[UNITS]", *(f"{k} = '{v}'" for k, v in {**UNITS, **dict(units)}.items() if v)]
+        lines += ["[MODEL]", model, "[VERTICAL]  $ all in one section"]
+        lines += [f"{k} = {v}  $ comment" for k, v in {**NEEDED, **values}.items() if v is not None]
+        path = tmp_path / "a.tir"
+        path.write_text("\n".join(lines), encoding="latin-1")
+        return path
+
+    return write
+
+
+def refused(path):
+    with pytest.raises(InputError) as error:
+        read_tyre_file(path)
+    return str(error.value)
+
+
+def test_units_become_si(write):
+    units = {"LENGTH": "mm", "FORCE": "kN", "ANGLE": "deg", "TIME": "ms"}
+    values = {"UNLOADED_RADIUS": 300, "FNOMIN": 4, "LONGVL": 16.6, "ALPMIN": -90, "ALPMAX": 90}
+    content = read_tyre_file(write(units, **values, VERTICAL_STIFFNESS=0.2, YAW_STIFFNESS=1))
+    found = content.values
+    assert found["UNLOADED_RADIUS"] == pytest.approx(0.3)
+    assert found["FNOMIN"] == 4000.0 and found["LONGVL"] == pytest.approx(16.6)
+    assert found["VERTICAL_STIFFNESS"] == pytest.approx(200e3)
+    assert found["YAW_STIFFNESS"] == pytest.approx(57.2957795)
+    assert content.ranges["slip_angle"].highest == pytest.approx(1.5707963)
+
+
+def test_defaults_and_names(write):
+    found = read_tyre_file(write(LFZ0=0.9, PHX1="1.5E-003", PHX2="-2d-3", SECRET=1))
+    assert found.values["LFZO"] == 0.9 and found.values["LMUX"] == 1.0
+    assert found.values["PHX1"] == 1.5e-3 and found.values["PHX2"] == -2e-3
+    assert found.values["PKY4"] == 2.0 and found.values["QSX1"] == 0.0
+    assert found.unknown == ("SECRET",) and found.version == "6.1" and found.side == "unknown"
+    assert all(c.meaning or c.section == "MODEL" for c in coefficients().values())
+
+
+@pytest.mark.parametrize(
+    ("fit", "version"), [(6, "5.2"), (52, "5.2"), (61, "6.1"), (62, "6.2"), (21, "5.2")]
+)
+def test_versions(write, fit, version):
+    assert read_tyre_file(write(model=f"FITTYP = {fit}")).version == version
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        ({"model": "FITTYP = 44"}, "a.tir:8:1: FITTYP: no Magic Formula of version '44'"),
+        ({"model": "USE_MODE = 4"}, "FITTYP: missing"),
+        ({"model": "FITTYP=61\nTYRESIDE='UP'"}, "TYRESIDE: no side named 'UP'"),
+        ({"PKY1": None}, "PKY1: missing: Maximum value of stiffness"),
+        ({"pky1": -20}, "PKY1: stands twice; it was given in line 18"),
+        ({"units": {"FORCE": "newtn"}}, "a.tir:3:1: [UNITS] FORCE: no unit of force named 'newtn'"),
+        ({"units": {"FORCE": ""}}, "[UNITS]: missing: FORCE"),
+        ({"FZMIN": 9e3, "FZMAX": 1e3}, "FZMIN: the range is turned round: FZMIN 9000, FZMAX 1000"),
+        ({"PDX1": "abc"}, "a.tir:14:1: PDX1: expected a number, found 'abc'"),
+        ({"PDX1": "nan"}, "PDX1: expected a number, found 'nan'"),
+        ({"FNOMIN": -1}, "FNOMIN: must be above zero"),
+        ({"PKY2": 0}, "PKY2: must not be zero"),
+    ],
+)
+def test_problems_are_named_with_their_line(write, change, words):
+    assert words in refused(write(**change))
+
+
+def test_all_problems_at_once(write):
+    assert "4 problems" in refused(write(PDX1="x", PCX1=0, PKX1=None, FNOMIN=0))
+
+
+def test_what_is_no_text(tmp_path):
+    path = tmp_path / "a.tir"
+    path.write_bytes(b"\x7fELF\0\0\1")
+    assert "binary" in refused(path)
+    path.write_text("[MODEL]\nhello")
+    assert "a.tir:2:1: [MODEL]: expected 'NAME = value'" in refused(path)
+    path.write_text("")
+    assert "no 'NAME = value' lines" in refused(path)
+    path.write_bytes(b"$" * 3_000_000)
+    assert "larger than 2 MB" in refused(path)
+    assert "no such file" in refused(tmp_path / "none.tir")
+    assert "folder" in refused(tmp_path)
