@@ -4,6 +4,7 @@ from pathlib import Path
 
 import pytest
 
+import vehicledyn.catalogue  # noqa: F401
 from vehicledyn.analyses.preparation.build_model import build_vehicle
 from vehicledyn.base.errors import InputError
 from vehicledyn.files.scenario import load_scenario

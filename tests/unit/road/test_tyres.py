@@ -338,7 +338,7 @@ def test_scaling_friction_and_pressure():
     assert vector(slick, 4e3, 0.1, 0.1, 0.0) == pytest.approx(vector(half, 4e3, 0.1, 0.1, 0.0))
     soft = find("tyre", "file")(**base, pressure="2 bar")
     assert vector(soft, 4e3, 0.0, 0.02, 0.0)[1] != pytest.approx(vector("file", 4e3, 0, 0.02, 0)[1])
-    with pytest.raises(Exception, match="no scaling factor named 'LMUZ'"):
+    with pytest.raises(Exception, match="LMUZ"):
         find("tyre", "file")(**base, scaling={"LMUZ": 1.0})
 
 

@@ -7,11 +7,10 @@ from importlib.resources import files
 from pathlib import Path
 from typing import Any, ClassVar, Literal
 
-from pydantic import Field, field_validator
+from pydantic import Field
 
 from vehicledyn.base.errors import InputError, unknown_name
 from vehicledyn.base.parameters import quantity
-from vehicledyn.road.tyre_files.names import coefficients
 from vehicledyn.road.tyre_files.tyre_file import Range, TyreFile, read_tyre_file
 from vehicledyn.road.tyres.pacejka.coefficient_values import MIRRORED, Coefficients
 from vehicledyn.road.tyres.pacejka.relaxation_lengths import (
@@ -20,6 +19,7 @@ from vehicledyn.road.tyres.pacejka.relaxation_lengths import (
     has_coefficients,
     has_stiffness,
 )
+from vehicledyn.road.tyres.scaling_factors import ScalingFactors
 from vehicledyn.road.tyres.tyre import RelaxationLengths, Tyre, TyreForces, TyreInput
 
 _OTHER = {"left": "right", "right": "left"}
@@ -41,8 +41,8 @@ class FileTyre(Tyre):
     pressure: float | None = quantity(
         "Pa", "Inflation pressure, if not that of the file", default=None, gt=0
     )
-    scaling: dict[str, float] = Field(
-        default_factory=dict, description="Scaling factors in place of those of the file"
+    scaling: ScalingFactors = Field(
+        default=ScalingFactors(), description="Scaling factors in place of those of the file"
     )
     convention: str | None = Field(
         default=None, description="Rules where public programs disagree, if not the usual ones"
@@ -51,15 +51,6 @@ class FileTyre(Tyre):
         default="by_side",
         description="When the tyre is mirrored; 'symmetric' drops what differs from side to side",
     )
-
-    @field_validator("scaling")
-    @classmethod
-    def _know_factors(cls, value: dict[str, float]) -> dict[str, float]:
-        known = [c.name for c in coefficients().values() if c.section.startswith("SCALING")]
-        for name in value:
-            if name not in known:
-                raise ValueError(unknown_name("scaling factor", name, known))
-        return value
 
     @abstractmethod
     def steady_forces(self, p: Coefficients, contact: TyreInput) -> TyreForces:
@@ -107,7 +98,7 @@ class FileTyre(Tyre):
 
     def coefficients(self) -> Coefficients:
         """Return the file's coefficients with the changes of this tyre."""
-        p = Coefficients(self.content.values).changed(**self.scaling)
+        p = Coefficients(self.content.values).changed(**self.scaling.given())
         changes: dict[str, Any] = {
             "LMUX": p.LMUX * self.friction,
             "LMUY": p.LMUY * self.friction,

@@ -142,7 +142,7 @@ def resistance_share(speed: Scalar) -> Scalar:
 
 def sliding_friction(p: Coefficients, state: State, scale: Scalar) -> Scalar:
     """Return λ* = λ / (1 + λ_V V_s/V_0), the friction scale that decays with sliding speed."""
-    if p.LMUV == 0.0:
+    if ops.is_structurally_zero(p.LMUV):
         return scale
     across = tangent(state.angle)
     sliding = ops.absolute(state.speed) * ops.smooth_norm(state.slip, across, 1e-6)
