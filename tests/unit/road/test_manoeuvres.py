@@ -1,5 +1,6 @@
 """Every manoeuvre, driver and relaxation of the catalogue, in a short run of the Iltis."""
 
+import numpy as np
 import pytest
 
 import vehicledyn.catalogue  # noqa: F401
@@ -21,6 +22,7 @@ SLALOM = (
 MANOEUVRES = {
     "ramp_steer": "{kind: ramp_steer, rate: 10 mm/s, ramp_time: 0.1 s}",
     "sine_steer": "{kind: sine_steer, amplitude: 4 mm, frequency: 2 Hz}",
+    "sine_with_dwell": "{kind: sine_with_dwell, amplitude: 6 mm, frequency: 4 Hz, dwell: 10 ms}",
     "slalom": SLALOM.replace("DRIVER", DRIVERS["preview"]),
     "straight": "{kind: straight}",
 }
@@ -114,3 +116,17 @@ def test_a_car_at_standstill_has_no_side_slip(tmp_path):
         assert "largest_sideslip_angle" not in result.summary
     with drive(tmp_path) as result:
         assert result.summary["largest_sideslip_angle"].value < 1e-3
+
+
+def test_a_sine_with_dwell_waits_at_its_second_peak_and_ends_in_the_middle(tmp_path):
+    with drive(tmp_path, MANOEUVRE=MANOEUVRES["sine_with_dwell"], DURATION="2.1 s") as result:
+        time, rack = result.time, result.channel("steering.rack").values
+        quarter = 0.0625  # s
+        at = np.interp([quarter, 3 * quarter, 3 * quarter + 0.01, 4 * quarter + 0.01], time, rack)
+        assert at == pytest.approx([6e-3, -6e-3, -6e-3, 0.0], abs=1.5e-4)
+        rate = result.channel("body.yaw_rate").values
+        later = np.interp(0.26 + 1.75, time, np.abs(rate)) / np.abs(rate[time >= 0.125]).max()
+        found = result.summary["second_yaw_rate_ratio"].value
+        assert found == pytest.approx(later, rel=1e-9)
+        moved = np.interp(1.07, time, result.channel("chassis.y").values)
+        assert result.summary["lateral_displacement"].value == pytest.approx(abs(moved), rel=1e-9)
