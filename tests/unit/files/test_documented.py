@@ -97,8 +97,11 @@ def test_example_runs_and_keeps_its_balance_of_energy(scenario, tmp_path):
     assert summary.get("energy_drift", 0.0) < 2e-3
 
 
-def test_every_example_system_has_a_scenario():
-    systems = {path.stem for path in (ROOT / "systems").glob("*.yaml")}
-    texts = [path.read_text(encoding="utf-8") for path in (ROOT / "scenarios").rglob("*.yaml")]
-    models = [re.search(r"^model: .*/(\w+)\.yaml$", text, re.MULTILINE) for text in texts]
-    assert systems == {model[1] for model in models if model}
+def test_every_example_system_has_a_scenario_or_a_test_or_is_part_of_another():
+    texts = {path.stem: path.read_text(encoding="utf-8") for path in ROOT.glob("systems/*.yaml")}
+    scenarios = [path.read_text(encoding="utf-8") for path in ROOT.glob("scenarios/**/*.yaml")]
+    named = re.compile(r"^ *(?:model|- file|file): (?:.*/)?(\w+)\.yaml$", re.MULTILINE)
+    used = {name for text in [*scenarios, *texts.values()] for name in named.findall(text)}
+    tests = "".join(path.read_text("utf-8") for path in ROOT.glob("tests/validation/test_*.py"))
+    assert used <= texts.keys()
+    assert [name for name in texts.keys() - used if f'ready("{name}"' not in tests] == []
