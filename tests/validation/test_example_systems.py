@@ -170,6 +170,19 @@ def test_quarter_car_has_the_eigenvalues_of_its_two_masses():
     assert heights["wheel.height"] == pytest.approx(-total * G / kt, rel=1e-9)
 
 
+@pytest.mark.parametrize("mass", [250, 4000])
+def test_golden_car_has_the_characteristic_polynomial_of_its_four_ratios(mass):
+    """(μ λ² + c λ + k + k_t)(λ² + c λ + k) - (c λ + k)², whatever the sprung mass."""
+    prepared = ready("golden_car", f"sprung.mass={mass} kg")
+    k, tyre, c, ratio = 63.3, 653.0, 6.0, 0.15
+    unsprung, sprung, between = [ratio, c, k + tyre], [1.0, c, k], [c, k]
+    wanted = np.roots(np.polysub(np.polymul(unsprung, sprung), np.polymul(between, between)))
+    point = nominal_point(prepared, 0.0)
+    e, values = prepared.equations, prepared.kernel.parameters
+    found = np.linalg.eigvals(linearise(e, values, 0.0, point.state, point.unknowns).matrix)
+    assert np.sort_complex(found) == pytest.approx(np.sort_complex(wanted), rel=1e-9)
+
+
 def test_small_car_stands_on_its_wheels_and_is_symmetric():
     prepared = ready("small_car")
     point = equilibrium_point(prepared, 0.0, "static")
