@@ -20,7 +20,7 @@ ROOT = Path(__file__).resolve().parents[1]
 SCENARIOS = ROOT / "scenarios"
 PAGE = ROOT / "docs" / "gallery.md"
 FIGURES = ROOT / "docs" / "figures"
-_STRETCHED = ("small_car", "assembled_car", "iltis_slalom")
+_STRETCHED = ("small_car", "assembled_car", "car_of_parts", "iltis_slalom")
 """Whose paths are long: not true to scale."""
 SIZE, DOTS = (4.2, 2.5), 100
 _SMALL = 0.1
@@ -107,6 +107,8 @@ PICTURES = {
     "slider_crank": Picture(("slider.position",), "mm", "Place of the slider"),
     "slider_crank_two_angles": Picture(("guide.multiplier",), "N", "Normal force of the guide"),
     "assembled_car": Picture(("chassis.y",), "m", "Place y", "chassis.x"),
+    "car_of_parts": Picture(("chassis.y",), "m", "Place y", "chassis.x"),
+    "coach_of_two_bogies": Picture(("car.y", "bogie_1.wheelset_1.y"), "mm", "Place y"),
     "double_wishbone_axle": Picture(("chassis.height",), "mm", "Height of the chassis"),
     "five_link_axle": Picture(("chassis.height",), "mm", "Height of the chassis"),
     "manchester_bogie": Picture(("wheelset_1.y", "wheelset_2.y"), "mm", "Wheelsets: y"),

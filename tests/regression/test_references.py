@@ -11,7 +11,11 @@ FOLDER = Path(__file__).parent / "references"
 SCENARIOS = Path(__file__).parents[2] / "scenarios"
 VEHICLES = sorted(SCENARIOS.glob("*.yaml"))
 SYSTEMS = sorted((SCENARIOS / "systems").glob("*.yaml"))
-OF_SEVERAL_FILES = ("assembled_car",)  # whose results keep the texts of all files
+OF_SEVERAL_FILES = (  # whose results keep the texts of all files
+    "assembled_car",
+    "car_of_parts",
+    "coach_of_two_bogies",
+)
 OF_SYSTEM = re.compile(r"^model: .*\.yaml$", re.MULTILINE)  # as update.sh tells them
 
 

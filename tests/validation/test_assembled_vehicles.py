@@ -56,7 +56,7 @@ CASES = {
     "car": (HERE / "car_in_one_file.yaml", SYSTEMS / "assembled_car.yaml", of_the_assembled_car),
     "coach": (
         SYSTEMS / "manchester_vehicle_1.yaml",
-        HERE / "coach_of_two_bogies.yaml",
+        SYSTEMS / "coach_of_two_bogies.yaml",
         of_the_assembled_coach,
     ),
 }

@@ -54,7 +54,7 @@ class RoadVehicle:
     negative for tie rods behind the axle.
     ``outline`` holds the corners of the body seen from above in chassis axes, shape (m, 2) [m].
     ``speed`` is the symbol of the forward speed at the start [m/s], ``surface`` the road with
-    numbers.
+    numbers. ``drive`` is the coordinate that a drive turns; empty where it turns all wheels.
     """
 
     system: System
@@ -68,6 +68,7 @@ class RoadVehicle:
     free_wheels: bool
     speed: Scalar
     surface: RoadSurface
+    drive: str = ""
 
     def with_parts(self, *parts: Part) -> RoadVehicle:
         """Return the vehicle with more parts in its system."""

@@ -266,6 +266,18 @@ assemblies:
     assert "corner.carrier.slide" in model.coordinates
 
 
+def test_a_point_at_the_origin_of_a_body_comes_before_the_place_of_the_assembly(tmp_path):
+    text = CART.replace(
+        "connect: {carrier: cart}", "connect: {carrier: {body: cart, point: POINT}}"
+    )
+    tips = []
+    for point in ("[0, 0, 0]", "[1e-12 m, 0, 0]", "[0.3 m, 0.4 m, 0]"):
+        found = Motion(equations(tmp_path, text.replace("POINT", point))).at()
+        tips.append(found["left.tip.x"])
+    assert tips[0] == pytest.approx(tips[1], abs=1e-9)
+    assert tips[2] - tips[0] == pytest.approx(0.3, abs=1e-9)
+
+
 def test_coordinates_are_connected(tmp_path):
     written(
         tmp_path,

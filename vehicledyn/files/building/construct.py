@@ -88,6 +88,7 @@ def build_vehicle(model: SystemModel, choice: RoadChoice) -> RoadVehicle:
         free_wheels=choice.free_wheels,
         speed=values.symbols["speed"],
         surface=surface_numbers(values),  # type: ignore[arg-type]
+        drive=v.drive or "",
     )
 
 

@@ -7,7 +7,23 @@ from typing import Any, Literal
 from pydantic import Field, model_validator
 
 from vehicledyn.files.expressions.fields import Scalar, SystemSet, Vector, measured, reference
-from vehicledyn.files.system.places import Place
+
+
+class ConnectedPlace(SystemSet):
+    """What stands for a connection: a body, with a point in place of 'at', or a coordinate."""
+
+    body: str = reference("body", "The body, or ground")
+    point: Vector | None = measured(
+        "m",
+        "Where the origin of the file lies in the axes of the body, in place of 'at'",
+        default=None,
+        nature="polar",
+    )
+
+    @model_validator(mode="before")
+    @classmethod
+    def _name_alone(cls, value: Any) -> Any:
+        return {"body": value} if isinstance(value, str) else value
 
 
 class AssemblyTurn(SystemSet):
@@ -35,7 +51,7 @@ class AssemblySet(SystemSet):
         description="Parameters of the file with other values: quantities, or expressions of the "
         "parameters of this file",
     )
-    connect: dict[str, Place] = Field(
+    connect: dict[str, ConnectedPlace] = Field(
         default_factory=dict,
         description="What stands for each connection of the file: a body of this one, with a "
         "point in place of 'at', or a coordinate; 'ground' is one of them",

@@ -17,6 +17,7 @@ from vehicledyn.files.scenario.schema import (
     rewrite,
 )
 from vehicledyn.files.system.assemblies.repeat import SECTIONS
+from vehicledyn.files.system.assembly_sets import ConnectedPlace
 from vehicledyn.files.system.kinds import load_kinds
 from vehicledyn.files.system.places import Place
 from vehicledyn.files.system.sets import SystemFile
@@ -101,8 +102,9 @@ def _allow_short_forms(definitions: dict[str, Schema]) -> None:
     for holder in (SystemFile.__name__, "MirrorSet"):
         starts = definitions[holder]["properties"]["initial"]
         starts["additionalProperties"] = {"type": ["number", "string", "object"]}
-    place = definitions[Place.__name__]
-    definitions[Place.__name__] = {"anyOf": [{"type": "string"}, place]}
+    for named in (Place, ConnectedPlace):
+        place = definitions[named.__name__]
+        definitions[named.__name__] = {"anyOf": [{"type": "string"}, place]}
 
 
 def _allow_repetition(definitions: dict[str, Schema]) -> None:

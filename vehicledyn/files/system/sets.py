@@ -207,6 +207,12 @@ class VehicleSet(SystemSet):
     wheelbase: Scalar = measured("m", "Distance of the axles", above=0.0)
     front_distance: Scalar = measured("m", "Front axle to the chassis's origin", above=0.0)
     outline: OutlineSet = Field(description="The body seen from above")
+    drive: str | None = reference(
+        "coordinate",
+        "Coordinate that a drive turns, such as that of a propeller shaft; left out, a drive turns "
+        "all wheels from the chassis",
+        default=None,
+    )
 
 
 class Sections(SystemSet):

@@ -1,4 +1,4 @@
-"""Speed controller that drives all wheels from the chassis."""
+"""Speed controller that drives all wheels from the chassis, or the vehicle's own driveline."""
 
 from __future__ import annotations
 
@@ -13,7 +13,8 @@ if TYPE_CHECKING:
 class SpeedControl(ParameterSet):
     """Proportional-integral control of the forward speed by drive torque.
 
-    T = K_p (v_0 - v) + K_i ∫ (v_0 - v) dt, shared equally by all wheels.
+    T = K_p (v_0 - v) + K_i ∫ (v_0 - v) dt, shared equally by all wheels, or on the coordinate that
+    drives the vehicle where it has a driveline.
     """
 
     proportional_gain: float = quantity("N*s", "Drive torque a speed error K_p", gt=0)
@@ -24,7 +25,7 @@ class SpeedControl(ParameterSet):
         from vehicledyn.road.manoeuvres.speed_drive import SpeedDrive
 
         gains = vehicle.system.table.add_set("speed_control", self)
-        wheels = tuple(corner.body for corner in vehicle.corners)
+        wheels = () if vehicle.drive else tuple(corner.body for corner in vehicle.corners)
         return vehicle.with_parts(
             SpeedDrive(
                 "drive",
@@ -33,5 +34,6 @@ class SpeedControl(ParameterSet):
                 vehicle.speed,
                 gains.proportional_gain,
                 gains.integral_gain,
+                vehicle.drive,
             )
         )

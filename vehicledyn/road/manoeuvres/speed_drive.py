@@ -1,4 +1,4 @@
-"""Driveline of a speed controller: a torque on each wheel, taken from the chassis."""
+"""What a speed controller drives: each wheel from the chassis, or the input of a driveline."""
 
 from __future__ import annotations
 
@@ -12,13 +12,17 @@ from vehicledyn.symbolic.ops import Scalar
 
 @dataclass(frozen=True)
 class SpeedDrive(BasePart):
-    """Torque about each wheel's axis, taken from the chassis by drive shafts with joints."""
+    """Torque about each wheel's axis, taken from the chassis by drive shafts with joints.
+
+    Where there is a coordinate ``shaft``, the torque acts on it alone.
+    """
 
     chassis: str
     wheels: tuple[str, ...]
     target: Scalar
     proportional_gain: Scalar
     integral_gain: Scalar
+    shaft: str = ""
 
     def states(self) -> tuple[Variable, ...]:
         """Return the integral of the speed error."""
@@ -26,6 +30,9 @@ class SpeedDrive(BasePart):
 
     def loads(self, situation: Situation) -> Loads:
         """Return the torques and the rate of the integral."""
+        rates = {"speed_error_integral": self._error(situation)}
+        if self.shaft:
+            return Loads(joint_forces={self.shaft: self._torque(situation)}, rates=rates)
         share = self._torque(situation) / len(self.wheels)
         kinematics = situation.kinematics
         nothing = ops.vector(0.0, 0.0, 0.0)
@@ -36,13 +43,12 @@ class SpeedDrive(BasePart):
             reaction = -share * (to_chassis @ (kinematics.rotation(wheel) @ axis))
             wrenches.append(Wrench(wheel, nothing, share * axis))
             wrenches.append(Wrench(self.chassis, nothing, reaction))
-        return Loads(
-            wrenches=tuple(wrenches), rates={"speed_error_integral": self._error(situation)}
-        )
+        return Loads(wrenches=tuple(wrenches), rates=rates)
 
     def outputs(self, situation: Situation) -> tuple[Output, ...]:
         """Return the total torque."""
-        channel = Channel(f"{self.name}.torque", "N*m", "Drive torque of all wheels together")
+        of = f"on {self.shaft}" if self.shaft else "of all wheels together"
+        channel = Channel(f"{self.name}.torque", "N*m", f"Drive torque {of}")
         return (Output(channel, self._torque(situation)),)
 
     def _error(self, situation: Situation) -> Scalar:

@@ -146,7 +146,7 @@ def connection_problems(item: AssemblySet, file: SystemFile) -> Iterator[tuple[P
     for name, place in item.connect.items():
         if name not in known:
             yield ("connect", name), unknown_name("connection", name, known)
-        elif name != GROUND and file.connections[name].coordinate and place.point != origin():
+        elif name != GROUND and file.connections[name].coordinate and place.point is not None:
             yield ("connect", name, "point"), "a coordinate has no point; leave this out"
     for name, connection in file.connections.items():
         if name not in item.connect:
@@ -171,7 +171,7 @@ def _renaming(use: Use, item: AssemblySet, made: Instance) -> Renaming:
         if place is None and key != GROUND:
             continue
         body = GROUND if place is None else place.body
-        point = item.at if place is None or place.point == origin() else place.point
+        point = item.at if place is None or place.point is None else place.point
         if point is None and not item.turns:
             bodies[stand_in] = body
         elif key != GROUND or _stands_on_ground(file):

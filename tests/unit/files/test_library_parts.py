@@ -1,0 +1,100 @@
+"""Parts of cars in the library, each run by itself: steering, driveline, anti-roll bar."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from vehicledyn.analyse.equilibrium import assemble
+from vehicledyn.files.building.construct import build_system
+from vehicledyn.files.system.read import read_system
+from vehicledyn.kernel.kernel import compile_kernel
+from vehicledyn.multibody import derive
+
+SYSTEMS = Path(__file__).parents[3] / "systems"
+
+
+class Part:
+    """A part of the library with its equations."""
+
+    def __init__(self, name, **parameters):
+        model, problems = read_system(SYSTEMS / f"{name}.yaml", {"parameters": parameters})
+        assert not problems
+        self.parameters = model.resolved
+        self.equations = derive(build_system(model))
+        self.kernel = compile_kernel(self.equations, backend="interpreted")
+
+    def at(self, time=0.0, **states):
+        """Return rates and channels by name; dots of states are double underscores."""
+        e = self.equations
+        given = {name.replace("__", "."): value for name, value in states.items()}
+        assert given.keys() <= {s.name for s in e.states}
+        x = np.array([given.get(s.name, s.start) for s in e.states])
+        z = assemble(self.kernel, time, x, np.array([u.start for u in e.unknowns]))
+        rates, outputs = self.kernel.rates(time, x, z), self.kernel.outputs(time, x, z)
+        found = {f"d.{s.name}": v for s, v in zip(e.states, rates, strict=True)}
+        return found | {c.name: v for c, v in zip(e.channels, outputs, strict=True)}
+
+
+def test_the_steering_wheel_turns_with_the_rack_and_feels_its_force():
+    """x = r φ, and the drive moves rack and column: F = m x'' + (J φ'' + d φ')/r."""
+    steering = Part("rack_steering")
+    p = steering.parameters
+    radius, omega = p["pinion.radius"], 2.0 * np.pi * p["test.frequency"]
+    time = 0.3
+    move = p["test.amplitude"] * np.exp(1j * omega * time)
+    x, rate, acceleration = (move * (1j * omega) ** k for k in range(3))
+    found = steering.at(time)
+    assert found["rack.displacement"] == pytest.approx(x.imag, rel=1e-12)
+    assert found["steering_wheel"] == pytest.approx(x.imag / radius, rel=1e-12)
+    torque = p["column.inertia"] * acceleration.imag / radius
+    torque += p["column.damping"] * rate.imag / radius
+    wanted = p["rack.mass"] * acceleration.imag + torque / radius
+    assert found["rack.displacement_force"] == pytest.approx(wanted, rel=1e-10)
+
+
+def test_the_differential_shares_torque_and_turns_at_the_mean():
+    """Torques of both sides are equal, and the drag of the pinion acts on them by the ratio.
+
+    With J of a side, and I = (J_c + i² J_p)/4 of what both turn, the wheels' accelerations are
+    J a_l + I (a_l + a_r) = J a_r + I (a_l + a_r) = -i d i (ω_l + ω_r)/4.
+    """
+    part = Part("open_differential")
+    p, rates = part.parameters, (21.0, 35.0)
+    found = part.at(left_wheel__spin_rate=rates[0], right_wheel__spin_rate=rates[1])
+    assert found["cage.angle_rate"] == pytest.approx(np.mean(rates), rel=1e-12)
+    assert found["pinion.angle_rate"] == pytest.approx(p["ratio"] * np.mean(rates), rel=1e-12)
+    side = p["flywheel.inertia"] + p["shaft.inertia"]
+    both = (p["cage.inertia"] + p["ratio"] ** 2 * p["pinion.inertia"]) / 4.0
+    drag = -p["pinion.drag"] * p["ratio"] ** 2 * sum(rates) / 4.0
+    wanted = np.linalg.solve([[side + both, both], [both, side + both]], [drag, drag])
+    sides = [found[f"d.{name}_wheel.spin_rate"] for name in ("left", "right")]
+    assert sides == pytest.approx(wanted, rel=1e-10)
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_the_bar_resists_roll_and_leaves_heave_alone(sign):
+    """The bar's force on a hub: its torque times the twist a hub's travel gives, twice over.
+
+    With g the arm's angle over the hub's travel, by differences of the closed link, equal and
+    opposite travels twist the bar by 2 g s, so that each hub feels -2 k g² s.
+    """
+    bar, free = Part("anti_roll_bar"), Part("anti_roll_bar", stiffness="0 N*m/rad")
+    travel, step = 1e-5, 1e-4
+
+    def angle(s):
+        return bar.at(left__travel=s, right__travel=s)["left_arm.angle"]
+
+    slope = (angle(step) - angle(-step)) / (2.0 * step)
+    state = {"left__travel": travel, "right__travel": sign * travel}
+    mass = bar.parameters["hub.mass"]
+    accelerations = [part.at(**state)["d.left.travel_rate"] for part in (bar, free)]
+    difference = accelerations[0] - accelerations[1]
+    if sign > 0.0:
+        assert difference == pytest.approx(0.0, abs=1e-9)
+        return
+    p = bar.parameters
+    half = 0.5 * np.array([p[f"arm.end.{c}"] - p[f"arm.bearing.{c}"] for c in "xz"])
+    inertia = p["arm.inertia"] + p["arm.mass"] * float(half @ half)
+    wanted = -2.0 * p["stiffness"] * slope**2 * travel / (mass + inertia * slope**2)
+    assert difference == pytest.approx(wanted, rel=1e-3)
