@@ -169,7 +169,7 @@ repeat:
           -cos(pendulum.angle + (5 - 2 * {k}) * tilt) * roller_{k}.x_rate
           + sin(pendulum.angle + (5 - 2 * {k}) * tilt) * roller_{k}.z_rate
           + radius * roller_{k}.angle_rate
-initial: {pendulum.angle: 0.5, pendulum.angle_rate: 1.1 rad/s}
+initial: {pendulum.angle: 0.5 rad, pendulum.angle_rate: 1.1 rad/s}
 """
 
 

@@ -112,9 +112,9 @@ def test_steady_turn_keeps_its_circle(lean, yaw_rate):
     run = motion(
         "rolling_disk",
         "duration=2 s",
-        f"initial.disk.lean={lean}",
-        f"initial.disk.yaw_rate={yaw_rate}",
-        f"initial.disk.spin_rate={spin}",
+        f"initial.disk.lean={lean} rad",
+        f"initial.disk.yaw_rate={yaw_rate} rad/s",
+        f"initial.disk.spin_rate={spin} rad/s",
         *TIGHT,
     )
     # Where the turn is unstable, rounding errors grow.
@@ -140,10 +140,10 @@ def test_motion_is_that_of_the_equations_written_by_hand(name):
         "rolling_disk",
         "duration=10 s",
         "output.interval=20 ms",
-        f"initial.disk.lean={lean}",
-        f"initial.disk.lean_rate={lean_rate}",
-        f"initial.disk.yaw_rate={yaw_rate}",
-        f"initial.disk.spin_rate={spin}",
+        f"initial.disk.lean={lean} rad",
+        f"initial.disk.lean_rate={lean_rate} rad/s",
+        f"initial.disk.yaw_rate={yaw_rate} rad/s",
+        f"initial.disk.spin_rate={spin} rad/s",
         *TIGHT,
     )
     disk = Disk(1.0, 0.5, 0.5)

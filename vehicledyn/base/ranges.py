@@ -55,11 +55,7 @@ def read_range(text: str) -> Range:
 
 
 def _quantity(text: str, unit: str) -> float:
-    try:
-        number: float | str = float(text)
-    except ValueError:
-        number = text
-    value = to_si(number, unit)
+    value = to_si(text, unit)
     if not abs(value) < float("inf"):
         raise InputError(f"'{text}' is not finite")
     return value

@@ -103,14 +103,15 @@ def to_si(value: object, unit: str) -> float:
     Parameters
     ----------
     value
-        A number (taken as SI) or a text with a unit, such as "36 km/h".
+        A number (taken as SI) or a text with a unit, such as "36 km/h"; zero and pure numbers
+        need none.
     unit
         The SI unit the quantity has, such as "m/s".
 
     Raises
     ------
     InputError
-        If the value is no number, or its unit has another dimension than ``unit``.
+        If the value is no number, or its unit is missing or has another dimension than ``unit``.
     """
     if isinstance(value, bool):
         raise InputError(f"expected a number in {unit}, found {str(value).lower()}")
@@ -128,10 +129,35 @@ def to_si(value: object, unit: str) -> float:
     given = parse_unit(unit_text)
     wanted = parse_unit(unit)
     if not unit_text:
+        if is_bare(value) and not is_pure(unit):
+            raise InputError(missing_unit(value, unit))
         return float(number)
     if given.dimension != wanted.dimension:
         raise InputError(f"'{value}' has the wrong unit: a quantity in {unit} is needed here")
     return float(number) * given.factor / wanted.factor
+
+
+def is_bare(value: object) -> bool:
+    """Return whether a value is a number without a unit; zero is the same in all of them."""
+    if isinstance(value, str):
+        match = _NUMBER.match(value)
+        return match is not None and not match[2] and float(match[1]) != 0.0
+    return isinstance(value, int | float) and not isinstance(value, bool) and value != 0
+
+
+_OFTEN = {"m/s": "km/h", "rad": "deg", "rad/s": "deg/s"}
+"""Units that people often think of in place of SI units."""
+
+
+def missing_unit(value: object, unit: str) -> str:
+    """Return what to say of a number that lacks its unit.
+
+    >>> missing_unit(72, "m/s")
+    "72 has no unit; write '72 m/s' or '72 km/h'"
+    """
+    number = value.strip() if isinstance(value, str) else f"{value:.12g}"
+    other = f" or '{number} {_OFTEN[unit]}'" if unit in _OFTEN else ""
+    return f"{number} has no unit; write '{number} {unit}'{other}"
 
 
 def is_pure(unit: str) -> bool:

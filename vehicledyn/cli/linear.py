@@ -162,8 +162,12 @@ def response(
         list[str] | None,
         typer.Option("--output", "-y", metavar="CHANNEL", help="Channel; may be repeated."),
     ] = None,
-    first: Annotated[str, typer.Option("--from", metavar="FREQUENCY", help="In Hz.")] = "0.1",
-    last: Annotated[str, typer.Option("--to", metavar="FREQUENCY", help="In Hz.")] = "30",
+    first: Annotated[
+        str, typer.Option("--from", metavar="FREQUENCY", help="Lowest, such as '0.1 Hz'.")
+    ] = "0.1 Hz",
+    last: Annotated[
+        str, typer.Option("--to", metavar="FREQUENCY", help="Highest, such as '30 Hz'.")
+    ] = "30 Hz",
     points: Annotated[int, typer.Option(help="Number of frequencies.")] = 200,
     spacing: Annotated[Spacing, typer.Option(help="How they are spaced.")] = Spacing.LOG,
     at: Annotated[

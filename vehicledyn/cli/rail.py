@@ -101,7 +101,7 @@ def profiles(
         right_wheel=right_wheel,
         right_rail=right_rail,
         right_radius=None if right_radius is None else _length(right_radius),
-        yaw=float(yaw) if _is_number(yaw) else yaw,
+        yaw=yaw,
         curve_radius=None if curve_radius is None else _length(curve_radius),
         smoothing=_length(smoothing),
         defects=defects,

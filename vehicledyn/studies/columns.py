@@ -13,7 +13,7 @@ from typing import Any
 from vehicledyn.base.errors import InputError
 from vehicledyn.base.files.limits import open_regular
 from vehicledyn.base.problems import Mark, Place, Problem
-from vehicledyn.base.units import describe, parse_unit, to_si
+from vehicledyn.base.units import describe, is_bare, is_pure, missing_unit, parse_unit, to_si
 from vehicledyn.files.scenario.sources import Sources
 from vehicledyn.studies.sets import CaseList, Grid, Study
 
@@ -56,6 +56,8 @@ class Written:
             If it is no finite quantity in this unit.
         """
         value = self.values[number]
+        if not self.unit and is_bare(value) and not is_pure(unit):
+            raise InputError(missing_unit(value, unit))
         found = _fast(value, self.unit, unit) if self.source else to_si(value, unit)
         if not math.isfinite(found):
             raise InputError(f"expected a finite number, found {describe(value)}")

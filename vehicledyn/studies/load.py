@@ -16,10 +16,12 @@ from pydantic import ValidationError
 
 import vehicledyn.catalogue  # noqa: F401
 from vehicledyn.base.errors import InputError
+from vehicledyn.base.parameters import units_of
 from vehicledyn.base.problems import START, Place, Problem, dotted, refusal
 from vehicledyn.base.units import describe
 from vehicledyn.base.validation_messages import UNKNOWN_KEY
 from vehicledyn.base.yaml import Document, read_yaml
+from vehicledyn.files.scenario.bare_numbers import bare_numbers
 from vehicledyn.files.scenario.load import LoadedScenario
 from vehicledyn.files.scenario.overrides import Change, apply_change, read_override
 from vehicledyn.files.scenario.sources import Sources
@@ -151,7 +153,9 @@ class _Reading:
 
     def _study(self) -> Study:
         try:
-            return Study.model_validate(self.data)
+            study = Study.model_validate(self.data)
+            self.problems += bare_numbers(self.data, units_of(study), self.sources)
+            return study
         except ValidationError as error:
             told = {(p.mark, p.field) for p in self.problems if p.mark is not None}
             for line in error.errors():
@@ -164,7 +168,8 @@ class _Reading:
         changes = [Change(k, v, self._at(("set", k))) for k, v in study.set.items()]
         if study.output.interval is not None:
             place = ("output", "interval")
-            changes.append(Change("output.interval", study.output.interval, self._at(place)))
+            interval = f"{study.output.interval!r} s"
+            changes.append(Change("output.interval", interval, self._at(place)))
         return (*changes, *self.outside)
 
     def _base(self, recipe: Recipe) -> LoadedScenario:
@@ -197,7 +202,7 @@ class _Reading:
             self.problems += self._wrong_values(column, unit)
             return None
         for number in {_lowest(values), _highest(values)}:
-            self._try(column, number, values[number], recipe)
+            self._try(column, number, values[number], recipe, in_si=True)
         if not column.is_range:
             return Axis(column.key, unit, values)
         low, high = values
@@ -246,10 +251,11 @@ class _Reading:
         return Axis(column.key, "", array("d", (places[t] for t in texts)), choices)
 
     def _try(
-        self, column: Written, number: int, value: Any, recipe: Recipe
+        self, column: Written, number: int, value: Any, recipe: Recipe, *, in_si: bool = False
     ) -> LoadedScenario | None:
         """Return the scenario with one value of a key, None and a problem if it is refused."""
-        change = Change(column.key, value, str(column.problem(self.sources, number, "")))
+        origin = str(column.problem(self.sources, number, ""))
+        change = Change(column.key, value, origin, in_si=in_si)
         loaded, problems = recipe.examine([change])
         self.problems += [p for p in problems if p not in self.problems]
         return loaded

@@ -26,3 +26,10 @@ def test_what_is_no_range(text):
 def test_values_that_do_not_fit(text):
     with pytest.raises(InputError):
         read_range(text).values("m")
+
+
+def test_numbers_of_a_range_need_their_unit():
+    assert read_range("0:2 rad:1").values("rad") == (0.0, 2.0)
+    assert read_range("3").values("1") == (3.0,)
+    with pytest.raises(InputError, match="2 has no unit; write '2 rad' or '2 deg'"):
+        read_range("0:2:1").values("rad")

@@ -211,7 +211,7 @@ def test_models_are_listed():
         (("equilibrium", "ilti"), "no system or scenario named 'ilti'; did you mean 'iltis'?"),
         (("eig", "none.yaml"), "none.yaml:1:1: file: there is no such file"),
         (("eig", "iltis", "--speed", "20 kg"), "--speed 20 kg: '20 kg' has the wrong unit"),
-        (("eig", "iltis", "--speed=-1"), "--speed -1: must not be negative"),
+        (("eig", "iltis", "--speed=-1 m/s"), "--speed -1 m/s: must not be negative"),
         (("eig", "iltis", "--set", "parameters.chassis.mass=0"), "must be greater than 0 kg"),
         (("plot", "a.h5", "--format", "gif"), "--format gif: write png, svg or png,svg"),
         (("plot", "."), ".: this is a folder, not a file"),

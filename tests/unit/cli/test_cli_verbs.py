@@ -170,7 +170,7 @@ def test_equilibrium_of_a_scenario_takes_its_speed(call, write, pipeline):
 
 
 def test_modes_at_several_speeds(call, write, pipeline):
-    code, out, _ = call("eig", write(), "--speed", "5", "--speed", "72 km/h", "--json")
+    code, out, _ = call("eig", write(), "--speed", "5 m/s", "--speed", "72 km/h", "--json")
     assert code == 0
     assert pipeline.asked["speed"] == pytest.approx([5.0, 20.0])
     assert json.loads(out) == {"modes": [{"real": 1.0, "imaginary": 2.0}]}

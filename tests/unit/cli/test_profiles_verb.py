@@ -69,7 +69,7 @@ def test_options_reach_the_geometry(tmp_path):
         (("S1002", "60E1", "--gauge", "-5"), "--gauge -5 mm: must be above zero"),
         (("S1002", "60E1", "--gauge", "3 s"), "--gauge 3 s: '3 s' has the wrong unit"),
         (("S1002", "60E1", "--inclination", "40"), "--inclination 40: write a slope"),
-        (("S1002", "60E1", "--yaw", "1"), "--yaw 1: must be below 0.2 rad"),
+        (("S1002", "60E1", "--yaw", "1"), "--yaw 1: 1 has no unit; write '1 rad' or '1 deg'"),
         (("S1002", "60E1", "--radius", "0"), "--radius 0 mm: must be above zero"),
         (("S1002", "60E1", "--shift", "3:1:2"), "--shift 3:1:2: must rise"),
         (("S1002", "60E1", "--curve-radius", "300"), "--curve-radius 300 mm: must be 5 m or more"),

@@ -306,8 +306,10 @@ def test_tyres_are_set_by_the_names_that_models_show_prints(key):
 @pytest.mark.parametrize(
     ("old", "new", "told"),
     [
-        ("speed: 36 km/h", "speed: 72", "16:8: speed: 72 has no unit; write '72 m/s'"),
-        ("speed: 36 km/h", "speed: '72'", "16:8: speed: 72 has no unit; write '72 m/s'"),
+        ("speed: 36 km/h", "speed: 72", "16:8: speed: 72 has no unit; "
+         "write '72 m/s' or '72 km/h'"),
+        ("speed: 36 km/h", "speed: '72'", "16:8: speed: 72 has no unit; "
+         "write '72 m/s' or '72 km/h'"),
         ("mass: 1.2 t", "mass: 1200", "4:13: parameters.chassis.mass: 1200 has no unit; "
          "write '1200 kg'"),
         ("mass: 1.2 t", "centre: {y: 0.1}", "5:17: parameters.chassis.centre.y: 0.1 has no unit; "
@@ -322,7 +324,7 @@ def test_numbers_need_their_unit(write, old, new, told):
 
 
 def test_numbers_of_options_need_their_unit_too(write):
-    assert problems(write(), ["speed=72"]) == ["speed: 72 has no unit; write '72 m/s'"]
+    assert problems(write(), ["speed=72"]) == ["speed: 72 has no unit; write '72 m/s' or '72 km/h'"]
     with pytest.raises(InputError, match=r"^chassis\.mass: 1200 has no unit; write"):
         load_model("cart", ["chassis.mass=1200"])
 
@@ -330,3 +332,34 @@ def test_numbers_of_options_need_their_unit_too(write):
 def test_zero_and_pure_numbers_need_none(write):
     loaded = load_scenario(write(), ["speed=0", "parameters.chassis.centre=[0, 0, 0]"])
     assert loaded.scenario.speed == 0.0
+
+
+PENDULUM = """\
+title: x
+model: double_pendulum
+duration: 1 s
+solver: {kind: rk4, step: 1 ms}
+output: {interval: 10 ms}
+"""
+
+
+@pytest.mark.parametrize(
+    ("section", "words"),
+    [
+        ("initial: {upper.angle: 0.3}", "6:24: initial.upper.angle: 0.3 has no unit; "
+         "write '0.3 rad' or '0.3 deg'"),
+        ("initial: {upper: {angle: 0.3}}", "6:26: initial.upper.angle: 0.3 has no unit; "),
+        ("initial: {lower.angle_rate: 2}", "6:29: initial.lower.angle_rate: 2 has no unit; "
+         "write '2 rad/s' or '2 deg/s'"),
+        ("motion: {upper.angle: 0.5}", "6:23: motion.upper.angle: 0.5 has no unit; "),
+        ("motion: {upper.angle: {kind: ramp, last: 2, begin: 0 s, duration: 1 s}}",
+         "6:23: motion.upper.angle: 2 has no unit; write '2 rad' or '2 deg'"),
+    ],
+)  # fmt: skip
+def test_starts_and_motions_need_their_unit(tmp_path, section, words):
+    path = tmp_path / "s.yaml"
+    path.write_text(f"{PENDULUM}{section}\n", encoding="utf-8")
+    (found,) = problems(path)
+    assert found.startswith(words)
+    path.write_text(f"{PENDULUM}initial: {{upper.angle: 0, lower.angle_rate: 0.2 rad/s}}\n")
+    assert load_scenario(path).scenario.initial["lower.angle_rate"] == "0.2 rad/s"

@@ -55,7 +55,7 @@ def refusal(path, overrides=()):
 
 
 def test_model_is_found_from_the_scenario_and_its_parameters_are_told(write):
-    loaded = load_scenario(write(), ["radius=0.12 m", "initial.slider.x=0.31"])
+    loaded = load_scenario(write(), ["radius=0.12 m", "initial.slider.x=0.31 m"])
     assert loaded.written.name == "system"
     assert loaded.resolved["parameters"] == {"radius": 0.12, "rod": 0.3}
     assert loaded.units["parameters.radius"] == "m"
@@ -190,8 +190,7 @@ def test_kinematics_knows_switches(write, tmp_path):
     )
     model = load_model(str(write(system=text).parent / "sub" / "system.yaml"))
     wish = Request({"crank.angle": "60 deg:70 deg:2"})
-    quiet = {"plots": None, "progress": lambda *_: None}
-    sweep_kinematics(model, wish, output=tmp_path / "k.h5", **quiet)
+    sweep_kinematics(model, wish, output=tmp_path / "k.h5", progress=lambda *_: None)
     with open_result(tmp_path / "k.h5") as result:
         found = np.degrees(result.channel("crank.angle").values)
     assert found == pytest.approx([60.0, 65.0, 70.0])

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from small_study import STUDY, written
+from small_study import PENDULUM, STUDY, written
 
 from vehicledyn.base.errors import InputError
 from vehicledyn.base.registry import kinds
@@ -57,7 +57,7 @@ def test_rows_and_a_table_give_the_same_cases(tmp_path):
   kind: list
   rows:
     - {parameters.mass: 1 kg, initial.upper.angle: 10 deg}
-    - {parameters.mass: 500 g, initial.upper.angle: 0.2}
+    - {parameters.mass: 500 g, initial.upper.angle: 0.2 rad}
 """
     heads = "parameters.mass [g], initial.upper.angle [rad]"
     table = f"# masses and angles\n{heads}\n1000, 10 deg\n\n500,0.2\n"
@@ -158,3 +158,22 @@ def test_every_kind_gives_cases_inside_its_ranges(tmp_path, kind):
     assert values.shape == (2, 1)
     assert values.min() >= 1.0
     assert values.max() <= 2.0
+
+
+@pytest.mark.parametrize(
+    ("set_", "vary", "words"),
+    [
+        ("{duration: 2}", "{parameters.mass: [1 kg]}", "set.duration: 2 has no unit"),
+        ("{initial.upper.angle: 0.4}", "{parameters.mass: [1 kg]}", "upper.angle: 0.4 has no unit"),
+        ("{}", "{parameters.mass: [1 kg, 2]}", "vary.parameters.mass[1]: 2 has no unit"),
+        ("{}", "{parameters.length: {from: 1, to: 2 m, count: 3}}", "from: 1 has no unit"),
+        ("{}", "{initial.upper.angle: [0.1 rad, 0.2]}", "0.2 has no unit; write '0.2 rad' or"),
+    ],
+)
+def test_numbers_of_studies_need_their_unit(tmp_path, set_, vary, words):
+    path = tmp_path / "s.yaml"
+    text = f"title: x\nscenario: {PENDULUM}\nset: {set_}\ncases: {{kind: grid, vary: {vary}}}\n"
+    path.write_text(text, encoding="utf-8")
+    with pytest.raises(InputError) as refused:
+        load_study(path)
+    assert words in str(refused.value)

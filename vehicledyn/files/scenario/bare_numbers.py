@@ -2,15 +2,12 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterator, Mapping
 from typing import Any
 
 from vehicledyn.base.problems import Place, Problem
-from vehicledyn.base.units import is_pure
+from vehicledyn.base.units import is_bare, is_pure, missing_unit
 from vehicledyn.files.scenario.sources import Sources
-
-_NUMBER = re.compile(r"\s*[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?\s*$", re.ASCII)
 
 
 def bare_numbers(
@@ -28,7 +25,7 @@ def bare_numbers(
         Where each value came from.
     """
     found = {
-        place: f"{_shown(value)} has no unit; write '{_shown(value)} {unit}'"
+        place: missing_unit(value, unit)
         for name, unit in units.items()
         if not is_pure(unit)
         for above, quantity in _given(data, tuple(name.split(".")))
@@ -67,19 +64,7 @@ def _numbers(value: Any, place: Place) -> Iterator[tuple[Place, Any]]:
         items = list(enumerate(value))
     else:
         items = []
-        if _is_bare(value):
+        if is_bare(value):
             yield place, value
     for key, item in items:
         yield from _numbers(item, (*place, key))
-
-
-def _is_bare(value: Any) -> bool:
-    if isinstance(value, bool):
-        return False
-    if isinstance(value, str):
-        return _NUMBER.match(value) is not None and float(value) != 0.0
-    return isinstance(value, int | float) and value != 0
-
-
-def _shown(value: Any) -> str:
-    return value.strip() if isinstance(value, str) else f"{value:.12g}"

@@ -181,8 +181,8 @@ def examine_scenario(
     if written is not None:
         resolved |= {"parameters": written.resolved, "system": written.text}
         units |= {f"parameters.{name}": unit for name, unit in written.units.items()}
-    if not changes:  # those of studies are numbers in SI, and their scenario was read before
-        problems = bare_numbers(data, units, sources)
+    if not any(change.in_si for change in changes):  # the others were read before these
+        problems = bare_numbers(data, {**units, **_start_units(written)}, sources)
         if problems:
             return None, problems
     return (
@@ -277,7 +277,8 @@ def load_model(
     else:
         parameters, wrong = merge_parameters(model, data["parameters"], sources)
     units = units_of(parameters) if parameters is not None else written.units if written else {}
-    bare = bare_numbers(data, {f"parameters.{key}": unit for key, unit in units.items()}, sources)
+    units = {f"parameters.{key}": unit for key, unit in units.items()}
+    bare = bare_numbers(data, {**units, **_start_units(written)}, sources)
     if problems or wrong or bare:
         raise refusal(problems + wrong + bare, name)
     told = name if written is None else written.name
@@ -323,6 +324,14 @@ def _read_written(
     except UnreadableFileError as error:
         return None, [sources.problem(("model",), str(error))]
     return read_model(file, data, sources)
+
+
+def _start_units(written: WrittenModel | None) -> dict[str, str]:
+    """Return the units of start values and rates, by their dotted names in a scenario."""
+    found = {} if written is None else written.coordinates
+    units = {name: coordinate.unit for name, coordinate in found.items()}
+    rates = {f"{name}_rate": f"{unit}/s" for name, unit in units.items()}
+    return {f"initial.{name}": unit for name, unit in {**rates, **units}.items()}
 
 
 def _motion_beside(scenario: Scenario, folder: Path) -> list[tuple[Place, str]]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, Protocol
 
@@ -15,6 +16,14 @@ _FAMILY = "model_file"
 _ON_WHEELS = ("tyres", "road", "contact", "relaxation", "wheel_spin", "speed")
 _ON_RAILS = ("creep", "rail_contact")
 _IN_MANOEUVRES = ("manoeuvre", "speed")
+
+
+class Measured(Protocol):
+    """Something that has a unit."""
+
+    @property
+    def unit(self) -> str:
+        """SI unit."""
 
 
 class WrittenModel(Protocol):
@@ -59,6 +68,10 @@ class WrittenModel(Protocol):
     @property
     def units(self) -> dict[str, str]:
         """Unit of each parameter."""
+
+    @property
+    def coordinates(self) -> Mapping[str, Measured]:
+        """What has a unit, by the names of the coordinates."""
 
 
 def is_system(data: Any) -> bool:
