@@ -11,7 +11,7 @@ import pytest
 import vehicledyn.road  # noqa: F401
 from vehicledyn.base.errors import InputError
 from vehicledyn.base.registry import find, kinds
-from vehicledyn.road.tyres import calspan, magic_formula_1987
+from vehicledyn.road.tyres import brush, calspan, similarity, tmeasy
 from vehicledyn.road.tyres.calspan import Calspan
 from vehicledyn.road.tyres.linear import Linear
 from vehicledyn.road.tyres.magic_formula_1987 import MagicFormula1987
@@ -29,6 +29,38 @@ LINEAR = {
 }
 PAC2002 = {"file": "passenger_235_60R16_pac2002.tir"}
 MF61 = {"file": "passenger_R0394_mf61.tir"}
+BRUSH = {
+    "nominal_load": "4 kN",
+    "slip_stiffness": "80 kN",
+    "half_length": "60 mm",
+    "friction": 0.9,
+    "camber_stiffness": "2 kN/rad",
+}
+TMEASY = {
+    "nominal_load": "3 kN",
+    "longitudinal": {
+        "slope": ["120 kN", "200 kN"],
+        "peak_slip": [0.11, 0.12],
+        "peak_force": ["3.3 kN", "6 kN"],
+        "sliding_slip": [0.5, 0.5],
+        "sliding_force": ["3 kN", "5.7 kN"],
+    },
+    "lateral": {
+        "slope": ["55 kN", "80 kN"],
+        "peak_slip": [0.2, 0.22],
+        "peak_force": ["3.1 kN", "5.4 kN"],
+        "sliding_slip": [0.8, 0.8],
+        "sliding_force": ["3 kN", "5.3 kN"],
+    },
+    "trail": "30 mm",
+    "camber_slip": 0.05,
+}
+MF89 = {  # numbers of SAE 870421 in the form of 1989, its camber terms left out
+    "lateral": [1.3, -22.1, 1011, 1050, 4.8, 0, -0.354, 0.707, 0.028, 0, 0, 14.8, 0, 0],
+    "longitudinal": [1.65, -21.3, 1144, 49.6, 226, 0.069, -0.006, 0.056, 0.486, 0, 0],
+    "aligning": [2.4, -2.72, -2.28, -1.86, -2.73, 0.11, 0.03, -0.07, 0.643, -4.04, 0, 0.015,
+                 0, 0, -0.066, 0.945, 0, 0],
+}  # fmt: skip
 EXAMPLES = {
     "calspan": {},
     "magic_formula_1987": {},
@@ -36,6 +68,9 @@ EXAMPLES = {
     "pac2002": PAC2002,
     "magic_formula_61": MF61,
     "file": MF61,
+    "brush": BRUSH,
+    "tmeasy": TMEASY,
+    "magic_formula_1989": MF89,
 }
 OF_FILES = {
     "pac2002": {},
@@ -148,7 +183,7 @@ def test_continuous_along_random_lines(kind):
 def test_parameters_may_be_symbols(kind):
     table = ParameterTable()
     symbolic = table.add_set("tyre", tyre(kind))
-    assert len(table.entries) > (0 if kind in OF_FILES else 5)
+    assert len(table.entries) > (0 if kind in OF_FILES else 4)
     felt = TyreInput(4e3, 0.02, 0.05, 0.01)
     symbols = [entry.symbol for entry in table.entries]
     force = ops.numeric(symbols, ops.column([symbolic.forces(felt).lateral_force]))
@@ -157,11 +192,17 @@ def test_parameters_may_be_symbols(kind):
 
 
 @pytest.mark.parametrize(
-    ("module", "name"),
-    [(calspan, "FORCE_FLOOR"), (calspan, "FRICTION_FLOOR"), (magic_formula_1987, "SLIP_FLOOR")],
+    ("module", "name", "kind"),
+    [
+        (calspan, "FORCE_FLOOR", "calspan"),
+        (calspan, "FRICTION_FLOOR", "calspan"),
+        (similarity, "SLIP_FLOOR", "magic_formula_1987"),
+        (brush, "SLIP_FLOOR", "brush"),
+        (brush, "ROLLING_FLOOR", "brush"),
+        (tmeasy, "SLIP_FLOOR", "tmeasy"),
+    ],
 )
-def test_halving_a_floor_moves_nothing(module, name, monkeypatch):
-    kind = module.__name__.rpartition(".")[2]
+def test_halving_a_floor_moves_nothing(module, name, kind, monkeypatch):
     before = vector(kind, 3e3, 0.05, 0.06, 0.02)
     monkeypatch.setattr(module, name, 0.5 * getattr(module, name))
     assert vector(kind, 3e3, 0.05, 0.06, 0.02) == pytest.approx(before, abs=1e-6)
@@ -220,7 +261,6 @@ def test_linear_names_what_is_missing():
         Linear(**{k: v for k, v in LINEAR.items() if k != "friction"})
 
 
-OWN = "vehicledyn.library.tyres"
 PUBLISHED = {  # load, angle [deg], F_y, M_z; F_x at κ = 0.1 and -0.1: two public programs agree
     2000.0: (-1977.75919, 9.584, 2579.71182, -2285.65078),
     4000.0: (-3858.21376, 32.045, 5091.57157, -4521.01847),
@@ -356,7 +396,7 @@ def test_a_law_refuses_files_of_another_version():
 @pytest.mark.parametrize("kind", sorted(OF_FILES))
 def test_laws_of_files_of_every_version(kind, tmp_path):
     name = PAC2002 if kind in ("pac2002", "magic_formula_52") else MF61
-    text = (resources.files(OWN) / name["file"]).read_text()
+    text = (resources.files("vehicledyn.library.tyres") / name["file"]).read_text()
     for key, value in OF_FILES[kind].items():
         text = text.replace("PROPERTY_FILE_FORMAT = 'PAC2002'", f"{key} = {value}")
         text = text.replace("FITTYP = 61", f"{key} = {value}")

@@ -51,7 +51,7 @@ class Curve:
     """
 
     peak: Scalar
-    shape: float
+    shape: Scalar
     stiffness_factor: Scalar
     curvature: Scalar
     horizontal_shift: Scalar = 0.0
@@ -96,7 +96,7 @@ def peak_places(*curves: Curve) -> list[Scalar]:
     Two Newton steps from the value for E = 0: within 1 % for loads to 20 kN, within
     0.1 % from 2 to 8 kN. It only scales combined slip, pure slip does not depend on it.
     """
-    targets = [math.tan(0.5 * math.pi / curve.shape) for curve in curves]
+    targets = [_tangent(0.5 * math.pi / curve.shape) for curve in curves]
     places: list[Scalar] = list(targets)
     for _ in range(2):
         bends = [(1.0 - c.curvature) * (1.0 + u * u) for c, u in zip(curves, places, strict=True)]
@@ -107,6 +107,11 @@ def peak_places(*curves: Curve) -> list[Scalar]:
             error = (1.0 - E) * u + E * ops.atan(u) - target
             places[k] = u - error * (1.0 + u * u) * inverse[k]
     return places
+
+
+def _tangent(angle: Scalar) -> Scalar:
+    """Return the tangent, of a number without its rounding by CasADi."""
+    return math.tan(angle) if isinstance(angle, float) else ops.tan(angle)
 
 
 def curves(
