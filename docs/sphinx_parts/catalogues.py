@@ -23,12 +23,13 @@ TITLES = {
     "joint": ("Joints", "How a body hangs on its parent in a system file."),
     "cut": ("Cuts", "How loops are closed in a system file."),
     "constraint": ("Constraints", "Further conditions in a system file."),
+    "element": ("Elements", "What acts on bodies and coordinates: `elements` of a system file."),
     "force_law": ("Force laws", "Laws of links and of coordinates in a system file."),
     "time_law": ("Time laws", "Laws of drives in a system file."),
     "cases": ("Cases of studies", "Which cases a study runs: `cases` of a study."),
     "sensor": ("Sensors", "What a system file shows beyond its coordinates."),
 }
-_LEFT_OUT = ("model", "model_file")
+_LEFT_OUT = ("model", "model_file", "joint_type", "element_type", "sensor_type", "constraint_type")
 
 
 def pages() -> dict[str, tuple[str, str]]:

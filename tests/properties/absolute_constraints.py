@@ -4,7 +4,9 @@ from functools import singledispatch
 
 import numpy as np
 
+from vehicledyn.multibody.elements.knife_edge import KnifeEdge
 from vehicledyn.multibody.elements.rolling import RollingWheel
+from vehicledyn.multibody.elements.transmissions import Transmission
 from vehicledyn.multibody.model.constraints import LinearConstraint, RateConstraint, UserConstraint
 from vehicledyn.symbolic import ops
 
@@ -77,6 +79,11 @@ def _(constraint: LinearConstraint, rows: Rows):
 
 
 @add_rows.register
+def _(constraint: Transmission, rows: Rows):
+    add_rows(constraint.relation, rows)
+
+
+@add_rows.register
 def _(constraint: RollingWheel, rows: Rows):
     """The material point at the lowest place has no velocity: v + ω × (c + ρ) = 0."""
     frame = rows.frame(constraint.body)
@@ -98,6 +105,7 @@ def _(constraint: RollingWheel, rows: Rows):
 
 @add_rows.register(UserConstraint)
 @add_rows.register(RateConstraint)
+@add_rows.register(KnifeEdge)
 def _(constraint, rows):
     BY_HAND[constraint.name](f"{constraint.name}.multiplier", rows)
 

@@ -22,7 +22,7 @@ from vehicledyn.files.system.read import read_system
 from vehicledyn.multibody.elements.drives import ConstantRate, TimeLaw
 from vehicledyn.multibody.elements.point_forces import Attachment, Link
 from vehicledyn.multibody.elements.rolling import RollingWheel
-from vehicledyn.multibody.elements.transmissions import belt, gears, rack, screw
+from vehicledyn.multibody.elements.transmissions import Belt, Gears, LeadScrew, Rack
 from vehicledyn.multibody.model.constraints import RateConstraint, UserConstraint
 from vehicledyn.multibody.model.ground import GROUND
 from vehicledyn.symbolic import ops
@@ -82,11 +82,11 @@ def transmitted():
     b.add("turned", "crank", ("R3",), driven=True)
     b.add_wheel("wheel", "slide", 1)
     constraints = (
-        screw("thread", "nut.q0", "nut.q1", add("pitch", 0.4, "m", "pitch"), offset=0.1),
-        rack("rack", "slide.q0", "pinion.q0", add("radius", 0.23, "m", "radius")),
-        gears("mesh", "wheel.spin", "driver.q0", add("ratio", -1.7, "1", "ratio"), offset=0.2),
-        belt("open", "straight.q0", "driver.q0", 0.3, add("pulley", 0.4, "m", "radius")),
-        belt("cross", "crossed.q0", "pinion.q0", 0.2, 0.3, crossed=True),
+        LeadScrew("thread", "nut.q0", "nut.q1", add("pitch", 0.4, "m", "pitch"), offset=0.1),
+        Rack("rack", "slide.q0", "pinion.q0", add("radius", 0.23, "m", "radius")),
+        Gears("mesh", "wheel.spin", "driver.q0", add("ratio", -1.7, "1", "ratio"), offset=0.2),
+        Belt("open", "straight.q0", "driver.q0", 0.3, add("pulley", 0.4, "m", "radius")),
+        Belt("cross", "crossed.q0", "pinion.q0", 0.2, 0.3, crossed=True),
         UserConstraint(
             "planets",
             lambda g: (

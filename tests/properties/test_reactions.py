@@ -12,7 +12,7 @@ from vehicledyn.codegen.passes.kernel_functions import count_operations
 from vehicledyn.codegen.toolchain.compiler import CompilationError, find_compiler
 from vehicledyn.kernel.kernel import compile_kernel
 from vehicledyn.multibody.elements.force_sensors import ConstraintForceSensor, ReactionSensor
-from vehicledyn.multibody.elements.transmissions import gears
+from vehicledyn.multibody.elements.transmissions import Gears
 from vehicledyn.multibody.equations.derivation import derive
 from vehicledyn.multibody.model.bodies import Joint
 from vehicledyn.multibody.model.constraints import Geometry, RateConstraint, UserConstraint
@@ -78,7 +78,7 @@ def constrained_tree(seed):
     )([e.value for e in entries])[0, 0]
     turned = start["first.q0"] + 0.7 * start["root.q0"]
     constraints = (
-        gears("gears", "first.q0", "root.q0", 0.7, offset=turned),
+        Gears("gears", "first.q0", "root.q0", 0.7, offset=turned),
         UserConstraint("surface", lambda g: height(g) - first),
         RateConstraint("edge", edge),
     )

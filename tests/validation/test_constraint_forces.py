@@ -10,6 +10,7 @@ from vehicledyn.kernel.kernel import compile_kernel
 from vehicledyn.multibody import (
     GROUND,
     BallCut,
+    Belt,
     Body,
     ConstraintForceSensor,
     Joint,
@@ -18,7 +19,6 @@ from vehicledyn.multibody import (
     RodCut,
     System,
     UserConstraint,
-    belt,
     derive,
 )
 
@@ -118,7 +118,7 @@ def test_tension_difference_of_a_belt():
     motor = Body("motor", GROUND, joints=(Joint("R2", "m"),), mass=1.0, inertia=(1.0, j1, 1.0))
     drum = Body("drum", GROUND, (1, 0, 0), (Joint("R2", "d"),), mass=2.0, com=(0.1, 0.0, 0.0),
                 inertia=(1.0, j2, 1.0))  # fmt: skip
-    made = system([motor, drum], constraints=(belt("belt", "d", "m", r2, r1),))
+    made = system([motor, drum], constraints=(Belt("belt", "d", "m", r2, r1),))
     values = channels(made)
     weight = 2.0 * G * 0.1
     inertia = j2 + 2.0 * 0.1**2 + j1 * (r2 / r1) ** 2

@@ -39,7 +39,7 @@ if TYPE_CHECKING:
     )
     from vehicledyn.multibody.elements.point_forces import Attachment, GuidedLink, Link
     from vehicledyn.multibody.elements.rolling import RollingWheel
-    from vehicledyn.multibody.elements.transmissions import belt, gears, rack, screw
+    from vehicledyn.multibody.elements.transmissions import Belt, Gears, LeadScrew, Rack
     from vehicledyn.multibody.equations.derivation import derive
     from vehicledyn.multibody.model.bodies import Body, Joint, Turn, quaternion_joint
     from vehicledyn.multibody.model.constraints import (
@@ -61,13 +61,16 @@ __all__ = [
     "BallCut",
     "BaseConstraint",
     "BasePart",
+    "Belt",
     "Body",
     "BodyCut",
     "BodySensor",
     "ConstantRate",
     "ConstraintForceSensor",
+    "Gears",
     "GuidedLink",
     "Joint",
+    "LeadScrew",
     "LinearConstraint",
     "Link",
     "Loads",
@@ -75,6 +78,7 @@ __all__ = [
     "Output",
     "ParameterTable",
     "PartEvent",
+    "Rack",
     "RateConstraint",
     "ReactionSensor",
     "RodCut",
@@ -85,12 +89,8 @@ __all__ = [
     "Turn",
     "UserConstraint",
     "Wrench",
-    "belt",
     "derive",
-    "gears",
     "quaternion_joint",
-    "rack",
-    "screw",
 ]
 
 # Loading a name's module when it is first used keeps the reading of files quick.
@@ -104,7 +104,7 @@ __getattr__ = door(
             "UserConstraint",
         ),
         "vehicledyn.multibody.elements.rolling": ("RollingWheel",),
-        "vehicledyn.multibody.elements.transmissions": ("belt", "gears", "rack", "screw"),
+        "vehicledyn.multibody.elements.transmissions": ("Belt", "Gears", "LeadScrew", "Rack"),
         "vehicledyn.multibody.model.cuts": ("BallCut", "BodyCut", "RodCut"),
         "vehicledyn.multibody.equations.derivation": ("derive",),
         "vehicledyn.multibody.elements.drives": ("ConstantRate", "TimeLaw"),

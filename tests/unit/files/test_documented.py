@@ -72,7 +72,7 @@ def test_page_names_every_kind_and_section():
     load_kinds()
     told = set(re.findall(r"`(\w+)`", PAGE)) | {"T1", "T2", "T3", "R1", "R2", "R3"}
     wanted = set(SystemFile.model_fields) - {"title", "description"}
-    for family in ("joint", "cut", "constraint", "sensor", "force_law", "time_law"):
+    for family in ("joint", "cut", "constraint", "sensor", "element", "force_law", "time_law"):
         assert family in families()
         wanted |= set(kinds(family))
     written = set(re.findall(r"^(\w+):", "\n".join(LISTINGS.values()), re.MULTILINE))

@@ -305,6 +305,25 @@ SENSORS = {
     "constraints: {k: {kind: knife_edge, body: b, across: [0, 1, 0]",
 }
 
+ELEMENTS = {
+    "bushing": (
+        "a: ground, b: {body: b, point: [0, 0, 0.1]}, stiffness: [20 N/m, 0, 0], damping: [0, "
+        "3 N*s/m, 0]",
+        lambda s: (-20.0 * s["b.x"], -3.0 * s["b.y_rate"], 0.0),
+    ),
+    "wrench": ("body: b, force: [2 N, 0, 3 N/s * time]", lambda s: (2.0, 0.0, 6.0)),
+}
+PUSHED = f"title: t\ngravity: [0, 0, 0]\nbodies: {{b: {{joints: [T1 x, T2 y, T3 z], {MASS}}}}}\n"
+
+
+@pytest.mark.parametrize("kind", kinds("element"))
+def test_element(kind, tmp_path):
+    fields, force = ELEMENTS[kind]
+    text = PUSHED + f"elements: {{e: {{kind: {kind}, {fields}}}}}\n"
+    seen = Motion(equations(tmp_path, text)).at(2.0, b__x=0.3, b__x_rate=-4.0, b__y_rate=0.7)
+    rates = [2.0 * seen[f"d.b.{axis}_rate"] for axis in "xyz"]
+    assert rates == pytest.approx(force(seen), rel=1e-13, abs=1e-13)
+
 
 @pytest.mark.parametrize("kind", kinds("sensor"))
 def test_sensor(kind, tmp_path):

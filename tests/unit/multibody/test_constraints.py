@@ -21,7 +21,7 @@ from vehicledyn.multibody import (
     Turn,
     derive,
 )
-from vehicledyn.multibody.elements.transmissions import belt, gears, rack, screw
+from vehicledyn.multibody.elements.transmissions import Belt, Gears, LeadScrew, Rack
 from vehicledyn.multibody.model.constraints import (
     BaseConstraint,
     LinearConstraint,
@@ -75,7 +75,7 @@ def test_a_nut_falls_along_its_screw():
     turned = Joint("R3", "nut.angle", role="dependent")
     nut = Body("nut", GROUND, joints=(Joint("T3", "nut.z", 0.1, "independent"), turned), mass=mass)
     nut = Body(**{**nut.__dict__, "inertia": (inertia,) * 3})
-    e = derive(system([nut], screw("thread", "nut.z", "nut.angle", pitch), table=table))
+    e = derive(system([nut], LeadScrew("thread", "nut.z", "nut.angle", pitch), table=table))
     point = Point(e, **{"nut.z_rate": 0.3})
     acceleration = -mass * 9.81 / (mass + inertia / lead**2)
     assert point.rate["nut.z_rate"] == pytest.approx(acceleration, rel=EXACT)
@@ -88,10 +88,10 @@ def test_a_nut_falls_along_its_screw():
 @pytest.mark.parametrize(
     ("make", "ratio"),
     [
-        (lambda: gears("mesh", "b.angle", "a.angle", 2.5), -2.5),
-        (lambda: gears("mesh", "b.angle", "a.angle", -2.5), 2.5),
-        (lambda: belt("mesh", "b.angle", "a.angle", 0.2, 0.5), 2.5),
-        (lambda: belt("mesh", "b.angle", "a.angle", 0.2, 0.5, crossed=True), -2.5),
+        (lambda: Gears("mesh", "b.angle", "a.angle", 2.5), -2.5),
+        (lambda: Gears("mesh", "b.angle", "a.angle", -2.5), 2.5),
+        (lambda: Belt("mesh", "b.angle", "a.angle", 0.2, 0.5), 2.5),
+        (lambda: Belt("mesh", "b.angle", "a.angle", 0.2, 0.5, crossed=True), -2.5),
     ],
 )
 def test_gears_and_belts_share_a_torque(make, ratio):
@@ -109,7 +109,7 @@ def test_gears_and_belts_share_a_torque(make, ratio):
 
 def test_a_load_on_a_rope_unwinds_the_drum():
     drum = wheel("drum", 0.4, axis=1)
-    rope = rack("rope", "load.z", "drum.angle", -0.25, offset=-3.0)
+    rope = Rack("rope", "load.z", "drum.angle", -0.25, offset=-3.0)
     point = Point(derive(system([drum, slider("load", 5.0, start=-2.9)], rope)))
     fall = -5.0 * 9.81 / (5.0 + 0.4 / 0.25**2)
     for name, factor in (("load.z", 1.0), ("drum.angle", -4.0)):
@@ -136,7 +136,7 @@ def test_the_ratio_stays_a_parameter():
     table = ParameterTable()
     ratio = table.add("ratio", 2.0, "1", "Ratio")
     bodies = [wheel("a", 0.3), wheel("b", 0.7)]
-    e = derive(system(bodies, gears("mesh", "b.angle", "a.angle", ratio), table=table))
+    e = derive(system(bodies, Gears("mesh", "b.angle", "a.angle", ratio), table=table))
     assert ops.depends_on(e.residual, e.parameter)
 
 

@@ -19,8 +19,9 @@ def seen(yaw, roll, *, is_left=True, moved=False):
     carrier = Body("carrier", parent, (0.0, side * TRACK, RADIUS), joints)
     lower, upper = (Attachment("carrier", (x, 0.0, z)) for x, z in ((0.01, -0.1), (-0.02, 0.1)))
     sensor = WheelAngles(
-        "wheel", "carrier", (0.0, 0.0, 0.0), (0.0, 2.0 * side, 0.0), RADIUS,
-        is_left=is_left, reference=parent, steering_axis=SteeringAxis(lower, upper),
+        "wheel", body="carrier", axis=(0.0, 2.0 * side, 0.0), radius=RADIUS,
+        side="left" if is_left else "right", seen_from=parent,
+        steering_axis=SteeringAxis(lower, upper),
     )  # fmt: skip
     bodies = (frame, carrier) if moved else (carrier,)
     place = Positions(System("corner", ParameterTable(), bodies, parts=(sensor,)))

@@ -99,7 +99,7 @@ class Excited:
         if not body:
             return
         thrust = self.system.table.add(THRUST, 0.0, "N", "Force that holds the speed")
-        load = ExternalWrench(THRUST, body, force=lambda _: (thrust, 0.0, 0.0), follows=True)
+        load = ExternalWrench(THRUST, body, force=lambda _: (thrust, 0.0, 0.0), axes="body")
         self._change_parts([*self.system.parts, SmallLoad(THRUST, load)])
 
     def _of_port(self, name: str) -> ModelInput | None:
@@ -191,8 +191,7 @@ class Excited:
             torque=lambda _: torque,
         )
         self._change_parts([*self.system.parts, SmallLoad(signal.names[0], load)])
-        frame = "body" if load.follows else "world"
-        told = f"{word.capitalize()} on {load.body} along {axis}, {frame} axes"
+        told = f"{word.capitalize()} on {load.body} along {axis}, {load.axes} axes"
         return ModelInput(name, unit, told, (InputPart(signal.names[:1]),))
 
     def _wrench_at(self, name: str, owner: str, point: str | None) -> ExternalWrench:

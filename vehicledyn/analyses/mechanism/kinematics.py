@@ -112,7 +112,7 @@ def _wheels(system: System, positions: Positions) -> list[WheelColumns]:
     """Return the wheel sensors that move."""
     channels, speeds = ([c.name for c in g] for g in (positions.channels, positions.speeds))
     sensors = [part for part in system.parts if isinstance(part, WheelAngles)]
-    found = [wheel_columns(s.name, s.is_left, channels, speeds) for s in sensors]
+    found = [wheel_columns(s.name, s.side == "left", channels, speeds) for s in sensors]
     return [columns for columns in found if columns is not None]
 
 

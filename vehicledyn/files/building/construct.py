@@ -6,18 +6,18 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from vehicledyn.base.errors import InputError
-from vehicledyn.files.building.force_parts import force_parts
+from vehicledyn.base.parameters import ParameterSet
+from vehicledyn.files.building.force_parts import built, force_parts
 from vehicledyn.files.building.rail_parts import rail_wheel_parts, track_frames
 from vehicledyn.files.building.values import RoadChoice, Values
 from vehicledyn.files.building.wheel_parts import spin_of, surface_numbers, wheel_parts
 from vehicledyn.files.expressions.dimensions import MEASURES, multiplier_unit
 from vehicledyn.files.system.checks.references import variables
-from vehicledyn.files.system.constraints import ConstraintSet, WrittenConstraint, WrittenRate
+from vehicledyn.files.system.constraints import WrittenConstraint, WrittenRate
 from vehicledyn.files.system.cuts import CutSet
 from vehicledyn.files.system.events import switch
 from vehicledyn.files.system.joints import JointSet
 from vehicledyn.files.system.read import SystemModel
-from vehicledyn.files.system.sensors import SensorSet
 from vehicledyn.files.system.sets import BodySet
 from vehicledyn.multibody.elements.motion_sensors import Accelerometer, BodySensor
 from vehicledyn.multibody.model.bodies import Body, Joint, Turn
@@ -110,9 +110,9 @@ def _system(values: Values) -> System:
             for n, e in file.events.items()
         ),
         *(
-            s.sensor(n, values.value, list(values.model.coordinates))
-            for n, s in file.sensors.items()
-            if isinstance(s, SensorSet)
+            built(values, n, s)
+            for section in (file.elements, file.sensors)
+            for n, s in section.items()
         ),
     ]
     guided = _guided(values, parts)
@@ -127,11 +127,7 @@ def _system(values: Values) -> System:
             cut.cut(n, values.value) for n, cut in file.cuts.items() if isinstance(cut, CutSet)
         ),
         constraints=(
-            *(
-                _constraint(values, n, c)
-                for n, c in file.constraints.items()
-                if isinstance(c, ConstraintSet)
-            ),
+            *(_constraint(values, n, c) for n, c in file.constraints.items()),
             *(constraint for part in guided for constraint in part.constraints()),
         ),
         parts=tuple(parts),
@@ -149,9 +145,9 @@ def _guided(values: Values, parts: list[Part]) -> list[RigidRailWheels]:
     return [part for part in parts if isinstance(part, RigidRailWheels)]
 
 
-def _constraint(values: Values, name: str, item: ConstraintSet) -> Constraint:
+def _constraint(values: Values, name: str, item: ParameterSet) -> Constraint:
     """Return a constraint; that of an expression has the unit of what is zero."""
-    made = item.constraint(name, values.value, list(values.model.coordinates))
+    made: Constraint = built(values, name, item)
     if not isinstance(item, WrittenConstraint | WrittenRate):
         return made
     is_rate = isinstance(item, WrittenRate)

@@ -2,24 +2,21 @@
 
 from __future__ import annotations
 
-from functools import partial
 from typing import Any
 
+from vehicledyn.base.errors import InputError
 from vehicledyn.files.building.values import Values
+from vehicledyn.files.system.declared_sets import DeclaredSet, element_of
 from vehicledyn.files.system.places import Place
 from vehicledyn.files.system.sensors import motion_of
 from vehicledyn.files.system.sets import (
-    BushingSet,
     DriveSet,
     ForceSet,
     LinkSet,
     SpringSet,
-    WrenchSet,
 )
-from vehicledyn.multibody.elements.bushing import Bushing
 from vehicledyn.multibody.elements.coordinate_forces import CoordinateForce
 from vehicledyn.multibody.elements.drives import TimeLaw
-from vehicledyn.multibody.elements.external_wrenches import ExternalWrench
 from vehicledyn.multibody.elements.point_forces import Attachment, GuidedLink, Link
 from vehicledyn.multibody.model.parts import Part, Situation
 
@@ -30,10 +27,10 @@ def force_parts(values: Values) -> list[Part]:
     return [
         *(_drive(values, n, d) for n, d in file.drives.items()),
         *(_link(values, n, link) for n, link in file.links.items()),
-        *(_bushing(values, n, b) for n, b in file.bushings.items()),
+        *(built(values, n, b) for n, b in file.bushings.items()),
         *(_spring(values, n, s) for n, s in file.springs.items()),
         *(_force(values, n, f) for n, f in file.forces.items()),
-        *(_wrench(values, n, w) for n, w in file.wrenches.items()),
+        *(built(values, n, w) for n, w in file.wrenches.items()),
     ]
 
 
@@ -51,20 +48,6 @@ def _link(values: Values, name: str, link: LinkSet) -> Part:
     if link.direction is None:
         return Link(name, a, b, law)
     return GuidedLink(name, a, values.value(link.direction), b, law)
-
-
-def _bushing(values: Values, name: str, bushing: BushingSet) -> Part:
-    return Bushing(
-        name,
-        _attachment(values, bushing.a),
-        _attachment(values, bushing.b),
-        values.value(bushing.stiffness),
-        values.value(bushing.damping),
-        values.value(bushing.turning_stiffness),
-        values.value(bushing.turning_damping),
-        values.value(bushing.preload),
-        values.value(bushing.offset),
-    )
 
 
 def _attachment(values: Values, place: Place) -> Attachment:
@@ -96,12 +79,18 @@ def _force_unit_of(values: Values, coordinate: str) -> str:
     return values.model.coordinates[coordinate].force_unit
 
 
-def _wrench(values: Values, name: str, wrench: WrenchSet) -> Part:
-    return ExternalWrench(
-        name,
-        wrench.body,
-        values.value(wrench.point),
-        partial(values.at_time, wrench.force),
-        partial(values.at_time, wrench.torque),
-        follows=wrench.axes == "body",
-    )
+def built(values: Values, name: str, item: Any) -> Any:
+    """Return the element, sensor or constraint that an entry of a section describes.
+
+    Raises
+    ------
+    InputError
+        If its class refuses the values.
+    """
+    coordinates = list(values.model.coordinates)
+    if not isinstance(item, DeclaredSet):
+        return item.element(name, values.value, coordinates)
+    try:
+        return element_of(item, name, values.value, coordinates)
+    except InputError as error:
+        raise InputError(f"{values.model.path}: {error}") from None

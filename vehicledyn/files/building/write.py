@@ -10,7 +10,7 @@ from ruamel.yaml import YAML
 from vehicledyn.base.parameters import ParameterSet, as_plain
 from vehicledyn.base.schema_line import schema_line, schema_name
 from vehicledyn.files.expressions.expressions import Expression
-from vehicledyn.files.expressions.fields import SystemSet
+from vehicledyn.files.expressions.fields import SystemSet, fact
 from vehicledyn.files.expressions.parameters import Parameters
 from vehicledyn.files.system.read import SystemModel
 
@@ -51,7 +51,11 @@ def _set(item: ParameterSet) -> dict[str, Any]:
         or getattr(item, name) != field.get_default(call_default_factory=True)
     }
     head = {"kind": item.kind} if item.kind else {}
-    return head | {name: _value(value) for name, value in given.items()}
+    written = {name: _value(value) for name, value in given.items()}
+    for name, value in written.items():
+        for entry in value.values() if fact(type(item), name, "section_kind") else ():
+            del entry["kind"]
+    return head | written
 
 
 def _value(value: Any) -> Any:

@@ -17,7 +17,7 @@ from pydantic_core.core_schema import ValidationInfo
 
 from vehicledyn.base.parameters import ParameterSet, read_part
 from vehicledyn.base.units import describe
-from vehicledyn.base.validation_messages import Complaint, complain
+from vehicledyn.base.validation_messages import UNKNOWN_KEY, Complaint, complain
 from vehicledyn.files.expressions.expressions import Expression, named, read_expression
 
 _ONE: dict[str, Any] = {"type": ["number", "string"]}
@@ -107,11 +107,10 @@ def reference(what: str, description: str, *, default: Any = ...) -> Any:
     return Field(default=default, description=description, json_schema_extra={"names": what})
 
 
-def section(family: str, description: str) -> Any:
-    """Declare a mapping from names to entries of a catalogue; empty if absent."""
-    return Field(
-        default_factory=dict, description=description, json_schema_extra={"section": family}
-    )
+def section(family: str, description: str, *, kind: str = "") -> Any:
+    """Declare a mapping from names to entries of a catalogue, all of one kind if that is given."""
+    extra: Any = {"section": family, "section_kind": kind}
+    return Field(default_factory=dict, description=description, json_schema_extra=extra)
 
 
 class SystemSet(ParameterSet):
@@ -125,10 +124,10 @@ class SystemSet(ParameterSet):
         family = fact(cls, str(info.field_name), "section")
         if family is None or not isinstance(value, dict):
             return value
-        entries, complaints = {}, []
+        kind, entries, complaints = fact(cls, str(info.field_name), "section_kind"), {}, []
         for name, item in value.items():
             try:
-                entries[name] = read_part(str(family), item)
+                entries[name] = read_part(str(family), _of_kind(item, kind))
             except ValidationError as error:
                 complaints += [
                     Complaint((name, *line["loc"]), line["msg"], item, line["type"])
@@ -137,6 +136,16 @@ class SystemSet(ParameterSet):
         if complaints:
             raise complain(str(family), complaints)
         return entries
+
+
+def _of_kind(item: Any, kind: str) -> Any:
+    """Return what a section holds with the kind that goes without saying."""
+    if not kind or not isinstance(item, dict):
+        return item
+    if "kind" in item:
+        words = f"unknown key; all entries of this section are of kind {kind}"
+        raise complain("section", [Complaint(("kind",), words, item, UNKNOWN_KEY)])
+    return {"kind": kind, **item}
 
 
 def fact(parameters: type[ParameterSet], name: str, what: str) -> Any:

@@ -3,13 +3,15 @@
 from pathlib import Path
 
 from vehicledyn.base.registry import discover
+from vehicledyn.files.system.declared_sets import announce_elements
 from vehicledyn.files.system.joint_sets import announce_joints
 
 
 def load_kinds() -> None:
-    """Enter all that the modules of this package register, and the joints of the catalogue.
+    """Enter what the modules of this package register, joints and elements of the catalogues.
 
     Only what needs them does so: runs of the vehicles of the catalogue start quicker without.
     """
     discover("vehicledyn.files.system", [str(Path(__file__).parent)])
     announce_joints()
+    announce_elements()

@@ -22,8 +22,9 @@ from vehicledyn.files.system.kinds import load_kinds
 from vehicledyn.files.system.places import Place
 from vehicledyn.files.system.sets import SystemFile
 
-_OWN = ("cut", "constraint", "sensor")
-_FACTS = ("measure", "nature", "variables", "least", "above", "names", "expressions")
+_OWN = ("cut", "constraint", "sensor", "element")
+_FACTS = ("measure", "nature", "variables", "least", "above", "names", "expressions", "no_ground",
+          "turns_with", "written")  # fmt: skip
 _INDEX = {
     "anyOf": [{"type": "array", "items": {"type": ["integer", "string"]}}, {"type": "object"}]
 }
@@ -69,7 +70,8 @@ def _sections(schema: Any) -> Any:
     if not isinstance(schema, dict):
         return schema
     if "section" in schema:
-        inner = {"$ref": f"#/$defs/{schema['section']}"}
+        family, kind = schema["section"], schema.get("section_kind")
+        inner = {"$ref": f"#/$defs/{find(family, kind).__name__ if kind else family}"}
         described = {"description": schema["description"], "type": "object"}
         return {**described, "additionalProperties": inner}
     unit = schema.get("measure")

@@ -1,20 +1,17 @@
-"""Sensors of system files."""
+"""Sensors of system files that are written as expressions."""
 
 from __future__ import annotations
 
 from abc import abstractmethod
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Any
 
 from pydantic import Field, field_validator
 
-from vehicledyn import multibody
 from vehicledyn.base.errors import InputError
 from vehicledyn.base.registry import register
 from vehicledyn.base.units import to_si
-from vehicledyn.files.expressions.expressions import origin
-from vehicledyn.files.expressions.fields import Scalar, SystemSet, Vector, measured, reference
-from vehicledyn.files.system.joints import Sequence as Axes
+from vehicledyn.files.expressions.fields import Scalar, SystemSet, measured
 from vehicledyn.files.system.laws import Values
 
 if TYPE_CHECKING:
@@ -36,97 +33,14 @@ def motion_of(situation: Situation, coordinates: AllCoordinates) -> dict[str, An
 
 
 class SensorSet(SystemSet):
-    """Base of the sensors."""
+    """Base of the sensors that are no classes of the catalogue."""
 
     @abstractmethod
-    def sensor(self, name: str, value: Values, coordinates: AllCoordinates) -> Part:
+    def element(self, name: str, value: Values, coordinates: AllCoordinates) -> Part:
         """Return the sensor of this name.
 
         ``value`` returns what an expression is worth; ``coordinates`` are all of the system.
         """
-
-
-class _OfBody(SensorSet):
-    """Base of the sensors that look at one body."""
-
-    body: str = reference("body", "The body")
-
-
-@register("sensor", "point")
-class PointSensorSet(_OfBody):
-    """Position, velocity and acceleration of a point in world axes."""
-
-    point: Vector = measured(
-        "m", "The point in the axes of the body", default=origin(), nature="polar"
-    )
-    shows: tuple[Literal["position", "velocity", "acceleration"], ...] = Field(
-        default=("position", "velocity", "acceleration"), description="What it shows"
-    )
-
-    def sensor(self, name: str, value: Values, coordinates: AllCoordinates) -> Part:
-        """Return the sensor."""
-        from vehicledyn.multibody.elements.point_sensors import PointSensor
-
-        return PointSensor(name, self.body, value(self.point), self.shows)
-
-
-@register("sensor", "rates")
-class RateSensorSet(_OfBody):
-    """Angular velocity and acceleration of a body in its own axes."""
-
-    def sensor(self, name: str, value: Values, coordinates: AllCoordinates) -> Part:
-        """Return the sensor."""
-        from vehicledyn.multibody.elements.point_sensors import RateSensor
-
-        return RateSensor(name, self.body)
-
-
-@register("sensor", "angles")
-class AngleSensorSet(_OfBody):
-    """Orientation of a body to the world as three angles in a sequence of axes."""
-
-    sequence: Axes = Field(default=(3, 2, 1), description="Axes; 3 2 1 is yaw, pitch, roll")
-
-    def sensor(self, name: str, value: Values, coordinates: AllCoordinates) -> Part:
-        """Return the sensor."""
-        return multibody.SequenceSensor(name, self.body, self.sequence)
-
-
-@register("sensor", "body")
-class BodySensorSet(_OfBody):
-    """Forward and lateral speed, yaw rate and side-slip angle of a body."""
-
-    def sensor(self, name: str, value: Values, coordinates: AllCoordinates) -> Part:
-        """Return the sensor."""
-        return multibody.BodySensor(name, self.body)
-
-
-@register("sensor", "accelerometer")
-class AccelerometerSet(_OfBody):
-    """Acceleration of a point along the heading, to the left and upwards."""
-
-    point: Vector = measured(
-        "m", "The point in the axes of the body", default=origin(), nature="polar"
-    )
-
-    def sensor(self, name: str, value: Values, coordinates: AllCoordinates) -> Part:
-        """Return the sensor."""
-        return multibody.Accelerometer(name, self.body, value(self.point))
-
-
-@register("sensor", "floor")
-class FloorSensorSet(_OfBody):
-    """What an accelerometer on the floor shows, gravity included, and the roll rate."""
-
-    point: Vector = measured(
-        "m", "The point in the axes of the body", default=origin(), nature="polar"
-    )
-
-    def sensor(self, name: str, value: Values, coordinates: AllCoordinates) -> Part:
-        """Return the sensor."""
-        from vehicledyn.multibody.elements.motion_sensors import FloorSensor
-
-        return FloorSensor(name, self.body, value(self.point))
 
 
 @register("sensor", "expression")
@@ -146,7 +60,7 @@ class WrittenSensor(SensorSet):
             raise ValueError(str(error)) from None
         return value
 
-    def sensor(self, name: str, value: Values, coordinates: AllCoordinates) -> Part:
+    def element(self, name: str, value: Values, coordinates: AllCoordinates) -> Part:
         """Return the sensor."""
         from vehicledyn.multibody.elements.point_sensors import ExpressionSensor
 

@@ -106,31 +106,6 @@ class LinkSet(SystemSet):
     )
 
 
-class BushingSet(SystemSet):
-    """Springs and dampers in three directions and three turns between two bodies."""
-
-    a: Place = Field(description="Where it is fixed to the one body, whose axes it has")
-    b: Place = Field(description="Where it is fixed to the other body")
-    stiffness: Vector = measured(
-        "N/m", "Stiffness along x, y, z", default=origin(), nature="diagonal"
-    )
-    damping: Vector = measured(
-        "N*s/m", "Damping along x, y, z", default=origin(), nature="diagonal"
-    )
-    turning_stiffness: Vector = measured(
-        "N*m/rad", "Stiffness against turns about x, y, z", default=origin(), nature="diagonal"
-    )
-    turning_damping: Vector = measured(
-        "N*m*s/rad", "Damping of turns about x, y, z", default=origin(), nature="diagonal"
-    )
-    preload: Vector = measured(
-        "N", "Force on body b where the deflection is zero", default=origin(), nature="polar"
-    )
-    offset: Vector = measured(
-        "m", "Place of b from a where the deflection is zero", default=origin(), nature="polar"
-    )
-
-
 class SpringSet(SystemSet):
     """A spring or damper on a coordinate: its force is minus what the law gives."""
 
@@ -156,22 +131,6 @@ class DriveSet(SystemSet):
     coordinate: str = reference("coordinate", "The coordinate")
     law: TimeLaw = part("time_law", "How it moves")
     mirrored: bool = Field(default=False, description="Move it the opposite way")
-
-
-class WrenchSet(SystemSet):
-    """A force at a point of a body and a torque on it, as functions of time."""
-
-    body: str = reference("body", "The body")
-    point: Vector = measured(
-        "m", "Where the force acts, in the axes of the body", default=origin(), nature="polar"
-    )
-    force: Vector = measured("N", "The force", default=origin(), nature="polar", variables="time")
-    torque: Vector = measured(
-        "N*m", "The torque", default=origin(), nature="axial", variables="time"
-    )
-    axes: Literal["world", "body"] = Field(
-        default="world", description="Axes in which force and torque are given"
-    )
 
 
 class WheelSet(SystemSet):
@@ -227,9 +186,8 @@ class Sections(SystemSet):
     links: dict[str, LinkSet] = Field(
         default_factory=dict, description="Force elements between two points, by name"
     )
-    bushings: dict[str, BushingSet] = Field(
-        default_factory=dict,
-        description="Springs and dampers in three directions and turns, by name",
+    bushings: dict[str, ParameterSet] = section(
+        "element", "Springs and dampers in three directions and turns, by name", kind="bushing"
     )
     springs: dict[str, SpringSet] = Field(
         default_factory=dict, description="Springs and dampers on coordinates, by name"
@@ -240,8 +198,11 @@ class Sections(SystemSet):
     drives: dict[str, DriveSet] = Field(
         default_factory=dict, description="Coordinates driven in time, by name"
     )
-    wrenches: dict[str, WrenchSet] = Field(
-        default_factory=dict, description="Forces and torques on bodies, by name"
+    wrenches: dict[str, ParameterSet] = section(
+        "element", "Forces and torques on bodies, by name", kind="wrench"
+    )
+    elements: dict[str, ParameterSet] = section(
+        "element", "Elements of any kind of the catalogue, by name"
     )
     sensors: dict[str, ParameterSet] = section("sensor", "Sensors by name")
     wheels: dict[str, WheelSet] = Field(default_factory=dict, description="Wheels by name")

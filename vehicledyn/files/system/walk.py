@@ -10,7 +10,7 @@ from vehicledyn.base.parameters import ParameterSet
 from vehicledyn.base.problems import Place
 from vehicledyn.files.expressions.expressions import Expression
 from vehicledyn.files.expressions.fields import SystemSet, expressions, fact
-from vehicledyn.files.system.constraints import ConstraintSet
+from vehicledyn.files.system.declared_sets import DeclaredSet, coordinate_names
 from vehicledyn.files.system.joints import Coordinate, JointSet
 from vehicledyn.files.system.sets import BodySet, SystemFile
 
@@ -122,8 +122,8 @@ def _expressions(item: ParameterSet, name: str, place: Place, units: _Units) -> 
 
 def _units_of(item: Any, coordinates: dict[str, Coordinate]) -> _Units:
     named = getattr(item, "coordinate", None)
-    if isinstance(item, ConstraintSet):
-        named = item.coordinates[0] if item.coordinates else None
+    if isinstance(item, DeclaredSet):
+        named = next(iter(coordinate_names(item)), None)
     points = tuple(getattr(item, "points", ()))
     if named is None:
         return _Units(points=points)

@@ -4,20 +4,26 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
+from vehicledyn.base.registry import register
 from vehicledyn.base.shapes import Anchor, Ball, Coil, Shape
 from vehicledyn.multibody.elements.point_forces import Attachment
+from vehicledyn.multibody.model.declaration import ORIGIN, attachment, vector
 from vehicledyn.multibody.model.parts import BasePart, Loads, Output, Situation, Wrench
 from vehicledyn.symbolic import ops
 from vehicledyn.symbolic.equations import Channel
 from vehicledyn.symbolic.ops import Mat, Scalar, Vec
 
-_NONE = (0.0, 0.0, 0.0)
+
+def _diagonal(unit: str, description: str) -> Any:
+    return vector(unit, description, default=ORIGIN, nature="diagonal")
 
 
+@register("element_type", "bushing")
 @dataclass(frozen=True)
 class Bushing(BasePart):
-    """A rubber block, coil or air spring: linear in three directions and three turns.
+    """Springs and dampers in three directions and three turns between two bodies.
 
     In the axes of body A, with d the place of B's point from A's less ``offset`` and θ the turn
     of B over A,
@@ -26,29 +32,22 @@ class Bushing(BasePart):
 
     act on B at its point, and their opposites on A at the same point in space, so that the pair
     has no moment. θ is the axis of the turn times its sine; the two agree for small turns.
-
-    Parameters
-    ----------
-    a, b
-        The points that coincide at rest, but for the offset.
-    stiffness, damping
-        Diagonals of K [N/m] and C [N s/m].
-    turning_stiffness, turning_damping
-        Diagonals of K_θ [N m/rad] and C_θ [N m s/rad].
-    preload
-        F_0, the force on B where d is zero [N].
-    offset
-        Place of B's point from A's where d is zero [m].
     """
 
-    a: Attachment
-    b: Attachment
-    stiffness: Sequence[Scalar] = _NONE
-    damping: Sequence[Scalar] = _NONE
-    turning_stiffness: Sequence[Scalar] = _NONE
-    turning_damping: Sequence[Scalar] = _NONE
-    preload: Sequence[Scalar] = _NONE
-    offset: Sequence[Scalar] = _NONE
+    a: Attachment = attachment("Where it is fixed to the one body, whose axes it has")
+    b: Attachment = attachment("Where it is fixed to the other body")
+    stiffness: Sequence[Scalar] = _diagonal("N/m", "Stiffness along x, y, z")
+    damping: Sequence[Scalar] = _diagonal("N*s/m", "Damping along x, y, z")
+    turning_stiffness: Sequence[Scalar] = _diagonal(
+        "N*m/rad", "Stiffness against turns about x, y, z"
+    )
+    turning_damping: Sequence[Scalar] = _diagonal("N*m*s/rad", "Damping of turns about x, y, z")
+    preload: Sequence[Scalar] = vector(
+        "N", "Force on body b where the deflection is zero", default=ORIGIN
+    )
+    offset: Sequence[Scalar] = vector(
+        "m", "Place of b from a where the deflection is zero", default=ORIGIN
+    )
 
     def shapes(self) -> tuple[Shape, ...]:
         """Return a block on A, and a coil to B where that is away from it."""

@@ -4,8 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import Literal
 
+from vehicledyn.base.registry import register
 from vehicledyn.base.shapes import Anchor, Force, Shape
+from vehicledyn.multibody.model.declaration import ORIGIN, body_name, choice, function, vector
 from vehicledyn.multibody.model.parts import BasePart, Loads, Output, Situation, Wrench
 from vehicledyn.symbolic import ops
 from vehicledyn.symbolic.equations import Channel
@@ -21,31 +24,29 @@ def _nothing(_: Scalar) -> Sequence[Scalar]:
     return (0.0, 0.0, 0.0)
 
 
+@register("element_type", "wrench")
 @dataclass(frozen=True)
 class ExternalWrench(BasePart):
-    """A force at a point of a body and a torque on it, such as wind or a test rig.
+    """A force at a point of a body and a torque on it, as functions of time."""
 
-    Parameters
-    ----------
-    body, point
-        The body and the point the force acts at, in body axes [m].
-    force, torque
-        Components as functions of time, in world axes or, with ``follows``, in the axes of the
-        body [N, N m].
-    follows
-        Whether the wrench turns with the body.
-    """
-
-    body: str
-    point: Sequence[Scalar] = (0.0, 0.0, 0.0)
-    force: TimeVector = _nothing
-    torque: TimeVector = _nothing
-    follows: bool = False
+    body: str = body_name("The body")
+    point: Sequence[Scalar] = vector(
+        "m", "Where the force acts, in the axes of the body", default=ORIGIN
+    )
+    force: TimeVector = function(
+        "N", "The force", of="time", nature="polar", default=_nothing, written=ORIGIN
+    )
+    torque: TimeVector = function(
+        "N*m", "The torque", of="time", nature="axial", default=_nothing, written=ORIGIN
+    )
+    axes: Literal["world", "body"] = choice(
+        "Axes in which force and torque are given", default="world"
+    )
 
     def loads(self, situation: Situation) -> Loads:
         """Return the wrench in the axes of the body, about its origin."""
         force, torque = self._components(situation)
-        if not self.follows:
+        if self.axes == "world":
             to_body = situation.kinematics.rotation(self.body).T
             force, torque = to_body @ force, to_body @ torque
         moment = torque + ops.cross(ops.vector(*self.point), force)
@@ -53,7 +54,7 @@ class ExternalWrench(BasePart):
 
     def outputs(self, situation: Situation) -> tuple[Output, ...]:
         """Return force and torque in the axes they are given in."""
-        frame = self.body if self.follows else "world"
+        frame = self.body if self.axes == "body" else "world"
         pairs = zip(("force", "torque"), ("N", "N*m"), self._components(situation), strict=True)
         return tuple(
             Output(
@@ -67,8 +68,7 @@ class ExternalWrench(BasePart):
     def shapes(self) -> tuple[Shape, ...]:
         """Return the force."""
         forces = tuple(f"{self.name}.force_{axis}" for axis in _AXES)
-        frame = "body" if self.follows else "world"
-        return (Force(self.name, Anchor(self.body, tuple(self.point)), forces, axes=frame),)
+        return (Force(self.name, Anchor(self.body, tuple(self.point)), forces, axes=self.axes),)
 
     def _components(self, situation: Situation) -> tuple[Vec, Vec]:
         return (

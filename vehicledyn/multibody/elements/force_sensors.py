@@ -5,8 +5,17 @@ from __future__ import annotations
 import logging
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Literal, TypeAlias
 
 from vehicledyn.base.errors import InputError
+from vehicledyn.base.registry import register
+from vehicledyn.multibody.model.declaration import (
+    ORIGIN,
+    body_name,
+    choice,
+    constraint_name,
+    vector,
+)
 from vehicledyn.multibody.model.joint_wrench import JointWrench
 from vehicledyn.multibody.model.kinematics import Kinematics
 from vehicledyn.multibody.model.parts import (
@@ -22,29 +31,34 @@ from vehicledyn.symbolic.ops import Mat, Scalar, Vec
 
 _COMPONENTS = ("x", "y", "z")
 _UNITS = {"force": "N", "torque": "N*m"}
+Axes: TypeAlias = Literal["world", "body", "parent"]
+Shows: TypeAlias = tuple[Literal["force", "torque"], ...]
 _log = logging.getLogger(__name__)
 
 
+@register("sensor_type", "reaction")
 @dataclass(frozen=True)
 class ReactionSensor(BasePart):
-    """Force and torque that a body's parent exerts on it through the joints between them.
+    """Force and torque that the parent of a body exerts on it through the joints between them.
 
     All that acts through the chain of joints is part of it: along the directions that the
     joints leave free, the springs, drives and transmissions on their coordinates; across
-    them, the constraint forces. The body exerts the opposite on its parent.
-
-    ``point`` is the point that the torque is about, given in the axes of the body, or of the
-    parent if ``of`` is "parent"; None is the body's origin or, of the parent, the place where
-    the chain of joints starts. ``axes`` are "world", "body" or "parent"; ``shows`` picks
-    "force" and "torque". Components that redundant constraints leave undetermined are not a
-    number, and a warning names them.
+    them, the constraint forces. The body exerts the opposite on its parent. Components that
+    redundant constraints leave undetermined are not a number, and a warning names them.
     """
 
-    body: str
-    point: Sequence[Scalar] | None = None
-    of: str = "body"
-    axes: str = "world"
-    shows: tuple[str, ...] = ("force", "torque")
+    body: str = body_name("The body that they act on", may_be_ground=False)
+    point: Sequence[Scalar] | None = vector(
+        "m",
+        "Point that the torque is about; without it the origin of the body, or where its joints "
+        "start on the parent",
+        default=None,
+    )
+    of: Literal["body", "parent"] = choice(
+        "Whose point it is and in whose axes it is given", default="body"
+    )
+    axes: Axes = choice("Axes that they are given in", default="world")
+    shows: Shows = choice("What it shows", default=("force", "torque"))
 
     def outputs(self, situation: Situation) -> tuple[Output, ...]:
         """Return the components, named force_x, torque_x and so on."""
@@ -69,19 +83,21 @@ class ReactionSensor(BasePart):
         return ops.vector(*body.at)
 
 
+@register("sensor_type", "constraint_force")
 @dataclass(frozen=True)
 class ConstraintForceSensor(BasePart):
     """Force and torque that a cut or constraint exerts on a body.
 
-    ``point`` is the point of the body that the torque is about, in its axes; ``axes`` are
-    "world", "body" or "parent". Components that are not unique are not a number.
+    Components that are not unique are not a number.
     """
 
-    constraint: str
-    body: str
-    point: Sequence[Scalar] = (0.0, 0.0, 0.0)
-    axes: str = "world"
-    shows: tuple[str, ...] = ("force", "torque")
+    constraint: str = constraint_name("The cut or constraint")
+    body: str = body_name("The body that they act on", may_be_ground=False)
+    point: Sequence[Scalar] = vector(
+        "m", "Point that the torque is about, in the axes of the body", default=ORIGIN
+    )
+    axes: Axes = choice("Axes that they are given in", default="world")
+    shows: Shows = choice("What it shows", default=("force", "torque"))
 
     def outputs(self, situation: Situation) -> tuple[Output, ...]:
         """Return the components, named force_x, torque_x and so on."""

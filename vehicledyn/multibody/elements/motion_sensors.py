@@ -4,7 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Literal, TypeAlias
 
+from vehicledyn.base.registry import register
+from vehicledyn.multibody.model.declaration import ORIGIN, body_name, choice, vector
 from vehicledyn.multibody.model.parts import BasePart, ForcesUnknownError, Output, Situation
 from vehicledyn.symbolic import ops, rotations
 from vehicledyn.symbolic.equations import Channel
@@ -13,14 +16,18 @@ from vehicledyn.symbolic.ops import Scalar
 _STANDSTILL = 1e-3
 """Speed below which a side-slip angle has no meaning and is zero [m/s]."""
 
+Sequence3: TypeAlias = tuple[Literal[1, 2, 3], Literal[1, 2, 3], Literal[1, 2, 3]]
+"""Three axes in the order of turns about them."""
+
 _WORDS = ("longitudinal", "lateral", "vertical")
 
 
+@register("sensor_type", "body")
 @dataclass(frozen=True)
 class BodySensor(BasePart):
     """Velocity of a body's origin in its horizontal axes, its body rates and side-slip angle."""
 
-    body: str
+    body: str = body_name("The body")
 
     def outputs(self, situation: Situation) -> tuple[Output, ...]:
         """Return velocities along the heading, angular velocity and the side-slip angle."""
@@ -43,6 +50,7 @@ class BodySensor(BasePart):
         return Output(Channel(f"{self.name}.{name}", unit, text, "intermediate"), value)
 
 
+@register("sensor_type", "accelerometer")
 @dataclass(frozen=True)
 class Accelerometer(BasePart):
     """Acceleration of a point of a body along its heading, to the left and upwards.
@@ -51,8 +59,8 @@ class Accelerometer(BasePart):
     heading, z vertical; gravity is not included.
     """
 
-    body: str
-    point: Sequence[Scalar] = (0.0, 0.0, 0.0)
+    body: str = body_name("The body")
+    point: Sequence[Scalar] = vector("m", "The point in the axes of the body", default=ORIGIN)
 
     def outputs(self, situation: Situation) -> tuple[Output, ...]:
         """Return the three accelerations."""
@@ -73,6 +81,7 @@ class Accelerometer(BasePart):
         )
 
 
+@register("sensor_type", "floor")
 @dataclass(frozen=True)
 class FloorSensor(BasePart):
     """What an accelerometer on the floor of a body shows, and how fast the body rolls.
@@ -82,8 +91,8 @@ class FloorSensor(BasePart):
     on a canted floor it feels a part of the weight.
     """
 
-    body: str
-    point: Sequence[Scalar] = (0.0, 0.0, 0.0)
+    body: str = body_name("The body")
+    point: Sequence[Scalar] = vector("m", "The point in the axes of the body", default=ORIGIN)
 
     def outputs(self, situation: Situation) -> tuple[Output, ...]:
         """Return the three accelerations and the roll rate."""
@@ -104,6 +113,7 @@ class FloorSensor(BasePart):
         return (*found, Output(roll, kinematics.angular_velocity(self.body)[0]))
 
 
+@register("sensor_type", "angles")
 @dataclass(frozen=True)
 class SequenceSensor(BasePart):
     """Orientation of a body as three Tait-Bryan angles in a given sequence of axes.
@@ -112,8 +122,8 @@ class SequenceSensor(BasePart):
     sequence of three different axes may be asked for, such as (2, 1, 3) of the Iltis benchmark.
     """
 
-    body: str
-    sequence: tuple[int, int, int]
+    body: str = body_name("The body")
+    sequence: Sequence3 = choice("Axes; 3 2 1 is yaw, pitch, roll", default=(3, 2, 1))
 
     def outputs(self, situation: Situation) -> tuple[Output, ...]:
         """Return the three angles, named roll, pitch and yaw after their axes."""

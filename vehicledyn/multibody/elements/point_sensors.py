@@ -4,7 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import Literal
 
+from vehicledyn.base.registry import register
+from vehicledyn.multibody.model.declaration import ORIGIN, body_name, choice, vector
 from vehicledyn.multibody.model.parts import BasePart, Output, Situation
 from vehicledyn.symbolic.equations import Channel
 from vehicledyn.symbolic.ops import Scalar, Vec
@@ -12,16 +15,16 @@ from vehicledyn.symbolic.ops import Scalar, Vec
 _AXES = ("x", "y", "z")
 
 
+@register("sensor_type", "point")
 @dataclass(frozen=True)
 class PointSensor(BasePart):
-    """Position, velocity and acceleration of a point of a body, in world axes.
+    """Position, velocity and acceleration of a point in world axes, without gravity."""
 
-    ``shows`` names which of the three; gravity is not part of the acceleration.
-    """
-
-    body: str
-    point: Sequence[Scalar] = (0.0, 0.0, 0.0)
-    shows: tuple[str, ...] = ("position", "velocity", "acceleration")
+    body: str = body_name("The body")
+    point: Sequence[Scalar] = vector("m", "The point in the axes of the body", default=ORIGIN)
+    shows: tuple[Literal["position", "velocity", "acceleration"], ...] = choice(
+        "What it shows", default=("position", "velocity", "acceleration")
+    )
 
     def outputs(self, situation: Situation) -> tuple[Output, ...]:
         """Return the components, named x, velocity_x, acceleration_x and so on."""
@@ -43,11 +46,12 @@ class PointSensor(BasePart):
         return _components(f"{self.name}.{prefix}", unit, text, "world", vector)
 
 
+@register("sensor_type", "rates")
 @dataclass(frozen=True)
 class RateSensor(BasePart):
-    """Angular velocity and angular acceleration of a body, in its own axes."""
+    """Angular velocity and acceleration of a body in its own axes."""
 
-    body: str
+    body: str = body_name("The body")
 
     def outputs(self, situation: Situation) -> tuple[Output, ...]:
         """Return the components, named angular_velocity_x and angular_acceleration_x."""

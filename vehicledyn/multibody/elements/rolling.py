@@ -4,42 +4,35 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Literal
 
+from vehicledyn.base.registry import register
 from vehicledyn.base.shapes import Anchor, Plane, Shape, Wheel
 from vehicledyn.multibody.model.constraints import BaseConstraint, Geometry, Movement
 from vehicledyn.multibody.model.cuts import Residual
+from vehicledyn.multibody.model.declaration import ORIGIN, body_name, choice, number, vector
 from vehicledyn.symbolic import ops
 from vehicledyn.symbolic.ops import Scalar, Vec
 
 
+@register("constraint_type", "rolling_wheel")
 @dataclass(frozen=True)
 class RollingWheel(BaseConstraint):
-    """A wheel with a sharp edge or a round crown that touches the plane z = 0 and never slips.
+    """A wheel with a sharp or round edge that rolls on the plane z = 0 without slip.
 
     The wheel is a torus: its crown of radius ρ runs on a circle of radius r about the axis.
     With e the axis and d the unit vector in the plane of the wheel that points down most
     steeply, the lowest point is c + r d - ρ z. Its height is zero and the material point there
     has no horizontal velocity. The wheel must not lie flat (e along z).
-
-    Parameters
-    ----------
-    body
-        The wheel; it may have ``spins_about``.
-    axis
-        Axis of revolution in the body, 1 to 3.
-    radius
-        r, of the circle of the crown's centre; of the edge for a sharp one [m].
-    crown
-        ρ, radius of the crown; zero for a sharp edge [m].
-    centre
-        Centre of the wheel in the axes of the body [m].
     """
 
-    body: str
-    axis: int
-    radius: Scalar
-    crown: Scalar = 0.0
-    centre: Sequence[Scalar] = (0.0, 0.0, 0.0)
+    body: str = body_name("The wheel; it may have spins_about")
+    axis: Literal[1, 2, 3] = choice("Axis of the wheel in its body")
+    radius: Scalar = number("m", "Radius r of the edge, or to the centre of the crown", above=0.0)
+    crown: Scalar = number("m", "Radius ρ of the crown; zero is sharp", default=0.0, least=0.0)
+    centre: Sequence[Scalar] = vector(
+        "m", "Centre of the wheel in the axes of the body", default=ORIGIN
+    )
 
     def residuals(self, geometry: Geometry) -> list[Residual]:
         """Return the height of the lowest point [m]; its multiplier is the normal force."""

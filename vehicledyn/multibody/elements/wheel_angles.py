@@ -20,8 +20,19 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Literal
 
+from vehicledyn.base.registry import register
 from vehicledyn.multibody.elements.point_forces import Attachment
+from vehicledyn.multibody.model.declaration import (
+    ORIGIN,
+    attachment,
+    body_name,
+    choice,
+    group,
+    number,
+    vector,
+)
 from vehicledyn.multibody.model.ground import GROUND
 from vehicledyn.multibody.model.parts import BasePart, Output, Situation
 from vehicledyn.symbolic import ops
@@ -35,44 +46,35 @@ _AXES = ("x", "y", "z")
 class SteeringAxis:
     """The line about which a wheel is steered, through a lower and an upper point."""
 
-    lower: Attachment
-    upper: Attachment
+    lower: Attachment = attachment("A point of the line")
+    upper: Attachment = attachment("A higher point of the line")
 
 
-@dataclass(frozen=True)
+@register("sensor_type", "wheel_angles")
+@dataclass(frozen=True, kw_only=True)
 class WheelAngles(BasePart):
-    """Angles and contact point of a wheel, as the module says.
+    """Steer, toe and camber angle of a wheel, its centre and contact point, its steering axis.
 
-    Parameters
-    ----------
-    body
-        The wheel carrier, which does not spin.
-    centre, axis
-        Wheel centre [m] and direction of the spin axis out of the car (of any length), in the
-        axes of the body.
-    radius
-        Radius of the disc [m].
-    is_left
-        Whether the wheel is on the left.
-    reference
-        Body whose axes the angles are measured in.
-    steering_axis
-        The steering axis; None where no two points define one.
+    The module says how they are measured.
     """
 
-    body: str
-    centre: Sequence[Scalar]
-    axis: Sequence[Scalar]
-    radius: Scalar
-    is_left: bool = True
-    reference: str = GROUND
-    steering_axis: SteeringAxis | None = None
+    body: str = body_name("The wheel carrier, which does not spin")
+    centre: Sequence[Scalar] = vector("m", "Wheel centre in the axes of the body", default=ORIGIN)
+    axis: Sequence[Scalar] = vector(
+        "", "Direction of the spin axis out of the car, axes of the body"
+    )
+    radius: Scalar = number("m", "Radius of the wheel", above=0.0)
+    side: Literal["left", "right"] = choice("Side of the vehicle", default="left", nature="side")
+    seen_from: str = body_name("Body whose axes all is measured in", default=GROUND)
+    steering_axis: SteeringAxis | None = group(
+        "Two points of the steering axis, where there are such points", default=None
+    )
 
     def outputs(self, situation: Situation) -> tuple[Output, ...]:
         """Return angles [rad] and places [m] in the axes of the reference body."""
         centre = self._place(situation, self.body, self.centre)
         out = self._direction(situation)
-        side = 1.0 if self.is_left else -1.0
+        side = 1.0 if self.side == "left" else -1.0
         level = ops.sqrt(out[0] * out[0] + out[1] * out[1])
         contact = centre + self.radius * _down(out, level)
         steer = ops.atan2(-side * out[0], side * out[1])
@@ -110,7 +112,7 @@ class WheelAngles(BasePart):
         contact: Vec,
         heading: tuple[Scalar, Scalar],
     ) -> list[Output]:
-        side = 1.0 if self.is_left else -1.0
+        side = 1.0 if self.side == "left" else -1.0
         lower = self._place(situation, line.lower.body, line.lower.point)
         up = self._place(situation, line.upper.body, line.upper.point) - lower
         at_ground = lower + up * ((contact[2] - lower[2]) / up[2])
@@ -136,32 +138,32 @@ class WheelAngles(BasePart):
         """Return a point in the axes of the reference body."""
         k = situation.kinematics
         place = ops.vector(*_three(point)) if body == GROUND else k.position(body, point)
-        if self.reference == GROUND:
+        if self.seen_from == GROUND:
             return place
-        return k.rotation(self.reference).T @ (place - k.position(self.reference))
+        return k.rotation(self.seen_from).T @ (place - k.position(self.seen_from))
 
     def _direction(self, situation: Situation) -> Vec:
         """Return the spin axis out of the car, a unit vector in the axes of the reference."""
         k = situation.kinematics
         turned = k.rotation(self.body) @ ops.unit(ops.vector(*_three(self.axis)))
-        return turned if self.reference == GROUND else k.rotation(self.reference).T @ turned
+        return turned if self.seen_from == GROUND else k.rotation(self.seen_from).T @ turned
 
     def _motion(self, situation: Situation, contact: Vec) -> list[Output]:
         """Return how the carrier moves to the reference: what instant axes are found from."""
         k = situation.kinematics
         turning = k.rotation(self.body) @ k.angular_velocity(self.body)
         to_world = ops.vector(0.0, 0.0, 0.0)
-        if self.reference != GROUND:
-            rotation = k.rotation(self.reference)
-            turning = rotation.T @ turning - k.angular_velocity(self.reference)
-            to_world = k.position(self.reference)
+        if self.seen_from != GROUND:
+            rotation = k.rotation(self.seen_from)
+            turning = rotation.T @ turning - k.angular_velocity(self.seen_from)
+            to_world = k.position(self.seen_from)
             contact = rotation @ contact
         place = to_world + contact
         arm = k.rotation(self.body).T @ (place - k.position(self.body))
         speed = k.velocity(self.body, arm)
-        if self.reference != GROUND:
-            rotation = k.rotation(self.reference)
-            carried = k.velocity(self.reference, rotation.T @ (place - to_world))
+        if self.seen_from != GROUND:
+            rotation = k.rotation(self.seen_from)
+            carried = k.velocity(self.seen_from, rotation.T @ (place - to_world))
             speed = rotation.T @ (speed - carried)
         return [
             *self._components("turning_", "rad/s", "Angular velocity of the carrier", turning),
@@ -180,7 +182,7 @@ class WheelAngles(BasePart):
         ]
 
     def _output(self, name: str, unit: str, text: str, value: Scalar) -> Output:
-        return Output(Channel(f"{self.name}.{name}", unit, text, self.reference), value)
+        return Output(Channel(f"{self.name}.{name}", unit, text, self.seen_from), value)
 
 
 def _down(out: Vec, level: Scalar) -> Vec:

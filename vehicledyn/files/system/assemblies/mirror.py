@@ -20,7 +20,7 @@ from typing import Any
 from vehicledyn.base.problems import Place
 from vehicledyn.files.expressions.expressions import Expression, named
 from vehicledyn.files.expressions.fields import SystemSet, fact
-from vehicledyn.files.system.constraints import ConstraintSet
+from vehicledyn.files.system.declared_sets import DeclaredSet
 from vehicledyn.files.system.events import EventSet
 from vehicledyn.files.system.joints import Coordinate, JointSet
 from vehicledyn.files.system.rail_wheels import RailWheelSet
@@ -33,7 +33,6 @@ from vehicledyn.files.system.sets import (
     SpringSet,
     WheelSet,
 )
-from vehicledyn.files.system.wheel_sensor import WheelAnglesSet
 
 AXES = {"x": 1, "y": 2, "z": 3}
 _PRODUCTS = ((1, 2), (1, 3), (2, 3))
@@ -166,14 +165,14 @@ def _mirrored(item: Any, axis: int, renamed: _Names, pieces: _Pieces) -> Any:
     if isinstance(image, BodySet):
         joints = tuple(_mirrored_joint(joint, axis, pieces) for joint in image.joints)
         return image.model_copy(update={"joints": joints})
-    if isinstance(image, WheelSet | WheelAnglesSet | RailWheelSet) and axis == AXES["y"]:
+    if isinstance(image, WheelSet | RailWheelSet) and axis == AXES["y"]:
         return _on_other_side(image)
     if isinstance(item, EventSet):
         return _mirrored_event(item, image, axis, renamed)
     return _turned(item, image, renamed)
 
 
-def _on_other_side(image: WheelSet | WheelAnglesSet | RailWheelSet) -> SystemSet:
+def _on_other_side(image: WheelSet | RailWheelSet) -> SystemSet:
     """Return what has a side of the vehicle on the other one."""
     if isinstance(image, RailWheelSet):
         return image.model_copy(update={"wheels": tuple(_OTHER[side] for side in image.wheels)})
@@ -197,8 +196,8 @@ def _mirrored_event(item: EventSet, image: SystemSet, axis: int, renamed: _Names
 
 def _turned(item: SystemSet, image: SystemSet, renamed: _Names) -> SystemSet:
     """Return the image of what acts on coordinates that change their sign."""
-    if isinstance(item, ConstraintSet) and isinstance(image, ConstraintSet):
-        return image.mirrored([name in renamed.turned for name in item.coordinates])
+    if isinstance(item, DeclaredSet):
+        return _turned_numbers(item, image, renamed)
     if getattr(item, "coordinate", None) not in renamed.turned:
         return image
     if isinstance(image, SpringSet | DriveSet):
@@ -209,6 +208,17 @@ def _turned(item: SystemSet, image: SystemSet, renamed: _Names) -> SystemSet:
     return image
 
 
+def _turned_numbers(item: DeclaredSet, image: SystemSet, renamed: _Names) -> SystemSet:
+    """Return the image with numbers and flags that change their sign with coordinates."""
+    update: dict[str, Any] = {}
+    for name in type(item).model_fields:
+        others = fact(type(item), name, "turns_with") or ()
+        if sum(getattr(item, other) in renamed.turned for other in others) % 2:
+            value = getattr(image, name)
+            update[name] = not value if isinstance(value, bool) else value.negated()
+    return image.model_copy(update=update)
+
+
 def _mirrored_field(item: SystemSet, name: str, axis: int, renamed: _Names, pieces: _Pieces) -> Any:
     value, what = getattr(item, name), fact(type(item), name, "names")
     if what is not None:
@@ -217,6 +227,8 @@ def _mirrored_field(item: SystemSet, name: str, axis: int, renamed: _Names, piec
     nature = fact(type(item), name, "nature")
     if isinstance(value, Expression):
         return _mirrored_expression(value, nature, axis).replaced(renamed.expressions())
+    if nature == "side" and axis == AXES["y"]:
+        return _OTHER.get(value, value)
     if isinstance(value, tuple) and nature == "inertia":
         return _mirrored_inertia(value, axis)
     return _mirrored(value, axis, renamed, pieces)

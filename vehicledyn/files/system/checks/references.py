@@ -7,6 +7,7 @@ from collections.abc import Iterable, Iterator
 from typing import Any
 
 from vehicledyn.base.errors import unknown_name
+from vehicledyn.base.parameters import ParameterSet
 from vehicledyn.base.problems import Place
 from vehicledyn.files.expressions.algebra import NUMBERS, ExpressionError
 from vehicledyn.files.expressions.dimensions import MEASURES, Measure, measure_of
@@ -15,8 +16,8 @@ from vehicledyn.files.expressions.parameters import Parameters, is_name
 from vehicledyn.files.system.checks.inertia import inertia_problems
 from vehicledyn.files.system.checks.structure import structure_problems
 from vehicledyn.files.system.events import EventSet
-from vehicledyn.files.system.force_sensors import ConstraintForceSet, acted_on
 from vehicledyn.files.system.joints import Coordinate
+from vehicledyn.files.system.places import Place as PointOfBody
 from vehicledyn.files.system.sets import BodySet, Sections, SystemFile
 from vehicledyn.files.system.track_frame import track_frame_problems
 from vehicledyn.files.system.walk import Found, Reference, walk
@@ -73,6 +74,7 @@ class _Known:
     ) -> None:
         self.bodies = {GROUND, *file.bodies}
         self.coordinates = coordinates
+        self.constraints = [*file.cuts, *file.constraints]
         self.parameters = parameters
         self.driven = {drive.coordinate for drive in file.drives.values()}
         self.switches = dict.fromkeys(file.switches, measure_of("1"))
@@ -173,6 +175,8 @@ def _reference(item: Reference, known: _Known) -> Problems:
         yield item.place, unknown_name("body", item.name, known.bodies)
     if item.what == "coordinate" and item.name not in known.coordinates:
         yield item.place, unknown_name("coordinate", item.name, known.coordinates)
+    if item.what == "constraint" and item.name not in known.constraints:
+        yield item.place, unknown_name("cut or constraint", item.name, known.constraints)
 
 
 def _expression(item: Found, known: _Known) -> Problems:
@@ -324,19 +328,23 @@ def _uses(expression: Expression, name: str) -> bool:
 
 def _constraint_forces(file: SystemFile) -> Problems:
     for name, sensor in file.sensors.items():
-        if not isinstance(sensor, ConstraintForceSet):
+        constraint, place = getattr(sensor, "constraint", ""), ("sensors", name)
+        acting = file.cuts.get(constraint) or file.constraints.get(constraint)
+        if acting is None or not hasattr(sensor, "body"):
             continue
-        acting = file.cuts.get(sensor.constraint) or file.constraints.get(sensor.constraint)
-        place = ("sensors", name)
-        if acting is None:
-            known = [*file.cuts, *file.constraints]
-            words = unknown_name("cut or constraint", sensor.constraint, known)
-            yield (*place, "constraint"), words
-            continue
-        bodies = [b for b in acted_on(acting) if b != GROUND]
+        bodies = [b for b in _acted_on(acting) if b != GROUND]
         if not bodies:
             words = "acts on coordinates, not on bodies; its own channels show its forces"
-            yield (*place, "constraint"), f"'{sensor.constraint}' {words}"
+            yield (*place, "constraint"), f"'{constraint}' {words}"
         elif sensor.body not in bodies:
             listed = ", ".join(f"'{b}'" for b in bodies)
-            yield (*place, "body"), f"'{sensor.constraint}' acts on {listed}"
+            yield (*place, "body"), f"'{constraint}' acts on {listed}"
+
+
+def _acted_on(item: ParameterSet) -> list[str]:
+    """Return the bodies that a cut or constraint of a file acts on directly."""
+    places = [getattr(item, end, None) for end in ("a", "b")]
+    places += getattr(item, "points", {}).values()
+    bodies = [place.body for place in places if isinstance(place, PointOfBody)]
+    own = getattr(item, "body", None)
+    return list(dict.fromkeys([*bodies, own] if own else bodies))

@@ -20,6 +20,7 @@ _WITH_CHANNELS = (
     "springs",
     "forces",
     "wrenches",
+    "elements",
     "wheels",
     "rail_wheels",
 )

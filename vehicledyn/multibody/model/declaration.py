@@ -1,0 +1,127 @@
+"""Fields of elements that are declared once: for Python, system files, their schema and reference.
+
+An element is a frozen dataclass, registered as an "element_type", "sensor_type" or
+"constraint_type". Its fields are declared by the functions below; from these system files get
+their element of the same kind, in which numbers may be expressions of parameters.
+"""
+
+from __future__ import annotations
+
+from dataclasses import MISSING, field
+from typing import Any, Literal
+
+Nature = Literal["scalar", "polar", "axial", "diagonal", "side"]
+"""How a mirror image changes a value: not at all, as a place or force, as a torque, as three
+numbers along the axes (not at all), as "left" and "right"."""
+
+Variables = Literal["time", "motion"]
+"""What a function depends on: the time, or also all coordinates and rates."""
+
+ORIGIN = (0.0, 0.0, 0.0)
+
+
+def number(
+    unit: str,
+    description: str,
+    *,
+    default: Any = MISSING,
+    least: float | None = None,
+    above: float | None = None,
+    turns_with: tuple[str, ...] = (),
+) -> Any:
+    """Declare a number, which may be a symbol.
+
+    Parameters
+    ----------
+    unit
+        SI unit.
+    description
+        Meaning, one phrase.
+    default
+        Number where nothing is said; without it the field is required.
+    least, above
+        Bounds: not less than, or greater than.
+    turns_with
+        Fields with names of coordinates: a mirror image that turns one of them round changes the
+        sign of the number; or of a flag, whether it is set.
+    """
+    facts = {"least": least, "above": above, "turns_with": turns_with or None}
+    return _declared(default, "number", description, measure=unit, **facts)
+
+
+def vector(unit: str, description: str, *, default: Any = MISSING, nature: Nature = "polar") -> Any:
+    """Declare three numbers, which may be symbols, with the unit of each."""
+    return _declared(default, "vector", description, measure=unit, nature=nature)
+
+
+def function(
+    unit: str,
+    description: str,
+    *,
+    of: Variables,
+    nature: Nature = "scalar",
+    default: Any = MISSING,
+    written: Any = 0.0,
+) -> Any:
+    """Declare a function of the time or of the situation, which system files write as expression.
+
+    Parameters
+    ----------
+    unit
+        SI unit of what it returns; "" is any.
+    description
+        Meaning, one phrase.
+    of
+        What it is a function of, and which names the expression may use: "time", or of the
+        situation "motion" (time and all coordinates and rates).
+    nature
+        How a mirror image changes it; "polar" and "axial" functions return three numbers.
+    default, written
+        Function where nothing is said, and the expression that a file writes for it.
+    """
+    facts = {"measure": unit, "variables": of, "nature": nature}
+    return _declared(default, "function", description, **facts, written=written)
+
+
+def body_name(description: str, *, default: Any = MISSING, may_be_ground: bool = True) -> Any:
+    """Declare the name of a body."""
+    refused = None if may_be_ground else "the ground needs no force to stay; name another body"
+    return _declared(default, "name", description, names="body", no_ground=refused)
+
+
+def coordinate_name(description: str, *, default: Any = MISSING) -> Any:
+    """Declare the name of a coordinate."""
+    return _declared(default, "name", description, names="coordinate")
+
+
+def constraint_name(description: str) -> Any:
+    """Declare the name of a cut or constraint."""
+    return _declared(MISSING, "name", description, names="constraint")
+
+
+def attachment(description: str) -> Any:
+    """Declare a point of a body, an :class:`Attachment`."""
+    return _declared(MISSING, "attachment", description)
+
+
+def named_points(description: str) -> Any:
+    """Declare points of bodies by name, which expressions may use."""
+    return _declared(MISSING, "points", description)
+
+
+def choice(
+    description: str, *, default: Any = MISSING, nature: Nature = "scalar", **facts: Any
+) -> Any:
+    """Declare a text, flag, or one or several of the values that a Literal annotation lists."""
+    return _declared(default, "choice", description, nature=nature, **facts)
+
+
+def group(description: str, *, default: Any = MISSING) -> Any:
+    """Declare a field that holds a frozen dataclass of declared fields."""
+    return _declared(default, "group", description)
+
+
+def _declared(default: Any, what: str, description: str, **facts: Any) -> Any:
+    known = {name: value for name, value in facts.items() if value is not None}
+    metadata = {"declared": what, "description": description, **known}
+    return field(default=default, metadata=metadata)
