@@ -45,10 +45,13 @@ output: {interval: 10 ms}
 
 @pytest.fixture(autouse=True)
 def catalogues_as_before():
-    before, loaded = registry._foreign_entries(), dict(plugins._loaded)
+    before = {family: set(entries) for family, entries in registry._catalogues.items()}
+    loaded = dict(plugins._loaded)
     yield
-    for family, name in registry._foreign_entries() - before:
-        del registry._catalogues[family][name]
+    for family, entries in registry._catalogues.items():
+        for name in set(entries) - before.get(family, set()):
+            if "own_" in name or "bare_" in name:
+                del entries[name]
     plugins._loaded.clear()
     plugins._loaded.update(loaded)
 
@@ -166,3 +169,88 @@ def test_the_processes_of_a_sweep_know_it(tmp_path):
         duration="0.1 s", channels=["chassis.x"], workers=2,
     )  # fmt: skip
     assert study["case.status"].values.tolist() == ["done", "done"]
+
+
+WIND = '''\
+"""Wind on a body."""
+
+from dataclasses import dataclass
+
+from vehicledyn.base.registry import register
+from vehicledyn.multibody.model.declaration import body_name, number
+from vehicledyn.multibody.model.parts import BasePart, Loads, Output, Wrench
+from vehicledyn.symbolic import ops
+from vehicledyn.symbolic.equations import Channel
+
+
+@register("element_type", "own_wind")
+@dataclass(frozen=True)
+class OwnWind(BasePart):
+    """A constant push along the first axis of a body."""
+
+    body: str = body_name("The body", may_be_ground=False)
+    push: float = number("N", "The push", above=0.0)
+
+    def loads(self, situation):
+        """Return the push."""
+        along, none = ops.vector(self.push, 0, 0), ops.vector(0, 0, 0)
+        return Loads(wrenches=(Wrench(self.body, along, none),))
+
+    def outputs(self, situation):
+        """Return the push."""
+        return (Output(Channel(f"{self.name}.push", "N", "Push of the wind"), self.push),)
+'''
+SLED = """\
+title: A sled in the wind
+parameters: {gust: 6 N}
+bodies: {sled: {joints: [T1 x], mass: 3 kg}}
+elements: {wind: {kind: own_wind, body: sled, push: gust / 2}}
+"""
+
+
+def test_an_element_of_the_users_own_works_everywhere(tmp_path):
+    written(tmp_path, WIND, file="my_wind.py")
+    (tmp_path / "sled.yaml").write_text(SLED, encoding="utf-8")
+    without = command(tmp_path, "validate", "sled.yaml")
+    assert without.returncode == 2 and "no element named 'own_wind'" in without.stderr
+    own = ("--plugin", "my_wind.py")
+    shown = command(tmp_path, "models", "show", "sled.yaml", *own)
+    assert "wind.push" in shown.stdout and "Push of the wind" in shown.stdout, shown.stderr
+    schema = command(tmp_path, "schema", "--of", "system", *own)
+    assert '"element.own_wind"' in schema.stdout and "The push [N]" in schema.stdout, schema.stderr
+    script = (
+        "import vehicledyn as vd; vd.load_plugin('my_wind.py'); "
+        "r = vd.simulate('sled.yaml', duration='2 s'); print(r['sled.x'].values[-1])"
+    )
+    environment = os.environ | {"PYTHONPATH": str(tmp_path)}
+    seen = subprocess.run(
+        [sys.executable, "-c", script], cwd=tmp_path, check=False, env=environment,
+        capture_output=True, text=True, timeout=120,
+    )  # fmt: skip
+    assert float(seen.stdout) == pytest.approx(0.5 * (3.0 / 3.0) * 2.0**2, rel=1e-9), seen.stderr
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "words"),
+    [
+        ("push: gust / 2", "push: gust * 1 m", "push: this is in J|push: this is in N.m"),
+        ("push: gust / 2", "push: -1 N", "push: must be greater than 0 N"),
+        ("body: sled,", "body: ground,", "the ground needs no force"),
+        ("body: sled,", "body: slet,", "no body named 'slet'; did you mean 'sled'"),
+        (", push: gust / 2", "", "push: missing: The push"),
+    ],
+)
+def test_its_fields_are_checked_as_they_are_declared(tmp_path, old, new, words):
+    vd.load_plugin(written(tmp_path, WIND, file="my_wind.py"))
+    path = tmp_path / "sled.yaml"
+    path.write_text(SLED.replace(old, new), encoding="utf-8")
+    with pytest.raises(vd.InputError, match=rf"sled\.yaml:4:\d+: elements\.wind.*({words})"):
+        vd.load(path)
+
+
+def test_a_field_without_declaration_is_refused(tmp_path):
+    text = WIND.replace('number("N", "The push", above=0.0)', "0.0").replace("own_", "bare_")
+    vd.load_plugin(written(tmp_path, text, file="my_wind.py"))
+    (tmp_path / "sled.yaml").write_text(SLED.replace("own_", "bare_"), encoding="utf-8")
+    with pytest.raises(vd.InputError, match="'push' has no declaration"):
+        vd.load(tmp_path / "sled.yaml")

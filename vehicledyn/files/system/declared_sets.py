@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Hashable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import MISSING, Field, fields, is_dataclass
 from functools import cache, partial
 from typing import Any, ClassVar, get_type_hints
@@ -48,8 +48,7 @@ def announce_elements() -> None:
 
 
 def _set_of_kind(family: str, kind: str) -> type[DeclaredSet]:
-    entry: Hashable = find(f"{family}_type", kind)
-    return declared_set(entry)
+    return declared_set(find(f"{family}_type", kind))  # type: ignore[arg-type]
 
 
 @cache
@@ -62,7 +61,7 @@ def declared_set(entry: Any) -> type[DeclaredSet]:
         If the class is no dataclass, or a field is not declared.
     """
     where = f"{entry.__module__}.{entry.__qualname__}"
-    if not is_dataclass(entry):
+    if not hasattr(entry, "__dataclass_fields__"):
         raise InputError(f"{where} is no dataclass; write @dataclass(frozen=True) above it")
     try:
         hints = get_type_hints(entry)
@@ -92,12 +91,11 @@ def _field(field: Field[Any], hint: Any, where: str) -> Any:
     is_vector = what == "vector" or facts.get("nature") in _VECTORS
     annotation: Any = {
         "attachment": Place,
-        "points": dict[str, Place],
         "name": str,
         "group": None,
     }.get(what, Vector if is_vector else Scalar if is_expression else hint)
     if what == "group":
-        inner = next(a for a in (hint, *getattr(hint, "__args__", ())) if is_dataclass(a))
+        inner: Any = next(a for a in (hint, *getattr(hint, "__args__", ())) if is_dataclass(a))
         annotation = declared_set(inner)
     default = ... if field.default is MISSING else field.default
     if default is None:
@@ -106,8 +104,6 @@ def _field(field: Field[Any], hint: Any, where: str) -> Any:
         default = _written(facts.get("written", default), facts["measure"])
     facts.pop("written", None)
     description = facts.pop("description")
-    if what == "points":
-        return annotation, SetField(default_factory=dict, description=description)
     extra = SetField(default=default, description=description, json_schema_extra=facts or None)
     return annotation, extra
 
@@ -150,8 +146,6 @@ def element_of(item: DeclaredSet, name: str, value: Values, coordinates: Sequenc
             return _function_of(item, field, given, value, coordinates)
         if isinstance(given, Place):
             return Attachment(given.body, value(given.point))
-        if isinstance(given, dict):
-            return {key: built(field, entry) for key, entry in given.items()}
         if isinstance(given, DeclaredSet):
             return element_of(given, "", value, coordinates)
         return given

@@ -2,6 +2,8 @@
 
 from pathlib import Path
 
+import vehicledyn.multibody.elements
+import vehicledyn.multibody.joints  # noqa: F401
 from vehicledyn.base.registry import discover
 from vehicledyn.files.system.declared_sets import announce_elements
 from vehicledyn.files.system.joint_sets import announce_joints

@@ -104,11 +104,6 @@ def attachment(description: str) -> Any:
     return _declared(MISSING, "attachment", description)
 
 
-def named_points(description: str) -> Any:
-    """Declare points of bodies by name, which expressions may use."""
-    return _declared(MISSING, "points", description)
-
-
 def choice(
     description: str, *, default: Any = MISSING, nature: Nature = "scalar", **facts: Any
 ) -> Any:
