@@ -92,9 +92,8 @@ def turning_wheelset(part, height):
     return System(
         "wheelset",
         ParameterTable(),
-        (frame, wheelset, *part.bodies()),
+        (frame, wheelset),
         parts=(ConstantRate("lead", "frame.angle", SPEED / CURVE), part),
-        constraints=part.constraints(),
     )
 
 

@@ -87,9 +87,8 @@ def wheelset():
     return System(
         "wheelset problem",
         ParameterTable(),
-        (frame, body, *wheels.bodies()),
+        (frame, body),
         parts=parts,
-        constraints=wheels.constraints(),
     )
 
 

@@ -77,9 +77,8 @@ def wheelset_on(part, body, *parts):
     return System(
         "wheelset",
         ParameterTable(),
-        (body, *part.bodies()),
+        (body,),
         parts=(part, *parts),
-        constraints=part.constraints(),
     )
 
 

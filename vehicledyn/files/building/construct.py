@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 from vehicledyn.base.errors import InputError
 from vehicledyn.base.parameters import ParameterSet
@@ -22,12 +21,8 @@ from vehicledyn.files.system.sets import BodySet
 from vehicledyn.multibody.elements.motion_sensors import Accelerometer, BodySensor
 from vehicledyn.multibody.model.bodies import Body, Joint, Turn
 from vehicledyn.multibody.model.constraints import Constraint
-from vehicledyn.multibody.model.parts import Part
 from vehicledyn.multibody.model.system import System
 from vehicledyn.road.vehicle import Corner, RoadVehicle
-
-if TYPE_CHECKING:
-    from vehicledyn.rail.contact.rigid_contact import RigidRailWheels
 
 
 def build_system(model: SystemModel, choice: RoadChoice | None = None) -> System:
@@ -115,34 +110,18 @@ def _system(values: Values) -> System:
             for n, s in section.items()
         ),
     ]
-    guided = _guided(values, parts)
     return System(
         name=values.model.name,
         table=values.table,
-        bodies=(
-            *(_body(values, n, b) for n, b in file.bodies.items()),
-            *(body for part in guided for body in part.bodies()),
-        ),
+        bodies=tuple(_body(values, n, b) for n, b in file.bodies.items()),
         cuts=tuple(
             cut.cut(n, values.value) for n, cut in file.cuts.items() if isinstance(cut, CutSet)
         ),
-        constraints=(
-            *(_constraint(values, n, c) for n, c in file.constraints.items()),
-            *(constraint for part in guided for constraint in part.constraints()),
-        ),
+        constraints=(*(_constraint(values, n, c) for n, c in file.constraints.items()),),
         parts=tuple(parts),
         gravity=values.value(file.gravity),
         constraint_method=file.constraint_method,
     )
-
-
-def _guided(values: Values, parts: list[Part]) -> list[RigidRailWheels]:
-    """Return the parts that bring bodies and constraints of their own."""
-    if not values.model.file.rail_wheels:
-        return []
-    from vehicledyn.rail.contact.rigid_contact import RigidRailWheels
-
-    return [part for part in parts if isinstance(part, RigidRailWheels)]
 
 
 def _constraint(values: Values, name: str, item: ParameterSet) -> Constraint:

@@ -1,4 +1,4 @@
-"""What a part of a system may contribute: loads, further states, unknowns, motions, outputs.
+"""What a part of a system may contribute: bodies, constraints, states, loads, outputs, events.
 
 A part (link, wheel, driver, sensor ...) is a small frozen class with a ``name`` and any of
 the methods of :class:`Part`; the system calls them in this order while it derives the
@@ -12,6 +12,9 @@ from typing import Protocol
 
 from vehicledyn.base.errors import InputError
 from vehicledyn.base.shapes import Shape
+from vehicledyn.multibody.model.bodies import Body
+from vehicledyn.multibody.model.constraints import Constraint
+from vehicledyn.multibody.model.cuts import Cut
 from vehicledyn.multibody.model.joint_wrench import JointWrench
 from vehicledyn.multibody.model.kinematics import Kinematics
 from vehicledyn.symbolic.equations import Channel, Direction, Variable
@@ -159,6 +162,18 @@ class Part(Protocol):
     def name(self) -> str:
         """Dotted name, unique in the system; prefix of the part's states and channels."""
 
+    def bodies(self) -> tuple[Body, ...]:
+        """Return bodies that the part brings, with joints and inertia; dotted names.
+
+        Their coordinates are states like all others and couple with these in the mass matrix.
+        """
+
+    def cuts(self) -> tuple[Cut, ...]:
+        """Return cuts of loops that the part brings."""
+
+    def constraints(self) -> tuple[Constraint, ...]:
+        """Return further constraints that the part brings."""
+
     def states(self) -> tuple[Variable, ...]:
         """Return the part's further states, named without the part's prefix."""
 
@@ -196,6 +211,18 @@ class BasePart:
     """A part that contributes nothing; the base of all parts."""
 
     name: str
+
+    def bodies(self) -> tuple[Body, ...]:
+        """Bring no bodies."""
+        return ()
+
+    def cuts(self) -> tuple[Cut, ...]:
+        """Bring no cuts."""
+        return ()
+
+    def constraints(self) -> tuple[Constraint, ...]:
+        """Bring no constraints."""
+        return ()
 
     def states(self) -> tuple[Variable, ...]:
         """Return no further states."""

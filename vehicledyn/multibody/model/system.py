@@ -10,6 +10,7 @@ from vehicledyn.base.errors import InputError, unknown_name
 from vehicledyn.multibody.joints.joint_type import joint_kinds, joint_type
 from vehicledyn.multibody.model.bodies import ROLES, Body, Joint
 from vehicledyn.multibody.model.constraints import Constraint
+from vehicledyn.multibody.model.contributions import merged, parents_first
 from vehicledyn.multibody.model.cuts import Cut
 from vehicledyn.multibody.model.ground import GROUND
 from vehicledyn.multibody.model.parts import Part
@@ -27,6 +28,8 @@ MOST_ENTANGLED = 9
 class System:
     """A multibody system: parameters, bodies (parents first), cuts, parts and gravity.
 
+    What parts bring with them, bodies, cuts and constraints, is put among those of the system.
+
     ``gravity`` is the acceleration vector of free fall in world axes, 3 scalars [m/s²];
     ``constraints`` are those that are no cuts of a loop. ``constraint_method`` says how they
     are treated: by "partitioning" into independent and dependent coordinates, or with
@@ -43,6 +46,23 @@ class System:
     notes: dict[str, str] = field(default_factory=dict)
     constraints: tuple[Constraint, ...] = ()
     constraint_method: ConstraintMethod = "auto"
+    brought: frozenset[str] = field(default=frozenset(), repr=False)
+    """Names of the bodies, cuts and constraints that parts brought."""
+
+    def __post_init__(self) -> None:
+        """Put what parts bring among the bodies, cuts and constraints."""
+        bodies, cuts, constraints = (
+            [item for part in self.parts for item in getattr(part, what)()]
+            for what in ("bodies", "cuts", "constraints")
+        )
+        names = frozenset(item.name for item in (*bodies, *cuts, *constraints))
+        if not names and not self.brought:
+            return
+        known, before = vars(self), self.brought
+        known["bodies"] = parents_first(merged("body", self.bodies, bodies, before))
+        known["cuts"] = merged("cut", self.cuts, cuts, before)
+        known["constraints"] = merged("constraint", self.constraints, constraints, before)
+        known["brought"] = names
 
     def with_parts(self, *parts: Part) -> System:
         """Return the system with more parts."""
