@@ -110,7 +110,7 @@ def _system(values: Values) -> System:
             for n, s in section.items()
         ),
     ]
-    return System(
+    system = System(
         name=values.model.name,
         table=values.table,
         bodies=tuple(_body(values, n, b) for n, b in file.bodies.items()),
@@ -122,6 +122,31 @@ def _system(values: Values) -> System:
         gravity=values.value(file.gravity),
         constraint_method=file.constraint_method,
     )
+    return _with_brought_starts(values, system)
+
+
+def _with_brought_starts(values: Values, system: System) -> System:
+    """Return a system in which coordinates that elements bring start and are driven as said."""
+    if not system.brought:
+        return system
+    file, driven = values.model.file, _driven(values)
+
+    def started(item: Joint | Turn) -> Joint | Turn:
+        if not isinstance(item, Joint):
+            return item
+        place, rate = (file.initial.get(name) for name in (item.name, f"{item.name}_rate"))
+        return replace(
+            item,
+            start=item.start if place is None else float(values.number(place)),
+            start_rate=item.start_rate if rate is None else float(values.number(rate)),
+            role="driven" if item.name in driven else item.role,
+        )
+
+    bodies = tuple(
+        body if body.name in file.bodies else replace(body, joints=tuple(map(started, body.joints)))
+        for body in system.bodies
+    )
+    return replace(system, bodies=bodies)
 
 
 def _constraint(values: Values, name: str, item: ParameterSet) -> Constraint:

@@ -12,6 +12,7 @@ from vehicledyn.base.yaml import Document, read_yaml
 from vehicledyn.files.expressions.parameters import Parameters
 from vehicledyn.files.scenario.sources import Sources
 from vehicledyn.files.system.assemblies.read import Assembly, Library, PartFile
+from vehicledyn.files.system.brought import brought_bodies, brought_coordinates
 from vehicledyn.files.system.joints import Coordinate
 from vehicledyn.files.system.kinds import load_kinds
 from vehicledyn.files.system.laws import TimeLaw
@@ -108,7 +109,8 @@ def read_system(
     file = reading.read()
     if reading.problems or file is None:
         return None, once(reading.problems)
-    coordinates = coordinates_of(file)
+    brought = brought_coordinates(brought_bodies(file, reading.parameters))
+    coordinates = {**coordinates_of(file), **brought}
     places = reading.places(file)
     laws = reading.motion(coordinates)
     reading.look_beside(file, path.parent)

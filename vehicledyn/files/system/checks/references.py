@@ -32,7 +32,12 @@ LARGEST_START = 2.0**26
 _PARTS = tuple(name for name in Sections.model_fields if name not in ("bodies", "initial"))
 
 
-def check(file: SystemFile, coordinates: dict[str, Coordinate], parameters: Parameters) -> Problems:
+def check(
+    file: SystemFile,
+    coordinates: dict[str, Coordinate],
+    parameters: Parameters,
+    brought: Iterable[str] = (),
+) -> Problems:
     """Yield what is wrong in a file whose parts are well formed, with places.
 
     Parameters
@@ -43,6 +48,8 @@ def check(file: SystemFile, coordinates: dict[str, Coordinate], parameters: Para
         All coordinates by name.
     parameters
         The parameters, those without mistakes.
+    brought
+        Names of bodies that elements bring.
     """
     yield from _names(file)
     if file.wheels and "speed" in parameters.declared:
@@ -50,7 +57,7 @@ def check(file: SystemFile, coordinates: dict[str, Coordinate], parameters: Para
         yield ("parameters", "speed"), words
     yield from _coordinates_twice(file)
     yield from tree_problems(file.bodies)
-    known = _Known(file, coordinates, parameters)
+    known = _Known(file, coordinates, parameters, brought)
     for item in walk(file, coordinates):
         if isinstance(item, Reference):
             yield from _reference(item, known)
@@ -70,9 +77,13 @@ class _Known:
     """Names that expressions and references may use."""
 
     def __init__(
-        self, file: SystemFile, coordinates: dict[str, Coordinate], parameters: Parameters
+        self,
+        file: SystemFile,
+        coordinates: dict[str, Coordinate],
+        parameters: Parameters,
+        brought: Iterable[str],
     ) -> None:
-        self.bodies = {GROUND, *file.bodies}
+        self.bodies = {GROUND, *file.bodies, *brought}
         self.coordinates = coordinates
         self.constraints = [*file.cuts, *file.constraints]
         self.parameters = parameters
