@@ -312,6 +312,10 @@ ELEMENTS = {
         "3 N*s/m, 0]",
         lambda s: (-20.0 * s["b.x"], -3.0 * s["b.y_rate"], 0.0),
     ),
+    "flexible_bar": (
+        "body: b, length: 1 m, mass_per_length: 1 kg/m, bending_stiffness: 9 N*m^2, frames: [1]",
+        lambda s: (0.0, 0.0, 0.0),
+    ),
     "wrench": ("body: b, force: [2 N, 0, 3 N/s * time]", lambda s: (2.0, 0.0, 6.0)),
 }
 PUSHED = f"title: t\ngravity: [0, 0, 0]\nbodies: {{b: {{joints: [T1 x, T2 y, T3 z], {MASS}}}}}\n"
