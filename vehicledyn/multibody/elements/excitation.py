@@ -10,6 +10,9 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 from vehicledyn.base.shapes import Shape
+from vehicledyn.multibody.model.bodies import Body
+from vehicledyn.multibody.model.constraints import Constraint
+from vehicledyn.multibody.model.cuts import Cut
 from vehicledyn.multibody.model.parts import (
     BasePart,
     Clock,
@@ -75,6 +78,18 @@ class MovedDrive:
     def name(self) -> str:
         """Name of the part."""
         return self.inner.name
+
+    def bodies(self) -> tuple[Body, ...]:
+        """Return the bodies of the part."""
+        return self.inner.bodies()
+
+    def cuts(self) -> tuple[Cut, ...]:
+        """Return the cuts of the part."""
+        return self.inner.cuts()
+
+    def constraints(self) -> tuple[Constraint, ...]:
+        """Return the constraints of the part."""
+        return self.inner.constraints()
 
     def states(self) -> tuple[Variable, ...]:
         """Return the states of the part."""

@@ -207,4 +207,5 @@ def _shortening(place: float, modes: int) -> NDArray[np.float64]:
     """Return ∫ φ_i' φ_j' dξ from 0 to a place, shape (modes, modes)."""
     places, weights = _quadrature(24)
     slopes = np.array([_slopes(place * x, modes) for x in places])
-    return place * (slopes.T * np.array(weights)) @ slopes
+    found: NDArray[np.float64] = place * (slopes.T * np.array(weights)) @ slopes
+    return found
