@@ -20,6 +20,7 @@ from vehicledyn.symbolic.parameters import ParameterTable
 assert vehicledyn.rail.creep
 LOAD, FRICTION, SHEAR, POISSON = 5e4, 0.3, 8.2e10, 0.28
 EXAMPLES = {
+    "carter": {},
     "fastsim": {"strips": 6, "elements": 6},
     "fastsim_1982": {"strips": 6, "elements": 6},
     "johnson_vermeulen": {},
@@ -206,6 +207,20 @@ def test_cubic_of_shen_hedrick_elkins():
         found = vector("shen_hedrick_elkins", *felt)[:2]
         assert found == pytest.approx(limit * bent / rho / limit * np.array([x, y]), rel=1e-9)
     assert vector("shen_hedrick_elkins", 0.02, 0, 0)[0] == pytest.approx(-limit, rel=1e-12)
+
+
+def test_carter_on_a_contact_that_is_long_across():
+    """ξ = (μ a/R) (1 - √(1 - Q/(μ N))) of cylinders, with N = π a² E/(8 R (1 - ν²)) a width.
+
+    Each strip of a slender ellipse is such a cylinder; the mean of the strips' a is π/4 of its a.
+    """
+    a, b = 0.5e-3, 5e-3
+    stiffness = 0.25 * np.pi**2 * SHEAR * a * b / (1.0 - POISSON)
+    for part in (0.02, 0.3, 0.7, 0.95):
+        xi = 2.0 * FRICTION * LOAD / stiffness * (1.0 - np.sqrt(1.0 - part))
+        found = -vector("carter", xi, 0.0, 0.0, a=a, b=b)[0] / (FRICTION * LOAD)
+        assert found == pytest.approx(part, rel=0.02)
+    assert vector("carter", 0.1, 0.0, 0.0)[0] == pytest.approx(-FRICTION * LOAD, rel=1e-9)
 
 
 def test_vermeulen_and_johnson_on_a_circle():
