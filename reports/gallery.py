@@ -115,6 +115,10 @@ PICTURES = {
     "small_car": Picture(("chassis.y",), "m", "Place y", "chassis.x"),
     "small_cart": Picture(("cart.x", "mass.x"), "m", "Cart and pendulum: x"),
     "small_cart_2": Picture(("load.slide",), "mm", "Load against the cart"),
+    "screw_jack": Picture(("nut.turn_rate",), "rad/s", "Speed of the spindle"),
+    "t_handle": Picture(
+        tuple(f"handle.omega_{axis}" for axis in "xyz"), "rad/s", "Angular velocity"
+    ),
     "testset_wheelset": Picture(("wheelset.lateral",), "mm", "Lateral shift"),
     "tricycle": _path("frame.x", "frame.y", "Rear axle: y"),
     "upright_disk": _path("fork.x", "fork.y", "Disk: y"),
