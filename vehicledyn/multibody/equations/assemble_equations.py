@@ -104,7 +104,7 @@ def collect(
     state = [
         *(at[j.name] for j in independent),
         *(rates[j.name] for j in independent),
-        *(symbols.coordinates[j.name] for j in (*turned, *following)),
+        *(at[j.name] for j in (*turned, *following)),
         *(rates[j.name] for j in speeds),
         *(symbols.states[p.name][v.name] for p, v in part_states),
     ]

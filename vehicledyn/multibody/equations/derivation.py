@@ -17,7 +17,7 @@ from vehicledyn.multibody.loops.loop_closure import AssemblyState, Loops, close
 from vehicledyn.multibody.model.kinematics import Kinematics
 from vehicledyn.multibody.model.parts import Loads, Motion
 from vehicledyn.multibody.model.symbols import Symbols, declare, motions
-from vehicledyn.multibody.model.system import System, refuse_quaternions
+from vehicledyn.multibody.model.system import System
 from vehicledyn.multibody.model.tree import Tree, unfold
 from vehicledyn.multibody.recursion.barycentric import augmented_inertias
 from vehicledyn.multibody.recursion.body_checks import check_bodies
@@ -107,7 +107,6 @@ def solve_motion(
     multipliers = multipliers_of(system, symbols, loops)
     projection = None
     if multipliers is not None:
-        refuse_quaternions(system, "the constraint method with multipliers")
         loops, projection = multipliers.closed(), multipliers.projection()
     roles = roles_of(symbols, loops)
     resistance = Resistance(system, tree, symbols, loops.closure, roles.independent)

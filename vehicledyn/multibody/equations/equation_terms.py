@@ -97,7 +97,12 @@ def derive_ingredients(system: System) -> Ingredients:
     InputError, NumericalError
         As :func:`~vehicledyn.multibody.equations.derivation.derive` does.
     """
-    refuse_quaternions(system, "the export of equations")
+    refuse_quaternions(
+        system,
+        "the export of equations",
+        "the exported matrices have the rates of the coordinates as speeds, and an angular "
+        "velocity is the rate of none",
+    )
     d = solve_motion(system)
     names = [j.name for j in d.symbols.joints]
     closure = d.loops.closure

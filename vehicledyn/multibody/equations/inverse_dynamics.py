@@ -133,7 +133,11 @@ def derive_inverse(system: System, coordinates: Sequence[str] | None = None) -> 
         If a name is unknown, or the coordinates do not determine the motion, or are too many.
     """
     system.check()
-    refuse_quaternions(system, "inverse dynamics")
+    refuse_quaternions(
+        system,
+        "inverse dynamics",
+        "each coordinate is prescribed by itself, and the four components are bound to each other",
+    )
     independent, start = _assembled(system)
     # Held at the given start, coordinates that the assembly has moved could not close the loops.
     system = system.with_starts(start)

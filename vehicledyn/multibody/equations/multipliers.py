@@ -69,7 +69,7 @@ class Multipliers:
         """
         self._symbols, self._loops = symbols, loops
         joints = symbols.joints
-        self.free = [k for k, j in enumerate(joints) if j.role != "driven"]
+        self.free = [k for k, j in enumerate(joints) if j.role != "driven" and j.type.has_speed]
         self._place = {k: i for i, k in enumerate(self.free)}
         self._kept = [row for row, _ in loops.closure.partition.pairs]
         mass = _mass_rows(symbols, loops, self.free)
@@ -104,7 +104,8 @@ class Multipliers:
         """Return the states, with what puts them onto the constraints."""
         s = self._symbols
         names = [s.joints[k].name for k in self.free]
-        states = {name: ops.symbol(f"{name}_state") for name in names}
+        places = [j.name for j in s.joints if j.role != "driven" and j.type.has_position]
+        states = {name: ops.symbol(f"{name}_state") for name in places}
         rates = {name: ops.symbol(f"{name}_rate_state") for name in names}
         rows = self._loops.constraints
         gaps = [
@@ -116,9 +117,10 @@ class Multipliers:
         nothing = [ops.scalar(0.0)] * len(self.free)
         step = self._saddle.solve([*nothing, *(-gap for gap in gaps)])
         change = self._saddle.solve([*nothing, *(-opening for opening in openings)])
-        q, v = (ops.column([table[n] for n in names]) for table in (s.coordinates, s.rates))
-        x, w = (ops.column([table[n] for n in names]) for table in (states, rates))
-        moved = ops.substitute(ops.column(step[: len(names)]), q, x)
+        q, x = (ops.column([table[n] for n in places]) for table in (s.coordinates, states))
+        v, w = (ops.column([table[n] for n in names]) for table in (s.rates, rates))
+        steps = self._steps_of_places(dict(zip(names, step, strict=False)))
+        moved = ops.substitute(ops.column([steps[n] for n in places]), q, x)
         gap = ops.substitute(_largest(gaps), q, x)
         return Projection(
             states,
@@ -128,6 +130,23 @@ class Multipliers:
             (q, v),
             (x + moved, w + ops.column(change[: len(names)])),
         )
+
+    def _steps_of_places(self, step: dict[str, Scalar]) -> dict[str, Scalar]:
+        """Return small steps of all positions from those along the speeds.
+
+        A small turn δ moves a quaternion Q by ½ Q ∘ (0, δ), as an angular velocity does in time.
+        """
+        s = self._symbols
+        found = {j.name: step[j.name] for j in s.joints if j.name in step and j.type.is_paired}
+        for joint in s.joints:
+            if joint.type.element == 0:
+                given = [s.coordinates[name] for name in joint.positions]
+                turn = [step[name] for name in joint.speeds]
+                none = joint.type.rates(given, [ops.scalar(0.0)] * len(turn))
+                pairs = zip(joint.type.rates(given, turn), none, strict=True)
+                moved = [rate - rest for rate, rest in pairs]
+                found |= dict(zip(joint.positions, moved, strict=True))
+        return found
 
     def accelerations(
         self, problem: TreeProblem, given: dict[str, Scalar]

@@ -61,7 +61,12 @@ class Positions:
             If its loops cannot be assembled.
         """
         system.check()
-        refuse_quaternions(system, "kinematics")
+        refuse_quaternions(
+            system,
+            "kinematics",
+            "it follows paths of coordinates that may change one by one, and the four components "
+            "are bound to each other",
+        )
         tree, symbols = unfold(system.bodies), declare(system)
         motion = motions(system, symbols)
         self._gaps = Gaps(

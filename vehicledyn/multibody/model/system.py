@@ -181,13 +181,13 @@ def _type_problem(joint: Joint) -> str:
     return ""
 
 
-def refuse_quaternions(system: System, what: str) -> None:
+def refuse_quaternions(system: System, what: str, why: str) -> None:
     """Raise InputError if the attitude of a body is a quaternion, which ``what`` cannot treat."""
     found = [j.name for j in system.joints() if not j.type.is_paired]
     if found:
         raise InputError(
             f"system '{system.name}': {what} cannot treat '{found[0]}', a part of a joint with a "
-            "quaternion; use three turns, as the joint 'spherical' has them",
+            f"quaternion: {why}; use three turns, as the joint 'spherical' has them",
             about=found,
         )
 
