@@ -58,7 +58,7 @@ class ContactPatch(BasePart):
     mass: float
     stiffness: float
 
-    def bodies(self):
+    def added_bodies(self):
         joint = Joint("T1", f"{self.name}.slip", role="independent", description="Slip")
         return (Body(f"{self.name}.patch", self.wheel, joints=(joint,), mass=self.mass),)
 
@@ -84,7 +84,7 @@ class Cam(BasePart):
     follower: str
     lift: float
 
-    def constraints(self):
+    def added_constraints(self):
         def law(geometry):
             lifted = self.lift * ops.cos(geometry.coordinate(self.cam))
             return geometry.coordinate(self.follower) - lifted
@@ -144,13 +144,13 @@ def test_an_actuator_has_a_state_of_its_own():
 class Strut(BasePart):
     """A pendulum that a ball joint closes to the ground: a body, and a cut of its own."""
 
-    def bodies(self):
+    def added_bodies(self):
         joints = tuple(Joint(f"T{k}", f"{self.name}.{c}") for k, c in ((1, "x"), (3, "z")))
         bob = Body(f"{self.name}.bob", GROUND, joints=joints, mass=1.0)
         arm = Joint("R2", f"{self.name}.angle", start=0.4, role="independent")
         return (bob, Body(f"{self.name}.arm", GROUND, joints=(arm,)))
 
-    def cuts(self):
+    def added_cuts(self):
         ends = f"{self.name}.arm", (0.0, 0.0, -2.0), f"{self.name}.bob", (0.0, 0.0, 0.0)
         return (BallCut(f"{self.name}.pin", *ends),)
 

@@ -25,9 +25,9 @@ def brought_bodies(file: SystemFile, parameters: Parameters) -> list[Body]:
 
     found: list[Body] = []
     for name, item in file.elements.items():
-        if isinstance(item, DeclaredSet) and hasattr(item.made_from, "bodies"):
+        if isinstance(item, DeclaredSet) and hasattr(item.made_from, "added_bodies"):
             try:
-                found += element_of(item, name, value, ()).bodies()
+                found += element_of(item, name, value, ()).added_bodies()
             except (ExpressionError, InputError):
                 continue
     return found

@@ -79,17 +79,17 @@ class MovedDrive:
         """Name of the part."""
         return self.inner.name
 
-    def bodies(self) -> tuple[Body, ...]:
+    def added_bodies(self) -> tuple[Body, ...]:
         """Return the bodies of the part."""
-        return self.inner.bodies()
+        return self.inner.added_bodies()
 
-    def cuts(self) -> tuple[Cut, ...]:
+    def added_cuts(self) -> tuple[Cut, ...]:
         """Return the cuts of the part."""
-        return self.inner.cuts()
+        return self.inner.added_cuts()
 
-    def constraints(self) -> tuple[Constraint, ...]:
+    def added_constraints(self) -> tuple[Constraint, ...]:
         """Return the constraints of the part."""
-        return self.inner.constraints()
+        return self.inner.added_constraints()
 
     def states(self) -> tuple[Variable, ...]:
         """Return the states of the part."""

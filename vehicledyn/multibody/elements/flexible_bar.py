@@ -55,7 +55,7 @@ class FlexibleBar(BasePart):
         "Places over the length, 0 to 1, of frames that other bodies hang on", default=(), unit="1"
     )
 
-    def bodies(self) -> tuple[Body, ...]:
+    def added_bodies(self) -> tuple[Body, ...]:
         """Return the coordinates, the points with the mass and the frames."""
         places, weights = _quadrature(self.modes + _SPARE)
         mass = [self.mass_per_length * self.length * weight for weight in weights]
@@ -76,7 +76,7 @@ class FlexibleBar(BasePart):
         frames = tuple(self._station(name, place, None) for name, place in self._frames)
         return (*carriers, *points, *frames)
 
-    def constraints(self) -> tuple[Constraint, ...]:
+    def added_constraints(self) -> tuple[Constraint, ...]:
         """Return what the modes make of the points and frames."""
         places, _ = _quadrature(self.modes + _SPARE)
         points = [(f"{self.name}.point_{j + 1}", place) for j, place in enumerate(places)]

@@ -162,16 +162,16 @@ class Part(Protocol):
     def name(self) -> str:
         """Dotted name, unique in the system; prefix of the part's states and channels."""
 
-    def bodies(self) -> tuple[Body, ...]:
+    def added_bodies(self) -> tuple[Body, ...]:
         """Return bodies that the part brings, with joints and inertia; dotted names.
 
         Their coordinates are states like all others and couple with these in the mass matrix.
         """
 
-    def cuts(self) -> tuple[Cut, ...]:
+    def added_cuts(self) -> tuple[Cut, ...]:
         """Return cuts of loops that the part brings."""
 
-    def constraints(self) -> tuple[Constraint, ...]:
+    def added_constraints(self) -> tuple[Constraint, ...]:
         """Return further constraints that the part brings."""
 
     def states(self) -> tuple[Variable, ...]:
@@ -212,15 +212,15 @@ class BasePart:
 
     name: str
 
-    def bodies(self) -> tuple[Body, ...]:
+    def added_bodies(self) -> tuple[Body, ...]:
         """Bring no bodies."""
         return ()
 
-    def cuts(self) -> tuple[Cut, ...]:
+    def added_cuts(self) -> tuple[Cut, ...]:
         """Bring no cuts."""
         return ()
 
-    def constraints(self) -> tuple[Constraint, ...]:
+    def added_constraints(self) -> tuple[Constraint, ...]:
         """Bring no constraints."""
         return ()
 

@@ -52,7 +52,7 @@ class System:
     def __post_init__(self) -> None:
         """Put what parts bring among the bodies, cuts and constraints."""
         bodies, cuts, constraints = (
-            [item for part in self.parts for item in getattr(part, what)()]
+            [item for part in self.parts for item in getattr(part, f"added_{what}")()]
             for what in ("bodies", "cuts", "constraints")
         )
         names = frozenset(item.name for item in (*bodies, *cuts, *constraints))

@@ -108,7 +108,7 @@ class RigidRailWheels(BasePart):
     material: Material
     nominal: Scalar = 0.0
 
-    def bodies(self) -> tuple[Body, ...]:
+    def added_bodies(self) -> tuple[Body, ...]:
         """Return the massless bodies of the contact coordinates."""
         joints = [self._joint(wheel) for wheel in self.wheels]
         if not self.track.is_straight:
@@ -118,7 +118,7 @@ class RigidRailWheels(BasePart):
             Body(f"{j.name}_coordinate", GROUND, joints=(j,), is_abstract=True) for j in joints
         )
 
-    def constraints(self) -> tuple[PositionConstraint | TouchConstraint, ...]:
+    def added_constraints(self) -> tuple[PositionConstraint | TouchConstraint, ...]:
         """Return the constraints that determine them and make the wheels touch."""
         touching = tuple(self._constraint(wheel) for wheel in self.wheels)
         if self.track.is_straight:
