@@ -3,6 +3,7 @@ from xml.etree import ElementTree
 import matplotlib.image
 import numpy as np
 import pytest
+from matplotlib.figure import Figure
 from result_files import PLOTS, slalom_values
 
 from vehicledyn.base.errors import InputError
@@ -125,6 +126,13 @@ def test_equal_results_give_equal_pictures(make_result, tmp_path):
     second = draw_plots(make_result("b.h5"), tmp_path / "b")
     for one, other in zip(first, second, strict=True):
         assert one.read_bytes() == other.read_bytes()
+
+
+def test_each_picture_is_drawn_once(make_result, tmp_path, monkeypatch):
+    """A layout engine that is left in place makes every format draw twice."""
+    drawn, draw = [], Figure.draw
+    monkeypatch.setattr(Figure, "draw", lambda f, renderer: (drawn.append(f), draw(f, renderer)))
+    assert len(draw_plots(make_result(), tmp_path)) == len(drawn) > 0
 
 
 def test_a_file_without_descriptions_is_plotted_by_unit(make_result, tmp_path):

@@ -62,7 +62,7 @@ def settle(figure: Figure) -> None:
         return
     with signs_may_be_missing():
         engine.execute(figure)
-    figure.set_layout_engine("none")
+    figure.set_layout_engine(None)  # "none" leaves a stand-in, for which savefig draws twice
     for axes in figure.axes:
         left, bottom, width, height = axes.get_position(original=True).bounds
         axes.set_position((round(left, 6), round(bottom, 6), round(width, 6), round(height, 6)))
