@@ -257,6 +257,22 @@ def test_other_parameters_are_no_other_equations(make_result):
     assert "other equations than" in note
 
 
+def test_settings_that_differ_are_noted(make_result):
+    """A number written into a system's file is no parameter, so equations and names are equal."""
+    bodies = {"body": {"mass": 350.0}, "wheel": {"mass": 40.0}}
+    reference = make_result("reference.h5", configuration={"title": "a", "bodies": bodies})
+    assert compare_files(make_result("same.h5", configuration={"title": "b", "bodies": bodies}),
+                         reference).notes == ()  # fmt: skip
+    heavy = {"title": "a", "bodies": bodies | {"body": {"mass": 360.0}}, "road": {"kind": "flat"}}
+    texts = [{"system": f"bodies:\n  body:\n    mass: {mass} kg\n"} for mass in (350, 360)]
+    light = make_result("light.h5", configuration=texts[0])
+    (note,) = compare_files(make_result("file.h5", configuration=texts[1]), light).notes
+    assert note.endswith("system = mass: 360 kg (reference mass: 350 kg)")
+    (note,) = compare_files(make_result("heavy.h5", configuration=heavy), reference).notes
+    assert "bodies.body.mass = 360.0 (reference 350.0)" in note and "wheel" not in note
+    assert "road.kind = flat (reference nothing)" in note
+
+
 def test_json_is_strict(make_result):
     bad = ROLL.copy()
     bad[3] = np.nan

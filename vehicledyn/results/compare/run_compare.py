@@ -16,9 +16,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vehicledyn.base.errors import InputError, nearest_name
-from vehicledyn.base.units import shown
-from vehicledyn.results.compare.comparison import LISTED, ChannelComparison, Comparison
+from vehicledyn.results.compare.comparison import ChannelComparison, Comparison
 from vehicledyn.results.compare.sampling_grids import grid_difference, range_difference
+from vehicledyn.results.compare.setting_notes import setting_notes
 from vehicledyn.results.compare.tolerances import Tolerances
 from vehicledyn.results.store.reader import Result, open_result
 from vehicledyn.results.store.values import Series
@@ -128,7 +128,7 @@ def _compare(
         channels=tuple(compared),
         skipped=tuple(missing) if allow_missing else (),
         extra=tuple(name for name in result.channels if name not in reference.channels),
-        notes=tuple(_notes(result, reference)),
+        notes=tuple(setting_notes(result, reference)),
     )
 
 
@@ -211,29 +211,3 @@ def _missing(name: str, result: Result, reference: Result) -> ChannelComparison:
     hint = f"; the nearest it has is '{guess}'" if guess else ""
     unit = reference.channel(name).unit
     return ChannelComparison(name, unit, passed=False, message=f"missing from the result{hint}")
-
-
-def _notes(result: Result, reference: Result) -> list[str]:
-    notes = []
-    if result.model != reference.model:
-        notes.append(f"model is {result.model}, in the reference {reference.model}")
-    elif result.model_hash != reference.model_hash:
-        notes.append(_other_model(result, reference))
-    return notes
-
-
-def _other_model(result: Result, reference: Result) -> str:
-    """Return by what a model of the same name differs, its equations or parameters."""
-    (ours, values), (theirs, wanted) = result.equations, reference.equations
-    if not (ours and theirs):
-        return f"model {result.model} has other equations or parameters than in the reference"
-    if ours != theirs:
-        return f"model {result.model} has other equations than in the reference"
-    changed = [name for name in wanted if values.get(name) != wanted[name]]
-    told = ", ".join(
-        f"{name} = {shown(*values[name])} (reference {shown(*wanted[name])})"
-        for name in changed[:LISTED]
-        if name in values
-    )
-    more = f" and {len(changed) - LISTED} more" if len(changed) > LISTED else ""
-    return f"model {result.model} has other parameters than in the reference: {told}{more}"
