@@ -12,7 +12,7 @@ from vehicledyn.cli.options import Quiet
 from vehicledyn.cli.terminal import emit, show_progress, tell
 
 if TYPE_CHECKING:
-    from vehicledyn.cli.terminal import Progress
+    from vehicledyn.cli.progress_bar import Progress
 
 
 def add_verbs(app: typer.Typer) -> None:

@@ -7,7 +7,6 @@ import logging
 import math
 import os
 import sys
-import time
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from contextvars import ContextVar
@@ -17,9 +16,9 @@ from typing import Any
 from vehicledyn.base.errors import InputError, StoppedError
 from vehicledyn.base.files.whole_file import write_whole
 from vehicledyn.base.report import Report
+from vehicledyn.cli.progress_bar import Progress
 
 _PIPE_CLOSED = 141
-_REFRESH = 0.1
 _quiet: ContextVar[bool] = ContextVar("quiet", default=False)
 
 
@@ -101,34 +100,6 @@ def write_text(path: Path, text: str) -> None:
         raise InputError(
             f"{path}: cannot be written: {error.strerror}; choose another file"
         ) from None
-
-
-class Progress:
-    """Shows one line that is written over, on a terminal only; with ``verbose`` also elsewhere."""
-
-    def __init__(self, *, quiet: bool = False, verbose: bool = False) -> None:
-        self.live = not quiet and sys.stderr.isatty()
-        self.lines = verbose and not self.live
-        self.stage = ""
-        self.shown = -math.inf
-
-    def __call__(self, text: str, fraction: float | None = None) -> None:
-        """Show a stage and, if it is known, the fraction of it that is done."""
-        new_stage, self.stage = text != self.stage, text
-        if self.lines and new_stage:
-            tell(text)
-        now = time.monotonic()
-        if self.live and (new_stage or now - self.shown > _REFRESH):
-            self.shown = now
-            done = "" if fraction is None else f" {fraction:4.0%}"
-            sys.stderr.write(f"\r\x1b[2K{text}{done}")
-            sys.stderr.flush()
-
-    def clear(self) -> None:
-        """Take the line away."""
-        if self.live and self.stage:
-            sys.stderr.write("\r\x1b[2K")
-            sys.stderr.flush()
 
 
 @contextmanager

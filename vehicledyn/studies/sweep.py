@@ -173,7 +173,6 @@ class _Run:
     computed: int = 0
     _done: int = 0
     _failed: int = 0
-    _started: float = field(default_factory=time.monotonic)
 
     def compute(self, workers: pool.Pool) -> None:
         """Compute what is pending; close the file whatever happens."""
@@ -216,12 +215,9 @@ class _Run:
         return max(_GROUP, size // _GROUP * _GROUP)
 
     def _show(self) -> None:
-        total, left = self.header.n_cases, ""
-        if self.computed:
-            seconds = (time.monotonic() - self._started) / self.computed * (total - self._done)
-            left = f", {_clock(seconds)} left"
+        total = self.header.n_cases
         failed = f", {self._failed} failed" if self._failed else ""
-        self.progress(f"computing: {self._done} of {total} cases{failed}{left}", self._done / total)
+        self.progress(f"computing: {self._done} of {total} cases{failed}", self._done / total)
 
 
 def _warned(file: StudyFile) -> list[str]:
@@ -329,9 +325,3 @@ def _size(size: float) -> str:
             return f"{size:.3g} {unit}"
         size /= 1000.0
     return f"{size:.4g} TB"
-
-
-def _clock(seconds: float) -> str:
-    minutes, rest = divmod(round(seconds), 60)
-    hours, minutes = divmod(minutes, 60)
-    return f"{hours}:{minutes:02}:{rest:02}" if hours else f"{minutes}:{rest:02}"

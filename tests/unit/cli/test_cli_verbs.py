@@ -1,6 +1,8 @@
 """The verbs with the functions that they call replaced, and how every error ends."""
 
+import itertools
 import json
+import re
 import sys
 from pathlib import Path
 from types import SimpleNamespace
@@ -11,7 +13,8 @@ import vehicledyn
 from vehicledyn.analyses.simulation.simulation import RunOutcome, ShownEntry
 from vehicledyn.base.errors import InputError, MissingPartError, NumericalError, StoppedError
 from vehicledyn.cli import main
-from vehicledyn.cli.terminal import Progress, show_progress, to_json
+from vehicledyn.cli.progress_bar import Progress
+from vehicledyn.cli.terminal import show_progress, to_json
 
 
 @pytest.fixture
@@ -241,20 +244,42 @@ class Stream:
 @pytest.mark.parametrize(
     ("terminal", "options", "shown"),
     [
-        (True, {}, "\r\x1b[2Ksimulate  50%\r\x1b[2K"),
+        (True, {}, "\r\x1b[2Kderive ...\r\x1b[2K"),
         (True, {"quiet": True}, ""),
         (False, {}, ""),
-        (False, {"verbose": True}, "simulate\n"),
+        (False, {"verbose": True}, "derive\n"),
     ],
 )
 def test_progress_is_shown_on_a_terminal_only(monkeypatch, terminal, options, shown):
     stream = Stream(terminal=terminal)
     monkeypatch.setattr(sys, "stderr", stream)
     progress = Progress(**options)
-    progress("simulate", 0.5)
-    progress("simulate", 0.50001)
+    progress("derive")
+    progress("derive")
     progress.clear()
     assert stream.text == shown
+
+
+def test_progress_with_a_known_part_is_a_bar_with_the_time_left(monkeypatch):
+    """Each phase has a bar of its own, also one whose text changes as it goes on."""
+    stream = Stream(terminal=True)
+    clock = itertools.count(step=1.0)
+    monkeypatch.setattr(sys, "stderr", stream)
+    monkeypatch.setattr("time.monotonic", lambda: float(next(clock)))
+    monkeypatch.setenv("TERM", "xterm")
+    monkeypatch.setenv("COLUMNS", "90")
+    progress = Progress()
+    for done in (0.1, 0.3, 0.5):
+        progress(f"case {10 * done:.0f} of 10", done)
+    first = stream.text
+    assert "case 5 of 10" in first and "\u2501" in first and " 50%" in first
+    assert re.search(r"0:\d\d:\d\d", first)
+    progress("draw")
+    progress("simulate", 0.2)
+    progress.clear()
+    second = stream.text[len(first) :]
+    assert "draw ..." in second and " 20%" in second and "-:--:--" in second
+    assert "\x1b[?25l" not in second[second.rindex("\x1b[?25h") :]
 
 
 def test_json_has_no_numbers_that_json_lacks():
