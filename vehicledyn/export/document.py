@@ -7,7 +7,8 @@ from dataclasses import dataclass
 from typing import Any
 
 from vehicledyn.base.version import VERSION
-from vehicledyn.export.languages import Language, safe_name, safe_names
+from vehicledyn.codegen.printers.languages import Language
+from vehicledyn.export.identifiers import safe_name, safe_names
 from vehicledyn.export.procedures import Procedure, procedures
 from vehicledyn.export.statements import Body, write_body
 from vehicledyn.export.tables import NamedTable, named_tables

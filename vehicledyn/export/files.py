@@ -6,9 +6,10 @@ from pathlib import Path
 
 from vehicledyn.base.errors import InputError
 from vehicledyn.base.files.whole_file import folder_for_files, write_whole
+from vehicledyn.codegen.printers.operations import MATLAB, PYTHON, C
 from vehicledyn.export import c, matlab, python
 from vehicledyn.export.document import Start, write_document
-from vehicledyn.export.languages import MATLAB, PYTHON, C, safe_name
+from vehicledyn.export.identifiers import safe_name
 from vehicledyn.multibody.equations.equation_terms import Ingredients
 
 SUFFIXES = {"c": ".c", "python": ".py", "matlab": ".m", "fmu": ".fmu", "cuda": ".cu"}

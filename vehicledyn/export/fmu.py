@@ -25,7 +25,7 @@ from vehicledyn.codegen.printers.kernel_source import portable_source
 from vehicledyn.codegen.toolchain.compiler import CompilationError, build_library, find_compiler
 from vehicledyn.export.document import Start, start_of
 from vehicledyn.export.fmi_description import Experiment, build_description, model_description
-from vehicledyn.export.languages import safe_name
+from vehicledyn.export.identifiers import safe_name
 from vehicledyn.symbolic.equations import Equations
 from vehicledyn.symbolic.tables import CurveTable
 

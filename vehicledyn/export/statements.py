@@ -12,8 +12,9 @@ from dataclasses import dataclass, field
 
 from vehicledyn.codegen.ir.instructions import CONST, INPUT, Instruction, Program, read_expressions
 from vehicledyn.codegen.passes.lowering import LOOKED_UP
-from vehicledyn.export.languages import Language, Term, safe_name
-from vehicledyn.export.procedures import Procedure
+from vehicledyn.codegen.printers.languages import Language, Term
+from vehicledyn.export.identifiers import safe_name
+from vehicledyn.export.procedures import Argument, Procedure
 from vehicledyn.export.tables import NamedTable
 from vehicledyn.multibody.equations.equation_terms import Label
 from vehicledyn.symbolic.ops import Scalar
@@ -173,7 +174,7 @@ class _Writer:
         if item.operation == INPUT:
             argument = self.procedure.arguments[item.source[0]]
             self.used.add(argument.name)
-            return self.language.element(argument, item.source[1], self.parameters)
+            return self._element(argument, item.source[1])
         self.features.add(item.operation)
         if item.operation in LOOKED_UP:
             table, power = item.source
@@ -181,6 +182,14 @@ class _Writer:
                 item.operation, self.tables[table], self.terms[item.operands[0]], power
             )
         return self.language.apply(item.operation, [self.terms[k] for k in item.operands])
+
+    def _element(self, argument: Argument, index: int) -> Term:
+        """Return an element of an argument."""
+        if argument.is_scalar:
+            return Term(argument.name)
+        if argument.name == "p":
+            return Term(f"{argument.name}{self.language.member}{self.parameters[index]}")
+        return Term(self.language.at(argument.name, (index,)))
 
     def _results(self, n: int) -> list[tuple[str, tuple[int, ...], str]]:
         places = [

@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from vehicledyn.export.languages import safe_names
+from vehicledyn.export.identifiers import safe_names
 from vehicledyn.export.procedures import Procedure
 from vehicledyn.symbolic.table_calls import tables_in
 from vehicledyn.symbolic.tables import CurveTable

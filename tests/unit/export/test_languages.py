@@ -12,10 +12,11 @@ import pytest
 from export_cases import CASES, case
 
 from vehicledyn.base.errors import MissingPartError
+from vehicledyn.codegen.printers.operations import MATLAB, PYTHON, C
 from vehicledyn.codegen.toolchain.compiler import CompilationError, find_compiler
 from vehicledyn.export.document import Start
 from vehicledyn.export.files import export_files, export_text
-from vehicledyn.export.languages import MATLAB, PYTHON, C, safe_names
+from vehicledyn.export.identifiers import safe_names
 
 EQUAL = 1e-12
 SEEDS = (1, 2)

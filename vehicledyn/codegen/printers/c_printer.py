@@ -26,7 +26,7 @@ from vehicledyn.codegen.printers.function_body import (
 )
 from vehicledyn.codegen.printers.function_splitting import cut, find_places
 from vehicledyn.codegen.printers.loop_printer import place_table
-from vehicledyn.codegen.printers.operation_printer import has_template
+from vehicledyn.codegen.printers.operations import KERNEL
 from vehicledyn.codegen.printers.piece_printer import PieceCode
 from vehicledyn.codegen.printers.row_printer import Copies
 from vehicledyn.codegen.printers.value_printer import PieceValues
@@ -165,7 +165,7 @@ def _check(lowered: Lowered, name: str) -> None:
     for item in lowered.values:
         if item.operation in (SHARED, RESULT):
             continue
-        if not (is_at_hand(item) or has_template(item.operation) or item.operation in CALLED):
+        if not (is_at_hand(item) or KERNEL.has(item.operation) or item.operation in CALLED):
             raise CompilationError(
                 f"the operation {item.operation} in '{name}' has no translation to C; "
                 "write the expression with elementary functions to have it compiled"

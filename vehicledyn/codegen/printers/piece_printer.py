@@ -10,7 +10,7 @@ from vehicledyn.codegen.passes.scheduling import Pack, Step, computed_by
 from vehicledyn.codegen.passes.slp_rows import Row
 from vehicledyn.codegen.printers.call_printer import elementary_calls, shared_calls
 from vehicledyn.codegen.printers.loop_printer import following_packs, loop_lines
-from vehicledyn.codegen.printers.operation_printer import CONDITIONAL, expression
+from vehicledyn.codegen.printers.operations import CONDITIONAL, kernel_expression
 from vehicledyn.codegen.printers.row_packing import SideBySide
 from vehicledyn.codegen.printers.value_printer import PieceValues
 
@@ -87,7 +87,7 @@ class PieceCode:
             for k, operand in enumerate(item.operands)
         ]
         is_number = [own.is_number(operand) for operand in item.operands]
-        return expression(item.operation, names, is_number, self._table(item))
+        return kernel_expression(item.operation, names, is_number, self._table(item))
 
     def _table(self, item: Instruction) -> dict[str, str | int]:
         """Return what the template of a look-up asks for."""

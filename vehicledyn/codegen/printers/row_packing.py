@@ -5,7 +5,7 @@ from __future__ import annotations
 from vehicledyn.codegen.ir.instructions import INPUT
 from vehicledyn.codegen.passes.lowering import CONDITIONS
 from vehicledyn.codegen.passes.slp_rows import PLACES, Row
-from vehicledyn.codegen.printers.operation_printer import CONDITIONAL
+from vehicledyn.codegen.printers.operations import CONDITIONAL
 from vehicledyn.codegen.printers.row_printer import row_expression
 from vehicledyn.codegen.printers.value_printer import PieceValues
 

@@ -10,7 +10,7 @@ from vehicledyn.codegen.ir.instructions import CONST, INPUT
 from vehicledyn.codegen.passes.lowering import CONDITIONS
 from vehicledyn.codegen.printers.function_body import FunctionBody
 from vehicledyn.codegen.printers.function_splitting import Places
-from vehicledyn.codegen.printers.operation_printer import literal
+from vehicledyn.codegen.printers.operations import KERNEL
 
 
 @dataclass(frozen=True)
@@ -64,7 +64,7 @@ class PieceValues:
         if item.operation == INPUT:
             return f"{body.inputs[item.source[0]]}[{item.source[1]}]"
         if item.operation == CONST:
-            return f"vd_all({literal(item.number)})"
+            return f"vd_all({KERNEL.number(item.number).text})"
         if not self.is_here(value) or value in body.rolling.held.results:
             return f"s[{self.places.place[value]}]"
         if value in body.row_of:
