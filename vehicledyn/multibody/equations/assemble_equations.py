@@ -16,7 +16,7 @@ from vehicledyn.multibody.model.bodies import Joint
 from vehicledyn.multibody.model.parts import Motion, Output, Part
 from vehicledyn.multibody.model.symbols import Symbols, locked
 from vehicledyn.multibody.model.system import System
-from vehicledyn.symbolic import ops
+from vehicledyn.symbolic import frames, ops
 from vehicledyn.symbolic.equations import (
     Attitude,
     Block,
@@ -188,7 +188,8 @@ def _reaction_residuals(
     for part in system.parts:
         assumed = symbols.reactions[part.name].values()
         situation = symbols.situation(part, solved.kinematics, forces.transmitted)
-        found = part.found_reactions(situation)
+        with frames.naming("part", part.name):
+            found = part.found_reactions(situation)
         pairs = zip(assumed, found, strict=True)
         residuals.extend(a - f / symbols.force_scale for a, f in pairs)
     return residuals

@@ -15,7 +15,7 @@ from vehicledyn.multibody.equations.singular_mass import Resistance, refuse_idle
 from vehicledyn.multibody.loops.closure import Closure, MultiplierClosure
 from vehicledyn.multibody.loops.loop_closure import AssemblyState, Loops, close
 from vehicledyn.multibody.model.kinematics import Kinematics
-from vehicledyn.multibody.model.parts import Loads, Motion
+from vehicledyn.multibody.model.parts import Loads, Motion, loads_of
 from vehicledyn.multibody.model.symbols import Symbols, declare, motions
 from vehicledyn.multibody.model.system import System
 from vehicledyn.multibody.model.tree import Tree, unfold
@@ -162,7 +162,7 @@ def _motion(
     for k, rate in loops.closure.dependent_rates(known).items():
         rates[joints[k].name] = rate
     kinematics = loops.kinematics.with_rates(rates)
-    loads = {p.name: p.loads(symbols.situation(p, kinematics)) for p in system.parts}
+    loads = {p.name: loads_of(p, symbols.situation(p, kinematics)) for p in system.parts}
     return _MotionState(kinematics, rates, loads)
 
 

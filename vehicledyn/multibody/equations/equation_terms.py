@@ -17,7 +17,7 @@ from dataclasses import dataclass, replace
 from vehicledyn.multibody.equations.derivation import Derivation, equations_of, solve_motion
 from vehicledyn.multibody.model.joint_wrench import JointWrench
 from vehicledyn.multibody.model.kinematics import Kinematics
-from vehicledyn.multibody.model.parts import Loads, Part
+from vehicledyn.multibody.model.parts import Loads, Part, loads_of
 from vehicledyn.multibody.model.system import System, refuse_quaternions
 from vehicledyn.multibody.model.tree import Tree
 from vehicledyn.multibody.recursion.newton_euler import inverse_dynamics, mass_matrix
@@ -157,7 +157,7 @@ class _Tree:
     def of(cls, d: Derivation, accelerations: dict[str, Scalar]) -> _Tree:
         symbols, gravity = d.symbols, ops.vector(*d.system.gravity)
         bare = Kinematics(d.tree, symbols.coordinates, symbols.rates)
-        loads = {p.name: p.loads(symbols.situation(p, bare)) for p in d.system.parts}
+        loads = {p.name: loads_of(p, symbols.situation(p, bare)) for p in d.system.parts}
         wrenches = [w for load in loads.values() for w in load.wrenches]
         at_rest = bare.with_accelerations({n: ops.scalar(0.0) for n in accelerations})
         moving = bare.with_accelerations(accelerations)

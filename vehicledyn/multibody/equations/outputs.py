@@ -10,7 +10,7 @@ from vehicledyn.multibody.loops.closure import Closure, MultiplierClosure
 from vehicledyn.multibody.loops.loop_closure import Loops
 from vehicledyn.multibody.loops.reactions import SolvedForces
 from vehicledyn.multibody.model.kinematics import Kinematics
-from vehicledyn.multibody.model.parts import Loads, Output, Wrench
+from vehicledyn.multibody.model.parts import Loads, Output, Wrench, outputs_of
 from vehicledyn.multibody.model.symbols import Symbols, locked
 from vehicledyn.multibody.model.system import System
 from vehicledyn.multibody.recursion import inertia
@@ -84,7 +84,7 @@ def observe(
     ]
     for part in system.parts:
         situation = symbols.situation(part, solved.kinematics, forces.transmitted)
-        outputs.extend(part.outputs(situation))
+        outputs.extend(outputs_of(part, situation))
     return [Output(o.channel, ops.scalar(o.expression)) for o in outputs]
 
 

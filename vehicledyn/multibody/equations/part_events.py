@@ -11,6 +11,7 @@ from vehicledyn.multibody.equations.outputs import Solved
 from vehicledyn.multibody.model.parts import PartEvent
 from vehicledyn.multibody.model.symbols import Symbols
 from vehicledyn.multibody.model.system import System
+from vehicledyn.symbolic import frames
 from vehicledyn.symbolic.equations import Event
 from vehicledyn.symbolic.ops import Scalar
 
@@ -52,7 +53,9 @@ def collect_events(
     """
     collected = CollectedEvents()
     for part in system.parts:
-        for event in part.events(symbols.situation(part, solved.kinematics)):
+        with frames.naming("part", part.name):
+            own = part.events(symbols.situation(part, solved.kinematics))
+        for event in own:
             name = f"{part.name}.{event.name}" if event.name else part.name
             if any(other.name == name for other in collected.events):
                 raise InputError(f"two events are named '{name}'")

@@ -18,7 +18,7 @@ from vehicledyn.multibody.model.cuts import Residual
 from vehicledyn.multibody.model.kinematics import Kinematics
 from vehicledyn.multibody.model.symbols import Symbols
 from vehicledyn.multibody.model.system import System
-from vehicledyn.symbolic import ops
+from vehicledyn.symbolic import frames, ops
 from vehicledyn.symbolic.elimination import Rows
 from vehicledyn.symbolic.ops import Scalar
 
@@ -64,11 +64,13 @@ def rows_of_system(system: System, bare: Kinematics, time: Scalar) -> list[Row]:
             rows.append(Row(cut.name, moving.residual, frame, moving=moving))
     geometry, movement = Geometry(time, bare), Movement(time, bare)
     for constraint in system.constraints:
-        rows.extend(Row(constraint.name, r) for r in constraint.residuals(geometry))
+        with frames.naming("constraint", constraint.name):
+            rows.extend(Row(constraint.name, r) for r in constraint.residuals(geometry))
     for constraint in system.constraints:
-        rows.extend(
-            Row(constraint.name, r, is_holonomic=False) for r in constraint.speeds(movement)
-        )
+        with frames.naming("constraint", constraint.name):
+            rows.extend(
+                Row(constraint.name, r, is_holonomic=False) for r in constraint.speeds(movement)
+            )
     return rows
 
 

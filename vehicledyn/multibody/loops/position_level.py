@@ -11,7 +11,7 @@ from vehicledyn.multibody.loops.configuration import Place
 from vehicledyn.multibody.loops.constraint_equations import Gaps, rows_of_system
 from vehicledyn.multibody.loops.loop_closure import AssemblyState, guesses, start_values
 from vehicledyn.multibody.model.kinematics import Kinematics
-from vehicledyn.multibody.model.parts import ForcesUnknownError, Output
+from vehicledyn.multibody.model.parts import ForcesUnknownError, Output, outputs_of
 from vehicledyn.multibody.model.symbols import Symbols, declare, locked, motions
 from vehicledyn.multibody.model.system import System, refuse_quaternions
 from vehicledyn.multibody.model.tree import Tree, unfold
@@ -174,7 +174,7 @@ def _outputs(
         if part.unknowns() or part.reactions():
             continue
         try:
-            outputs = part.outputs(symbols.situation(part, kinematics))
+            outputs = outputs_of(part, symbols.situation(part, kinematics))
         except ForcesUnknownError:
             without.append(part.name)
             continue

@@ -12,6 +12,7 @@ from typing import Protocol
 
 from vehicledyn.base.shapes import Anchor, Ball, Shape, Tube
 from vehicledyn.symbolic import ops
+from vehicledyn.symbolic.frames import unlabelled
 from vehicledyn.symbolic.ops import Mat, Scalar, Vec
 
 _AXES = ("x", "y", "z")
@@ -154,7 +155,10 @@ class BodyCut:
     def residuals(self, geometry: RelativeGeometry) -> list[Residual]:
         """Return three gaps [m] and three pseudo-rotations [rad]."""
         ball = BallCut(self.name, self.body_a, self.point_a, self.body_b, self.point_b)
-        twist = geometry.rotation(self.body_b) @ geometry.rotation(self.body_a).T
+        turns_a, turns_b = (
+            unlabelled(geometry.rotation(body)) for body in (self.body_a, self.body_b)
+        )
+        twist = turns_b @ turns_a.T
         axial = (twist[2, 1] - twist[1, 2], twist[0, 2] - twist[2, 0], twist[1, 0] - twist[0, 1])
         scale = 2.0 / (1.0 + twist[0, 0] + twist[1, 1] + twist[2, 2])
         text = f"Torque on {self.body_b} in the cut section"

@@ -11,8 +11,9 @@ from typing import Any, TypeVar
 
 from vehicledyn.multibody.joints.joint_type import Axes
 from vehicledyn.multibody.model.bodies import Joint
+from vehicledyn.multibody.model.ground import GROUND
 from vehicledyn.multibody.model.tree import Link, Tree, joint_rotation, joint_turns
-from vehicledyn.symbolic import ops, rotations
+from vehicledyn.symbolic import frames, ops, rotations
 from vehicledyn.symbolic.ops import Mat, Scalar, Vec
 
 T = TypeVar("T")
@@ -125,33 +126,35 @@ class Kinematics:
 
     def rotation(self, body: str) -> Mat:
         """Return R with v_world = R v_body."""
-        return self.rotation_in(-1, self.tree.body_link[body])
+        found = self.rotation_in(_GROUND, self.tree.body_link[body])
+        return frames.turning(found, to=frames.WORLD, of=body_axes(body))
 
     def position(self, body: str, point: Sequence[Scalar] = _ORIGIN) -> Vec:
         """Return the world position of a point given in body axes [m]."""
-        return self.position_in(-1, self.tree.body_link[body], ops.vector(*_items(point)))
+        found = self.position_in(_GROUND, self.tree.body_link[body], _point_of(body, point))
+        return frames.in_axes(found, frames.WORLD)
 
     def velocity(self, body: str, point: Sequence[Scalar] = _ORIGIN) -> Vec:
         """Return the velocity of a point of the body in world axes [m/s]."""
-        link = self.tree.body_link[body]
-        arm = ops.vector(*_items(point))
+        link, arm = self.tree.body_link[body], _point_of(body, point)
         return self.rotation(body) @ (
             self.link_velocity(link) + ops.cross(self.link_angular_velocity(link), arm)
         )
 
     def angular_velocity(self, body: str) -> Vec:
         """Return the angular velocity of a body in its own axes [rad/s]."""
-        return self.link_angular_velocity(self.tree.body_link[body])
+        found = self.link_angular_velocity(self.tree.body_link[body])
+        return frames.in_axes(found, body_axes(body))
 
     def acceleration(self, body: str, point: Sequence[Scalar] = _ORIGIN) -> Vec:
         """Return the acceleration of a point of the body in world axes [m/s²]."""
-        link = self.tree.body_link[body]
-        arm = ops.vector(*_items(point))
+        link, arm = self.tree.body_link[body], _point_of(body, point)
         return self.rotation(body) @ (self.link_acceleration(link) + self.beta(link) @ arm)
 
     def angular_acceleration(self, body: str) -> Vec:
         """Return the angular acceleration of a body in its own axes [rad/s²]."""
-        return self.link_angular_acceleration(self.tree.body_link[body])
+        found = self.link_angular_acceleration(self.tree.body_link[body])
+        return frames.in_axes(found, body_axes(body))
 
     # -- by link ---------------------------------------------------------------------------
 
@@ -426,12 +429,31 @@ class Relative:
     def position(self, body: str, point: Sequence[Scalar] = _ORIGIN) -> Vec:
         """Return the position of a point of a body from the datum, in the ancestor's axes [m]."""
         link = self._kinematics.tree.body_link[body]
-        arm = ops.vector(*_items(point))
-        return self._kinematics.position_in(self.ancestor, link, arm, self._datum)
+        arm = _point_of(body, point)
+        found = self._kinematics.position_in(self.ancestor, link, arm, self._datum)
+        return frames.in_axes(found, self._axes)
 
     def rotation(self, body: str) -> Mat:
         """Return R with v_ancestor = R v_body."""
-        return self._kinematics.rotation_in(self.ancestor, self._kinematics.tree.body_link[body])
+        link = self._kinematics.tree.body_link[body]
+        found = self._kinematics.rotation_in(self.ancestor, link)
+        return frames.turning(found, to=self._axes, of=body_axes(body))
+
+    @property
+    def _axes(self) -> str:
+        """Label of the ancestor's axes."""
+        return frames.WORLD if self.ancestor == _GROUND else f"link {self.ancestor}"
+
+
+def body_axes(body: str) -> str:
+    """Return the label of the axes of a body; those of the ground are the world's."""
+    return frames.WORLD if body == GROUND else frames.axes_of(body)
+
+
+def _point_of(body: str, point: Sequence[Scalar] | Vec) -> Vec:
+    """Return a point given in the axes of a body as a column."""
+    frames.require_axes(point, body_axes(body), f"a point of body '{body}'")
+    return ops.vector(*_items(point))
 
 
 def _plus(vector: Vec, more: Vec | None) -> Vec:

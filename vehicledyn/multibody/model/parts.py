@@ -16,7 +16,8 @@ from vehicledyn.multibody.model.bodies import Body
 from vehicledyn.multibody.model.constraints import Constraint
 from vehicledyn.multibody.model.cuts import Cut
 from vehicledyn.multibody.model.joint_wrench import JointWrench
-from vehicledyn.multibody.model.kinematics import Kinematics
+from vehicledyn.multibody.model.kinematics import Kinematics, body_axes
+from vehicledyn.symbolic import frames
 from vehicledyn.symbolic.equations import Channel, Direction, Variable
 from vehicledyn.symbolic.ops import Scalar, Vec
 
@@ -31,6 +32,17 @@ class Wrench:
     body: str
     force: Vec
     torque: Vec
+
+    def __post_init__(self) -> None:
+        """Refuse vectors in other axes than the body's.
+
+        Raises
+        ------
+        FrameError
+            If a vector is labelled with other axes.
+        """
+        for name, vector in (("force", self.force), ("torque", self.torque)):
+            frames.require_axes(vector, body_axes(self.body), f"the {name} on body '{self.body}'")
 
 
 class TransmittedForces(Protocol):
@@ -153,6 +165,18 @@ class PartEvent:
     lands: bool = False
     advice: str = ""
     outcome: str = "ok"
+
+
+def loads_of(part: Part, situation: Situation) -> Loads:
+    """Return the loads of a part; errors about axes name it."""
+    with frames.naming("part", part.name):
+        return part.loads(situation)
+
+
+def outputs_of(part: Part, situation: Situation) -> tuple[Output, ...]:
+    """Return the channels of a part; errors about axes name it."""
+    with frames.naming("part", part.name):
+        return part.outputs(situation)
 
 
 class Part(Protocol):

@@ -15,7 +15,7 @@ from dataclasses import dataclass
 from typing import Literal, Protocol
 
 from vehicledyn.rail.profiles.profile_reading import AS_IT_IS, ProfileReading
-from vehicledyn.symbolic import ops, rotations
+from vehicledyn.symbolic import frames, ops, rotations
 from vehicledyn.symbolic.ops import Mat, Scalar, Vec
 
 Side = Literal["left", "right"]
@@ -42,6 +42,13 @@ class TrackFrame:
     rotation: Mat
     stretch: Scalar
     turning: Vec
+
+    def __post_init__(self) -> None:
+        """Label place and rotation with their axes, see :mod:`vehicledyn.symbolic.frames`."""
+        place = frames.in_axes(self.position, frames.WORLD)
+        rotation = frames.turning(self.rotation, to=frames.WORLD, of="the track")
+        object.__setattr__(self, "position", place)
+        object.__setattr__(self, "rotation", rotation)
 
     @property
     def curvature(self) -> Scalar:
