@@ -3,7 +3,8 @@
 What kinematics hand to parts is labelled with its axes. Sums, cross and scalar products of vectors
 in different axes are refused, and so are rotations that turn from other axes than a vector has.
 Labels cost nothing when a model runs: they are gone from the equations. What has no label, as a
-vector that a part makes of numbers, goes with any axes and takes those of its partner.
+vector that a part makes of numbers, goes with any axes and takes those of its partner. Labels are
+given by :mod:`vehicledyn.symbolic.labels`.
 """
 
 from __future__ import annotations
@@ -13,7 +14,6 @@ from contextlib import contextmanager
 from typing import Any
 
 from vehicledyn.base.errors import InputError
-from vehicledyn.symbolic.ops import Mat, Vec
 
 WORLD = "the world"
 
@@ -40,27 +40,6 @@ def naming(kind: str, name: str) -> Iterator[None]:
 def axes_of(body: str) -> str:
     """Return the label of the axes of a body."""
     return f"body '{body}'"
-
-
-def in_axes(vector: Vec, axes: str) -> Vec:
-    """Return the same vector, labelled with the axes it is expressed in."""
-    from vehicledyn.symbolic.labelled import LabelledVector
-
-    return LabelledVector(vector, axes)
-
-
-def turning(rotation: Mat, *, to: str, of: str) -> Mat:
-    """Return the same R with v_to = R v_of, labelled with both axes."""
-    from vehicledyn.symbolic.labelled import LabelledRotation
-
-    return LabelledRotation(rotation, to, of)
-
-
-def unlabelled(matrix: Mat | Vec) -> Mat | Vec:
-    """Return the same vector or rotation without a label, for frames that are to coincide."""
-    import casadi
-
-    return casadi.SX(matrix)
 
 
 def axes_label(vector: Any) -> str | None:

@@ -9,7 +9,7 @@ import casadi
 from vehicledyn.symbolic.frames import FrameError, axes_label, common_axes
 
 
-class LabelledVector(casadi.SX):  # type: ignore[misc]
+class LabelledVector(casadi.SX):
     """A column of three with the axes it is expressed in."""
 
     def __init__(self, value: Any, axes: str) -> None:
@@ -42,7 +42,7 @@ class LabelledVector(casadi.SX):  # type: ignore[misc]
         return _scaled(self, other, casadi.rdivide(self, other))
 
 
-class LabelledRotation(casadi.SX):  # type: ignore[misc]
+class LabelledRotation(casadi.SX):
     """A rotation matrix with the axes it turns to and from."""
 
     def __init__(self, value: Any, to: str, of: str) -> None:

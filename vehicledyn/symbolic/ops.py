@@ -10,6 +10,7 @@ from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 from vehicledyn.base.numbers import quarter_turns
+from vehicledyn.symbolic.frames import common_axes
 
 if TYPE_CHECKING:
     import numpy as np
@@ -226,27 +227,20 @@ def cross(a: Vec, b: Vec) -> Vec:
     """Return the cross product of two columns."""
     import casadi
 
-    return _joined(casadi.cross(a, b), a, b, "multiplied by a cross product")
+    product, axes = casadi.cross(a, b), common_axes(a, b, "multiplied by a cross product")
+    if axes is None:
+        return product
+    from vehicledyn.symbolic.labelled import LabelledVector
+
+    return LabelledVector(product, axes)
 
 
 def dot(a: Vec, b: Vec) -> Scalar:
     """Return the scalar product of two columns."""
     import casadi
 
-    _joined(None, a, b, "multiplied")
+    common_axes(a, b, "multiplied")
     return casadi.dot(a, b)
-
-
-def _joined(product: Any, a: Vec, b: Vec, verb: str) -> Any:
-    """Return a product in the axes of its factors, which must be the same."""
-    import casadi
-
-    if type(a) is casadi.SX and type(b) is casadi.SX:
-        return product
-    from vehicledyn.symbolic import frames
-
-    axes = frames.common_axes(a, b, verb)
-    return product if product is None or axes is None else frames.in_axes(product, axes)
 
 
 def plus_cross(a: Vec, b: Vec, c: Vec) -> Vec:

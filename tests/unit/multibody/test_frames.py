@@ -9,9 +9,10 @@ import pytest
 from vehicledyn.base.errors import InputError
 from vehicledyn.multibody import GROUND, Body, Joint, ParameterTable, System, derive
 from vehicledyn.multibody.model.parts import BasePart, Loads, Output, Situation, Wrench
-from vehicledyn.symbolic import frames, ops
+from vehicledyn.symbolic import labels, ops
 from vehicledyn.symbolic.equations import Channel
-from vehicledyn.symbolic.frames import WORLD, FrameError, axes_label, in_axes, turning
+from vehicledyn.symbolic.frames import WORLD, FrameError, axes_label
+from vehicledyn.symbolic.labels import in_axes, turning
 
 UP = ops.vector(0.0, 0.0, 1.0)
 
@@ -113,8 +114,8 @@ def test_what_is_right_gives_the_same_equations_as_without_labels(monkeypatch):
         return -(2.0 * ahead + swing) / 3.0 - lever * 0.5
 
     labelled = derive(system(OwnElement("own", "car", drag)))
-    monkeypatch.setattr(frames, "in_axes", lambda vector, axes: vector)
-    monkeypatch.setattr(frames, "turning", lambda rotation, to, of: rotation)
+    monkeypatch.setattr(labels, "in_axes", lambda vector, axes: vector)
+    monkeypatch.setattr(labels, "turning", lambda rotation, to, of: rotation)
     bare = derive(system(OwnElement("own", "car", drag)))
     assert type(labelled.rate) is ca.SX
     values = []

@@ -12,7 +12,7 @@ from typing import Protocol
 
 from vehicledyn.base.shapes import Anchor, Ball, Shape, Tube
 from vehicledyn.symbolic import ops
-from vehicledyn.symbolic.frames import unlabelled
+from vehicledyn.symbolic.labels import unlabelled
 from vehicledyn.symbolic.ops import Mat, Scalar, Vec
 
 _AXES = ("x", "y", "z")

@@ -13,7 +13,7 @@ from vehicledyn.multibody.joints.joint_type import Axes
 from vehicledyn.multibody.model.bodies import Joint
 from vehicledyn.multibody.model.ground import GROUND
 from vehicledyn.multibody.model.tree import Link, Tree, joint_rotation, joint_turns
-from vehicledyn.symbolic import frames, ops, rotations
+from vehicledyn.symbolic import frames, labels, ops, rotations
 from vehicledyn.symbolic.ops import Mat, Scalar, Vec
 
 T = TypeVar("T")
@@ -127,12 +127,12 @@ class Kinematics:
     def rotation(self, body: str) -> Mat:
         """Return R with v_world = R v_body."""
         found = self.rotation_in(_GROUND, self.tree.body_link[body])
-        return frames.turning(found, to=frames.WORLD, of=body_axes(body))
+        return labels.turning(found, to=frames.WORLD, of=body_axes(body))
 
     def position(self, body: str, point: Sequence[Scalar] = _ORIGIN) -> Vec:
         """Return the world position of a point given in body axes [m]."""
         found = self.position_in(_GROUND, self.tree.body_link[body], _point_of(body, point))
-        return frames.in_axes(found, frames.WORLD)
+        return labels.in_axes(found, frames.WORLD)
 
     def velocity(self, body: str, point: Sequence[Scalar] = _ORIGIN) -> Vec:
         """Return the velocity of a point of the body in world axes [m/s]."""
@@ -144,7 +144,7 @@ class Kinematics:
     def angular_velocity(self, body: str) -> Vec:
         """Return the angular velocity of a body in its own axes [rad/s]."""
         found = self.link_angular_velocity(self.tree.body_link[body])
-        return frames.in_axes(found, body_axes(body))
+        return labels.in_axes(found, body_axes(body))
 
     def acceleration(self, body: str, point: Sequence[Scalar] = _ORIGIN) -> Vec:
         """Return the acceleration of a point of the body in world axes [m/s²]."""
@@ -154,7 +154,7 @@ class Kinematics:
     def angular_acceleration(self, body: str) -> Vec:
         """Return the angular acceleration of a body in its own axes [rad/s²]."""
         found = self.link_angular_acceleration(self.tree.body_link[body])
-        return frames.in_axes(found, body_axes(body))
+        return labels.in_axes(found, body_axes(body))
 
     # -- by link ---------------------------------------------------------------------------
 
@@ -431,13 +431,13 @@ class Relative:
         link = self._kinematics.tree.body_link[body]
         arm = _point_of(body, point)
         found = self._kinematics.position_in(self.ancestor, link, arm, self._datum)
-        return frames.in_axes(found, self._axes)
+        return labels.in_axes(found, self._axes)
 
     def rotation(self, body: str) -> Mat:
         """Return R with v_ancestor = R v_body."""
         link = self._kinematics.tree.body_link[body]
         found = self._kinematics.rotation_in(self.ancestor, link)
-        return frames.turning(found, to=self._axes, of=body_axes(body))
+        return labels.turning(found, to=self._axes, of=body_axes(body))
 
     @property
     def _axes(self) -> str:

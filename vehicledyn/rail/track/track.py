@@ -15,7 +15,7 @@ from dataclasses import dataclass
 from typing import Literal, Protocol
 
 from vehicledyn.rail.profiles.profile_reading import AS_IT_IS, ProfileReading
-from vehicledyn.symbolic import frames, ops, rotations
+from vehicledyn.symbolic import frames, labels, ops, rotations
 from vehicledyn.symbolic.ops import Mat, Scalar, Vec
 
 Side = Literal["left", "right"]
@@ -45,8 +45,8 @@ class TrackFrame:
 
     def __post_init__(self) -> None:
         """Label place and rotation with their axes, see :mod:`vehicledyn.symbolic.frames`."""
-        place = frames.in_axes(self.position, frames.WORLD)
-        rotation = frames.turning(self.rotation, to=frames.WORLD, of="the track")
+        place = labels.in_axes(self.position, frames.WORLD)
+        rotation = labels.turning(self.rotation, to=frames.WORLD, of="the track")
         object.__setattr__(self, "position", place)
         object.__setattr__(self, "rotation", rotation)
 
