@@ -144,7 +144,7 @@ def test_examples_of_contributing_make_a_vehicle_that_changes_the_lane(tmp_path)
     ignored = shutil.ignore_patterns("__pycache__")
     shutil.copytree(Path(vehicledyn.__file__).parent, tmp_path / "vehicledyn", ignore=ignored)
     examples = [*blocks(CONTRIBUTING, "python"), *blocks(CONTRIBUTING, "yaml")]
-    assert len(examples) == 13
+    assert len(examples) == 15
     for example in examples:
         path = tmp_path / FILE.match(example)[1]
         if path.exists():  # shown as an example, and part of the package
@@ -171,6 +171,29 @@ def test_examples_of_contributing_make_a_vehicle_that_changes_the_lane(tmp_path)
     assert float(angle) == pytest.approx(math.cos(2.0), abs=1e-5)
     assert float(sliding) == pytest.approx(-0.3 * 5e4, rel=1e-3)
     assert float(sticking) == pytest.approx(1.0, abs=1e-3)
+    model = f"MODEL = {str(ROOT / 'systems' / 'quarter_car.yaml')!r}\n"
+    *_, difference, squared = run(
+        [sys.executable, "-c", model + ANALYSIS_AND_PASS], tmp_path, PYTHONSAFEPATH=""
+    ).splitlines()
+    assert float(difference) == pytest.approx(0.0, abs=1e-12)
+    assert squared == "(sq(x)*y) 18.0"
+
+
+ANALYSIS_AND_PASS = """
+import casadi as ca
+import vehicledyn as vd
+from vehicledyn.analyses.linear.least_damping import find_least_damping
+from vehicledyn.codegen.passes.squares import use_squares
+
+found = find_least_damping(vd.load(MODEL), backend="interpreted", progress=print)
+modes = vd.modes(MODEL, backend="interpreted")
+ratios = modes["damping_ratio"].values[modes["kind"].values == "oscillation"]
+print(found.damping_ratio - min(ratios))
+x, y = ca.SX.sym("x"), ca.SX.sym("y")
+written = ca.SX.binary(ca.OP_POW, x, 2.0) * y
+(squared,) = use_squares(ca.Function("f", [x, y], [written]), [x, y])
+print(str(squared), float(ca.Function("g", [x, y], [squared])(3.0, 2.0)))
+"""
 
 
 def test_all_data_files_are_packed():

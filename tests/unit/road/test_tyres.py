@@ -83,6 +83,9 @@ OF_FILES = {
 
 ODD = {"pac2002", "magic_formula_61", "file"}
 """Laws whose tyres are not their own mirror images: plysteer and conicity."""
+
+COMPLETE = {"calspan", "linear", "magic_formula_1987", "pac2002", "magic_formula_61", "file"}
+"""Laws with camber and aligning moment; other laws may leave these out."""
 AWKWARD = [
     (load, slip, angle, camber)
     for load in (0.0, 1e-9, 1.0, 4e3, 2e4, 1e5)
@@ -117,8 +120,10 @@ def test_every_tyre_has_an_example():
 @pytest.mark.parametrize("kind", sorted(EXAMPLES))
 def test_signs(kind):
     along, across, moment = vector(symmetric(kind), 4e3, 0.02, 0.03, 0.0)
-    assert along >= 0.0 and across < 0.0 and moment > 0.0
-    assert vector(symmetric(kind), 4e3, 0.0, 0.0, 0.05)[1] < 0.0
+    assert along >= 0.0 and across < 0.0
+    assert moment > 0.0 or (kind not in COMPLETE and moment == 0.0)
+    leaning = vector(symmetric(kind), 4e3, 0.0, 0.0, 0.05)[1]
+    assert leaning < 0.0 or (kind not in COMPLETE and leaning == 0.0)
 
 
 @pytest.mark.parametrize("kind", sorted(EXAMPLES))
@@ -183,7 +188,7 @@ def test_continuous_along_random_lines(kind):
 def test_parameters_may_be_symbols(kind):
     table = ParameterTable()
     symbolic = table.add_set("tyre", tyre(kind))
-    assert len(table.entries) > (0 if kind in OF_FILES else 4)
+    assert len(table.entries) > (0 if kind in OF_FILES else 2)
     felt = TyreInput(4e3, 0.02, 0.05, 0.01)
     symbols = [entry.symbol for entry in table.entries]
     force = ops.numeric(symbols, ops.column([symbolic.forces(felt).lateral_force]))

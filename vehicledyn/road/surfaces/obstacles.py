@@ -42,7 +42,7 @@ class Obstacles(RoadSurface):
     )
     cam_length: float = quantity("m", "Half axis of a cam along the road", gt=0)
     cam_height: float = quantity("m", "Half axis of a cam upwards", gt=0)
-    cam_order: float = Field(default=1.8, gt=1, le=20, description="Exponent of a cam's outline")
+    cam_order: float = quantity("1", "Exponent of a cam's outline", default=1.8, gt=1, le=20)
     cam_spacing: float = quantity(
         "m", "Distance of the two cams, about 0.8 times the contact length", ge=0, default=0.0
     )
