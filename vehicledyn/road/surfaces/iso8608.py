@@ -51,7 +51,7 @@ class Iso8608Road(RoadSurface):
     roughness: float | None = quantity(
         "m^3", "Gd(n0) at 0.1 waves a metre, in place of a class", gt=0, default=None
     )
-    waviness: float = Field(default=2.0, gt=1, le=4, description="Exponent w of the spectrum")
+    waviness: float = quantity("1", "Exponent w of the spectrum", default=2.0, gt=1, le=4)
     length: float = quantity("m", "Length of the rough ground", gt=0, le=_MOST_LENGTH)
     start: float = quantity("m", "World x where it begins", default=0.0)
     fade: float = quantity("m", "Length over which it fades in and out", ge=0, default=5.0)
