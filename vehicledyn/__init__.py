@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from vehicledyn.base.lazy_exports import door
+from vehicledyn.base.lazy_exports import lazy_exports
 from vehicledyn.base.version import VERSION
 
 if TYPE_CHECKING:
@@ -117,7 +117,7 @@ __version__ = VERSION
 
 # Importing the package loads nothing: each name loads its module when it is first used.
 if not TYPE_CHECKING:  # for type checkers there are no other names than those above
-    __getattr__ = door(__name__, _HOMES)
+    __getattr__ = lazy_exports(__name__, _HOMES)
 
 
 def __dir__() -> list[str]:

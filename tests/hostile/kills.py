@@ -129,7 +129,7 @@ class Campaign:
 
     def _faults_of_result(self, victim, path, at):
         from vehicledyn.base.errors import InputError
-        from vehicledyn.results.store.door import open_result
+        from vehicledyn.results.store.reader import open_result
         from vehicledyn.results.store.study_reader import open_study
 
         code = start(path.parent, ["info", path.name]).wait()
@@ -159,7 +159,7 @@ class Campaign:
         path = folder / victim.output
         if not path.exists():
             return
-        from vehicledyn.results.store.door import open_result
+        from vehicledyn.results.store.reader import open_result
 
         if victim.name == "run":
             with open_result(path) as result:

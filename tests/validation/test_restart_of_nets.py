@@ -7,7 +7,7 @@ from nets import net_text
 import vehicledyn.catalogue  # noqa: F401
 from vehicledyn.analyses import run_scenario
 from vehicledyn.files.scenario import load_scenario
-from vehicledyn.results.store.door import open_result
+from vehicledyn.results.store.reader import open_result
 
 pytestmark = pytest.mark.validation
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from vehicledyn.base.lazy_exports import door
+from vehicledyn.base.lazy_exports import lazy_exports
 
 if TYPE_CHECKING:
     from vehicledyn.analyses.linear.eigenmodes import ModesReport, find_modes
@@ -25,7 +25,7 @@ __all__ = [
 ]
 
 # Each verb loads its own modules only.
-__getattr__ = door(
+__getattr__ = lazy_exports(
     __name__,
     {
         "vehicledyn.analyses.linear.equilibrium": ("EquilibriumReport", "find_equilibrium"),

@@ -7,7 +7,7 @@ from importlib import import_module
 from typing import Any
 
 
-def door(package: str, homes: Mapping[str, Sequence[str]]) -> Callable[[str], Any]:
+def lazy_exports(package: str, homes: Mapping[str, Sequence[str]]) -> Callable[[str], Any]:
     """Return the ``__getattr__`` of a package that offers names of modules.
 
     Parameters

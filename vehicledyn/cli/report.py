@@ -63,16 +63,16 @@ def report(
     with show_progress(quiet=quiet) as progress:
         if each:
             _write_each(source, progress)
-        page = write_report(source, output, against=against, told=progress)
+        page = write_report(source, output, against=against, progress=progress)
     emit(str(page))
 
 
 def _write_each(folder: Path, progress: Progress) -> None:
-    """Write the page of every result of a folder; what cannot be read is told and left out."""
+    """Write the page of every result of a folder; what cannot be read is reported and left out."""
     from vehicledyn.results.report import results_in, write_report
 
     for path in results_in(folder):
         try:
-            write_report(path, told=progress)
+            write_report(path, progress=progress)
         except InputError as error:
             tell(str(error))

@@ -85,12 +85,12 @@ def contact_geometry(
         If a profile or a number cannot be used.
     """
     import vehicledyn.catalogue  # noqa: F401
-    from vehicledyn.analyses.contact.contact_geometry import ContactWish, find_contact_geometry
+    from vehicledyn.analyses.contact.contact_geometry import ContactRequest, find_contact_geometry
     from vehicledyn.results.tables.contact_table import write_contacts
 
     left = positive("radius", radius, "m")
     right = left if right_radius is None else positive("right_radius", right_radius, "m")
-    wish = ContactWish(
+    request = ContactRequest(
         wheels=(str(wheel), str(right_wheel or wheel)),
         rails=(str(rail), str(right_rail or rail)),
         radii=(left, right),
@@ -106,7 +106,7 @@ def contact_geometry(
         amplitudes=_lengths("amplitudes", amplitudes, range(1, 8)),
     )
     with result_place(save_to, may_exist=overwrite) as place:
-        report = find_contact_geometry(wish, progress=reporter(progress))
+        report = find_contact_geometry(request, progress=reporter(progress))
         write_contacts(place.path, report.table)
         return place.value(report)
 

@@ -27,7 +27,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from vehicledyn.base.lazy_exports import door
+from vehicledyn.base.lazy_exports import lazy_exports
 
 if TYPE_CHECKING:
     from vehicledyn.multibody.elements.drives import ConstantRate, TimeLaw
@@ -94,7 +94,7 @@ __all__ = [
 ]
 
 # Loading a name's module when it is first used keeps the reading of files quick.
-__getattr__ = door(
+__getattr__ = lazy_exports(
     __name__,
     {
         "vehicledyn.multibody.model.constraints": (

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from vehicledyn.base.lazy_exports import door
+from vehicledyn.base.lazy_exports import lazy_exports
 
 if TYPE_CHECKING:
     from vehicledyn.studies.load import LoadedStudy, load_study
@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 __all__ = ["LoadedStudy", "Study", "is_study", "load_study", "study_schema"]
 
 # Most files are no studies: what reads them is loaded for those that are.
-__getattr__ = door(
+__getattr__ = lazy_exports(
     __name__,
     {
         "vehicledyn.studies.load": ("LoadedStudy", "load_study"),

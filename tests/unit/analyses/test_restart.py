@@ -14,7 +14,7 @@ from vehicledyn.analyses.simulation import simulation
 from vehicledyn.base.errors import InputError
 from vehicledyn.files.scenario import load_scenario
 from vehicledyn.results.store import writer
-from vehicledyn.results.store.door import open_result
+from vehicledyn.results.store.reader import open_result
 
 ROOT = Path(__file__).parents[3]
 SYSTEMS = ROOT / "systems"

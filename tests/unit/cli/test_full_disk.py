@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 
-from vehicledyn.results.store.door import open_result
+from vehicledyn.results.store.reader import open_result
 
 pytestmark = pytest.mark.long
 

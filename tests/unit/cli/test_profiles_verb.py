@@ -10,7 +10,7 @@ import h5py
 import numpy as np
 import pytest
 
-from vehicledyn.analyses.contact.contact_geometry import ContactWish, find_contact_geometry
+from vehicledyn.analyses.contact.contact_geometry import ContactRequest, find_contact_geometry
 from vehicledyn.base.errors import InputError
 from vehicledyn.rail.profiles.named_profiles import named_profile
 from vehicledyn.results.plots.contact_figures import contact_figures
@@ -114,7 +114,7 @@ def test_what_was_mended_is_drawn_and_kept_in_the_file(tmp_path):
 
 def test_shifts_beyond_the_rail_are_told():
     """What is found stays; the shift at which a wheel is beside its rail is named."""
-    wish = ContactWish(("S1002",) * 2, ("60E1",) * 2, shifts=(0.0, 0.2), amplitudes=())
+    wish = ContactRequest(("S1002",) * 2, ("60E1",) * 2, shifts=(0.0, 0.2), amplitudes=())
     report = find_contact_geometry(wish, progress=quiet)
     assert report.table.shift.tolist() == [0.0]
     assert (
@@ -122,12 +122,12 @@ def test_shifts_beyond_the_rail_are_told():
     )
     with pytest.raises(InputError, match="not above its rail"):
         find_contact_geometry(
-            ContactWish(("S1002",) * 2, ("60E1",) * 2, shifts=(0.2,)), progress=quiet
+            ContactRequest(("S1002",) * 2, ("60E1",) * 2, shifts=(0.2,)), progress=quiet
         )
 
 
 def test_conicity_of_a_cone_and_its_roll():
-    wish = ContactWish(
+    wish = ContactRequest(
         ("cone:1/20",) * 2, ("arc:300",) * 2, shifts=(0.0,), amplitudes=(0.001, 0.004)
     )
     table = find_contact_geometry(wish, progress=quiet).table
@@ -140,7 +140,7 @@ def test_conicity_of_a_cone_and_its_roll():
 
 def test_conicity_of_unequal_wheels():
     """Cones of γ and radii apart by d run about y = -d/(2γ) here, far beside the amplitude."""
-    wish = ContactWish(
+    wish = ContactRequest(
         ("cone:1/20",) * 2, ("arc:300",) * 2, radii=(0.4602, 0.46), shifts=(0.0,),
         amplitudes=(0.001,),
     )  # fmt: skip
@@ -153,7 +153,7 @@ def test_conicity_of_unequal_wheels():
 
 def test_jumps_do_not_depend_on_the_shifts_asked():
     """Few shifts: jumps are where both points touch at once, and curves have a gap there only."""
-    wish = ContactWish(("S1002",) * 2, ("60E1",) * 2, inclination=np.arctan(1 / 40),
+    wish = ContactRequest(("S1002",) * 2, ("60E1",) * 2, inclination=np.arctan(1 / 40),
                        shifts=(-0.008, 0.008), amplitudes=(0.001, 0.003))  # fmt: skip
     table = find_contact_geometry(wish, progress=quiet).table
     assert [side for _, side, *_ in table.jumps] == ["right"] * 3 + ["left"] * 3
@@ -181,7 +181,7 @@ def test_jumps_do_not_depend_on_the_shifts_asked():
 
 
 def test_files_without_curves_are_drawn_from_their_table(tmp_path):
-    wish = ContactWish(("cone:1/20",) * 2, ("arc:300",) * 2, shifts=(0.0, 1e-3, 2e-3))
+    wish = ContactRequest(("cone:1/20",) * 2, ("arc:300",) * 2, shifts=(0.0, 1e-3, 2e-3))
     write_contacts(tmp_path / "r.h5", find_contact_geometry(wish, progress=quiet).table)
     assert len(read_contacts(tmp_path / "r.h5").curves.shift) == 21
     with h5py.File(tmp_path / "r.h5", "a") as file:
@@ -208,7 +208,7 @@ def test_help_is_light():
 def test_flanges_over_the_rail_are_told():
     """The tip of S1002 is 55 mm inside the tape circle: 5 mm over a gauge face at 27.5 mm."""
     shifts = (0.0, -0.027, 0.028)
-    wish = ContactWish(("S1002",) * 2, ("60E1",) * 2, shifts=shifts, amplitudes=(0.03,))
+    wish = ContactRequest(("S1002",) * 2, ("60E1",) * 2, shifts=shifts, amplitudes=(0.03,))
     report = find_contact_geometry(wish, progress=quiet)
     (told,) = [note for note in report.table.notes if "derails" in note]
     assert told.startswith("at a lateral shift of 28.000 mm the left flange has climbed its rail")

@@ -6,7 +6,7 @@ Files are made from S1002 and 60E1 in the layouts of measured ones, so that the 
 import numpy as np
 import pytest
 
-from vehicledyn.analyses.contact.contact_geometry import ContactWish, find_contact_geometry
+from vehicledyn.analyses.contact.contact_geometry import ContactRequest, find_contact_geometry
 from vehicledyn.base.errors import InputError
 from vehicledyn.rail.profiles.named_profiles import named_profile
 from vehicledyn.rail.profiles.open_profile import read_profile
@@ -349,7 +349,7 @@ def test_kept_outliers_end_in_a_curve_or_a_message(tmp_path, size):
 
 
 def conicity(wheel, rail="60E1", **reading):
-    wish = ContactWish(
+    wish = ContactRequest(
         (str(wheel),) * 2,
         (str(rail),) * 2,
         inclination=np.arctan(1 / 40),

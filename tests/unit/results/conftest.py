@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 from result_files import Quantity, header, slalom_values
 
-from vehicledyn.results.store.door import ResultWriter, SummaryEntry
+from vehicledyn.results.store.layout import SummaryEntry
+from vehicledyn.results.store.writer import ResultWriter
 
 
 @pytest.fixture

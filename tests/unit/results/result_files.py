@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from vehicledyn.results.store.door import ResultHeader, SceneItem
+from vehicledyn.results.store.layout import ResultHeader, SceneItem
 
 
 @dataclass(frozen=True)

@@ -15,7 +15,8 @@ from vehicledyn.results.hdf5 import heaps, journal, seal, superblock
 from vehicledyn.results.hdf5.disk import Container
 from vehicledyn.results.hdf5.finishing import finish
 from vehicledyn.results.hdf5.opening import noticing_damage, open_file
-from vehicledyn.results.store.door import ResultWriter, open_result
+from vehicledyn.results.store.reader import open_result
+from vehicledyn.results.store.writer import ResultWriter
 
 LIMIT = 20.0  # s
 

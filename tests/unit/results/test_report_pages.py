@@ -16,7 +16,8 @@ from vehicledyn.results.report import write_report
 from vehicledyn.results.report.page import Facts, Page, Section, render
 from vehicledyn.results.report.texts import change, reading
 from vehicledyn.results.store.decimation import thinned
-from vehicledyn.results.store.door import ResultWriter, open_result
+from vehicledyn.results.store.reader import open_result
+from vehicledyn.results.store.writer import ResultWriter
 
 pytestmark = pytest.mark.long
 

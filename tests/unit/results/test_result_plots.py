@@ -11,7 +11,7 @@ from vehicledyn.results.plots.figures import draw_figure
 from vehicledyn.results.plots.plot_description import read_plots, unit_factor
 from vehicledyn.results.plots.plot_style import axis_label
 from vehicledyn.results.plots.run_plots import default_plots, draw_plots, plots_of
-from vehicledyn.results.store.door import open_result
+from vehicledyn.results.store.reader import open_result
 
 PATH, LOADS = PLOTS
 

@@ -13,15 +13,11 @@ from result_files import Quantity, header, slalom_values
 
 from vehicledyn.base.errors import InputError
 from vehicledyn.results.hdf5 import journal
-from vehicledyn.results.hdf5.output import OutputLock
+from vehicledyn.results.hdf5.output import OutputLock, check_output
 from vehicledyn.results.store import writer as writer_module
-from vehicledyn.results.store.door import (
-    EventRecord,
-    ResultWriter,
-    SummaryEntry,
-    check_output,
-    open_result,
-)
+from vehicledyn.results.store.layout import EventRecord, SummaryEntry
+from vehicledyn.results.store.reader import open_result
+from vehicledyn.results.store.writer import ResultWriter
 
 CHANNEL = [Quantity("body.x", "m", "Position", "ground")]
 
@@ -45,7 +41,8 @@ WRITE_UNTIL_FULL = """
 import resource, sys, numpy as np
 from types import SimpleNamespace
 from vehicledyn.base.errors import InputError
-from vehicledyn.results.store.door import ResultHeader, ResultWriter
+from vehicledyn.results.store.layout import ResultHeader
+from vehicledyn.results.store.writer import ResultWriter
 limit = int(sys.argv[2])
 resource.setrlimit(resource.RLIMIT_FSIZE, (limit, limit))
 about = {"unit": "m", "description": "x", "frame": ""}

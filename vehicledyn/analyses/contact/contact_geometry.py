@@ -38,7 +38,7 @@ POINTS = 4
 
 
 @dataclass(frozen=True)
-class ContactWish:
+class ContactRequest:
     """Which wheels stand on which track, and what is asked for; lengths in m, angles in rad.
 
     ``wheels`` and ``rails`` name profile or file of left and right side, ``radii`` are those of
@@ -60,12 +60,12 @@ class ContactWish:
     amplitudes: Sequence[float] = tuple(1e-3 * k for k in range(1, 8))
 
 
-def find_contact_geometry(wish: ContactWish, *, progress: Any) -> ContactReport:
+def find_contact_geometry(request: ContactRequest, *, progress: Any) -> ContactReport:
     """Return contact points, rolling radii, angles and conicity.
 
     Parameters
     ----------
-    wish
+    request
         What is asked for.
     progress
         Called with what is being done.
@@ -76,20 +76,20 @@ def find_contact_geometry(wish: ContactWish, *, progress: Any) -> ContactReport:
         If a profile cannot be read or the wheelset does not fit the gauge.
     """
     progress("reading profiles")
-    wheels = _opened(wish.wheels, "wheel", wish.reading)
-    rails = _opened(wish.rails, "rail", wish.reading)
-    wheelset = _placed(wish, wheels, rails)
+    wheels = _opened(request.wheels, "wheel", request.reading)
+    rails = _opened(request.rails, "rail", request.reading)
+    wheelset = _placed(request, wheels, rails)
     try:
-        check_fit(wheelset, wish.gauge)
+        check_fit(wheelset, request.gauge)
     except InputError as error:
         raise InputError(
-            f"{error}; {given('back_to_back', 1e3 * wish.back_to_back)} and "
+            f"{error}; {given('back_to_back', 1e3 * request.back_to_back)} and "
             f"{argument('flange_back')} "
-            f"{1e3 * wish.flange_back:g} are taken: give what belongs to the gauge, in mm"
+            f"{1e3 * request.flange_back:g} are taken: give what belongs to the gauge, in mm"
         ) from None
     progress("finding contact points")
-    standing, lost = standings(wheelset, wish.shifts, wish.yaw)
-    table = _table(wish, wheelset, standing, lost, profiles=(*wheels, *rails), progress=progress)
+    standing, lost = standings(wheelset, request.shifts, request.yaw)
+    table = _table(request, wheelset, standing, lost, profiles=(*wheels, *rails), progress=progress)
     return ContactReport(table)
 
 
@@ -100,16 +100,18 @@ def _opened(texts: Sequence[str], kind: Kind, reading: ProfileReading) -> list[P
 
 
 def _placed(
-    wish: ContactWish, wheels: Sequence[Profile], rails: Sequence[Profile]
+    request: ContactRequest, wheels: Sequence[Profile], rails: Sequence[Profile]
 ) -> WheelsetOnTrack:
-    half = 0.5 * wish.back_to_back + wish.flange_back
-    placed = [place_rail(rail, wish.inclination, wish.gauge, wish.gauge_depth) for rail in rails]
-    left, right = (Wheel(w, r, half) for w, r in zip(wheels, wish.radii, strict=True))
-    return WheelsetOnTrack(left, right, placed[0], placed[1], wish.curvature)
+    half = 0.5 * request.back_to_back + request.flange_back
+    placed = [
+        place_rail(rail, request.inclination, request.gauge, request.gauge_depth) for rail in rails
+    ]
+    left, right = (Wheel(w, r, half) for w, r in zip(wheels, request.radii, strict=True))
+    return WheelsetOnTrack(left, right, placed[0], placed[1], request.curvature)
 
 
 def _table(
-    wish: ContactWish,
+    request: ContactRequest,
     wheelset: WheelsetOnTrack,
     standing: list[Standing],
     lost: list[str],
@@ -121,30 +123,32 @@ def _table(
     progress("finding jumps")
     close, jumps = close_standings(wheelset, standing)
     progress("finding the equivalent conicity")
-    amplitudes = np.array(wish.amplitudes, dtype=float)
-    radius = 0.5 * (wish.radii[0] + wish.radii[1])
+    amplitudes = np.array(request.amplitudes, dtype=float)
+    radius = 0.5 * (request.radii[0] + request.radii[1])
     base = wheelset.left_wheel.half_distance + wheelset.right_wheel.half_distance
     grid = amplitude_grid(amplitudes)
-    cones, said = conicities(wheelset, wish.yaw, np.concatenate([amplitudes, grid]), radius, base)
+    cones, said = conicities(
+        wheelset, request.yaw, np.concatenate([amplitudes, grid]), radius, base
+    )
     notes = dict.fromkeys(f"{p.name}: {note}" for p in profiles for note in p.notes)
     wheel, rail = (
         " / ".join(dict.fromkeys(p.name for p in pair)) for pair in (profiles[:2], profiles[2:])
     )
     return ContactTable(
-        title=f"{wheel} on {rail}, gauge {1e3 * wish.gauge:g} mm",
+        title=f"{wheel} on {rail}, gauge {1e3 * request.gauge:g} mm",
         wheel=wheel,
         rail=rail,
         settings={
-            "gauge": wish.gauge,
-            "gauge_depth": wish.gauge_depth,
-            "inclination": wish.inclination,
-            "back_to_back": wish.back_to_back,
-            "flange_back": wish.flange_back,
-            "radius_left": wish.radii[0],
-            "radius_right": wish.radii[1],
-            "yaw": wish.yaw,
-            "curvature": wish.curvature,
-            "smoothing": wish.reading.smoothing,
+            "gauge": request.gauge,
+            "gauge_depth": request.gauge_depth,
+            "inclination": request.inclination,
+            "back_to_back": request.back_to_back,
+            "flange_back": request.flange_back,
+            "radius_left": request.radii[0],
+            "radius_right": request.radii[1],
+            "yaw": request.yaw,
+            "curvature": request.curvature,
+            "smoothing": request.reading.smoothing,
         },
         shift=np.array([s.lateral for s in standing]),
         roll=np.array([s.roll for s in standing]),
@@ -157,7 +161,7 @@ def _table(
         curves=curves(
             wheelset, close, grid, {name: v[len(amplitudes) :] for name, v in cones.items()}
         ),
-        outlines=_outlines(wheelset, wish),
+        outlines=_outlines(wheelset, request),
         notes=(*notes, *_on_bridges(columns, profiles), *lost, *said),
         measured=_measured(profiles),
     )
@@ -219,9 +223,9 @@ def _columns(wheelset: WheelsetOnTrack, standing: list[Standing]) -> ContactColu
     return ContactColumns(**found)
 
 
-def _outlines(wheelset: WheelsetOnTrack, wish: ContactWish) -> dict[str, Any]:
+def _outlines(wheelset: WheelsetOnTrack, request: ContactRequest) -> dict[str, Any]:
     """Return the profiles as they stand at no shift, for pictures."""
-    position = stand(wheelset, 0.0, wish.yaw)
+    position = stand(wheelset, 0.0, request.yaw)
     outlines = {}
     for side in SIDES:
         wheel: Wheel = getattr(wheelset, f"{side}_wheel")

@@ -63,7 +63,7 @@ class Request:
 
 
 def sweep_kinematics(
-    target: Target, wish: Request, *, output: Path, progress: Progress
+    target: Target, request: Request, *, output: Path, progress: Progress
 ) -> KinematicsReport:
     """Sweep a system and write the result file.
 
@@ -71,7 +71,7 @@ def sweep_kinematics(
     ----------
     target
         A scenario or a model; time-dependent drives of its own stay at time zero.
-    wish
+    request
         What to sweep; without drives what the scenario's section "kinematics" says.
     output
         Result file; checked before anything is computed.
@@ -86,15 +86,15 @@ def sweep_kinematics(
         If the loops cannot be assembled at the start.
     """
     check_output(output)
-    wish = _complete(target, wish)
+    request = _complete(target, request)
     progress("assembling the loops", None)
     system = build_subject(target).system
     positions = Positions(system)
-    machine = mechanism(positions, list(wish.drives), wish.hold)
-    drives = _drives(positions, wish)
+    machine = mechanism(positions, list(request.drives), request.hold)
+    drives = _drives(positions, request)
     book = _Columns(machine, _wheels(system, positions))
-    shown = book.shown(wish.columns)
-    swept = run_sweep(machine, drives, together=wish.together, told=progress)
+    shown = book.shown(request.columns)
+    swept = run_sweep(machine, drives, together=request.together, progress=progress)
     files = _Files(target, system.name, output, _left_out(positions))
     return files.write(book, swept, shown)
 
@@ -116,10 +116,10 @@ def _wheels(system: System, positions: Positions) -> list[WheelColumns]:
     return [columns for columns in found if columns is not None]
 
 
-def _complete(target: Target, wish: Request) -> Request:
-    """Return a wish with drives, those of the scenario where it has none of its own."""
-    if wish.drives:
-        return wish
+def _complete(target: Target, request: Request) -> Request:
+    """Return a request with drives, those of the scenario where it has none of its own."""
+    if request.drives:
+        return request
     section = target.scenario.kinematics if isinstance(target, LoadedScenario) else None
     if section is None:
         raise InputError(
@@ -129,22 +129,22 @@ def _complete(target: Target, wish: Request) -> Request:
         )
     return Request(
         section.drives,
-        wish.together or section.together,
-        (*wish.hold, *section.hold),
-        wish.columns or section.columns,
+        request.together or section.together,
+        (*request.hold, *section.hold),
+        request.columns or section.columns,
     )
 
 
-def _drives(positions: Positions, wish: Request) -> list[Drive]:
+def _drives(positions: Positions, request: Request) -> list[Drive]:
     units = {c.name: c.unit for c in positions.channels}
     found = []
-    for name, text in wish.drives.items():
+    for name, text in request.drives.items():
         try:
             found.append(Drive(name, read_range(text).values(units[name])))
         except InputError as error:
             raise InputError(f"drive of '{name}': {error}") from None
     lengths = {len(drive.values) for drive in found if len(drive.values) > 1}
-    if not wish.together:
+    if not request.together:
         return found
     if len(lengths) > 1:
         listed = ", ".join(str(length - 1) for length in sorted(lengths))

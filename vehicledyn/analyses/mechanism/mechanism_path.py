@@ -28,7 +28,7 @@ _RANK = 1e-9
 _NAMED = 0.9
 """Coordinates that move at least this part of what the freest one does are named."""
 
-Told = Callable[[str, float | None], None]
+Progress = Callable[[str, float | None], None]
 
 
 @dataclass(frozen=True)
@@ -216,7 +216,7 @@ def run_sweep(
     drives: Sequence[Drive],
     *,
     together: bool,
-    told: Told = lambda text, part: None,
+    progress: Progress = lambda text, part: None,
 ) -> Sweep:
     """Return the places of a sweep, from the one nearest the start outwards.
 
@@ -229,19 +229,19 @@ def run_sweep(
     together
         Whether the drives move at once, through values of the same number, instead of through
         all combinations.
-    told
+    progress
         Called with the part that is done.
     """
-    return _Explorer(machine, drives, together, told).go()
+    return _Explorer(machine, drives, together, progress).go()
 
 
 class _Explorer:
     """Reaches the places of a grid from each other, nearest to the start first."""
 
     def __init__(
-        self, machine: Mechanism, drives: Sequence[Drive], together: bool, told: Told
+        self, machine: Mechanism, drives: Sequence[Drive], together: bool, progress: Progress
     ) -> None:
-        self.machine, self.equations, self.told = machine, machine.equations, told
+        self.machine, self.equations, self.progress = machine, machine.equations, progress
         self.together = together
         self.drives = drives
         self.shape = (len(drives[0].values),) if together else tuple(len(d.values) for d in drives)
@@ -277,7 +277,7 @@ class _Explorer:
         total = int(np.prod(self.shape))
         while waiting:
             index = waiting.popleft()
-            self.told("sweeping", len(self.solved) / total)
+            self.progress("sweeping", len(self.solved) / total)
             for other in self._neighbours(index):
                 if other in self.solved:
                     continue

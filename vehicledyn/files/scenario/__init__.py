@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from vehicledyn.base.lazy_exports import door
+from vehicledyn.base.lazy_exports import lazy_exports
 from vehicledyn.files.scenario.load import (
     LoadedModel,
     LoadedScenario,
@@ -36,4 +36,4 @@ __all__ = [
 ]
 
 # Reading files takes no schema, whose makers take a while to load.
-__getattr__ = door(__name__, {"vehicledyn.files.scenario.schema": ("scenario_schema",)})
+__getattr__ = lazy_exports(__name__, {"vehicledyn.files.scenario.schema": ("scenario_schema",)})

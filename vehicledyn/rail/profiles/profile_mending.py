@@ -37,7 +37,7 @@ class Mended:
     notes: list[str]
 
 
-def mended(raw: RawPoints, points: Floats, wish: Defects) -> Mended:
+def mended(raw: RawPoints, points: Floats, defects: Defects) -> Mended:
     """Return the points of a file with their defects refused, mended or kept.
 
     Parameters
@@ -46,7 +46,7 @@ def mended(raw: RawPoints, points: Floats, wish: Defects) -> Mended:
         The points as the file has them, for messages.
     points
         The same in metres, shape (n, 2).
-    wish
+    defects
         What to do with defects.
 
     Raises
@@ -57,10 +57,10 @@ def mended(raw: RawPoints, points: Floats, wish: Defects) -> Mended:
     """
     lines = np.array(raw.lines)
     none = np.zeros((0, 2))
-    if wish == "keep":
+    if defects == "keep":
         return Mended(points, lines, none, none, [])
     found = find_defects(points)
-    if found.steps or (wish == "refuse" and (found.outliers or found.gaps)):
+    if found.steps or (defects == "refuse" and (found.outliers or found.gaps)):
         raise _refused(raw, points, found)
     stray = len(found.outliers) - len(found.in_patches)
     if stray > MOST_OUTLIERS * len(points):

@@ -21,7 +21,7 @@ PAGE, FILM = Span(3000), Span(20_000)
 
 @dataclass(frozen=True)
 class AnimationFile:
-    """A file written: its path, size in bytes, pictures in it, and what is to be told."""
+    """A file written: its path, size in bytes, pictures in it, and remarks."""
 
     path: Path
     size: int

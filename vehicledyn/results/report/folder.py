@@ -20,7 +20,7 @@ from vehicledyn.results.report.page import (
 )
 from vehicledyn.results.report.read_content import read_content
 
-Told = Callable[[str, float | None], None]
+Progress = Callable[[str, float | None], None]
 
 SUFFIXES = (".h5", ".hdf5", ".nc")
 MOST_FILES = 500
@@ -28,7 +28,7 @@ MOST_PICTURES = 60
 MOST_KEY_FIGURES = 8
 
 
-def folder_page(folder: Path, target: Path, told: Told) -> Page:
+def folder_page(folder: Path, target: Path, progress: Progress) -> Page:
     """Return the page of a folder and its subfolders.
 
     Raises
@@ -42,7 +42,7 @@ def folder_page(folder: Path, target: Path, told: Told) -> Page:
     sections, index, unusable = [], [], []
     for place, path in enumerate(paths[:MOST_FILES]):
         name = path.relative_to(folder).as_posix()
-        told(f"reading {name}", place / len(paths))
+        progress(f"reading {name}", place / len(paths))
         try:
             content = read_content(path)
             blocks = list(_blocks(content, target, drawn=place < MOST_PICTURES))

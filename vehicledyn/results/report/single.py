@@ -26,12 +26,12 @@ from vehicledyn.results.report.texts import change
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-Told = Callable[[str, float | None], None]
+Progress = Callable[[str, float | None], None]
 
 
-def page_of(path: Path, target: Path, told: Told) -> Page:
+def page_of(path: Path, target: Path, progress: Progress) -> Page:
     """Return the page of a result file."""
-    told("reading", None)
+    progress("reading", None)
     content = read_content(path)
     sections = list(_warnings(content.warnings()))
     sections.append(Section("What was computed", [Facts(content.facts)]))
@@ -39,7 +39,7 @@ def page_of(path: Path, target: Path, told: Told) -> Page:
         sections.append(Section("Key figures", key_table(content.key_figures)))
     pictures = []
     for name, figure in content.figures():
-        told(f"drawing {name}", None)
+        progress(f"drawing {name}", None)
         pictures.append(picture(figure))
     if pictures:
         sections.append(Section("Figures", [Pictures(pictures)]))
@@ -52,7 +52,7 @@ def page_of(path: Path, target: Path, told: Told) -> Page:
     )
 
 
-def page_of_two(path: Path, other: Path, target: Path, told: Told) -> Page:
+def page_of_two(path: Path, other: Path, target: Path, progress: Progress) -> Page:
     """Return the page of a result beside another of the same kind.
 
     Raises
@@ -60,7 +60,7 @@ def page_of_two(path: Path, other: Path, target: Path, told: Told) -> Page:
     InputError
         If they are of different kinds.
     """
-    told("reading", None)
+    progress("reading", None)
     first, second = read_content(path), read_content(other)
     if first.what != second.what:
         raise InputError(
@@ -73,13 +73,13 @@ def page_of_two(path: Path, other: Path, target: Path, told: Told) -> Page:
         for name, content in zip(names, (first, second), strict=True)
         for text in ([content.state] if content.state else []) + list(content.warnings())
     ]
-    told("comparing", None)
+    progress("comparing", None)
     sections = [
         *_warnings(warned),
         Section("What was computed", [_facts_of_two(first, second, names)]),
         Section("Key figures", [_key_figures_of_two(first, second, names)]),
         *differences(first, second, names),
-        Section("Figures", [Pictures(list(_pairs(first, second, names, told)), paired=True)]),
+        Section("Figures", [Pictures(list(_pairs(first, second, names, progress)), paired=True)]),
     ]
     links = [*_links(path, target, names[0]), *_links(other, target, names[1])]
     return Page(
@@ -140,7 +140,7 @@ def _change(first: KeyFigure | None, second: KeyFigure | None) -> str:
 
 
 def _pairs(
-    first: Content, second: Content, names: tuple[str, str], told: Told
+    first: Content, second: Content, names: tuple[str, str], progress: Progress
 ) -> Iterator[Picture]:
     """Yield figures in pairs, on equal scales where both have the same axes."""
     others = dict(second.figures())
@@ -148,7 +148,7 @@ def _pairs(
         other = others.get(name)
         if other is None:
             continue
-        told(f"drawing {name}", None)
+        progress(f"drawing {name}", None)
         _equal_scales(figure, other)
         yield picture(figure, caption=names[0])
         yield picture(other, caption=names[1])

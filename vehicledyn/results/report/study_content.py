@@ -17,7 +17,7 @@ from vehicledyn.results.study_info import Spread, StudyDescription, describe_stu
 
 LEADING = 3
 WEAK = 0.1
-"""Rank correlations below this are not told."""
+"""Rank correlations below this are not shown."""
 
 
 def study_content(path: Path) -> Content:

@@ -11,7 +11,7 @@ from vehicledyn.results.hdf5.page_file import check_page, write_page
 from vehicledyn.results.report.page import render
 from vehicledyn.results.report.page_places import beside
 
-Told = Callable[[str, float | None], None]
+Progress = Callable[[str, float | None], None]
 
 
 def write_report(
@@ -19,7 +19,7 @@ def write_report(
     output: Path | None = None,
     *,
     against: Path | None = None,
-    told: Told = lambda text, part: None,
+    progress: Progress = lambda text, part: None,
 ) -> Path:
     """Write the page of a result file, or of all result files in a folder; return where it is.
 
@@ -31,7 +31,7 @@ def write_report(
         The page; beside the result as NAME_report.html, or report.html in the folder if None.
     against
         Another result of the same kind to show beside it.
-    told
+    progress
         Called with what is going on and the part done.
 
     Raises
@@ -56,12 +56,12 @@ def write_report(
                 raise InputError(
                     f"{source}: {argument('against')} compares result files, not folders"
                 )
-            page = folder_page(source, target, told)
+            page = folder_page(source, target, progress)
         elif against is not None:
-            page = page_of_two(source, against, target, told)
+            page = page_of_two(source, against, target, progress)
         else:
-            page = page_of(source, target, told)
-    told("writing the page", None)
+            page = page_of(source, target, progress)
+    progress("writing the page", None)
     write_page(target, render(page))
     return target
 
