@@ -12,6 +12,7 @@ from abc import abstractmethod
 from dataclasses import dataclass
 from pathlib import Path
 
+from vehicledyn.base.errors import InputError
 from vehicledyn.base.parameters import ParameterSet
 from vehicledyn.symbolic.ops import Scalar
 
@@ -84,6 +85,19 @@ class Tyre(ParameterSet):
     @abstractmethod
     def forces(self, contact: TyreInput) -> TyreForces:
         """Return the steady forces of the tyre."""
+
+    def relaxation_lengths(self, contact: TyreInput) -> RelaxationLengths:
+        """Return the relaxation lengths at a load and camber.
+
+        Raises
+        ------
+        InputError
+            If the law has none.
+        """
+        raise InputError(
+            f"tyres of the kind '{self.kind}' have no relaxation lengths of their own; give them "
+            "by the relaxation 'first_order'"
+        )
 
     def placed(self, folder: Path) -> Tyre:
         """Return the same tyre; one that names a file looks for it in a folder."""

@@ -18,6 +18,8 @@ from dataclasses import dataclass
 
 from vehicledyn.base.parameters import ParameterSet, quantity
 from vehicledyn.base.registry import register
+from vehicledyn.road.tyres.smooth import floored
+from vehicledyn.road.tyres.tyre import RelaxationLengths, Tyre, TyreInput
 from vehicledyn.road.wheel.slip import WheelMotion
 from vehicledyn.symbolic import ops
 from vehicledyn.symbolic.ops import Scalar
@@ -42,6 +44,28 @@ class Relaxation(ParameterSet):
     longitudinal: float = quantity("m", "Relaxation length σ_κ of longitudinal slip", gt=0)
     lateral: float = quantity("m", "Relaxation length σ_α of side slip", gt=0)
 
+    def lengths(self, tyre: Tyre, contact: TyreInput) -> RelaxationLengths:
+        """Return the lengths, equal for all tyres and loads."""
+        return RelaxationLengths(self.longitudinal, self.lateral)
+
+
+@register("relaxation", "of_tyre")
+class TyreRelaxation(ParameterSet):
+    """Relaxation lengths by the tyre law itself: they change with load and camber.
+
+    Tyres of property files have them by their coefficients, or as slip stiffness over the
+    stiffness of the carcass; other laws have none.
+    """
+
+    shortest: float = quantity("m", "Least relaxation length, for small loads", default=0.05, gt=0)
+
+    def lengths(self, tyre: Tyre, contact: TyreInput) -> RelaxationLengths:
+        """Return the lengths of a tyre at a contact."""
+        found = tyre.relaxation_lengths(contact)
+        return RelaxationLengths(
+            floored(found.longitudinal, self.shortest), floored(found.lateral, self.shortest)
+        )
+
 
 @dataclass(frozen=True)
 class TransientSlip:
@@ -62,7 +86,7 @@ class TransientSlip:
 
 
 def transient_slip(
-    motion: WheelMotion, relaxation: Relaxation, longitudinal: Scalar, lateral: Scalar
+    motion: WheelMotion, lengths: RelaxationLengths, longitudinal: Scalar, lateral: Scalar
 ) -> TransientSlip:
     """Return the transient slips and rates at given deflections.
 
@@ -70,7 +94,7 @@ def transient_slip(
     ----------
     motion
         Motion of the wheel in the contact frame.
-    relaxation
+    lengths
         Relaxation lengths.
     longitudinal, lateral
         Deflections u and v [m].
@@ -82,8 +106,8 @@ def transient_slip(
     """
     speed = ops.absolute(motion.longitudinal)
     low = low_speed_share(speed)
-    slip, slip_rate = _roll(-motion.sliding, speed, low, longitudinal, relaxation.longitudinal)
-    tangent, angle_rate = _roll(motion.lateral, speed, low, lateral, relaxation.lateral)
+    slip, slip_rate = _roll(-motion.sliding, speed, low, longitudinal, lengths.longitudinal)
+    tangent, angle_rate = _roll(motion.lateral, speed, low, lateral, lengths.lateral)
     return TransientSlip(slip, ops.atan(tangent), slip_rate, angle_rate)
 
 

@@ -15,7 +15,12 @@ from vehicledyn.road.wheel.contact import (
     contact_residuals,
 )
 from vehicledyn.road.wheel.contact_below import contact_below, contact_on_tangent_plane
-from vehicledyn.road.wheel.relaxation import Relaxation, TransientSlip, transient_slip
+from vehicledyn.road.wheel.relaxation import (
+    Relaxation,
+    TransientSlip,
+    TyreRelaxation,
+    transient_slip,
+)
 from vehicledyn.road.wheel.slip import (
     SlipFloors,
     WheelMotion,
@@ -93,7 +98,7 @@ class RoadWheel(BasePart):
     stiffness: Scalar
     damping: Scalar = 0.0
     contact: str = "disc"
-    relaxation: Relaxation | None = None
+    relaxation: Relaxation | TyreRelaxation | None = None
     floors: SlipFloors = field(default_factory=SlipFloors)
     ground_rate: Scalar = 0.0
 
@@ -178,8 +183,8 @@ class RoadWheel(BasePart):
         """Return contact, motion, slips and tyre forces as expressions."""
         contact = self._contact(situation)
         motion = self._motion(situation, contact)
-        transient = self._transient(situation, motion)
         load, camber = self._normal_force(situation, contact), contact.camber
+        transient = self._transient(situation, motion, TyreInput(load, 0.0, 0.0, camber))
         if transient is None:
             slip = longitudinal_slip(motion, self.floors.longitudinal)
             angle = slip_angle(motion, self.floors.lateral)
@@ -231,11 +236,14 @@ class RoadWheel(BasePart):
         ground = ops.vector(0.0, 0.0, self.ground_rate)
         return situation.kinematics.velocity(self.body) - ground
 
-    def _transient(self, situation: Situation, motion: WheelMotion) -> TransientSlip | None:
+    def _transient(
+        self, situation: Situation, motion: WheelMotion, rolling: TyreInput
+    ) -> TransientSlip | None:
         if self.relaxation is None:
             return None
         along, across = (situation.states[name] for name in _DEFLECTION)
-        return transient_slip(motion, self.relaxation, along, across)
+        lengths = self.relaxation.lengths(self.tyre, rolling)
+        return transient_slip(motion, lengths, along, across)
 
     def _normal_force(self, situation: Situation, contact: Contact) -> Scalar:
         closing = -ops.dot(self._velocity(situation), contact.normal)
