@@ -79,6 +79,7 @@ HOMES = {
     "start": ("init",),
     "examples": ("examples",),
     "track": ("track",),
+    "tyre": ("tyre",),
 }
 """Verbs of the modules beside this one, in the order in which help lists them."""
 

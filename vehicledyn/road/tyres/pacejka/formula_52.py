@@ -124,7 +124,7 @@ def lateral_stiffness(p: Coefficients, s: State, camber: Scalar) -> Scalar:
 
 
 def _along_weight(p: Coefficients, s: State, slip: Slip) -> Scalar:
-    if p.RCX1 == 0.0 or p.RBX1 == 0.0:
+    if ops.is_structurally_zero(p.RCX1) or ops.is_structurally_zero(p.RBX1):
         return 1.0
     B = p.RBX1 * ops.cos(ops.atan(p.RBX2 * s.slip)) * p.LXAL
     E = at_most_one(p.REX1 + p.REX2 * s.load_change)

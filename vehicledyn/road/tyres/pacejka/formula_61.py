@@ -239,7 +239,7 @@ def other_moments(p: Coefficients, s: State, fx: Scalar, fy: Scalar) -> tuple[Sc
     arm, g = s.load * p.UNLOADED_RADIUS, s.camber
     load, side = s.load / p.FNOMIN, fy / p.FNOMIN
     tilt = p.QSX1 * p.LVMX - p.QSX2 * g * (1.0 + p.PPMX1 * s.pressure_change) + p.QSX3 * side
-    if p.QSX4 != 0.0:
+    if not ops.is_structurally_zero(p.QSX4):
         fade = ops.cos(p.QSX5 * ops.atan(p.QSX6 * load) ** 2)
         tilt += p.QSX4 * fade * ops.sin(p.QSX7 * g + p.QSX8 * ops.atan(p.QSX9 * side))
     tilt += p.QSX10 * ops.atan(p.QSX11 * load) * g

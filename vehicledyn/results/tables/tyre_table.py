@@ -1,0 +1,94 @@
+"""Forces of a tyre at loads, slips and cambers, as a table in CSV and HDF5."""
+
+from __future__ import annotations
+
+import csv
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vehicledyn.base.files.whole_file import whole_file
+from vehicledyn.results.hdf5.output import write_failed
+
+Array = NDArray[np.float64]
+
+COLUMNS = {
+    "load": ("N", "Wheel load"),
+    "longitudinal_slip": ("1", "Longitudinal slip"),
+    "slip_angle": ("rad", "Slip angle"),
+    "camber": ("rad", "Camber"),
+    "longitudinal_force": ("N", "Force along the wheel"),
+    "lateral_force": ("N", "Force to the left"),
+    "aligning_moment": ("N*m", "Moment about the ground normal"),
+    "overturning_moment": ("N*m", "Moment about the wheel's heading"),
+    "rolling_resistance": ("N*m", "Moment about the spin axis"),
+}
+"""Columns with their units and meanings, slips first."""
+
+FORMAT = "vehicledyn tyre"
+FORMAT_VERSION = 1
+
+
+@dataclass(frozen=True)
+class TyreTable:
+    """Curves of one tyre: for each sweep the columns of :data:`COLUMNS`, of equal length.
+
+    Sweeps are "longitudinal", "lateral", "cambered" and "combined"; ``title`` names the tyre.
+    """
+
+    title: str
+    sweeps: dict[str, dict[str, Array]]
+
+    def of_load(self, sweep: str, load: float) -> dict[str, Array]:
+        """Return the rows of a sweep at one load."""
+        columns = self.sweeps[sweep]
+        rows = columns["load"] == load
+        return {name: values[rows] for name, values in columns.items()}
+
+    @property
+    def loads(self) -> list[float]:
+        """Loads of the table [N]."""
+        return sorted({float(value) for value in self.sweeps["lateral"]["load"]})
+
+
+def write_tyre(tables: list[TyreTable], path: Path) -> None:
+    """Write tables as HDF5 if the name ends in .h5, else as CSV with units in its heads.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be written.
+    """
+    try:
+        with whole_file(path) as place:
+            (_write_hdf5 if path.suffix == ".h5" else _write_csv)(tables, place)
+    except OSError as error:
+        raise write_failed(path, error) from error
+
+
+def _write_csv(tables: list[TyreTable], place: Path) -> None:
+    with place.open("w", encoding="utf-8", newline="") as stream:
+        writer = csv.writer(stream, lineterminator="\n")
+        heads = [f"{name} [{unit}]" for name, (unit, _) in COLUMNS.items()]
+        writer.writerow(["tyre", "sweep", *heads])
+        for table in tables:
+            for sweep, columns in table.sweeps.items():
+                for row in zip(*(columns[name] for name in COLUMNS), strict=True):
+                    writer.writerow([table.title, sweep, *(f"{value:.9g}" for value in row)])
+
+
+def _write_hdf5(tables: list[TyreTable], place: Path) -> None:
+    import h5py
+
+    with h5py.File(place, "w") as file:
+        file.attrs["format"], file.attrs["format_version"] = FORMAT, FORMAT_VERSION
+        for number, table in enumerate(tables, start=1):
+            group = file.create_group(f"tyre_{number}")
+            group.attrs["title"] = table.title
+            for sweep, columns in table.sweeps.items():
+                inner = group.create_group(sweep)
+                for name, (unit, text) in COLUMNS.items():
+                    data = inner.create_dataset(name, data=columns[name])
+                    data.attrs["unit"], data.attrs["description"] = unit, text
