@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -131,34 +132,61 @@ def compare(
 
 
 def plot(
-    result: ResultFile,
+    results: Annotated[
+        list[Path], typer.Argument(metavar="RESULT...", help="Result files, drawn together.")
+    ],
     folder: Annotated[
         Path | None, typer.Option("--output", "-o", help="Folder; the result's name with _plots.")
     ] = None,
     only: Annotated[
         list[str] | None,
         typer.Option(
-            metavar="NAME", help="Draw this figure; may be repeated.", autocompletion=figure_names
+            metavar="NAME",
+            help="Draw this figure, channel or pattern of channels; may be repeated.",
+            autocompletion=figure_names,
+        ),
+    ] = None,
+    against: Annotated[
+        str | None,
+        typer.Option(
+            metavar="CHANNEL",
+            help="Draw channels over this one instead of time.",
+            autocompletion=channel_names,
         ),
     ] = None,
     formats: Annotated[
         str, typer.Option("--format", metavar="FORMATS", help="png, svg or both.")
     ] = "png,svg",
 ) -> None:
-    """Draw the figures of a result file; print the names of the files written."""
+    """Draw the figures or any channels of one or several results; print the files written."""
     wanted = tuple(filter(None, (text.strip() for text in formats.split(","))))
     if not wanted or not set(wanted) <= set(Format):
         raise InputError(f"--format {formats}: write png, svg or png,svg")
-    from vehicledyn.results.plots.linear_results import draw_linear, is_linear
-    from vehicledyn.results.plots.run_plots import draw_plots
-    from vehicledyn.results.plots.study_plots import draw_study
-    from vehicledyn.results.store.study_reader import is_study_file
+    if against is not None and not only:
+        raise InputError(f"--against {against}: name the channels to draw with --only")
+    from vehicledyn.results.labelled.data import open_result
+    from vehicledyn.results.labelled.requested import save_requested
 
-    target = folder or result.parent / f"{result.stem}_plots"
-    usual = draw_linear if is_linear(result) else draw_plots
-    draw = draw_study if is_study_file(result) else usual
-    for path in draw(result, target, only or None, wanted):
+    data = {name: open_result(path) for name, path in zip(labels(results), results, strict=True)}
+    target = folder or results[0].parent / f"{_joined(results)}_plots"
+    for path in save_requested(data, target, patterns=only or (), against=against, formats=wanted):
         emit(str(path))
+
+
+def labels(paths: Sequence[Path]) -> list[str]:
+    """Return short names that tell files apart: stems, with folders where these are equal."""
+    for depth in (1, 2, 3):
+        found = ["/".join((*path.parts[-depth:-1], path.stem)) for path in paths]
+        if len(set(found)) == len(found):
+            return found
+    return [f"{path} ({number})" for number, path in enumerate(paths, 1)]
+
+
+def _joined(paths: Sequence[Path]) -> str:
+    first, *others = (path.stem for path in paths)
+    if len(others) > 1:
+        return f"{first}_and_{len(others)}_others"
+    return "_and_".join([first, *others])
 
 
 def info(result: ResultFile, as_json: Json = False) -> None:

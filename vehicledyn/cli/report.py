@@ -33,7 +33,7 @@ def report(
         ),
     ] = None,
     against: Annotated[
-        Path | None, typer.Option(metavar="RESULT", help="Show this result beside it.")
+        Path | None, typer.Option(metavar="RESULT", help="Compare with this result.")
     ] = None,
     each: Annotated[
         bool, typer.Option("--each", help="Of a folder: write a page of every result too.")
@@ -47,7 +47,7 @@ def report(
     ] = False,
     quiet: Quiet = False,
 ) -> None:
-    """Write a page that shows a result, two side by side, or a folder; print its name."""
+    """Write a page that shows a result, compares two, or lists a folder; print its name."""
     if validation:
         if output is not None or against is not None or each:
             raise InputError("--validation goes with no other option but --quiet")

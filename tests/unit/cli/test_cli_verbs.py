@@ -214,15 +214,19 @@ def test_compare_passes_everything_on(call, monkeypatch, tmp_path):
 
 
 def test_plot_prints_what_it_wrote(call, monkeypatch):
-    def draw_plots(path, folder, names, formats):
-        assert (path, folder, names) == (Path("runs/a.h5"), Path("runs/a_plots"), ["yaw"])
+    def save_requested(data, folder, *, patterns, against, formats):
+        assert (list(data), folder) == (["a", "b"], Path("runs/a_and_b_plots"))
+        assert (patterns, against) == (["yaw"], "chassis.x")
         return [folder / f"yaw.{end}" for end in formats]
 
-    monkeypatch.setitem(
-        sys.modules, "vehicledyn.results.plots.run_plots", SimpleNamespace(draw_plots=draw_plots)
-    )
-    code, out, _ = call("plot", "runs/a.h5", "--only", "yaw", "--format", "svg")
-    assert (code, out) == (0, "runs/a_plots/yaw.svg\n")
+    here = "vehicledyn.results.labelled."
+    requested = SimpleNamespace(save_requested=save_requested)
+    monkeypatch.setitem(sys.modules, f"{here}requested", requested)
+    monkeypatch.setitem(sys.modules, f"{here}data", SimpleNamespace(open_result=str))
+    options = ("--only", "yaw", "--against", "chassis.x", "--format", "svg")
+    code, out, _ = call("plot", "runs/a.h5", "runs/b.h5", *options)
+    assert (code, out) == (0, "runs/a_and_b_plots/yaw.svg\n")
+    assert call("plot", "a.h5", "--against", "chassis.x")[0] == 2
 
 
 class Stream:

@@ -9,11 +9,12 @@ from fnmatch import fnmatchcase
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from vehicledyn.base.errors import InputError, UnknownNameError, unknown_name
+from vehicledyn.base.errors import InputError, UnknownNameError
 from vehicledyn.base.files.whole_file import whole_file
 from vehicledyn.base.report import Report
 from vehicledyn.results.hdf5.output import check_output, write_failed
 from vehicledyn.results.labelled.array import LabelledArray
+from vehicledyn.results.labelled.near_names import unknown_array
 from vehicledyn.results.labelled.source import Source
 from vehicledyn.results.labelled.sources import source_of
 
@@ -108,7 +109,7 @@ class LabelledData(Mapping[str, LabelledArray]):
             If there is none of this name; the nearest one is suggested.
         """
         if name not in self._source.names:
-            raise UnknownNameError(unknown_name("array", str(name), self._source.names))
+            raise UnknownNameError(unknown_array(str(name), self._source.names))
         if name not in self._arrays:
             self._arrays[name] = self._source.read(name)
         return self._arrays[name]
@@ -145,7 +146,7 @@ class LabelledData(Mapping[str, LabelledArray]):
         for pattern in patterns:
             matching = [name for name in self if fnmatchcase(name, pattern)]
             if not matching:
-                raise InputError(unknown_name("array", pattern, self._source.names))
+                raise InputError(unknown_array(pattern, self._source.names))
             found += [name for name in matching if name not in found]
         return found
 
@@ -176,22 +177,25 @@ class LabelledData(Mapping[str, LabelledArray]):
         Parameters
         ----------
         patterns
-            Names or shell patterns; each unit gets a panel of its own. Without any the first
-            standard figure of the result is drawn.
+            Names or shell patterns; each unit gets a panel of its own. The name of a standard
+            figure draws that one; without any the first standard figure is drawn.
         against
             Array along the horizontal axis, the first dimension if left out.
         others
             Further results to draw into the same panels, or these by label.
-        """
-        from vehicledyn.results.labelled.figure import draw_data, draw_standard
 
-        if not patterns:
-            return draw_standard(self)
+        Raises
+        ------
+        InputError
+            If a pattern matches nothing; the nearest name is suggested.
+        """
+        from vehicledyn.results.labelled.requested import draw_requested
+
         if isinstance(others, LabelledData):
             others = [others]
         if not isinstance(others, Mapping):
             others = {f"{other.title} ({k})": other for k, other in enumerate(others, 2)}
-        return draw_data({self.title: self, **others}, patterns, against)
+        return draw_requested({self.title: self, **others}, patterns, against)
 
     def save(self, path: str | Path, *, overwrite: bool = False) -> Path:
         """Write the whole result to a file, which every command reads; return its path.

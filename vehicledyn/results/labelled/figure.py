@@ -12,18 +12,23 @@ from numpy.typing import NDArray
 
 from vehicledyn.base.errors import InputError
 from vehicledyn.results.labelled.labels import Labelled, LabelledSet
+from vehicledyn.results.labelled.near_names import unknown_array
 from vehicledyn.results.plots.figures import HEADING_HEIGHT, PANEL_HEIGHT, new_figure
+from vehicledyn.results.plots.overlay import name_results
 from vehicledyn.results.plots.plot_description import unit_factor
 from vehicledyn.results.plots.plot_style import LINE_STYLES, PALETTE, STYLE, axis_label, plain
-from vehicledyn.results.plots.standard import standard_figures
+from vehicledyn.results.plots.scales import leave_room, suitable_unit
+from vehicledyn.results.plots.standard import overlaid_figures
 
 if TYPE_CHECKING:
+    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
 MOST_LINES = 60
 """Lines that an array may have."""
 
-_SHOWN_AS = {"rad": "deg", "rad/s": "deg/s", "rad/s^2": "deg/s^2"}
+SHORT_NAME = 22
+"""Letters up to which three names of a legend stand side by side."""
 
 
 class Axis(NamedTuple):
@@ -57,27 +62,32 @@ def draw_data(
         like it.
     """
     several = data if len(data) > 1 else {"": next(iter(data.values()))}
+    first = next(iter(data.values()))
+    if against is not None and against not in first:
+        raise InputError(f"{first.path}: {unknown_array(against, first)}")
     lines = [
         line
         for source, one in several.items()
         for name in one.names(*patterns)
         for line in _lines(one[name], one[against] if against else None, source)
     ]
-    return _drawn(lines, next(iter(data.values())).title)
+    return _drawn(lines, ", ".join(patterns) if len(data) > 1 else first.title)
 
 
-def draw_standard(data: LabelledSet) -> Figure:
-    """Return the first figure that results of this kind have.
+def draw_standard(data: Mapping[str, LabelledSet], name: str | None = None) -> Figure:
+    """Return the first standard figure, or one by its name, of one result or of several by label.
 
     Raises
     ------
     InputError
-        If there is none.
+        If there is none, or the results are of different kinds.
     """
+    paths = {label: one.path for label, one in data.items()}
     with matplotlib.rc_context(STYLE):
-        for _, figure in standard_figures(data.path):
+        for _, figure in overlaid_figures(paths, None if name is None else [name]):
             return _for_notebooks(figure)
-    raise InputError(f"{data.title}: has no standard figure; name arrays to draw")
+    title = next(iter(data.values())).title
+    raise InputError(f"{title}: has no standard figure; name arrays to draw")
 
 
 def draw_array(array: Labelled) -> Figure:
@@ -130,41 +140,47 @@ def _as_png(figure: Figure) -> bytes:
 
 def _panels(lines: Sequence[Line], title: str) -> Figure:
     units = list(dict.fromkeys(line.unit for line in lines))
+    sources = list(dict.fromkeys(line.source for line in lines))
+    colours_are_names = any(len(_names(lines, unit)) > 1 for unit in units)
     figure = new_figure(HEADING_HEIGHT + PANEL_HEIGHT * max(len(units), 1.4))
     panels = figure.subplots(len(units), 1, sharex=True, squeeze=False)[:, 0]
+    across_unit = suitable_unit(lines[0].across.unit, *(line.across.values for line in lines))
     for axes, unit in zip(panels, units, strict=True):
-        _draw_panel(axes, [line for line in lines if line.unit == unit])
-    across = lines[0].across
-    panels[-1].set_xlabel(axis_label(plain(across.words), _shown(across.unit)))
+        own = [line for line in lines if line.unit == unit]
+        _draw_panel(axes, own, sources, across_unit, by_name=colours_are_names)
+    panels[-1].set_xlabel(axis_label(plain(lines[0].across.words), across_unit))
     figure.align_ylabels(panels)
     figure.suptitle(plain(title), fontsize=10.5, fontweight="bold", x=0.01, ha="left")
+    if len(sources) > 1:
+        name_results(figure, sources, ["0.25"] if colours_are_names else PALETTE, LINE_STYLES)
     return figure
 
 
-def _draw_panel(axes: Any, lines: Sequence[Line]) -> None:
-    """Draw lines of one unit: colours distinguish arrays and styles results, or colours both."""
-    names = list(dict.fromkeys(line.name for line in lines))
-    sources = list(dict.fromkeys(line.source for line in lines))
-    labels: list[str] = []
+def _names(lines: Sequence[Line], unit: str) -> list[str]:
+    return list(dict.fromkeys(line.name for line in lines if line.unit == unit))
+
+
+def _draw_panel(
+    axes: Axes, lines: Sequence[Line], sources: Sequence[str], across_unit: str, *, by_name: bool
+) -> None:
+    """Draw lines of one unit: styles tell results apart, colours channels or else results, too."""
+    names = _names(lines, lines[0].unit)
+    unit = suitable_unit(lines[0].unit, *(line.values for line in lines))
+    labelled: set[str] = set()
     for line in lines:
-        which = (names.index(line.name), sources.index(line.source))
-        colour, style = (which[1], 0) if len(names) == 1 else which
-        text = line.source if len(names) == 1 and line.source else line.name
-        label = ", ".join(filter(None, (text, line.source))) if len(names) > 1 else text
-        across = line.across
+        source, name = sources.index(line.source), names.index(line.name)
         axes.plot(
-            across.values * unit_factor(across.unit, _shown(across.unit)),
-            line.values * unit_factor(line.unit, _shown(line.unit)),
-            color=PALETTE[colour % len(PALETTE)],
-            linestyle=LINE_STYLES[style % len(LINE_STYLES)],
-            label=None if label in labels else plain(label),
+            line.across.values * unit_factor(line.across.unit, across_unit),
+            line.values * unit_factor(line.unit, unit),
+            color=PALETTE[(name if by_name else source) % len(PALETTE)],
+            linestyle=LINE_STYLES[source % len(LINE_STYLES)],
+            label=None if line.name in labelled or source else plain(line.name),
         )
-        labels.append(label)
-    words = lines[0].words or names[0]
-    axes.set_ylabel(axis_label(plain(words) if len(names) == 1 else "", _shown(lines[0].unit)))
-    if len(set(labels)) > 1:
-        axes.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=2)
-
-
-def _shown(unit: str) -> str:
-    return _SHOWN_AS.get(unit, unit)
+        labelled.add(line.name)
+    leave_room(axes)
+    words = {line.words for line in lines}
+    shared = words.pop() if len(words) == 1 else ""
+    axes.set_ylabel(axis_label(plain(shared or (names[0] if len(names) == 1 else "")), unit))
+    if len(names) > 1:
+        columns = 3 if max(map(len, names)) <= SHORT_NAME else 2
+        axes.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=columns)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -10,7 +12,7 @@ from numpy.typing import NDArray
 from vehicledyn.base.errors import errors_of
 from vehicledyn.results.plots.arrangement import arranged
 from vehicledyn.results.plots.path_figure import draw_path
-from vehicledyn.results.plots.plot_description import Panel, PathPlot, Plot, TimePlot, unit_factor
+from vehicledyn.results.plots.plot_description import Panel, Plot, TimePlot, unit_factor
 from vehicledyn.results.plots.plot_style import (
     LEGEND_SIZE,
     LINE_STYLES,
@@ -19,6 +21,7 @@ from vehicledyn.results.plots.plot_style import (
     axis_label,
     plain,
 )
+from vehicledyn.results.plots.scales import leave_room
 from vehicledyn.results.store.reader import Result
 
 if TYPE_CHECKING:
@@ -31,11 +34,19 @@ PANEL_HEIGHT = 1.75  # inch
 HEADING_HEIGHT = 0.95  # inch: title, time axis and footer
 LONGEST_FOOTER = 160  # characters
 LONGEST_LABEL = 42  # characters of a legend in full size, two beside each other
-ROUNDING = 1e-9  # of the values' size, at least of 1 in the unit shown
 
 
-def draw_figure(result: Result, plot: Plot) -> Figure:
+def draw_figure(result: Result, plot: Plot, *, beside: Sequence[Result] = ()) -> Figure:
     """Return the figure a plot asks for, ready to be saved.
+
+    Parameters
+    ----------
+    result
+        An open result with samples.
+    plot
+        What to draw.
+    beside
+        Results to be laid over it: a path leaves room for theirs.
 
     Raises
     ------
@@ -44,8 +55,11 @@ def draw_figure(result: Result, plot: Plot) -> Figure:
     """
     with errors_of(result.path):
         if isinstance(plot, TimePlot) and plot.arranged:
-            plot = arranged(result, plot)
-        figure = _time_figure(result, plot) if isinstance(plot, TimePlot) else _path(result, plot)
+            plot = replace(arranged(result, plot), named=True)
+        if isinstance(plot, TimePlot):
+            figure = _time_figure(result, plot)
+        else:
+            figure = draw_path(result, plot, new_figure, beside)
     figure.suptitle(_title(result, plot), fontsize=10.5, fontweight="bold", x=0.01, ha="left")
     figure.supxlabel(_origin(result), fontsize=6.5, color="0.45", x=0.99, ha="right")
     return figure
@@ -61,16 +75,12 @@ def new_figure(height: float) -> Figure:
     return figure
 
 
-def _path(result: Result, plot: PathPlot) -> Figure:
-    return draw_path(result, plot, new_figure)
-
-
 def _time_figure(result: Result, plot: TimePlot) -> Figure:
     figure = new_figure(HEADING_HEIGHT + PANEL_HEIGHT * max(len(plot.panels), 1.4))
     axes = figure.subplots(len(plot.panels), 1, sharex=True, squeeze=False)[:, 0]
     across, label = _across(result, plot)
     for place, panel in zip(axes, plot.panels, strict=True):
-        _draw_panel(place, result, panel, across, named=plot.arranged)
+        _draw_panel(place, result, panel, across, named=plot.named)
     axes[-1].set_xlabel(label)
     figure.align_ylabels(axes)
     return figure
@@ -102,7 +112,7 @@ def _draw_panel(axes: Axes, result: Result, panel: Panel, across: Floats, *, nam
         }
         values = series.values * unit_factor(series.unit, panel.unit)
         axes.plot(*_in_order(across, values), label=plain(label), **style)
-    _keep_rounding_small(axes)
+    leave_room(axes)
     axes.set_ylabel(axis_label(panel.label, panel.unit))
     if len(across) > 1 and np.ptp(across) > 0.0:
         axes.set_xlim(float(across.min()), float(across.max()))
@@ -116,15 +126,6 @@ def _draw_panel(axes: Axes, result: Result, panel: Panel, across: Floats, *, nam
             ncols=columns,
             fontsize=LEGEND_SIZE * smaller,
         )
-
-
-def _keep_rounding_small(axes: Axes) -> None:
-    """Widen a scale that would show nothing but rounding errors."""
-    low, high = axes.get_ylim()
-    centre = 0.5 * (low + high)
-    size = max(1.0, abs(centre))
-    if high - low < ROUNDING * size:
-        axes.set_ylim(centre - 0.05 * size, centre + 0.05 * size)
 
 
 def _title(result: Result, plot: Plot) -> str:

@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from vehicledyn.base.errors import InputError
+from vehicledyn.results.plots.overlay import SCENERY
 from vehicledyn.results.plots.plot_description import PathPlot, unit_factor
 from vehicledyn.results.plots.plot_style import BLUE, ORANGE, WIDTH, axis_label
 from vehicledyn.results.store.reader import Result
@@ -31,7 +32,10 @@ OVERVIEW_HEIGHT = 1.5  # inch
 
 @dataclass(frozen=True)
 class _Course:
-    """What the picture shows, all in metres: path, heading, cones and outline."""
+    """What the picture shows, all in metres: path, heading, cones and outline.
+
+    ``length`` and ``width`` are the lowest and highest x and y with a margin for the body.
+    """
 
     x: Floats
     y: Floats
@@ -39,28 +43,26 @@ class _Course:
     cones: Floats
     radius: float
     outline: Floats | None
-
-    @property
-    def width(self) -> tuple[float, float]:
-        """Lowest and highest y, with a margin for the body."""
-        reach = MARGIN if self.outline is None else MARGIN + float(np.max(self.outline[:, 1]))
-        across = np.concatenate([self.y, self.cones[:, 1]])
-        return float(np.min(across)) - reach, float(np.max(across)) + reach
-
-    @property
-    def length(self) -> tuple[float, float]:
-        """Lowest and highest x, with a margin for the body."""
-        reach = MARGIN if self.outline is None else MARGIN + float(np.max(self.outline[:, 0]))
-        return float(np.min(self.x)) - reach, float(np.max(self.x)) + reach
+    length: tuple[float, float]
+    width: tuple[float, float]
 
 
-def draw_path(result: Result, plot: PathPlot, new_figure: Callable[[float], Figure]) -> Figure:
-    """Return the figure of a path.
+def draw_path(
+    result: Result,
+    plot: PathPlot,
+    new_figure: Callable[[float], Figure],
+    beside: Sequence[Result] = (),
+) -> Figure:
+    """Return the figure of a path, with room for the paths of results to be laid over it.
 
     A slender course is shown twice: whole, with the lateral scale stretched, and cut into
     rows true to scale. Any other course is shown once, true to scale.
     """
     course = _course(result, plot)
+    if beside:
+        courses = [course, *(_course(other, plot) for other in beside)]
+        along, across = (_union([c.length for c in courses]), _union([c.width for c in courses]))
+        course = replace(course, length=along, width=across)
     length, width = np.diff(course.length)[0], np.diff(course.width)[0]
     if length <= SLENDER * width:
         figure = new_figure(min(WIDTH * width / length, 8.0) + 1.2)
@@ -92,14 +94,26 @@ def _course(result: Result, plot: PathPlot) -> _Course:
     table = table[np.all(np.isfinite(table), axis=1)]
     if not len(table):
         raise InputError(f"{result.path}: plot '{plot.name}' has no finite positions to show")
+    shape = None if outline is None else np.asarray(outline, dtype=float)
     return _Course(
         x=table[:, 0],
         y=table[:, 1],
         heading=table[:, 2] if plot.heading else None,
         cones=cones,
         radius=radius,
-        outline=None if outline is None else np.asarray(outline, dtype=float),
+        outline=shape,
+        length=_reach(table[:, 0], shape, 0),
+        width=_reach(np.concatenate([table[:, 1], cones[:, 1]]), shape, 1),
     )
+
+
+def _reach(values: Floats, outline: Floats | None, axis: int) -> tuple[float, float]:
+    margin = MARGIN if outline is None else MARGIN + float(np.max(outline[:, axis]))
+    return float(np.min(values)) - margin, float(np.max(values)) + margin
+
+
+def _union(spans: Sequence[tuple[float, float]]) -> tuple[float, float]:
+    return min(low for low, _ in spans), max(high for _, high in spans)
 
 
 def _values(result: Result, name: str, unit: str) -> Floats:
@@ -110,7 +124,14 @@ def _values(result: Result, name: str, unit: str) -> Floats:
 
 def _draw_overview(axes: Axes, course: _Course) -> None:
     axes.plot(course.x, course.y, color=BLUE)
-    axes.plot(course.cones[:, 0], course.cones[:, 1], "^", color=ORANGE, markeredgecolor="0.2")
+    axes.plot(
+        course.cones[:, 0],
+        course.cones[:, 1],
+        "^",
+        color=ORANGE,
+        markeredgecolor="0.2",
+        gid=SCENERY,
+    )
     for number, (x, y) in enumerate(course.cones, start=1):
         axes.annotate(
             str(number),
@@ -133,9 +154,9 @@ def _draw_true(axes: Axes, course: _Course, span: tuple[float, float]) -> None:
     axes.plot(course.x, course.y, color=BLUE)
     for number, (x, y) in enumerate(course.cones, start=1):
         if span[0] + 1.0 <= x <= span[1] - 1.0:
-            axes.add_patch(
-                Circle((x, y), course.radius, facecolor=ORANGE, edgecolor="0.2", zorder=3)
-            )
+            cone = Circle((x, y), course.radius, facecolor=ORANGE, edgecolor="0.2", zorder=3)
+            cone.set_gid(SCENERY)
+            axes.add_patch(cone)
             axes.annotate(
                 str(number),
                 (x, y),

@@ -48,6 +48,7 @@ class TimePlot:
     """Values against time, or against the channel ``x`` where it is not empty.
 
     If ``arranged``, the lines of each panel are put into panels of like range when it is drawn.
+    If ``named``, a legend names the line of a panel with a single one, too.
     """
 
     name: str
@@ -56,6 +57,7 @@ class TimePlot:
     x: str = ""
     x_unit: str = ""
     arranged: bool = False
+    named: bool = False
 
 
 @dataclass(frozen=True)

@@ -1,4 +1,4 @@
-"""Reports: one self-contained page of a result, of two side by side, or of a folder of results."""
+"""Reports: one self-contained page of a result, of two compared, or of a folder of results."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""How far the channels of two runs are apart, for the page that shows them side by side."""
+"""How far the channels of two runs are apart, for the page that compares them."""
 
 from __future__ import annotations
 

@@ -1,12 +1,14 @@
-"""The page of one result file, and the page of two side by side."""
+"""The page of one result file, and the page that compares two."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from itertools import islice
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from vehicledyn.base.errors import InputError
+from vehicledyn.results.plots.overlay import overlaid
+from vehicledyn.results.plots.standard import figure_sets
 from vehicledyn.results.report.content import Content, KeyFigure, key_table
 from vehicledyn.results.report.differences import differences
 from vehicledyn.results.report.images import picture
@@ -21,10 +23,8 @@ from vehicledyn.results.report.page import (
     Table,
 )
 from vehicledyn.results.report.read_content import read_content
+from vehicledyn.results.report.run_content import MOST_FIGURES, MOST_SAMPLES
 from vehicledyn.results.report.texts import change
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
 Progress = Callable[[str, float | None], None]
 
@@ -53,7 +53,7 @@ def page_of(path: Path, target: Path, progress: Progress) -> Page:
 
 
 def page_of_two(path: Path, other: Path, target: Path, progress: Progress) -> Page:
-    """Return the page of a result beside another of the same kind.
+    """Return the page that compares a result with another of the same kind.
 
     Raises
     ------
@@ -65,7 +65,7 @@ def page_of_two(path: Path, other: Path, target: Path, progress: Progress) -> Pa
     if first.what != second.what:
         raise InputError(
             f"{path} is of kind '{first.what}', {other} of kind '{second.what}': "
-            "only results of one kind can stand side by side"
+            "only results of one kind can be compared on a page"
         )
     names = _names(path, other)
     warned = [
@@ -79,16 +79,24 @@ def page_of_two(path: Path, other: Path, target: Path, progress: Progress) -> Pa
         Section("What was computed", [_facts_of_two(first, second, names)]),
         Section("Key figures", [_key_figures_of_two(first, second, names)]),
         *differences(first, second, names),
-        Section("Figures", [Pictures(list(_pairs(first, second, names, progress)), paired=True)]),
+        _figures_of_two(dict(zip(names, (path, other), strict=True)), progress),
     ]
     links = [*_links(path, target, names[0]), *_links(other, target, names[1])]
     return Page(
         title=f"{first.title} – compared",
-        subtitle=f"{first.what} · {path.name} beside {other.name}",
+        subtitle=f"{first.what} · {path.name} against {other.name}",
         sections=sections,
         state=first.state,
         links=links,
     )
+
+
+def _figures_of_two(paths: Mapping[str, Path], progress: Progress) -> Section:
+    pictures = list(_together(paths, progress))
+    shared = [item for item, in_pair in pictures if not in_pair]
+    pairs = [item for item, in_pair in pictures if in_pair]
+    blocks = [Pictures(shared)] if shared else []
+    return Section("Figures", [*blocks, *([Pictures(pairs, paired=True)] if pairs else [])])
 
 
 def _links(path: Path, target: Path, text: str) -> list[Link]:
@@ -139,30 +147,13 @@ def _change(first: KeyFigure | None, second: KeyFigure | None) -> str:
     return change(first.value, second.value, first.unit)
 
 
-def _pairs(
-    first: Content, second: Content, names: tuple[str, str], progress: Progress
-) -> Iterator[Picture]:
-    """Yield figures in pairs, on equal scales where both have the same axes."""
-    others = dict(second.figures())
-    for name, figure in first.figures():
-        other = others.get(name)
-        if other is None:
-            continue
+def _together(paths: Mapping[str, Path], progress: Progress) -> Iterator[tuple[Picture, bool]]:
+    """Yield figures of both results over each other; in pairs, and true, where they cannot be."""
+    for name, figures in islice(figure_sets(paths, most=MOST_SAMPLES), MOST_FIGURES):
         progress(f"drawing {name}", None)
-        _equal_scales(figure, other)
-        yield picture(figure, caption=names[0])
-        yield picture(other, caption=names[1])
-
-
-def _equal_scales(figure: Figure, other: Figure) -> None:
-    if len(figure.axes) != len(other.axes):
-        return
-    for axes, partner in zip(figure.axes, other.axes, strict=True):
-        if axes.get_label() == "<colorbar>" or axes.images or axes.get_aspect() != "auto":
+        together = overlaid(figures)
+        if together is not None:
+            yield picture(together), False
             continue
-        for get, put in (("get_xlim", "set_xlim"), ("get_ylim", "set_ylim")):
-            (a, b), (c, d) = getattr(axes, get)(), getattr(partner, get)()
-            low, high = min(a, b, c, d), max(a, b, c, d)
-            ends = (low, high) if a <= b else (high, low)
-            for place in (axes, partner):
-                getattr(place, put)(*ends)
+        for label, figure in figures.items():
+            yield picture(figure, caption=label), True

@@ -1,4 +1,4 @@
-"""Writing a report: the page of a result, of two side by side, or of a folder."""
+"""Writing a report: the page of a result, of two compared, or of a folder."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ def write_report(
     output
         The page; beside the result as NAME_report.html, or report.html in the folder if None.
     against
-        Another result of the same kind to show beside it.
+        Another result of the same kind to compare it with.
     progress
         Called with what is going on and the part done.
 

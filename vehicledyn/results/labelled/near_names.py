@@ -1,0 +1,36 @@
+"""Messages for arrays that a result does not hold: the nearest names instead of hundreds."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from difflib import get_close_matches
+
+from vehicledyn.base.errors import unknown_name
+
+MOST_NAMED = 6
+FEW = 20
+"""Number of names up to which all are listed."""
+
+
+def unknown_array(name: str, known: Iterable[str], figures: Sequence[str] = ()) -> str:
+    """Return the message for a name or pattern that matches nothing, with near ones.
+
+    >>> unknown_array("chassis.yawrate", [f"w{k}.load" for k in range(30)] + ["chassis.yaw_rate"])
+    "no channel matches 'chassis.yawrate'; nearest: chassis.yaw_rate (of 31)"
+    """
+    names = list(dict.fromkeys(known))
+    if len(names) <= FEW:
+        return unknown_name("channel" if not figures else "channel or figure", name, names)
+    plain = name.strip("*?")
+    part = [n for n in names if plain and plain in n]
+    near = get_close_matches(name, names, MOST_NAMED, 0.6)
+    last = [n for n in names if n.rpartition(".")[2] == plain.rpartition(".")[2]]
+    found = list(dict.fromkeys([*near, *part, *last]))[:MOST_NAMED]
+    text = f"no channel{' or figure' if figures else ''} matches '{name[:80]}'"
+    if found:
+        text += f"; nearest: {', '.join(found)} (of {len(names)})"
+    else:
+        groups = list(dict.fromkeys(n.partition(".")[0] for n in names))
+        shown = ", ".join(f"{group}.*" for group in groups[:FEW])
+        text += f"; there are {len(names)}, in {shown}{', ...' if len(groups) > FEW else ''}"
+    return f"{text}; figures: {', '.join(figures)}" if figures else text

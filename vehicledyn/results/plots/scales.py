@@ -1,0 +1,51 @@
+"""Scales of axes: units that suit the values, and room around lines that do not move."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+ROUNDING = 1e-9
+"""Extent that counts as none, as part of the values' size, at least of 1 in the unit shown."""
+
+_SHOWN_AS = {"rad": "deg", "rad/s": "deg/s", "rad/s^2": "deg/s^2"}
+_SMALL_AS, _SMALL = {"m": "mm", "m/s": "mm/s"}, 0.1
+_LARGE_AS, _LARGE = {"N": "kN", "N*m": "kN*m", "Pa": "MPa"}, 2e4
+
+
+def leave_room(axes: Axes) -> None:
+    """Widen a scale that would show nothing but rounding errors: zero from -1 to 1."""
+    low, high = axes.get_ylim()
+    centre = 0.5 * (low + high)
+    lines = [np.asarray(line.get_ydata(), dtype=float) for line in axes.lines]
+    values = np.concatenate([np.ravel(each) for each in lines]) if lines else np.empty(0)
+    known = values[np.isfinite(values)]
+    if not known.size:
+        return
+    size = max(1.0, float(np.abs(known).max()))
+    if np.ptp(known) >= ROUNDING * size:
+        return
+    if abs(centre) < ROUNDING * size:
+        axes.set_ylim(-1.0, 1.0)
+    else:
+        axes.set_ylim(centre - 0.1 * abs(centre), centre + 0.1 * abs(centre))
+
+
+def suitable_unit(unit: str, *columns: Any) -> str:
+    """Return the unit to show values in: degrees, and thousands or thousandths where they suit.
+
+    >>> suitable_unit("m", [0.0, 0.006]), suitable_unit("m", [3.0]), suitable_unit("rad", [1.0])
+    ('mm', 'm', 'deg')
+    """
+    sizes = [np.abs(np.asarray(column, dtype=float)) for column in columns]
+    known = [each[np.isfinite(each)] for each in sizes]
+    largest = max((float(each.max()) for each in known if each.size), default=0.0)
+    if unit in _SMALL_AS and ROUNDING < largest < _SMALL:
+        return _SMALL_AS[unit]
+    if unit in _LARGE_AS and largest >= _LARGE:
+        return _LARGE_AS[unit]
+    return _SHOWN_AS.get(unit, unit)
