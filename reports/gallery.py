@@ -167,6 +167,7 @@ def _draw(path: Path) -> None:
     mpl.use("agg")
     from matplotlib.figure import Figure
 
+    from vehicledyn.results.plots.absent_contacts import shown_values
     from vehicledyn.results.plots.plot_description import unit_factor
     from vehicledyn.results.plots.plot_style import PALETTE, STYLE, axis_label
     from vehicledyn.results.store.reader import open_result
@@ -187,7 +188,7 @@ def _draw(path: Path) -> None:
                     across, unit = 1e3 * across, "mm"
             for color, name in zip(PALETTE, picture.channels, strict=False):
                 series = result.channel(name)
-                values = series.values * unit_factor(series.unit, picture.unit)
+                values = shown_values(result, name) * unit_factor(series.unit, picture.unit)
                 axes.plot(across, values, color=color, label=name)
             axes.set_ylabel(axis_label(picture.label, picture.unit))
             axes.set_xlabel(axis_label(picture.across or "Time", unit))

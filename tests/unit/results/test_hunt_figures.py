@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from vehicledyn.results.plots.branch_curve import branch_curve
 from vehicledyn.results.plots.hunt_figures import hunt_figures
 from vehicledyn.results.tables.hunt_table import HuntTable, Quantity
 
@@ -50,3 +51,37 @@ def test_root_locus_shows_weak_damping_and_what_grows():
     ])  # fmt: skip
     low, high = figure.axes[2].get_ylim()
     assert low < -9000.0 and high < 10.0
+
+
+def test_a_branch_is_the_curve_of_its_directions():
+    """Quarters of a circle with tangents of any sense and length; chords would miss it by 0.08."""
+    angle = np.radians(np.arange(0.0, 271.0, 45.0))
+    points = np.stack([np.cos(angle), np.sin(angle)], axis=1)
+    size = np.where(np.arange(len(angle)) % 2, -3.0, 0.5)[:, None]
+    ways = size * np.stack([-np.sin(angle), np.cos(angle)], axis=1)
+    pieces = branch_curve(points, ways)
+    radius = np.linalg.norm(np.concatenate(pieces), axis=1)
+    assert np.abs(radius - 1.0).max() < 5e-3
+    straight = branch_curve(points, np.full_like(points, np.nan))
+    assert np.linalg.norm(np.concatenate(straight), axis=1).min() < 0.93
+
+
+def test_a_corner_of_a_branch_stays_a_corner():
+    points = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0]])
+    ways = np.array([[1.0, 0.0], [1.0, 0.0], [0.0, 1.0]])
+    first, last = branch_curve(points, ways)
+    assert np.abs(first[:, 1]).max() < 1e-12
+    assert last[:, 0].min() >= 1.0 - 1e-12 and last[:, 0].max() < 1.2
+
+
+def test_hopf_bifurcations_are_marked_with_plain_numbers():
+    roots = np.array([-1.0, -0.5, 0.5, 1.0]) + 2j * np.pi * np.array([5.0, 5.5, 6.0, 6.5])
+    figures = {"linear_critical": 55.0, "linear_critical_frequency": 5.75}
+    table = study(np.stack([roots, roots.conj()], axis=1), figures)
+    figure = dict(hunt_figures(table))["root_locus"]
+    marks = [[line for line in axes.lines if line.get_marker() == "D"] for axes in figure.axes]
+    assert [float(mark[0].get_ydata()[0]) for mark in marks] == [0.0, 5.75, 0.0]
+    figure.draw_without_rendering()
+    ticks = [t.get_text() for axes in figure.axes for t in axes.get_yticklabels() if t.get_text()]
+    assert ticks and not any("times" in text or "^" in text for text in ticks)
+    assert figure.axes[-1].get_xlabel() == "Speed [m/s]"

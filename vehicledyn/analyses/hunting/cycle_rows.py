@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from vehicledyn.analyse.periodic.autonomous import AutonomousField
-from vehicledyn.analyse.periodic.cycle_points import CyclePoint
+from vehicledyn.analyse.periodic.cycle_points import CyclePoint, ahead
 from vehicledyn.kernel.engine import Vector
 from vehicledyn.kernel.kernel import Kernel
 from vehicledyn.results.tables.hunt_table import CycleRow
@@ -16,6 +16,8 @@ from vehicledyn.results.tables.hunt_table import CycleRow
 _PHASES = 101
 _BEHIND = 4
 """Points an interval at which the range of a channel is looked for."""
+_PART = 1e-4
+"""Part of an orbit's change along its branch with which derivatives are found by differences."""
 
 
 class CycleRows:
@@ -57,7 +59,28 @@ class CycleRows:
             -np.array([_top(places, -column) for column in values.T]),
             np.array([_top(places, column) for column in values.T]),
             motion,
+            self._direction(point, places, values),
         )
+
+    def _direction(self, point: CyclePoint, places: Vector, values: Vector) -> Vector | None:
+        """Return the changes of parameter, period and amplitudes along the branch.
+
+        The range of a channel changes as its values where they are extreme, since there it does
+        not change with the phase. Central differences along the direction of the continuation.
+        """
+        orbit, along = point.orbit, point.tangent
+        if along.states.shape != orbit.states.shape:
+            return None
+        ends = np.concatenate([values.argmax(axis=0), values.argmin(axis=0)])
+        sides = [
+            self._channels(replace(point, orbit=ahead(orbit, along, size)), places[ends])
+            for size in (-_PART, _PART)
+        ]
+        change = (sides[1] - sides[0]) / (2.0 * _PART)
+        count = values.shape[1]
+        own = np.arange(count)
+        amplitudes = 0.5 * (change[own, own] - change[count + own, own])
+        return np.array([along.parameter, along.period, *amplitudes])
 
     def _channels(self, point: CyclePoint, places: Vector) -> Vector:
         kernel = self._kernel.with_parameters(self._model.parameters(point.orbit.parameter))

@@ -94,6 +94,9 @@ def swing_channels(wheel: WheelColumns) -> Iterator[Channel]:
 def axis_values(wheel: WheelColumns, values: Array, ratios: Array) -> list[float]:
     """Return the quantities of the instant axis, not numbers where there is none.
 
+    A carrier that steers while it rises moves along a screw, which no line through the contact
+    point meets: its roll centre follows from the contact point's velocity.
+
     Parameters
     ----------
     wheel
@@ -107,7 +110,10 @@ def axis_values(wheel: WheelColumns, values: Array, ratios: Array) -> list[float
     line = _line(values[list(wheel.contact)], axis, speed)
     if line is None:
         return [float("nan")] * len((*STEERING, *CENTRES))
-    return [*_steering(wheel, values, *line), *_centres(wheel, values, *line)]
+    contact = values[list(wheel.contact)]
+    with np.errstate(divide="ignore", invalid="ignore"):
+        height = float(contact[2] + contact[1] * speed[1] / speed[2])
+    return [*_steering(wheel, values, *line), *_centres(wheel, values, *line)[:-1], height]
 
 
 def swing_values(wheel: WheelColumns, values: Array, first: Array, second: Array) -> list[float]:

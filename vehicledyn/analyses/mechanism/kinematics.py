@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from vehicledyn.analyses.mechanism.axle_characteristics import axle_columns
 from vehicledyn.analyses.mechanism.instant_axes import (
     WheelColumns,
     axis_channels,
@@ -35,7 +36,6 @@ from vehicledyn.base.ranges import read_range
 from vehicledyn.files.scenario import LoadedScenario
 from vehicledyn.multibody.elements.wheel_angles import WheelAngles
 from vehicledyn.multibody.loops.position_level import Positions
-from vehicledyn.multibody.model.system import System
 from vehicledyn.results.hdf5.output import check_output
 from vehicledyn.results.store.layout import Axis, ResultHeader, SummaryEntry
 from vehicledyn.results.store.writer import ResultWriter
@@ -92,7 +92,8 @@ def sweep_kinematics(
     positions = Positions(system)
     machine = mechanism(positions, list(request.drives), request.hold)
     drives = _drives(positions, request)
-    book = _Columns(machine, _wheels(system, positions))
+    sensors = [part for part in system.parts if isinstance(part, WheelAngles)]
+    book = _Columns(machine, _wheels(sensors, positions), [s.name for s in sensors])
     shown = book.shown(request.columns)
     swept = run_sweep(machine, drives, together=request.together, progress=progress)
     files = _Files(target, system.name, output, _left_out(positions))
@@ -108,10 +109,9 @@ def _left_out(positions: Positions) -> list[str]:
     return [f"left out: {listed}, since a motion along a path knows no forces"]
 
 
-def _wheels(system: System, positions: Positions) -> list[WheelColumns]:
+def _wheels(sensors: Sequence[WheelAngles], positions: Positions) -> list[WheelColumns]:
     """Return the wheel sensors that move."""
     channels, speeds = ([c.name for c in g] for g in (positions.channels, positions.speeds))
-    sensors = [part for part in system.parts if isinstance(part, WheelAngles)]
     found = [wheel_columns(s.name, s.side == "left", channels, speeds) for s in sensors]
     return [columns for columns in found if columns is not None]
 
@@ -156,7 +156,9 @@ def _drives(positions: Positions, request: Request) -> list[Drive]:
 class _Columns:
     """Columns of the result: channels, velocity ratios by drive, instant axes by drive."""
 
-    def __init__(self, machine: Mechanism, wheels: Sequence[WheelColumns]) -> None:
+    def __init__(
+        self, machine: Mechanism, wheels: Sequence[WheelColumns], sensors: Sequence[str]
+    ) -> None:
         p = machine.positions
         self.machine, self.wheels = machine, wheels
         self.driven = [p.channels[k] for k in machine.drives]
@@ -167,6 +169,7 @@ class _Columns:
             for k, c in enumerate(p.channels)
             if c.name in moving or c.name not in coordinates or k in machine.drives
         ]
+        self.axles = axle_columns(sensors, p.channels, p.speeds)
         self.swinging = list(wheels) if len(self.driven) == 2 else []
         first = len(p.channels)
         self.rated = [k for k in self.kept if k not in machine.drives]
@@ -177,6 +180,7 @@ class _Columns:
             *(_ratio(d, everything[k]) for d in self.driven for k in self.rated),
             *(c for d in self.driven for w in wheels for c in axis_channels(d.name, w)),
             *(c for w in self.swinging for c in swing_channels(w)),
+            *(c for d in self.driven for c in self.axles.channels(d.name)),
         )
 
     def table(self, swept: Sweep) -> Array:
@@ -186,7 +190,8 @@ class _Columns:
             values, ratios = sample.values, sample.ratios
             axes = [x for r in ratios for w in self.wheels for x in axis_values(w, values, r)]
             swings = [x for w in self.swinging for x in swing_values(w, values, *ratios)]
-            parts = (values[self.kept], ratios[:, self.rated].ravel(), axes, swings)
+            axles = [x for r in ratios for x in self.axles.values(values, r)]
+            parts = (values[self.kept], ratios[:, self.rated].ravel(), axes, swings, axles)
             rows.append(np.concatenate(parts))
         return np.array(rows).reshape(len(rows), len(self.channels))
 
@@ -221,12 +226,20 @@ class _Columns:
             channel = self.channels[k]
             if spans[k] > _FLAT and channel.name != drive.name:
                 parts.setdefault(channel.name.partition(".")[0], []).append(channel)
+        parts |= self._axle_figure(drive, table)
         chunks = [
             (f"{part}_{number + 1}" if len(items) > _PANELS else part, items[at : at + _PANELS])
             for part, items in parts.items()
             for number, at in enumerate(range(0, len(items), _PANELS))
         ]
         return [_figure(name, items, drive) for name, items in chunks[:_MOST_FIGURES]]
+
+    def _axle_figure(self, drive: Channel, table: Array) -> dict[str, list[Channel]]:
+        """Return the figure of the roll centres and motion ratios that change along a drive."""
+        wanted = {c.name for c in self.axles.channels(drive.name)}
+        places = [k for k, c in enumerate(self.channels) if c.name in wanted]
+        known = [self.channels[k] for k in places if _changes(table[:, k])]
+        return {"roll_centre_and_motion_ratio": known} if known else {}
 
 
 def _ratio(drive: Channel, channel: Channel) -> Channel:
@@ -237,10 +250,30 @@ def _ratio(drive: Channel, channel: Channel) -> Channel:
     return Channel(f"ratio.{drive.name}.{channel.name}", shared, words, channel.frame)
 
 
+def _changes(column: Array) -> bool:
+    known = column[np.isfinite(column)]
+    return bool(known.size and np.ptp(known) > _FLAT)
+
+
+_FAMILIES = {"roll_centre": "Roll centre height", "motion_ratio": "Motion ratio"}
+_LONGEST_LABEL = 28
+"""Letters of an axis's label that fit beside a panel."""
+
+
+def _label(channel: Channel) -> str:
+    """Return how a panel names a channel: its meaning where it is short, else its last word."""
+    family, _, rest = channel.name.partition(".")
+    if family in _FAMILIES:
+        return f"{_FAMILIES[family]},\n{rest.rpartition('.')[2]}"
+    if channel.description and len(channel.description) <= _LONGEST_LABEL:
+        return channel.description
+    return channel.name.rpartition(".")[2].replace("_", " ").capitalize()
+
+
 def _figure(name: str, channels: Sequence[Channel], drive: Channel) -> dict[str, Any]:
     panels = [
         {
-            "label": c.name.rpartition(".")[2].replace("_", " "),
+            "label": _label(c),
             "unit": SHOWN.get(c.unit, (c.unit, 1.0))[0],
             "channels": [c.name],
         }
@@ -249,7 +282,7 @@ def _figure(name: str, channels: Sequence[Channel], drive: Channel) -> dict[str,
     return {
         "name": name,
         "kind": "time",
-        "title": f"{channels[0].name.partition('.')[0]} against {drive.name}",
+        "title": f"{name.replace('_', ' ').capitalize()} against {drive.name}",
         "x": drive.name,
         "x_unit": SHOWN.get(drive.unit, (drive.unit, 1.0))[0],
         "panels": panels,

@@ -40,6 +40,8 @@ KINDS = {
 
 _FIGURE = "figure_"
 _ENDS = "_real", "_imag"
+_OF_ANY_LENGTH = ("cycle_direction",)
+"""Directions whose length and sign mean nothing."""
 _ENDING = "status"
 
 
@@ -126,6 +128,8 @@ def _numbers(file: h5py.File) -> Iterator[tuple[str, tuple[str, Any]]]:
 
     def note(name: str, item: Any) -> None:
         if isinstance(item, h5py.Dataset) and item.dtype.kind in "fiu" and not is_bare(item):
+            if name in _OF_ANY_LENGTH:
+                return
             found[name.replace("/", ".")] = item
 
     file.visititems(note)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import matplotlib
@@ -13,6 +14,7 @@ from numpy.typing import NDArray
 from vehicledyn.base.errors import InputError
 from vehicledyn.results.labelled.labels import Labelled, LabelledSet
 from vehicledyn.results.labelled.near_names import unknown_array
+from vehicledyn.results.plots.absent_contacts import load_of
 from vehicledyn.results.plots.figures import HEADING_HEIGHT, PANEL_HEIGHT, new_figure
 from vehicledyn.results.plots.overlay import name_results
 from vehicledyn.results.plots.plot_description import unit_factor
@@ -69,9 +71,18 @@ def draw_data(
         line
         for source, one in several.items()
         for name in one.names(*patterns)
-        for line in _lines(one[name], one[against] if against else None, source)
+        for line in _lines(_shown(one, name), _shown(one, against) if against else None, source)
     ]
     return _drawn(lines, ", ".join(patterns) if len(data) > 1 else first.title)
+
+
+def _shown(data: LabelledSet, name: str) -> Labelled:
+    """Return an array, not numbers where it tells of a contact of wheel and rail without load."""
+    array = data[name]
+    load = load_of(name, data)
+    if load is None:
+        return array
+    return replace(array, values=np.where(data[load].values > 0.0, array.values, np.nan))
 
 
 def draw_standard(data: Mapping[str, LabelledSet], name: str | None = None) -> Figure:

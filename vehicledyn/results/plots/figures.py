@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vehicledyn.base.errors import errors_of
+from vehicledyn.results.plots.absent_contacts import shown_values
 from vehicledyn.results.plots.arrangement import arranged
 from vehicledyn.results.plots.path_figure import draw_path
 from vehicledyn.results.plots.plot_description import Panel, Plot, TimePlot, unit_factor
@@ -110,7 +111,7 @@ def _draw_panel(axes: Axes, result: Result, panel: Panel, across: Floats, *, nam
             "color": PALETTE[index % len(PALETTE)],
             "linestyle": LINE_STYLES[index % len(LINE_STYLES)],
         }
-        values = series.values * unit_factor(series.unit, panel.unit)
+        values = shown_values(result, name) * unit_factor(series.unit, panel.unit)
         axes.plot(*_in_order(across, values), label=plain(label), **style)
     leave_room(axes)
     axes.set_ylabel(axis_label(panel.label, panel.unit))

@@ -7,10 +7,22 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from vehicledyn.results.plots.branch_curve import POINTS, branch_curve
 from vehicledyn.results.plots.figures import new_figure
 from vehicledyn.results.plots.plot_description import unit_factor
-from vehicledyn.results.plots.plot_style import BLUE, GREEN, PALETTE, VERMILION, axis_label, plain
-from vehicledyn.results.plots.root_locus import locus_figure
+from vehicledyn.results.plots.plot_style import (
+    BLACK,
+    BLUE,
+    GREEN,
+    PALETTE,
+    VERMILION,
+    axis_label,
+    in_words,
+    plain,
+)
+from vehicledyn.results.plots.root_locus import HOPF, locus_figure
+from vehicledyn.results.plots.scales import leave_room
+from vehicledyn.results.store.linear_file import Quantity
 from vehicledyn.results.tables.hunt_table import SETTLED, CycleRow, HuntTable
 
 if TYPE_CHECKING:
@@ -47,16 +59,22 @@ def _diagram(table: HuntTable) -> Figure:
         _equilibria(axes, table)
         for number in table.branches:
             _branch(
-                axes, table.branch(number), lambda row, k=k: scales[k] * float(row.amplitude[k])
+                axes,
+                table.branch(number),
+                lambda row, k=k: scales[k] * float(row.amplitude[k]),
+                lambda way, k=k: scales[k] * float(way[2 + k]),
             )
         if not k:
             _simulated(axes, table, "amplitude", scales[0])
-        axes.set_ylabel(axis_label(f"Amplitude of\n{channel.name}", units[k]))
+        axes.set_ylabel(axis_label(f"Amplitude:\n{_named(channel)}", units[k]))
+        _hopf(axes, table)
+        leave_room(axes)
     for number in table.branches:
-        _branch(panels[-1], table.branch(number), lambda row: row.period)
+        _branch(panels[-1], table.branch(number), lambda row: row.period, lambda way: float(way[1]))
     _simulated(panels[-1], table, "period", 1.0)
     panels[-1].set_ylabel(axis_label("Period", "s"))
-    panels[-1].set_xlabel(axis_label(table.parameter.name, table.parameter.unit))
+    words = in_words(table.parameter.name, table.parameter.description)
+    panels[-1].set_xlabel(axis_label(words, table.parameter.unit))
     if len(table.locus_values):
         panels[-1].set_xlim(float(table.locus_values.min()), float(table.locus_values.max()))
     handles, labels = panels[0].get_legend_handles_labels()
@@ -66,6 +84,23 @@ def _diagram(table: HuntTable) -> Figure:
     )
     figure.align_ylabels(panels)
     return _entitled(figure, "Limit cycles", table)
+
+
+def _named(channel: Quantity) -> str:
+    """Return part and meaning of a channel, in two lines where both are known."""
+    if channel.description in ("", channel.name):
+        return plain(channel.name)
+    part, _, last = channel.name.rpartition(".")
+    words = in_words(last, channel.description)
+    return f"{words},\n{part}" if part else words
+
+
+def _hopf(axes: Axes, table: HuntTable) -> None:
+    """Mark the Hopf bifurcations of the equilibrium."""
+    known = [table.figures[name] for name in HOPF if name in table.figures]
+    if known:
+        zeros = [0.0] * len(known)
+        axes.plot(known, zeros, "D", color=BLACK, markersize=5, label="Hopf bifurcation")
 
 
 def _simulated(axes: Axes, table: HuntTable, measure: str, scale: float) -> None:
@@ -103,11 +138,16 @@ def _crossing(values: Any, growth: Any, critical: float | None) -> float:
     return float(values[0] - growth[0] * (values[1] - values[0]) / (growth[1] - growth[0]))
 
 
-def _branch(axes: Axes, rows: list[CycleRow], measure: Any) -> None:
-    values = np.array([row.value for row in rows])
-    heights = np.array([measure(row) for row in rows])
-    stable = np.array([row.stable for row in rows])
-    _runs(axes, values, heights, stable, BLUE)
+def _branch(axes: Axes, rows: list[CycleRow], measure: Any, change: Any) -> None:
+    """Draw a branch as the curve that continuation knows, and mark its special points."""
+    points = np.array([(row.value, measure(row)) for row in rows])
+    unknown = (np.nan, np.nan)
+    ways = [unknown if (d := row.direction) is None else (d[0], change(d)) for row in rows]
+    pieces = branch_curve(points, np.array(ways))
+    heights = points[:, 1]
+    curve = np.concatenate([points[:1], *(piece[1:] for piece in pieces)])
+    stable = np.repeat([row.stable for row in rows[1:]], POINTS)
+    _runs(axes, *curve.T, np.insert(stable, 0, rows[0].stable), BLUE)
     for row, height in zip(rows, heights, strict=True):
         if row.kind:
             marker, label = KINDS[row.kind]
@@ -142,7 +182,7 @@ def _motion(table: HuntTable) -> Figure:
             time = np.linspace(0.0, row.period, len(row.motion))
             label = f"{row.value:.4g} {table.parameter.unit}"
             axes.plot(time, scales[k] * row.motion[:, k], color=colour, label=label)
-        axes.set_ylabel(axis_label(channel.name, units[k]))
+        axes.set_ylabel(axis_label(_named(channel), units[k]))
     panels[-1].set_xlabel(axis_label("Time", "s"))
     panels[0].legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=4)
     figure.align_ylabels(panels)

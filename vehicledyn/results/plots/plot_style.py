@@ -14,7 +14,8 @@ LONGEST_TEXT = 120  # characters of a title or label
 WIDTH = 6.6  # inch, the text width of an A4 report
 LEGEND_SIZE = 8.0  # points
 BLUE, VERMILION, GREEN, ORANGE = "#0072B2", "#D55E00", "#009E73", "#E69F00"
-PALETTE = (BLUE, VERMILION, GREEN, "#CC79A7", ORANGE, "#56B4E9", "#000000")
+BLACK = "#000000"
+PALETTE = (BLUE, VERMILION, GREEN, "#CC79A7", ORANGE, "#56B4E9", BLACK)
 LINE_STYLES = ("-", "--", "-.", ":")
 
 STYLE: dict[str, Any] = {
@@ -49,6 +50,15 @@ def plain(text: str, most: int = LONGEST_TEXT) -> str:
     known = text.encode("utf-8", "replace").decode("utf-8")
     shown = known if len(known) <= most else f"{known[: most - 1]}…"
     return shown.replace("$", r"\$")
+
+
+def in_words(name: str, description: str) -> str:
+    """Return how an axis names a quantity: its description, its name where it has none.
+
+    >>> in_words("speed", "Speed"), in_words("wheelset.lateral_shift", "")
+    ('Speed', 'Wheelset lateral shift')
+    """
+    return plain(description or name.replace("_", " ").replace(".", " ").capitalize())
 
 
 def axis_label(quantity: str, unit: str) -> str:

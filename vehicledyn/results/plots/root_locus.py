@@ -2,13 +2,22 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from vehicledyn.results.plots.figures import new_figure
-from vehicledyn.results.plots.plot_style import BLUE, VERMILION, axis_label
+from vehicledyn.results.plots.plot_style import (
+    BLACK,
+    BLUE,
+    VERMILION,
+    axis_label,
+    in_words,
+    plain,
+)
+from vehicledyn.results.plots.scales import plain_ticks
 from vehicledyn.results.tables.hunt_table import HuntTable
 
 if TYPE_CHECKING:
@@ -17,6 +26,9 @@ if TYPE_CHECKING:
 
 MOST_DAMPING = 0.3
 """Damping ratio up to which oscillations are shown; those near stability's end are below it."""
+
+HOPF = ("linear_critical", "oscillation_ceases")
+"""Critical values at which a pair of eigenvalues crosses the imaginary axis."""
 
 _HEIGHT = 6.2  # inch
 _SLOWEST = 0.02  # Hz, below it eigenvalues count as no oscillation
@@ -28,8 +40,9 @@ _LINEAR_UP_TO = 1.0  # 1/s
 def locus_figure(table: HuntTable) -> Figure:
     """Return damping ratio, frequency and real part against the parameter.
 
-    Growing motions are vermilion. Oscillations with more than ``MOST_DAMPING`` are left out of
-    the first two panels; real parts are on a logarithmic scale but for a linear one about zero.
+    Growing motions are vermilion, Hopf bifurcations diamonds. Oscillations with more than
+    ``MOST_DAMPING`` are left out of the first two panels; real parts are on a logarithmic scale
+    but for a linear one about zero.
     """
     figure = new_figure(_HEIGHT)
     panels = figure.subplots(3, 1, sharex=True)
@@ -47,22 +60,40 @@ def locus_figure(table: HuntTable) -> Figure:
         low = min(-_LEAST_SPAN, 1.15 * float(damping[seen].min()))
         panels[0].set_ylim(100.0 * low, 100.0 * MOST_DAMPING)
         panels[1].set_yscale("log")
+        plain_ticks(panels[1].yaxis)
     panels[2].set_yscale("symlog", linthresh=_LINEAR_UP_TO)
     if roots.size:
         low, high = (float(pick(roots.real)) for pick in (np.min, np.max))
         panels[2].set_ylim(min(2.0 * low, -_LINEAR_UP_TO), max(2.0 * high, _LINEAR_UP_TO))
+    plain_ticks(panels[2].yaxis)
+    _mark_bifurcations(panels, table)
     for axes, label, unit in zip(
         panels, ("Damping ratio", "Frequency", "Real part"), ("%", "Hz", "1/s"), strict=True
     ):
         axes.set_ylabel(axis_label(label, unit))
         if label != "Frequency":
             axes.axhline(0.0, color="0.4", linewidth=0.8)
-        critical = table.figures.get("linear_critical")
-        if critical is not None:
-            axes.axvline(critical, color="0.4", linewidth=0.8, linestyle="--")
-    panels[-1].set_xlabel(axis_label(table.parameter.name, table.parameter.unit))
+    words = in_words(table.parameter.name, table.parameter.description)
+    panels[-1].set_xlabel(axis_label(words, table.parameter.unit))
     figure.align_ylabels(panels)
     return figure
+
+
+def _mark_bifurcations(panels: Sequence[Axes], table: HuntTable) -> None:
+    """Mark where an oscillation begins or ceases to grow: damping and real part are zero."""
+    for name in HOPF:
+        value, hertz = (table.figures.get(key) for key in (name, f"{name}_frequency"))
+        if value is None:
+            continue
+        heights = (0.0, np.nan if hertz is None else hertz, 0.0)
+        text = f"Hopf bifurcation, {value:.5g} {table.parameter.unit}"
+        text += "" if hertz is None else f", {hertz:.4g} Hz"
+        for number, (axes, height) in enumerate(zip(panels, heights, strict=True)):
+            axes.axvline(value, color="0.4", linewidth=0.8, linestyle="--")
+            label = None if number else plain(text)
+            axes.plot([value], [height], "D", color=BLACK, markersize=5.0, label=label)
+    if any(name in table.figures for name in HOPF):
+        panels[0].legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=2)
 
 
 def _dots(

@@ -8,6 +8,7 @@ import numpy as np
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+    from matplotlib.axis import Axis
 
 ROUNDING = 1e-9
 """Extent that counts as none, as part of the values' size, at least of 1 in the unit shown."""
@@ -33,6 +34,30 @@ def leave_room(axes: Axes) -> None:
         axes.set_ylim(-1.0, 1.0)
     else:
         axes.set_ylim(centre - 0.1 * abs(centre), centre + 0.1 * abs(centre))
+
+
+def plain_ticks(axis: Axis) -> None:
+    """Write ticks of a logarithmic axis as plain numbers: 5 and 0.01, not powers of ten.
+
+    Over less than a decade the scale is linear in what is labelled: round numbers, evenly apart.
+    """
+    from matplotlib.ticker import FuncFormatter, MaxNLocator, NullLocator
+
+    low, high = sorted(axis.get_view_interval())
+    if axis.get_scale() == "log" and low > 0.0 and high < 10.0 * low:
+        axis.set_major_locator(MaxNLocator(5))
+        axis.set_minor_locator(NullLocator())
+    axis.set_major_formatter(FuncFormatter(_as_number))
+    axis.set_minor_formatter(FuncFormatter(lambda value, place: ""))
+
+
+def _as_number(value: float, place: float | None = None) -> str:
+    r"""Return a tick's text with a true minus sign.
+
+    >>> _as_number(-100.0), _as_number(0.01)
+    ('−100', '0.01')
+    """
+    return f"{value:g}".replace("-", "\u2212")
 
 
 def suitable_unit(unit: str, *columns: Any) -> str:

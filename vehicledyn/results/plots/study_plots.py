@@ -15,29 +15,44 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from vehicledyn.base.errors import InputError, unknown_name
-from vehicledyn.base.units import parse_unit
 from vehicledyn.results.plots.picture_files import check_formats, save_figures
-from vehicledyn.results.plots.plot_style import BLUE, STYLE, VERMILION, WIDTH, axis_label, plain
+from vehicledyn.results.plots.plot_description import unit_factor
+from vehicledyn.results.plots.plot_style import BLUE, STYLE, WIDTH, plain
+from vehicledyn.results.plots.scales import suitable_unit
+from vehicledyn.results.plots.study_curves import (
+    COLUMNS,
+    MOST_PANELS,
+    Varied,
+    draw_channels,
+    draw_dependence,
+    grid_of,
+    label_of,
+)
 from vehicledyn.results.store.study_layout import DONE, ENDED
 from vehicledyn.results.store.study_reader import StudyFile, open_study
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-NAMES = ("distributions", "effects", "channels")
-MOST_PANELS = 12
-MOST_CASES = 500
-"""Cases whose samples are read for the bands of the channels."""
+NAMES = ("dependence", "distributions", "effects", "channels")
+ACCURACY_FIGURES = (
+    "accuracy",
+    "estimated_error",
+    "recommended_step",
+    "energy_drift",
+    "largest_loop_gap",
+    "largest_loop_speed",
+)
+"""Key figures that say how exact a case is; they are in the table and not drawn."""
 
-MOST_VALUES = 10_000_000
-"""Samples that are read for them; of more only every so many-th."""
+FEWEST_FOR_BARS = 10
+"""Cases from which on bars show a distribution."""
 
+MOST_BARS = 30
 _FEWEST = 3
 _ROUNDING = 1e-12
-_COLUMNS = 3
-_ROW = 1.7  # inch
-_BAND = (5.0, 50.0, 95.0)
-_SHOWN_IN = {"rad": "deg", "rad/s": "deg/s", "m": "m"}
+_SAME = 1e-6
+"""Spread, as part of the size, up to which values count as equal."""
 
 
 def draw_study(
@@ -65,22 +80,31 @@ def draw_study(
 
 
 def study_figures(file: StudyFile) -> Iterator[tuple[str, Figure]]:
-    """Yield name and figure of all there is to draw of a study."""
+    """Yield name and figure of all there is to draw of a study.
+
+    Key figures are drawn over the quantity that was varied where it is a single one, else by
+    their distributions and rank correlations; those that say how exact the cases are, are not.
+    """
     status = file.case_status()
     good = np.flatnonzero((status == DONE) | (status == ENDED))
-    values = {name: file.figure(name)[good] for name in file.figures}
+    values = {n: file.figure(n)[good] for n in file.figures if n not in ACCURACY_FIGURES}
     varying = [n for n, v in values.items() if len(v) >= _FEWEST and _varies(v)][:MOST_PANELS]
-    if varying:
-        yield "distributions", _distributions(file, {n: values[n] for n in varying})
-        axes = {
-            axis.name: column
-            for number, axis in enumerate(file.axes)
-            if not axis.choices and _varies(column := file.axis(number)[good])
-        }
-        if axes:
-            yield "effects", _effects(file, {n: values[n] for n in varying}, axes)
+    columns = {n: values[n] for n in varying}
+    varied = [
+        Varied(axis.name, axis.unit, column)
+        for number, axis in enumerate(file.axes)
+        if not axis.choices and _varies(column := file.axis(number)[good])
+    ]
+    if columns and len(varied) == 1 and len(file.axes) == 1:
+        title = _title(file, "key figures")
+        yield "dependence", draw_dependence(file, columns, varied[0], title)
+    elif columns:
+        if good.size >= FEWEST_FOR_BARS:
+            yield "distributions", _distributions(file, columns)
+        if len(varied) > 1:
+            yield "effects", _effects(file, columns, {v.name: v.values for v in varied})
     if file.channels and good.size:
-        yield "channels", _channels(file, good)
+        yield "channels", draw_channels(file, good, varied, _title(file, ""))
 
 
 def rank_correlation(first: Any, second: Any) -> float:
@@ -101,36 +125,40 @@ def _ranks(values: Any) -> Any:
 def _varies(values: Any) -> bool:
     """Return whether values differ by more than rounding makes of zero."""
     known = values[np.isfinite(values)]
-    return bool(known.size and known.max() > known.min() and np.abs(known).max() > _ROUNDING)
-
-
-def _grid(count: int, title: str, *, share_x: bool = False) -> tuple[Figure, list[Any]]:
-    from matplotlib.figure import Figure
-
-    rows = -(-count // _COLUMNS)
-    figure = Figure(figsize=(WIDTH, 0.5 + _ROW * rows), layout="constrained")
-    grid = figure.subplots(rows, min(count, _COLUMNS), squeeze=False, sharex=share_x).ravel()
-    for axes in grid[count:]:
-        axes.set_visible(False)
-    figure.suptitle(title, fontsize=9.0)
-    return figure, list(grid[:count])
+    if not known.size:
+        return False
+    largest = float(np.abs(known).max())
+    return bool(largest > _ROUNDING and np.ptp(known) > _SAME * largest)
 
 
 def _title(file: StudyFile, what: str) -> str:
     state = "" if file.is_whole else f" ({file.state})"
-    return f"{plain(file.title)}: {what}{plain(state)}"
+    return plain(": ".join(filter(None, (file.title, what)))) + plain(state)
 
 
 def _distributions(file: StudyFile, values: dict[str, Any]) -> Figure:
-    figure, grid = _grid(len(values), _title(file, "distributions of the key figures"))
-    for axes, (name, column) in zip(grid, values.items(), strict=True):
-        factor, unit = _scale(file.figures[name].unit)
-        known = column[np.isfinite(column)] * factor
-        axes.hist(known, bins=min(30, max(5, int(np.sqrt(known.size)))), color=BLUE)
+    from matplotlib.ticker import MaxNLocator
+
+    figure, grid = grid_of(len(values), _title(file, "distributions of the key figures"))
+    for place, (axes, (name, column)) in enumerate(zip(grid, values.items(), strict=True)):
+        facts = file.figures[name]
+        unit = suitable_unit(facts.unit, column)
+        known = column[np.isfinite(column)] * unit_factor(facts.unit, unit)
+        axes.hist(known, bins=_bins(known), color=BLUE)
         axes.locator_params(axis="x", nbins=4)
-        axes.set_xlabel(axis_label(_words(name), unit))
-        axes.set_ylabel("Cases [–]")
+        axes.yaxis.set_major_locator(MaxNLocator(4, integer=True))
+        axes.set_xlabel(label_of(name, facts.description, unit), fontsize=7.0)
+        if place % COLUMNS == 0:
+            axes.set_ylabel("Cases [–]")
     return figure
+
+
+def _bins(values: Any) -> Any:
+    """Return the edges of bars: one for each whole number where there are few, else by spread."""
+    whole = np.unique(values)
+    if len(whole) <= MOST_BARS and (whole == np.round(whole)).all() and np.ptp(whole) < MOST_BARS:
+        return np.arange(whole[0] - 0.5, whole[-1] + 1.0)
+    return len(np.histogram_bin_edges(values, bins="auto")[:MOST_BARS])
 
 
 def _effects(file: StudyFile, values: dict[str, Any], axes_values: dict[str, Any]) -> Figure:
@@ -146,38 +174,9 @@ def _effects(file: StudyFile, values: dict[str, Any], axes_values: dict[str, Any
     image = axes.imshow(table.T, cmap="RdBu_r", vmin=-1.0, vmax=1.0, aspect="auto")
     axes.grid(visible=False)
     axes.set_yticks(range(len(names)), [plain(n) for n in names])
-    axes.set_xticks(range(len(values)), [_words(n) for n in values], rotation=35, ha="right")
+    texts = [label_of(n, file.figures[n].description, "").partition(" [")[0] for n in values]
+    axes.set_xticks(range(len(values)), texts, rotation=35, ha="right", fontsize=7.0)
     figure.colorbar(image, label="Rank correlation [–]")
-    figure.suptitle(_title(file, "main effects"), fontsize=9.0)
+    title = _title(file, "main effects")
+    figure.suptitle(title, fontsize=10.5, fontweight="bold", x=0.01, ha="left")
     return figure
-
-
-def _channels(file: StudyFile, good: Any) -> Figure:
-    step = max(1, -(-len(good) // MOST_CASES))
-    chosen = good[::step]
-    channels = file.channels[:MOST_PANELS]
-    every = max(1, -(-len(chosen) * len(file.times) * len(channels) // MOST_VALUES))
-    what = f"{_BAND[1]:g} % and {_BAND[0]:g}–{_BAND[2]:g} % of {len(chosen)} cases"
-    figure, grid = _grid(len(channels), _title(file, what), share_x=True)
-    samples = np.stack([file.samples(int(case), every, len(channels)) for case in chosen])
-    for number, (axes, channel) in enumerate(zip(grid, channels, strict=True)):
-        factor, unit = _scale(channel.unit)
-        values = samples[:, :, number] * factor
-        reached = np.isfinite(values).any(axis=0)
-        low, middle, high = np.nanpercentile(values[:, reached], _BAND, axis=0)
-        times = file.times[::every][reached]
-        axes.fill_between(times, low, high, color=BLUE, alpha=0.25, linewidth=0.0)
-        axes.plot(times, middle, color=VERMILION)
-        axes.set_ylabel(axis_label(channel.name, unit), fontsize=7.0)
-    for axes in grid[-_COLUMNS:]:
-        axes.set_xlabel("Time [s]")
-    return figure
-
-
-def _scale(unit: str) -> tuple[float, str]:
-    wanted = _SHOWN_IN.get(unit, unit)
-    return parse_unit(unit).factor / parse_unit(wanted).factor, wanted
-
-
-def _words(name: str) -> str:
-    return plain(name.replace("_", " ").capitalize())

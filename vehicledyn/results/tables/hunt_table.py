@@ -46,6 +46,8 @@ FIGURE_MEANINGS = {
 }
 
 _ORIGIN, _MEANS = "origin_of_branch_", "means_of_"
+_DIRECTION = "cycle_direction"
+_DIRECTION_MEANS = "Way of the branch: changes of parameter, period and amplitudes, of any length"
 _SIMULATED = "value", "amplitude", "period", "spread", "seconds"
 
 
@@ -56,6 +58,8 @@ class CycleRow:
     ``kind`` is "" or "fold", "period_doubling", "torus", "branch_point"; ``trivial`` and
     ``largest`` are the trivial Floquet multiplier and the largest magnitude of the others;
     ``smallest``, ``greatest`` (n_channels,) and ``motion`` (n_phases, n_channels) are in SI.
+    ``direction`` (2 + n_channels,) is the way of the branch there, of any length and sign: changes
+    of parameter, period and amplitudes; None where it is unknown.
     """
 
     branch: int
@@ -68,6 +72,7 @@ class CycleRow:
     smallest: Any
     greatest: Any
     motion: Any
+    direction: Any = None
 
     @property
     def amplitude(self) -> Any:
@@ -190,6 +195,7 @@ def write_hunt(path: Path, table: HuntTable, *, is_locked: bool = False) -> None
         motion = [row.motion for row in table.cycles]
         whole = np.array(motion, dtype=float) if motion else np.zeros((0, 0, len(table.channels)))
         write_numbers(file, "cycle_motion", whole, (cycle,), ("SI", "One period, equally sampled"))
+        write_numbers(file, _DIRECTION, _directions(table), (cycle,), ("SI", _DIRECTION_MEANS))
         numbers = [[getattr(row, name) for name in _SIMULATED] for row in table.simulated]
         columns_of = np.array(numbers, dtype=float).reshape(-1, len(_SIMULATED))
         write_numbers(file, "simulated", columns_of, (simulated,), ("SI", ", ".join(_SIMULATED)))
@@ -229,6 +235,7 @@ def read_hunt(path: Path) -> HuntTable:
         eigenvalues = read_complex(file, "eigenvalue")
         if len(locus):
             sizes.fit("eigenvalue", eigenvalues, "equilibria", "states")
+        directions = _read_directions(file, sizes, len(kinds))
         cycles = tuple(
             CycleRow(
                 int(columns["branch"][k]),
@@ -241,6 +248,7 @@ def read_hunt(path: Path) -> HuntTable:
                 smallest[k],
                 greatest[k],
                 motion[k],
+                directions[k],
             )
             for k in range(len(kinds))
         )
@@ -279,6 +287,21 @@ def read_hunt(path: Path) -> HuntTable:
             },
             str(file.attrs.get("identity", "")),
         )
+
+
+def _directions(table: HuntTable) -> Any:
+    """Return the directions of all cycles, not a number where they are unknown."""
+    unknown = np.full(2 + len(table.channels), np.nan)
+    rows = [unknown if row.direction is None else row.direction for row in table.cycles]
+    return np.array(rows, dtype=float).reshape(len(rows), len(unknown))
+
+
+def _read_directions(file: Any, sizes: Sizes, count: int) -> list[Any]:
+    """Return the direction of each cycle; files of earlier versions hold none."""
+    if _DIRECTION not in file:
+        return [None] * count
+    found = sizes.fit(_DIRECTION, file[_DIRECTION][()], "cycles", "components", gaps=True)
+    return [row if np.isfinite(row).all() else None for row in found]
 
 
 def _status(path: Path, status: str, message: str) -> tuple[str, str]:
