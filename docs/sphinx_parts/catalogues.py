@@ -28,6 +28,7 @@ TITLES = {
     "time_law": ("Time laws", "Laws of drives in a system file."),
     "cases": ("Cases of studies", "Which cases a study runs: `cases` of a study."),
     "sensor": ("Sensors", "What a system file shows beyond its coordinates."),
+    "shape": ("Shapes", "What bodies of a system file look like in animations and pictures."),
 }
 _LEFT_OUT = ("model", "model_file", "joint_type", "element_type", "sensor_type", "constraint_type")
 

@@ -48,6 +48,21 @@ class Box(Shape):
 
 
 @dataclass(frozen=True)
+class Extrusion(Shape):
+    """A profile in the plane of x and z, drawn along y over a ``width`` about the point ``at``.
+
+    ``profile`` are its corners (x, z) from that point, round it once. ``style`` as for a box.
+    """
+
+    kind: ClassVar[str] = "extrusion"
+
+    at: Anchor
+    profile: Sequence[Sequence[Any]]
+    width: Any
+    style: str = "body"
+
+
+@dataclass(frozen=True)
 class Ball(Shape):
     """A ball, such as a ball joint."""
 

@@ -15,6 +15,7 @@ from vehicledyn.base.shapes import (
     Ball,
     Box,
     Coil,
+    Extrusion,
     Force,
     Hull,
     Plane,
@@ -103,6 +104,7 @@ def test_all_kinds_of_shapes_are_read():
     a, b = Anchor("body", (0.0, 0.0, 0.0)), Anchor("ground", (1.0, 0.0, 0.0))
     shapes = [
         Box("box", a, (1.0, 1.0, 1.0)),
+        Extrusion("side", a, ((0.0, 0.0), (1.0, 0.0), (1.0, 1.0)), 2.0),
         Ball("ball", a, 0.1),
         Tube("tube", a, b, 0.1),
         Coil("coil", a, b, 0.1, direction=(0.0, 0.0, 1.0)),
@@ -117,7 +119,17 @@ def test_all_kinds_of_shapes_are_read():
     plain = json.loads(json.dumps({"bodies": [body], "shapes": as_plain(shapes)}))
     assert len(read_stage(plain).shapes) == len(shapes)
     for shape in plain["shapes"]:
-        for key in ("at", "a", "radius", "size", "axis", "outline", "point", "components"):
+        for key in (
+            "at",
+            "a",
+            "radius",
+            "size",
+            "axis",
+            "outline",
+            "profile",
+            "point",
+            "components",
+        ):
             if key in shape:
                 with pytest.raises(ValueError, match=key):
                     read_stage({"bodies": [body], "shapes": [{**shape, key: {"body": 3}}]})

@@ -99,8 +99,9 @@ def axle_columns(
         side, up = (f"{sensor}.contact_velocity_{axis}" for axis in "yz")
         if {*places} <= {*names} and up in moving:
             sideways = len(names) + moving.index(side) if side in moving else None
-            at = [names.index(place) for place in places]
-            wheels.append(_Wheel(sensor, *at, sideways, len(names) + moving.index(up)))
+            offset, height = (names.index(place) for place in places)
+            upwards = len(names) + moving.index(up)
+            wheels.append(_Wheel(sensor, offset, height, sideways, upwards))
     lengths = [
         (channel.name.removesuffix(_LENGTH), k)
         for k, channel in enumerate(channels)

@@ -18,9 +18,12 @@ from vehicledyn.files.system.events import switch
 from vehicledyn.files.system.joints import JointSet
 from vehicledyn.files.system.read import SystemModel
 from vehicledyn.files.system.sets import BodySet
+from vehicledyn.files.system.shapes import ShapeSet
+from vehicledyn.multibody.elements.drawn_shapes import DrawnShapes
 from vehicledyn.multibody.elements.motion_sensors import Accelerometer, BodySensor
 from vehicledyn.multibody.model.bodies import Body, Joint, Turn
 from vehicledyn.multibody.model.constraints import Constraint
+from vehicledyn.multibody.model.parts import Part
 from vehicledyn.multibody.model.system import System
 from vehicledyn.road.vehicle import Corner, RoadVehicle
 
@@ -110,6 +113,7 @@ def _system(values: Values) -> System:
             for n, s in section.items()
         ),
     ]
+    parts += _drawn(values)
     system = System(
         name=values.model.name,
         table=values.table,
@@ -123,6 +127,15 @@ def _system(values: Values) -> System:
         constraint_method=file.constraint_method,
     )
     return _with_brought_starts(values, system)
+
+
+def _drawn(values: Values) -> list[Part]:
+    """Return the part that draws the shapes of the file, none if it has none."""
+    sets = {n: s for n, s in values.model.file.shapes.items() if isinstance(s, ShapeSet)}
+    if not sets:
+        return []
+    shapes = tuple(s.shape(name, values.value) for name, s in sets.items())
+    return [DrawnShapes(given=shapes, bodies=frozenset(s.body for s in sets.values()))]
 
 
 def _with_brought_starts(values: Values, system: System) -> System:

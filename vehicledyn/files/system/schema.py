@@ -22,7 +22,7 @@ from vehicledyn.files.system.kinds import load_kinds
 from vehicledyn.files.system.places import Place
 from vehicledyn.files.system.sets import SystemFile
 
-_OWN = ("cut", "constraint", "sensor", "element")
+_OWN = ("cut", "constraint", "sensor", "element", "shape")
 _FACTS = ("measure", "nature", "variables", "least", "above", "names", "expressions", "no_ground",
           "turns_with", "written")  # fmt: skip
 _INDEX = {

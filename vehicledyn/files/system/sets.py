@@ -205,6 +205,9 @@ class Sections(SystemSet):
         "element", "Elements of any kind of the catalogue, by name"
     )
     sensors: dict[str, ParameterSet] = section("sensor", "Sensors by name")
+    shapes: dict[str, ParameterSet] = section(
+        "shape", "Shapes of bodies, for animation and pictures, by name"
+    )
     wheels: dict[str, WheelSet] = Field(default_factory=dict, description="Wheels by name")
     rail_wheels: dict[str, RailWheelSet] = Field(
         default_factory=dict, description="Wheels on rails by name, those of one body together"

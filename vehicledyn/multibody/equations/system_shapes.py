@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vehicledyn.base.shapes import Shape, as_plain
+from vehicledyn.multibody.elements.drawn_shapes import DrawnShapes
 from vehicledyn.multibody.model.bodies import Body, Joint
 from vehicledyn.multibody.model.ground import GROUND
 from vehicledyn.multibody.model.system import System
@@ -57,7 +58,9 @@ def appearance(system: System, values: Sequence[float], extra: Sequence[Shape] =
     own = plain.pop("own")
     points = _points(own, shapes)
     thickness = _thickness(points)
-    found = [*shapes, *_bodies(own, shapes, points, thickness), *_joints(own, thickness)]
+    shaped = {body for p in system.parts if isinstance(p, DrawnShapes) for body in p.bodies}
+    bodies = _bodies([b for b in own if b["name"] not in shaped], shapes, points, thickness)
+    found = [*shapes, *bodies, *_joints(own, thickness)]
     return {**plain, "shapes": [_sized(shape, own, thickness) for shape in found]}
 
 

@@ -113,6 +113,8 @@ def _reach(moment: SceneState, shape: Plain) -> Array:
                 reach = np.array([[-1.0, 0.0, 0.0], [1.0, 0.0, 0.0]]) * shape["radius"]
             elif shape["kind"] == "box":
                 reach = np.array([[-0.5], [0.5]]) * np.array(shape["size"])
+            elif shape["kind"] == "extrusion":
+                reach = np.insert(np.array(shape["profile"], dtype=float), 1, 0.0, axis=1)
             points.append(moment.places(anchor["body"], np.array(anchor["point"]) + reach))
     return np.concatenate(points)
 

@@ -111,6 +111,27 @@ def _box(moment: SceneState, shape: Plain, has_hull: bool) -> list[Face]:
     return [Face(points[list(s)], own, opacity) for s in sides]
 
 
+def _extrusion(moment: SceneState, shape: Plain, has_hull: bool) -> list[Face]:
+    at, half = shape["at"], 0.5 * shape["width"]
+    corners = np.array(shape["profile"], dtype=float)
+    sides = [
+        moment.places(
+            at["body"],
+            np.insert(corners, 1, y, axis=1) + np.array(at["point"], dtype=float),
+        )
+        for y in (-half, half)
+    ]
+    own = STEEL if shape["style"] == "steel" else _colour(moment, at["body"], has_hull)
+    opacity = 0.25 if shape["style"] == "glass" else 1.0
+    near, far = sides
+    count = len(corners)
+    polygons = [near, far]
+    for k in range(count):
+        n = (k + 1) % count
+        polygons.append(np.array([near[k], far[k], far[n], near[n]]))
+    return [Face(polygon, own, opacity) for polygon in polygons]
+
+
 def _wheel(moment: SceneState, shape: Plain, _: bool) -> list[Face]:
     r, h = shape["radius"], 0.5 * shape["width"]
     along, left, up = _frame(np.array(shape["axis"], dtype=float))
@@ -287,6 +308,7 @@ _MAKERS: dict[str, Callable[[SceneState, Plain, bool], Sequence[Face]]] = {
     "coil": _coil,
     "ball": _ball,
     "box": _box,
+    "extrusion": _extrusion,
     "wheel": _wheel,
     "hull": _hull,
 }

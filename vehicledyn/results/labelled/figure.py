@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import io
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import replace
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import matplotlib
@@ -71,18 +70,16 @@ def draw_data(
         line
         for source, one in several.items()
         for name in one.names(*patterns)
-        for line in _lines(_shown(one, name), _shown(one, against) if against else None, source)
+        for line in _lines(one[name], one[against] if against else None, source, _shown(one, name))
     ]
     return _drawn(lines, ", ".join(patterns) if len(data) > 1 else first.title)
 
 
-def _shown(data: LabelledSet, name: str) -> Labelled:
-    """Return an array, not numbers where it tells of a contact of wheel and rail without load."""
-    array = data[name]
-    load = load_of(name, data)
-    if load is None:
-        return array
-    return replace(array, values=np.where(data[load].values > 0.0, array.values, np.nan))
+def _shown(data: LabelledSet, name: str) -> NDArray[Any]:
+    """Return values, not numbers where they tell of a contact of wheel and rail without load."""
+    load = load_of(name, set(data))
+    values = data[name].values
+    return values if load is None else np.where(data[load].values > 0.0, values, np.nan)
 
 
 def draw_standard(data: Mapping[str, LabelledSet], name: str | None = None) -> Figure:
@@ -106,15 +103,21 @@ def draw_array(array: Labelled) -> Figure:
     return _drawn(list(_lines(array, None, "")), array.name)
 
 
-def _lines(array: Labelled, against: Labelled | None, source: str) -> Iterator[Line]:
-    """Yield the lines of an array, one for each place along its further dimensions."""
+def _lines(
+    array: Labelled, against: Labelled | None, source: str, shown: NDArray[Any] | None = None
+) -> Iterator[Line]:
+    """Yield the lines of an array, one for each place along its further dimensions.
+
+    ``shown`` are its values where some of them are not to be drawn.
+    """
+    values = array.values if shown is None else shown
     if not array.dims or array.values.dtype.kind not in "fiub":
         what = "complex" if array.values.dtype.kind == "c" else "no line of numbers"
         raise InputError(f"{array.name}: is {what} ({array.size_in_words}) and cannot be drawn")
     dim = "time" if "time" in array.dims else array.dims[0]
     place = array.dims.index(dim)
     across = _axis(array, dim, array.values.shape[place], against)
-    columns = np.moveaxis(array.values, place, 0).reshape(len(across.values), -1)
+    columns = np.moveaxis(values, place, 0).reshape(len(across.values), -1)
     if columns.shape[1] > MOST_LINES:
         raise InputError(
             f"{array.name}: has {columns.shape[1]} lines ({array.size_in_words}); choose some"

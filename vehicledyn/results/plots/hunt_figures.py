@@ -147,7 +147,7 @@ def _branch(axes: Axes, rows: list[CycleRow], measure: Any, change: Any) -> None
     heights = points[:, 1]
     curve = np.concatenate([points[:1], *(piece[1:] for piece in pieces)])
     stable = np.repeat([row.stable for row in rows[1:]], POINTS)
-    _runs(axes, *curve.T, np.insert(stable, 0, rows[0].stable), BLUE)
+    _runs(axes, curve[:, 0], curve[:, 1], np.insert(stable, 0, rows[0].stable), BLUE)
     for row, height in zip(rows, heights, strict=True):
         if row.kind:
             marker, label = KINDS[row.kind]

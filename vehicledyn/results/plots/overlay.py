@@ -64,7 +64,7 @@ def _fits(base: Figure, other: Figure) -> bool:
 
 
 def _labels(axes: Axes) -> tuple[str, str, str]:
-    return axes.get_xlabel(), axes.get_ylabel(), axes.get_label()
+    return axes.get_xlabel(), axes.get_ylabel(), str(axes.get_label())
 
 
 def _is_of_lines(axes: Axes) -> bool:

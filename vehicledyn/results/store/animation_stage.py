@@ -10,6 +10,7 @@ from typing import Any
 
 _SIZES: dict[str, tuple[str, ...]] = {
     "box": ("at", "size"),
+    "extrusion": ("at", "profile", "width"),
     "ball": ("at", "radius"),
     "tube": ("a", "b", "radius"),
     "coil": ("a", "b", "radius"),
@@ -31,7 +32,7 @@ _OPTIONS: dict[str, Any] = {
     "factors": [1.0, 1.0, 1.0],
 }
 _POINTS = ("size", "axis", "point", "normal", "direction", "factors")
-_LISTS = ("outline", "rotation")
+_LISTS = ("outline", "rotation", "profile")
 _NUMBERS = ("radius", "width", "bottom", "top")
 
 
@@ -95,7 +96,7 @@ def _is_right(key: str, value: Any, bodies: set[str]) -> bool:
         return _is_point(value) or (key == "direction" and value is None)
     if key in _LISTS:
         rows = isinstance(value, list) and all(isinstance(row, list) for row in value)
-        width = 2 if key == "outline" else 3
+        width = 3 if key == "rotation" else 2
         right = rows and all(len(row) >= width and all(map(_is_number, row)) for row in value)
         return right or (key == "rotation" and value is None)
     if key in _NUMBERS:

@@ -33,6 +33,7 @@ from vehicledyn.files.system.sets import (
     SpringSet,
     WheelSet,
 )
+from vehicledyn.files.system.shapes import ShapeSet
 
 AXES = {"x": 1, "y": 2, "z": 3}
 _PRODUCTS = ((1, 2), (1, 3), (2, 3))
@@ -169,7 +170,7 @@ def _mirrored(item: Any, axis: int, renamed: _Names, pieces: _Pieces) -> Any:
         return _on_other_side(image)
     if isinstance(item, EventSet):
         return _mirrored_event(item, image, axis, renamed)
-    return _turned(item, image, renamed)
+    return image.mirrored(axis) if isinstance(image, ShapeSet) else _turned(item, image, renamed)
 
 
 def _on_other_side(image: WheelSet | RailWheelSet) -> SystemSet:

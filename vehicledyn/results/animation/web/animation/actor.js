@@ -88,6 +88,7 @@ class Actor {
     const colours = this.data.shapes.some((s) => s.kind === "hull") ? () => COLOURS.arm : (name) => OKABE_ITO[Math.max(node(name).index, 0) % OKABE_ITO.length];
     const add = (mesh, body, spins = false) => (spins ? node(body).spinner : node(body).frame).add(mesh);
     if (shape.kind === "box") add(boxMesh(shape, this.paint, shape.style === "steel" ? COLOURS.steel : colours(shape.at.body)), shape.at.body);
+    else if (shape.kind === "extrusion") add(extrusionMesh(shape, this.paint, shape.style === "steel" ? COLOURS.steel : colours(shape.at.body)), shape.at.body);
     else if (shape.kind === "ball") {
       const mesh = new THREE.Mesh(new THREE.SphereGeometry(shape.radius, 20, 14), this.paint(shape.style === "body" ? colours(shape.at.body) : shape.style === "rubber" ? COLOURS.tyre : COLOURS.joint));
       mesh.position.set(...shape.at.point);

@@ -124,7 +124,18 @@ function hullMesh(shape, wheels, paint) {
 }
 
 function boxMesh(shape, paint, colour) {
-  const geometry = new THREE.BoxGeometry(...shape.size);
+  return blockMesh(new THREE.BoxGeometry(...shape.size), shape, paint, colour);
+}
+
+// A profile in the plane of x and z, drawn along y.
+function extrusionMesh(shape, paint, colour) {
+  const profile = new THREE.Shape(shape.profile.map(([x, z]) => new THREE.Vector2(x, z)));
+  const geometry = new THREE.ExtrudeGeometry(profile, { depth: shape.width, bevelEnabled: false });
+  geometry.translate(0, 0, -0.5 * shape.width).rotateX(Math.PI / 2);
+  return blockMesh(geometry, shape, paint, colour);
+}
+
+function blockMesh(geometry, shape, paint, colour) {
   const group = new THREE.Group();
   const glass = { transparent: true, opacity: 0.28, side: THREE.DoubleSide, depthWrite: false, forceSinglePass: true };
   const block = new THREE.Mesh(geometry, shape.style === "glass" ? paint(colour, glass) : paint(colour));
