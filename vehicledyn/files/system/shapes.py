@@ -65,8 +65,8 @@ class CylinderSet(ShapeSet):
 
     def shape(self, name: str, value: Values) -> Shape:
         """Return the cylinder."""
-        ends = (Anchor(self.body, value(end)) for end in (self.a, self.b))
-        return Tube(name, *ends, value(self.radius), self.style)
+        first, last = (Anchor(self.body, value(end)) for end in (self.a, self.b))
+        return Tube(name, first, last, value(self.radius), self.style)
 
 
 @register("shape", "sphere")

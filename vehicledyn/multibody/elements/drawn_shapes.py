@@ -10,7 +10,7 @@ from vehicledyn.multibody.model.parts import BasePart
 
 @dataclass(frozen=True)
 class DrawnShapes(BasePart):
-    """The look of some bodies, which are not drawn otherwise."""
+    """The look of some bodies, which with their joints are not drawn otherwise."""
 
     name: str = "drawn shapes"
     given: tuple[Shape, ...] = field(default=())

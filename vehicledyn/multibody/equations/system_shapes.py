@@ -48,28 +48,31 @@ def appearance(system: System, values: Sequence[float], extra: Sequence[Shape] =
         Further shapes, such as the hull of a vehicle.
     """
     given = [*_offered(system), *extra]
+    looks = [part for part in system.parts if isinstance(part, DrawnShapes)]
     raw = {
         **raw_skeleton(system),
         "own": [_own(body) for body in system.bodies],
         "shapes": [as_plain(shape) for shape in given],
+        "drawn": [as_plain(shape) for part in looks for shape in part.given],
     }
     plain = _evaluated(raw, system, values)
     shapes = _distinct_planes(plain.pop("shapes"))
-    own = plain.pop("own")
+    own, drawn = plain.pop("own"), plain.pop("drawn")
     points = _points(own, shapes)
     thickness = _thickness(points)
-    shaped = {body for p in system.parts if isinstance(p, DrawnShapes) for body in p.bodies}
-    bodies = _bodies([b for b in own if b["name"] not in shaped], shapes, points, thickness)
-    found = [*shapes, *bodies, *_joints(own, thickness)]
+    shaped = {body for part in looks for body in part.bodies}
+    plain_bodies = [body for body in own if body["name"] not in shaped]
+    bodies = _bodies(plain_bodies, shapes, points, thickness)
+    found = [*shapes, *drawn, *bodies, *_joints(plain_bodies, thickness)]
     return {**plain, "shapes": [_sized(shape, own, thickness) for shape in found]}
 
 
 def _offered(system: System) -> list[Shape]:
-    """Return the shapes that cuts, constraints and parts offer."""
+    """Return the shapes that cuts, constraints and parts offer, none that the user gives."""
     found: list[Shape] = []
     for item in (*system.cuts, *system.constraints, *system.parts):
         offer = getattr(item, "shapes", None)
-        if offer is not None:
+        if offer is not None and not isinstance(item, DrawnShapes):
             found.extend(offer())
     return found
 

@@ -107,7 +107,7 @@ def _box(moment: SceneState, shape: Plain, has_hull: bool) -> list[Face]:
     points = moment.places(at["body"], local + np.array(at["point"]))
     opacity = 0.25 if shape["style"] == "glass" else 1.0
     sides = ((0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3))
-    own = _colour(moment, at["body"], has_hull)
+    own = STEEL if shape["style"] == "steel" else _colour(moment, at["body"], has_hull)
     return [Face(points[list(s)], own, opacity) for s in sides]
 
 
