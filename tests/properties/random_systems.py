@@ -6,7 +6,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from vehicledyn.multibody.elements.drives import TimeLaw
-from vehicledyn.multibody.elements.point_forces import Attachment, GuidedLink, Link
+from vehicledyn.multibody.elements.point_forces import Attachment, Link
 from vehicledyn.multibody.model.bodies import Body, Joint, Turn
 from vehicledyn.multibody.model.cuts import BallCut, BodyCut, RodCut
 from vehicledyn.multibody.model.ground import GROUND
@@ -163,12 +163,12 @@ def tree(seed):
             lambda z, v: 30.0 * (z - 0.6) + 4.0 * v + 0.5 * v * v * v,
         ),
         Link("rope", Attachment(GROUND, b.point()), Attachment("second", (0.1, 0.2, 0.9)), pull),
-        GuidedLink(
+        Link(
             "guide",
             Attachment("first", b.point()),
-            (0.6, 0.0, 0.8),
             Attachment("driven", b.point()),
             pull,
+            direction=(0.6, 0.0, 0.8),
         ),
     )
     return b.system(f"tree {seed}", parts=parts)

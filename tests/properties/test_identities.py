@@ -8,7 +8,7 @@ import pytest
 from evaluation import Derived
 from random_systems import CLOSED, JOINT_KINDS, Builder, Motor, Wind, pull, tree
 
-from vehicledyn.multibody.elements.point_forces import Attachment, GuidedLink, Link
+from vehicledyn.multibody.elements.point_forces import Attachment, Link
 from vehicledyn.multibody.model.bodies import Body, Joint, Turn
 from vehicledyn.multibody.model.ground import GROUND
 from vehicledyn.multibody.model.kinematics import Kinematics
@@ -179,12 +179,12 @@ def floating(seed):
     b.add_wheel("wheel", "one", 2)
     parts = (
         Link("spring", Attachment("one", b.point()), Attachment("two", (0.8, 0.9, 1.0)), pull),
-        GuidedLink(
+        Link(
             "guide",
             Attachment("root", b.point()),
-            (0.6, 0.8, 0.0),
             Attachment("three", b.point()),
             pull,
+            direction=(0.6, 0.8, 0.0),
         ),
         Motor("motor", "one.q1"),
         Wind("wind", "two"),
@@ -277,7 +277,7 @@ def test_power_of_a_link(kind, law, seed):
     part = (
         Link("link", *ends, LAWS[law])
         if kind == "link"
-        else GuidedLink("link", ends[0], (0.48, 0.6, 0.64), ends[1], LAWS[law])
+        else Link("link", *ends, LAWS[law], direction=(0.48, 0.6, 0.64))
     )
     d = Derived(b.system("linked", parts=(part,)), seed)
     values = d.output

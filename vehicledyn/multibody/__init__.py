@@ -37,7 +37,7 @@ if TYPE_CHECKING:
         BodySensor,
         SequenceSensor,
     )
-    from vehicledyn.multibody.elements.point_forces import Attachment, GuidedLink, Link
+    from vehicledyn.multibody.elements.point_forces import Attachment, Link
     from vehicledyn.multibody.elements.rolling import RollingWheel
     from vehicledyn.multibody.elements.transmissions import Belt, Gears, LeadScrew, Rack
     from vehicledyn.multibody.equations.derivation import derive
@@ -68,7 +68,6 @@ __all__ = [
     "ConstantRate",
     "ConstraintForceSensor",
     "Gears",
-    "GuidedLink",
     "Joint",
     "LeadScrew",
     "LinearConstraint",
@@ -109,7 +108,7 @@ __getattr__ = lazy_exports(
         "vehicledyn.multibody.equations.derivation": ("derive",),
         "vehicledyn.multibody.elements.drives": ("ConstantRate", "TimeLaw"),
         "vehicledyn.multibody.elements.force_sensors": ("ConstraintForceSensor", "ReactionSensor"),
-        "vehicledyn.multibody.elements.point_forces": ("Attachment", "GuidedLink", "Link"),
+        "vehicledyn.multibody.elements.point_forces": ("Attachment", "Link"),
         "vehicledyn.multibody.model.parts": (
             "BasePart",
             "Loads",

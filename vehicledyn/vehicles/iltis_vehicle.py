@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 
 from vehicledyn.multibody.elements.drives import ConstantRate
 from vehicledyn.multibody.elements.motion_sensors import Accelerometer, BodySensor, SequenceSensor
-from vehicledyn.multibody.elements.point_forces import Attachment, GuidedLink, Link
+from vehicledyn.multibody.elements.point_forces import Attachment, Link
 from vehicledyn.multibody.model.bodies import Body, Joint, Turn
 from vehicledyn.multibody.model.cuts import Cut, RodCut
 from vehicledyn.multibody.model.ground import GROUND
@@ -229,12 +229,12 @@ class _Corner:
         anchor = self.on_chassis((0.0, 0.0, s.anchor_height))
         carrier = f"carrier_{self.name}"
         leaf_end = Attachment(carrier, self.from_ball(h.leaf_outer))
-        spring = GuidedLink(
+        spring = Link(
             f"leaf_spring_{self.name}",
             Attachment(CHASSIS, anchor),
-            (0.0, 0.0, 1.0),
             leaf_end,
             lambda length, _: leaf_force(s, length),
+            direction=(0.0, 0.0, 1.0),
         )
         shock = Link(
             f"shock_{self.name}",

@@ -316,6 +316,15 @@ ELEMENTS = {
         "body: b, length: 1 m, mass_per_length: 1 kg/m, bending_stiffness: 9 N*m^2, frames: [1]",
         lambda s: (0.0, 0.0, 0.0),
     ),
+    "link": (
+        "a: {body: ground, point: [0, 0, 4 m]}, b: b, direction: [0, 0, 1], law: {kind: "
+        "spring_damper, stiffness: 5 N/m, free_length: 1 m, damping: 9 N*s/m}",
+        lambda s: (0.0, 0.0, 5.0 * (4.0 - 1.0)),
+    ),
+    "spring": (
+        "coordinate: b.x, law: {kind: spring_damper, stiffness: 5 N/m, damping: 2 N*s/m}",
+        lambda s: (-5.0 * s["b.x"] - 2.0 * s["b.x_rate"], 0.0, 0.0),
+    ),
     "wrench": ("body: b, force: [2 N, 0, 3 N/s * time]", lambda s: (2.0, 0.0, 6.0)),
 }
 PUSHED = f"title: t\ngravity: [0, 0, 0]\nbodies: {{b: {{joints: [T1 x, T2 y, T3 z], {MASS}}}}}\n"

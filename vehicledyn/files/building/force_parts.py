@@ -7,17 +7,13 @@ from typing import Any
 from vehicledyn.base.errors import InputError
 from vehicledyn.files.building.values import Values
 from vehicledyn.files.system.declared_sets import DeclaredSet, element_of
-from vehicledyn.files.system.places import Place
 from vehicledyn.files.system.sensors import motion_of
 from vehicledyn.files.system.sets import (
     DriveSet,
     ForceSet,
-    LinkSet,
-    SpringSet,
 )
 from vehicledyn.multibody.elements.coordinate_forces import CoordinateForce
 from vehicledyn.multibody.elements.drives import TimeLaw
-from vehicledyn.multibody.elements.point_forces import Attachment, GuidedLink, Link
 from vehicledyn.multibody.model.parts import Part, Situation
 
 
@@ -26,9 +22,9 @@ def force_parts(values: Values) -> list[Part]:
     file = values.model.file
     return [
         *(_drive(values, n, d) for n, d in file.drives.items()),
-        *(_link(values, n, link) for n, link in file.links.items()),
+        *(built(values, n, link) for n, link in file.links.items()),
         *(built(values, n, b) for n, b in file.bushings.items()),
-        *(_spring(values, n, s) for n, s in file.springs.items()),
+        *(built(values, n, s) for n, s in file.springs.items()),
         *(_force(values, n, f) for n, f in file.forces.items()),
         *(built(values, n, w) for n, w in file.wrenches.items()),
     ]
@@ -37,32 +33,6 @@ def force_parts(values: Values) -> list[Part]:
 def _drive(values: Values, name: str, drive: DriveSet) -> Part:
     sign, law = -1.0 if drive.mirrored else 1.0, drive.law
     return TimeLaw(name, drive.coordinate, lambda t: sign * law.at(t, values.value))
-
-
-def _link(values: Values, name: str, link: LinkSet) -> Part:
-    a, b = _attachment(values, link.a), _attachment(values, link.b)
-
-    def law(length: Any, rate: Any) -> Any:
-        return link.law.tension(length, rate, values.value)
-
-    if link.direction is None:
-        return Link(name, a, b, law)
-    return GuidedLink(name, a, values.value(link.direction), b, law)
-
-
-def _attachment(values: Values, place: Place) -> Attachment:
-    return Attachment(place.body, values.value(place.point))
-
-
-def _spring(values: Values, name: str, spring: SpringSet) -> Part:
-    coordinate, sign = spring.coordinate, -1.0 if spring.mirrored else 1.0
-
-    def law(situation: Situation) -> Any:
-        position = sign * situation.kinematics.coordinate(coordinate)
-        rate = sign * situation.kinematics.rate(coordinate)
-        return -sign * spring.law.tension(position, rate, values.value)
-
-    return CoordinateForce(name, coordinate, law, _force_unit_of(values, coordinate))
 
 
 def _force(values: Values, name: str, force: ForceSet) -> Part:

@@ -15,7 +15,7 @@ from vehicledyn.base.errors import InputError
 from vehicledyn.base.registry import announce, find, kinds
 from vehicledyn.files.expressions.expressions import Expression, read_expression
 from vehicledyn.files.expressions.fields import Scalar, SystemSet, Vector, fact
-from vehicledyn.files.system.laws import Values
+from vehicledyn.files.system.laws import ForceLaw, Values
 from vehicledyn.files.system.places import Place
 from vehicledyn.multibody.model.ground import GROUND
 
@@ -92,6 +92,7 @@ def _field(field: Field[Any], hint: Any, where: str) -> Any:
     annotation: Any = {
         "attachment": Place,
         "name": str,
+        "law": ForceLaw,
         "group": None,
     }.get(what, Vector if is_vector else Scalar if is_expression else hint)
     if what == "group":
@@ -146,6 +147,8 @@ def element_of(item: DeclaredSet, name: str, value: Values, coordinates: Sequenc
             return _function_of(item, field, given, value, coordinates)
         if isinstance(given, Place):
             return Attachment(given.body, value(given.point))
+        if isinstance(given, ForceLaw):
+            return lambda length, rate: given.tension(length, rate, value)
         if isinstance(given, DeclaredSet):
             return element_of(given, "", value, coordinates)
         return given

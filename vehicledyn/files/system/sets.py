@@ -22,8 +22,7 @@ from vehicledyn.files.expressions.fields import (
 from vehicledyn.files.system.assembly_sets import AssemblySet, ConnectionSet
 from vehicledyn.files.system.events import EventSet
 from vehicledyn.files.system.joints import Coordinate, JointSet
-from vehicledyn.files.system.laws import ForceLaw, TimeLaw
-from vehicledyn.files.system.places import Place
+from vehicledyn.files.system.laws import TimeLaw
 from vehicledyn.files.system.rail_wheels import RailWheelSet
 from vehicledyn.multibody.model.ground import GROUND
 
@@ -89,29 +88,6 @@ def _long_joint(item: Any) -> Any:
         return item
     kind, _, name = item.partition(" ")
     return {"kind": kind, "name": name.strip()} if name.strip() else {"kind": kind}
-
-
-class LinkSet(SystemSet):
-    """A massless force element between two points."""
-
-    a: Place = Field(description="One end")
-    b: Place = Field(description="The other end")
-    law: ForceLaw = part("force_law", "Force, positive in tension")
-    direction: Vector | None = measured(
-        "1",
-        "Unit vector in the axes of body a; then the force acts along it and the length is "
-        "measured along it from b to a",
-        default=None,
-        nature="polar",
-    )
-
-
-class SpringSet(SystemSet):
-    """A spring or damper on a coordinate: its force is minus what the law gives."""
-
-    coordinate: str = reference("coordinate", "The coordinate")
-    law: ForceLaw = part("force_law", "Force against the coordinate, as in a spring")
-    mirrored: bool = Field(default=False, description="Take the law of the opposite coordinate")
 
 
 class ForceSet(SystemSet):
@@ -183,14 +159,14 @@ class Sections(SystemSet):
     bodies: dict[str, BodySet] = Field(default_factory=dict, description="Bodies by name")
     cuts: dict[str, ParameterSet] = section("cut", "Cuts that close loops, by name")
     constraints: dict[str, ParameterSet] = section("constraint", "Further constraints, by name")
-    links: dict[str, LinkSet] = Field(
-        default_factory=dict, description="Force elements between two points, by name"
+    links: dict[str, ParameterSet] = section(
+        "element", "Force elements between two points, by name", kind="link"
     )
     bushings: dict[str, ParameterSet] = section(
         "element", "Springs and dampers in three directions and turns, by name", kind="bushing"
     )
-    springs: dict[str, SpringSet] = Field(
-        default_factory=dict, description="Springs and dampers on coordinates, by name"
+    springs: dict[str, ParameterSet] = section(
+        "element", "Springs and dampers on coordinates, by name", kind="spring"
     )
     forces: dict[str, ForceSet] = Field(
         default_factory=dict, description="Forces on coordinates, by name"

@@ -5,7 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
+from vehicledyn.base.registry import register
 from vehicledyn.base.shapes import Anchor, Coil, Shape
+from vehicledyn.multibody.model.declaration import attachment, law, vector
 from vehicledyn.multibody.model.kinematics import Kinematics
 from vehicledyn.multibody.model.parts import BasePart, Loads, Output, Situation, Wrench
 from vehicledyn.symbolic import ops
@@ -24,46 +26,26 @@ class Attachment:
     point: Sequence[Scalar]
 
 
+@register("element_type", "link")
 @dataclass(frozen=True)
 class Link(BasePart):
-    """A force along the line between two points, F(Z, Ż), positive in tension.
+    """A massless force element between two points, F(Z, Ż), positive in tension.
 
-    The two points must never coincide.
+    Without a direction the force acts along the line between the points, which must never
+    coincide. With a direction, that of a slider on A which follows B sideways without friction,
+    the length is direction · (point of A - point of B), measured in A, and the force on B acts
+    along the direction wherever B is.
     """
 
-    a: Attachment
-    b: Attachment
-    law: ForceLaw
-
-    def loads(self, situation: Situation) -> Loads:
-        """Return the pair of opposite forces."""
-        line = _Line.between(situation.kinematics, self.a, self.b)
-        along = line.direction * self.law(line.length, line.rate)
-        return Loads(wrenches=line.pair(along))
-
-    def outputs(self, situation: Situation) -> tuple[Output, ...]:
-        """Return length, its rate and the force."""
-        line = _Line.between(situation.kinematics, self.a, self.b)
-        return _link_outputs(self.name, line.length, line.rate, self.law)
-
-    def shapes(self) -> tuple[Shape, ...]:
-        """Return a spring between the points."""
-        return (_coil(self.name, self.a, self.b),)
-
-
-@dataclass(frozen=True)
-class GuidedLink(BasePart):
-    """A force along a fixed direction of body A, at the point where body B is.
-
-    The end on A is a slider that follows B sideways without friction, so that the length is
-    direction · (point of A - point of B), measured in A, and the force on B acts along the
-    direction wherever B is.
-    """
-
-    a: Attachment
-    direction: Sequence[Scalar]
-    b: Attachment
-    law: ForceLaw
+    a: Attachment = attachment("One end")
+    b: Attachment = attachment("The other end")
+    law: ForceLaw = law("force_law", "Force, positive in tension")
+    direction: Sequence[Scalar] | None = vector(
+        "1",
+        "Unit vector in the axes of body a; then the force acts along it and the length is "
+        "measured along it from b to a",
+        default=None,
+    )
 
     def loads(self, situation: Situation) -> Loads:
         """Return the pair of opposite forces."""
@@ -76,11 +58,15 @@ class GuidedLink(BasePart):
         return _link_outputs(self.name, length, rate, self.law)
 
     def shapes(self) -> tuple[Shape, ...]:
-        """Return a spring along the direction, where B is."""
-        return (replace(_coil(self.name, self.a, self.b), direction=tuple(self.direction)),)
+        """Return a spring between the points, or along the direction, where B is."""
+        coil = _coil(self.name, self.a, self.b)
+        return (coil if self.direction is None else replace(coil, direction=tuple(self.direction)),)
 
     def _geometry(self, situation: Situation) -> tuple[_Line, Scalar, Scalar]:
         kinematics = situation.kinematics
+        if self.direction is None:
+            line = _Line.between(kinematics, self.a, self.b)
+            return line, line.length, line.rate
         body_a, body_b = self.a.body, self.b.body
         pair = kinematics.between(body_a, body_b)
         rotation_a = pair.rotation(body_a)

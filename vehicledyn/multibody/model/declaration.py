@@ -111,6 +111,14 @@ def choice(
     return _declared(default, "choice", description, nature=nature, **facts)
 
 
+def law(family: str, description: str) -> Any:
+    """Declare a law of two numbers, such as a force of length and rate.
+
+    System files choose it from a catalogue, ``family``, with parameters of its own.
+    """
+    return _declared(MISSING, "law", description, family=family)
+
+
 def group(description: str, *, default: Any = MISSING) -> Any:
     """Declare a field that holds a frozen dataclass of declared fields."""
     return _declared(default, "group", description)

@@ -83,6 +83,11 @@ class Tree:
         shared = [x for x, y in zip(path_a, path_b, strict=False) if x == y]
         return shared[-1]
 
+    def force_unit(self, coordinate: str) -> str:
+        """Return the unit of the force on a coordinate, "N" or "N*m"."""
+        joints = (link.joint for link in self.links)
+        return next(j.type.force_unit for j in joints if j is not None and j.name == coordinate)
+
     def link_name(self, link: int) -> str:
         """Return the name of the body whose axes the link has, "ground" for -1."""
         names = {index: name for name, index in self.body_link.items()}

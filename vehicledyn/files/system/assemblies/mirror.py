@@ -30,7 +30,6 @@ from vehicledyn.files.system.sets import (
     ForceSet,
     MirrorSet,
     Sections,
-    SpringSet,
     WheelSet,
 )
 from vehicledyn.files.system.shapes import ShapeSet
@@ -201,7 +200,7 @@ def _turned(item: SystemSet, image: SystemSet, renamed: _Names) -> SystemSet:
         return _turned_numbers(item, image, renamed)
     if getattr(item, "coordinate", None) not in renamed.turned:
         return image
-    if isinstance(image, SpringSet | DriveSet):
+    if isinstance(image, DriveSet):
         return image.model_copy(update={"mirrored": not image.mirrored})
     if isinstance(image, ForceSet):
         opposite = {name: named(name, sign=-1.0) for name in ("position", "rate")}
