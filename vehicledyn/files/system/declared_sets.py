@@ -158,7 +158,7 @@ def element_of(item: DeclaredSet, name: str, value: Values, coordinates: Sequenc
     try:
         return item.made_from(**named, **own)
     except InputError as error:
-        raise InputError(f"'{name}': {error}") from None
+        raise InputError(f"{item.kind} '{name}': {error}") from None
 
 
 def _function_of(

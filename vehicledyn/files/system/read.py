@@ -12,7 +12,7 @@ from vehicledyn.base.yaml import Document, read_yaml
 from vehicledyn.files.expressions.parameters import Parameters
 from vehicledyn.files.scenario.sources import Sources
 from vehicledyn.files.system.assemblies.read import Assembly, Library, PartFile
-from vehicledyn.files.system.brought import brought_bodies, brought_coordinates
+from vehicledyn.files.system.brought import brought_by
 from vehicledyn.files.system.joints import Coordinate
 from vehicledyn.files.system.kinds import load_kinds
 from vehicledyn.files.system.laws import TimeLaw
@@ -109,7 +109,7 @@ def read_system(
     file = reading.read()
     if reading.problems or file is None:
         return None, once(reading.problems)
-    brought = brought_coordinates(brought_bodies(file, reading.parameters))
+    brought = brought_by(file, reading.parameters).coordinates
     coordinates = {**coordinates_of(file), **brought}
     places = reading.places(file)
     laws = reading.motion(coordinates)
@@ -135,12 +135,13 @@ def _read_part(path: Path, library: Library) -> tuple[PartFile | None, list[Prob
         reading.look_beside(file, path.parent)
     if reading.problems or file is None:
         return None, once(reading.problems)
+    brought = brought_by(file, reading.parameters).coordinates
     return PartFile(
         path,
         file,
         reading.parameters,
         reading.expansion.data.get("parameters") or {},
-        frozenset(coordinates_of(file)),
+        frozenset(coordinates_of(file)) | frozenset(brought),
         reading.problem,
         tuple(reading.flat.assemblies),
         reading.texts,

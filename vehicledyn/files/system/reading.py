@@ -20,7 +20,7 @@ from vehicledyn.files.system.assemblies.flat import Flat, flatten
 from vehicledyn.files.system.assemblies.instances import interface_problems
 from vehicledyn.files.system.assemblies.read import Library, Use
 from vehicledyn.files.system.assemblies.repeat import Expansion, expand
-from vehicledyn.files.system.brought import brought_bodies, brought_coordinates
+from vehicledyn.files.system.brought import brought_by
 from vehicledyn.files.system.checks.references import check
 from vehicledyn.files.system.checks.structure import given_twice
 from vehicledyn.files.system.joints import Coordinate
@@ -74,9 +74,10 @@ class Reading:
         if self.flat.problems and self.uses:
             return None
         known = self.changes.before if changed else self.parameters
-        bodies = brought_bodies(flat, known)
-        coordinates = {**brought_coordinates(bodies), **coordinates_of(flat)}
-        self._tell(check(flat, coordinates, known, [body.name for body in bodies]))
+        brought = brought_by(flat, known)
+        coordinates = {**brought.coordinates, **coordinates_of(flat)}
+        self._tell(brought.problems)
+        self._tell(check(flat, coordinates, known, [body.name for body in brought.bodies]))
         self._tell(interface_problems(flat, coordinates, self.parameters.declared))
         return _parents_first(flat)
 

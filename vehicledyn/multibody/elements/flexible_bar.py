@@ -18,6 +18,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from vehicledyn.base.errors import InputError
 from vehicledyn.base.registry import register
 from vehicledyn.multibody.model.bodies import Body, Joint
 from vehicledyn.multibody.model.constraints import BaseConstraint, Constraint, Geometry
@@ -54,6 +55,12 @@ class FlexibleBar(BasePart):
     frames: tuple[float, ...] = choice(
         "Places over the length, 0 to 1, of frames that other bodies hang on", default=(), unit="1"
     )
+
+    def __post_init__(self) -> None:
+        """Refuse frames that are not on the bar."""
+        outside = [place for place in self.frames if not 0.0 <= place <= 1.0]
+        if outside:
+            raise InputError(f"frames: {outside[0]:g} is not on the bar, from 0 to 1 of its length")
 
     def added_bodies(self) -> tuple[Body, ...]:
         """Return the coordinates, the points with the mass and the frames."""

@@ -1,0 +1,65 @@
+"""Elements of system files that bring bodies and coordinates: starts, drives, assemblies."""
+
+import pytest
+from system_texts import Motion, equations, problems
+
+ARM = """\
+title: An arm
+parameters: {length: 2 m}
+bodies: {hub: {joints: [R3 turn], mass: 1 kg, inertia: [1, 1, 1]}}
+elements:
+  bar: {kind: flexible_bar, body: hub, length: length, mass_per_length: 1 kg/m,
+        bending_stiffness: 9 N*m^2, modes: 1, frames: [0.5, 1]}
+initial: {bar.mode_1: 2 cm, bar.mode_1_rate: 0.3 m/s}
+"""
+LOAD = "  load: {parent: FRAME, mass: 2 kg}\n"
+
+
+def test_their_coordinates_start_as_the_file_says(tmp_path):
+    e = equations(tmp_path, ARM)
+    start = {s.name: s.start for s in e.states}
+    assert (start["bar.mode_1"], start["bar.mode_1_rate"]) == (0.02, 0.3)
+    seen = Motion(e).at()
+    assert seen["bar.tip"] == pytest.approx(0.04, rel=1e-9)
+
+
+def test_they_can_be_driven_and_used_in_expressions(tmp_path):
+    text = ARM.partition("initial")[0] + (
+        "drives: {shake: {coordinate: bar.mode_1, law: {kind: constant_rate, rate: 0.1 m/s}}}\n"
+        "sensors: {s: {kind: expression, value: 2 * bar.mode_1, unit: m}}\n"
+    )
+    e = equations(tmp_path, text)
+    assert [s.name for s in e.states] == ["hub.turn", "hub.turn_rate"]
+    assert Motion(e).at(2.0)["s"] == pytest.approx(0.4, rel=1e-12)
+
+
+def test_an_assembly_brings_them_under_its_name(tmp_path):
+    (tmp_path / "arm.yaml").write_text(ARM, encoding="utf-8")
+    text = "title: t\nassemblies: {left: {file: arm.yaml}}\nbodies:\n"
+    text += LOAD.replace("FRAME", "left.bar.frame_2")
+    e = equations(tmp_path, text)
+    start = {s.name: s.start for s in e.states}
+    assert start["left.bar.mode_1"] == 0.02
+    seen = Motion(e).at()
+    assert seen["left.bar.frame_2.across"] == pytest.approx(0.04, rel=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "words"),
+    [
+        ("bar.mode_1:", "bar.mode_2:", "no coordinate named 'bar.mode_2'"),
+        ("frames: [0.5, 1]", "frames: [0.5, 1.5]", "frames"),
+        ("modes: 1", "modes: 4", "elements.bar.modes: must be 1, 2 or 3"),
+        ("9 N*m^2", "0 N*m^2", "elements.bar.bending_stiffness: must be greater than 0 N"),
+        ("body: hub,", "body: hup,", "elements.bar.body: no body named 'hup'"),
+    ],
+)
+def test_mistakes_are_named(tmp_path, old, new, words):
+    found = problems(tmp_path, ARM.replace(old, new))
+    assert any(words in line for line in found), found
+
+
+def test_a_name_that_is_taken_is_refused(tmp_path):
+    text = ARM.replace("bodies: {", "bodies: {bar.frame_1: {mass: 1 kg}, ")
+    found = problems(tmp_path, text)
+    assert any("bar.frame_1" in line for line in found), found
