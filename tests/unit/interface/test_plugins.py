@@ -207,6 +207,14 @@ bodies: {sled: {joints: [T1 x], mass: 3 kg}}
 elements: {wind: {kind: own_wind, body: sled, push: gust / 2}}
 """
 
+RUN = """\
+title: A sled in the wind
+model: sled.yaml
+duration: 1 s
+solver: {kind: rk4, step: 1 ms}
+output: {interval: 10 ms}
+"""
+
 
 def test_an_element_of_the_users_own_works_everywhere(tmp_path):
     written(tmp_path, WIND, file="my_wind.py")
@@ -228,6 +236,20 @@ def test_an_element_of_the_users_own_works_everywhere(tmp_path):
         capture_output=True, text=True, timeout=120,
     )  # fmt: skip
     assert float(seen.stdout) == pytest.approx(0.5 * (3.0 / 3.0) * 2.0**2, rel=1e-9), seen.stderr
+
+
+def test_a_run_with_an_element_of_the_users_own_is_not_remembered(tmp_path):
+    """The file of the plugin may have changed since."""
+    from vehicledyn.analyses.preparation.run_cache import key_of_run
+
+    vd.load_plugin(written(tmp_path, WIND, file="my_wind.py"))
+    (tmp_path / "sled.yaml").write_text(SLED, encoding="utf-8")
+    (tmp_path / "run.yaml").write_text(RUN, encoding="utf-8")
+    assert key_of_run(vd.load(tmp_path / "run.yaml")) is None
+    drag = "{kind: air_drag, body: sled, drag_area: 1 m^2}"
+    text = SLED.partition("elements")[0] + f"elements: {{wind: {drag}}}\n"
+    (tmp_path / "sled.yaml").write_text(text, encoding="utf-8")
+    assert key_of_run(vd.load(tmp_path / "run.yaml")) is not None
 
 
 @pytest.mark.parametrize(

@@ -123,6 +123,8 @@ def _is_ours(loaded: LoadedScenario) -> bool:
     kinds = list(_kinds(loaded.scenario))
     if loaded.written is None:
         kinds.append(find("model", loaded.scenario.model))
+    else:
+        kinds += _kinds(getattr(loaded.written, "file", None))
     return all(kind.__module__.split(".")[0] == PACKAGE for kind in kinds)
 
 

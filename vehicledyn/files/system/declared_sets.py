@@ -69,7 +69,11 @@ def declared_set(entry: Any) -> type[DeclaredSet]:
         raise InputError(f"{where}: {error}; import what annotations name") from None
     declared = {f.name: _field(f, hints[f.name], where) for f in _own_fields(entry)}
     made: type[DeclaredSet] = create_model(
-        entry.__name__, __base__=DeclaredSet, __doc__=entry.__doc__, __module__=__name__, **declared
+        entry.__name__,
+        __base__=DeclaredSet,
+        __doc__=entry.__doc__,
+        __module__=entry.__module__,
+        **declared,
     )
     made.made_from = entry
     return made

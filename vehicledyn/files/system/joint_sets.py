@@ -53,6 +53,10 @@ def _listed(elements: Sequence[Element], text: str) -> tuple[Any, Any]:
 
 def _made(entry: type[Any], base: type[JointSet], declared: dict[str, Any]) -> type[JointSet]:
     made: type[JointSet] = create_model(
-        entry.__name__, __base__=base, __doc__=entry.__doc__, __module__=__name__, **declared
+        entry.__name__,
+        __base__=base,
+        __doc__=entry.__doc__,
+        __module__=entry.__module__,
+        **declared,
     )
     return made
