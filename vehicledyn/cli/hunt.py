@@ -83,7 +83,7 @@ def hunt(
     ] = None,
     resume: Annotated[
         bool,
-        typer.Option("--resume", help="Go on with a study that was killed or stopped."),
+        typer.Option("--resume", help="Continue a study that was killed or stopped."),
     ] = False,
     overwrite: Overwrite = False,
     no_plots: Annotated[bool, typer.Option("--no-plots", help="Draw nothing.")] = False,

@@ -42,7 +42,7 @@ def report(
         bool,
         typer.Option(
             "--validation",
-            help="Compute reports/validation.md and its figures anew, in a clone of the project.",
+            help="Compute reports/validation.md and its figures again, in a clone of the project.",
         ),
     ] = False,
     quiet: Quiet = False,

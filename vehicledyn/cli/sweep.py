@@ -63,7 +63,7 @@ def sweep(
         int | None, typer.Option(help="Cases side by side in each process: 1, 4 or 8.")
     ] = None,
     resume: Annotated[
-        bool, typer.Option("--resume", help="Go on with a result file that exists.")
+        bool, typer.Option("--resume", help="Continue an existing result file.")
     ] = False,
     overwrite: Overwrite = False,
     backend: BackendChoice = Backend.AUTO,

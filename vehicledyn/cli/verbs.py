@@ -152,7 +152,7 @@ def run(
     no_plots: Annotated[bool, typer.Option("--no-plots", help="Draw nothing.")] = False,
     restart: Annotated[
         Path | None,
-        typer.Option(metavar="RESULT", help="Result, partial or whole, to go on from."),
+        typer.Option(metavar="RESULT", help="Result, partial or whole, to continue from."),
     ] = None,
     overwrite: Overwrite = False,
     backend: BackendChoice = Backend.AUTO,

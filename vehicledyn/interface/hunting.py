@@ -58,7 +58,7 @@ def hunt(
     set, settings, save_to, overwrite, backend, progress
         As for :func:`vehicledyn.simulate`.
     resume
-        Whether to go on with a study that was killed while it wrote ``save_to``.
+        Whether to continue a study that was killed while it wrote ``save_to``.
 
     Returns
     -------

@@ -38,7 +38,7 @@ def simulate(
     overwrite
         Whether ``save_to`` may exist; it is replaced.
     restart
-        Result, partial or whole, to go on from.
+        Result, partial or whole, to continue from.
     backend
         "auto", "compiled" or "interpreted".
     progress

@@ -61,7 +61,7 @@ def sweep(
     save_to, overwrite, backend, progress
         As for :func:`vehicledyn.simulate`.
     resume
-        Whether to go on with the file ``save_to`` where it stopped.
+        Whether to continue the file ``save_to`` where it stopped.
     workers
         Processes; one a core if None.
     lanes

@@ -33,7 +33,7 @@ def test_a_bicycle_at_rest_falls_over():
     assert rates == pytest.approx([5.5309, 3.1316], abs=2e-4)
     assert found.decaying == 2
     text = balanced("bicycle").as_text().splitlines()[1]
-    assert text.startswith("unstable: of small motions 2 grow, 2 decay, 6 neither grow nor decay")
+    assert text.startswith("unstable: 2 modes grow, 2 modes decay, 6 modes neither grow nor decay")
     assert "fastest +5.53" in text
 
 

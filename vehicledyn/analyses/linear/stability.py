@@ -1,4 +1,4 @@
-"""Whether what balances stays: the modes of small motions about an equilibrium."""
+"""Stability of an equilibrium, by the modes of small motions about it."""
 
 from __future__ import annotations
 
@@ -41,17 +41,18 @@ class Stability:
         """Return verdict, counts and the growing modes, fastest first."""
         if self.unknown:
             return f"stability not known: {self.unknown}"
-        counts = [f"{self.decaying} decay"]
+        counts = [f"{_modes(self.decaying, 'decays', 'decay')}"]
         if self.neutral:
-            counts.append(f"{self.neutral} neither grow nor decay (free or undamped)")
+            free = _modes(self.neutral, "neither grows nor decays", "neither grow nor decay")
+            counts.append(f"{free} (free or undamped)")
         if not self.growing:
-            return f"{self.verdict}: of small motions {', '.join(counts)}"
+            return f"{self.verdict}: {', '.join(counts)}"
         fastest = [
             f"{_value(mode)} with {', '.join(mode.dominant[:_TOLD])}"
             for mode in self.growing[:_TOLD]
         ]
-        counts.insert(0, f"{len(self.growing)} grow")
-        return f"unstable: of small motions {', '.join(counts)}; fastest {'; '.join(fastest)}"
+        counts.insert(0, _modes(len(self.growing), "grows", "grow"))
+        return f"unstable: {', '.join(counts)}; fastest {'; '.join(fastest)}"
 
     def as_dict(self) -> dict[str, Any]:
         """Return the same as plain data in SI."""
@@ -69,6 +70,10 @@ class Stability:
                 for mode in self.growing
             ],
         }
+
+
+def _modes(number: int, one: str, several: str) -> str:
+    return f"{number} mode {one}" if number == 1 else f"{number} modes {several}"
 
 
 def stability_of(prepared: Prepared, point: Point) -> Stability:

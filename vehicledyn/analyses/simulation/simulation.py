@@ -155,7 +155,9 @@ def run_scenario(
     with _opened(restart, loaded, prepared, kept) as known:
         run.simulate(start, output, progress, known)
     messages = [_kernel_message(prepared), *notes, *run.messages]
-    return RunOutcome(output, run.status, {e.name: _shown(e) for e in run.summary}, messages)
+    width = max([14, *(len(shown(e.value, e.unit)) for e in run.summary)])
+    summary = {e.name: _shown(e, width) for e in run.summary}
+    return RunOutcome(output, run.status, summary, messages)
 
 
 @contextmanager
@@ -403,6 +405,6 @@ def _built(prepared: Prepared) -> float:
     return report.generation_seconds + report.compilation_seconds
 
 
-def _shown(entry: SummaryEntry) -> ShownEntry:
+def _shown(entry: SummaryEntry, width: int) -> ShownEntry:
     text = shown(entry.value, entry.unit)
-    return ShownEntry(entry.value, entry.unit, f"{text:<14} {entry.description}")
+    return ShownEntry(entry.value, entry.unit, f"{text:<{width}} {entry.description}")

@@ -152,7 +152,7 @@ def _labels(name: str, dataset: h5py.Dataset) -> tuple[tuple[str, ...], dict[str
     for axis in range(dataset.ndim):
         scales = list(dataset.dims[axis].values())
         if not scales:
-            dims.append(f"{name}_axis_{axis}")
+            dims.append(name if dataset.ndim == 1 else f"{name}_axis_{axis}")
             continue
         scale = scales[0]
         label = scale.name.strip("/").replace("/", ".")
