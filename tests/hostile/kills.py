@@ -167,7 +167,7 @@ class Campaign:
                     return
         code = start(folder, [*victim.command, *victim.go_on]).wait()
         if code not in (0, 1):
-            yield f"cannot be gone on with: exit code {code}"
+            yield f"cannot be continued: exit code {code}"
             return
         shutil.copy(self._whole[victim.name], folder / "whole.h5")
         if victim.name == "hunt":

@@ -196,5 +196,5 @@ def test_a_door_on_two_hinges_says_what_cannot_be_told(caplog):
     told = {c.name: c.description for c in e.channels}
     assert not {name for name in told if name.startswith("upper.")}
     assert "not unique" in told["lower.force_x"]
-    assert "sensor 'lower': force_x, force_y, force_z cannot be told" in caplog.text
+    assert "sensor 'lower': force_x, force_y, force_z cannot be determined" in caplog.text
     assert "upper.force_x" in caplog.text

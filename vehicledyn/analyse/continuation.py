@@ -57,7 +57,7 @@ class SingularPlace:
 
 @dataclass
 class Way:
-    """What came of following a way: how far it went, where it ended, what it passed.
+    """Outcome of following a path: how far it went, where it ended, what it passed.
 
     ``reached`` is the part of the way that could be gone, 1 if all of it; where it is less,
     ``dead_end`` says whether the last place reached is singular. ``heading`` is the change of

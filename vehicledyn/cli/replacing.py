@@ -49,7 +49,7 @@ def check_replacing(
         If the file is to be kept, or both are asked for.
     """
     if resume and overwrite:
-        raise InputError("--resume goes on with a result, --overwrite begins anew; choose one")
+        raise InputError("--resume continues a result, --overwrite replaces it; choose one")
     if resume or overwrite or not output.is_file() or output.stat().st_size == 0:
         return
     from vehicledyn.results.hdf5.output import check_output

@@ -87,7 +87,7 @@ class LaneRun:
         return going
 
     def stopped(self, lane: int) -> Stopped | None:
-        """Return how a lane came to stop, None if it did not."""
+        """Return why a lane stopped, None if it did not."""
         status, good = Status(self.fate.status[lane]), int(self.good[lane])
         if status is Status.SOLVED:
             return None

@@ -195,7 +195,7 @@ class _Run:
             done = total - int((self.writer.status == PENDING).sum())
             self.messages.append(
                 f"{message}; {done} of {total} cases are kept in {self.writer.path.name}, "
-                f"go on with {argument('resume')}"
+                f"continue with {argument('resume')}"
             )
         self.writer.close(self.status, message)
 

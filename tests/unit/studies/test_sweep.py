@@ -107,7 +107,7 @@ cases:
   kind: list
   rows:
     - {initial.upper.angle: 30 deg, initial.lower.angle_rate: 1 rad/s}
-    - {initial.upper.angle: -1.5, initial.lower.angle_rate: -20 deg/s}
+    - {initial.upper.angle: -1.5 rad, initial.lower.angle_rate: -20 deg/s}
 output: {interval: 20 ms, channels: [upper.*, lower.*]}
 """
     )
@@ -153,7 +153,9 @@ def test_lanes_blocks_and_resuming_change_nothing(tmp_path, study, monkeypatch):
     outcome = swept(study, tmp_path / "parts.h5")
     assert outcome.status == "interrupted"
     assert outcome.counts == {"done": 16, "failed": 0, "ended": 0, "pending": 8}
-    assert "16 of 24 cases are kept in parts.h5, go on with resume" in "\n".join(outcome.messages)
+    assert "16 of 24 cases are kept in parts.h5, continue with resume" in "\n".join(
+        outcome.messages
+    )
     outcome = swept(study, tmp_path / "parts.h5", resume=True)
     assert outcome.status == "ok"
     assert sorted(k for span in calls for k in span) == list(range(24))  # nothing twice
@@ -222,7 +224,7 @@ output: {{interval: 10 ms, channels: [wheel.height]}}
 def test_another_study_cannot_go_on_in_a_file(tmp_path, study, override, words):
     path = swept(study, tmp_path / "out.h5", "cases.number=2").path
     before = path.read_bytes()
-    with pytest.raises(InputError, match=f"cannot be gone on with: .*{words}"):
+    with pytest.raises(InputError, match=f"cannot be continued: .*{words}"):
         swept(study, path, "cases.number=2", override, resume=True)
     assert path.read_bytes() == before
 
@@ -271,7 +273,7 @@ def test_a_full_disk_loses_nothing(tmp_path, study, monkeypatch):
             swept(study, path, resume=True)
         except InputError as error:
             assert "No space left on device" in str(error)
-            assert "go on with resume" in str(error)
+            assert "continue with resume" in str(error)
     limit[0] = 0
     assert swept(study, path, resume=True).counts["done"] == 24
     same(whole, path)

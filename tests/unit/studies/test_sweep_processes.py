@@ -90,7 +90,7 @@ def test_ctrl_c_keeps_what_is_done(folder):
         end(process)
     assert process.returncode == 130, told
     assert "Traceback" not in told
-    assert "cases are kept in stopped.h5, go on with --resume" in told
+    assert "cases are kept in stopped.h5, continue with --resume" in told
     done, status, state = kept(folder / "stopped.h5")
     assert 0 < done < 400
     assert (status, state) == ("interrupted", "partial: stopped by the user")
@@ -106,7 +106,7 @@ def test_a_killed_command_goes_on(folder):
         end(process)
     done, status, state = kept(folder / "killed.h5")
     assert 0 < done < 400
-    assert (status, state[:32]) == ("running", "partial: its process ended witho")
+    assert (status, state[:32]) == ("running", "partial: its process ended unexp")
     assert len(workers) == 2
     await_end(workers)
     finish(folder, "killed.h5", "--workers", "2")

@@ -34,7 +34,7 @@ _TURNS = 2
 
 
 class Ending(StrEnum):
-    """How the simulation of a motion came to its end."""
+    """How the simulation of a motion ended."""
 
     SETTLED = "settled"
     GONE = "died away"

@@ -53,7 +53,7 @@ def finished(output: Path, identity: str) -> HuntTable | None:
     if table.identity != identity:
         raise InputError(
             f"{output}: holds another study: the model, the options or the version of the program "
-            f"differ; start anew without {argument('resume')}, choose another output, or "
+            f"differ; start again without {argument('resume')}, choose another output, or "
             "undo the change"
         )
     return table if table.is_finished else None

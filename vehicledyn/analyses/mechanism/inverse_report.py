@@ -39,7 +39,7 @@ _SHOWN_IN = {"rad": "deg", "rad/s": "deg/s"}
 
 @dataclass
 class InverseReport:
-    """What came of inverse dynamics: the largest forces and powers, the work of each drive."""
+    """Results of inverse dynamics: the largest forces and powers, the work of each drive."""
 
     path: Path
     status: str = "ok"

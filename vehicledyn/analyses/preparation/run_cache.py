@@ -1,4 +1,4 @@
-"""What a scenario came to when it was last prepared, so that running it again derives nothing.
+"""Start of a scenario when it was last prepared, so that running it again derives nothing.
 
 An entry holds the facts of the equations, the key of the compiled kernel and the point that the
 run starts from. Its name is a digest of everything these follow from: the resolved scenario

@@ -69,7 +69,7 @@ class ShownEntry:
 
 @dataclass(frozen=True)
 class RunOutcome:
-    """What came of a run: the result file, how it ended, key figures, messages."""
+    """Outcome of a run: the result file, how it ended, key figures, messages."""
 
     path: Path
     status: str

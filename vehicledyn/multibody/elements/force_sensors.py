@@ -140,8 +140,8 @@ def _told(
             outputs.append(Output(channel, value))
     if vague:
         _log.warning(
-            "sensor '%s': %s cannot be told, since redundant constraints (%s) share the load in a "
-            "way that rigid bodies do not determine; these channels are not a number",
+            "sensor '%s': %s cannot be determined, since redundant constraints (%s) share the load "
+            "in a way that rigid bodies leave open; these channels are not a number",
             sensor.name,
             ", ".join(vague),
             ", ".join(forces.redundant),

@@ -37,7 +37,7 @@ _UNITS = {1.0: "m", 1e-3: "mm", 1e-2: "cm", 1e-6: "µm", 0.0254: "inch"}
 
 @dataclass(frozen=True)
 class Measurement:
-    """Points of a profile in the axes used here, and what became of those of the file.
+    """Points of a profile in the axes used here, and what was done with those of the file.
 
     ``y`` and ``z`` of shape (n,), y increasing; ``outliers`` are the points left out, shape
     (k, 2), ``bridges`` the y of both ends of each bridged gap, shape (m, 2) [m].

@@ -42,7 +42,7 @@ def compare_files(
     Parameters
     ----------
     result, reference
-        Result files, both of runs that came to their planned end.
+        Result files, both of runs that reached their planned end.
     relative
         Tolerance relative to the reference channel's range, see :class:`Tolerances` [1].
     absolute

@@ -121,7 +121,7 @@ class Checkpoint:
         if self._file.read(len(begin)) != begin:
             raise InputError(
                 f"{self.path}: belongs to another computation: the model, the options or the "
-                f"version of the program differ; start anew without {argument('resume')}, "
+                f"version of the program differ; start again without {argument('resume')}, "
                 "or undo the change"
             )
         end, size = len(begin), self.path.stat().st_size

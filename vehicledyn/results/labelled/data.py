@@ -71,7 +71,7 @@ class LabelledData(Mapping[str, LabelledArray]):
 
     @property
     def is_whole(self) -> bool:
-        """Whether the analysis came to its planned end."""
+        """Whether the analysis reached its planned end."""
         return self.status == "ok"
 
     @property

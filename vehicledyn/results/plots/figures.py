@@ -97,7 +97,7 @@ def _across(result: Result, plot: TimePlot) -> tuple[Floats, str]:
 
 
 def _in_order(across: Floats, values: Floats) -> tuple[Floats, Floats]:
-    """Return points to join by a line, with a gap wherever the sweep begins anew."""
+    """Return points to join by a line, with a gap wherever the sweep begins again."""
     steps = np.diff(across)
     back = np.flatnonzero(steps * np.sign(np.median(steps)) < 0.0) + 1 if steps.size else steps
     gaps = back.astype(int)

@@ -121,12 +121,12 @@ class Result:
 
     @property
     def is_whole(self) -> bool:
-        """Whether the run came to its planned end."""
+        """Whether the run reached its planned end."""
         return self.status == "ok"
 
     @property
     def has_ended(self) -> bool:
-        """Whether the run came to an end of its own: planned, or as a wheel left its rail."""
+        """Whether the run ended by itself: planned, or as a wheel left its rail."""
         return self.status in ENDED
 
     @property

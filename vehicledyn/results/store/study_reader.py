@@ -133,7 +133,7 @@ class StudyFile:
     def state(self) -> str:
         """How far the study is, for people."""
         if self.status == RUNNING and not is_being_written(self.path.resolve()):
-            return f"partial: its process ended without a word; go on with {argument('resume')}"
+            return f"partial: its process ended unexpectedly; continue with {argument('resume')}"
         return f"partial: {self.message or self.status}" if not self.is_whole else "whole"
 
     def case_status(self) -> NDArray[np.int8]:

@@ -70,7 +70,7 @@ class StudyWriter:
     resume
         Whether to go on with a file that exists.
     overwrite
-        Whether to replace a file that exists, if it is not gone on with.
+        Whether to replace a file that exists, if it is not continued.
 
     Raises
     ------
@@ -114,7 +114,7 @@ class StudyWriter:
         Raises
         ------
         InputError
-            If the file cannot be written; what was written before can be gone on with.
+            If the file cannot be written; what was written before can be continued.
         """
         file, rows = self._file, slice(block.first, block.first + len(block))
         try:
@@ -201,7 +201,7 @@ class StudyWriter:
             wrong = [words for key, words in _CHANGED.items() if known.get(key) != now.get(key)]
         if wrong:
             raise InputError(
-                f"{named}: cannot be gone on with: {'; '.join(wrong)}; start anew with another "
+                f"{named}: cannot be continued: {'; '.join(wrong)}; start again with another "
                 "output, or undo the change"
             )
 
@@ -248,7 +248,7 @@ class StudyWriter:
         cause = self._container.failure if self._container is not None else None
         self._release()
         told = write_failed(self.path, cause or error)
-        return InputError(f"{told}; what is complete is kept, go on with {argument('resume')}")
+        return InputError(f"{told}; what is complete is kept, continue with {argument('resume')}")
 
     def _release(self) -> None:
         if self._container is not None:

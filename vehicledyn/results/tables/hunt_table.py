@@ -124,7 +124,7 @@ class HuntTable:
 
     @property
     def is_finished(self) -> bool:
-        """Whether the study came to its end, complete or not."""
+        """Whether the study reached its end, complete or not."""
         return self.status not in (RUNNING, INTERRUPTED)
 
     def branch(self, number: int) -> list[CycleRow]:

@@ -58,7 +58,7 @@ class Iso8608Road(RoadSurface):
     track: float = quantity("m", "Distance of the two tracks across", gt=0, default=1.5)
     coherence: Literal["isotropic", "equal", "independent"] = Field(
         default="isotropic",
-        description="Of the two tracks: as on ground alike in all directions, the same, or none",
+        description="Of the two tracks: as on isotropic ground, the same, or none",
     )
     seed: int = Field(default=1, ge=0, le=2**32 - 1, description="Which of all such roads")
 
