@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import io
 import os
 import sys
@@ -11,6 +12,10 @@ from vehicledyn.base.errors import VehicledynError
 from vehicledyn.cli.exit_codes import BUG, INPUT, INTERRUPTED, code_of_error
 
 __all__ = ["main"]
+
+_COLLECTED_AFTER = 20_000, 20, 20
+"""Thresholds of the garbage collector, reached less often than usual: reading and generating code
+make many objects and hardly any garbage, and searching them for it took a tenth of the time."""
 
 
 def main() -> NoReturn:
@@ -51,6 +56,7 @@ def _open_closed_streams() -> None:
 
 
 def _run() -> NoReturn:
+    gc.set_threshold(*_COLLECTED_AFTER)
     # Other packages' plugins of pydantic have no part in this; looking for them takes a while.
     os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")
     from vehicledyn.cli.verbs import command_line

@@ -141,8 +141,9 @@ def _without_repeats(program: Program) -> tuple[list[Instruction], list[tuple[in
         if item.operation in _ASKED and item in known:
             return known[item]
         values.append(item)
-        known[item] = len(values) - 1
-        return known[item]
+        if item.operation in _ASKED:
+            known[item] = len(values) - 1
+        return len(values) - 1
 
     for item in program.instructions:
         operands = tuple(place[operand] for operand in item.operands)
@@ -150,7 +151,8 @@ def _without_repeats(program: Program) -> tuple[list[Instruction], list[tuple[in
             parts = (add(Instruction("SIN", operands)), add(Instruction("COS", operands)))
             place.append(add(Instruction("DIV", parts)))
         else:
-            place.append(add(item._replace(operands=operands)))
+            same = operands == item.operands
+            place.append(add(item if same else item._replace(operands=operands)))
     return values, [(output, element, place[value]) for output, element, value in program.results]
 
 

@@ -113,7 +113,9 @@ class _Turning:
         """Return values and results, what stands for a negative in place of it."""
         place = self._stand_in
         values = [
-            item._replace(operands=tuple(place.get(k, k) for k in item.operands))
+            item
+            if place.keys().isdisjoint(item.operands)
+            else item._replace(operands=tuple(place.get(k, k) for k in item.operands))
             for item in self._values
         ]
         return values, [

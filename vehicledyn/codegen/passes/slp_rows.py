@@ -122,6 +122,10 @@ class _Finder:
             if needed[index]:
                 for operand in set(item.operands):
                     self._users[operand].append(index)
+        self._neighbours = [
+            (item.operands, kind in _TURNABLE, users)
+            for item, kind, users in zip(values, self._kinds, self._users, strict=True)
+        ]
         self._colours = [self._first_colours()]
         self._rows: list[tuple[int, ...]] = []
         self._place: dict[int, tuple[int, int]] = {}
@@ -176,12 +180,13 @@ class _Finder:
         before = self._colours[-1]
         known: dict[object, int] = {}
         found = []
-        for index, item in enumerate(self._values):
-            operands = [before[k] for k in item.operands]
-            if self._kinds[index] in _TURNABLE and operands[0] > operands[1]:
+        for own, (given, turnable, users) in zip(before, self._neighbours, strict=True):
+            operands = [before[k] for k in given]
+            if turnable and operands[0] > operands[1]:
                 operands[0], operands[1] = operands[1], operands[0]
-            users = sorted(before[k] for k in self._users[index])
-            look = (before[index], *operands, -1, *users)
+            above = [before[k] for k in users]
+            above.sort()
+            look = (own, *operands, -1, *above)
             found.append(known.setdefault(look, len(known)))
         self._colours.append(found)
 
