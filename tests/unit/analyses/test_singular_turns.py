@@ -21,7 +21,7 @@ bodies:
 RUN = """\
 title: It turns over
 model: brick.yaml
-initial: {brick.pitch_rate: RATE, brick.yaw_rate: 0.01}
+initial: {brick.pitch_rate: RATE rad/s, brick.yaw_rate: 0.01 rad/s}
 duration: 1 s
 solver: {kind: rk4, step: 1 ms}
 output: {interval: 50 ms}
