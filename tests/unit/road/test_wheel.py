@@ -5,6 +5,7 @@ import math
 import numpy as np
 import pytest
 
+from vehicledyn.base.errors import InputError
 from vehicledyn.multibody.equations.derivation import derive
 from vehicledyn.multibody.model.bodies import Body, Joint
 from vehicledyn.multibody.model.system import System
@@ -14,9 +15,10 @@ from vehicledyn.road.surfaces.sine import Sine
 from vehicledyn.road.tyres.linear import Linear
 from vehicledyn.road.tyres.magic_formula_1987 import MagicFormula1987
 from vehicledyn.road.tyres.tyre import TyreInput
+from vehicledyn.road.tyres.tyre_of_file import TyreOfFile
 from vehicledyn.road.wheel import relaxation as transient
 from vehicledyn.road.wheel.contact_search import find_contact
-from vehicledyn.road.wheel.relaxation import Relaxation
+from vehicledyn.road.wheel.relaxation import Relaxation, TyreRelaxation
 from vehicledyn.road.wheel.road_wheel import RoadWheel
 from vehicledyn.road.wheel.slip import SlipFloors
 from vehicledyn.symbolic import ops
@@ -272,3 +274,28 @@ def turn_z(angle):
 def turn_x(angle):
     c, s = math.cos(angle), math.sin(angle)
     return np.array([[1, 0, 0], [0, c, -s], [0, s, c]])
+
+
+FILES = [{"file": "passenger_R0394_mf61.tir"}, {"file": "passenger_235_60R16_pac2002.tir"}]
+
+
+@pytest.mark.parametrize("settings", FILES)
+def test_tyres_of_files_hold_a_locked_wheel_by_their_own_relaxation(settings):
+    """On a 20 % slope what is left of the motion decays, by its damping, and nothing creeps."""
+    road = Plane(slope_x=0.2, slope_y=0.0)
+    tyre = TyreOfFile(**settings)
+    rig = Rig(
+        locked=True, turning=False, surface=road, relaxation=TyreRelaxation(), tyre=tyre,
+        damping=3e3,
+    )  # fmt: skip
+    state = rig.run(rig.state(z=LOADED), 4.0)
+    later = rig.run(state, 1.0)
+    assert abs(state[rig["x"]]) < 0.05
+    assert abs(later[rig["x"]] - state[rig["x"]]) < 1e-5
+    rates = [abs(s[rig["x_rate"]]) for s in (state, later)]
+    assert rates[1] < 0.25 * rates[0] or rates[1] < 1e-12
+
+
+def test_relaxation_of_tyres_without_lengths_is_refused():
+    with pytest.raises(InputError, match="'linear' have no relaxation lengths of their own"):
+        Rig(relaxation=TyreRelaxation(), tyre=LINEAR)

@@ -6,6 +6,7 @@ import math
 from typing import TYPE_CHECKING
 
 from vehicledyn.road.manoeuvres.channel_recorder import Recording, Rows
+from vehicledyn.road.manoeuvres.tyre_ranges import RangeWatch
 
 if TYPE_CHECKING:
     from vehicledyn.results.store.layout import SceneItem, SummaryEntry
@@ -29,7 +30,8 @@ def channels(vehicle: RoadVehicle) -> list[str]:
         f"{c.name}.tyre.{name}" for c in vehicle.corners for name in ("normal_force", "slip_angle")
     ]
     body = [_SPEED, _LEFTWARD, _LATERAL, _SIDESLIP]
-    return [*pose, vehicle.rack, *body, _GAP, _OPENING, *wheels]
+    needed = [*pose, vehicle.rack, *body, _GAP, _OPENING, *wheels]
+    return list(dict.fromkeys([*needed, *RangeWatch(vehicle).channels]))
 
 
 def outline_scene(vehicle: RoadVehicle) -> dict[str, SceneItem]:
@@ -47,9 +49,10 @@ def summarise(recording: Recording, vehicle: RoadVehicle) -> list[SummaryEntry]:
     """Return peaks of acceleration, angles and slip, smallest load, speed and loop errors."""
     from vehicledyn.results.store.layout import SummaryEntry
 
-    found = _Extremes(vehicle)
+    found, ranges = _Extremes(vehicle), RangeWatch(vehicle)
     for block in recording.blocks(_read(vehicle)):
         found.take(block)
+        ranges.take(block)
     peaks = {name: abs(extreme.value) for name, extreme in found.peaks.items()}
     wheel = min(found.loads, key=lambda name: found.loads[name].value)
     load = found.loads[wheel].value
@@ -70,6 +73,7 @@ def summarise(recording: Recording, vehicle: RoadVehicle) -> list[SummaryEntry]:
         entry("speed_largest", found.fastest.value, "m/s", "Largest forward speed"),
         entry("largest_loop_gap", peaks[_GAP], "m", "Largest position error of a loop"),
         entry("largest_loop_speed", peaks[_OPENING], "m/s", "Largest velocity error of a loop"),
+        *ranges.entries(),
     ]  # fmt: skip
     return [entry for entry in entries if _is_usable(entry)]
 
