@@ -15,8 +15,6 @@ from vehicledyn.base.yaml import parse_yaml, read_yaml
 from vehicledyn.files.scenario import (
     LoadedModel,
     LoadedScenario,
-    changed_model,
-    changed_scenario,
     load_model,
     load_scenario,
 )
@@ -66,10 +64,8 @@ def read_target(
     InputError
         If there is none, or something is wrong with it or with a change.
     """
-    if isinstance(source, LoadedScenario):
-        return changed_scenario(source, overrides) if overrides else source
-    if isinstance(source, LoadedModel):
-        return changed_model(source, overrides) if overrides else source
+    if isinstance(source, Target):
+        return source.with_overrides(overrides) if overrides else source
     if isinstance(source, System):
         return _of_system(source, overrides)
     if not isinstance(source, str | Path):
@@ -94,39 +90,40 @@ def read_scenario(source: Source, overrides: Sequence[str] = ()) -> LoadedScenar
         As :func:`read_target`, and if a model cannot run without more being said.
     """
     target = read_target(source, (), ("scenario", "system"))
-    if isinstance(target, LoadedScenario):
-        return changed_scenario(target, overrides) if overrides else target
-    data = {"title": target.name, "model": _model_name(target), **USUAL_RUN, **_usual_of(target)}
-    document = parse_yaml(_as_text(data), target.name)
-    path = Path.cwd() / f"{target.name}.yaml"
+    if target.whole is not None:
+        return target.whole.with_overrides(overrides) if overrides else target.whole
+    name = target.model_name
+    data = {"title": name, "model": _model_name(target), **USUAL_RUN, **_usual_of(target)}
+    document = parse_yaml(_as_text(data), name)
+    path = Path.cwd() / f"{name}.yaml"
     changes = [*target.overrides, *overrides]
     loaded, problems = examine_scenario(document, path, changes, built=target.built)
     if loaded is None:
-        raise refusal(problems, target.name)
+        raise refusal(problems, name)
     return loaded
 
 
-def _model_name(model: LoadedModel) -> str:
+def _model_name(model: Target) -> str:
     """Return what a scenario in any folder names a model by."""
     if model.built is not None:
         return str(model.built.path)
-    return model.name if model.written is None else str(Path(model.written.path).resolve())
+    return model.model_name if model.written is None else str(Path(model.written.path).resolve())
 
 
 def _of_system(system: System, overrides: Sequence[str]) -> LoadedModel:
     system.check()
     model = PythonModel(system)
-    return changed_model(LoadedModel(model.name, None, model, built=model), overrides)
+    return LoadedModel(model.name, None, model, built=model).with_overrides(overrides)
 
 
-def _usual_of(model: LoadedModel) -> dict[str, Any]:
+def _usual_of(model: Target) -> dict[str, Any]:
     """Return what a vehicle needs besides to drive straight ahead."""
     written = model.written
     if written is not None and not written.is_vehicle:
         return {"solver": {"kind": "rk4"}} if written.has_wheels else {}
     usual: dict[str, Any] = {**_DRIVEN, "road": {"kind": "flat"}, "wheel_spin": "free"}
     if written is None:
-        tyre = find("model", model.name).standard_options().front_tyre
+        tyre = find("model", model.model_name).standard_options().front_tyre
         usual["tyres"] = {"kind": tyre.kind}
     return usual
 

@@ -1,12 +1,14 @@
 """Analyses take any model with the interface of runnable things, of whatever class it is."""
 
+import re
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
-import vehicledyn.catalogue  # noqa: F401
+import vehicledyn.catalogue
 from vehicledyn.analyses.linear.eigenmodes import find_modes
 from vehicledyn.analyses.linear.linear_inputs import Excited
 from vehicledyn.analyses.preparation import build_model
@@ -71,3 +73,18 @@ def test_ports_name_what_a_vehicle_has():
         ports.steering, f"{ports.body}.x", *(wheel.spin for wheel in ports.wheels)
     }  # fmt: skip
     assert build_subject(load_model("quarter_car")).ports == Ports()
+
+
+def test_nothing_asks_for_the_class_of_a_model():
+    """Scenario or model, file or catalogue: what differs is behind the interface."""
+    package = Path(vehicledyn.catalogue.__file__).parent
+    asked = re.compile(
+        r"isinstance\([^()]*\b(Loaded(Model|Scenario)|(Road|System)Subject|\w+Model)\b"
+    )
+    found = [
+        f"{path.relative_to(package)}: {line.strip()}"
+        for path in sorted(package.rglob("*.py"))
+        for line in path.read_text(encoding="utf-8").splitlines()
+        if asked.search(line)
+    ]
+    assert found == []

@@ -25,7 +25,6 @@ from vehicledyn.analyses.preparation.prepared import Prepared, Progress
 from vehicledyn.base.argument_names import given
 from vehicledyn.base.errors import InputError, NumericalError
 from vehicledyn.base.units import shown
-from vehicledyn.files.scenario import LoadedScenario
 from vehicledyn.kernel.engine import Vector
 
 _AGREE, _STANDS = 1e-6, 1e-3
@@ -124,7 +123,7 @@ class Equilibria:
 
     def _start_at(self, value: float) -> tuple[Vector, Vector]:
         prepared, target = self._prepared_at(value), self.starts.target
-        scenario = target.scenario if isinstance(target, LoadedScenario) else None
+        scenario = target.choices
         point = balanced_point(prepared, self.starts.name, value, scenario, self.model)
         return self.model.reduced(point.state), point.unknowns
 

@@ -11,9 +11,9 @@ from vehicledyn.analyses.hunting.saving import Saving, finished, identity_of
 from vehicledyn.analyses.hunting.start import HuntSettings, check_settings
 from vehicledyn.analyses.hunting.study import Study
 from vehicledyn.analyses.hunting.undisturbed import without_disturbances
-from vehicledyn.analyses.preparation.build_model import Target
 from vehicledyn.analyses.preparation.prepare import prepare
 from vehicledyn.analyses.preparation.prepared import Progress
+from vehicledyn.files.scenario.target import Target
 from vehicledyn.kernel.kernel import Backend
 from vehicledyn.results.hdf5.output import check_output
 

@@ -8,10 +8,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
-from vehicledyn.analyses.preparation.build_model import Target, build_subject, system_of
+from vehicledyn.analyses.preparation.build_model import build_subject, system_of
 from vehicledyn.analyses.preparation.own_speed import at_value
 from vehicledyn.analyses.preparation.prepared import Prepared
 from vehicledyn.analyses.preparation.runnable import Subject
+from vehicledyn.files.scenario.target import Target
 from vehicledyn.symbolic.equations import Equations
 
 

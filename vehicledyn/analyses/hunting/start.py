@@ -10,13 +10,13 @@ from vehicledyn.analyse.periodic.autonomous import AutonomousField
 from vehicledyn.analyse.periodic.critical import follow_balance
 from vehicledyn.analyse.settling.parameter_rampdown import steps
 from vehicledyn.analyses.hunting.parameter_starts import ParameterStarts
-from vehicledyn.analyses.preparation.build_model import Target
 from vehicledyn.analyses.preparation.prepare import Point, reference_point
 from vehicledyn.analyses.preparation.prepared import Prepared
 from vehicledyn.base.argument_names import argument, given
 from vehicledyn.base.errors import InputError, NumericalError, nearest_name, unknown_name
 from vehicledyn.base.units import to_si
-from vehicledyn.files.scenario import LoadedScenario, Scenario
+from vehicledyn.files.scenario import Scenario
+from vehicledyn.files.scenario.target import Target
 from vehicledyn.kernel.engine import Vector
 
 DEGREE = 4
@@ -184,7 +184,7 @@ def first_balance(
     """
     name = prepared.equations.parameters[index].name
     own = float(prepared.kernel.parameters[index])
-    scenario = target.scenario if isinstance(target, LoadedScenario) else None
+    scenario = target.choices
     starts = ParameterStarts(prepared, target, name)
     try:
         at_first = prepared if first == own else starts.at(first)

@@ -37,13 +37,12 @@ from vehicledyn.analyses.hunting.start import (
     watched_channels,
 )
 from vehicledyn.analyses.hunting.symmetry_broken_branches import Secondary
-from vehicledyn.analyses.preparation.build_model import Target
 from vehicledyn.analyses.preparation.prepared import Prepared, Progress
 from vehicledyn.analyses.preparation.sources import laws_that_bend
 from vehicledyn.base.argument_names import argument
 from vehicledyn.base.errors import NumericalError
 from vehicledyn.base.units import shown
-from vehicledyn.files.scenario import LoadedScenario
+from vehicledyn.files.scenario.target import Target
 from vehicledyn.results.store.linear_file import Quantity
 from vehicledyn.results.tables.hunt_table import HuntTable, SimulatedRow
 
@@ -98,8 +97,8 @@ class Study:
         progress("finding the equilibrium", None)
         model, start = first_balance(prepared, index, span[0], target)
         title = prepared.equations.name
-        if isinstance(target, LoadedScenario):
-            title = target.scenario.title
+        if target.choices is not None:
+            title = target.choices.title
         starts = ParameterStarts(prepared, target, settings.parameter)
         return Study(
             prepared,

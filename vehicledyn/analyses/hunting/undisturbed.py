@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from vehicledyn.analyses.hunting.parameter_starts import starts_of
 from vehicledyn.analyses.hunting.start import HuntSettings, span_of
-from vehicledyn.analyses.preparation.build_model import Target, build_subject
+from vehicledyn.analyses.preparation.build_model import build_subject
 from vehicledyn.analyses.preparation.own_speed import at_value
-from vehicledyn.files.scenario import LoadedScenario, changed_scenario
+from vehicledyn.files.scenario.target import Target
 
 
 def without_disturbances(target: Target, settings: HuntSettings) -> tuple[Target, list[str]]:
@@ -22,14 +22,16 @@ def without_disturbances(target: Target, settings: HuntSettings) -> tuple[Target
     InputError
         If the range is none of the parameter.
     """
-    if not isinstance(target, LoadedScenario) or target.written is None:
+    chosen = target.choices
+    if chosen is None or target.written is None:
         return target, []
-    name, given = settings.parameter, target.scenario.initial
+    name, given = settings.parameter, chosen.initial
     unit = target.written.units.get(name)
     if not given or unit is None:
         return target, []
-    plain = changed_scenario(target, (), first=("initial={}",))
-    aside = [key for key in given if key not in plain.scenario.initial]
+    plain = target.with_overrides((), first=("initial={}",))
+    kept = {} if plain.choices is None else plain.choices.initial
+    aside = [key for key in given if key not in kept]
     first, last = (
         starts_of(build_subject(at_value(plain, name, value, unit)))
         for value in span_of(unit, settings)

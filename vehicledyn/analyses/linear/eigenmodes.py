@@ -12,7 +12,6 @@ from vehicledyn.analyse.linearise import Linearisation, linearise
 from vehicledyn.analyse.modes import Mode, eigenmodes
 from vehicledyn.analyse.small_motions import varied_states
 from vehicledyn.analyses.linear.mode_report import ModesAtSpeed, ModesReport
-from vehicledyn.analyses.preparation.build_model import Target
 from vehicledyn.analyses.preparation.own_speed import at_speed, refuse_idle_speed, speed_matters
 from vehicledyn.analyses.preparation.prepare import Start, prepare, reference_start, start_point
 from vehicledyn.analyses.preparation.prepared import Prepared, Progress
@@ -20,7 +19,8 @@ from vehicledyn.analyses.preparation.steadiness import unsteadiness
 from vehicledyn.base.argument_names import given
 from vehicledyn.base.errors import InputError
 from vehicledyn.base.units import shown
-from vehicledyn.files.scenario import LoadedScenario
+from vehicledyn.files.scenario.sets import Scenario
+from vehicledyn.files.scenario.target import Target
 from vehicledyn.kernel.kernel import Backend
 from vehicledyn.results.store.linear_file import Quantity
 from vehicledyn.results.tables.mode_table import ModeCase, ModeTable
@@ -87,8 +87,7 @@ def find_modes(
         has_speed = speed_matters(prepared.subject)
         place = f" at {shown(speed, 'm/s')}" if has_speed else ""
         progress(f"linearising{place}", None)
-        scenario = variant if isinstance(variant, LoadedScenario) else None
-        entry, linear = _modes_at(prepared, speed, start, scenario)
+        entry, linear = _modes_at(prepared, speed, start, variant.choices)
         found.append(replace(entry, setting=setting))
         cases.append(_case(table, found[-1], linear))
     whole = replace(table, cases=tuple(cases))
@@ -103,17 +102,17 @@ def _cases(
         own: Sequence[float | None] = [None]
         for wanted in speeds or own:
             target, speed = at_speed(variant, wanted)
-            if speed is None and isinstance(target, LoadedScenario):
-                speed = target.scenario.speed
+            if speed is None and target.choices is not None:
+                speed = target.choices.speed
             yield setting, target, speed or 0.0
 
 
 def _modes_at(
-    prepared: Prepared, speed: float, wanted: Start | None, scenario: LoadedScenario | None
+    prepared: Prepared, speed: float, wanted: Start | None, scenario: Scenario | None
 ) -> tuple[ModesAtSpeed, Linearisation]:
     """Return the modes about the reference motion at a speed."""
     if wanted is None:
-        start = scenario.scenario.start if scenario else None
+        start = scenario.start if scenario else None
         kind = reference_start(prepared.subject, speed, start)
     else:
         kind = _checked(prepared, wanted, speed)
@@ -143,7 +142,7 @@ def _empty_table(prepared: Prepared, target: Target) -> ModeTable:
     """Return a table without cases."""
     e = prepared.equations
     names = {channel.name for channel in e.channels}
-    title = target.scenario.title if isinstance(target, LoadedScenario) else e.name
+    title = e.name if target.choices is None else target.choices.title
     return ModeTable(
         title,
         e.name,

@@ -9,12 +9,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vehicledyn.analyses.linear.stability import Stability, stability_of
-from vehicledyn.analyses.preparation.build_model import Target
 from vehicledyn.analyses.preparation.own_speed import at_speed, own_speed, refuse_idle_speed
 from vehicledyn.analyses.preparation.prepare import Point, equilibrium_point, nominal_point, prepare
 from vehicledyn.analyses.preparation.prepared import Prepared, Progress
 from vehicledyn.base.units import shown
-from vehicledyn.files.scenario import LoadedScenario
+from vehicledyn.files.scenario.target import Target
 from vehicledyn.kernel.kernel import Backend
 from vehicledyn.results.store.linear_file import Quantity
 from vehicledyn.results.tables.equilibrium_table import EquilibriumTable
@@ -135,8 +134,8 @@ def find_equilibrium(
         wanted = speed or 0.0
     elif speed is not None:
         kind, wanted = ("steady" if speed > 0.0 else "static"), speed
-    elif isinstance(target, LoadedScenario) and prepared.subject.usual_start == "steady":
-        kind, wanted = target.scenario.start or "steady", target.scenario.speed or 0.0
+    elif target.choices is not None and prepared.subject.usual_start == "steady":
+        kind, wanted = target.choices.start or "steady", target.choices.speed or 0.0
     moving = 0.0 if kind == "static" else wanted
     progress("finding the equilibrium", None)
     start = nominal_point(prepared, moving)

@@ -17,7 +17,6 @@ from vehicledyn.analyses.linear.held_speed import held_speed_point
 from vehicledyn.analyses.linear.input_names import InputPart, ModelInput, hint
 from vehicledyn.analyses.linear.linear_inputs import Excited
 from vehicledyn.analyses.linear.response_report import ResponseReport
-from vehicledyn.analyses.preparation.build_model import Target
 from vehicledyn.analyses.preparation.own_speed import at_speed, refuse_idle_speed
 from vehicledyn.analyses.preparation.prepare import Point, prepare
 from vehicledyn.analyses.preparation.prepared import Derived, Prepared, Progress
@@ -25,7 +24,7 @@ from vehicledyn.analyses.preparation.runnable import Subject
 from vehicledyn.analyses.preparation.steadiness import unsteadiness
 from vehicledyn.base.argument_names import argument, given
 from vehicledyn.base.errors import InputError
-from vehicledyn.files.scenario import LoadedScenario
+from vehicledyn.files.scenario.target import Target
 from vehicledyn.kernel.derivatives import Derivatives
 from vehicledyn.multibody.model.system import System
 from vehicledyn.results.store.linear_file import Quantity
@@ -123,7 +122,7 @@ def linearise_with_inputs(
     """
     taken: list[Excited] = []
     target, speed = at_speed(target, speed)
-    scenario = target.scenario if isinstance(target, LoadedScenario) else None
+    scenario = target.choices
     wanted = speed if speed is not None else (scenario.speed or 0.0 if scenario else 0.0)
 
     def excite(subject: Subject) -> Subject:
@@ -244,7 +243,7 @@ def _rows(prepared: Derived | Prepared, outputs: Sequence[str]) -> list[int]:
 
 
 def _title(target: Target, model: Linearised) -> str:
-    title = target.scenario.title if isinstance(target, LoadedScenario) else ""
+    title = "" if target.choices is None else target.choices.title
     return title or model.prepared.equations.name
 
 

@@ -28,12 +28,12 @@ from vehicledyn.analyses.mechanism.mechanism_path import (
     mechanism,
     run_sweep,
 )
-from vehicledyn.analyses.preparation.build_model import Target, build_subject
+from vehicledyn.analyses.preparation.build_model import build_subject
 from vehicledyn.analyses.preparation.prepared import Progress
 from vehicledyn.base.argument_names import argument, given
 from vehicledyn.base.errors import InputError
 from vehicledyn.base.ranges import read_range
-from vehicledyn.files.scenario import LoadedScenario
+from vehicledyn.files.scenario.target import Target
 from vehicledyn.multibody.elements.wheel_angles import WheelAngles
 from vehicledyn.multibody.loops.position_level import Positions
 from vehicledyn.results.hdf5.output import check_output
@@ -120,7 +120,7 @@ def _complete(target: Target, request: Request) -> Request:
     """Return a request with drives, those of the scenario where it has none of its own."""
     if request.drives:
         return request
-    section = target.scenario.kinematics if isinstance(target, LoadedScenario) else None
+    section = None if target.choices is None else target.choices.kinematics
     if section is None:
         raise InputError(
             f"nothing is driven; give {argument('drives')} with values FROM:TO:STEPS of a "
@@ -329,14 +329,15 @@ class _Files:
 
     def _header(self, plots: list[dict[str, Any]]) -> ResultHeader:
         axis = Axis("1", "Number of the place")
-        if not isinstance(self.target, LoadedScenario):
+        whole = self.target.whole
+        if whole is None:
             title = f"Kinematics of {self.model}"
             return ResultHeader(title=title, model=self.model, plots=plots, axis=axis)
         return ResultHeader(
-            title=f"Kinematics: {self.target.title}",
+            title=f"Kinematics: {whole.title}",
             model=self.model,
-            scenario_text=self.target.text,
-            configuration=dict(self.target.resolved),
+            scenario_text=whole.text,
+            configuration=dict(whole.resolved),
             plots=plots,
             axis=axis,
         )

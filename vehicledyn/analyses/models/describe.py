@@ -7,13 +7,13 @@ from dataclasses import dataclass
 from typing import Any
 
 from vehicledyn.analyses.models.assembly_tree import assemblies_as_data, assembly_lines
-from vehicledyn.analyses.preparation.build_model import Target, build_subject
+from vehicledyn.analyses.preparation.build_model import build_subject
 from vehicledyn.analyses.preparation.prepare import prepare
 from vehicledyn.analyses.preparation.prepared import Progress
 from vehicledyn.base.registry import find
 from vehicledyn.files.building.python_systems import system_as_yaml
 from vehicledyn.files.building.write import model_as_yaml
-from vehicledyn.files.scenario import LoadedModel
+from vehicledyn.files.scenario.target import Target
 from vehicledyn.files.system.assemblies.read import Assembly
 from vehicledyn.files.system.read import SystemModel
 from vehicledyn.kernel.kernel import Backend, KernelReport
@@ -95,8 +95,7 @@ def describe_model(target: Target, *, backend: Backend, progress: Progress) -> M
     if isinstance(written, SystemModel):
         summary, assemblies = written.file.title, written.assemblies
     else:
-        name = target.name if isinstance(target, LoadedModel) else target.scenario.model
-        summary = (find("model", name).__doc__ or "").strip().partition("\n")[0]
+        summary = (find("model", target.model_name).__doc__ or "").strip().partition("\n")[0]
     return ModelReport(summary, prepared.equations, kernel.description, kernel.report, assemblies)
 
 

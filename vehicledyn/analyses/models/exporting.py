@@ -6,7 +6,6 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Literal, TypeAlias
 
-from vehicledyn.analyses.preparation.build_model import Target
 from vehicledyn.analyses.preparation.prepare import Point, nominal_point, prepare, start_point
 from vehicledyn.analyses.preparation.prepared import Prepared, Progress
 from vehicledyn.codegen.printers.cuda_source import cuda_source
@@ -14,7 +13,7 @@ from vehicledyn.export.document import Start
 from vehicledyn.export.files import SUFFIXES, export_files, file_of, write_text
 from vehicledyn.export.fmi_description import Experiment
 from vehicledyn.export.fmu import export_fmu
-from vehicledyn.files.scenario import LoadedModel
+from vehicledyn.files.scenario.target import Target
 from vehicledyn.multibody.equations.equation_terms import derive_ingredients
 
 ExportKind: TypeAlias = Literal["c", "python", "matlab", "fmu", "cuda"]
@@ -69,8 +68,7 @@ def export_target(
         tuple(map(float, point.state)),
         tuple(map(float, point.unknowns)),
     )
-    name = target.name if isinstance(target, LoadedModel) else target.path.stem
-    file = file_of(path, Path(name).stem, SUFFIXES[kind])
+    file = file_of(path, target.file_stem, SUFFIXES[kind])
     progress(f"writing {file}", None)
     if kind == "cuda":
         return ExportReport((write_text(file, cuda_source(prepared.equations)),))
@@ -81,12 +79,12 @@ def export_target(
 
 
 def _point(target: Target, prepared: Prepared) -> Point:
-    if isinstance(target, LoadedModel):
+    chosen = target.choices
+    if chosen is None:
         return nominal_point(prepared, 0.0)
-    return start_point(prepared, target.scenario.speed or 0.0, target.scenario.start)
+    return start_point(prepared, chosen.speed or 0.0, chosen.start)
 
 
 def _experiment(target: Target) -> Experiment:
-    if isinstance(target, LoadedModel):
-        return Experiment()
-    return Experiment(target.scenario.duration, target.scenario.output.interval)
+    chosen = target.choices
+    return Experiment() if chosen is None else Experiment(chosen.duration, chosen.output.interval)

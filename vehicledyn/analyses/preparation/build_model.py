@@ -10,7 +10,8 @@ from vehicledyn.analyses.preparation.system_runnable import SystemSubject
 from vehicledyn.base.errors import InputError
 from vehicledyn.base.parameters import ParameterSet
 from vehicledyn.base.registry import find
-from vehicledyn.files.scenario import LoadedModel, LoadedScenario
+from vehicledyn.files.scenario.sets import Scenario
+from vehicledyn.files.scenario.target import Target
 from vehicledyn.rail.track.track_set import TrackChoice
 from vehicledyn.road.limits import limited
 from vehicledyn.road.manoeuvres.manoeuvre import RoadManoeuvre
@@ -22,8 +23,6 @@ from vehicledyn.road.vehicle import RoadOptions, RoadVehicle
 if TYPE_CHECKING:
     from vehicledyn.files.building.values import RoadChoice
     from vehicledyn.files.system.read import SystemModel
-
-Target = LoadedScenario | LoadedModel
 
 
 def system_of(target: Target) -> SystemModel | None:
@@ -58,13 +57,13 @@ def build_subject(target: Target) -> Subject:
 
 def manoeuvre_of(target: Target) -> RoadManoeuvre:
     """Return the manoeuvre of a scenario; a model by itself goes straight."""
-    if isinstance(target, LoadedModel):
-        return Straight()
-    manoeuvre = target.scenario.manoeuvre
+    chosen = target.choices
+    manoeuvre = None if chosen is None else chosen.manoeuvre
     if manoeuvre is None:
         return Straight()
     if not isinstance(manoeuvre, RoadManoeuvre):
-        raise InputError(f"{target.path}: manoeuvre '{manoeuvre.kind}' is not for a road vehicle")
+        words = f"manoeuvre '{manoeuvre.kind}' is not for a road vehicle"
+        raise InputError(f"{target.origin}: {words}")
     return manoeuvre
 
 
@@ -81,20 +80,16 @@ def build_vehicle(target: Target) -> RoadVehicle:
         from vehicledyn.files.building import construct
 
         return limited(manoeuvre_of(target).fit(construct.build_vehicle(written, _choice(target))))
-    if isinstance(target, LoadedModel):
-        model = find("model", target.name)
-        options: RoadOptions = model.standard_options()
-    else:
-        model = find("model", target.scenario.model)
-        options = _options(target)
+    model = find("model", target.model_name)
+    chosen = target.choices
+    options = model.standard_options() if chosen is None else _options(target, chosen)
     vehicle: RoadVehicle = model.build(target.model_parameters, options)
     return limited(manoeuvre_of(target).fit(vehicle))
 
 
-def _options(loaded: LoadedScenario) -> RoadOptions:
-    s = loaded.scenario
+def _options(target: Target, s: Scenario) -> RoadOptions:
     problems = [
-        f"{loaded.path}: {key}: missing: {why}"
+        f"{target.origin}: {key}: missing: {why}"
         for key, value, why in (
             ("tyres", s.tyres, "a road vehicle needs a tyre law, such as 'kind: calspan'"),
             ("road", s.road, "a road vehicle needs a road, such as 'kind: flat'"),
@@ -104,15 +99,15 @@ def _options(loaded: LoadedScenario) -> RoadOptions:
     ]
     is_free = s.wheel_spin == "free"
     problems += [
-        f"{loaded.path}: manoeuvre: {text}"
-        for text in manoeuvre_of(loaded).problems(free_wheels=is_free)
+        f"{target.origin}: manoeuvre: {text}"
+        for text in manoeuvre_of(target).problems(free_wheels=is_free)
     ]
     if problems:
-        raise InputError("\n".join([*problems, f"{len(problems)} problem(s) in {loaded.path}"]))
+        raise InputError("\n".join([*problems, f"{len(problems)} problem(s) in {target.origin}"]))
     return RoadOptions(
-        front_tyre=_tyre(loaded, "front"),  # type: ignore[arg-type]
-        rear_tyre=_tyre(loaded, "rear"),  # type: ignore[arg-type]
-        surface=_road(loaded),  # type: ignore[arg-type]
+        front_tyre=_tyre(target, s, "front"),  # type: ignore[arg-type]
+        rear_tyre=_tyre(target, s, "rear"),  # type: ignore[arg-type]
+        surface=_road(target, s),  # type: ignore[arg-type]
         free_wheels=is_free,
         speed=s.speed or 0.0,
         contact=s.contact or "disc",
@@ -124,33 +119,31 @@ def _choice(target: Target) -> RoadChoice:
     """Return what a scenario chooses for the wheels of a system file."""
     from vehicledyn.files.building.values import RoadChoice
 
-    if isinstance(target, LoadedModel):
+    s = target.choices
+    if s is None:
         return RoadChoice()
-    s = target.scenario
     problems = manoeuvre_of(target).problems(free_wheels=s.wheel_spin != "prescribed")
     if problems:
-        raise InputError("\n".join(f"{target.path}: manoeuvre: {text}" for text in problems))
+        raise InputError("\n".join(f"{target.origin}: manoeuvre: {text}" for text in problems))
     return RoadChoice(
-        front_tyre=_tyre(target, "front"),
-        rear_tyre=_tyre(target, "rear"),
-        surface=_road(target),
+        front_tyre=_tyre(target, s, "front"),
+        rear_tyre=_tyre(target, s, "rear"),
+        surface=_road(target, s),
         free_wheels=s.wheel_spin != "prescribed",
         speed=s.speed or 0.0,
         contact=s.contact or "disc",
         relaxation=s.relaxation,
-        track=s.track.track(target.path.parent) if isinstance(s.track, TrackChoice) else None,
+        track=s.track.track(target.origin.parent) if isinstance(s.track, TrackChoice) else None,
         creep=s.creep,
         rail_contact=s.rail_contact,
     )
 
 
-def _tyre(loaded: LoadedScenario, axle: str) -> ParameterSet | None:
+def _tyre(target: Target, s: Scenario, axle: str) -> ParameterSet | None:
     """Return the tyre of an axle, its file looked for beside the scenario."""
-    tyres = loaded.scenario.tyres
-    tyre = None if tyres is None else getattr(tyres, axle)
-    return tyre.placed(loaded.path.parent) if isinstance(tyre, Tyre) else tyre
+    tyre = None if s.tyres is None else getattr(s.tyres, axle)
+    return tyre.placed(target.origin.parent) if isinstance(tyre, Tyre) else tyre
 
 
-def _road(loaded: LoadedScenario) -> ParameterSet | None:
-    road = loaded.scenario.road
-    return road.placed(loaded.path.parent) if isinstance(road, RoadSurface) else road
+def _road(target: Target, s: Scenario) -> ParameterSet | None:
+    return s.road.placed(target.origin.parent) if isinstance(s.road, RoadSurface) else s.road

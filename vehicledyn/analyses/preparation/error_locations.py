@@ -5,13 +5,14 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 
-from vehicledyn.analyses.preparation.build_model import Target, system_of
+from vehicledyn.analyses.preparation.build_model import system_of
 from vehicledyn.base.argument_names import setting
 from vehicledyn.base.errors import InputError, NumericalError
 from vehicledyn.base.problems import Problem, refusal
 from vehicledyn.base.yaml import parse_yaml
 from vehicledyn.files.scenario import LoadedScenario
 from vehicledyn.files.scenario.sources import Sources
+from vehicledyn.files.scenario.target import Target
 
 
 @contextmanager

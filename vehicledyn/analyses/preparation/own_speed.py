@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from vehicledyn.analyses.preparation.build_model import Target, system_of
+from vehicledyn.analyses.preparation.build_model import system_of
 from vehicledyn.analyses.preparation.prepared import Derived
 from vehicledyn.analyses.preparation.runnable import Subject
 from vehicledyn.base.argument_names import argument
 from vehicledyn.base.errors import InputError
-from vehicledyn.files.scenario import LoadedModel, changed_model, changed_scenario
+from vehicledyn.files.scenario.target import Target
 
 _NAME = "speed"
 
@@ -58,9 +58,7 @@ def at_value(target: Target, name: str, value: float, unit: str) -> Target:
         If the file cannot be read any more, or the parameter may not have this value.
     """
     change = f"parameters.{name}={float(value)!r}" + ("" if unit in ("", "1") else f" {unit}")
-    if isinstance(target, LoadedModel):
-        return changed_model(target, (change,))
-    return changed_scenario(target, (change,))
+    return target.with_overrides((change,))
 
 
 def own_speed(target: Target) -> float | None:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from vehicledyn.analyses.preparation.build_model import Target, build_subject
+from vehicledyn.analyses.preparation.build_model import build_subject
 from vehicledyn.analyses.preparation.error_locations import told_with_places
 from vehicledyn.analyses.preparation.mass_checks import refuse_idle_start
 from vehicledyn.analyses.preparation.prepared import (
@@ -23,6 +23,7 @@ from vehicledyn.analyses.preparation.prepared import (
 from vehicledyn.analyses.preparation.runnable import Subject
 from vehicledyn.analyses.preparation.start_rates import start_rates
 from vehicledyn.base.interrupts import undisturbed
+from vehicledyn.files.scenario.target import Target
 from vehicledyn.kernel.kernel import Backend, compile_kernel
 
 if TYPE_CHECKING:

@@ -10,11 +10,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from vehicledyn.analyses.preparation.build_model import Target
 from vehicledyn.analyses.preparation.error_locations import told_with_places
 from vehicledyn.analyses.preparation.runnable import Subject, index_of
 from vehicledyn.base.errors import InputError
 from vehicledyn.base.interrupts import undisturbed
+from vehicledyn.files.scenario.target import Target
 from vehicledyn.kernel.kernel import Backend, Kernel, compile_kernel
 from vehicledyn.symbolic.equations import Equations
 

@@ -8,10 +8,11 @@ import sys
 from collections.abc import Iterator
 from typing import Any
 
-from vehicledyn.analyses.preparation.build_model import Target, system_of
+from vehicledyn.analyses.preparation.build_model import system_of
 from vehicledyn.base.parameters import ParameterSet
 from vehicledyn.base.registry import find, kinds
 from vehicledyn.files.scenario import LoadedScenario
+from vehicledyn.files.scenario.target import Target
 
 _REFERENCES = re.compile(r"^References\n-+\n(.*?)(?=\n\n\S|\Z)", re.MULTILINE | re.DOTALL)
 _SOURCE = re.compile(r"^#\s*source:\s*(.*(?:\n#\s{3,}.*)*)", re.MULTILINE | re.IGNORECASE)
@@ -50,7 +51,7 @@ def sources_of(loaded: LoadedScenario) -> list[dict[str, str]]:
 def laws_that_bend(target: Target) -> list[str]:
     """Return the laws of a target whose forces are not linear in small motions, and why."""
     written = system_of(target)
-    scenario = target.scenario if isinstance(target, LoadedScenario) else None
+    scenario = target.choices
     roots: list[ParameterSet] = [] if scenario is None else [scenario]
     if written is not None and (scenario is None or scenario.creep is None):
         roots.append(written.file)

@@ -8,14 +8,13 @@ from vehicledyn.base.lazy_exports import lazy_exports
 from vehicledyn.files.scenario.load import (
     LoadedModel,
     LoadedScenario,
-    changed_model,
-    changed_scenario,
     is_system_file,
     load_model,
     load_scenario,
 )
 from vehicledyn.files.scenario.model_names import known_models
 from vehicledyn.files.scenario.sets import Output, Scenario, Tyres
+from vehicledyn.files.scenario.target import Target
 
 if TYPE_CHECKING:
     from vehicledyn.files.scenario.schema import scenario_schema
@@ -25,9 +24,8 @@ __all__ = [
     "LoadedScenario",
     "Output",
     "Scenario",
+    "Target",
     "Tyres",
-    "changed_model",
-    "changed_scenario",
     "is_system_file",
     "known_models",
     "load_model",

@@ -24,7 +24,6 @@ from vehicledyn.files.scenario.model_names import is_written, known_models, syst
 from vehicledyn.files.scenario.overrides import Change, apply_change, apply_override
 from vehicledyn.files.scenario.referenced_files import beside
 from vehicledyn.files.scenario.sets import Scenario
-from vehicledyn.files.scenario.settings import Settings, override_texts
 from vehicledyn.files.scenario.sources import Sources
 from vehicledyn.files.scenario.system_models import (
     WrittenModel,
@@ -33,6 +32,7 @@ from vehicledyn.files.scenario.system_models import (
     read_model,
     unsuitable,
 )
+from vehicledyn.files.scenario.target import Target
 from vehicledyn.files.scenario.titles import changed_title
 
 if TYPE_CHECKING:
@@ -40,7 +40,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, repr=False)
-class LoadedScenario:
+class LoadedScenario(Target):
     """A scenario that may run.
 
     ``text`` is the file as it was read, ``overrides`` what changed it. ``model_parameters`` is
@@ -65,22 +65,41 @@ class LoadedScenario:
         """Title of its runs: that of the file, and what was changed."""
         return changed_title(self.scenario.title, self.overrides)
 
-    def changed(self, changes: Settings | None = None, **fields: Any) -> LoadedScenario:
-        """Return the scenario with other values.
+    @property
+    def choices(self) -> Scenario:
+        """What it chooses."""
+        return self.scenario
 
-        Parameters
-        ----------
-        changes
-            Values by dotted keys, such as ``{"solver.step": "1 ms"}``.
-        fields
-            Values by the scenario's fields, such as ``speed="20 m/s"``.
+    @property
+    def whole(self) -> LoadedScenario:
+        """Itself."""
+        return self
 
-        Raises
-        ------
-        InputError
-            If a change means nothing or does not fit.
-        """
-        return changed_scenario(self, override_texts(changes, fields))
+    @property
+    def model_name(self) -> str:
+        """Name of its model."""
+        return self.scenario.model
+
+    @property
+    def origin(self) -> Path:
+        """Its file."""
+        return self.path
+
+    @property
+    def file_stem(self) -> str:
+        """Name of its file, without suffix."""
+        return self.path.stem
+
+    def with_overrides(
+        self, overrides: Sequence[str], *, first: Sequence[str] = ()
+    ) -> LoadedScenario:
+        """Return it with further changes; its file is not read again."""
+        document = parse_yaml(self.text, str(self.path))
+        changes = (*first, *self.overrides, *overrides)
+        changed, problems = examine_scenario(document, self.path, changes, built=self.built)
+        if changed is None:
+            raise refusal(problems, document.name)
+        return changed
 
     def __repr__(self) -> str:
         """Return title, file and changes."""
@@ -109,26 +128,6 @@ def load_scenario(path: Path, overrides: Sequence[str] = ()) -> LoadedScenario:
     if loaded is None:
         raise refusal(problems, document.name)
     return loaded
-
-
-def changed_scenario(
-    loaded: LoadedScenario, overrides: Sequence[str], *, first: Sequence[str] = ()
-) -> LoadedScenario:
-    """Return a scenario with further changes; its file is not read again.
-
-    They are made after those it has, but for some that are made ``first``.
-
-    Raises
-    ------
-    InputError
-        As :func:`load_scenario`.
-    """
-    document = parse_yaml(loaded.text, str(loaded.path))
-    changes = (*first, *loaded.overrides, *overrides)
-    changed, problems = examine_scenario(document, loaded.path, changes, built=loaded.built)
-    if changed is None:
-        raise refusal(problems, document.name)
-    return changed
 
 
 def examine_scenario(
@@ -202,7 +201,7 @@ def examine_scenario(
 
 
 @dataclass(frozen=True, repr=False)
-class LoadedModel:
+class LoadedModel(Target):
     """A model on its own: a vehicle of the catalogue with its parameters, or a system file.
 
     ``overrides`` are what changed the values of its file.
@@ -214,26 +213,40 @@ class LoadedModel:
     overrides: tuple[str, ...] = ()
     built: PythonModel | None = None
 
-    def changed(self, changes: Settings | None = None, **fields: Any) -> LoadedModel:
-        """Return the model with other values, see :meth:`LoadedScenario.changed`."""
-        return changed_model(self, override_texts(changes, fields))
+    @property
+    def choices(self) -> None:
+        """None: nothing is chosen."""
+        return
+
+    @property
+    def whole(self) -> None:
+        """None: there is no scenario."""
+        return
+
+    @property
+    def model_name(self) -> str:
+        """Its name."""
+        return self.name
+
+    @property
+    def origin(self) -> Path:
+        """Its name."""
+        return Path(self.name)
+
+    @property
+    def file_stem(self) -> str:
+        """Its name, without suffix."""
+        return Path(self.name).stem
+
+    def with_overrides(self, overrides: Sequence[str], *, first: Sequence[str] = ()) -> LoadedModel:
+        """Return it with further changes."""
+        is_file = self.written is not None and self.built is None
+        name = str(self.written.path) if is_file and self.written is not None else self.name
+        return load_model(name, (*first, *self.overrides, *overrides), self.built)
 
     def __repr__(self) -> str:
         """Return name and changes."""
         return _shown("Model", self.name, self.overrides)
-
-
-def changed_model(loaded: LoadedModel, overrides: Sequence[str]) -> LoadedModel:
-    """Return a model with further changes, made after those it has.
-
-    Raises
-    ------
-    InputError
-        As :func:`load_model`.
-    """
-    is_file = loaded.written is not None and loaded.built is None
-    name = str(loaded.written.path) if is_file and loaded.written is not None else loaded.name
-    return load_model(name, (*loaded.overrides, *overrides), loaded.built)
 
 
 def load_model(
