@@ -10,7 +10,7 @@ import vehicledyn.catalogue  # noqa: F401
 from vehicledyn.base.argument_names import argument
 from vehicledyn.base.errors import InputError
 from vehicledyn.base.problems import refusal
-from vehicledyn.base.registry import find, kinds
+from vehicledyn.base.registry import kinds
 from vehicledyn.base.yaml import parse_yaml, read_yaml
 from vehicledyn.files.scenario import (
     LoadedModel,
@@ -90,8 +90,8 @@ def read_scenario(source: Source, overrides: Sequence[str] = ()) -> LoadedScenar
         As :func:`read_target`, and if a model cannot run without more being said.
     """
     target = read_target(source, (), ("scenario", "system"))
-    if target.whole is not None:
-        return target.whole.with_overrides(overrides) if overrides else target.whole
+    if target.choices is not None:
+        return target.with_overrides(overrides) if overrides else target
     name = target.model_name
     data = {"title": name, "model": _model_name(target), **USUAL_RUN, **_usual_of(target)}
     document = parse_yaml(_as_text(data), name)
@@ -105,26 +105,23 @@ def read_scenario(source: Source, overrides: Sequence[str] = ()) -> LoadedScenar
 
 def _model_name(model: Target) -> str:
     """Return what a scenario in any folder names a model by."""
-    if model.built is not None:
-        return str(model.built.path)
-    return model.model_name if model.written is None else str(Path(model.written.path).resolve())
+    return model.written.reference
 
 
 def _of_system(system: System, overrides: Sequence[str]) -> LoadedModel:
     system.check()
     model = PythonModel(system)
-    return LoadedModel(model.name, None, model, built=model).with_overrides(overrides)
+    return LoadedModel(model.name, model, built=model).with_overrides(overrides)
 
 
 def _usual_of(model: Target) -> dict[str, Any]:
     """Return what a vehicle needs besides to drive straight ahead."""
     written = model.written
-    if written is not None and not written.is_vehicle:
+    if not written.is_vehicle:
         return {"solver": {"kind": "rk4"}} if written.has_wheels else {}
     usual: dict[str, Any] = {**_DRIVEN, "road": {"kind": "flat"}, "wheel_spin": "free"}
-    if written is None:
-        tyre = find("model", model.model_name).standard_options().front_tyre
-        usual["tyres"] = {"kind": tyre.kind}
+    if written.usual_tyre:
+        usual["tyres"] = {"kind": written.usual_tyre}
     return usual
 
 

@@ -162,7 +162,7 @@ def test_equilibrium_of_a_model(call, catalogue, pipeline, tmp_path):
     assert pipeline.asked["function"] == "equilibrium"
     assert pipeline.asked["speed"] == "36 km/h"
     assert pipeline.asked["target"].name == "cart"
-    assert pipeline.asked["target"].model_parameters.wheel_radius == pytest.approx(0.31)
+    assert pipeline.asked["target"].written.parameters.wheel_radius == pytest.approx(0.31)
     assert json.loads(file.read_text()) == {"modes": [{"real": 1.0, "imaginary": 2.0}]}
 
 

@@ -29,8 +29,8 @@ def test_good_scenario_is_resolved_to_si(write):
     assert loaded.scenario.speed == pytest.approx(10.0, rel=1e-15)
     assert loaded.scenario.manoeuvre.driver == Preview(preview=0.5)
     assert loaded.scenario.tyres.front is loaded.scenario.tyres.rear
-    assert loaded.model_parameters.chassis.mass == 1200.0
-    assert loaded.model_parameters.chassis.centre == (0.1, 0.0, 0.5)
+    assert loaded.written.parameters.chassis.mass == 1200.0
+    assert loaded.written.parameters.chassis.centre == (0.1, 0.0, 0.5)
     assert loaded.resolved["solver"] == {"kind": "fixed", "step": 0.001}
     assert loaded.resolved["parameters"]["chassis"]["mass"] == 1200.0
     assert loaded.units["parameters.chassis.mass"] == "kg"
@@ -196,7 +196,7 @@ def test_problems_of_the_default_parameters_point_to_their_file(write, tmp_path)
 def test_a_part_of_another_kind_replaces_the_default(write):
     change = "controller: {kind: preview, preview: 1 s}\n  chassis:"
     loaded = load_scenario(write(("chassis:", change)))
-    assert loaded.model_parameters.controller == Preview(preview=1.0)
+    assert loaded.written.parameters.controller == Preview(preview=1.0)
 
 
 def test_overrides_win_and_are_applied_in_order(write):
@@ -208,9 +208,9 @@ def test_overrides_win_and_are_applied_in_order(write):
     ]  # fmt: skip
     loaded = load_scenario(write(), overrides)
     assert loaded.scenario.speed == 30.0
-    assert loaded.model_parameters.chassis.centre == (0.1, 0.0, 0.7)
-    assert loaded.model_parameters.chassis.inertia == (3.0, 3.0, 3.0)
-    assert loaded.model_parameters.wheel_radius == pytest.approx(0.31, rel=1e-15)
+    assert loaded.written.parameters.chassis.centre == (0.1, 0.0, 0.7)
+    assert loaded.written.parameters.chassis.inertia == (3.0, 3.0, 3.0)
+    assert loaded.written.parameters.wheel_radius == pytest.approx(0.31, rel=1e-15)
     assert loaded.scenario.output.channels == ("wheel.*",)
     assert loaded.scenario.manoeuvre.driver.angle == pytest.approx(1.5707963, abs=1e-7)
     assert loaded.scenario.road is None
@@ -220,7 +220,7 @@ def test_overrides_win_and_are_applied_in_order(write):
 
 def test_defaults_of_the_model_stay_as_they_are(write):
     load_scenario(write(), ["parameters.chassis.centre.z=0.7 m"])
-    assert load_scenario(write()).model_parameters.chassis.centre == (0.1, 0.0, 0.5)
+    assert load_scenario(write()).written.parameters.chassis.centre == (0.1, 0.0, 0.5)
 
 
 @pytest.mark.parametrize(
@@ -272,7 +272,7 @@ def test_absurd_steps_are_refused(write, step):
 
 def test_model_on_its_own(catalogue):
     loaded = load_model("cart", ["parameters.chassis.mass=2 t"])
-    assert loaded.model_parameters.chassis.mass == 2000.0
+    assert loaded.written.parameters.chassis.mass == 2000.0
 
 
 @pytest.mark.parametrize(

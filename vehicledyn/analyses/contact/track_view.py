@@ -138,7 +138,7 @@ def _track_of(path: Path) -> tuple[Track, str]:
     else:
         loaded = load_scenario(path)
         chosen = loaded.scenario.track
-        if chosen is None and loaded.written is not None:
+        if chosen is None and loaded.written.file is not None:
             return _track_of(Path(loaded.written.path))
     if not isinstance(chosen, TrackChoice):
         words = "there is no track in this file; give it a section 'track' or another file"

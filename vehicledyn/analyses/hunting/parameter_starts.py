@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
-from vehicledyn.analyses.preparation.build_model import build_subject, system_of
+from vehicledyn.analyses.preparation.build_model import build_subject
 from vehicledyn.analyses.preparation.own_speed import at_value
 from vehicledyn.analyses.preparation.prepared import Prepared
 from vehicledyn.analyses.preparation.runnable import Subject
@@ -35,8 +35,8 @@ class ParameterStarts:
         InputError
             If the parameter may not have this value.
         """
-        written = system_of(self.target)
-        if written is None or self.name not in written.units:
+        written = self.target.written
+        if written.file is None or self.name not in written.units:
             return self.prepared
         subject = build_subject(at_value(self.target, self.name, value, written.units[self.name]))
         before = self.prepared

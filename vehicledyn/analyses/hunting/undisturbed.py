@@ -23,7 +23,7 @@ def without_disturbances(target: Target, settings: HuntSettings) -> tuple[Target
         If the range is none of the parameter.
     """
     chosen = target.choices
-    if chosen is None or target.written is None:
+    if chosen is None:
         return target, []
     name, given = settings.parameter, chosen.initial
     unit = target.written.units.get(name)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -152,8 +152,8 @@ def _prepared(
     if table is not None:
         wanted = derive_inverse(system).coordinates
         motion = read_table(table, system, wanted)
-    elif isinstance(written, SystemModel) and written.motion:
-        motion = LawMotion(written, written.motion)
+    elif written.motion:
+        motion = LawMotion(cast(SystemModel, written), written.motion)
     try:
         inverse = derive_inverse(system, motion.coordinates if motion is not None else None)
     except InputError as error:

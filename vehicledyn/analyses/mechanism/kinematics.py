@@ -329,15 +329,14 @@ class _Files:
 
     def _header(self, plots: list[dict[str, Any]]) -> ResultHeader:
         axis = Axis("1", "Number of the place")
-        whole = self.target.whole
-        if whole is None:
+        if self.target.choices is None:
             title = f"Kinematics of {self.model}"
             return ResultHeader(title=title, model=self.model, plots=plots, axis=axis)
         return ResultHeader(
-            title=f"Kinematics: {whole.title}",
+            title=f"Kinematics: {self.target.title}",
             model=self.model,
-            scenario_text=whole.text,
-            configuration=dict(whole.resolved),
+            scenario_text=self.target.text,
+            configuration=dict(self.target.resolved),
             plots=plots,
             axis=axis,
         )

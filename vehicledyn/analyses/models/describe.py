@@ -4,13 +4,12 @@ from __future__ import annotations
 
 import textwrap
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, cast
 
 from vehicledyn.analyses.models.assembly_tree import assemblies_as_data, assembly_lines
 from vehicledyn.analyses.preparation.build_model import build_subject
 from vehicledyn.analyses.preparation.prepare import prepare
 from vehicledyn.analyses.preparation.prepared import Progress
-from vehicledyn.base.registry import find
 from vehicledyn.files.building.python_systems import system_as_yaml
 from vehicledyn.files.building.write import model_as_yaml
 from vehicledyn.files.scenario.target import Target
@@ -91,18 +90,15 @@ def describe_model(target: Target, *, backend: Backend, progress: Progress) -> M
     """Return what a model is made of, of the catalogue with its standard parts."""
     prepared = prepare(target, backend=backend, progress=progress)
     kernel, written = prepared.kernel, target.written
-    assemblies: tuple[Assembly, ...] = ()
-    if isinstance(written, SystemModel):
-        summary, assemblies = written.file.title, written.assemblies
-    else:
-        summary = (find("model", target.model_name).__doc__ or "").strip().partition("\n")[0]
-    return ModelReport(summary, prepared.equations, kernel.description, kernel.report, assemblies)
+    return ModelReport(
+        written.title, prepared.equations, kernel.description, kernel.report, written.assemblies
+    )
 
 
 def write_system(target: Target) -> str:
     """Return a model as the text of a system file; of models in Python what can be expressed."""
-    if isinstance(target.written, SystemModel):
-        return model_as_yaml(target.written)
+    if target.written.file is not None:
+        return model_as_yaml(cast(SystemModel, target.written))
     return system_as_yaml(build_subject(target).system)
 
 

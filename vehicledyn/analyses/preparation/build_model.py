@@ -9,7 +9,6 @@ from vehicledyn.analyses.preparation.runnable import Subject
 from vehicledyn.analyses.preparation.system_runnable import SystemSubject
 from vehicledyn.base.errors import InputError
 from vehicledyn.base.parameters import ParameterSet
-from vehicledyn.base.registry import find
 from vehicledyn.files.scenario.sets import Scenario
 from vehicledyn.files.scenario.target import Target
 from vehicledyn.rail.track.track_set import TrackChoice
@@ -18,20 +17,11 @@ from vehicledyn.road.manoeuvres.manoeuvre import RoadManoeuvre
 from vehicledyn.road.manoeuvres.straight import Straight
 from vehicledyn.road.surfaces.surface import RoadSurface
 from vehicledyn.road.tyres.tyre import Tyre
-from vehicledyn.road.vehicle import RoadOptions, RoadVehicle
+from vehicledyn.road.vehicle import RoadVehicle
 
 if TYPE_CHECKING:
     from vehicledyn.files.building.values import RoadChoice
-    from vehicledyn.files.system.read import SystemModel
-
-
-def system_of(target: Target) -> SystemModel | None:
-    """Return the system that a target's own file writes, None where it names a model."""
-    if target.written is None:
-        return None
-    from vehicledyn.files.system.read import SystemModel
-
-    return target.written if isinstance(target.written, SystemModel) else None
+    from vehicledyn.files.scenario.system_models import WrittenModel
 
 
 def build_subject(target: Target) -> Subject:
@@ -42,17 +32,11 @@ def build_subject(target: Target) -> Subject:
     InputError
         If the scenario lacks a part that it needs.
     """
-    if target.written is not None:
-        from vehicledyn.files.scenario.python_models import PythonModel
+    if target.written.is_vehicle:
+        return RoadSubject(build_vehicle(target), manoeuvre_of(target))
+    from vehicledyn.files.building.builders import BUILDERS
 
-        if isinstance(target.written, PythonModel):
-            return SystemSubject(target.written.system)
-    written = system_of(target)
-    if written is not None and not written.is_vehicle:
-        from vehicledyn.files.building import construct
-
-        return SystemSubject(construct.build_system(written, _choice(target)))
-    return RoadSubject(build_vehicle(target), manoeuvre_of(target))
+    return SystemSubject(BUILDERS[target.written.kind].system(*_asked(target)))
 
 
 def manoeuvre_of(target: Target) -> RoadManoeuvre:
@@ -75,53 +59,22 @@ def build_vehicle(target: Target) -> RoadVehicle:
     InputError
         If the scenario lacks a part that the vehicle needs, all missing parts at once.
     """
-    written = system_of(target)
-    if written is not None:
-        from vehicledyn.files.building import construct
+    from vehicledyn.files.building.builders import BUILDERS
 
-        return limited(manoeuvre_of(target).fit(construct.build_vehicle(written, _choice(target))))
-    model = find("model", target.model_name)
-    chosen = target.choices
-    options = model.standard_options() if chosen is None else _options(target, chosen)
-    vehicle: RoadVehicle = model.build(target.model_parameters, options)
+    vehicle: RoadVehicle = BUILDERS[target.written.kind].vehicle(*_asked(target))
     return limited(manoeuvre_of(target).fit(vehicle))
 
 
-def _options(target: Target, s: Scenario) -> RoadOptions:
-    problems = [
-        f"{target.origin}: {key}: missing: {why}"
-        for key, value, why in (
-            ("tyres", s.tyres, "a road vehicle needs a tyre law, such as 'kind: calspan'"),
-            ("road", s.road, "a road vehicle needs a road, such as 'kind: flat'"),
-            ("wheel_spin", s.wheel_spin, "say 'free' or 'prescribed'"),
-        )
-        if value is None
-    ]
-    is_free = s.wheel_spin == "free"
-    problems += [
-        f"{target.origin}: manoeuvre: {text}"
-        for text in manoeuvre_of(target).problems(free_wheels=is_free)
-    ]
-    if problems:
-        raise InputError("\n".join([*problems, f"{len(problems)} problem(s) in {target.origin}"]))
-    return RoadOptions(
-        front_tyre=_tyre(target, s, "front"),  # type: ignore[arg-type]
-        rear_tyre=_tyre(target, s, "rear"),  # type: ignore[arg-type]
-        surface=_road(target, s),  # type: ignore[arg-type]
-        free_wheels=is_free,
-        speed=s.speed or 0.0,
-        contact=s.contact or "disc",
-        relaxation=s.relaxation,  # type: ignore[arg-type]
-    )
+def _asked(target: Target) -> tuple[WrittenModel, RoadChoice | None]:
+    """Return the model and what a scenario chooses for it."""
+    chosen = target.choices
+    return target.written, None if chosen is None else _choice(target, chosen)
 
 
-def _choice(target: Target) -> RoadChoice:
+def _choice(target: Target, s: Scenario) -> RoadChoice:
     """Return what a scenario chooses for the wheels of a system file."""
     from vehicledyn.files.building.values import RoadChoice
 
-    s = target.choices
-    if s is None:
-        return RoadChoice()
     problems = manoeuvre_of(target).problems(free_wheels=s.wheel_spin != "prescribed")
     if problems:
         raise InputError("\n".join(f"{target.origin}: manoeuvre: {text}" for text in problems))

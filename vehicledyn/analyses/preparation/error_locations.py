@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 
-from vehicledyn.analyses.preparation.build_model import system_of
 from vehicledyn.base.argument_names import setting
 from vehicledyn.base.errors import InputError, NumericalError
 from vehicledyn.base.problems import Problem, refusal
@@ -27,8 +26,7 @@ def told_with_places(target: Target) -> Iterator[None]:
     try:
         yield
     except (InputError, NumericalError) as error:
-        written = system_of(target)
-        places = {} if written is None else written.places
+        places = target.written.places
         known = [name for name in dict.fromkeys(error.about) if name in places]
         if not known:
             raise

@@ -30,9 +30,8 @@ def named_files(loaded: LoadedScenario) -> dict[str, str]:
     """
     found: dict[str, str] = {}
     waiting = [(text, loaded.path.parent) for text in _texts(loaded.resolved)]
-    if loaded.written is not None:
-        folder = Path(loaded.written.path).parent
-        waiting += [(text, folder) for text in _words(loaded.written.text)]
+    folder = Path(loaded.written.path).parent
+    waiting += [(text, folder) for text in _words(loaded.written.text)]
     while waiting:
         name, folder = waiting.pop()
         path = folder / name

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from vehicledyn.analyses.preparation.build_model import system_of
 from vehicledyn.analyses.preparation.prepared import Derived
 from vehicledyn.analyses.preparation.runnable import Subject
 from vehicledyn.base.argument_names import argument
@@ -63,8 +62,8 @@ def at_value(target: Target, name: str, value: float, unit: str) -> Target:
 
 def own_speed(target: Target) -> float | None:
     """Return the parameter "speed" [m/s] of a system that drives no manoeuvre, None without one."""
-    written = system_of(target)
-    if written is None or written.is_vehicle or written.units.get(_NAME) != "m/s":
+    written = target.written
+    if written.file is None or written.is_vehicle or written.units.get(_NAME) != "m/s":
         return None
     return written.resolved.get(_NAME)
 

@@ -24,7 +24,6 @@ from vehicledyn.analyses.preparation.named_files import named_files
 from vehicledyn.base.errors import InputError
 from vehicledyn.base.files.limits import read_regular
 from vehicledyn.base.files.ownership import writable_by_others
-from vehicledyn.base.registry import find
 from vehicledyn.base.version import FOLDER, PACKAGE
 from vehicledyn.codegen.toolchain.cache import cache_folder, distrust
 from vehicledyn.codegen.toolchain.compiler import CompilationError, find_compiler
@@ -120,11 +119,8 @@ def _is_ours(loaded: LoadedScenario) -> bool:
     """Return whether the model and all parts of a scenario, theirs too, are this package's."""
     if loaded.built is not None:
         return False
-    kinds = list(_kinds(loaded.scenario))
-    if loaded.written is None:
-        kinds.append(find("model", loaded.scenario.model))
-    else:
-        kinds += _kinds(getattr(loaded.written, "file", None))
+    written = loaded.written
+    kinds = [*_kinds(loaded.scenario), *written.classes, *_kinds(written.file)]
     return all(kind.__module__.split(".")[0] == PACKAGE for kind in kinds)
 
 

@@ -8,9 +8,7 @@ import sys
 from collections.abc import Iterator
 from typing import Any
 
-from vehicledyn.analyses.preparation.build_model import system_of
 from vehicledyn.base.parameters import ParameterSet
-from vehicledyn.base.registry import find, kinds
 from vehicledyn.files.scenario import LoadedScenario
 from vehicledyn.files.scenario.target import Target
 
@@ -29,15 +27,15 @@ def sources_of(loaded: LoadedScenario) -> list[dict[str, str]]:
     The source is the section "References" of the part's description or of its module, or what
     the file of its parameters names; it is empty where there is none.
     """
-    written, name = system_of(loaded), loaded.scenario.model
+    written, name = loaded.written, loaded.scenario.model
     used: dict[tuple[str, str], type[Any]] = {}
     found: list[dict[str, str]] = []
     roots: list[ParameterSet] = [loaded.scenario]
-    if written is not None:
+    if written.file is not None:
         roots.append(written.file)
-        found.append(_record("model", name, written.file.title, _source_of_file(written.text)))
-    elif name in kinds("model"):
-        used["model", name] = find("model", name)
+        found.append(_record("model", name, written.title, _source_of_file(written.text)))
+    for entry in written.classes:
+        used["model", name] = entry
     for root in roots:
         for part in _parts(root):
             if not (part.family == "joint" and part.kind in ELEMENTARY):
@@ -50,10 +48,10 @@ def sources_of(loaded: LoadedScenario) -> list[dict[str, str]]:
 
 def laws_that_bend(target: Target) -> list[str]:
     """Return the laws of a target whose forces are not linear in small motions, and why."""
-    written = system_of(target)
+    written = target.written
     scenario = target.choices
     roots: list[ParameterSet] = [] if scenario is None else [scenario]
-    if written is not None and (scenario is None or scenario.creep is None):
+    if written.file is not None and (scenario is None or scenario.creep is None):
         roots.append(written.file)
     found = [
         f"{part.family} '{part.kind}': {part.bends_at_rest}"

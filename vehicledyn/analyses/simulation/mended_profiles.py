@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from vehicledyn.analyses.preparation.build_model import system_of
 from vehicledyn.files.scenario import LoadedScenario
 from vehicledyn.rail.profiles.profile import Profile
 from vehicledyn.rail.track.track_set import TrackChoice
@@ -25,8 +24,8 @@ def mended_profiles(loaded: LoadedScenario) -> list[str]:
 
 def _profiles(loaded: LoadedScenario) -> Iterator[Profile]:
     """Yield the profiles of the wheels and of the rails."""
-    written = system_of(loaded)
-    if written is None or not written.file.rail_wheels:
+    written = loaded.written
+    if written.file is None or not written.file.rail_wheels:
         return
     for wheels in written.file.rail_wheels.values():
         yield wheels.open(written.path.parent)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -11,15 +11,15 @@ from pydantic import ValidationError
 
 from vehicledyn.base.errors import InputError, unknown_name
 from vehicledyn.base.files.limits import UnreadableFileError, check_regular
-from vehicledyn.base.parameters import ParameterSet, as_plain, units_of
+from vehicledyn.base.parameters import as_plain, units_of
 from vehicledyn.base.problems import START, Place, Problem, refusal
 from vehicledyn.base.registry import find, kinds
 from vehicledyn.base.units import describe
 from vehicledyn.base.validation_messages import UNKNOWN_KEY
 from vehicledyn.base.yaml import Document, copied, parse_yaml, read_yaml
 from vehicledyn.files.scenario.bare_numbers import bare_numbers
+from vehicledyn.files.scenario.catalogue_models import CatalogueModel
 from vehicledyn.files.scenario.checks import check_times
-from vehicledyn.files.scenario.merge import merge_parameters
 from vehicledyn.files.scenario.model_names import is_written, known_models, system_path
 from vehicledyn.files.scenario.overrides import Change, apply_change, apply_override
 from vehicledyn.files.scenario.referenced_files import beside
@@ -54,10 +54,9 @@ class LoadedScenario(Target):
     text: str
     overrides: tuple[str, ...]
     scenario: Scenario
-    model_parameters: ParameterSet | None
     resolved: dict[str, Any]
     units: dict[str, str]
-    written: WrittenModel | None = None
+    written: WrittenModel
     built: PythonModel | None = None
 
     @property
@@ -69,11 +68,6 @@ class LoadedScenario(Target):
     def choices(self) -> Scenario:
         """What it chooses."""
         return self.scenario
-
-    @property
-    def whole(self) -> LoadedScenario:
-        """Itself."""
-        return self
 
     @property
     def model_name(self) -> str:
@@ -161,25 +155,20 @@ def examine_scenario(
     found += [apply_change(data, change, sources, groups) for change in changes]
     problems += [problem for problem in found if problem is not None]
     scenario, wrong = _read_scenario(data, sources)
-    parameters, wrong_parameters = _read_parameters(data, sources)
     written, wrong_model = (
         built.changed(data, sources) if built else _read_written(data, path, sources)
     )
-    problems += _unless_told(problems, wrong) + wrong_parameters + wrong_model
+    problems += _unless_told(problems, wrong) + wrong_model
     problems += _unless_told(problems, unsuitable(data, written, sources))
     problems += check_times(data, scenario, sources)
     if scenario is not None:
         told = [*beside(scenario, path.parent), *_motion_beside(scenario, path.parent)]
         problems += [sources.problem(place, words) for place, words in told]
-    if problems or scenario is None or (parameters is None and written is None):
+    if problems or scenario is None or written is None:
         return None, problems
-    resolved, units = as_plain(scenario), units_of(scenario)
-    if parameters is not None:
-        resolved["parameters"] = as_plain(parameters)
-        units |= units_of(parameters, "parameters.")
-    if written is not None:
-        resolved |= {"parameters": written.resolved, "system": written.text}
-        units |= {f"parameters.{name}": unit for name, unit in written.units.items()}
+    resolved = as_plain(scenario) | written.described
+    units = units_of(scenario)
+    units |= {f"parameters.{name}": unit for name, unit in written.units.items()}
     if not any(change.in_si for change in changes):  # the others were read before these
         problems = bare_numbers(data, {**units, **_start_units(written)}, sources)
         if problems:
@@ -190,7 +179,6 @@ def examine_scenario(
             document.text,
             tuple(overrides),
             scenario,
-            parameters,
             resolved,
             units,
             written,
@@ -208,19 +196,15 @@ class LoadedModel(Target):
     """
 
     name: str
-    model_parameters: ParameterSet | None
-    written: WrittenModel | None = None
+    written: WrittenModel
     overrides: tuple[str, ...] = ()
     built: PythonModel | None = None
+    text: str = ""
+    resolved: dict[str, Any] = field(default_factory=dict)
 
     @property
     def choices(self) -> None:
         """None: nothing is chosen."""
-        return
-
-    @property
-    def whole(self) -> None:
-        """None: there is no scenario."""
         return
 
     @property
@@ -240,8 +224,7 @@ class LoadedModel(Target):
 
     def with_overrides(self, overrides: Sequence[str], *, first: Sequence[str] = ()) -> LoadedModel:
         """Return it with further changes."""
-        is_file = self.written is not None and self.built is None
-        name = str(self.written.path) if is_file and self.written is not None else self.name
+        name = self.name if self.written.file is None else str(self.written.path)
         return load_model(name, (*first, *self.overrides, *overrides), self.built)
 
     def __repr__(self) -> str:
@@ -272,7 +255,6 @@ def load_model(
     in_file = built is not None or is_written(name)
     if not in_file and name not in kinds("model"):
         raise InputError(unknown_name("model", name, known_models()))
-    model = None if in_file else find("model", name)
     sources = Sources(Document(name, ""))
     data: dict[str, Any] = {"parameters": {}, **({"initial": {}} if in_file else {})}
     may_change = tuple(data)
@@ -281,21 +263,18 @@ def load_model(
     problems = [problem for problem in found if problem is not None]
     words = "only 'parameters' of a model can be set; give a scenario to change more"
     problems += [sources.problem((key,), words) for key in data if key not in may_change]
-    parameters: ParameterSet | None = None
-    written: WrittenModel | None = None
+    written: WrittenModel | None
     if built is not None:
         written, wrong = built.changed(data, sources)
-    elif model is None:
+    elif in_file:
         written, wrong = read_model(system_path(name, Path()), data, sources)
     else:
-        parameters, wrong = merge_parameters(model, data["parameters"], sources)
-    units = units_of(parameters) if parameters is not None else written.units if written else {}
-    units = {f"parameters.{key}": unit for key, unit in units.items()}
+        written, wrong = CatalogueModel.read(name, data["parameters"], sources)
+    units = {f"parameters.{key}": unit for key, unit in written.units.items()} if written else {}
     bare = bare_numbers(data, {**units, **_start_units(written)}, sources)
-    if problems or wrong or bare:
+    if problems or wrong or bare or written is None:
         raise refusal(problems + wrong + bare, name)
-    told = name if written is None else written.name
-    return LoadedModel(told, parameters, written, tuple(overrides), built)
+    return LoadedModel(written.name, written, tuple(overrides), built)
 
 
 def _shown(what: str, name: str, overrides: Sequence[str]) -> str:
@@ -329,6 +308,10 @@ def _read_written(
     data: dict[str, Any], path: Path, sources: Sources
 ) -> tuple[WrittenModel | None, list[Problem]]:
     model = data.get("model")
+    if isinstance(model, str) and model in kinds("model"):
+        changes = data.get("parameters") or {}
+        is_plain = isinstance(changes, dict)
+        return CatalogueModel.read(model, changes, sources) if is_plain else (None, [])
     if not is_written(model):
         return None, []
     file = system_path(str(model), path.parent)
@@ -384,12 +367,3 @@ def _read_scenario(data: dict[str, Any], sources: Sources) -> tuple[Scenario | N
             sources.problem(line["loc"], line["msg"], at_key=line["type"] == UNKNOWN_KEY)
             for line in error.errors()
         ]
-
-
-def _read_parameters(
-    data: dict[str, Any], sources: Sources
-) -> tuple[ParameterSet | None, list[Problem]]:
-    name, changes = data.get("model"), data.get("parameters") or {}
-    if name not in kinds("model") or not isinstance(changes, dict):
-        return None, []
-    return merge_parameters(find("model", str(name)), changes, sources)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
+from typing import Any, ClassVar
 
 from vehicledyn.base.errors import InputError, unknown_name
 from vehicledyn.base.problems import Place, Problem
@@ -27,6 +27,14 @@ class PythonModel:
     is_vehicle: bool = False
     needs_track: bool = False
     has_track: bool = False
+    kind: ClassVar[str] = "python"
+    title: ClassVar[str] = ""
+    usual_tyre: ClassVar[str] = ""
+    file: ClassVar[Any] = None
+    places: ClassVar[Mapping[str, Problem]] = {}
+    motion: ClassVar[dict[str, Any]] = {}
+    assemblies: ClassVar[tuple[Any, ...]] = ()
+    classes: ClassVar[tuple[type, ...]] = ()
 
     @property
     def path(self) -> Path:
@@ -42,6 +50,16 @@ class PythonModel:
     def resolved(self) -> dict[str, float]:
         """Parameters in SI by dotted name."""
         return {entry.name: entry.value for entry in self.system.table.entries}
+
+    @property
+    def reference(self) -> str:
+        """What a scenario names it by."""
+        return str(self.path)
+
+    @property
+    def described(self) -> dict[str, Any]:
+        """What a resolved scenario holds of it."""
+        return {"parameters": self.resolved, "system": self.text}
 
     @property
     def units(self) -> dict[str, str]:

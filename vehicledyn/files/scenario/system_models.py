@@ -27,7 +27,11 @@ class Measured(Protocol):
 
 
 class WrittenModel(Protocol):
-    """What a scenario needs to know of a model that is a file."""
+    """What a scenario needs to know of a model, whether file, Python or the catalogue says it."""
+
+    @property
+    def kind(self) -> str:
+        """Kind of its builder, "system", "python" or "catalogue"."""
 
     @property
     def path(self) -> Path:
@@ -62,8 +66,44 @@ class WrittenModel(Protocol):
         """Whether its file says on which track."""
 
     @property
-    def resolved(self) -> dict[str, float]:
-        """Parameters in SI by dotted name."""
+    def title(self) -> str:
+        """What it is, in a sentence; empty where nothing says it."""
+
+    @property
+    def reference(self) -> str:
+        """What a scenario in any folder names it by."""
+
+    @property
+    def file(self) -> Any:
+        """The sections of its system file, None where it has none."""
+
+    @property
+    def places(self) -> Mapping[str, Problem]:
+        """Lines of coordinates, parts and bodies in its file by name, without a message."""
+
+    @property
+    def motion(self) -> dict[str, Any]:
+        """Laws that the scenario gives for inverse dynamics, by coordinate."""
+
+    @property
+    def assemblies(self) -> tuple[Any, ...]:
+        """Systems that it is made of."""
+
+    @property
+    def resolved(self) -> dict[str, Any]:
+        """Parameters in SI by name."""
+
+    @property
+    def described(self) -> dict[str, Any]:
+        """What a resolved scenario holds of it."""
+
+    @property
+    def usual_tyre(self) -> str:
+        """Kind of the tyre that it has if a scenario says none; empty where its file says it."""
+
+    @property
+    def classes(self) -> tuple[type, ...]:
+        """Classes that make it, further ones than those of the program."""
 
     @property
     def units(self) -> dict[str, str]:

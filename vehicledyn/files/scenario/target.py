@@ -10,8 +10,6 @@ from typing import TYPE_CHECKING, Any, Self
 from vehicledyn.files.scenario.settings import Settings, override_texts
 
 if TYPE_CHECKING:
-    from vehicledyn.base.parameters import ParameterSet
-    from vehicledyn.files.scenario.load import LoadedScenario
     from vehicledyn.files.scenario.python_models import PythonModel
     from vehicledyn.files.scenario.sets import Scenario
     from vehicledyn.files.scenario.system_models import WrittenModel
@@ -20,13 +18,15 @@ if TYPE_CHECKING:
 class Target(ABC):
     """A model and, where there is one, the scenario that it stands in.
 
-    ``scenario`` is None for a model by itself; ``overrides`` are what changed its file.
-    ``model_parameters`` is the complete set of a vehicle of the catalogue, ``written`` the model
-    elsewhere, and ``built`` that as it was built in Python, before any change.
+    ``overrides`` are what changed its file.
+    ``written`` is the model with its parameters, and ``built`` that as it was built in Python,
+    before any change. ``text`` is the scenario's and ``resolved`` everything that will be used; a
+    model by itself has neither.
     """
 
-    model_parameters: ParameterSet | None
-    written: WrittenModel | None
+    written: WrittenModel
+    text: str
+    resolved: dict[str, Any]
     overrides: tuple[str, ...]
     built: PythonModel | None
 
@@ -36,9 +36,9 @@ class Target(ABC):
         """What the scenario chooses, None for a model by itself."""
 
     @property
-    @abstractmethod
-    def whole(self) -> LoadedScenario | None:
-        """The scenario as it was read, None for a model by itself."""
+    def title(self) -> str:
+        """Title of its runs; the name of a model by itself."""
+        return self.model_name
 
     @property
     @abstractmethod

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import Any, ClassVar
 
 from vehicledyn.base.problems import START, Problem
 from vehicledyn.base.units import describe
@@ -39,6 +39,24 @@ class SystemModel:
     places: dict[str, Problem] = field(default_factory=dict)
     motion: dict[str, TimeLaw] = field(default_factory=dict)
     assemblies: tuple[Assembly, ...] = ()
+    kind: ClassVar[str] = "system"
+    usual_tyre: ClassVar[str] = ""
+    classes: ClassVar[tuple[type, ...]] = ()
+
+    @property
+    def title(self) -> str:
+        """What it is, in a sentence."""
+        return self.file.title
+
+    @property
+    def reference(self) -> str:
+        """What a scenario in any folder names it by."""
+        return str(self.path.resolve())
+
+    @property
+    def described(self) -> dict[str, Any]:
+        """What a resolved scenario holds of it."""
+        return {"parameters": self.resolved, "system": self.text}
 
     @property
     def name(self) -> str:
