@@ -51,6 +51,7 @@ class Picture:
     unit: str
     label: str
     across: str = ""
+    across_label: str = ""
 
 
 def _path(x: str, y: str, label: str = "Place") -> Picture:
@@ -72,6 +73,7 @@ PICTURES = {
         "mm",
         "Place on the left wheel",
         "wheels.lateral_shift",
+        "Lateral shift of the wheelset",
     ),
     "tram2000_curve": Picture(
         ("front.yaw", "rear.yaw", "front_bolster.yaw"), "deg", "Articulations and bolster"
@@ -191,7 +193,7 @@ def _draw(path: Path) -> None:
                 values = shown_values(result, name) * unit_factor(series.unit, picture.unit)
                 axes.plot(across, values, color=color, label=name)
             axes.set_ylabel(axis_label(picture.label, picture.unit))
-            axes.set_xlabel(axis_label(picture.across or "Time", unit))
+            axes.set_xlabel(axis_label(picture.across_label or picture.across or "Time", unit))
             if len(picture.channels) == 1 and picture.across and path.stem not in _STRETCHED:
                 axes.set_aspect("equal", adjustable="datalim")
             if len(picture.channels) > 1:

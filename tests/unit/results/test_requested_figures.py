@@ -103,3 +103,21 @@ def test_a_result_of_many_channels_names_only_near_ones(make_result):
         result.plot("normal_force")
     assert ".tyre.normal_force" in str(caught.value)
     assert len(str(caught.value)) < 700
+
+
+def test_contacts_without_load_are_not_drawn(make_result):
+    """Where nothing touches, the place on the profile means nothing; the force is zero there."""
+    time, _ = slalom_values()
+    load = np.where(time < 5.0, 0.0, 1000.0)
+    head = "wheels.left.contact_1"
+    values = {f"{head}.place": ("m", time), f"{head}.normal_force": ("N", load)}
+    panels = [{"label": n, "unit": u, "channels": [f"{head}.{n}"]}
+              for n, u in (("place", "m"), ("normal_force", "N"))]  # fmt: skip
+    plots = [{"name": "contact", "kind": "time", "title": "Contact", "panels": panels}]
+    path = make_result(time=time, values=values, plots=plots, scene={})
+    ((_, figures),) = figure_sets({"run": path})
+    standard = [axes.lines[0].get_ydata() for axes in figures["run"].axes]
+    own = open_result(path).plot(f"{head}.place").axes[0].lines[0].get_ydata()
+    for place in (standard[0], own):
+        assert np.array_equal(np.isnan(place), time < 5.0)
+    assert np.isfinite(standard[1]).all()
