@@ -14,6 +14,7 @@ from typing import Any, TypeAlias
 import numpy as np
 
 from vehicledyn.base.errors import NumericalError
+from vehicledyn.base.numbers.levenberg import least_squares
 from vehicledyn.kernel.engine import Vector
 
 Evaluate: TypeAlias = Callable[[Vector], tuple[Vector, Vector]]
@@ -63,7 +64,7 @@ def solve_damped(
     result = _newton(evaluate, start, tolerance, max_iterations, largest_step)
     if result.solved:
         return result
-    nearest = _least_squares(evaluate, start)
+    nearest = _nearest(evaluate, start)
     again = _newton(evaluate, nearest, tolerance, max_iterations, largest_step)
     iterations = result.iterations + again.iterations
     return NewtonResult(again.point, again.residual, iterations, again.solved)
@@ -157,26 +158,21 @@ def _correction(jacobian: Vector, residual: Vector) -> Vector:
     return np.asarray(np.linalg.lstsq(jacobian, residual, rcond=1e-13)[0], dtype=float)
 
 
-def _least_squares(evaluate: Evaluate, start: Vector) -> Vector:
+def _nearest(evaluate: Evaluate, start: Vector) -> Vector:
     """Return the point of least squared residual near the start; none is worse than it."""
-    from scipy.optimize import least_squares
-
     scale = np.abs(evaluate(start)[1]).max(axis=1)
     scale[scale == 0.0] = 1.0
 
-    def residual(point: Vector) -> Any:
+    def residual(point: Vector) -> Vector:
         try:
-            return evaluate(point)[0] / scale
+            return np.asarray(evaluate(point)[0] / scale)
         except NumericalError:
-            return np.full(point.size, 1e6)
+            return np.full(point.size, np.nan)
 
-    def jacobian(point: Vector) -> Any:
-        return evaluate(point)[1] / scale[:, None]
+    def jacobian(point: Vector) -> Vector:
+        return np.asarray(evaluate(point)[1] / scale[:, None])
 
-    found: Vector = least_squares(
-        residual, start, jac=jacobian, method="trf", x_scale="jac", xtol=1e-14, ftol=1e-14
-    ).x
-    return found
+    return least_squares(residual, jacobian, start, is_solved=lambda h: not h.any(), scaled=True)[0]
 
 
 def _largest(residual: Vector) -> float:

@@ -8,11 +8,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vehicledyn.base.errors import NumericalError
+from vehicledyn.base.numbers.levenberg import least_squares
 
 Array = NDArray[np.float64]
-_STEPS = 200
 _CLOSED = 1e-12
-_SMALLEST_DAMPING = 1e-12
 _ASIDE = 1e-3
 """Step away from a start where the residuals are not finite [m, rad]."""
 
@@ -33,8 +32,8 @@ def assemble(
 ) -> Array:
     """Return the coordinates near ``start`` that make the residuals zero.
 
-    Damped Gauss-Newton steps (Levenberg 1944, Marquardt 1963), the shortest where the loops
-    leave freedom.
+    Steps are the shortest where the loops leave freedom, see
+    :func:`vehicledyn.base.numbers.levenberg.least_squares`.
 
     Parameters
     ----------
@@ -52,24 +51,12 @@ def assemble(
     NumericalError
         If the residuals at the start are no finite numbers.
     """
-    q = _away_from_poles(residual, jacobian, start)
-    h = residual(q)
-    damping = 1e-6
-    for _ in range(_STEPS):
-        if h.size == 0 or float(np.abs(h).max()) < _CLOSED:
-            return q
-        j = jacobian(q)
-        while True:
-            step = _damped_step(j, h, damping)
-            trial = q + step
-            h_trial = residual(trial)
-            if np.isfinite(h_trial).all() and h_trial @ h_trial < h @ h:
-                damping = max(damping * 0.1, _SMALLEST_DAMPING)
-                break
-            damping *= 10.0
-            if damping > 1e8:
-                return _accept_or_raise(q, h, names)
-        q, h = trial, h_trial
+    q, h = least_squares(
+        residual,
+        jacobian,
+        _away_from_poles(residual, jacobian, start),
+        is_solved=lambda h: float(np.abs(h).max()) < _CLOSED,
+    )
     return _accept_or_raise(q, h, names)
 
 
@@ -91,15 +78,9 @@ def _away_from_poles(
     )
 
 
-def _damped_step(j: Array, h: Array, damping: float) -> Array:
-    stacked = np.vstack([j, np.sqrt(damping) * np.eye(j.shape[1])])
-    target = np.concatenate([-h, np.zeros(j.shape[1])])
-    return np.asarray(np.linalg.lstsq(stacked, target, rcond=None)[0])
-
-
 def _accept_or_raise(q: Array, h: Array, names: Sequence[str]) -> Array:
     gap = np.abs(h)
-    if float(gap.max()) < 1e3 * _CLOSED:
+    if float(gap.max(initial=0.0)) < 1e3 * _CLOSED:
         return q
     open_cuts: dict[str, float] = {}
     for name, size in zip(names, gap, strict=True):
