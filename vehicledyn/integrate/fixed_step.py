@@ -10,7 +10,7 @@ from vehicledyn.base.errors import InputError, NumericalError
 from vehicledyn.integrate.accuracy.proposed_step import proposed_step
 from vehicledyn.integrate.accuracy.watch import AccuracyWatch
 from vehicledyn.integrate.accuracy.watched_run import Way
-from vehicledyn.integrate.accuracy.windows import Grid, Place
+from vehicledyn.integrate.accuracy.windows import Grid, WindowStart
 from vehicledyn.integrate.course import go_on_from, history_of
 from vehicledyn.integrate.events import Point
 from vehicledyn.integrate.judged_quantities import Judged
@@ -108,7 +108,9 @@ class FixedSteps:
         return run_fixed(task, "", self.fixed_method, self.step)
 
 
-def _taken_again(place: Place, interval: float, count: int, way: Way, sink: Sink) -> Statistics:
+def _taken_again(
+    place: WindowStart, interval: float, count: int, way: Way, sink: Sink
+) -> Statistics:
     """Take a part of a run again, see ``Rerun``."""
     own = (place.state.copy(), place.unknowns.copy())
     span = place.time, interval, count

@@ -38,10 +38,6 @@ class Method(IntEnum):
     CHEBYSHEV = 100
 
 
-MOST_STAGES = 50
-"""Stages that a step of ``Method.CHEBYSHEV`` may have."""
-
-
 WEAK_PIVOT = 0.3
 """Determinant of a block, as a part of the largest met in a run, below which it is weak."""
 

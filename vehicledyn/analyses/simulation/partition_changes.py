@@ -51,7 +51,7 @@ and compile its equations takes 1.2 s.
 _log = logging.getLogger(__name__)
 
 
-class Place(NamedTuple):
+class RestartPoint(NamedTuple):
     """Where a run goes on: number of the look, states and unknowns."""
 
     look: int
@@ -164,7 +164,7 @@ class PartitionChanges:
         found = self.watch.compare(sample.time, values, self._dependent)
         return found if found.best_leverage < _GAIN * leverage else None
 
-    def change_for(self, degrading: Degrading) -> Place:
+    def change_for(self, degrading: Degrading) -> RestartPoint:
         """Change the partition at the first step at which another is clearly better.
 
         The steps since the look before are taken once more, as the last of them are inaccurate.
@@ -193,13 +193,13 @@ class PartitionChanges:
                 return near, found
         return None
 
-    def change_between(self, near: Sample, found: Comparison) -> Place:
+    def change_between(self, near: Sample, found: Comparison) -> RestartPoint:
         """Change the partition at a step between two looks; go on at the second."""
         look, here = self.changed(near, found)
         rows: list[Sample] = []
         self._follow(here, self.plan.time(look), 1, rows)
         self.log.restart(here, rows[-1:])
-        return Place(look, rows[-1].state, rows[-1].unknowns)
+        return RestartPoint(look, rows[-1].state, rows[-1].unknowns)
 
     def changed(self, near: Sample, found: Comparison) -> tuple[int, Sample]:
         """Change the partition at a sample; return it in the new one, and the look behind it."""
@@ -207,7 +207,7 @@ class PartitionChanges:
         outputs = self.kernel.outputs(near.time, state, unknowns)
         return look, Sample(near.time, state, unknowns, outputs)
 
-    def change(self, sample: Sample, found: Comparison) -> Place:
+    def change(self, sample: Sample, found: Comparison) -> RestartPoint:
         """Derive the equations anew at a sample; return where the run goes on.
 
         Raises
@@ -236,7 +236,7 @@ class PartitionChanges:
         self.log.change(Sample(sample.time, state, unknowns, outputs))
         _log.info("t = %.6g s: '%s' is no longer dependent", sample.time, found.worst)
         self.plan.happened("partition.changed", sample.time)
-        return Place(self.plan.index(sample.time), state, unknowns)
+        return RestartPoint(self.plan.index(sample.time), state, unknowns)
 
     def _refuse_late(self, sample: Sample, found: Comparison) -> None:
         """Raise NumericalError where a step of fixed size has come too near to a bad partition."""

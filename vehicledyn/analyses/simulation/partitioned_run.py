@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 
 from vehicledyn.analyses.simulation.partition_changes import (
     PartitionChanges,
-    Place,
+    RestartPoint,
     lasts_no_longer,
 )
 from vehicledyn.analyses.simulation.projected_run import ProjectedRun, projected_plan
@@ -101,7 +101,7 @@ class PartitionedRun:
             If the integration cannot go on.
         """
         try:
-            self._go(Place(0, state, unknowns))
+            self._go(RestartPoint(0, state, unknowns))
         except Degrading as degrading:
             error = lasts_no_longer(degrading.sample, degrading.comparison)
             self._go_on_with_multipliers(degrading.sample, error)
@@ -114,7 +114,7 @@ class PartitionedRun:
         seconds = time.perf_counter() - self._started
         return replace(joined(self._parts), samples=self._delivered, wall_seconds=seconds)
 
-    def _go(self, place: Place) -> None:
+    def _go(self, place: RestartPoint) -> None:
         resumed, plan = False, self.plan
         while True:
             last = self._last_look(place)
@@ -138,19 +138,19 @@ class PartitionedRun:
                 if found.ended_by or last is None or last >= plan.n_looks:
                     self._log.release()
                     return
-                place = Place(last, end.state, end.unknowns)
+                place = RestartPoint(last, end.state, end.unknowns)
                 if self._segment is not None:
                     self._segment *= 2
                 if self._changes.looks_on_trial is not None:
                     self._changes.settle()
             resumed = True
 
-    def _last_look(self, place: Place) -> int | None:
+    def _last_look(self, place: RestartPoint) -> int | None:
         """Return the look at which a piece ends, None where that is the end of the run."""
         counts = (self._segment, self._changes.looks_on_trial)
         return min((place.look + count for count in counts if count is not None), default=None)
 
-    def _piece(self, place: Place, last: int | None) -> Statistics:
+    def _piece(self, place: RestartPoint, last: int | None) -> Statistics:
         plan = self.plan
         return plan.integrate(
             self._changes.kernel,
@@ -163,7 +163,7 @@ class PartitionedRun:
             course=self.course if place.look == 0 and last is None else None,
         )
 
-    def _pass(self, crossing: Crossing) -> Place:
+    def _pass(self, crossing: Crossing) -> RestartPoint:
         """Pass a singular configuration; in a motion full of them the next piece is short."""
         before = self._passing.passed
         place = self._passing.go(crossing)
@@ -171,7 +171,7 @@ class PartitionedRun:
             self._segment = max(_FIRST_SEGMENT, (self._passing.passed - before) // 3)
         return place
 
-    def _rescue(self, error: NumericalError) -> Place:
+    def _rescue(self, error: NumericalError) -> RestartPoint:
         """Change the partition or pass, if that is why the run has failed; else raise again."""
         sample = self._log.latest_or_none
         if sample is None:

@@ -19,7 +19,7 @@ from vehicledyn.analyses.simulation.sample_delivery import Delivery
 from vehicledyn.integrate.accuracy.proposed_step import proposed_step
 from vehicledyn.integrate.accuracy.watch import AccuracyWatch
 from vehicledyn.integrate.accuracy.watched_run import Way
-from vehicledyn.integrate.accuracy.windows import Grid, Place
+from vehicledyn.integrate.accuracy.windows import Grid, WindowStart
 from vehicledyn.integrate.course import Course
 from vehicledyn.integrate.fixed_step import FixedSteps, steps_per_interval
 from vehicledyn.integrate.judged_quantities import Judged
@@ -156,7 +156,9 @@ class _Pieces:
         )
         return run.go(state, unknowns)
 
-    def _again(self, place: Place, interval: float, count: int, way: Way, sink: Sink) -> Statistics:
+    def _again(
+        self, place: WindowStart, interval: float, count: int, way: Way, sink: Sink
+    ) -> Statistics:
         """Take a part of the run again, see ``Rerun``."""
         stop = place.time + count * interval
         delivery = Delivery(self.first, sink)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from vehicledyn.analyses.simulation.partition_changes import PartitionChanges, Place
+from vehicledyn.analyses.simulation.partition_changes import PartitionChanges, RestartPoint
 from vehicledyn.analyses.simulation.singularity_crossing import (
     FINE_TOLERANCE,
     TOLERANCE,
@@ -26,7 +26,7 @@ class SingularityPassing:
         adaptive = getattr(self.changes.plan.solver, "relative_tolerance", None)
         self._tolerance = min(TOLERANCE, max(adaptive or TOLERANCE, FINE_TOLERANCE))
 
-    def go(self, crossing: Crossing) -> Place:
+    def go(self, crossing: Crossing) -> RestartPoint:
         """Step over a singular configuration; return where the run goes on.
 
         Where other coordinates do better on the way to it, they are taken instead.
@@ -57,9 +57,9 @@ class SingularityPassing:
             return changed
         changes.log.restart(begin, samples)
         self.passed = last
-        return Place(last, samples[-1].state, samples[-1].unknowns)
+        return RestartPoint(last, samples[-1].state, samples[-1].unknowns)
 
-    def _change_before(self, crossing: Crossing) -> Place | None:
+    def _change_before(self, crossing: Crossing) -> RestartPoint | None:
         """Change the partition between samples, where nearer to the place another is better.
 
         That is so where a coordinate turns back at a dead point within few samples.
@@ -79,7 +79,7 @@ class SingularityPassing:
             rest.advance(plan.time(index))
             end = rest.sample(plan.time(index))
             changes.log.restart(here, [end])
-            return Place(index, end.state, end.unknowns)
+            return RestartPoint(index, end.state, end.unknowns)
         return None
 
     def _stuck(self, crossing: Crossing, error: NumericalError) -> str:

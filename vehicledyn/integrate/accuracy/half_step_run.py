@@ -9,7 +9,7 @@ import numpy as np
 
 from vehicledyn.base.errors import NumericalError
 from vehicledyn.integrate.accuracy.watched_run import WatchedRun, Way
-from vehicledyn.integrate.accuracy.windows import Place, is_cheap, order_of
+from vehicledyn.integrate.accuracy.windows import WindowStart, is_cheap, order_of
 from vehicledyn.integrate.channel_ranges import Ranges
 from vehicledyn.integrate.judged_quantities import Sizes, figure_errors
 from vehicledyn.kernel.engine import Method, Vector
@@ -52,7 +52,7 @@ class Again:
 
 
 def look_again(
-    watch: WatchedRun, places: list[Place], errors: Vector, *, ended_early: bool
+    watch: WatchedRun, places: list[WindowStart], errors: Vector, *, ended_early: bool
 ) -> Moved:
     """Return how far a run moves with half its step.
 
@@ -91,7 +91,7 @@ def _all_again(watch: WatchedRun, better: Way, *, ended_early: bool) -> Moved:
 
 
 def _part_again(
-    watch: WatchedRun, places: list[Place], errors: Vector, better: Way, share: float
+    watch: WatchedRun, places: list[WindowStart], errors: Vector, better: Way, share: float
 ) -> Moved:
     """Return how far the channels move in a part of the run, where windows differ most."""
     taken, grid = intervals_of(watch), watch.grid
@@ -110,7 +110,7 @@ def _part_again(
     return Moved(factor * error, name, own.steps + half.steps)
 
 
-def _known_part(watch: WatchedRun, place: Place, count: int) -> Again | None:
+def _known_part(watch: WatchedRun, place: WindowStart, count: int) -> Again | None:
     """Return a part of the run from its own samples, None if they are not kept."""
     if not watch.history:
         return None
@@ -165,7 +165,7 @@ def may_be_taken(watch: WatchedRun, way: Way, count: int, *, times: float = 1.0)
     return is_cheap(watch.kernel, way.method, count * watch.grid.interval / way.step / times)
 
 
-def taken_again(watch: WatchedRun, place: Place, count: int, way: Way) -> Again:
+def taken_again(watch: WatchedRun, place: WindowStart, count: int, way: Way) -> Again:
     """Take some intervals again from a place."""
     channels = watch.judged.channels
     again = Again(Ranges.of(watch.equations, channels))

@@ -20,7 +20,7 @@ from vehicledyn.integrate.accuracy.windows import (
     SPENT,
     STEPS,
     Grid,
-    Place,
+    WindowStart,
     may_be_repeated,
     order_of,
     total_error,
@@ -78,7 +78,7 @@ class AccuracyWatch(WatchedRun):
             found, errors = [(self.places[0], errors)], np.full((1, n_channels), np.inf)
         return self._judge([place for place, _ in found], errors, ended_early=ended_early)
 
-    def _judge(self, places: list[Place], errors: Vector, *, ended_early: bool) -> Accuracy:
+    def _judge(self, places: list[WindowStart], errors: Vector, *, ended_early: bool) -> Accuracy:
         """Return what is to be said of the errors in windows, shape (n_windows, n_channels)."""
         spent = SPENT * len(places)
         bound, worst = bound_of(errors, self.taken * self.grid.per_interval)

@@ -13,7 +13,7 @@ from vehicledyn.base.errors import NumericalError
 from vehicledyn.integrate.accuracy.proposed_step import proposed_step
 from vehicledyn.integrate.accuracy.windows import (
     Grid,
-    Place,
+    WindowStart,
     two_ends_apart,
     window_count,
     window_end,
@@ -45,7 +45,7 @@ class Way:
     step: float
 
 
-Rerun: TypeAlias = Callable[[Place, float, int, Way, Sink], Statistics]
+Rerun: TypeAlias = Callable[[WindowStart, float, int, Way, Sink], Statistics]
 """Takes a run again from a place, so many intervals of a length [s], in another way."""
 
 
@@ -71,8 +71,8 @@ class WatchedRun:
     judged: Judged
     rerun: Rerun
     taken: int = 0
-    places: list[Place] = field(default_factory=list)
-    latest: list[Place] = field(default_factory=list)
+    places: list[WindowStart] = field(default_factory=list)
+    latest: list[WindowStart] = field(default_factory=list)
 
     def __post_init__(self) -> None:
         """Begin with nothing known."""
@@ -115,9 +115,9 @@ class WatchedRun:
             self._divergence = self._words(kernel, float(times[sound]), states[sound], limits)
         first, self.taken = self.taken, self.taken + sound
 
-        def place(row: int) -> Place:
+        def place(row: int) -> WindowStart:
             copies = states[row].copy(), unknowns[row].copy()
-            return Place(first + row, float(times[row]), *copies, kernel)
+            return WindowStart(first + row, float(times[row]), *copies, kernel)
 
         for index in range(-(-first // self._spacing) * self._spacing, self.taken, self._spacing):
             if index % self._spacing == 0:
@@ -148,7 +148,7 @@ class WatchedRun:
         self._view = _View(kernel, columns, self.ranges.kinds(e), limits)
         return self._view
 
-    def _keep(self, place: Place) -> None:
+    def _keep(self, place: WindowStart) -> None:
         """Keep a place; where there are too many, only every second one."""
         self.places.append(place)
         while len(self.places) > self._count:
@@ -182,7 +182,7 @@ class WatchedRun:
             f"integration diverges with a step of {self.grid.step * 1e3:.4g} ms; take {advice}"
         )
 
-    def window(self, place: Place) -> Vector | None:
+    def window(self, place: WindowStart) -> Vector | None:
         """Return how far half the step leads from the step in the judged channels."""
         _, columns, kinds, _ = self._seen_as(place.kernel, place.state)
         one, other = (window_end(self.grid, place, divided) for divided in (1, 2))

@@ -46,7 +46,7 @@ class Grid:
 
 
 @dataclass(frozen=True)
-class Place:
+class WindowStart:
     """A sample that a window begins at: number, time [s], states, unknowns, and their kernel."""
 
     index: int
@@ -94,7 +94,7 @@ def two_ends_apart(one: Vector | None, other: Vector | None) -> Vector | None:
     return apart
 
 
-def window_end(grid: Grid, place: Place, divided: int) -> Vector | None:
+def window_end(grid: Grid, place: WindowStart, divided: int) -> Vector | None:
     """Return the channels at the end of a window whose steps are parts of the run's.
 
     Parameters

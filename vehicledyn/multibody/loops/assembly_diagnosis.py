@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from vehicledyn.base.errors import InputError, NumericalError, VehicledynError
 from vehicledyn.multibody.loops.assembly import NotAssembledError
-from vehicledyn.multibody.loops.configuration import Place, loop_joints
+from vehicledyn.multibody.loops.configuration import LoopAssembly, loop_joints
 from vehicledyn.multibody.loops.partition import RANK_TOLERANCE
 from vehicledyn.multibody.model.bodies import Joint
 from vehicledyn.multibody.model.constraints import UserConstraint
@@ -26,7 +26,7 @@ _MOST = 4
 
 
 def why_open(
-    system: System, place: Place, start: Array, error: NotAssembledError
+    system: System, place: LoopAssembly, start: Array, error: NotAssembledError
 ) -> VehicledynError:
     """Return why the loops stay open.
 
@@ -97,7 +97,7 @@ class RigidLoop:
         )
 
 
-def rigid_loops(system: System, place: Place, q: Array) -> tuple[RigidLoop, ...]:
+def rigid_loops(system: System, place: LoopAssembly, q: Array) -> tuple[RigidLoop, ...]:
     """Return the loops that cannot move although nothing drives or locks them.
 
     Constraints without a loop may hold what they like.
@@ -148,11 +148,11 @@ def _contradiction(text: str, about: Iterable[str]) -> InputError:
     return InputError(f"contradictory constraints: {text}", about=about)
 
 
-def _size(place: Place, sizes: Array, cut: str) -> float:
+def _size(place: LoopAssembly, sizes: Array, cut: str) -> float:
     return max(float(s) for s, name in zip(sizes, place.gaps.cuts, strict=True) if name == cut)
 
 
-def _length(system: System, place: Place, sizes: Array, cut: str) -> str:
+def _length(system: System, place: LoopAssembly, sizes: Array, cut: str) -> str:
     """Return how far a cut is open, with its unit; that of a user's constraint is not known."""
     size = _size(place, sizes, cut)
     row = next(r for r, name in enumerate(place.gaps.cuts) if name == cut and sizes[r] == size)
@@ -161,7 +161,7 @@ def _length(system: System, place: Place, sizes: Array, cut: str) -> str:
     return f"{size:.3g}{unit}"
 
 
-def _usual_rank(place: Place, q: Array, rows: list[int], columns: list[int]) -> int:
+def _usual_rank(place: LoopAssembly, q: Array, rows: list[int], columns: list[int]) -> int:
     """Return the rank that some rows have about a configuration, but for special places."""
     found = 0
     for seed in (1.0, 2.0):
@@ -182,7 +182,7 @@ def _aside(q: Array, seed: float) -> Array:
     return np.asarray(q + _ASIDE * np.cos(seed * np.arange(1.0, q.size + 1.0) ** 2))
 
 
-def _components(place: Place) -> list[tuple[list[int], list[int]]]:
+def _components(place: LoopAssembly) -> list[tuple[list[int], list[int]]]:
     """Return groups of holonomic rows and the coordinates they depend on, none shared."""
     groups: list[tuple[list[int], set[int], set[str]]] = []
     for row, cut in enumerate(place.gaps.cuts):

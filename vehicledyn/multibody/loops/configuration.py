@@ -50,7 +50,7 @@ class Guess:
 
 
 @dataclass(frozen=True)
-class Place:
+class LoopAssembly:
     """Where a system is assembled: joints, rows, time [s] and the coordinates that never move."""
 
     joints: Sequence[Joint]
@@ -165,7 +165,7 @@ class Place:
         return self.gaps.jacobian(self.time, q)[: self.gaps.holonomic]
 
 
-def refuse_singular(place: Place, q: Array, chosen: Choice) -> None:
+def refuse_singular(place: LoopAssembly, q: Array, chosen: Choice) -> None:
     """Raise InputError if rows that look redundant are not so a little further on.
 
     Redundant constraints stay so; at a singular configuration (book, figure 2.5) the rank
@@ -191,7 +191,7 @@ def refuse_singular(place: Place, q: Array, chosen: Choice) -> None:
     )
 
 
-def refuse_contradictions(place: Place, q: Array, chosen: Choice) -> None:
+def refuse_contradictions(place: LoopAssembly, q: Array, chosen: Choice) -> None:
     """Raise InputError if a row without freedom of its own is moved by a drive, or by time.
 
     Such a row holds at the start and would open as soon as the drive, the time law or a
@@ -220,7 +220,7 @@ def refuse_contradictions(place: Place, q: Array, chosen: Choice) -> None:
         raise InputError("contradictory constraints: " + "; ".join(problems), about=about)
 
 
-def warn_weak(place: Place, chosen: Choice) -> None:
+def warn_weak(place: LoopAssembly, chosen: Choice) -> None:
     """Warn of a start so near to a singular configuration that it will be inaccurate."""
     found = chosen.rates
     if found.smallest_pivot < _WEAK:
@@ -232,7 +232,7 @@ def warn_weak(place: Place, chosen: Choice) -> None:
         )
 
 
-def explain(system: System, place: Place, item: Redundancy) -> dict[str, object]:
+def explain(system: System, place: LoopAssembly, item: Redundancy) -> dict[str, object]:
     """Return which row says nothing new, from which it follows, and the joints in question.
 
     A row that follows from no other vanishes by itself, because no joint of its loop can open

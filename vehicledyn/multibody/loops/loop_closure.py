@@ -12,7 +12,7 @@ from vehicledyn.multibody.loops.assembly_diagnosis import RigidLoop, rigid_loops
 from vehicledyn.multibody.loops.closure import Closure, MultiplierClosure
 from vehicledyn.multibody.loops.configuration import (
     Guess,
-    Place,
+    LoopAssembly,
     explain,
     refuse_contradictions,
     refuse_singular,
@@ -111,7 +111,7 @@ def close(
     gaps = Gaps(system, symbols, rows_of_system(system, kinematics, symbols.time))
     given = start_values(system, symbols, motion, when)
     still = locked(system, symbols)
-    place = Place(symbols.joints, gaps, when.time, still)
+    place = LoopAssembly(symbols.joints, gaps, when.time, still)
     try:
         q = place.assembled_by(given, guesses(system, symbols, when.time))
     except NotAssembledError as error:

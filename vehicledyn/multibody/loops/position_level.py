@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from vehicledyn.multibody.loops.configuration import Place
+from vehicledyn.multibody.loops.configuration import LoopAssembly
 from vehicledyn.multibody.loops.constraint_equations import Gaps, rows_of_system
 from vehicledyn.multibody.loops.loop_closure import AssemblyState, guesses, start_values
 from vehicledyn.multibody.model.kinematics import Kinematics
@@ -72,7 +72,7 @@ class Positions:
         self._gaps = Gaps(
             system, symbols, rows_of_system(system, symbols.kinematics(tree), symbols.time)
         )
-        place = Place(symbols.joints, self._gaps, 0.0, locked(system, symbols))
+        place = LoopAssembly(symbols.joints, self._gaps, 0.0, locked(system, symbols))
         moment = AssemblyState()
         self.start = place.assembled_by(
             start_values(system, symbols, motion, moment), guesses(system, symbols, moment.time)

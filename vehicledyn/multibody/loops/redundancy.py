@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from vehicledyn.multibody.loops.configuration import Place
+from vehicledyn.multibody.loops.configuration import LoopAssembly
 from vehicledyn.multibody.loops.partition import RANK_TOLERANCE
 
 Array = NDArray[np.float64]
@@ -39,7 +39,7 @@ class SelfStress:
         return [int(k) for k in np.flatnonzero((np.abs(self.multipliers) > NEGLIGIBLE).any(axis=0))]
 
 
-def self_stresses(place: Place, q: Array) -> tuple[SelfStress, ...]:
+def self_stresses(place: LoopAssembly, q: Array) -> tuple[SelfStress, ...]:
     """Return the self-stresses at a configuration and, if it can move, a little further on.
 
     A share that vanishes by accident at one of them does not at the other.
@@ -48,7 +48,7 @@ def self_stresses(place: Place, q: Array) -> tuple[SelfStress, ...]:
     return tuple(_self_stress(place, at) for at in (q, near) if at is not None)
 
 
-def _self_stress(place: Place, q: Array) -> SelfStress:
+def _self_stress(place: LoopAssembly, q: Array) -> SelfStress:
     moving = place.columns("auto", "dependent", "independent")
     jacobian = place.gaps.jacobian(place.time, q)[:, moving]
     left, sizes, _ = np.linalg.svd(jacobian)

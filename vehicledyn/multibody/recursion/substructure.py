@@ -17,7 +17,7 @@ from dataclasses import dataclass
 
 from vehicledyn.multibody.model.joint_wrench import JointWrench
 from vehicledyn.multibody.recursion import inertia
-from vehicledyn.multibody.recursion.articulated_body import ArticulatedInertia
+from vehicledyn.multibody.recursion.articulated_inertia import ArticulatedInertia
 from vehicledyn.multibody.recursion.forward_dynamics import TreeProblem
 from vehicledyn.multibody.recursion.newton_euler import unit_wrench
 from vehicledyn.symbolic import ops, rotations

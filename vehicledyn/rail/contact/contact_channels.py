@@ -18,7 +18,7 @@ from vehicledyn.symbolic.ops import Scalar, Vec
 LATERAL_PLACE = "lateral_place"
 
 
-class Row(NamedTuple):
+class ChannelRow(NamedTuple):
     """A channel; ``turns`` if seen from the right side of the track it is the opposite."""
 
     name: str
@@ -59,7 +59,7 @@ class ReportedContact:
 
 def body_rows(
     track: Track, *, position: Scalar, rate: Scalar, place: Vec, axle: Vec, nominal: Scalar
-) -> list[Row]:
+) -> list[ChannelRow]:
     """Return the channels of a body with wheels.
 
     Parameters
@@ -75,15 +75,15 @@ def body_rows(
     """
     attack = ops.atan2(-axle[0], axle[1])
     return [
-        Row("lateral_shift", "m", LATERAL_SHIFT, place[1] - nominal, "track"),
-        Row("angle_of_attack", "rad", "Yaw angle of the axle to the track", attack, "track"),
-        Row(TRACK_POSITION, "m", "Place along the track", position),
-        Row("track_speed", "m/s", "Rate of the place along the track", rate),
-        *(Row(*row) for row in design_rows(track, position)),
+        ChannelRow("lateral_shift", "m", LATERAL_SHIFT, place[1] - nominal, "track"),
+        ChannelRow("angle_of_attack", "rad", "Yaw angle of the axle to the track", attack, "track"),
+        ChannelRow(TRACK_POSITION, "m", "Place along the track", position),
+        ChannelRow("track_speed", "m/s", "Rate of the place along the track", rate),
+        *(ChannelRow(*row) for row in design_rows(track, position)),
     ]
 
 
-def outputs_of(name: str, rows: Sequence[Row]) -> tuple[Output, ...]:
+def outputs_of(name: str, rows: Sequence[ChannelRow]) -> tuple[Output, ...]:
     """Return the outputs of a part from its channels."""
     return tuple(
         Output(Channel(f"{name}.{row.name}", row.unit, row.description, row.frame), row.value)
@@ -91,19 +91,21 @@ def outputs_of(name: str, rows: Sequence[Row]) -> tuple[Output, ...]:
     )
 
 
-def wheel_rows(force: Vec, contacts: Sequence[ReportedContact]) -> Iterator[Row]:
+def wheel_rows(force: Vec, contacts: Sequence[ReportedContact]) -> Iterator[ChannelRow]:
     """Yield the channels of a wheel, given the whole force on it in the axes of the track [N]."""
     worn = sum((contact.wear_number for contact in contacts), ops.scalar(0.0))
-    yield Row("Y", "N", "Force of the wheel on the rail to the left", -force[1], "track", True)
-    yield Row("Q", "N", "Wheel load, downwards on the rail", force[2], "track")
-    yield Row("X", "N", "Force of the wheel on the rail forwards", -force[0], "track")
-    yield Row("wear_number", "N", "Creep forces times creepages", worn)
+    yield ChannelRow(
+        "Y", "N", "Force of the wheel on the rail to the left", -force[1], "track", True
+    )
+    yield ChannelRow("Q", "N", "Wheel load, downwards on the rail", force[2], "track")
+    yield ChannelRow("X", "N", "Force of the wheel on the rail forwards", -force[0], "track")
+    yield ChannelRow("wear_number", "N", "Creep forces times creepages", worn)
     for number, contact in enumerate(contacts, 1):
         for row in _contact_rows(contact):
             yield row._replace(name=f"contact_{number}.{row.name}")
 
 
-def _contact_rows(at: ReportedContact) -> Iterator[Row]:
+def _contact_rows(at: ReportedContact) -> Iterator[ChannelRow]:
     force, creep = at.creep, at.creepages
     rows: list[tuple[str, str, str, Scalar, bool]] = [
         ("normal_force", "N", "Normal force", at.normal_force, False),
@@ -121,4 +123,4 @@ def _contact_rows(at: ReportedContact) -> Iterator[Row]:
     if at.approach is not None:
         rows.append(("approach", "m", "Approach of wheel and rail", at.approach, False))
     for name, unit, text, value, turns in rows:
-        yield Row(name, unit, text, value, "contact", turns)
+        yield ChannelRow(name, unit, text, value, "contact", turns)

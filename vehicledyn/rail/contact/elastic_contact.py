@@ -101,8 +101,8 @@ class ElasticContact:
         Lateral coordinate of the highest place of the flange on the profile [m].
     last
         Largest lateral coordinate of the profile [m].
-    gauge_face, field_edge
-        Where the surface of the rail begins and ends, from the middle of the track [m].
+    gauge_face
+        Where the surface of the rail begins, from the middle of the track [m].
     functions
         Functions of its forces, by what they were built for; equal wheels share them.
     """
@@ -114,7 +114,6 @@ class ElasticContact:
     tip: float
     last: float
     gauge_face: float
-    field_edge: float
     functions: dict[Hashable, Any] = field(default_factory=dict, compare=False, repr=False)
 
     @staticmethod
@@ -128,11 +127,11 @@ class ElasticContact:
         """
         grid = wheel_grid(wheel, rail, attack)
         places, heights = wheel.scan[0], wheel.scan[1]
-        surface, begin, end = _surface(rail)
+        surface, begin = _surface(rail)
         place, height = _profile(wheel, grid)
         return ElasticContact(
             grid, surface, place, height, float(places[np.argmax(heights)]), float(places[-1]),
-            begin, end,
+            begin,
         )  # fmt: skip
 
     def patches(self, axle: Axle, radius: Scalar, modulus: Scalar) -> tuple[ElasticPatch, ...]:
@@ -304,8 +303,8 @@ def _with_middles(overlaps: list[Scalar]) -> list[Scalar]:
     return [ops.maximum(p, 0.0) for p in (*found, overlaps[-1])]
 
 
-def _surface(rail: Rail) -> tuple[CurveTable, float, float]:
-    """Return the height of a rail and where it begins and ends; steep ends go on straight."""
+def _surface(rail: Rail) -> tuple[CurveTable, float]:
+    """Return the height of a rail and where it begins; steep ends go on straight."""
     surface = rail.surface
     count = int(np.floor((surface.end - surface.begin) / _RAIL_STEP))
     y = surface.begin + _RAIL_STEP * np.arange(count + 1.0)
@@ -315,7 +314,7 @@ def _surface(rail: Rail) -> tuple[CurveTable, float, float]:
     table = CurveTable.through(
         f"rail {rail.profile.name}", float(y[first]), _RAIL_STEP, height[first : last + 1]
     )
-    return table, float(y[first]), float(y[last])
+    return table, float(y[first])
 
 
 def _profile(wheel: Wheel, grid: WheelGrid) -> tuple[CurveTable, CurveTable]:

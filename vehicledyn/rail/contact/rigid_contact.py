@@ -26,8 +26,8 @@ from vehicledyn.multibody.model.bodies import Body, Joint
 from vehicledyn.multibody.model.ground import GROUND
 from vehicledyn.multibody.model.parts import BasePart, Loads, Output, PartEvent, Situation
 from vehicledyn.rail.contact.contact_channels import (
+    ChannelRow,
     ReportedContact,
-    Row,
     body_rows,
     outputs_of,
     wheel_rows,
@@ -225,7 +225,7 @@ class RigidRailWheels(BasePart):
             material=self.material,
         )
 
-    def _wheel_rows(self, situation: Situation, wheel: RigidWheel) -> Iterator[Row]:
+    def _wheel_rows(self, situation: Situation, wheel: RigidWheel) -> Iterator[ChannelRow]:
         """Return the channels of a wheel."""
         touch = self._constraint(wheel).touch(situation.kinematics)
         contact = self._contact(situation, wheel)

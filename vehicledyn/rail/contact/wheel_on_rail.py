@@ -11,8 +11,8 @@ from vehicledyn.base.shapes import Shape
 from vehicledyn.multibody.model.parts import BasePart, Loads, Output, PartEvent, Situation, Wrench
 from vehicledyn.rail.contact.contact_channels import (
     LATERAL_PLACE,
+    ChannelRow,
     ReportedContact,
-    Row,
     body_rows,
     outputs_of,
     wheel_rows,
@@ -241,7 +241,7 @@ class ElasticWheels(BasePart):
         found, _ = self._shared(seen)
         return seen.polar(ops.vector(*found[:3])), seen.axial(ops.vector(*found[3:6]))
 
-    def _wheel_rows(self, motion: Running, side: Side) -> Iterator[Row]:
+    def _wheel_rows(self, motion: Running, side: Side) -> Iterator[ChannelRow]:
         """Yield the channels of a wheel."""
         seen = motion.seen_from(side)
         found, rows = self._shared(seen)
@@ -251,7 +251,7 @@ class ElasticWheels(BasePart):
                 value = value + motion.shifts[side].lateral
             yield row._replace(name=f"{side}.{row.name}", value=value)
 
-    def _shared(self, seen: SideMotion) -> tuple[list[Scalar], list[Row]]:
+    def _shared(self, seen: SideMotion) -> tuple[list[Scalar], list[ChannelRow]]:
         """Return force, torque and channels of a wheel seen from its side, and the channels.
 
         The equations are those of all equal wheels, left and right, so they are shared.
@@ -271,12 +271,12 @@ class ElasticWheels(BasePart):
         return shared("wheel_on_rail", numbers, build, kept, built), rows
 
     @property
-    def _built(self) -> tuple[dict[tuple[float | None, ...], Any], list[Row]]:
+    def _built(self) -> tuple[dict[tuple[float | None, ...], Any], list[ChannelRow]]:
         """The equations that were built for such wheels, and the channels among them."""
         creep = self.wheels.creep
         quantities = set(_numbers_of(creep))
         rest = [(n, getattr(creep, n)) for n in type(creep).model_fields if n not in quantities]
-        kept: tuple[dict[tuple[float | None, ...], Any], list[Row]]
+        kept: tuple[dict[tuple[float | None, ...], Any], list[ChannelRow]]
         kept = self.contact.functions.setdefault((type(creep), repr(rest)), ({}, []))
         return kept
 

@@ -33,8 +33,6 @@ WINDOW, EVERY = 2.0, 0.5
 """Sliding means: length and step [m]."""
 LOW, HIGH = 0.15, 99.85
 """Percentiles of the extremes [%]."""
-YQ_LIMIT = 0.8
-"""Limit of Y/Q on a flange of 70° [1]."""
 
 _STRAIGHT = 1e-5
 """Curvature below which a track counts as straight [1/m]."""
