@@ -10,10 +10,12 @@ PACKAGE = Path(vehicledyn.__file__).parent
 BOUNDED_BY_THEIR_KEYS = {
     "analyses/preparation/run_cache.py:_program": "nothing",
     "codegen/ir/instructions.py:_operations": "nothing",
+    "files/system/declared_sets.py:declared_set": "types of elements",
     "files/system/joint_sets.py:joint_set": "types of joints",
     "library/names.py:entries": "kinds of files",
     "library/names.py:library_folder": "nothing",
     "rail/profiles/profile_names.py:_standard_file": "standard profiles",
+    "road/tyre_files/names.py:coefficients": "nothing",
     "studies/block.py:program_fingerprint": "nothing",
     "symbolic/rotations.py:_unit": "axes",
 }

@@ -12,7 +12,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cache
+from functools import lru_cache
 from typing import Literal
 
 import numpy as np
@@ -180,7 +180,7 @@ def _weighted(factors: Sequence[Scalar] | NDArray[np.float64], values: Sequence[
     return total
 
 
-@cache
+@lru_cache(maxsize=32)
 def _quadrature(count: int) -> tuple[tuple[float, ...], tuple[float, ...]]:
     """Return places from 0 to 1 and weights of the Gauss quadrature."""
     places, weights = np.polynomial.legendre.leggauss(count)
@@ -209,7 +209,7 @@ def _sigma(root: float) -> float:
     return (math.cosh(root) + math.cos(root)) / (math.sinh(root) + math.sin(root))
 
 
-@cache
+@lru_cache(maxsize=256)
 def _shortening(place: float, modes: int) -> NDArray[np.float64]:
     """Return ∫ φ_i' φ_j' dξ from 0 to a place, shape (modes, modes)."""
     places, weights = _quadrature(24)
