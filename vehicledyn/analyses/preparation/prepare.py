@@ -22,6 +22,7 @@ from vehicledyn.analyses.preparation.prepared import (
 )
 from vehicledyn.analyses.preparation.runnable import Subject
 from vehicledyn.analyses.preparation.start_rates import start_rates
+from vehicledyn.analyses.preparation.vague_starts import refuse_vague_start
 from vehicledyn.base.interrupts import undisturbed
 from vehicledyn.files.scenario.target import Target
 from vehicledyn.kernel.kernel import Backend, compile_kernel
@@ -138,7 +139,8 @@ def nominal_point(prepared: Prepared, speed: float) -> Point:
     Raises
     ------
     InputError
-        If the rates it is given to start with contradict its constraints.
+        If the rates it is given to start with contradict its constraints, or a coordinate or rate
+        is too large to say where it starts.
     """
     state = prepared.subject.start_state(prepared.equations, speed)
     return _moving(prepared, _closed(prepared, state, speed))
@@ -237,6 +239,7 @@ def _moving(prepared: Prepared, point: Point) -> Point:
     state = start_rates(
         prepared.kernel, subject.given_rates, subject.balance_time, point.state, point.unknowns
     )
+    refuse_vague_start(prepared.equations, state)
     return Point(state, point.unknowns, point.residual)
 
 
@@ -244,6 +247,7 @@ def _closed(prepared: Prepared, state: Vector, speed: float) -> Point:
     """Return a state with its loops closed, near where they were assembled."""
     from vehicledyn.analyse.equilibrium import assemble
 
+    refuse_vague_start(prepared.equations, state)
     guess = np.array([u.start for u in prepared.equations.unknowns])
     set_speed(prepared, speed)
     return Point(state, assemble(prepared.kernel, prepared.subject.balance_time, state, guess))

@@ -15,7 +15,6 @@ from vehicledyn.analyses.preparation.mass_checks import refuse_idle_start, refus
 from vehicledyn.analyses.preparation.prepare import Point, prepare, start_point
 from vehicledyn.analyses.preparation.prepared import Check, Derived, Prepared, Progress
 from vehicledyn.analyses.preparation.run_cache import Memory, key_of_run, recall, remember
-from vehicledyn.analyses.preparation.vague_starts import refuse_vague_start
 from vehicledyn.analyses.simulation.animation_recorder import look_of
 from vehicledyn.base.version import PACKAGE
 from vehicledyn.files.scenario import LoadedScenario
@@ -49,7 +48,6 @@ def prepare_run(
         with told_with_places(loaded):
             refuse_rigid_loops(prepared)
             start = start_point(prepared, loaded.scenario.speed or 0.0, loaded.scenario.start)
-            refuse_vague_start(prepared.equations, start.state)
             refuse_idle_start(prepared, 0.0, start.state, start.unknowns)
     prepared.look = look_of(prepared)
     if key is not None and prepared.kernel.key and not told:
