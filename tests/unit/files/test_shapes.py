@@ -5,6 +5,7 @@ import pytest
 import vehicledyn.catalogue  # noqa: F401
 from vehicledyn.analyses.preparation.build_model import build_subject
 from vehicledyn.base.errors import InputError
+from vehicledyn.base.registry import kinds
 from vehicledyn.files.scenario import load_model
 from vehicledyn.multibody.equations.system_shapes import appearance
 
@@ -86,3 +87,20 @@ def test_wrong_shapes_are_refused(tmp_path, old, new, message):
     path.write_text(SYSTEM.replace("PLANE", "y").replace(old, new), encoding="utf-8")
     with pytest.raises(InputError, match=message):
         load_model(str(path))
+
+
+FIELDS = {
+    "box": "size: [1 m, 2 m, 3 m]",
+    "cylinder": "a: [0, 0, 0], b: [0, 0, 1 m], radius: 10 mm",
+    "sphere": "radius: 10 mm",
+    "extrusion": "x: [0 m, 1 m, 1 m], z: [0 m, 0 m, 1 m], width: 1 m",
+}
+
+
+@pytest.mark.parametrize("kind", kinds("shape"))
+def test_every_shape_goes_with_its_body(tmp_path, kind):
+    text = SYSTEM.split("mirror:", maxsplit=1)[0]
+    text += f"shapes:\n  own: {{kind: {kind}, body: car, {FIELDS[kind]}}}\n"
+    own = shapes(tmp_path / "s.yaml", text)["own"]
+    bodies = [own[key]["body"] for key in ("at", "a", "b") if key in own]
+    assert bodies and set(bodies) == {"car"}
