@@ -4,13 +4,16 @@ import numpy as np
 import pytest
 from system_texts import Motion, equations
 
+import vehicledyn as vd
 from vehicledyn.analyses.models.assembly_tree import assembly_lines
 from vehicledyn.files.building.construct import build_system
 from vehicledyn.files.building.write import model_as_yaml
+from vehicledyn.files.scenario import load_scenario
 from vehicledyn.files.system.assemblies import read as assemblies
 from vehicledyn.files.system.files import SystemFiles
 from vehicledyn.files.system.read import read_system
 from vehicledyn.multibody import derive
+from vehicledyn.studies import load_study
 
 ARM = """
 title: An arm on a spring that hangs on a carrier
@@ -473,3 +476,22 @@ wheels:
         "wheel.yaml:3:21: parameters.speed: 'speed' is the forward speed of what has wheels; take "
         "another name"
     ]
+
+
+@pytest.mark.long
+def test_a_parameter_of_an_assembly_is_swept_by_study_option_and_python(tmp_path):
+    written(tmp_path, "cart.yaml", CART)
+    run = "title: x\nmodel: cart.yaml\nduration: 20 ms\nsolver: {kind: rk4, step: 1 ms}\n"
+    scenario = written(tmp_path, "run.yaml", f"{run}output: {{interval: 10 ms}}\n")
+    key = "left.spring.stiffness"
+    loaded = load_scenario(scenario, [f"{key}=70 N*m/rad"])
+    assert loaded.resolved["parameters"][key] == 70.0
+    assert loaded.changed({key: "80 N*m/rad"}).resolved["parameters"][key] == 80.0
+    vary = f"parameters.{key}: [30 N*m/rad, 60 N*m/rad]"
+    text = f"title: x\nscenario: run.yaml\ncases: {{kind: grid, vary: {{{vary}}}}}\n"
+    study = written(tmp_path, "study.yaml", text)
+    (axis,) = load_study(study).design.axes
+    assert (axis.unit, list(axis.values)) == ("N*m/rad", [30.0, 60.0])
+    swept = vd.sweep(scenario, vary={f"parameters.{key}": ["30 N*m/rad", "600 N*m/rad"]})
+    ends = [np.asarray(swept["left.arm.angle"].values)[case][-1] for case in (0, 1)]
+    assert abs(ends[0] - ends[1]) > 1e-4

@@ -43,11 +43,10 @@ if TYPE_CHECKING:
 class LoadedScenario(Target):
     """A scenario that may run.
 
-    ``text`` is the file as it was read, ``overrides`` what changed it. ``model_parameters`` is
-    the vehicle's complete set, None where the model is the file ``written``. ``resolved`` is
-    everything that will be used, as plain mappings, lists and SI numbers, and ``units`` the unit
-    of each quantity in it by dotted name. ``built`` is the model as it was built in Python, before
-    any change.
+    ``text`` is the file as it was read, ``overrides`` what changed it. ``written`` is the model
+    with its parameters. ``resolved`` is everything that will be used, as plain mappings, lists and
+    SI numbers, and ``units`` the unit of each quantity in it by dotted name. ``built`` is the model
+    as it was built in Python, before any change.
     """
 
     path: Path
