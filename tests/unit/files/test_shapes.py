@@ -7,6 +7,7 @@ from vehicledyn.analyses.preparation.build_model import build_subject
 from vehicledyn.base.errors import InputError
 from vehicledyn.base.registry import kinds
 from vehicledyn.files.scenario import load_model
+from vehicledyn.files.system.kinds import load_kinds
 from vehicledyn.multibody.equations.system_shapes import appearance
 
 SYSTEM = """
@@ -89,6 +90,7 @@ def test_wrong_shapes_are_refused(tmp_path, old, new, message):
         load_model(str(path))
 
 
+load_kinds()
 FIELDS = {
     "box": "size: [1 m, 2 m, 3 m]",
     "cylinder": "a: [0, 0, 0], b: [0, 0, 1 m], radius: 10 mm",
