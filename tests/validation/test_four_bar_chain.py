@@ -36,7 +36,9 @@ def pendulum(times):
     return found.y[0]
 
 
-def test_chain_in_steps_of_20_ms():
+# Samples of half a second leave loops to be passed before the first one.
+@pytest.mark.parametrize("interval", [0.02, 0.5])
+def test_chain_in_steps_of_20_ms(interval):
     loaded = load_scenario(SCENARIO)
     s, samples = loaded.scenario, []
     prepared = prepare(loaded, backend="auto", progress=lambda *_: None)
@@ -49,7 +51,7 @@ def test_chain_in_steps_of_20_ms():
         stop=s.duration,
         state=start.state,
         unknowns=start.unknowns,
-        interval=s.output.interval,
+        interval=interval,
         sink=lambda *parts: samples.append(parts),
         progress=lambda *_: None,
         happened=lambda *_: None,
@@ -60,7 +62,8 @@ def test_chain_in_steps_of_20_ms():
     names = [channel.name for channel in prepared.equations.channels]
     x, z = (outputs[:, names.index(name)] for name in ("b0.x", "b0.z"))
     angle = pendulum(times)
-    assert times == pytest.approx(np.arange(201) * 0.02)
+    assert times == pytest.approx(np.arange(0.0, 4.0 + 0.5 * interval, interval))
     assert np.hypot(x - np.cos(angle), z - np.sin(angle)).max() < POSITION
     assert outputs[:, names.index("constraints.position_error")].max() < 1e-12
-    assert statistics.evaluations <= EVALUATIONS
+    if interval == s.output.interval:  # the budget is that of the shipped output
+        assert statistics.evaluations <= EVALUATIONS
