@@ -48,7 +48,9 @@ def test_pages_of_every_kind(folder):
         if name != "soft":
             assert text in words(folder / f"{name}_report.html"), name
     drawn = alternatives(folder / "hunt_report.html")
-    assert drawn[0].startswith("Limit cycles. Amplitude of wheelset.lateral [mm] against speed")
+    assert drawn[0].startswith(
+        "Limit cycles. Amplitude: Lateral shift, wheelset [mm] against Forward speed"
+    )
     assert len(drawn) == 3
 
 
