@@ -51,7 +51,7 @@ def swinging():
 
 
 @pytest.fixture(scope="module")
-def kernels():
+def kernels(needs_compiler):
     return {name: compile_kernel(swinging(), backend=name) for name in ("compiled", "interpreted")}
 
 
