@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from pydantic import ValidationError
 
-from vehicledyn.road.surfaces.enveloping import Cam, Tandem
+from vehicledyn.road.ground.enveloping import Cam, Tandem
 from vehicledyn.road.surfaces.obstacles import Obstacles
 
 REFERENCE = (

@@ -5,13 +5,8 @@ import pytest
 from pydantic import ValidationError
 from scipy.integrate import quad
 
-from vehicledyn.road.surfaces.iso8608 import (
-    CLASSES,
-    Iso8608Road,
-    isotropic_coherence,
-    spectrum,
-    tracks,
-)
+from vehicledyn.road.ground.random_road import isotropic_coherence, spectrum, tracks
+from vehicledyn.road.surfaces.iso8608 import CLASSES, Iso8608Road
 
 STEP = 0.05
 
@@ -20,7 +15,7 @@ def spectra(seeds, **given):
     """Return frequencies, spectra of both tracks and their cross spectrum, means over seeds."""
     sums, count = 0.0, None
     for seed in range(seeds):
-        records = tracks(Iso8608Road(seed=seed, length=1000.0, **given))[:-1]
+        records = tracks(Iso8608Road(seed=seed, length=1000.0, **given).record)[:-1]
         count = len(records)
         waves = np.fft.rfft(records, axis=0)
         right, left = waves.T
@@ -61,7 +56,7 @@ def test_the_coherence_is_the_integral_of_the_spectrum_across(waviness):
 
 
 def test_equal_and_independent_tracks():
-    equal = tracks(Iso8608Road(road_class="A", length=100.0, coherence="equal"))
+    equal = tracks(Iso8608Road(road_class="A", length=100.0, coherence="equal").record)
     assert equal[:, 0] == pytest.approx(equal[:, 1], abs=1e-15)
     frequency, (right, left, cross) = spectra(100, road_class="A", coherence="independent")
     inside = (frequency > 0.02) & (frequency < 2.8)
@@ -70,7 +65,7 @@ def test_equal_and_independent_tracks():
 
 def test_the_ground_passes_through_the_tracks_and_is_level_outside():
     road = Iso8608Road(road_class="D", length=60.0, start=10.0, fade=5.0, seed=7)
-    heights = tracks(road)
+    heights = tracks(road.record)
     for index in (200, 333, 700):
         for side, y in enumerate((-0.75, 0.75)):
             assert road.height(10.0 + STEP * index, y) == pytest.approx(heights[index, side])

@@ -2,21 +2,17 @@
 
 from __future__ import annotations
 
-from functools import lru_cache
-from typing import ClassVar
+from typing import TYPE_CHECKING, ClassVar
 
-import numpy as np
 from pydantic import Field, model_validator
 
 from vehicledyn.base.parameters import quantity
 from vehicledyn.base.registry import register
-from vehicledyn.road.surfaces.enveloping import Cam, Tandem
 from vehicledyn.road.surfaces.surface import RoadSurface
 from vehicledyn.symbolic.ops import Scalar
-from vehicledyn.symbolic.tables import CurveTable
 
-_FINEST = 2e-5
-_MOST_CELLS = 400_000
+if TYPE_CHECKING:
+    from vehicledyn.symbolic.tables import CurveTable
 
 
 @register("road", "obstacles")
@@ -60,11 +56,11 @@ class Obstacles(RoadSurface):
 
     def height(self, x: Scalar, y: Scalar) -> Scalar:
         """Return the effective height of the ground [m]."""
-        return _felt(self)[0].value(x)
+        return self._felt()[0].value(x)
 
     def gradient(self, x: Scalar, y: Scalar) -> tuple[Scalar, Scalar]:
         """Return the effective slope along x [1]; the slope along y is zero."""
-        height, slope = _felt(self)
+        height, slope = self._felt()
         return height.slope(x) if slope is None else slope.value(x), 0.0
 
     def outline(self) -> tuple[list[float], list[float]]:
@@ -79,28 +75,10 @@ class Obstacles(RoadSurface):
                 z += [self.crest, 0.0]
         return x, z
 
+    def _felt(self) -> tuple[CurveTable, CurveTable | None]:
+        """Return the tables of effective height and slope; no slope where it is the height's."""
+        from vehicledyn.road.ground.enveloping import Cam, Tandem, felt
 
-def _felt(road: Obstacles) -> tuple[CurveTable, CurveTable | None]:
-    """Return the tables of effective height and slope; no slope where it is the height's."""
-    return _tables(road.model_dump_json())
-
-
-@lru_cache(maxsize=8)
-def _tables(text: str) -> tuple[CurveTable, CurveTable | None]:
-    road = Obstacles.model_validate_json(text)
-    x, z = (np.array(corners) for corners in road.outline())
-    reach = 1.1 * (road.cam_length + road.cam_spacing)
-    first, last = x[0] - reach, x[-1] + reach
-    corners = np.concatenate([[first - reach], x, [last + reach]])
-    heights = np.concatenate([z[:1], z, z[-1:]])
-    cells = int(min(_MOST_CELLS, np.ceil((last - first) / _FINEST)))
-    at = np.linspace(first, last, cells + 1)
-    tandem = Tandem(Cam(road.cam_length, road.cam_height, road.cam_order), road.cam_spacing)
-    height, slope = tandem.height_and_slope(corners, heights, at)
-    table = _table("effective height", at, height)
-    return table, None if road.cam_spacing == 0.0 else _table("effective slope", at, slope)
-
-
-def _table(name: str, at: np.ndarray, values: np.ndarray) -> CurveTable:
-    rows = np.column_stack([values[:-1], np.diff(values)])
-    return CurveTable(name, float(at[0]), float(at[-1] - at[0]) / (len(at) - 1), rows)
+        x, z = self.outline()
+        cam = Cam(self.cam_length, self.cam_height, self.cam_order)
+        return felt(Tandem(cam, self.cam_spacing), tuple(x), tuple(z))

@@ -10,12 +10,18 @@ of the tyre's radius is the single cam of order two.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
+from vehicledyn.symbolic.tables import CurveTable
+
 Array: TypeAlias = NDArray[np.float64]
+
+_FINEST = 2e-5
+_MOST_CELLS = 400_000
 
 
 @dataclass(frozen=True)
@@ -101,3 +107,38 @@ class Tandem:
             return height, np.gradient(height, at) if len(at) > 1 else np.zeros(1)
         front, rear = self.cam.lift(x, z, at + half), self.cam.lift(x, z, at - half)
         return 0.5 * (front + rear), (front - rear) / self.spacing
+
+
+@lru_cache(maxsize=8)
+def felt(
+    tandem: Tandem, x: tuple[float, ...], z: tuple[float, ...]
+) -> tuple[CurveTable, CurveTable | None]:
+    """Return tables of effective height and slope over an outline that is level at both ends.
+
+    Parameters
+    ----------
+    tandem
+        The cams.
+    x, z
+        Corners of the outline [m].
+
+    Returns
+    -------
+    tuple
+        Height [m] by the place of the middle of the cams, and slope [1]; None for the slope of
+        one cam, which is that of the height.
+    """
+    reach = 1.1 * (tandem.cam.length + tandem.spacing)
+    first, last = x[0] - reach, x[-1] + reach
+    corners = np.array([first - reach, *x, last + reach])
+    heights = np.array([z[0], *z, z[-1]])
+    cells = int(min(_MOST_CELLS, np.ceil((last - first) / _FINEST)))
+    at = np.linspace(first, last, cells + 1)
+    height, slope = tandem.height_and_slope(corners, heights, at)
+    table = _table("effective height", at, height)
+    return table, None if tandem.spacing == 0.0 else _table("effective slope", at, slope)
+
+
+def _table(name: str, at: Array, values: Array) -> CurveTable:
+    rows = np.column_stack([values[:-1], np.diff(values)])
+    return CurveTable(name, float(at[0]), float(at[-1] - at[0]) / (len(at) - 1), rows)

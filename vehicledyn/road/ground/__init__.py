@@ -1,0 +1,1 @@
+"""Numbers behind road surfaces: random records and the enveloping of obstacles."""
