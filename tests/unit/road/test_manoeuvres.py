@@ -26,11 +26,15 @@ MANOEUVRES = {
     "slalom": SLALOM.replace("DRIVER", DRIVERS["preview"]),
     "straight": "{kind: straight}",
 }
-RELAXATIONS = {"first_order": "{kind: first_order, longitudinal: 0.2 m, lateral: 0.4 m}"}
+RELAXATIONS = {
+    "first_order": "{kind: first_order, longitudinal: 0.2 m, lateral: 0.4 m}",
+    "of_tyre": "{kind: of_tyre}",
+}
+TYRES = {"of_tyre": "{file: passenger_R0394_mf61.tir}"}
 SCENARIO = """\
 title: A short run
 model: iltis
-tyres: {kind: magic_formula_1987}
+tyres: TYRES
 road: ROAD
 relaxation: RELAXATION
 wheel_spin: SPIN
@@ -42,6 +46,7 @@ output: {interval: 10 ms}
 """
 DEFAULTS = {
     "ROAD": "{kind: flat}",
+    "TYRES": "{kind: magic_formula_1987}",
     "RELAXATION": "null",
     "SPIN": "free",
     "SPEED": "10 m/s",
@@ -97,6 +102,7 @@ def test_relaxation_holds_a_standing_car_on_a_slope(tmp_path, kind):
     with drive(
         tmp_path,
         RELAXATION=RELAXATIONS[kind],
+        TYRES=TYRES.get(kind, DEFAULTS["TYRES"]),
         ROAD="{kind: plane, slope_x: 0.05, slope_y: 0.1}",
         SPIN="prescribed",
         SPEED="0",
