@@ -174,3 +174,41 @@ def test_tables_that_do_not_fit_together(name, change, words, verb):
     assert (outcome.code, outcome.faults) == (2, []), outcome
     assert f"{name}: is damaged" in outcome.text
     assert words in outcome.text
+
+
+def test_amplitudes_beyond_all_flanges():
+    command = ["profiles", "s1002", "60E1", "--amplitude", "1e308"]
+    refused(Case("amplitude", {}, command), "an amplitude of 1e+308 mm: at most 100 mm")
+
+
+def as_a_row(file):
+    del file["states/value"]
+    file["states"].create_dataset("value", shape=(10**12,), chunks=(1000,), dtype=float)
+
+
+def test_states_that_are_no_table():
+    files = yaml_cases.around({"run.h5": changed("run.h5", as_a_row)})
+    command = ["run", "scenarios/systems/double_pendulum.yaml", "--restart", "run.h5", "-o", "o.h5"]
+    sampled = ["--set", "output.interval=5 ms", "--set", "duration=60 ms"]
+    refused(Case("restart", files, [*command, *sampled, "-q"]), "states/value has the shape")
+
+
+SHORT = ["--set", "duration=20 ms", "--set", "output.interval=5 ms", "--backend", "interpreted"]
+
+
+@pytest.mark.parametrize(
+    ("system", "given", "instead"),
+    [
+        ("bicycle", "com: [0.3 m, 0, 0.9", "com: [0.3 m, -1e308 m, 0.9"),
+        ("rail_wheelset", "value: 2.5 MN*m/rad", "value: 2.5e12 MN*m/rad"),
+    ],
+)
+def test_numbers_that_end_a_run_at_once(system, given, instead):
+    """A mass far away overflows; a run that ends after 0.1 us has millions of samples a second."""
+    name = f"systems/{system}.yaml"
+    text = yaml_cases.system_texts()[name]
+    assert given in text
+    files = yaml_cases.around({name: text.replace(given, instead).encode()})
+    command = ["run", f"scenarios/systems/{system}.yaml", "-o", "out.h5", "--no-plots", "-q"]
+    outcome = run(Case(system, files, [*command, *SHORT], outputs=("out.h5",)))
+    assert outcome.code in (1, 3) and not outcome.faults, outcome

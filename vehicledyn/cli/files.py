@@ -165,11 +165,16 @@ def plot(
     if against is not None and not only:
         raise InputError(f"--against {against}: name the channels to draw with --only")
     from vehicledyn.results.labelled.data import open_result
-    from vehicledyn.results.labelled.requested import save_requested
+    from vehicledyn.results.labelled.requested import save_requested, save_standard
 
-    data = {name: open_result(path) for name, path in zip(labels(results), results, strict=True)}
+    paths = dict(zip(labels(results), results, strict=True))
     target = folder or results[0].parent / f"{_joined(results)}_plots"
-    for path in save_requested(data, target, patterns=only or (), against=against, formats=wanted):
+    if only:
+        data = {name: open_result(path) for name, path in paths.items()}
+        written = save_requested(data, target, patterns=only, against=against, formats=wanted)
+    else:
+        written = save_standard(paths, target, formats=wanted)
+    for path in written:
         emit(str(path))
 
 

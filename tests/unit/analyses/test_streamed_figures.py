@@ -17,6 +17,7 @@ TIME = np.sort(np.append(np.linspace(0.0, 5.0, COUNT - 2), [1.3, 1.3]))  # an ev
 VEHICLE = SimpleNamespace(
     chassis="body",
     rack="rack",
+    system=SimpleNamespace(parts=()),
     corners=[SimpleNamespace(name="left"), SimpleNamespace(name="right")],
     outline=[(2.0, 1.0), (-2.0, 1.0), (-2.0, -1.0), (2.0, -1.0)],
 )

@@ -103,7 +103,7 @@ def test_a_plugin_that_fails_is_one_message_and_registers_nothing(tmp_path, text
 
 
 def test_a_name_that_another_plugin_has_names_its_file(tmp_path):
-    first = written(tmp_path, SPRING, "taken_of_test")
+    first = written(tmp_path, SPRING, "own_taken_of_test")
     second = first.with_name("second.py")
     second.write_text(first.read_text(encoding="utf-8"), encoding="utf-8")
     vd.load_plugin(first)

@@ -322,3 +322,8 @@ def test_numbers_for_readers():
     assert (reading(True, "1"), reading(float("nan"), "m")) == ("yes", "not a number")
     assert change(1.1, 1.0, "m") == "+0.1\u00a0m (+10 %)"
     assert (change(1.0, 1.0, "m"), change("a", "b", "1")) == ("equal", "different")
+
+
+def test_complex_key_figures_are_compared_as_equal_or_different():
+    assert change(1.0 + 2.0j, 1.0 + 2.0j, "1/s") == "equal"
+    assert change(1.0 + 2.0j, 3.0, "1/s") == "different"

@@ -13,7 +13,12 @@ from vehicledyn.road.manoeuvres.key_figures import channels, summarise
 @pytest.mark.parametrize("sign", [1.0, -1.0])
 def test_first_sample_beyond_a_right_angle_is_named(angle, sign):
     time = np.linspace(0.0, 2.0, 21)
-    vehicle = SimpleNamespace(chassis="car", rack="rack", corners=[SimpleNamespace(name="wheel")])
+    vehicle = SimpleNamespace(
+        chassis="car",
+        rack="rack",
+        corners=[SimpleNamespace(name="wheel")],
+        system=SimpleNamespace(parts=()),
+    )
     values = {name: np.zeros(21) for name in channels(vehicle)}
     assert rollovers(Recording(time, values), vehicle) == []
     values[f"car.{angle}"] = sign * 1.6 * time

@@ -37,6 +37,10 @@ POINTS = 4
 """Local minima of the gap that are kept, a side and shift."""
 
 
+LARGEST_AMPLITUDE = 0.1
+"""Largest amplitude of an equivalent conicity, far beyond what any flange allows [m]."""
+
+
 @dataclass(frozen=True)
 class ContactRequest:
     """Which wheels stand on which track, and what is asked for; lengths in m, angles in rad.
@@ -73,8 +77,10 @@ def find_contact_geometry(request: ContactRequest, *, progress: Any) -> ContactR
     Raises
     ------
     InputError
-        If a profile cannot be read or the wheelset does not fit the gauge.
+        If a profile cannot be read, the wheelset does not fit the gauge or an amplitude is
+        beyond 100 mm.
     """
+    _check_amplitudes(request.amplitudes)
     progress("reading profiles")
     wheels = _opened(request.wheels, "wheel", request.reading)
     rails = _opened(request.rails, "rail", request.reading)
@@ -91,6 +97,14 @@ def find_contact_geometry(request: ContactRequest, *, progress: Any) -> ContactR
     standing, lost = standings(wheelset, request.shifts, request.yaw)
     table = _table(request, wheelset, standing, lost, profiles=(*wheels, *rails), progress=progress)
     return ContactReport(table)
+
+
+def _check_amplitudes(amplitudes: Sequence[float]) -> None:
+    far = [each for each in amplitudes if not each <= LARGEST_AMPLITUDE]
+    if far:
+        raise InputError(
+            f"an amplitude of {1e3 * far[0]:g} mm: at most {1e3 * LARGEST_AMPLITUDE:g} mm"
+        )
 
 
 def _opened(texts: Sequence[str], kind: Kind, reading: ProfileReading) -> list[Profile]:

@@ -102,7 +102,8 @@ class Resistance:
         values = self._values if parameters is None else parameters
         if self._is_large_tree and self._smallest_share(time, q, values) > share:
             return []
-        moved = self._inertial(time, q, values) @ self._transfer(time, q, values)
+        with np.errstate(over="ignore", invalid="ignore"):
+            moved = self._inertial(time, q, values) @ self._transfer(time, q, values)
         if not moved.shape[1] or not np.isfinite(moved).all():
             return []
         sizes = np.linalg.norm(moved, axis=0)

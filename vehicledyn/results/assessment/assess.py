@@ -43,6 +43,9 @@ from vehicledyn.results.assessment.stability import AxleStability, assess_stabil
 from vehicledyn.results.assessment.subjects import Subjects, find_subjects
 from vehicledyn.results.assessment.wear import WheelWear, assess_wear
 
+FASTEST_RATE = 200e3
+"""Samples a second above which filters over seconds would take gigabytes [Hz]."""
+
 SLOWEST_RATE = 100.0
 """Samples a second below which nothing is filtered: five a period of the low-pass filter [Hz]."""
 COMFORT_RATE = 200.0
@@ -115,6 +118,12 @@ def assess(
             f"forces and comfort are left out: {samples.rate:.4g} samples a second are too few for "
             f"a filter at {CUT_OFF:g} Hz; set output.interval to 5 ms, {1e3 / SLOWEST_RATE:g} ms "
             "at most"
+        )
+        return found
+    if samples.rate > FASTEST_RATE:
+        found.remarks.append(
+            f"forces and comfort are left out: the section has {samples.rate:.3g} samples a "
+            f"second, more than {FASTEST_RATE:g}; take a longer output.interval"
         )
         return found
     _assess_safety(found, subjects, samples, distance)

@@ -67,9 +67,30 @@ def save_requested(
     check_formats(formats)
     with matplotlib.rc_context(STYLE):
         figures = list(_figures(data, patterns, against))
+    return _saved(figures, next(iter(data.values())).path, folder, formats)
+
+
+def save_standard(
+    paths: Mapping[str, Path], folder: Path, *, formats: Sequence[str] = ("png", "svg")
+) -> list[Path]:
+    """Draw all standard figures of results by label into picture files; return their paths.
+
+    Raises
+    ------
+    InputError
+        If a result is damaged, there is nothing to draw, or a picture cannot be written.
+    """
+    check_formats(formats)
+    with matplotlib.rc_context(STYLE):
+        figures = list(overlaid_figures(paths))
+    return _saved(figures, next(iter(paths.values())), folder, formats)
+
+
+def _saved(
+    figures: list[tuple[str, Figure]], first: Path, folder: Path, formats: Sequence[str]
+) -> list[Path]:
     if not figures:
-        first = next(iter(data.values()))
-        raise InputError(f"{first.path}: holds nothing to draw ({first.status})")
+        raise InputError(f"{first}: holds nothing to draw")
     return save_figures(figures, folder, formats)
 
 

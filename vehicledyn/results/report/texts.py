@@ -56,7 +56,7 @@ def moment(text: str) -> str:
 
 def change(value: Any, other: Any, unit: str) -> str:
     """Return how far a value is from another, with the part of it in per cent."""
-    if isinstance(value, str | bool) or isinstance(other, str | bool):
+    if any(isinstance(each, str | bool | complex) for each in (value, other)):
         return "equal" if value == other else "different"
     difference = float(value) - float(other)
     if not math.isfinite(difference):

@@ -216,6 +216,7 @@ class Result:
     def rows(self, start: int, stop: int) -> tuple[Floats, Floats, Floats]:
         """Return times, channels and states of some samples, (n,) and (n, ...)."""
         with self._reading():
+            self._check_states()
             for name in ("time", *self.channels, "states/value"):
                 self._check_sums(name)
             part = slice(start, stop)
@@ -350,6 +351,12 @@ class Result:
 
     def _reading(self) -> contextlib.AbstractContextManager[None]:
         return reading(self.path, self._file)
+
+    def _check_states(self) -> None:
+        """Refuse states that are no table of their names; checksums cover rows alone."""
+        names = self.state_names
+        if names and self._file["states/value"].shape[1:] != (len(names),):
+            raise DamagedError(f"states/value has the shape {self._file['states/value'].shape}")
 
     def _check_sums(self, name: str) -> None:
         """Compare a column with its checksums, once, unless every byte is checked anyway."""

@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING, NamedTuple
 from vehicledyn.road.manoeuvres.channel_recorder import Rows
 from vehicledyn.road.tyre_files.tyre_file import Range
 from vehicledyn.road.tyres.file_tyre import FileTyre
-from vehicledyn.road.wheel.road_wheel import RoadWheel
 
 if TYPE_CHECKING:
     from vehicledyn.results.store.layout import SummaryEntry
@@ -85,6 +84,8 @@ class RangeWatch:
 
 
 def _watched(vehicle: RoadVehicle) -> list[_Watched]:
+    from vehicledyn.road.wheel.road_wheel import RoadWheel
+
     wheels = [part for part in vehicle.system.parts if isinstance(part, RoadWheel)]
     return [
         _Watched(wheel.name, quantity, f"{wheel.name}.tyre.{channel}", wheel.tyre.ranges[quantity])
