@@ -74,7 +74,7 @@ PLACES = {
         {
             "s.yaml": STUDY.replace(b"bad.yaml", b"ramp.yaml"),
             "ramp.yaml": RAMP,
-            "cases.csv": b"speed\n10\n",
+            "cases.csv": b"speed [m/s]\n10\n",
         },
         ["sweep", "s.yaml", "-o", "bad.h5", "--resume", "--workers", "1"],
         "bad.h5",

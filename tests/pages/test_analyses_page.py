@@ -77,7 +77,7 @@ def test_files_and_figures_of_the_page(said):
 
 def test_responses_of_the_page(said):
     _, printed = said
-    text = next(v for k, v in printed.items() if "--at 1.5" in k)
+    text = next(v for k, v in printed.items() if '--at "1.5 Hz"' in k)
     assert "static gain  6.11111e-05 m/N" in text  # 1/18000 + 1/180000
     assert len(re.findall(r"^ +1\.?5? Hz ", text, re.MULTILINE)) == 2
     told = json.loads(next(v for k, v in printed.items() if "--input profile" in k))

@@ -45,7 +45,7 @@ def test_run_has_the_channels_that_are_told(told):
         head = head if text.startswith(".") else text.rpartition(".")[0]
         wanted.append((head + text if text.startswith(".") else text).replace("<name>", "wheels"))
     with open_result(folder / "swing.h5") as result:
-        assert len(wanted) == 19
+        assert len(wanted) == 20
         assert [name for name in wanted if name not in result.units] == []
         assert abs(result.channel("wheelset.lateral").values[-1]) < 2e-3
 

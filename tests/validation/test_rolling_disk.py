@@ -42,13 +42,13 @@ def eigenvalues(share, *overrides):
 
 def test_command_line_tells_these_eigenvalues():
     # A key that is set twice would be two cases.
-    overrides = dict(change.split("=", 1) for change in changes(0.5, f"{STRAIGHT}=2"))
+    overrides = dict(change.split("=", 1) for change in changes(0.5, f"{STRAIGHT}=2 rad/s"))
     command = [Path(sys.executable).parent / "vehicledyn", "eig", SCENARIO, "--json"]
     command += [word for item in overrides.items() for word in ("--set", "=".join(item))]
     done = subprocess.run(command, capture_output=True, text=True, check=True)
     (entry,) = json.loads(done.stdout)["speeds"]
     told = np.sort_complex([complex(m["real"], m["imaginary"]) for m in entry["modes"]])
-    assert told == pytest.approx(np.sort_complex(eigenvalues(0.5, f"{STRAIGHT}=2")), abs=1e-9)
+    assert told == pytest.approx(np.sort_complex(eigenvalues(0.5, f"{STRAIGHT}=2 rad/s")), abs=1e-9)
 
 
 @pytest.mark.parametrize("kind", SHARES)
@@ -57,7 +57,7 @@ def test_critical_rates(kind, case, rate):
     """λ² of the one motion that is not free is linear in ω², so two rates tell where it is zero."""
     squares = {}
     for value in (2.0, 4.5):
-        found = eigenvalues(SHARES[kind], f"{rate}={value}")
+        found = eigenvalues(SHARES[kind], f"{rate}={value} rad/s")
         assert np.sum(np.abs(found) < 1e-6) == 6
         largest = (found[np.argmax(np.abs(found))] ** 2).real
         squares[value] = largest
@@ -66,7 +66,7 @@ def test_critical_rates(kind, case, rate):
     # The verdict changes there.
     for side, stable in ((-1.0, False), (1.0, True)):
         value = REFERENCE[kind][case] * (1.0 + side * RATE)
-        real = eigenvalues(SHARES[kind], f"{rate}={value}").real
+        real = eigenvalues(SHARES[kind], f"{rate}={value} rad/s").real
         assert (real.max() < 1e-6) == stable
 
 

@@ -103,7 +103,7 @@ def _critical_rates():
         for case, rate in (("straight", STRAIGHT), ("upright", UPRIGHT)):
             squares = {}
             for value in (2.0, 4.5):
-                changes = [f"parameters.axle_share={share}", *REST, f"{rate}={value}"]
+                changes = [f"parameters.axle_share={share}", *REST, f"{rate}={value} rad/s"]
                 loaded = load_scenario(scenario, changes)
                 report = find_modes(loaded, speeds=[], backend="interpreted", progress=quiet)
                 (entry,) = report.as_dict()["speeds"]

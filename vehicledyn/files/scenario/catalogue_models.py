@@ -45,8 +45,8 @@ class CatalogueModel:
 
     @property
     def path(self) -> Path:
-        """File of its parameters."""
-        return Path(self.entry.parameter_file)
+        """File of its parameters; its name where it has none."""
+        return Path(getattr(self.entry, "parameter_file", self.name))
 
     @property
     def reference(self) -> str:
