@@ -164,15 +164,17 @@ def plot(
         raise InputError(f"--format {formats}: write png, svg or png,svg")
     if against is not None and not only:
         raise InputError(f"--against {against}: name the channels to draw with --only")
-    from vehicledyn.results.labelled.data import open_result
-    from vehicledyn.results.labelled.requested import save_requested, save_standard
-
     paths = dict(zip(labels(results), results, strict=True))
     target = folder or results[0].parent / f"{_joined(results)}_plots"
     if only:
+        from vehicledyn.results.labelled.data import open_result
+        from vehicledyn.results.labelled.requested import save_requested
+
         data = {name: open_result(path) for name, path in paths.items()}
         written = save_requested(data, target, patterns=only, against=against, formats=wanted)
     else:
+        from vehicledyn.results.labelled.requested import save_standard
+
         written = save_standard(paths, target, formats=wanted)
     for path in written:
         emit(str(path))
