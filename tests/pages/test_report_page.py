@@ -69,7 +69,7 @@ def test_folder(folder):
 
 def test_an_installed_package_says_that_it_has_no_references(tmp_path):
     code = (
-        "import pathlib; import vehicledyn.cli.validation as v; "
+        "import pathlib; import vehicledyn.cli.commands.validation as v; "
         f"v.FOLDER = pathlib.Path({str(tmp_path / 'site' / 'vehicledyn')!r}); "
         "import vehicledyn.cli as cli; cli.main()"
     )

@@ -15,7 +15,7 @@ import vehicledyn.catalogue  # noqa: F401
 from vehicledyn.analyses.models.start_files import STARTS, write_start
 from vehicledyn.base.errors import InputError
 from vehicledyn.base.yaml import read_yaml
-from vehicledyn.cli.start import Start
+from vehicledyn.cli.commands.start import Start
 from vehicledyn.files.scenario import scenario_schema
 from vehicledyn.files.system.schema import system_schema
 from vehicledyn.results.store.reader import open_result

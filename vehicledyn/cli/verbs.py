@@ -14,7 +14,7 @@ from vehicledyn.base.argument_names import arguments_named
 from vehicledyn.base.errors import InputError, StoppedError
 from vehicledyn.base.schema_line import schema_line
 from vehicledyn.base.version import VERSION
-from vehicledyn.cli import files
+from vehicledyn.cli.commands import files
 from vehicledyn.cli.exit_codes import OK, code_of_error
 from vehicledyn.cli.option_names import OptionNaming
 from vehicledyn.cli.options import (
@@ -81,7 +81,7 @@ HOMES = {
     "track": ("track",),
     "tyre": ("tyre",),
 }
-"""Verbs of the modules beside this one, in the order in which help lists them."""
+"""Commands by the module of `commands` they stand in, in the order in which help lists them."""
 
 
 def command_line(words: Sequence[str] = ()) -> typer.Typer:
@@ -109,7 +109,7 @@ def command_line(words: Sequence[str] = ()) -> typer.Typer:
     homes = [home for home, verbs in HOMES.items() if verb in verbs]
     alone = homes or verb in [function.__name__ for function in own]
     for home in homes if alone else HOMES:
-        import_module(f"vehicledyn.cli.{home}").add_verbs(app)
+        import_module(f"vehicledyn.cli.commands.{home}").add_verbs(app)
     return app
 
 
@@ -234,6 +234,6 @@ def _schema_of(kind: FileKind) -> dict[str, Any]:
 
 def doctor(as_json: Json = False) -> None:
     """Show versions, C compiler, cache and catalogues of this installation."""
-    from vehicledyn.cli.doctor import examine
+    from vehicledyn.cli.commands.doctor import examine
 
     emit_report(examine(), as_json=as_json)

@@ -7,7 +7,7 @@ import vehicledyn.catalogue  # noqa: F401
 from vehicledyn.analyses import find_modes
 from vehicledyn.analyses.linear.frequency_grid import FrequencyGrid
 from vehicledyn.base.errors import InputError
-from vehicledyn.cli.linear import cases_of
+from vehicledyn.cli.commands.linear import cases_of
 from vehicledyn.cli.options import speeds_in_si
 from vehicledyn.files.scenario import load_model, load_scenario
 from vehicledyn.results.plots.linear_results import draw_linear

@@ -10,7 +10,7 @@ import pytest
 import vehicledyn.catalogue  # noqa: F401
 from vehicledyn.analyses.simulation.mended_profiles import mended_profiles
 from vehicledyn.base.errors import InputError
-from vehicledyn.cli.files import read_file
+from vehicledyn.cli.commands.files import read_file
 from vehicledyn.files.scenario import load_scenario
 from vehicledyn.rail.profiles.named_profiles import named_profile
 

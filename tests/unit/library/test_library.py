@@ -6,7 +6,7 @@ import vehicledyn.catalogue  # noqa: F401
 from vehicledyn.base.errors import InputError
 from vehicledyn.base.registry import kinds
 from vehicledyn.base.yaml import read_yaml
-from vehicledyn.cli.analyses import read_target
+from vehicledyn.cli.commands.analyses import read_target
 from vehicledyn.files.scenario import LoadedModel, known_models, load_model, load_scenario
 from vehicledyn.library import entries, find_entry, library_folder, locate
 from vehicledyn.library.copying import copy_entry, referenced

@@ -14,7 +14,7 @@ from matplotlib import animation as film_writers
 from matplotlib.image import imread
 
 from vehicledyn.base.errors import InputError, MissingPartError
-from vehicledyn.cli.animate import animate
+from vehicledyn.cli.commands.animate import animate
 from vehicledyn.results.animation.animate import (
     animate_result,
     film_of_result,

@@ -8,7 +8,7 @@ from typing import Annotated
 
 import typer
 
-from vehicledyn.cli.analyses import read_target
+from vehicledyn.cli.commands.analyses import read_target
 from vehicledyn.cli.options import Json, Overrides, Target
 from vehicledyn.cli.terminal import emit_report, listen, show_progress
 

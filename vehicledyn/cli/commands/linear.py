@@ -11,7 +11,7 @@ import typer
 import vehicledyn
 from vehicledyn.base.errors import InputError
 from vehicledyn.base.problems import counted, is_count
-from vehicledyn.cli.analyses import read_target
+from vehicledyn.cli.commands.analyses import read_target
 from vehicledyn.cli.options import (
     Backend,
     BackendChoice,

@@ -9,8 +9,8 @@ import typer
 
 import vehicledyn
 from vehicledyn.base.errors import InputError
-from vehicledyn.cli.analyses import read_target
-from vehicledyn.cli.files import read_scenario
+from vehicledyn.cli.commands.analyses import read_target
+from vehicledyn.cli.commands.files import read_scenario
 from vehicledyn.cli.options import (
     Backend,
     BackendChoice,

@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 import vehicledyn
-from vehicledyn.cli.analyses import read_target
+from vehicledyn.cli.commands.analyses import read_target
 from vehicledyn.cli.options import Backend, BackendChoice, Json, Overrides, Quiet, Target
 from vehicledyn.cli.performing import conclude, perform
 from vehicledyn.cli.replacing import HUNT, Overwrite, check_replacing

@@ -51,7 +51,7 @@ def report(
     if validation:
         if output is not None or against is not None or each:
             raise InputError("--validation goes with no other option but --quiet")
-        from vehicledyn.cli.validation import validate_again
+        from vehicledyn.cli.commands.validation import validate_again
 
         raise typer.Exit(validate_again(source, quiet=quiet))
     if source is None:
