@@ -10,7 +10,8 @@ if TYPE_CHECKING:
     from vehicledyn.analyses.linear.eigenmodes import ModesReport, find_modes
     from vehicledyn.analyses.linear.equilibrium import EquilibriumReport, find_equilibrium
     from vehicledyn.analyses.models.describe import ModelReport, describe_model, write_system
-    from vehicledyn.analyses.simulation.simulation import RunOutcome, run_scenario
+    from vehicledyn.analyses.simulation.run_outcome import RunOutcome
+    from vehicledyn.analyses.simulation.simulation import run_scenario
 
 __all__ = [
     "EquilibriumReport",
@@ -31,6 +32,7 @@ __getattr__ = lazy_exports(
         "vehicledyn.analyses.linear.equilibrium": ("EquilibriumReport", "find_equilibrium"),
         "vehicledyn.analyses.models.describe": ("ModelReport", "describe_model", "write_system"),
         "vehicledyn.analyses.linear.eigenmodes": ("ModesReport", "find_modes"),
-        "vehicledyn.analyses.simulation.simulation": ("RunOutcome", "run_scenario"),
+        "vehicledyn.analyses.simulation.run_outcome": ("RunOutcome",),
+        "vehicledyn.analyses.simulation.simulation": ("run_scenario",),
     },
 )

@@ -10,7 +10,7 @@ from types import SimpleNamespace
 import pytest
 
 import vehicledyn
-from vehicledyn.analyses.simulation.simulation import RunOutcome, ShownEntry
+from vehicledyn.analyses.simulation.run_outcome import RunOutcome, ShownEntry
 from vehicledyn.base.errors import InputError, MissingPartError, NumericalError, StoppedError
 from vehicledyn.cli import main
 from vehicledyn.cli.progress_bar import Progress

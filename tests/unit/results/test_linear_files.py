@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 
 from vehicledyn.base.errors import InputError
-from vehicledyn.results.plots.bode import bode_figures
+from vehicledyn.results.plots.linear.bode import bode_figures
+from vehicledyn.results.plots.linear.mode_figures import mode_figures
 from vehicledyn.results.plots.linear_results import describe_linear, draw_linear, is_linear
-from vehicledyn.results.plots.mode_figures import mode_figures
 from vehicledyn.results.plots.picture_files import save_figures
 from vehicledyn.results.store.linear_file import Quantity
 from vehicledyn.results.tables import mode_table

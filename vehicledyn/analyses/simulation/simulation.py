@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 from collections.abc import Iterator
 from contextlib import closing, contextmanager
-from dataclasses import asdict, dataclass, field, fields, replace
+from dataclasses import dataclass, field, fields, replace
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -30,6 +30,7 @@ from vehicledyn.analyses.simulation.moved_starts import moved_starts
 from vehicledyn.analyses.simulation.prepared_run import prepare_run
 from vehicledyn.analyses.simulation.repartitioning import simulate_watched
 from vehicledyn.analyses.simulation.restart import SINGULAR_ANGLES, Restart, open_restart
+from vehicledyn.analyses.simulation.run_outcome import RunOutcome, shown_entry
 from vehicledyn.analyses.simulation.run_recording import RunRecording
 from vehicledyn.analyses.simulation.singular_turns import SingularTurns
 from vehicledyn.analyses.simulation.standing_wheels import standing_wheels
@@ -56,40 +57,6 @@ _DID = {
     "sunk": "went through the road",
 }
 _OF_WHEELS = ("derailed", "lifted")
-
-
-@dataclass(frozen=True)
-class ShownEntry:
-    """A line of the summary: value in SI, unit, and the text a person reads."""
-
-    value: float | int | bool | str
-    unit: str
-    text: str
-
-
-@dataclass(frozen=True)
-class RunOutcome:
-    """Outcome of a run: the result file, how it ended, key figures, messages."""
-
-    path: Path
-    status: str
-    summary: dict[str, ShownEntry]
-    messages: list[str]
-
-    def as_text(self) -> str:
-        """Return status and key figures as lines."""
-        width = max(map(len, self.summary), default=0)
-        lines = [f"  {name:{width}}  {entry.text}" for name, entry in self.summary.items()]
-        return "\n".join([f"{self.path}: {self.status}", *lines])
-
-    def as_dict(self) -> dict[str, Any]:
-        """Return status, key figures and messages as plain data."""
-        return {
-            "result": self.path,
-            "status": self.status,
-            "summary": {name: asdict(entry) for name, entry in self.summary.items()},
-            "messages": self.messages,
-        }
 
 
 def run_scenario(
@@ -156,7 +123,7 @@ def run_scenario(
         run.simulate(start, output, progress, known)
     messages = [_kernel_message(prepared), *notes, *run.messages]
     width = max([14, *(len(shown(e.value, e.unit)) for e in run.summary)])
-    summary = {e.name: _shown(e, width) for e in run.summary}
+    summary = {e.name: shown_entry(e, width) for e in run.summary}
     return RunOutcome(output, run.status, summary, messages)
 
 
@@ -403,8 +370,3 @@ def _kernel_message(prepared: Prepared) -> str:
 def _built(prepared: Prepared) -> float:
     report = prepared.kernel.report
     return report.generation_seconds + report.compilation_seconds
-
-
-def _shown(entry: SummaryEntry, width: int) -> ShownEntry:
-    text = shown(entry.value, entry.unit)
-    return ShownEntry(entry.value, entry.unit, f"{text:<{width}} {entry.description}")

@@ -115,7 +115,7 @@ def view_tyre(
         write_tyre(tables, output)
     if plots is not None:
         from vehicledyn.results.plots.picture_files import save_figures
-        from vehicledyn.results.plots.tyre_figures import tyre_figures
+        from vehicledyn.results.plots.tyres.tyre_figures import tyre_figures
 
         save_figures(tyre_figures(tables), plots, ("png", "svg"))
     return TyreReport(tables, facts, output, plots)

@@ -150,7 +150,7 @@ def fit_tyre(
         write_fitted(tyre.path, {c.name: c.value for c in fitted}, output)
     if plots is not None:
         from vehicledyn.results.plots.picture_files import save_figures
-        from vehicledyn.results.plots.tyre_fit_figures import fit_figures
+        from vehicledyn.results.plots.tyres.tyre_fit_figures import fit_figures
 
         columns = dict(zip(_INPUTS, felt.T, strict=True))
         curves = problem.forces(value)

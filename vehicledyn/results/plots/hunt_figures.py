@@ -9,6 +9,7 @@ import numpy as np
 
 from vehicledyn.results.plots.branch_curve import POINTS, branch_curve
 from vehicledyn.results.plots.figures import new_figure
+from vehicledyn.results.plots.linear.root_locus import HOPF, locus_figure
 from vehicledyn.results.plots.plot_description import unit_factor
 from vehicledyn.results.plots.plot_style import (
     BLACK,
@@ -20,7 +21,6 @@ from vehicledyn.results.plots.plot_style import (
     in_words,
     plain,
 )
-from vehicledyn.results.plots.root_locus import HOPF, locus_figure
 from vehicledyn.results.plots.scales import leave_room
 from vehicledyn.results.store.linear_file import Quantity
 from vehicledyn.results.tables.hunt_table import SETTLED, CycleRow, HuntTable

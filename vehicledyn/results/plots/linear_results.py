@@ -8,10 +8,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from vehicledyn.base.errors import InputError, unknown_name
-from vehicledyn.results.plots.bode import bode_figures
 from vehicledyn.results.plots.contact_figures import contact_figures
 from vehicledyn.results.plots.hunt_figures import hunt_figures
-from vehicledyn.results.plots.mode_figures import mode_figures
+from vehicledyn.results.plots.linear.bode import bode_figures
+from vehicledyn.results.plots.linear.mode_figures import mode_figures
 from vehicledyn.results.plots.picture_files import save_figures
 from vehicledyn.results.plots.plot_style import STYLE
 from vehicledyn.results.store.linear_file import format_of

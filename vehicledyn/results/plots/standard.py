@@ -16,7 +16,7 @@ from vehicledyn.results.plots.linear_results import is_linear, linear_figures
 from vehicledyn.results.plots.overlay import overlaid
 from vehicledyn.results.plots.plot_description import Plot, TimePlot
 from vehicledyn.results.plots.run_plots import plots_of
-from vehicledyn.results.plots.study_plots import NAMES, study_figures
+from vehicledyn.results.plots.studies.study_plots import NAMES, study_figures
 from vehicledyn.results.store.linear_file import format_of
 from vehicledyn.results.store.reader import Result, open_result
 from vehicledyn.results.store.study_reader import is_study_file, open_study

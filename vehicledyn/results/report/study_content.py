@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from vehicledyn.results.plots.study_plots import rank_correlation, study_figures
+from vehicledyn.results.plots.studies.study_plots import rank_correlation, study_figures
 from vehicledyn.results.report.content import Content, Figures, KeyFigure, words
 from vehicledyn.results.report.page import Block, Listing, Section, Table
 from vehicledyn.results.report.texts import moment, reading

@@ -29,8 +29,6 @@ from vehicledyn.results.store.decimation import ColumnRange, column_range, thinn
 from vehicledyn.results.store.history import History, read_events, read_history
 from vehicledyn.results.store.layout import (
     ENDED,
-    FORMAT,
-    FORMAT_VERSION,
     STATUSES,
     EventRecord,
     SceneItem,
@@ -38,7 +36,12 @@ from vehicledyn.results.store.layout import (
     dataset_path,
 )
 from vehicledyn.results.store.row_checksums import check_rows
-from vehicledyn.results.store.soundness import check_lengths, check_times, refuse_promises
+from vehicledyn.results.store.soundness import (
+    check_format,
+    check_lengths,
+    check_times,
+    refuse_promises,
+)
 from vehicledyn.results.store.values import Series, StateTable, entry, fact, scene_item, texts
 
 if TYPE_CHECKING:
@@ -96,7 +99,7 @@ class Result:
         self._sound: set[str] = set()
         closed = file.is_finished
         with self._reading():
-            self._check_format()
+            check_format(self.path, self._file)
             if file.guard is not None and not file.is_finished:
                 check_texts(file)
             self.title = str(file.attrs["title"])
@@ -373,16 +376,6 @@ class Result:
             words = rows_in_words(self._file, name, error.first, error.last)
             raise DamagedError(f"{error} of {words}") from error
         self._sound.add(name)
-
-    def _check_format(self) -> None:
-        if self._file.attrs.get("format") != FORMAT:
-            raise InputError(f"{self.path}: is HDF5, but not a result of this program")
-        version = int(self._file.attrs["format_version"])
-        if version > FORMAT_VERSION:
-            raise InputError(
-                f"{self.path}: has format version {version}, this program reads up to "
-                f"{FORMAT_VERSION}; update vehicledyn"
-            )
 
     def _attributes(self, place: str) -> dict[str, Any]:
         with self._reading():

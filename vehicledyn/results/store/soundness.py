@@ -11,7 +11,19 @@ from numpy.typing import NDArray
 
 from vehicledyn.base.errors import InputError
 from vehicledyn.results.store.decimation import promises_too_much
-from vehicledyn.results.store.layout import dataset_path
+from vehicledyn.results.store.layout import FORMAT, FORMAT_VERSION, dataset_path
+
+
+def check_format(path: Path, file: h5py.File) -> None:
+    """Refuse files of other programs, and results of a newer format than this program reads."""
+    if file.attrs.get("format") != FORMAT:
+        raise InputError(f"{path}: is HDF5, but not a result of this program")
+    version = int(file.attrs["format_version"])
+    if version > FORMAT_VERSION:
+        raise InputError(
+            f"{path}: has format version {version}, this program reads up to "
+            f"{FORMAT_VERSION}; update vehicledyn"
+        )
 
 
 def check_lengths(path: Path, file: h5py.File, names: Sequence[str], *, closed: bool) -> None:

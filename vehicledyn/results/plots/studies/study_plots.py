@@ -19,7 +19,7 @@ from vehicledyn.results.plots.picture_files import check_formats, save_figures
 from vehicledyn.results.plots.plot_description import unit_factor
 from vehicledyn.results.plots.plot_style import BLUE, STYLE, WIDTH, plain
 from vehicledyn.results.plots.scales import suitable_unit
-from vehicledyn.results.plots.study_curves import (
+from vehicledyn.results.plots.studies.study_curves import (
     COLUMNS,
     MOST_PANELS,
     Varied,

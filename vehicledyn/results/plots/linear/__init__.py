@@ -1,0 +1,1 @@
+"""Figures of eigenvalues, modes and frequency responses."""
