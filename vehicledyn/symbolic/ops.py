@@ -110,6 +110,13 @@ def absolute(x: Scalar) -> Scalar:
     return casadi.fabs(x)
 
 
+def floor(x: Scalar) -> Scalar:
+    """Return the greatest whole number not above x; its derivative is zero."""
+    import casadi
+
+    return casadi.floor(x)
+
+
 def sign(x: Scalar) -> Scalar:
     """Return -1, 0 or 1."""
     import casadi

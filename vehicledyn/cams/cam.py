@@ -1,0 +1,146 @@
+"""A cam: its motion or outline, and its follower; geometry in numbers, gap in expressions."""
+
+from __future__ import annotations
+
+import math
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import model_validator
+
+from vehicledyn.base.parameters import ParameterSet, part, quantity
+from vehicledyn.cams.follower import Follower
+from vehicledyn.cams.geometry import CamGeometry, Motion, geometry_of
+from vehicledyn.cams.motion import TURN, motion_of
+from vehicledyn.cams.motion_law import MotionLaw
+from vehicledyn.cams.outline import Outline
+from vehicledyn.cams.pieces import PieceCurve
+
+Array = NDArray[np.float64]
+
+
+class Cam(ParameterSet):
+    """A cam by the motion of its follower, or by its outline."""
+
+    in_equations = True
+
+    follower: ParameterSet = part("cam_follower", "What touches the cam")
+    motion: list[ParameterSet] | None = part(
+        "motion_law", "Motion laws one after the other, over a turn", default=None
+    )
+    base_radius: float | None = quantity(
+        "m", "Radius of the base circle, where there is no lift", default=None, gt=0.0
+    )
+    outline: ParameterSet | None = part("cam_outline", "Shape of the cam", default=None)
+
+    @model_validator(mode="after")
+    def _one_way(self) -> Any:
+        if (self.motion is None) == (self.outline is None):
+            raise ValueError("give either a motion with a base_radius, or an outline")
+        if self.motion is None and self.base_radius is not None:
+            raise ValueError("base_radius: an outline has its own; leave it out")
+        if self.motion is not None and self.base_radius is None:
+            raise ValueError("base_radius: missing: the motion is a lift over the base circle")
+        return self
+
+    def beside(self, folder: Path) -> Cam:
+        """Return the cam with what its files hold, relative to a folder, checked as a whole.
+
+        Raises
+        ------
+        InputError
+            If a file cannot be used.
+        ValueError
+            If the cam does not close or its follower does not reach.
+        """
+        found = self.model_copy(
+            update={
+                "motion": None if self.motion is None else [m.beside(folder) for m in self.laws],
+                "outline": None if self.outline is None else self.shape.beside(folder),
+            }
+        )
+        found.check()
+        return found
+
+    def check(self) -> None:
+        """Refuse a motion that does not close, or a follower of the wrong kind or length.
+
+        Raises
+        ------
+        ValueError
+            With what is wrong and what to change.
+        """
+        if self.motion is not None:
+            wrong = [law.kind for law in self.laws if law.rise != 0.0 and law.turns != self.touch.rocks]
+            if wrong:
+                word, other = ("swing", "lift") if self.touch.rocks else ("lift", "swing")
+                raise ValueError(
+                    f"motion: '{wrong[0]}' has a {other}, a follower of kind "
+                    f"{self.touch.kind} needs a {word}"
+                )
+        motion = self.moving(np.linspace(0.0, TURN, 721))
+        self.touch.check_reach(motion.coordinate)
+
+    @property
+    def touch(self) -> Follower:
+        """The follower."""
+        assert_kind(self.follower, Follower)
+        return self.follower  # type: ignore[return-value]
+
+    @property
+    def laws(self) -> list[MotionLaw]:
+        """The motion laws, none of an outline."""
+        return list(self.motion or [])  # type: ignore[arg-type]
+
+    @property
+    def shape(self) -> Outline:
+        """The outline."""
+        assert_kind(self.outline, Outline)
+        return self.outline  # type: ignore[return-value]
+
+    @cached_property
+    def curve(self) -> PieceCurve | None:
+        """Lift over a turn; None of an outline."""
+        return None if self.motion is None else motion_of(self.laws)
+
+    @cached_property
+    def start(self) -> float:
+        """Coordinate of the follower without lift [m or rad]."""
+        if self.base_radius is not None:
+            return self.touch.start(self.base_radius)
+        return float(self.shape.motion(self.touch, np.linspace(0.0, TURN, 1441)).coordinate.min())
+
+    def moving(self, theta: Array) -> Motion:
+        """Return the motion of the follower at angles of the cam [rad]."""
+        theta = np.asarray(theta, dtype=float)
+        if self.curve is None:
+            return self.shape.motion(self.touch, theta)
+        lift, slope, second, _ = self.curve.derivatives(np.mod(theta, TURN))
+        return Motion(theta, self.start + lift, slope, second)
+
+    def geometry(self, theta: Array) -> CamGeometry:
+        """Return the geometry at angles of the cam [rad]."""
+        return geometry_of(self.touch, self.moving(theta))
+
+    @property
+    def knots(self) -> list[float]:
+        """Angles at which laws and their pieces begin [rad]."""
+        return [0.0] if self.curve is None else self.curve.knots[:-1]
+
+    def samples(self, count: int) -> Array:
+        """Return equally distant angles of a turn, its end included [rad]."""
+        return np.linspace(0.0, TURN, count + 1)
+
+
+def assert_kind(item: Any, kind: type) -> None:
+    """Refuse what is no entry of the right catalogue."""
+    if not isinstance(item, kind):
+        raise TypeError(f"expected a {kind.__name__}, found {type(item).__name__}")
+
+
+def degrees(angle: float) -> str:
+    """Return an angle as people read it."""
+    return f"{math.degrees(angle):.4g} deg"

@@ -1,0 +1,152 @@
+"""What a cam cannot do: cusps, undercuts, jumps of velocity, contact beyond a face."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vehicledyn.cams.cam import Cam
+from vehicledyn.cams.follower import LineFollower
+from vehicledyn.cams.followers.rocking import RockingFace
+from vehicledyn.cams.followers.sliding import SlidingFace
+from vehicledyn.cams.geometry import CamGeometry
+
+Array = NDArray[np.float64]
+_SAMPLES = 3600
+_JUMP = 1e-9
+_GROWTH, _HALVINGS = 1.05, 200
+
+
+class Fault(NamedTuple):
+    """What is wrong: the field of the cam that it concerns, and words with a remedy."""
+
+    field: str
+    words: str
+
+
+def faults(cam: Cam) -> Iterator[Fault]:
+    """Yield what makes a cam that cannot be cut or run, each with a remedy."""
+    yield from _velocity_jumps(cam)
+    theta = np.linspace(0.0, 2.0 * math.pi, _SAMPLES + 1)
+    geometry = cam.geometry(theta)
+    yield from _undercut(cam, geometry)
+    yield from _face(cam, geometry)
+
+
+def undercuts(cam: Cam, geometry: CamGeometry) -> NDArray[np.bool_]:
+    """Return at which angles the profile has a cusp or is cut away, shape (n,)."""
+    roller = cam.touch.roller
+    if isinstance(cam.touch, LineFollower):
+        turning = cam.touch.line(geometry.motion.coordinate).turning
+        backward = turning * geometry.motion.slope - 1.0 >= 0.0
+        return np.asarray((geometry.profile_radius <= 0.0) | backward)
+    if roller == 0.0:
+        return np.zeros(geometry.pitch_radius.shape, dtype=bool)
+    radius = geometry.pitch_radius
+    hollow = cam.outline is not None  # of an outline the roller may be too large for a hollow
+    limit = roller * (1.0 + 1e-9)
+    cut = (radius > 0.0) & (radius <= limit)
+    if hollow:
+        cut = geometry.profile_radius * np.sign(radius) < 0.0
+    return np.asarray(cut)
+
+
+def _undercut(cam: Cam, geometry: CamGeometry) -> Iterator[Fault]:
+    cut = undercuts(cam, geometry)
+    if not cut.any():
+        return
+    theta = geometry.motion.theta
+    first, last = (math.degrees(float(a)) for a in (theta[cut][0], theta[cut][-1]))
+    where = f"between {first:.4g} and {last:.4g} deg of the cam"
+    roller = cam.touch.roller
+    field = "base_radius" if cam.base_radius is not None else "outline"
+    if isinstance(cam.touch, LineFollower):
+        worst = float(np.nanmin(geometry.profile_radius))
+        words = (
+            f"the flat face undercuts the cam {where}: the profile would need a radius of "
+            f"curvature of {1e3 * worst:.4g} mm there, it must be above zero"
+        )
+    else:
+        worst = float(geometry.pitch_radius[cut].min())
+        words = (
+            f"the roller undercuts the cam {where}: the path of its centre has a radius of "
+            f"curvature of {1e3 * worst:.4g} mm there, less than the roller's {1e3 * roller:.4g} mm"
+        )
+    yield Fault(field, f"{words}; {_remedy(cam)}")
+
+
+def _remedy(cam: Cam) -> str:
+    """Return what to change so that nothing is cut away."""
+    if cam.base_radius is None:
+        return "take a smaller roller or larger arcs"
+    enough = enough_base(cam)
+    size = "take a larger base radius" if enough is None else (
+        f"take a base radius of {1e3 * enough:.4g} mm or more"
+    )
+    return f"{size}, a smaller roller, or more angle for the law"
+
+
+def enough_base(cam: Cam) -> float | None:
+    """Return the least base radius without undercut, rounded up; None if none is found [m]."""
+
+    def is_cut(base: float) -> bool:
+        wider = Cam.model_construct(**{**dict(cam), "base_radius": base})
+        theta = np.linspace(0.0, 2.0 * math.pi, 721)
+        try:
+            wider.touch.check_reach(wider.moving(theta).coordinate)
+            return bool(undercuts(wider, wider.geometry(theta)).any())
+        except ValueError:
+            return True
+
+    low = high = float(cam.base_radius or 0.0)
+    for _ in range(_HALVINGS):
+        if not is_cut(high):
+            break
+        low, high = high, high * _GROWTH
+    else:
+        return None
+    while high - low > 1e-3 * high:
+        middle = 0.5 * (low + high)
+        low, high = (middle, high) if is_cut(middle) else (low, middle)
+    return high
+
+
+def _velocity_jumps(cam: Cam) -> Iterator[Fault]:
+    if cam.curve is None:
+        return
+    theta = np.array(cam.curve.knots)
+    most = float(np.abs(cam.curve.derivatives(np.linspace(0.0, 2.0 * math.pi, 721))[1]).max())
+    jumps = [
+        at % (2.0 * math.pi) for at, jump in cam.curve.jumps(1) if abs(jump) > _JUMP * max(most, _JUMP)
+    ]
+    if jumps and theta.size:
+        listed = ", ".join(f"{math.degrees(at):.4g} deg" for at in jumps)
+        yield Fault(
+            "motion",
+            f"the velocity jumps at {listed}: the profile has a corner, which no follower passes; "
+            "take laws that begin and end at rest, or a polynomial whose derivatives fit",
+        )
+
+
+def _face(cam: Cam, geometry: CamGeometry) -> Iterator[Fault]:
+    """Yield contacts beyond the ends of a face."""
+    if geometry.along is None:
+        return
+    low, high = float(geometry.along.min()), float(geometry.along.max())
+    touch = cam.touch
+    if isinstance(touch, SlidingFace) and touch.face is not None:
+        ends = (-abs(touch.face[0]), abs(touch.face[1]))
+    elif isinstance(touch, RockingFace):
+        ends = (0.0, math.inf if touch.length is None else touch.length)
+    else:
+        return
+    if low < ends[0] or high > ends[1]:
+        yield Fault(
+            "follower",
+            f"the contact moves from {1e3 * low:.4g} to {1e3 * high:.4g} mm along the face, which "
+            f"goes from {1e3 * ends[0]:.4g} to {1e3 * ends[1]:.4g} mm; make the face as long",
+        )
