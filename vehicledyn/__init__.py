@@ -23,6 +23,7 @@ if TYPE_CHECKING:
         UnfinishedWarning,
         VehicledynError,
     )
+    from vehicledyn.interface.cams import cam
     from vehicledyn.interface.comparing import compare
     from vehicledyn.interface.contacts import contact_geometry
     from vehicledyn.interface.hunting import hunt
@@ -62,6 +63,7 @@ __all__ = [
     "UnfinishedWarning",
     "VehicledynError",
     "__version__",
+    "cam",
     "compare",
     "contact_geometry",
     "equilibrium",
@@ -87,6 +89,7 @@ _HOMES = {
         "UnfinishedWarning",
         "VehicledynError",
     ),
+    "vehicledyn.interface.cams": ("cam",),
     "vehicledyn.interface.comparing": ("compare",),
     "vehicledyn.interface.contacts": ("contact_geometry",),
     "vehicledyn.interface.hunting": ("hunt",),

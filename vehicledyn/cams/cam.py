@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from functools import cached_property
 from pathlib import Path
 from typing import Any
@@ -47,42 +46,17 @@ class Cam(ParameterSet):
         return self
 
     def beside(self, folder: Path) -> Cam:
-        """Return the cam with what its files hold, relative to a folder, checked as a whole.
+        """Return the cam with what its files hold, relative to a folder.
 
         Raises
         ------
-        InputError
+        InputError, ValueError
             If a file cannot be used.
-        ValueError
-            If the cam does not close or its follower does not reach.
         """
-        found = self.model_copy(
-            update={
-                "motion": None if self.motion is None else [m.beside(folder) for m in self.laws],
-                "outline": None if self.outline is None else self.shape.beside(folder),
-            }
-        )
-        found.check()
-        return found
-
-    def check(self) -> None:
-        """Refuse a motion that does not close, or a follower of the wrong kind or length.
-
-        Raises
-        ------
-        ValueError
-            With what is wrong and what to change.
-        """
-        if self.motion is not None:
-            wrong = [law.kind for law in self.laws if law.rise != 0.0 and law.turns != self.touch.rocks]
-            if wrong:
-                word, other = ("swing", "lift") if self.touch.rocks else ("lift", "swing")
-                raise ValueError(
-                    f"motion: '{wrong[0]}' has a {other}, a follower of kind "
-                    f"{self.touch.kind} needs a {word}"
-                )
-        motion = self.moving(np.linspace(0.0, TURN, 721))
-        self.touch.check_reach(motion.coordinate)
+        motion = None if self.motion is None else [law.beside(folder) for law in self.laws]
+        outline = None if self.outline is None else self.shape.beside(folder)
+        own = {name: getattr(self, name) for name in type(self).model_fields}
+        return type(self).model_construct(**{**own, "motion": motion, "outline": outline})
 
     @property
     def touch(self) -> Follower:
@@ -139,8 +113,3 @@ def assert_kind(item: Any, kind: type) -> None:
     """Refuse what is no entry of the right catalogue."""
     if not isinstance(item, kind):
         raise TypeError(f"expected a {kind.__name__}, found {type(item).__name__}")
-
-
-def degrees(angle: float) -> str:
-    """Return an angle as people read it."""
-    return f"{math.degrees(angle):.4g} deg"

@@ -3,17 +3,20 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
-from typing import NamedTuple
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from vehicledyn.base.errors import InputError
 from vehicledyn.cams.cam import Cam
 from vehicledyn.cams.follower import LineFollower
 from vehicledyn.cams.followers.rocking import RockingFace
 from vehicledyn.cams.followers.sliding import SlidingFace
 from vehicledyn.cams.geometry import CamGeometry
+from vehicledyn.cams.motion_law import MotionLaw
 
 Array = NDArray[np.float64]
 _SAMPLES = 3600
@@ -22,10 +25,62 @@ _GROWTH, _HALVINGS = 1.05, 200
 
 
 class Fault(NamedTuple):
-    """What is wrong: the field of the cam that it concerns, and words with a remedy."""
+    """What is wrong: the place in the cam that it concerns, and words with a remedy."""
 
-    field: str
+    place: tuple[str | int, ...]
     words: str
+
+
+def checked(cam: Cam, folder: Path) -> tuple[Cam, list[Fault]]:
+    """Return a cam with what its files hold, relative to a folder, and what is wrong with it."""
+    found = list(_unread(cam, folder))
+    if found:
+        return cam, found
+    whole = cam.beside(folder)
+    found = list(_misfits(whole))
+    return whole, found or list(faults(whole))
+
+
+def _unread(cam: Cam, folder: Path) -> Iterator[Fault]:
+    """Yield laws and outlines that make no curve."""
+    parts: list[tuple[tuple[str | int, ...], Any]] = [
+        (("motion", k), law) for k, law in enumerate(cam.laws)
+    ]
+    if cam.outline is not None:
+        parts.append((("outline",), cam.shape))
+    for place, item in parts:
+        try:
+            read = item.beside(folder)
+            if isinstance(read, MotionLaw):
+                read.curve()
+            else:
+                read.support(np.zeros(1))
+        except (ValueError, InputError) as error:
+            yield Fault(place, str(error))
+
+
+def _misfits(cam: Cam) -> Iterator[Fault]:
+    """Yield a motion that does not close, and a follower that does not fit or reach."""
+    for k, law in enumerate(cam.laws):
+        if law.rise != 0.0 and law.turns != cam.touch.rocks:
+            word, other = ("swing", "lift") if cam.touch.rocks else ("lift", "swing")
+            words = f"has a {other}, but a follower of kind {cam.touch.kind} needs a {word}"
+            yield Fault(("motion", k), words)
+            return
+    steps: tuple[tuple[str, Callable[[], object]], ...] = (
+        ("motion", lambda: cam.curve),
+        ("follower", lambda: cam.start),
+        (
+            "follower",
+            lambda: cam.touch.check_reach(cam.moving(cam.samples(720)).coordinate),
+        ),
+    )
+    for field, step in steps:
+        try:
+            step()
+        except ValueError as error:
+            yield Fault((field,), str(error))
+            return
 
 
 def faults(cam: Cam) -> Iterator[Fault]:
@@ -76,7 +131,7 @@ def _undercut(cam: Cam, geometry: CamGeometry) -> Iterator[Fault]:
             f"the roller undercuts the cam {where}: the path of its centre has a radius of "
             f"curvature of {1e3 * worst:.4g} mm there, less than the roller's {1e3 * roller:.4g} mm"
         )
-    yield Fault(field, f"{words}; {_remedy(cam)}")
+    yield Fault((field,), f"{words}; {_remedy(cam)}")
 
 
 def _remedy(cam: Cam) -> str:
@@ -84,8 +139,10 @@ def _remedy(cam: Cam) -> str:
     if cam.base_radius is None:
         return "take a smaller roller or larger arcs"
     enough = enough_base(cam)
-    size = "take a larger base radius" if enough is None else (
-        f"take a base radius of {1e3 * enough:.4g} mm or more"
+    size = (
+        "take a larger base radius"
+        if enough is None
+        else (f"take a base radius of {1e3 * enough:.4g} mm or more")
     )
     return f"{size}, a smaller roller, or more angle for the law"
 
@@ -121,12 +178,14 @@ def _velocity_jumps(cam: Cam) -> Iterator[Fault]:
     theta = np.array(cam.curve.knots)
     most = float(np.abs(cam.curve.derivatives(np.linspace(0.0, 2.0 * math.pi, 721))[1]).max())
     jumps = [
-        at % (2.0 * math.pi) for at, jump in cam.curve.jumps(1) if abs(jump) > _JUMP * max(most, _JUMP)
+        at % (2.0 * math.pi)
+        for at, jump in cam.curve.jumps(1)
+        if abs(jump) > _JUMP * max(most, _JUMP)
     ]
     if jumps and theta.size:
         listed = ", ".join(f"{math.degrees(at):.4g} deg" for at in jumps)
         yield Fault(
-            "motion",
+            ("motion",),
             f"the velocity jumps at {listed}: the profile has a corner, which no follower passes; "
             "take laws that begin and end at rest, or a polynomial whose derivatives fit",
         )
@@ -146,7 +205,7 @@ def _face(cam: Cam, geometry: CamGeometry) -> Iterator[Fault]:
         return
     if low < ends[0] or high > ends[1]:
         yield Fault(
-            "follower",
+            ("follower",),
             f"the contact moves from {1e3 * low:.4g} to {1e3 * high:.4g} mm along the face, which "
             f"goes from {1e3 * ends[0]:.4g} to {1e3 * ends[1]:.4g} mm; make the face as long",
         )

@@ -1,10 +1,10 @@
 """Geometry of cams and followers in numbers: pitch curve, profile, pressure angle, curvature.
 
 For a follower with a centre C(c) and the coordinate c(θ) the pitch curve in axes of the cam is
-P = Rz(-θ) C. For a flat face with the normal at the angle a(c), at the distance p(c) from the axis,
-the cam is the envelope of the faces: with φ = a - θ and p' = dp/dφ it touches at p n + p' t, and its
-radius of curvature is p + p''. Derivatives of c follow from a motion law, or from the shape of an
-outline (Rothbart (2004), Cam Design Handbook, McGraw-Hill).
+P = Rz(-θ) C. For a flat face with the normal at the angle a(c), at the distance p(c) from the
+axis, the cam is the envelope of the faces: with φ = a - θ and p' = dp/dφ it touches at p n + p' t,
+and its radius of curvature is p + p''. Derivatives of c follow from a motion law, or from the
+shape of an outline.
 """
 
 from __future__ import annotations
@@ -58,14 +58,9 @@ def geometry_of(follower: Follower, motion: Motion) -> CamGeometry:
         return _of_point(follower, motion)
     if isinstance(follower, LineFollower):
         return _of_line(follower, motion)
-    assert_axial(follower)
-    return _of_axial(follower, motion)
-
-
-def assert_axial(follower: Follower) -> None:
-    """Refuse followers that are of no known shape."""
     if not isinstance(follower, AxialRoller):
         raise TypeError(f"a follower of unknown shape: {type(follower).__name__}")
+    return _of_axial(follower, motion)
 
 
 def turned(angle: Array, points: Array) -> Array:
@@ -76,7 +71,7 @@ def turned(angle: Array, points: Array) -> Array:
 
 def crossed(a: Array, b: Array) -> Array:
     """Return the z component of a × b, shape (n,)."""
-    return a[0] * b[1] - a[1] * b[0]
+    return np.asarray(a[0] * b[1] - a[1] * b[0])
 
 
 def _left(a: Array) -> Array:

@@ -143,7 +143,14 @@ def hermite_table(name: str, places: Array, rows: Array) -> CurveTable:
     y, v, a = rows[0], rows[1] * step, rows[2] * step**2
     y0, v0, a0, y1, v1, a1 = y[:-1], v[:-1], a[:-1], y[1:], v[1:], a[1:]
     d, e, f = y1 - y0 - v0 - 0.5 * a0, v1 - v0 - a0, a1 - a0
-    cells = [y0, v0, 0.5 * a0, 10 * d - 4 * e + 0.5 * f, 7 * e - 15 * d - f, 6 * d - 3 * e + 0.5 * f]
+    cells = [
+        y0,
+        v0,
+        0.5 * a0,
+        10 * d - 4 * e + 0.5 * f,
+        7 * e - 15 * d - f,
+        6 * d - 3 * e + 0.5 * f,
+    ]
     return CurveTable(name, float(places[0]), step, np.array(cells).T)
 
 
@@ -161,7 +168,9 @@ def unit_curve(pieces: Sequence[Piece]) -> PieceCurve:
     )
 
 
-def from_accelerations(program: Sequence[tuple[float, tuple[float, float, float] | float]]) -> PieceCurve:
+def from_accelerations(
+    program: Sequence[tuple[float, tuple[float, float, float] | float]],
+) -> PieceCurve:
     """Return the curve from 0 to 1 whose second derivative is proportional to a program.
 
     It starts with slope zero; its value and slope are continuous.

@@ -44,7 +44,9 @@ def read_point_table(
     heads = rows[0] if rows else []
     if len(heads) != 2:
         raise InputError(f"{path}:1: two columns are needed, such as 'angle [deg],lift [mm]'")
-    factors = [_factor(path, head, units) for head, units in zip(heads, (first, second), strict=True)]
+    factors = [
+        _factor(path, head, units) for head, units in zip(heads, (first, second), strict=True)
+    ]
     values = [_row(path, line, row) for line, row in enumerate(rows[1:], 2) if row]
     if len(values) < 4:
         raise InputError(f"{path}: {len(values)} rows; four are the least")
@@ -60,7 +62,9 @@ def _factor(path: Path, head: str, units: Sequence[str]) -> tuple[float, str]:
         except InputError:
             continue
     wanted = " or ".join(units)
-    raise InputError(f"{path}:1: '{head.strip()}': end the head with its unit in brackets, {wanted}")
+    raise InputError(
+        f"{path}:1: '{head.strip()}': end the head with its unit in brackets, {wanted}"
+    )
 
 
 def _row(path: Path, line: int, row: Sequence[str]) -> tuple[float, float]:

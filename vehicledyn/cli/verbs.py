@@ -80,6 +80,7 @@ HOMES = {
     "examples": ("examples",),
     "track": ("track",),
     "tyre": ("tyre",),
+    "cam": ("cam",),
 }
 """Commands by the module of `commands` they stand in, in the order in which help lists them."""
 

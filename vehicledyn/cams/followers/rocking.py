@@ -158,4 +158,4 @@ class RockingFace(LineFollower):
         side = _SIDES[self.side]
         s, c = np.sin(coordinate), np.cos(coordinate)
         foot = np.array([self.pivot - self.offset * s, -self.offset * side * c])
-        return np.sum(np.array([-c, side * s]) * (contact - foot), axis=0)
+        return np.asarray(np.sum(np.array([-c, side * s]) * (contact - foot), axis=0))

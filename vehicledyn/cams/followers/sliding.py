@@ -112,4 +112,4 @@ class SlidingFace(LineFollower):
         """Return the place from the axis of travel, towards +X [m]."""
         along = np.array([math.cos(self.tilt), math.sin(self.tilt)])
         from_axis = contact - np.array([np.zeros_like(coordinate), coordinate])
-        return along @ from_axis
+        return np.asarray(along @ from_axis)

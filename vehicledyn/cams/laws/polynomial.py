@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import numpy as np
 from pydantic import model_validator
@@ -34,7 +35,9 @@ class BoundaryPolynomial(MotionLaw):
     @model_validator(mode="after")
     def _fitting(self) -> BoundaryPolynomial:
         if len(self.places) != len(self.values):
-            raise ValueError(f"{len(self.places)} places and {len(self.values)} values; give as many")
+            raise ValueError(
+                f"{len(self.places)} places and {len(self.values)} values; give as many"
+            )
         inside = all(0.0 < place < 1.0 for place in self.places)
         if not inside or len(set(self.places)) != len(self.places):
             raise ValueError("places: each between 0 and 1, and none twice")
@@ -55,12 +58,13 @@ class BoundaryPolynomial(MotionLaw):
         known = [0.0, *self.start]
         fixed = [value / math.factorial(k) for k, value in enumerate(known)]
         powers = range(len(fixed), size)
-        rows, sides = [], []
+        rows: list[list[float]] = []
+        sides: list[float] = []
         for order, wanted in enumerate([1.0, *self.end]):
             rows.append([math.perm(p, order) for p in powers])
             sides.append(wanted - sum(math.perm(p, order) * c for p, c in enumerate(fixed)))
         for place, value in zip(self.places, self.values, strict=True):
             rows.append([place**p for p in powers])
             sides.append(value - sum(place**p * c for p, c in enumerate(fixed)))
-        rest = np.linalg.solve(np.array(rows, dtype=float), np.array(sides)) if rows else []
+        rest: Any = np.linalg.solve(np.array(rows, dtype=float), np.array(sides)) if rows else []
         return PieceCurve((Piece(0.0, 1.0, (*fixed, *map(float, rest))),))

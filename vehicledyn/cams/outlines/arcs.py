@@ -21,6 +21,8 @@ _TURN = 2.0 * math.pi
 _CLOSED = 1e-7
 """What an outline may be open, over its size."""
 _TOUCHES = 1e-9
+_FAR = 1e3
+"""Beyond every outline [m]."""
 
 
 @dataclass(frozen=True)
@@ -87,8 +89,8 @@ class Edges(Outline):
         if not np.isfinite(chosen).all():
             at = math.degrees(float(theta[int(np.argmin(chosen))]))
             raise ValueError(
-                f"the follower does not reach the outline at {at:.4g} deg of the cam; it is shorter "
-                "or longer than its cam allows: change its arm, offset or pivot"
+                f"the follower does not reach the outline at {at:.4g} deg of the cam; it is "
+                "shorter or longer than its cam allows: change its arm, offset or pivot"
             )
         normals = np.array([item[1] for item in found])[best, :, places].T
         curvature = np.array([item[2] for item in found])[best, places]
@@ -110,10 +112,12 @@ class Edges(Outline):
         arcs = [e for e in self.chain() if not e.is_line and e.radius >= 0.0]
         c, s = ops.cos(angle), ops.sin(angle)
         reaches = [e.centre[0] * c + e.centre[1] * s + e.radius for e in arcs]
-        total: Scalar = reaches[0]
-        for edge, reach in zip(arcs[1:], reaches[1:], strict=True):
+        if len(arcs) == 1:
+            return distance - reaches[0]
+        total: Scalar = ops.scalar(-_FAR)
+        for edge, reach in zip(arcs, reaches, strict=True):
             inside = wrapped(angle - edge.first) <= edge.last - edge.first
-            total = ops.where(ops.logic_and(inside, reach > total), reach, total)
+            total = ops.maximum(total, ops.where(inside, reach, -_FAR))
         return distance - total
 
     def marks(self, follower: Follower) -> list[float]:
@@ -225,7 +229,8 @@ class EccentricCircle(Edges):
     radius: float = quantity("m", "Radius of the circle", gt=0.0)
     eccentricity: float = quantity("m", "Distance of its centre from the axis", gt=0.0)
     direction: float = quantity(
-        "rad", "Direction of its centre from +X; at -90 deg the follower begins lowest",
+        "rad",
+        "Direction of its centre from +X; at -90 deg the follower begins lowest",
         default=-0.5 * math.pi,
     )
 

@@ -38,7 +38,7 @@ class _Curve(NamedTuple):
     @property
     def normal(self) -> Array:
         """Outward normals."""
-        return np.array([self.first[1], -self.first[0]]) / np.hypot(*self.first)
+        return np.asarray(np.array([self.first[1], -self.first[0]]) / np.hypot(*self.first))
 
     @property
     def curvature(self) -> Array:
@@ -204,4 +204,4 @@ class MeasuredPoints(Outline):
         if not follower.rocks:
             return np.asarray(y)
         side = -follower.pressure_sign()
-        return np.arctan2(side * y, follower.pivot - x)  # type: ignore[attr-defined]
+        return np.asarray(np.arctan2(side * y, follower.pivot - x))  # type: ignore[attr-defined]

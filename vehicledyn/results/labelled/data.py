@@ -35,7 +35,7 @@ class LabelledData(Mapping[str, LabelledArray]):
     Attributes
     ----------
     kind
-        "run", "study", "modes", "response", "hunt", "contacts" or "equilibrium".
+        "run", "study", "modes", "response", "hunt", "contacts", "equilibrium" or "cam".
     title, model
         What was computed, of which model.
     status, status_message

@@ -1,4 +1,4 @@
-"""Labelled arrays of the files of linear, hunting, contact and equilibrium analyses."""
+"""Labelled arrays of the files of linear, hunting, contact, equilibrium and cam analyses."""
 
 from __future__ import annotations
 
@@ -18,6 +18,7 @@ from vehicledyn.results.store.dimensions import is_bare
 from vehicledyn.results.store.layout import EventRecord, SummaryEntry
 from vehicledyn.results.store.linear_file import old_file, read_texts
 from vehicledyn.results.tables import (
+    cam_table,
     contact_table,
     equilibrium_table,
     hunt_table,
@@ -31,6 +32,7 @@ KINDS = {
     hunt_table.FORMAT: "hunt",
     contact_table.FORMAT: "contacts",
     equilibrium_table.FORMAT: "equilibrium",
+    cam_table.FORMAT: "cam",
 }
 """What the formats of these files are called."""
 

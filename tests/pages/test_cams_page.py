@@ -1,0 +1,42 @@
+"""Every command and listing of the page on cams works; its tables name every kind."""
+
+import os
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+from vehicledyn.base.registry import kinds
+from vehicledyn.cams.cam_file import read_cam
+
+PAGE = (Path(__file__).parents[2] / "docs" / "cams.md").read_text(encoding="utf-8")
+BLOCK = re.compile(r"^```(\w+)\n(.*?)^```", re.MULTILINE | re.DOTALL)
+FIRST = re.compile(r"# (\S+)\n")
+
+
+def test_listings_and_commands(tmp_path):
+    path = f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"
+    for kind, body in BLOCK.findall(PAGE):
+        if kind == "yaml":
+            (tmp_path / FIRST.match(body)[1]).write_text(body)
+            assert read_cam(tmp_path / FIRST.match(body)[1]).title
+            continue
+        lines = body.splitlines()
+        if kind == "python":
+            (tmp_path / FIRST.match(body)[1]).write_text(body)
+            lines = [f"python {FIRST.match(body)[1]}"]
+        for line in lines:
+            done = subprocess.run(
+                line, shell=True, cwd=tmp_path, env=os.environ | {"PATH": path}, check=False,
+                capture_output=True, text=True, timeout=300,
+            )  # fmt: skip
+            assert done.returncode == 0, f"{line}\n{done.stderr}"
+            assert done.stdout
+    names = {p.name for p in tmp_path.iterdir()}
+    assert {"intake.csv", "intake.h5", "intake.dxf", "intake_pictures"} <= names
+
+
+def test_page_names_every_kind():
+    for family in ("motion_law", "cam_follower", "cam_outline"):
+        for kind in kinds(family):
+            assert f"`{kind}`" in PAGE

@@ -1,0 +1,1 @@
+"""Cams: their tables, key figures, pictures and profiles."""

@@ -1,0 +1,80 @@
+"""A cam over a turn as a table in CSV and as a result file."""
+
+from __future__ import annotations
+
+import csv
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from vehicledyn.base.files.whole_file import whole_file
+from vehicledyn.results.hdf5.output import write_failed
+from vehicledyn.results.store.linear_file import new_file, write_numbers, write_texts
+
+FORMAT = "vehicledyn-cam"
+
+
+@dataclass(frozen=True)
+class CamColumn:
+    """Unit, meaning and values over a turn, shape (n,)."""
+
+    unit: str
+    description: str
+    values: Any
+
+
+@dataclass(frozen=True)
+class CamTable:
+    """A cam over a turn.
+
+    ``angle`` are angles of the cam, shape (n,) [rad], ``columns`` what is known at each by name;
+    ``figures`` are key figures with unit and meaning.
+    """
+
+    title: str
+    follower: str
+    angle: Any
+    columns: dict[str, CamColumn]
+    figures: dict[str, tuple[float, str, str]]
+    notes: tuple[str, ...] = ()
+
+
+def write_cam(path: Path, table: CamTable) -> None:
+    """Write a table as HDF5 if the name ends in .h5, else as CSV with units in its heads.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be written.
+    """
+    if path.suffix == ".h5":
+        _write_hdf5(path, table)
+        return
+    try:
+        with whole_file(path) as place:
+            _write_csv(place, table)
+    except OSError as error:
+        raise write_failed(path, error) from error
+
+
+def _write_hdf5(path: Path, table: CamTable) -> None:
+    head: dict[str, Any] = {"title": table.title, "model": table.follower}
+    head |= {name: value for name, (value, _, _) in table.figures.items()}
+    with new_file(path, FORMAT, head) as file:
+        write_numbers(file, "angle", table.angle, (), ("rad", "Angle of the cam"))
+        scale = file["angle"]
+        scale.make_scale("angle")
+        for name, column in table.columns.items():
+            words = (column.unit, column.description)
+            write_numbers(file, name, column.values, (scale,), words)
+        write_texts(file, "notes", table.notes)
+
+
+def _write_csv(place: Path, table: CamTable) -> None:
+    with place.open("w", encoding="utf-8", newline="") as stream:
+        writer = csv.writer(stream, lineterminator="\n")
+        heads = [f"{name} [{column.unit}]" for name, column in table.columns.items()]
+        writer.writerow(["angle [rad]", *heads])
+        columns = [table.angle, *(column.values for column in table.columns.values())]
+        for row in zip(*columns, strict=True):
+            writer.writerow([f"{value:.15g}" for value in row])
