@@ -55,6 +55,8 @@ class RoadVehicle:
     ``outline`` holds the corners of the body seen from above in chassis axes, shape (m, 2) [m].
     ``speed`` is the symbol of the forward speed at the start [m/s], ``surface`` the road with
     numbers. ``drive`` is the coordinate that a drive turns; empty where it turns all wheels.
+    ``steering_ratio`` is the steering-wheel angle over that of the front wheels; 1 where the model
+    has no steering wheel, and steering angles are then those of the front wheels.
     """
 
     system: System
@@ -69,6 +71,7 @@ class RoadVehicle:
     speed: Scalar
     surface: RoadSurface
     drive: str = ""
+    steering_ratio: Scalar = 1.0
 
     def with_parts(self, *parts: Part) -> RoadVehicle:
         """Return the vehicle with more parts in its system."""

@@ -20,12 +20,37 @@ SLALOM = (
     "path_offset: 1 m, driver: DRIVER}"
 )
 MANOEUVRES = {
+    "acceleration": "{kind: acceleration, torque: 900 N*m, begin: 0}",
+    "braking_in_turn": "{kind: braking_in_turn, angle: 3 deg, begin: 0, brake_at: 0.1 s, "
+    "torque: 900 N*m}",
+    "constant_steer": "{kind: constant_steer, angle: 3 deg, begin: 0, accelerate_at: 0.1 s, "
+    "last_speed_change: 1 m/s, speed_control: CONTROL}",
+    "crosswind": "{kind: crosswind, force: 900 N, ahead: 0.2 m, begin: 0}",
+    "double_lane_change": "{kind: double_lane_change, begin: -14 m, driver: DRIVER}",
+    "fishhook": "{kind: fishhook, angle: 8 deg, begin: 0}",
+    "j_turn": "{kind: j_turn, angle: 8 deg, begin: 0}",
+    "obstacle_avoidance": "{kind: obstacle_avoidance, begin: -11 m, release_at: 0, driver: DRIVER}",
+    "pulse_steer": "{kind: pulse_steer, amplitude: 2 deg, width: 0.1 s, begin: 0}",
+    "single_sine": "{kind: single_sine, amplitude: 2 deg, frequency: 8 Hz, begin: 0}",
+    "slowly_increasing_steer": "{kind: slowly_increasing_steer, angle: 9 deg, begin: 0}",
+    "step_steer": "{kind: step_steer, angle: 3 deg, begin: 0}",
+    "straight_braking": "{kind: straight_braking, torque: 900 N*m, brake_at: 0}",
+    "swept_sine": "{kind: swept_sine, amplitude: 1 deg, sweep_time: 0.2 s, first: 5 Hz, "
+    "last: 15 Hz, begin: 0}",
+    "weave": "{kind: weave, amplitude: 1 deg, frequency: 10 Hz, begin: 0}",
     "ramp_steer": "{kind: ramp_steer, rate: 10 mm/s, ramp_time: 0.1 s}",
     "sine_steer": "{kind: sine_steer, amplitude: 4 mm, frequency: 2 Hz}",
     "sine_with_dwell": "{kind: sine_with_dwell, amplitude: 6 mm, frequency: 4 Hz, dwell: 10 ms}",
     "slalom": SLALOM.replace("DRIVER", DRIVERS["preview"]),
     "straight": "{kind: straight}",
 }
+MANOEUVRES = {
+    kind: text.replace("DRIVER", DRIVERS["preview"]).replace(
+        "CONTROL", "{proportional_gain: 3000 N*s, integral_gain: 300 N}"
+    )
+    for kind, text in MANOEUVRES.items()
+}
+UNSTEERED = {"straight", "acceleration", "straight_braking", "crosswind"}
 RELAXATIONS = {
     "first_order": "{kind: first_order, longitudinal: 0.2 m, lateral: 0.4 m}",
     "of_tyre": "{kind: of_tyre}",
@@ -85,7 +110,7 @@ def test_manoeuvre_runs_and_says_what_it_writes(tmp_path, kind):
             assert entry.description and (entry.unit or isinstance(entry.value, str)), name
         assert {plot["name"] for plot in result.plots} >= {"path", "steering", "yaw"}
         turned = abs(result.channel("steering.rack").values).max()
-        assert (turned > 1e-4) == (kind != "straight")
+        assert (turned > 1e-4) == (kind not in UNSTEERED)
 
 
 @pytest.mark.parametrize("kind", kinds("driver"))

@@ -87,6 +87,7 @@ def build_vehicle(model: SystemModel, choice: RoadChoice) -> RoadVehicle:
         speed=values.symbols["speed"],
         surface=surface_numbers(values),  # type: ignore[arg-type]
         drive=v.drive or "",
+        steering_ratio=values.value(v.steering_ratio),
     )
 
 

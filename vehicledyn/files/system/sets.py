@@ -142,6 +142,12 @@ class VehicleSet(SystemSet):
     wheelbase: Scalar = measured("m", "Distance of the axles", above=0.0)
     front_distance: Scalar = measured("m", "Front axle to the chassis's origin", above=0.0)
     outline: OutlineSet = Field(description="The body seen from above")
+    steering_ratio: Scalar = measured(
+        "1",
+        "Steering-wheel angle over that of the front wheels; left out, angles are of these",
+        default=read_expression(1),
+        above=0.0,
+    )
     drive: str | None = reference(
         "coordinate",
         "Coordinate that a drive turns, such as that of a propeller shaft; left out, a drive turns "

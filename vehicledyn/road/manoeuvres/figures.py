@@ -13,6 +13,18 @@ def standard(vehicle: RoadVehicle, *, path_title: str = "Path") -> list[dict[str
     return [_path(vehicle, path_title), _steering(vehicle), _yaw(vehicle), _loads(vehicle), _roll()]
 
 
+def answers(title: str) -> dict[str, Any]:
+    """Return steering-wheel angle, yaw rate, lateral acceleration and side-slip angle by time."""
+    return _time(
+        "answers",
+        title,
+        _panel("Steering wheel", "deg", ["steering_angle.angle"], ["steering-wheel angle"]),
+        _panel("Yaw rate", "deg/s", ["body.yaw_rate"], ["yaw rate"]),
+        _panel("Acceleration", "m/s^2", ["accelerometer.lateral"], ["lateral acceleration"]),
+        _panel("Side-slip angle", "deg", ["body.sideslip_angle"], ["side-slip angle"]),
+    )
+
+
 def _path(vehicle: RoadVehicle, title: str) -> dict[str, Any]:
     return {
         "name": "path",

@@ -1,0 +1,91 @@
+"""Base of the lane changes between cones: a driver follows a path through the lanes."""
+
+from __future__ import annotations
+
+from abc import abstractmethod
+from collections.abc import Iterator
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from vehicledyn.base.parameters import part, quantity
+from vehicledyn.road.drivers.driver import Driver
+from vehicledyn.road.manoeuvres import figures
+from vehicledyn.road.manoeuvres.channel_recorder import Recording
+from vehicledyn.road.manoeuvres.driving_test import PREFIX, DrivingTest
+from vehicledyn.road.manoeuvres.step_path import StepPath
+from vehicledyn.road.standards.entries import entry
+from vehicledyn.road.standards.evasion import Lane, cones, passage
+from vehicledyn.road.standards.signals import Signals
+
+if TYPE_CHECKING:
+    from vehicledyn.results.store.layout import SceneItem, SummaryEntry
+    from vehicledyn.road.vehicle import RoadVehicle
+
+_CONE_RADIUS = 0.1
+
+
+class LaneChangeTest(DrivingTest):
+    """Base: the lanes follow from the vehicle's width, the corners of its outline must keep them.
+
+    The path joins the middles of the lanes by steps of continuous curvature.
+    """
+
+    driver: Driver = part("driver", "Who steers")
+    begin: float = quantity("m", "Position x where the first lane begins", default=20.0)
+
+    @abstractmethod
+    def lanes(self, vehicle: RoadVehicle) -> tuple[Lane, Lane, Lane]:
+        """Return the three lanes."""
+
+    def path(self, vehicle: RoadVehicle) -> StepPath:
+        """Return the path through the lanes."""
+        first, third, fifth = self.lanes(vehicle)
+        return StepPath(
+            (first.end, third.begin, third.end, fifth.begin),
+            (first.middle, third.middle, third.middle, fifth.middle),
+        )
+
+    def fit(self, vehicle: RoadVehicle) -> RoadVehicle:
+        """Return the vehicle with its driver, pedals and sensors."""
+        path = self.path(vehicle).enter(vehicle.system.table, f"{PREFIX}.path")
+        fitted = self.with_pedals(vehicle)
+        return fitted.with_parts(self.driver.part(fitted, path))
+
+    def settings_for(self, vehicle: RoadVehicle) -> dict[str, float]:
+        """Return the parameters of the test and of its path by name."""
+        return {**self.settings(), **dict(self.path(vehicle).settings(f"{PREFIX}.path"))}
+
+    def scene(self, vehicle: RoadVehicle) -> dict[str, SceneItem]:
+        """Return the cones and the outline of the body."""
+        from vehicledyn.results.store.layout import SceneItem
+
+        places = cones(self.lanes(vehicle))
+        item = SceneItem(places, "m", "Feet of the cones", {"radius": _CONE_RADIUS})
+        return {**super().scene(vehicle), "cones": item}
+
+    def plots(self, vehicle: RoadVehicle) -> list[dict[str, Any]]:
+        """Return the standard figures with the path between the cones."""
+        found = figures.standard(vehicle, path_title="Path between the cones")
+        return [*found, figures.answers("Steering and answers")]
+
+    def quantities(
+        self, signals: Signals, recording: Recording, vehicle: RoadVehicle
+    ) -> Iterator[SummaryEntry]:
+        """Yield pass or fail, clearances of the lanes and speeds at their ends."""
+        pose = np.array([signals.x, signals.y, signals.yaw])
+        lanes = self.lanes(vehicle)
+        found = [passage(lane, vehicle.outline, pose) for lane in lanes]
+        ok = all(item.entered and item.clearance > 0.0 for item in found)
+        yield from entry("passed", ok, "1", "Whether all corners kept all lanes")
+        for number, lane, item in zip((1, 3, 5), lanes, found, strict=True):
+            words = f"Section {number}, {lane.width:.3g} m wide: smallest clearance of a corner"
+            yield from entry(f"clearance_{number}", item.clearance, "m", words)
+        front = max(corner[0] for corner in vehicle.outline)
+        for name, x in (("entry_speed", lanes[0].begin), ("exit_speed", lanes[2].end)):
+            if signals.x[-1] + front >= x >= signals.x[0] + front:
+                speed = float(np.interp(x - front, signals.x, signals.speed))
+                words = f"Speed when the front is at the {'begin' if 'entry' in name else 'end'}"
+                yield from entry(name, speed, "m/s", words)
+        largest = float(np.abs(signals.steering).max())
+        yield from entry("largest_steering_angle", largest, "rad", "Largest steering angle")

@@ -1,0 +1,94 @@
+"""Pedals of a driving test: a held speed until the throttle is released, brakes by time."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from vehicledyn.multibody.model.parts import BasePart, Loads, Output, Situation, Wrench
+from vehicledyn.road.vehicle import Corner
+from vehicledyn.symbolic import ops, rotations
+from vehicledyn.symbolic.equations import Channel, Variable
+from vehicledyn.symbolic.ops import Scalar
+
+_LOCKED = 2.0
+"""Wheel speed below which a brake torque falls to zero, so that a locked wheel stands [rad/s]."""
+
+Law = Callable[[Scalar], Scalar]
+
+
+@dataclass(frozen=True)
+class Pedals(BasePart):
+    """Drive torque that holds a speed, and brake torques, both from the chassis to the wheels.
+
+    T = g (K_p (v_0 - v) + K_i ∫ g (v_0 - v) dt + T_0), with the throttle's share g, the target v_0
+    and a torque T_0 of time; it acts on the coordinate ``shaft`` where there is one, else equally
+    on all wheels. Each wheel is braked by M tanh(ω / 2 rad/s), M its part of the brake torque.
+    """
+
+    chassis: str
+    corners: tuple[Corner, ...]
+    target: Law
+    throttle: Law
+    torque: Law
+    brake: Law
+    front_share: Scalar
+    proportional_gain: Scalar
+    integral_gain: Scalar
+    shaft: str = ""
+
+    def states(self) -> tuple[Variable, ...]:
+        """Return the integral of the speed error."""
+        return (Variable("speed_error_integral", "m", "Integral of the speed error"),)
+
+    def loads(self, situation: Situation) -> Loads:
+        """Return the torques and the rate of the integral."""
+        gate = self.throttle(situation.time)
+        rates = {"speed_error_integral": gate * self._error(situation)}
+        forces = {corner.spin: self._brake(situation, corner) for corner in self.corners}
+        if self.shaft:
+            forces[self.shaft] = self._drive(situation)
+            return Loads(joint_forces=forces, rates=rates)
+        wrenches = tuple(w for c in self.corners for w in self._shafts(situation, c))
+        return Loads(wrenches=wrenches, joint_forces=forces, rates=rates)
+
+    def outputs(self, situation: Situation) -> tuple[Output, ...]:
+        """Return drive and brake torque."""
+        of = f"on {self.shaft}" if self.shaft else "of all wheels together"
+        drive = Channel(f"{self.name}.torque", "N*m", f"Drive torque {of}")
+        brake = Channel(f"{self.name}.brake_torque", "N*m", "Brake torque of all wheels together")
+        return (
+            Output(drive, self._drive(situation)),
+            Output(brake, ops.scalar(self.brake(situation.time))),
+        )
+
+    def _brake(self, situation: Situation, corner: Corner) -> Scalar:
+        """Return the torque of a brake whose caliper is on the wheel's carrier [N m]."""
+        share = self.front_share if corner.is_front else 1.0 - self.front_share
+        alike = sum(other.is_front == corner.is_front for other in self.corners)
+        torque = self.brake(situation.time) * share / alike
+        return -torque * ops.tanh(situation.kinematics.rate(corner.spin) / _LOCKED)
+
+    def _shafts(self, situation: Situation, corner: Corner) -> tuple[Wrench, Wrench]:
+        """Return what a drive shaft with joints does to a wheel and to the chassis."""
+        kinematics = situation.kinematics
+        axis, nothing = rotations.axis_vector(2), ops.vector(0.0, 0.0, 0.0)
+        share = self._drive(situation) / len(self.corners)
+        to_chassis = kinematics.rotation(self.chassis).T
+        reaction = -share * (to_chassis @ (kinematics.rotation(corner.body) @ axis))
+        return (
+            Wrench(corner.body, nothing, share * axis),
+            Wrench(self.chassis, nothing, reaction),
+        )
+
+    def _error(self, situation: Situation) -> Scalar:
+        velocity = situation.kinematics.velocity(self.chassis)
+        heading = situation.kinematics.rotation(self.chassis)[:, 0]
+        level = ops.smooth_norm(heading[0], heading[1], 0.0)
+        speed = (velocity[0] * heading[0] + velocity[1] * heading[1]) / level
+        return self.target(situation.time) - speed
+
+    def _drive(self, situation: Situation) -> Scalar:
+        integral = situation.states["speed_error_integral"]
+        held = self.proportional_gain * self._error(situation) + self.integral_gain * integral
+        return self.throttle(situation.time) * (held + self.torque(situation.time))

@@ -1,0 +1,1 @@
+"""Quantities of the standards of road-vehicle dynamics, computed from signals of a run."""
