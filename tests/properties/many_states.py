@@ -7,7 +7,8 @@ from vehicledyn.multibody.model.kinematics import Kinematics
 from vehicledyn.multibody.model.parts import Situation, Wrench
 from vehicledyn.multibody.model.tree import unfold
 from vehicledyn.multibody.recursion import inertia
-from vehicledyn.multibody.recursion.newton_euler import inverse_dynamics, mass_matrix
+from vehicledyn.multibody.recursion.mass_matrix import mass_matrix
+from vehicledyn.multibody.recursion.newton_euler import inverse_dynamics
 from vehicledyn.symbolic import ops
 
 PARAMETERS = 0.02

@@ -15,7 +15,8 @@ from vehicledyn.multibody.model.tree import unfold
 from vehicledyn.multibody.recursion import forward_dynamics as forward
 from vehicledyn.multibody.recursion.axis_alignment import align
 from vehicledyn.multibody.recursion.barycentric import augmented_inertias
-from vehicledyn.multibody.recursion.newton_euler import inverse_dynamics, mass_matrix
+from vehicledyn.multibody.recursion.mass_matrix import mass_matrix
+from vehicledyn.multibody.recursion.newton_euler import inverse_dynamics
 from vehicledyn.symbolic import ops, rotations
 from vehicledyn.symbolic.equations import Equations, Variable
 from vehicledyn.symbolic.shared_steps import Steps

@@ -14,7 +14,7 @@ from vehicledyn.multibody.elements.triggers import Trigger
 from vehicledyn.multibody.equations.derivation import solve_motion
 from vehicledyn.multibody.model.kinematics import Kinematics
 from vehicledyn.multibody.model.parts import Situation
-from vehicledyn.multibody.recursion.newton_euler import mass_matrix
+from vehicledyn.multibody.recursion.mass_matrix import mass_matrix
 from vehicledyn.symbolic import ops
 
 IDENTITY = 1e-10

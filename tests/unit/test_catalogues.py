@@ -17,7 +17,9 @@ load_kinds()
 TESTS = Path(__file__).parents[1]
 ENTRIES = [(family, kind) for family in families() for kind in kinds(family)]
 SENTENCE_END = (".", ",", ":", ";")
-FROM_PYTHON = {"creep", "joint_type", "element_type", "sensor_type", "constraint_type"}
+FROM_PYTHON = {
+    "creep", "joint_type", "deformation_type", "element_type", "sensor_type", "constraint_type"
+}  # fmt: skip
 """Catalogues that models, or entries of another catalogue, are made from."""
 OF_CAMS = {"motion_law", "cam_follower", "cam_outline"}
 """Catalogues of files of their own."""

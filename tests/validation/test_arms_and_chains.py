@@ -27,7 +27,8 @@ from vehicledyn.multibody import (
 )
 from vehicledyn.multibody.model.kinematics import Kinematics
 from vehicledyn.multibody.model.tree import unfold
-from vehicledyn.multibody.recursion.newton_euler import inverse_dynamics, mass_matrix
+from vehicledyn.multibody.recursion.mass_matrix import mass_matrix
+from vehicledyn.multibody.recursion.newton_euler import inverse_dynamics
 from vehicledyn.symbolic import ops, rotations
 
 pytestmark = pytest.mark.validation

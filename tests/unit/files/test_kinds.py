@@ -307,6 +307,10 @@ SENSORS = {
 
 ELEMENTS = {
     "air_drag": ("body: b, drag_area: 0.5 m^2", lambda s: (0.25 * 1.225 * 4.0**2, 0.0, 0.0)),
+    "beam": (
+        "body: b, length: 1 m, stiffness: {mass_per_length: 1 kg/m, z: 9 N*m^2}, modes: {z: 2}",
+        lambda s: (0.0, 0.0, 0.0),
+    ),
     "bushing": (
         "a: ground, b: {body: b, point: [0, 0, 0.1]}, stiffness: [20 N/m, 0, 0], damping: [0, "
         "3 N*s/m, 0]",

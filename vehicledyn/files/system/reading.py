@@ -77,7 +77,7 @@ class Reading:
         brought = brought_by(flat, known)
         coordinates = {**brought.coordinates, **coordinates_of(flat)}
         self._tell(brought.problems)
-        self._tell(check(flat, coordinates, known, [body.name for body in brought.bodies]))
+        self._tell(check(flat, coordinates, known, {b.name: b.parent for b in brought.bodies}))
         self._tell(interface_problems(flat, coordinates, self.parameters.declared))
         return _parents_first(flat)
 

@@ -20,7 +20,8 @@ from vehicledyn.multibody.model.kinematics import Kinematics
 from vehicledyn.multibody.model.parts import Loads, Part, loads_of
 from vehicledyn.multibody.model.system import System, refuse_quaternions
 from vehicledyn.multibody.model.tree import Tree
-from vehicledyn.multibody.recursion.newton_euler import inverse_dynamics, mass_matrix
+from vehicledyn.multibody.recursion.mass_matrix import mass_matrix
+from vehicledyn.multibody.recursion.newton_euler import inverse_dynamics
 from vehicledyn.symbolic import ops
 from vehicledyn.symbolic.equations import Equations, Variable
 from vehicledyn.symbolic.ops import Scalar

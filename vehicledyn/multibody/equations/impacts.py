@@ -24,7 +24,7 @@ from vehicledyn.multibody.equations.outputs import Solved
 from vehicledyn.multibody.loops.loop_closure import Loops
 from vehicledyn.multibody.model.parts import PartEvent
 from vehicledyn.multibody.model.symbols import Symbols
-from vehicledyn.multibody.recursion.newton_euler import mass_matrix
+from vehicledyn.multibody.recursion.mass_matrix import mass_matrix
 from vehicledyn.symbolic import ops
 from vehicledyn.symbolic.elimination import Rows, solve_symmetric
 from vehicledyn.symbolic.ops import Scalar

@@ -26,7 +26,8 @@ from vehicledyn.multibody.loops.loop_closure import Loops
 from vehicledyn.multibody.model.symbols import Symbols
 from vehicledyn.multibody.model.system import MOST_ENTANGLED, System
 from vehicledyn.multibody.recursion.forward_dynamics import TreeProblem
-from vehicledyn.multibody.recursion.newton_euler import inverse_dynamics, mass_matrix
+from vehicledyn.multibody.recursion.mass_matrix import mass_matrix
+from vehicledyn.multibody.recursion.newton_euler import inverse_dynamics
 from vehicledyn.symbolic import ops
 from vehicledyn.symbolic.elimination import Rows
 from vehicledyn.symbolic.kkt import SaddlePoint

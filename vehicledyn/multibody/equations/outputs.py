@@ -14,6 +14,7 @@ from vehicledyn.multibody.model.parts import Loads, Output, Wrench, outputs_of
 from vehicledyn.multibody.model.symbols import Symbols, locked
 from vehicledyn.multibody.model.system import System
 from vehicledyn.multibody.recursion import inertia
+from vehicledyn.multibody.recursion.flexible_inertia import deformable_energies
 from vehicledyn.multibody.recursion.newton_euler import inverse_dynamics
 from vehicledyn.symbolic import ops
 from vehicledyn.symbolic.equations import Channel
@@ -227,6 +228,10 @@ def _energies(
     height: Scalar = 0.0
     for body in system.bodies:
         if body.mass is None:
+            continue
+        if body.flexibility is not None:
+            moving, weight = deformable_energies(kinematics, body, solved.gravity)
+            kinetic, height = kinetic + moving, height + weight
             continue
         link = kinematics.tree.body_link[body.name]
         omega = kinematics.link_angular_velocity(link)

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vehicledyn.base.errors import InputError
+from vehicledyn.multibody.equations.deformable_rows import DeformableRows, DeformedNumbers, roots
 from vehicledyn.multibody.equations.felt_inertia import LinkNumbers, body_rows, smallest_share
 from vehicledyn.multibody.loops.closure import Closure, MultiplierClosure
 from vehicledyn.multibody.model.bodies import Joint
@@ -78,6 +79,7 @@ class Resistance:
         kinematics = Kinematics(tree, symbols.coordinates, symbols.rates)
         self._frames = ops.numeric(inputs, _frames(kinematics, len(tree.links)))
         self._masses = ops.numeric(inputs, _masses(system))
+        self._deformable = DeformableRows(kinematics, inputs)
         self._body_links = [tree.body_link[b.name] for b in system.bodies if b.mass is not None]
         self._pairs = closure.partition.pairs
         rows = [closure.jacobian[row] for row, _ in self._pairs]
@@ -156,10 +158,16 @@ class Resistance:
 
     def _inertial(self, time: float, q: Array, values: Array) -> Array:
         """Return A: what each rate gives the bodies, times the roots of their inertia."""
-        origins, rotations, columns = self._moved(time, q, values)
+        deformed = self._deformable.at(time, q, values)
+        origins, rotations, columns = self._moved(time, q, values, deformed)
         blocks = [np.zeros((1, len(self.joints)))]
         masses = self._masses(time, q, values).reshape(-1, 13)
         for link, numbers in zip(self._body_links, masses, strict=True):
+            if link in deformed.masses:
+                own = [self._index[name] for name in self._deformable.names(link)]
+                frame = (rotations[link], origins[link])
+                blocks.append(roots(deformed.masses[link], frame, columns[link], own))
+                continue
             turning, sliding = columns[link]
             matrix = numbers[4:].reshape(3, 3)
             sizes, axes = np.linalg.eigh(matrix)
@@ -171,7 +179,7 @@ class Resistance:
         return np.vstack(blocks)
 
     def _moved(
-        self, time: float, q: Array, values: Array
+        self, time: float, q: Array, values: Array, deformed: DeformedNumbers
     ) -> tuple[list[Array], list[Array], list[tuple[Array, Array]]]:
         """Return origins, rotations and (ω, v of the point at the world's origin) by q̇."""
         frames = self._frames(time, q, values).reshape(-1, _PER_LINK)
@@ -179,7 +187,7 @@ class Resistance:
         rotations: list[Array] = []
         columns: list[tuple[Array, Array]] = []
         none = np.zeros((3, len(self.joints)))
-        for item, numbers in zip(self._links, frames, strict=True):
+        for link, (item, numbers) in enumerate(zip(self._links, frames, strict=True)):
             first = item.parent < 0
             base = np.eye(3) if first else rotations[item.parent]
             rotations.append(base @ numbers[:9].reshape(3, 3))
@@ -192,6 +200,13 @@ class Resistance:
                 column = self._index[item.joint.name]
                 turning[:, column] = angular
                 sliding[:, column] = np.cross(origins[-1], angular) + linear
+            if link in deformed.stations:
+                angular, linear = np.split(deformed.stations[link], 2)
+                own = [self._index[name] for name in self._deformable.names(link)]
+                turning, sliding = turning.copy(), sliding.copy()
+                turning[:, own] += rotations[-1] @ angular
+                sliding[:, own] += rotations[-1] @ linear
+                sliding[:, own] += np.cross(origins[-1], (rotations[-1] @ angular).T).T
             columns.append((turning, sliding))
         return origins, rotations, columns
 

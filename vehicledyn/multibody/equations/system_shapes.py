@@ -61,6 +61,7 @@ def appearance(system: System, values: Sequence[float], extra: Sequence[Shape] =
     points = _points(own, shapes)
     thickness = _thickness(points)
     shaped = {body for part in looks for body in part.bodies}
+    shaped |= {body.name for body in system.bodies if body.flexibility or body.place is not None}
     plain_bodies = [body for body in own if body["name"] not in shaped]
     bodies = _bodies(plain_bodies, shapes, points, thickness)
     found = [*shapes, *drawn, *bodies, *_joints(plain_bodies, thickness)]

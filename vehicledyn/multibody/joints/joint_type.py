@@ -14,6 +14,9 @@ from vehicledyn.symbolic.ops import Mat, Scalar, Vec
 FAMILY = "joint_type"
 """Catalogue of the types."""
 
+DEFORMATIONS = "deformation_type"
+"""Catalogue of the coordinates of deformations, which are no joints."""
+
 
 @dataclass(frozen=True)
 class Axes:
@@ -106,6 +109,11 @@ class JointType(ABC):
         return ""
 
     @property
+    def makes_link(self) -> bool:
+        """Whether the coordinate has a link of the tree for itself."""
+        return self.has_speed
+
+    @property
     def angle_about(self) -> int | None:
         """Axis of the frame about which R is the turn by the angle q; None for any other R."""
         return self.turns_about
@@ -175,7 +183,7 @@ def joint_type(kind: str, settings: dict[str, Any]) -> JointType:
     InputError
         If the kind is unknown, or a setting is missing or unknown.
     """
-    entry = find(FAMILY, kind)
+    entry = find(DEFORMATIONS if kind in kinds(DEFORMATIONS) else FAMILY, kind)
     known = {f.name: f for f in fields(entry)} if hasattr(entry, "__dataclass_fields__") else {}
     for name in settings:
         if name not in known:

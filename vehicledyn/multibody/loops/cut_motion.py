@@ -86,8 +86,7 @@ class _Places:
     ) -> None:
         self._ancestor, self._datum = ancestor, datum
         if ancestor not in known:
-            links = kinematics.tree.links
-            at_rest = {link.joint.name: 0.0 for link in links if link.joint is not None}
+            at_rest = dict.fromkeys(kinematics.tree.speeds, 0.0)
             known[ancestor] = kinematics.with_accelerations(at_rest).relative_to(ancestor)
         self._kinematics = known[ancestor]
         self._columns: list[_Column] = []
@@ -160,10 +159,9 @@ class _Places:
         """Return coordinates from a link to the ancestor, with axes and origin in its axes."""
         k, found = self._kinematics, []
         while link != self._ancestor:
-            joint = k.tree.links[link].joint
-            if joint is not None:
-                axes = k.link_axes(link).turned(k.rotation_in(self._ancestor, link))
-                found.append((joint.name, axes, k.origin_in(self._ancestor, link, self._datum)))
+            for name, motion in k.link_motions(link):
+                axes = motion.turned(k.rotation_in(self._ancestor, link))
+                found.append((name, axes, k.origin_in(self._ancestor, link, self._datum)))
             link = k.tree.links[link].parent
         return found
 

@@ -10,6 +10,7 @@ from typing import Any
 
 from vehicledyn.base.registry import find
 from vehicledyn.multibody.joints.joint_type import FAMILY, JointType, joint_type
+from vehicledyn.multibody.model.deformation import Flexibility
 from vehicledyn.symbolic.ops import Mat, Scalar
 
 ROLES = ("auto", "independent", "dependent", "driven")
@@ -120,7 +121,9 @@ class Turn:
 
 @dataclass(frozen=True)
 class Body:
-    """A rigid body and the chain of joints that carries it.
+    """A body and the chain of joints that carries it.
+
+    A body is rigid unless it has a ``flexibility``.
 
     Parameters
     ----------
@@ -147,6 +150,12 @@ class Body:
         break the triangle inequality.
     is_abstract
         Whether it only carries coordinates of constraints, so that there is nothing to be seen.
+    flexibility
+        How it deforms; ``joints`` then hold the coordinates of the deformation too, and mass,
+        centre of mass and inertia are those of the undeformed body.
+    place
+        Point of a deformable parent that it hangs on, such as 0 to 1 along a beam; ``at`` then
+        counts from this point, in its axes.
     """
 
     name: str
@@ -159,3 +168,5 @@ class Body:
     spins_about: int | None = None
     apparent_inertia: bool = False
     is_abstract: bool = False
+    flexibility: Flexibility | None = None
+    place: float | None = None

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from vehicledyn.multibody.joints.joint_type import Axes
 from vehicledyn.multibody.model.kinematics import Kinematics
 from vehicledyn.symbolic import ops
 from vehicledyn.symbolic.ops import Mat, Scalar, Vec
@@ -39,7 +40,10 @@ class JointWrench:
 
     def along(self, kinematics: Kinematics, link: int) -> Scalar:
         """Return its share on the coordinate of a link that has a joint [N or N m]."""
-        axes = kinematics.link_axes(link)
+        return self.along_axes(kinematics.link_axes(link))
+
+    def along_axes(self, axes: Axes) -> Scalar:
+        """Return its share on a coordinate that moves the link along and about some axes."""
         if axes.angular is None:
             return ops.dot(axes.linear, self.force)
         turning = ops.dot(axes.angular, self.torque)

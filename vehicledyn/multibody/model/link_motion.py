@@ -11,6 +11,7 @@ from typing import Any, TypeVar
 
 from vehicledyn.multibody.joints.joint_type import Axes
 from vehicledyn.multibody.model.bodies import Joint
+from vehicledyn.multibody.model.deformed_motion import DeformedMotion
 from vehicledyn.multibody.model.tree import Link, Tree, joint_rotation, joint_turns
 from vehicledyn.symbolic import ops, rotations
 from vehicledyn.symbolic.ops import Mat, Scalar, Vec
@@ -18,12 +19,12 @@ from vehicledyn.symbolic.ops import Mat, Scalar, Vec
 T = TypeVar("T")
 ACCELERATED = frozenset({"alpha", "acceleration", "beta"})
 """What is kept of links that depends on accelerations."""
-MOVING = ACCELERATED | {"omega", "velocity"}
+MOVING = ACCELERATED | {"omega", "velocity", "point motion", "slice motion"}
 """What is kept of links that depends on rates."""
 GROUND_LINK = -1
 
 
-class LinkMotion:
+class LinkMotion(DeformedMotion):
     """Rotations, positions, velocities and accelerations of links, see ``Kinematics``."""
 
     def __init__(
@@ -53,6 +54,8 @@ class LinkMotion:
 
     def _rotation(self, link: int) -> Mat:
         item = self.tree.links[link]
+        if item.station is not None:
+            return self.deflection(link).rotation
         if item.turns_otherwise and item.joint is not None:
             turn = item.joint.type.rotation(self._positions(item.joint))
             return rotations.product(item.before, turn, item.after)
@@ -69,7 +72,7 @@ class LinkMotion:
     def link_turns(self, link: int) -> list[Mat]:
         """Return factors of the link's rotation, the innermost first, for inertias."""
         item = self.tree.links[link]
-        if item.turns_otherwise:
+        if item.turns_otherwise or item.station is not None:
             return [self.link_rotation(link)]
         return joint_turns(item, *self.link_turn(link))
 
@@ -92,6 +95,8 @@ class LinkMotion:
     def _arm_from(self, offset: Vec, link: int) -> Vec:
         """Return a joint's place on its parent with how far the joint has moved from there."""
         item = self.tree.links[link]
+        if item.station is not None:
+            return offset + self.deflection(link).position
         slide = None if item.joint is None else item.joint.type.displacement(self._at(item))
         if slide is None:
             return offset
@@ -121,6 +126,8 @@ class LinkMotion:
                 return ops.vector(0.0, 0.0, 0.0)
             item = self.tree.links[link]
             carried = self.link_rotation(link).T @ self.link_angular_velocity(item.parent)
+            if item.station is not None:
+                return carried + self.point_motion(link)[1][0]
             axis = self.link_axes(link).angular
             return carried if axis is None else carried + axis * self._qd[item.name]
 
@@ -134,6 +141,8 @@ class LinkMotion:
                 return ops.vector(0.0, 0.0, 0.0)
             item = self.tree.links[link]
             swing = ops.cross(self.link_angular_velocity(item.parent), self.link_arm(link))
+            if item.station is not None:
+                swing = swing + self.point_motion(link)[0][0]
             carried = self.link_rotation(link).T @ (self.link_velocity(item.parent) + swing)
             axis = self.link_axes(link).linear
             return carried if axis is None else carried + axis * self._qd[item.name]
@@ -148,6 +157,10 @@ class LinkMotion:
                 return ops.vector(0.0, 0.0, 0.0)
             item = self.tree.links[link]
             carried = self.link_rotation(link).T @ self.link_angular_acceleration(item.parent)
+            if item.station is not None:
+                turning, growth = self.point_motion(link)[1]
+                spin_up = growth + self.accelerated(self.deflection(link).angular, link)
+                return carried + ops.cross(self.link_angular_velocity(link), turning) + spin_up
             axis = self.link_axes(link).angular
             if axis is None:
                 return carried
@@ -182,6 +195,13 @@ class LinkMotion:
             item = self.tree.links[link]
             base = self.link_acceleration(item.parent)
             at_joint = base + self.beta(item.parent) @ self.link_arm(link)
+            if item.station is not None:
+                moving, growth = self.point_motion(link)[0]
+                at_joint = at_joint + 2.0 * ops.cross(
+                    self.link_angular_velocity(item.parent), moving
+                )
+                at_joint = at_joint + growth
+                at_joint = at_joint + self.accelerated(self.deflection(link).linear, link)
             carried = self.link_rotation(link).T @ at_joint
             axes = self.link_axes(link)
             axis = axes.linear

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field, replace
 from typing import Literal, TypeAlias
 
 from vehicledyn.base.errors import InputError, unknown_name
+from vehicledyn.multibody.joints.deformation import DEFORMATION
 from vehicledyn.multibody.joints.joint_type import joint_kinds, joint_type
 from vehicledyn.multibody.model.bodies import ROLES, Body, Joint
 from vehicledyn.multibody.model.constraints import Constraint
@@ -113,7 +114,25 @@ def _tree_problems(system: System) -> list[str]:
                 f"axis {body.spins_about}"
             )
         known.add(body.name)
-    return [*problems, *_spin_problems(system)]
+    return [*problems, *_spin_problems(system), *_deformation_problems(system)]
+
+
+def _deformation_problems(system: System) -> list[str]:
+    """Return what is wrong with deformable bodies and with what hangs on them."""
+    deformable = {body.name for body in system.bodies if body.flexibility is not None}
+    problems = []
+    for body in system.bodies:
+        if body.parent in deformable and body.place is None:
+            words = (
+                f"hangs on '{body.parent}', which deforms; hang it on a frame at one of its points"
+            )
+            problems.append(f"body '{body.name}': {words}")
+        if body.parent not in deformable and body.place is not None:
+            words = f"has a place on '{body.parent}', which does not deform; give 'at' alone"
+            problems.append(f"body '{body.name}': {words}")
+        if body.flexibility is not None and body.spins_about is not None:
+            problems.append(f"body '{body.name}': what deforms cannot have spins_about")
+    return problems
 
 
 def _spin_problems(system: System) -> list[str]:
@@ -172,6 +191,8 @@ def _joint_problems(system: System) -> list[str]:
 
 def _type_problem(joint: Joint) -> str:
     """Return what is wrong with the kind of a joint or with its settings."""
+    if joint.kind == DEFORMATION:
+        return ""
     if joint.kind not in joint_kinds():
         return unknown_name("kind", joint.kind, joint_kinds())
     try:

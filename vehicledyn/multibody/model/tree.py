@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 from vehicledyn.multibody.joints.joint_type import JointType
 from vehicledyn.multibody.model.bodies import Body, Joint
+from vehicledyn.multibody.model.deformation import Flexibility, Station
 from vehicledyn.multibody.model.ground import GROUND
 from vehicledyn.symbolic import ops, rotations
 from vehicledyn.symbolic.ops import Mat, Scalar, Vec
@@ -19,7 +20,8 @@ class Link:
     ``parent`` is the index of the link before, -1 for the ground. ``offset`` [m] leads from
     the parent's origin to the joint, in the parent's axes; ``before`` and ``after`` are fixed
     rotations on either side of the joint. ``body`` is the body that ends the chain here.
-    ``phase`` is added to the coordinate of a turning joint [rad].
+    ``phase`` is added to the coordinate of a turning joint [rad]. A link at a ``station`` has no
+    joint; it moves with a point of the deformable body that is its parent.
     """
 
     parent: int
@@ -30,6 +32,12 @@ class Link:
     body: Body | None
     is_ignorable_spin: bool = False
     phase: Scalar = 0.0
+    station: Station | None = None
+
+    @property
+    def flexibility(self) -> Flexibility | None:
+        """How the body that ends the chain here deforms, if it does."""
+        return None if self.body is None else self.body.flexibility
 
     @property
     def type(self) -> JointType | None:
@@ -83,10 +91,27 @@ class Tree:
         shared = [x for x, y in zip(path_a, path_b, strict=False) if x == y]
         return shared[-1]
 
+    @property
+    def has_deformable_bodies(self) -> bool:
+        """Whether the body of any link deforms."""
+        return any(link.flexibility is not None for link in self.links)
+
+    @property
+    def speeds(self) -> list[str]:
+        """Names of all coordinates that a force acts along: of joints, then of deformations."""
+        joints = [link.joint.name for link in self.links if link.joint is not None]
+        bodies = (link.flexibility for link in self.links)
+        return [
+            *joints,
+            *(name for body in bodies if body is not None for name in body.coordinates),
+        ]
+
     def force_unit(self, coordinate: str) -> str:
         """Return the unit of the force on a coordinate, "N" or "N*m"."""
-        joints = (link.joint for link in self.links)
-        return next(j.type.force_unit for j in joints if j is not None and j.name == coordinate)
+        joints = [link.joint for link in self.links if link.joint is not None]
+        own = [link.body.joints for link in self.links if link.flexibility and link.body]
+        joints += [j for items in own for j in items if isinstance(j, Joint)]
+        return next(j.type.force_unit for j in joints if j.name == coordinate)
 
     def link_name(self, link: int) -> str:
         """Return the name of the body whose axes the link has, "ground" for -1."""
@@ -100,6 +125,16 @@ def unfold(bodies: Sequence[Body]) -> Tree:
     body_link = {GROUND: -1}
     for body in bodies:
         parent = body_link[body.parent]
+        carrier = links[parent].flexibility if parent >= 0 else None
+        if carrier is not None and body.place is not None:
+            rests = _is_frame(body)
+            none = ops.vector(0.0, 0.0, 0.0)
+            station = Station(carrier, body.place)
+            own = body if rests else None
+            links.append(Link(parent, none, None, None, None, own, station=station))
+            parent = body_link[body.name] = len(links) - 1
+            if rests:
+                continue
         for step in _steps(body):
             offset, before, joint, after, is_last = step
             spin = is_last and body.spins_about is not None
@@ -111,14 +146,19 @@ def unfold(bodies: Sequence[Body]) -> Tree:
     return Tree(tuple(links), body_link)
 
 
+def _is_frame(body: Body) -> bool:
+    """Return whether a body has the very frame of the point that it hangs on."""
+    return not body.joints and body.flexibility is None and ops.vector(*body.at).is_zero()
+
+
 def _steps(body: Body) -> list[tuple[Vec, Mat | None, Joint | None, Mat | None, bool]]:
     """Split a chain into (offset, turn before, joint, turn after, last?) a joint."""
-    joints = [j for j in body.joints if isinstance(j, Joint) and j.type.has_speed]
+    joints = [j for j in body.joints if isinstance(j, Joint) and j.type.makes_link]
     turns: list[Mat | None] = [None] * (len(joints) + 1)
     slot = 0
     for item in body.joints:
         if isinstance(item, Joint):
-            slot += item.type.has_speed
+            slot += item.type.makes_link
         else:
             known = turns[slot]
             turns[slot] = item.rotation if known is None else known @ item.rotation

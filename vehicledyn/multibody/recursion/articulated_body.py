@@ -19,11 +19,11 @@ from vehicledyn.multibody.model.joint_wrench import JointWrench
 from vehicledyn.multibody.model.kinematics import Kinematics
 from vehicledyn.multibody.model.tree import Link
 from vehicledyn.multibody.recursion.articulated_inertia import UPPER, ArticulatedInertia
+from vehicledyn.multibody.recursion.body_inertia import BodyInertia
 from vehicledyn.multibody.recursion.floating_body import (
     body_acceleration,
     coordinate_accelerations,
 )
-from vehicledyn.multibody.recursion.inertia import Inertia
 from vehicledyn.symbolic import ops, rotations
 from vehicledyn.symbolic.ops import Mat, Scalar, Vec
 from vehicledyn.symbolic.shared_steps import Writer, written_out
@@ -46,7 +46,7 @@ def tree_accelerations(
     kinematics: Kinematics,
     needed: Sequence[JointWrench],
     joint_forces: dict[str, Scalar],
-    inertias: Sequence[Inertia],
+    inertias: Sequence[BodyInertia],
     free: set[str],
     *,
     base: int | None = None,
@@ -86,7 +86,7 @@ def sweep(
     kinematics: Kinematics,
     needed: Sequence[JointWrench],
     joint_forces: dict[str, Scalar],
-    inertias: Sequence[Inertia],
+    inertias: Sequence[BodyInertia],
     free: set[str],
     *,
     base: int | None = None,

@@ -12,12 +12,14 @@ from __future__ import annotations
 
 from vehicledyn.multibody.model.tree import Link, Tree, joint_rotation
 from vehicledyn.multibody.recursion import inertia
+from vehicledyn.multibody.recursion.body_inertia import BodyInertia
+from vehicledyn.multibody.recursion.flexible_inertia import FlexibleInertia
 from vehicledyn.multibody.recursion.inertia import Inertia
 from vehicledyn.symbolic import ops, rotations
 from vehicledyn.symbolic.ops import Mat, Scalar
 
 
-def augmented_inertias(tree: Tree, base: int | None = None) -> list[Inertia]:
+def augmented_inertias(tree: Tree, base: int | None = None) -> list[BodyInertia]:
     """Return an inertia for each link that gives the forces on all coordinates.
 
     From the leaves to the root each link gives away all that its joint cannot feel:
@@ -26,6 +28,7 @@ def augmented_inertias(tree: Tree, base: int | None = None) -> list[Inertia]:
       stays has mass zero, a first moment across the axis and five integrals of second degree;
     - a sliding joint feels no inertia matrix: mass and first moment stay;
     - a joint that turns and slides feels everything, a ball joint no mass at its centre;
+    - a deformable body and what stands at its points keep everything;
     - a link without a joint keeps nothing, a body of revolution on its spin axis everything:
       its inertia is diagonal where it is.
 
@@ -45,16 +48,21 @@ def augmented_inertias(tree: Tree, base: int | None = None) -> list[Inertia]:
     list
         Inertia about each link's origin, in its axes, by index of the link.
     """
-    own = [inertia.of_body(item.body) for item in tree.links]
+    own = [
+        inertia.nothing() if item.flexibility else inertia.of_body(item.body) for item in tree.links
+    ]
     for index in reversed(range(len(tree.links))):
-        if index == base:
-            continue
         item = tree.links[index]
+        if index == base or item.station is not None or item.flexibility is not None:
+            continue
         own[index], given = _split(item, own[index])
         if item.parent >= 0:
             moved = given.in_parent(_fixed_rotation(item), item.offset)
             own[item.parent] = own[item.parent] + moved
-    return own
+    return [
+        moved if item.flexibility is None else FlexibleInertia(item.flexibility)
+        for moved, item in zip(own, tree.links, strict=True)
+    ]
 
 
 def _split(item: Link, own: Inertia) -> tuple[Inertia, Inertia]:

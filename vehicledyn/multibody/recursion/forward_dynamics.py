@@ -6,20 +6,19 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Literal, TypeAlias
 
+from vehicledyn.base.errors import InputError
 from vehicledyn.multibody.model.kinematics import Kinematics
 from vehicledyn.multibody.model.parts import Wrench
 from vehicledyn.multibody.model.tree import Link
 from vehicledyn.multibody.recursion import articulated_body as articulated
 from vehicledyn.multibody.recursion.axis_alignment import AlignedTree, align, with_common_axis
 from vehicledyn.multibody.recursion.barycentric import augmented_inertias
+from vehicledyn.multibody.recursion.body_inertia import BodyInertia
 from vehicledyn.multibody.recursion.floating_body import floating_base
-from vehicledyn.multibody.recursion.inertia import Inertia
+from vehicledyn.multibody.recursion.inertia import rigid
 from vehicledyn.multibody.recursion.link_steps import needed_in_steps
-from vehicledyn.multibody.recursion.newton_euler import (
-    inverse_dynamics,
-    mass_matrix,
-    needed_wrenches,
-)
+from vehicledyn.multibody.recursion.mass_matrix import mass_matrix
+from vehicledyn.multibody.recursion.newton_euler import inverse_dynamics, needed_wrenches
 from vehicledyn.multibody.recursion.reduction import independent_accelerations
 from vehicledyn.symbolic import ops
 from vehicledyn.symbolic.counting import count_operations
@@ -60,7 +59,7 @@ class TreeProblem:
     """
 
     kinematics: Kinematics
-    inertias: Sequence[Inertia]
+    inertias: Sequence[BodyInertia]
     wrenches: Sequence[Wrench]
     joint_forces: dict[str, Scalar]
     gravity: Vec
@@ -96,6 +95,12 @@ def solve_tree(
     matrix has many entries a coordinate it is not tried. The parameter values of ``table`` tell
     where axes may be aligned.
     """
+    if problem.kinematics.tree.has_deformable_bodies:
+        if formulation == "articulated":
+            raise InputError(
+                "the articulated recursion is for rigid bodies only; choose 'auto' or 'composite'"
+            )
+        return by_composite(problem)
     by_matrix = None
     is_long = len(problem.free) >= _LARGE or _entries(problem) > _LONG * len(problem.free)
     if formulation == "composite" or (formulation == "auto" and not is_long):
@@ -175,7 +180,7 @@ def by_articulated(problem: TreeProblem, *, write: Writer = written_out) -> dict
     if write is written_out:
         needed = needed_wrenches(kinematics, p.wrenches, p.gravity, p.inertias)
     else:
-        given = (p.wrenches, p.gravity, p.inertias)
+        given = (p.wrenches, p.gravity, rigid(p.inertias))
         kinematics, needed = needed_in_steps(kinematics, *given, write)
     found = articulated.tree_accelerations(
         kinematics, needed, p.joint_forces, p.inertias, set(p.free), base=base, write=write

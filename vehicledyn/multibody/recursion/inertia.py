@@ -91,6 +91,14 @@ class Inertia(BodyInertia):
         ]
 
 
+def rigid(items: Sequence[BodyInertia]) -> list[Inertia]:
+    """Return inertias that are all those of rigid bodies."""
+    found = [item for item in items if isinstance(item, Inertia)]
+    if len(found) != len(items):
+        raise ValueError("this recursion is for rigid bodies only")
+    return found
+
+
 def nothing() -> Inertia:
     """Return the inertia of a massless frame, structurally zero."""
     zero = ops.vector(0.0, 0.0, 0.0)

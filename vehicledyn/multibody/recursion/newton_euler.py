@@ -1,22 +1,21 @@
-"""Semi-explicit recursive Newton-Euler scheme: bias forces and mass matrix of a tree.
+"""Semi-explicit recursive Newton-Euler scheme: the forces that a motion of a tree needs.
 
 M(q) q̈ + c(q, q̇) = Q. ``inverse_dynamics`` is the backward recursion of the book's chapter
 3.3.3; with the accelerations that the loops and drives impose at q̈ = 0 it gives the bias c.
-``mass_matrix`` accumulates composite inertias from the leaves (Walker, Orin 1982).
 """
 
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 
 from vehicledyn.multibody.model.joint_wrench import JointWrench
 from vehicledyn.multibody.model.kinematics import Kinematics
 from vehicledyn.multibody.model.parts import Wrench
+from vehicledyn.multibody.model.tree import Tree
 from vehicledyn.multibody.recursion import inertia
-from vehicledyn.multibody.recursion.body_inertia import LinkMotion
-from vehicledyn.multibody.recursion.inertia import Inertia
-from vehicledyn.symbolic import ops
+from vehicledyn.multibody.recursion.body_inertia import BodyInertia, LinkMotion
+from vehicledyn.multibody.recursion.flexible_inertia import FlexibleInertia
 from vehicledyn.symbolic.ops import Scalar, Vec
 
 
@@ -24,7 +23,7 @@ def inverse_dynamics(
     kinematics: Kinematics,
     wrenches: Iterable[Wrench],
     gravity: Vec,
-    inertias: Sequence[Inertia] | None = None,
+    inertias: Sequence[BodyInertia] | None = None,
 ) -> tuple[dict[str, Scalar], dict[int, JointWrench]]:
     """Return the joint force each coordinate needs, and what each joint transmits.
 
@@ -46,7 +45,8 @@ def inverse_dynamics(
         Generalised force by coordinate [N or N m], and the wrench of each link's joint.
     """
     tree = kinematics.tree
-    own = needed_wrenches(kinematics, wrenches, gravity, inertias)
+    of_links = inertias_of(kinematics.tree) if inertias is None else inertias
+    own = needed_wrenches(kinematics, wrenches, gravity, of_links)
     carried: dict[int, JointWrench] = {}
     forces: dict[str, Scalar] = {}
     children: dict[int, list[int]] = defaultdict(list)
@@ -60,21 +60,58 @@ def inverse_dynamics(
         children[item.parent].append(link)
         if item.joint is not None:
             forces[item.joint.name] = total.along(kinematics, link)
+        elif item.station is not None:
+            _add_all(forces, shares(kinematics, link, total))
+    if tree.has_deformable_bodies:
+        _add_all(forces, deformation_forces(kinematics.in_lift(-gravity), of_links))
     return forces, carried
+
+
+def inertias_of(tree: Tree) -> list[BodyInertia]:
+    """Return the inertia of each link's body about its origin."""
+    return [
+        inertia.of_body(item.body)
+        if item.flexibility is None
+        else FlexibleInertia(item.flexibility)
+        for item in tree.links
+    ]
+
+
+def deformation_forces(lifted: Kinematics, inertias: Sequence[BodyInertia]) -> dict[str, Scalar]:
+    """Return the forces on coordinates of deformations that the mass of their bodies needs.
+
+    ``lifted`` is the motion on a ground that accelerates against gravity.
+    """
+    found: dict[str, Scalar] = {}
+    for link, item in enumerate(inertias):
+        if isinstance(item, FlexibleInertia):
+            pairs = zip(item.body.coordinates, item.at(lifted, link).forces(), strict=True)
+            found.update(pairs)
+    return found
+
+
+def shares(kinematics: Kinematics, link: int, wrench: JointWrench) -> dict[str, Scalar]:
+    """Return the shares of a wrench at a link on the coordinates that move it on its parent."""
+    return {name: wrench.along_axes(axes) for name, axes in kinematics.link_motions(link)}
+
+
+def _add_all(total: dict[str, Scalar], more: Mapping[str, Scalar]) -> None:
+    for name, value in more.items():
+        total[name] = total.get(name, 0.0) + value
 
 
 def needed_wrenches(
     kinematics: Kinematics,
     wrenches: Iterable[Wrench],
     gravity: Vec,
-    inertias: Sequence[Inertia] | None = None,
+    inertias: Sequence[BodyInertia] | None = None,
 ) -> list[JointWrench]:
     """Return what each link lacks for its motion: inertia and weight less what acts on it.
 
     Parameters are those of :func:`inverse_dynamics`; forces act at the link's origin.
     """
     tree = kinematics.tree
-    own = inertias or [inertia.of_body(item.body) for item in tree.links]
+    own = inertias or inertias_of(tree)
     applied: dict[int, list[Wrench]] = defaultdict(list)
     for wrench in wrenches:
         applied[tree.body_link[wrench.body]].append(wrench)
@@ -86,71 +123,3 @@ def needed_wrenches(
             force, torque = force - wrench.force, torque - wrench.torque
         needed.append(JointWrench(force, torque))
     return needed
-
-
-def mass_matrix(
-    kinematics: Kinematics, names: set[str], inertias: Sequence[Inertia] | None = None
-) -> dict[tuple[str, str], Scalar]:
-    """Return the entries of M between the named coordinates, both triangles, nonzero ones.
-
-    Only pairs on one branch of the tree have entries. ``inertias`` are those of the links,
-    about their origins and in their axes; those of the bodies if None.
-    """
-    tree = kinematics.tree
-    composite = list(inertias or (inertia.of_body(item.body) for item in tree.links))
-    entries: dict[tuple[str, str], Scalar] = {}
-    for link in reversed(range(len(tree.links))):
-        item = tree.links[link]
-        if item.parent >= 0:
-            moved = composite[link].in_parent(
-                kinematics.link_rotation(link), kinematics.link_arm(link)
-            )
-            composite[item.parent] = composite[item.parent] + moved
-        if item.joint is not None and item.joint.name in names:
-            column = unit_column(kinematics, link, composite[link], names)
-            for other, value in column.items():
-                entries[item.joint.name, other] = value
-                entries[other, item.joint.name] = value
-    return {pair: value for pair, value in entries.items() if not value.is_zero()}
-
-
-def unit_column(
-    kinematics: Kinematics, link: int, composite: Inertia, names: set[str]
-) -> dict[str, Scalar]:
-    """Return the forces on the named coordinates that a unit acceleration of one needs.
-
-    Parameters
-    ----------
-    kinematics
-        Kinematics of the tree.
-    link
-        Link whose joint accelerates.
-    composite
-        Inertia of the link with all beyond it, about the link's origin.
-    names
-        Coordinates whose forces are asked for; those from the link down to the ground have one.
-    """
-    links = kinematics.tree.links
-    wrench = unit_wrench(kinematics, link, composite)
-    found: dict[str, Scalar] = {}
-    below = link
-    while below >= 0:
-        joint = links[below].joint
-        if joint is not None and joint.name in names:
-            found[joint.name] = wrench.along(kinematics, below)
-        wrench = wrench.in_parent(kinematics, below)
-        below = links[below].parent
-    return found
-
-
-def unit_wrench(kinematics: Kinematics, link: int, composite: Inertia) -> JointWrench:
-    """Return what a unit acceleration of a link's coordinate needs, at its origin and axes."""
-    axes = kinematics.link_axes(link)
-    parts = []
-    if axes.angular is not None:
-        force = ops.cross(axes.angular, composite.moment)
-        parts.append(JointWrench(force, composite.matrix @ axes.angular))
-    if axes.linear is not None:
-        torque = ops.cross(composite.moment, axes.linear)
-        parts.append(JointWrench(composite.mass * axes.linear, torque))
-    return parts[0] if len(parts) == 1 else parts[0].added_to(parts[1])

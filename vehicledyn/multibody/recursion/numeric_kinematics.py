@@ -14,9 +14,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from vehicledyn.base.numbers.quaternions import from_rows, multiplied, rotated
+from vehicledyn.base.numbers.quaternions import about, from_rows, multiplied, rotated
 from vehicledyn.multibody.joints.joint_type import JointType, joint_type
 from vehicledyn.multibody.joints.numeric_joint import displacements, quaternions
+from vehicledyn.multibody.model.deformation import Station
 from vehicledyn.multibody.model.symbols import declare, locked
 from vehicledyn.multibody.model.system import System
 from vehicledyn.multibody.model.tree import unfold
@@ -52,7 +53,11 @@ class Skeleton:
     @property
     def coordinates(self) -> tuple[str, ...]:
         """Names of the coordinates that the poses follow from."""
-        names = [n for link in self.links for n in (link["coordinate"], *link.get("positions", ()))]
+        names = [
+            n
+            for link in self.links
+            for n in (link["coordinate"], *link.get("positions", ()), *_amplitudes(link))
+        ]
         return tuple(dict.fromkeys(name for name in names if name))
 
     def poses(self, values: Mapping[str, Array]) -> Poses:
@@ -77,6 +82,8 @@ class Skeleton:
             slide = None if joint is None else displacements(joint, value)
             if slide is not None:
                 position = position + rotated(turned, slide)
+            if "point" in link:
+                position, turned = _deflected(link["point"], position, turned, values)
             before.append((position, turned))
             if link.get("positions"):
                 value = np.stack([values[name] for name in link["positions"]], axis=1)
@@ -96,6 +103,30 @@ class Skeleton:
             np.stack([quaternion for _, quaternion in chosen], axis=1),
             np.stack(turns, axis=1),
         )
+
+
+def _amplitudes(link: Mapping[str, Any]) -> list[str]:
+    """Return the coordinates of the deformation that moves a link."""
+    names: list[str] = link.get("point", {}).get("names", [])
+    return names
+
+
+def _deflected(
+    point: Mapping[str, Any], position: Array, turned: Array, values: Mapping[str, Array]
+) -> tuple[Array, Array]:
+    """Return position and attitude of a point of a body that deforms."""
+    q = np.stack([values[name] for name in point["names"]], axis=1)
+    place, linear, quadratic, slopes = (
+        np.array(point[word], dtype=float) for word in ("position", "linear", "quadratic", "slopes")
+    )
+    moved = place + q @ linear.T
+    moved[:, 0] += np.einsum("ni,ij,nj->n", q, quadratic, q)
+    twist, about_y, about_z = (q @ slopes.T).T
+    along = np.sqrt(np.maximum(1.0 - about_y**2 - about_z**2, 0.0))
+    bend = np.stack([1.0 + along, np.zeros_like(along), about_y, about_z], axis=1)
+    bend /= np.linalg.norm(bend, axis=1, keepdims=True)
+    spin = about(np.array([1.0, 0.0, 0.0]), twist)
+    return position + rotated(turned, moved), multiplied(multiplied(turned, bend), spin)
 
 
 def _turned(quaternions: Array, rows: Any) -> Array:
@@ -123,6 +154,7 @@ def raw_skeleton(system: System) -> dict[str, Any]:
                 "value": joint.start if joint and is_fixed else 0.0,
                 **({"settings": dict(joint.settings)} if joint and joint.settings else {}),
                 **({"positions": list(joint.positions)} if joint and joint.siblings else {}),
+                **({} if link.station is None else {"point": _point(link.station, fixed)}),
                 "ignored": link.is_ignorable_spin,
             }
         )
@@ -132,16 +164,26 @@ def raw_skeleton(system: System) -> dict[str, Any]:
             continue
         index = tree.body_link[body.name]
         last = tree.links[index]
-        about = last.type.angle_about if last.type is not None and last.after is None else None
+        pin = last.type.angle_about if last.type is not None and last.after is None else None
         bodies.append(
             {
                 "name": body.name,
                 "link": index,
-                "axis": about or 0,
+                "axis": pin or 0,
                 "axes_spin": not last.is_ignorable_spin,
             }
         )
     return {"links": links, "bodies": bodies}
+
+
+def _point(station: Station, fixed: set[str]) -> dict[str, Any]:
+    """Return a point of a deformable body as plain data, without coordinates that are held."""
+    drawn, names = station.flexibility.drawn(station.place), station.flexibility.coordinates
+    kept = [k for k, name in enumerate(names) if name not in fixed]
+    rows = {word: [[row[k] for k in kept] for row in drawn[word]] for word in ("linear", "slopes")}
+    quadratic = [[drawn["quadratic"][i][j] for j in kept] for i in kept]
+    own = [names[k] for k in kept]
+    return {"names": own, "position": drawn["position"], "quadratic": quadratic, **rows}
 
 
 def skeleton_from(plain: Mapping[str, Any]) -> Skeleton:

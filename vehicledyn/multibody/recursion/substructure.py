@@ -19,7 +19,7 @@ from vehicledyn.multibody.model.joint_wrench import JointWrench
 from vehicledyn.multibody.recursion import inertia
 from vehicledyn.multibody.recursion.articulated_inertia import ArticulatedInertia
 from vehicledyn.multibody.recursion.forward_dynamics import TreeProblem
-from vehicledyn.multibody.recursion.newton_euler import unit_wrench
+from vehicledyn.multibody.recursion.mass_matrix import unit_wrench
 from vehicledyn.symbolic import ops, rotations
 from vehicledyn.symbolic.elimination import Condensed, Rows, condense_symmetric
 from vehicledyn.symbolic.ops import Scalar, Vec
@@ -103,7 +103,8 @@ def condense(
     bordered = _Bordered.of(names, {name: influence[name] for name in free - set(names)})
     zero = ops.vector(0.0, 0.0, 0.0)
     columns: dict[int, Columns] = defaultdict(dict)
-    composite = {root: inertia.nothing(), **{k: problem.inertias[k] for k in links}}
+    own = inertia.rigid([problem.inertias[k] for k in links])
+    composite = {root: inertia.nothing(), **dict(zip(links, own, strict=True))}
     lacking = {root: JointWrench(zero, zero), **{k: needed[k] for k in links}}
     for link in reversed(links):
         item, name, wrench, mine = items[link], names_of.get(link), lacking[link], columns[link]

@@ -34,6 +34,8 @@ def solve_loops(
     Parameters are those of :func:`segmented_accelerations`.
     """
     tree = problem.kinematics.tree
+    if tree.has_deformable_bodies:
+        return solve_closed(problem, independent, influence)
     carrier = find_carrier(tree, influence)
     if formulation == "auto" and _freedom(problem, carrier) >= _ENOUGH:
         return segmented_accelerations(problem, carrier, independent, influence)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 
 from vehicledyn.base.problems import Place
 from vehicledyn.files.expressions.algebra import NUMBERS, ExpressionError
@@ -15,7 +15,9 @@ Problems = Iterator[tuple[Place, str]]
 _ROUNDING = 1e-9
 
 
-def inertia_problems(file: SystemFile, parameters: Parameters, driven: set[str]) -> Problems:
+def inertia_problems(
+    file: SystemFile, parameters: Parameters, driven: set[str], carriers: Collection[str] = ()
+) -> Problems:
     """Yield what is wrong with the inertias of bodies, with places.
 
     Parameters
@@ -26,10 +28,12 @@ def inertia_problems(file: SystemFile, parameters: Parameters, driven: set[str])
         The parameters, those without mistakes.
     driven
         Names of the coordinates that drives move.
+    carriers
+        Names of the bodies that bodies of elements hang on.
     """
     yield from _inertias(file, parameters)
     yield from _spins(file)
-    yield from _massless_ends(file, parameters, driven)
+    yield from _massless_ends(file, parameters, driven, carriers)
 
 
 def _inertias(file: SystemFile, parameters: Parameters) -> Problems:
@@ -66,10 +70,12 @@ def _spins(file: SystemFile) -> Problems:
             yield ("bodies", name, "parent"), f"hangs on '{body.parent}', {words}"
 
 
-def _massless_ends(file: SystemFile, parameters: Parameters, driven: set[str]) -> Problems:
+def _massless_ends(
+    file: SystemFile, parameters: Parameters, driven: set[str], carriers: Collection[str]
+) -> Problems:
     """Yield bodies at the end of a chain that can move but resist with no inertia."""
     text = " ".join(str(item) for item in (*file.cuts.values(), *file.constraints.values()))
-    held = _holding(file, text)
+    held = _holding(file, text, carriers)
     for name, body in file.bodies.items():
         moving = [c for c in body.coordinates(name) if c.name not in driven and c.role != "driven"]
         if not moving or name in held or _mentioned(name, body, text):
@@ -85,9 +91,14 @@ def _massless_ends(file: SystemFile, parameters: Parameters, driven: set[str]) -
             yield ("bodies", name), f"{words}; give it an inertia, or drive or drop the coordinate"
 
 
-def _holding(file: SystemFile, text: str) -> set[str]:
+def _holding(file: SystemFile, text: str, carriers: Collection[str]) -> set[str]:
     """Return the bodies that carry one that has mass, is part of a loop or could move itself."""
     holding: set[str] = set()
+    for name in carriers:
+        carrier = name
+        while carrier in file.bodies and carrier not in holding:
+            holding.add(carrier)
+            carrier = file.bodies[carrier].parent
     for name, body in file.bodies.items():
         alone = body.mass is None and not _mentioned(name, body, text)
         if alone and not body.coordinates(name):

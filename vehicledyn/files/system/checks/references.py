@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from typing import Any
 
 from vehicledyn.base.errors import unknown_name
@@ -36,7 +36,7 @@ def check(
     file: SystemFile,
     coordinates: dict[str, Coordinate],
     parameters: Parameters,
-    brought: Iterable[str] = (),
+    brought: Mapping[str, str] | None = None,
 ) -> Problems:
     """Yield what is wrong in a file whose parts are well formed, with places.
 
@@ -49,7 +49,7 @@ def check(
     parameters
         The parameters, those without mistakes.
     brought
-        Names of bodies that elements bring.
+        Parent of each body that elements bring, by name.
     """
     yield from _names(file)
     if file.wheels and "speed" in parameters.declared:
@@ -57,6 +57,7 @@ def check(
         yield ("parameters", "speed"), words
     yield from _coordinates_twice(file)
     yield from tree_problems(file.bodies)
+    brought = brought or {}
     known = _Known(file, coordinates, parameters, brought)
     for item in walk(file, coordinates):
         if isinstance(item, Reference):
@@ -65,7 +66,7 @@ def check(
             yield from _expression(item, known)
     yield from _initial(file, known)
     yield from _drives(file, known)
-    yield from inertia_problems(file, parameters, known.driven)
+    yield from inertia_problems(file, parameters, known.driven, set(brought.values()))
     yield from structure_problems(file, coordinates)
     yield from _switches(file, known)
     yield from _events(file, known)

@@ -1,0 +1,223 @@
+"""Beams against closed forms: deflections, frequencies, stiffening by rotation, buckling loads."""
+
+import numpy as np
+import pytest
+
+from vehicledyn.base.errors import InputError
+from vehicledyn.base.registry import kinds
+from vehicledyn.kernel.kernel import compile_kernel
+from vehicledyn.multibody import GROUND, Body, Joint, ParameterTable, System, TimeLaw, derive
+from vehicledyn.multibody.bodies.beam_sections import Section
+from vehicledyn.multibody.elements.beam import Beam, Material, Modes, Stiffness
+from vehicledyn.multibody.joints.joint_type import joint_kinds, joint_type
+
+LENGTH, MASS, BENDING, TWIST, STRETCH, POLAR = 1.5, 2.0, 50.0, 20.0, 5e4, 0.01
+GIVEN = Stiffness(
+    mass_per_length=MASS, y=BENDING, z=BENDING, twist=TWIST, stretch=STRETCH, polar=POLAR
+)
+PACE = np.sqrt(BENDING / MASS / LENGTH**4)
+"""Bending frequencies are multiples of this [rad/s]."""
+
+
+def kernel_of(*bodies, hub=(), speed=0.0, at=(0.0, 0.0, 0.0), gravity=(0.0, 0.0, 0.0), **settings):
+    """A beam on a hub that turns about the vertical at a speed [rad/s]."""
+    joints = (*hub, Joint("R3", "turn", role="driven"))
+    settings = {"length": LENGTH, "stiffness": GIVEN} | settings
+    beam = Beam("beam", body="hub", at=at, **settings)
+    spin = TimeLaw("spin", "turn", lambda t: speed * t)
+    root = Body("hub", GROUND, joints=joints)
+    made = System("beam", ParameterTable(), (root, *bodies), parts=(beam, spin), gravity=gravity)
+    return compile_kernel(derive(made), backend="interpreted")
+
+
+def matrix_of(kernel, size=1e-6):
+    """Return ∂ẋ/∂x about the start."""
+    x0, none = np.array([s.start for s in kernel.equations.states]), np.zeros(0)
+
+    def rates(step):
+        return kernel.rates(0.0, x0 + step, none)
+
+    return np.array([(rates(size * e) - rates(-size * e)) / (2 * size) for e in np.eye(len(x0))]).T
+
+
+def frequencies(kernel):
+    """Return the frequencies about the start [rad/s], ascending."""
+    return np.sort(np.abs(np.linalg.eigvals(matrix_of(kernel)).imag))[::2]
+
+
+MODEL = [
+    ({"model": "modes"}, {"y": 8, "z": 8, "twist": 8, "stretch": 8}),
+    ({"model": "segments", "segments": 9}, {"z": 1, "stretch": 1}),
+]
+
+
+@pytest.mark.parametrize("direction", ["y", "z"])
+def test_clamped_free(direction):
+    found = frequencies(kernel_of(modes=Modes(**{direction: 8})))[:3] / PACE
+    assert found == pytest.approx([3.51601526850015, 22.0344915646668, 61.6972144135491], rel=3e-6)
+
+
+def test_clamped_free_of_segments():
+    """They converge with the fourth power of their number: 16 are as good as modes."""
+    kernel = kernel_of(model="segments", segments=16, modes=Modes(z=1))
+    assert frequencies(kernel)[:2] / PACE == pytest.approx([3.516015268, 22.0344915647], rel=2e-5)
+
+
+def test_free_free():
+    """The start is free to slide and to turn: the clamped shapes and these motions span all."""
+    loose = (Joint("T3", "lift"), Joint("R2", "pitch"))
+    found = frequencies(kernel_of(hub=loose, modes=Modes(z=8)))[2:4] / PACE
+    assert found == pytest.approx([22.3732854480613, 61.6728228679202], rel=1e-4)
+
+
+@pytest.mark.parametrize(
+    ("modes", "stiffness", "inertia"),
+    [(Modes(twist=8), TWIST, POLAR), (Modes(stretch=8), STRETCH, MASS)],
+)
+def test_twist_and_stretch(modes, stiffness, inertia):
+    found = frequencies(kernel_of(modes=modes))[:3]
+    speed = np.sqrt(stiffness / inertia) / LENGTH
+    assert found == pytest.approx(np.pi * np.array([0.5, 1.5, 2.5]) * speed, rel=2e-5)
+
+
+ROTATING = {
+    0.0: {3: ([4.797279, 23.320264, 62.984967], [3.743512, 23.126493, 62.913481]),
+          12: ([13.170150, 37.603112, 79.614478], [5.427049, 35.636976, 78.704925])},
+}  # fmt: skip
+"""Flap and chord frequencies by hub radius over length and speed; own Legendre-Ritz solution."""
+
+
+@pytest.mark.parametrize("speed", ROTATING[0.0])
+def test_rotation_stiffens_it(speed):
+    """Modes 1 to 3, the chord ones without Coriolis forces: the beam does not stretch."""
+    flap, chord = ROTATING[0.0][speed]
+    for direction, expected in (("z", flap), ("y", chord)):
+        kernel = kernel_of(speed=speed * PACE, modes=Modes(**{direction: 8}))
+        assert frequencies(kernel)[:3] / PACE == pytest.approx(expected, rel=2e-5)
+
+
+def test_a_hub_of_some_radius_stiffens_it_more():
+    """Southwell: ω² = ω₀² + S Ω², S of the clamped-free mode, is below the first frequency.
+
+    The upper bound is the Ritz quotient of the same mode; both enclose it within a per cent.
+    """
+    speed, radius = 3.0, 1.0
+    kernel = kernel_of(speed=speed * PACE, at=(radius * LENGTH, 0.0, 0.0), modes=Modes(z=8))
+    found = frequencies(kernel)[0] / PACE
+    # ∫ φ'² (r (1 - ξ) + (1 - ξ²)/2) dξ of the first mode, by quadrature of its closed form.
+    b = 1.8751040687119611
+    sigma = (np.cosh(b) + np.cos(b)) / (np.sinh(b) + np.sin(b))
+    x = np.linspace(0.0, 1.0, 4001)
+    slope = b * (np.sinh(b * x) + np.sin(b * x) - sigma * (np.cosh(b * x) - np.cos(b * x)))
+    pull = slope**2 * (radius * (1.0 - x) + 0.5 * (1.0 - x**2))
+    upper = np.sqrt(b**4 + speed**2 * np.trapezoid(pull, x))
+    assert 0.995 * upper < found < upper
+
+
+@pytest.mark.parametrize("ratio", [0.1, 1.0])
+def test_a_body_at_its_end_slows_it(ratio):
+    """beam_closed_forms.csv: 1 + c ch + r β (c sh - s ch) = 0."""
+    expected = {
+        0.1: [2.96783834677597, 19.3558010098773, 55.5182455487865],
+        1.0: [1.55729786119892, 16.2500851582386, 50.895842831216],
+    }
+    tip = Body("load", "beam.tip", mass=ratio * MASS * LENGTH)
+    found = frequencies(kernel_of(tip, modes=Modes(z=8)))[:3] / PACE
+    assert found == pytest.approx(expected[ratio], rel=1e-5)
+
+
+@pytest.mark.parametrize(("settings", "counts"), MODEL)
+def test_static_deflection(settings, counts):
+    """Sag and slope of a heavy cantilever, q L⁴/8 E I, and its stretch where it hangs."""
+    g = 1e-6
+    few = {name: min(count, 4) for name, count in counts.items()}
+    kernel = kernel_of(gravity=(g, 0.0, -g), modes=Modes(**few), **settings)
+    e = kernel.equations
+    n, x = len(e.states) // 2, np.zeros(len(e.states))
+    matrix, rates = matrix_of(kernel), kernel.rates(0.0, x, np.zeros(0))
+    x[:n] = -np.linalg.solve(matrix[n:, :n], rates[n:])
+    seen = dict(zip([c.name for c in e.channels], kernel.outputs(0.0, x, np.zeros(0)), strict=True))
+    assert seen["beam.tip_z"] == pytest.approx(-MASS * g * LENGTH**4 / (8 * BENDING), rel=1e-4)
+    assert seen["beam.tip_x"] == pytest.approx(MASS * g * LENGTH**2 / (2 * STRETCH), rel=2e-3)
+
+
+def test_a_tip_force_buckles_it_sideways():
+    """P L²/√(E I_minor G J) = 4.0126 for a narrow strip: its lateral frequency vanishes there."""
+    strip = Stiffness(mass_per_length=MASS, y=1.0, z=1e6, twist=2.0, polar=0.1)
+    critical = 4.0125993435789 * np.sqrt(2.0) / LENGTH**2
+
+    def lateral(load):
+        """Return the least ω² of bending along y and twist under a dead tip force along z."""
+        mass = 1e4
+        tip = Body("load", "beam.tip", mass=mass)
+        kernel = kernel_of(
+            tip, gravity=(0.0, 0.0, -load / mass), stiffness=strip,
+            modes=Modes(y=5, z=3, twist=4),
+        )  # fmt: skip
+        e = kernel.equations
+        n, x = len(e.states) // 2, np.zeros(len(e.states))
+        bent = [k for k, s in enumerate(e.states[:n]) if ".z_" in s.name]
+        matrix, rates = matrix_of(kernel), kernel.rates(0.0, x, np.zeros(0))
+        rows = [n + k for k in bent]
+        x[bent] = -np.linalg.solve(matrix[np.ix_(rows, bent)], rates[rows])
+        side = [k for k in range(n) if k not in bent]
+
+        def push(amplitudes):
+            y = x.copy()
+            y[side] = amplitudes
+            return kernel.rates(0.0, y, np.zeros(0))[n:][side]
+
+        slopes = [(push(1e-5 * d) - push(-1e-5 * d)) / 2e-5 for d in np.eye(len(side))]
+        return np.linalg.eigvals(-np.array(slopes).T).real.min()
+
+    low, high = lateral(0.999 * critical), lateral(1.001 * critical)
+    assert low > 0.0 > high
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        ({"stiffness": None}, "give a section or a stiffness, not neither"),
+        ({"section": Section(shape="circle", radius=0.1)}, "not both"),
+        ({"modes": Modes()}, "would be rigid"),
+        ({"modes": Modes(z=13)}, "not independent"),
+        ({"frames": (1.2,)}, "1.2 is beyond the beam"),
+        ({"stiffness": Stiffness(mass_per_length=1.0, y=1.0)}, "no stiffness in it"),
+        ({"material": Material(density=1.0, young=1.0)}, "leave it out"),
+    ],
+)
+def test_what_is_no_beam_is_refused(change, words):
+    settings = {"length": LENGTH, "stiffness": GIVEN, "modes": Modes(z=2)} | change
+    with pytest.raises(InputError, match=words):
+        Beam("beam", body=GROUND, **settings)
+
+
+def test_a_body_hangs_on_frames_only():
+    with pytest.raises(InputError, match="which deforms; hang it on a frame"):
+        kernel_of(Body("load", "beam", mass=1.0), modes=Modes(z=2))
+
+
+@pytest.mark.parametrize("kind", kinds("deformation_type"))
+def test_a_coordinate_of_a_deformation_is_no_joint(kind):
+    found = [joint_type(kind, {"measure": unit}) for unit in ("m", "rad")]
+    assert not any(item.makes_link for item in found)
+    assert [item.force_unit for item in found] == ["N", "N*m"]
+    assert kind not in joint_kinds()
+
+
+def test_sections():
+    """Areas, moments and torsion constants against handbooks (Young, Budynas, table 10.1)."""
+    square = Section(shape="rectangle", width=2.0, height=2.0).numbers
+    assert square.torsion == pytest.approx(0.140577 * 16.0, rel=1e-5)
+    strip = Section(shape="rectangle", width=1.0, height=10.0).numbers
+    assert (strip.along_y, strip.along_z) == pytest.approx((10.0 / 12.0, 1000.0 / 12.0))
+    assert strip.torsion == pytest.approx(0.312 * 10.0, rel=2e-3)
+    tube = Section(shape="tube", radius=2.0, thickness=1.0).numbers
+    assert (tube.area, tube.torsion) == pytest.approx((3.0 * np.pi, 7.5 * np.pi))
+    beam = Section(shape="i_section", width=4.0, height=10.0, web=0.5, flange=1.0).numbers
+    assert beam.area == pytest.approx(12.0)
+    assert beam.along_z == pytest.approx(2.0 * (4.0 / 12.0 + 4.0 * 4.5**2) + 0.5 * 8.0**3 / 12.0)
+    with pytest.raises(InputError, match="a circle needs its radius"):
+        Section(shape="circle")
+    with pytest.raises(InputError, match="a circle has no height"):
+        Section(shape="circle", radius=1.0, height=2.0)

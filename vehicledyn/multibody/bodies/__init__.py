@@ -1,0 +1,1 @@
+"""Deformable bodies: shapes, sections and how the recursions see them."""

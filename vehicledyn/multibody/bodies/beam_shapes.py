@@ -1,0 +1,104 @@
+"""Assumed shapes of a beam over its length: polynomials that are clamped at the start.
+
+A shape is a polynomial of ξ = x/L in 0 to 1. Of all polynomials of some degree that a clamped
+start allows, those are taken that are orthogonal in mass and in stiffness (Rayleigh, Ritz), slowest
+first: with no spare degree they span every polynomial of that degree, with many spare ones they
+are the eigenfunctions of the clamped beam.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+from numpy.polynomial import legendre
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+SPARE = 10
+"""Spare degree from which shapes are eigenfunctions to eight digits."""
+
+
+@dataclass(frozen=True, eq=False)
+class Shapes:
+    """Shapes φ_k(ξ) with ∫ φ_i φ_j dξ = δ_ij and ∫ φ_i⁽ᵐ⁾ φ_j⁽ᵐ⁾ dξ = λ_k δ_ij.
+
+    ``coefficients`` are those of Legendre polynomials of 2 ξ - 1, a column a shape; ``stiffness``
+    are the λ_k; m is 2 for bending and 1 for twist and stretch.
+    """
+
+    coefficients: Array
+    stiffness: Array
+
+    @property
+    def count(self) -> int:
+        """Number of shapes."""
+        return int(self.coefficients.shape[1])
+
+    @property
+    def degree(self) -> int:
+        """Degree of the polynomials."""
+        return len(self.coefficients) - 1 if self.count else 0
+
+    def values(self, place: float, derivative: int = 0) -> Array:
+        """Return φ_k or a derivative by ξ at a place, shape (count,)."""
+        return np.asarray(self.at(np.array([place]), derivative)[0])
+
+    def at(self, places: Array, derivative: int = 0) -> Array:
+        """Return φ_k or a derivative by ξ at places of shape (n,), shape (n, count)."""
+        if not self.count:
+            return np.zeros((len(places), 0))
+        turned = legendre.legder(self.coefficients, derivative, scl=2.0)
+        return np.asarray(legendre.legval(2.0 * places - 1.0, turned).T)
+
+    def shortening(self, place: float) -> Array:
+        """Return ∫ φ_i' φ_j' dξ from 0 to a place, shape (count, count)."""
+        points, weights = quadrature(self.degree + 1)
+        slopes = self.at(place * points, 1)
+        return np.asarray(place * (slopes.T * weights) @ slopes)
+
+
+@lru_cache(maxsize=32)
+def quadrature(count: int) -> tuple[Array, Array]:
+    """Return places from 0 to 1 and weights of a Gauss quadrature, shape (count,) each."""
+    places, weights = np.polynomial.legendre.leggauss(count)
+    return 0.5 * (1.0 + places), 0.5 * weights
+
+
+@lru_cache(maxsize=64)
+def assumed_shapes(count: int, order: int, spare: int = 0) -> Shapes:
+    """Return the first shapes of a beam that is clamped at ξ = 0.
+
+    Parameters
+    ----------
+    count
+        Number of shapes.
+    order
+        Order of the derivative whose square is the strain energy: 2 for bending, 1 for twist and
+        stretch.
+    spare
+        Polynomials beyond ``count`` to compose them of.
+    """
+    size = count + spare
+    if not count:
+        return Shapes(np.zeros((1, 0)), np.zeros(0))
+    basis = np.eye(size)
+    for _ in range(order):
+        basis = _times_place(basis)
+    points, weights = quadrature(size + order + 1)
+    parts = Shapes(basis, np.zeros(size))
+    moved, bent = parts.at(points), parts.at(points, order)
+    mass, stiff = ((item.T * weights) @ item for item in (moved, bent))
+    root = np.linalg.inv(np.linalg.cholesky(mass))
+    found, vectors = np.linalg.eigh(root @ stiff @ root.T)
+    chosen = basis @ (root.T @ vectors)[:, :count]
+    ends = np.sign(legendre.legval(1.0, chosen))
+    return Shapes(chosen * ends, found[:count])
+
+
+def _times_place(columns: Array) -> Array:
+    """Return the coefficients of polynomials times ξ = (1 + (2 ξ - 1)) / 2, column by column."""
+    made = [0.5 * legendre.legadd(c, legendre.legmulx(c)) for c in columns.T]
+    return np.array([np.pad(c, (0, len(columns) + 1 - len(c))) for c in made]).T

@@ -1,0 +1,258 @@
+"""A straight beam of assumed modes: its points, its mass and its elastic forces.
+
+With ξ = x/L and shapes φ_k, the axis deflects by v = Σ φ_k q_k along y and by w along z, is
+stretched by s and its sections twist by ϑ. To second order the point x of the axis stands at
+
+    p = (x + s - ½ ∫ (v'² + w'²) dx, v, w),
+
+whose foreshortening lets axial forces stiffen or buckle the beam. A section turns by the shortest
+rotation that brings the first axis to the tangent (√(1 - v'² - w'²), v', w') and then by the twist
+about it. Sections have no inertia across the axis and stay at right angles to it (Euler,
+Bernoulli).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vehicledyn.multibody.bodies.beam_shapes import Shapes, quadrature
+from vehicledyn.multibody.model.deformation import AxialInertia, Deflection, Flexibility, Slice
+from vehicledyn.symbolic import ops, rotations
+from vehicledyn.symbolic.ops import Mat, Scalar, Vec
+
+Array = NDArray[np.float64]
+DIRECTIONS = ("y", "z", "twist", "stretch")
+_ROUNDING = 1e-13
+
+
+@dataclass(frozen=True)
+class BeamStiffness:
+    """E I for deflections along y and z [N m²], G J [N m²] and E A [N]."""
+
+    y: Scalar
+    z: Scalar
+    twist: Scalar
+    stretch: Scalar
+
+
+@dataclass(frozen=True, eq=False)
+class ModalBeam(Flexibility):
+    """A straight, uniform beam along the first axis of its frame, clamped to it at x = 0.
+
+    ``by_direction`` are the shapes of each of :data:`DIRECTIONS`, ``polar`` is the inertia of the
+    sections about the axis over the length [kg m].
+    """
+
+    name: str
+    length: Scalar
+    mass_per_length: Scalar
+    polar: Scalar
+    stiffness: BeamStiffness
+    by_direction: dict[str, Shapes]
+
+    @cached_property
+    def coordinates(self) -> tuple[str, ...]:
+        """Names of the coordinates, direction by direction."""
+        return tuple(
+            f"{self.name}.{direction}_{k + 1}"
+            for direction in DIRECTIONS
+            for k in range(self.by_direction[direction].count)
+        )
+
+    @cached_property
+    def ranges(self) -> dict[str, range]:
+        """Indices of the coordinates of each direction."""
+        found, start = {}, 0
+        for direction in DIRECTIONS:
+            count = self.by_direction[direction].count
+            found[direction] = range(start, start + count)
+            start += count
+        return found
+
+    @property
+    def mass(self) -> Scalar:
+        """Mass [kg]."""
+        return self.mass_per_length * self.length
+
+    @property
+    def axial(self) -> AxialInertia:
+        """Inertia of the sections about the axis, which the twist adds to."""
+        whole, twist = self.polar * self.length, self.by_direction["twist"]
+        points, weights = quadrature(self._points)
+        means = sum(w * twist.values(x) for x, w in zip(points, weights, strict=True))
+        own = self.ranges["twist"]
+        return AxialInertia(
+            whole,
+            {k: whole * float(means[j]) for j, k in enumerate(own)},
+            dict.fromkeys(own, whole),
+        )
+
+    @property
+    def _points(self) -> int:
+        """Number of points of the quadrature: shapes and the moment of the shortening exactly."""
+        return max(item.degree for item in self.by_direction.values()) + 1
+
+    def slices(self, q: Sequence[Scalar]) -> list[Slice]:
+        """Return the mass at the points of a Gauss quadrature."""
+        points, weights = quadrature(self._points)
+        found = []
+        for x, weight in zip(points, weights, strict=True):
+            position, linear = self._axis(float(x), q)
+            found.append(Slice(float(weight), position, linear))
+        return found
+
+    def _axis(self, place: float, q: Sequence[Scalar]) -> tuple[Vec, dict[int, Vec]]:
+        """Return where a point of the axis stands, with its derivatives."""
+        across = {"y": ops.scalar(0.0), "z": ops.scalar(0.0)}
+        along = place * self.length
+        linear: dict[int, Vec] = {}
+        for j, k in enumerate(self.ranges["stretch"]):
+            shape = float(self.by_direction["stretch"].values(place)[j])
+            along = along + shape * q[k]
+            linear[k] = ops.vector(shape, 0.0, 0.0)
+        for axis, direction in enumerate(("y", "z"), 1):
+            own, items = self.by_direction[direction], self.ranges[direction]
+            values, metric = own.values(place), own.shortening(place)
+            amplitudes = [q[k] for k in items]
+            for j, k in enumerate(items):
+                across[direction] = across[direction] + float(values[j]) * q[k]
+                pull = _weighted(metric[j], amplitudes) / self.length
+                along = along - 0.5 * pull * q[k]
+                moved = [-pull, 0.0, 0.0]
+                moved[axis] = float(values[j])
+                linear[k] = ops.vector(*moved)
+        return ops.vector(along, across["y"], across["z"]), linear
+
+    def deflection(self, place: float, q: Sequence[Scalar]) -> Deflection:
+        """Return where the section at ``place`` L stands."""
+        position, linear = self._axis(place, q)
+        slopes = [ops.scalar(0.0)] * 3
+        given: dict[int, tuple[int, Scalar]] = {}
+        for index, direction in enumerate(("y", "z", "twist")):
+            order = 0 if direction == "twist" else 1
+            values = self.by_direction[direction].values(place, order)
+            for j, k in enumerate(self.ranges[direction]):
+                share = float(values[j]) / (self.length if order else 1.0)
+                slopes[index] = slopes[index] + share * q[k]
+                given[k] = (index, share)
+        rotation, turned = _section_rotation(slopes, has=[bool(self.ranges[d]) for d in DIRECTIONS])
+        angular = {k: turned[index] * share for k, (index, share) in given.items()}
+        return Deflection(position, rotation, linear, angular)
+
+    def elastic_forces(
+        self, q: Sequence[Scalar], rates: Sequence[Scalar], damping: Scalar
+    ) -> list[Scalar]:
+        """Return elastic and damping forces on the coordinates [N or N m].
+
+        Parameters
+        ----------
+        q, rates
+            Amplitudes and their rates.
+        damping
+            Damping ratio of each mode [1].
+        """
+        found: list[Scalar] = []
+        for direction in DIRECTIONS:
+            own = self.by_direction[direction]
+            power = 3 if direction in ("y", "z") else 1
+            inertia = (self.polar if direction == "twist" else self.mass_per_length) * self.length
+            for j, k in enumerate(self.ranges[direction]):
+                modulus = getattr(self.stiffness, direction)
+                stiffness = float(own.stiffness[j]) * modulus / self.length**power
+                resistance = 2.0 * damping * ops.sqrt(stiffness * inertia)
+                found.append(-stiffness * q[k] - resistance * rates[k])
+        coupling = self._coupling_energy(q)
+        if coupling is None:
+            return found
+        slope = ops.dense(ops.jacobian(coupling, ops.column(list(q))))
+        return [force - slope[k] for k, force in enumerate(found)]
+
+    def _coupling_energy(self, q: Sequence[Scalar]) -> Scalar | None:
+        """Return the strain energy beyond that of each direction by itself.
+
+        A section that is twisted bends about its own axes, v'' + ϑ w'' and w'' - ϑ v'', and bending
+        in both planes twists it by ½ (v'' w' - w'' v').
+        """
+        counts = [len(self.ranges[d]) for d in ("y", "z", "twist")]
+        if not (counts[0] and counts[1] and counts[2]):
+            return None
+        points, weights = quadrature(self._points + max(counts))
+        total = ops.scalar(0.0)
+        for x, weight in zip(points, weights, strict=True):
+            bent = {d: self._along(d, float(x), q, 2) / self.length**2 for d in ("y", "z")}
+            slope = {d: self._along(d, float(x), q, 1) / self.length for d in ("y", "z")}
+            twist = self._along("twist", float(x), q, 0)
+            rate = self._along("twist", float(x), q, 1) / self.length
+            wound = 0.5 * (bent["y"] * slope["z"] - bent["z"] * slope["y"])
+            y, z = bent["y"] + twist * bent["z"], bent["z"] - twist * bent["y"]
+            s = self.stiffness
+            gained = s.y * (y * y - bent["y"] * bent["y"]) + s.z * (z * z - bent["z"] * bent["z"])
+            gained = gained + s.twist * wound * (2.0 * rate + wound)
+            total = total + 0.5 * float(weight) * gained
+        return total * self.length
+
+    def _along(self, direction: str, place: float, q: Sequence[Scalar], derivative: int) -> Scalar:
+        values = self.by_direction[direction].values(place, derivative)
+        return _weighted(values, [q[k] for k in self.ranges[direction]])
+
+    def drawn(self, place: float) -> dict[str, Any]:
+        """Return a point of the axis as plain data."""
+        count = len(self.coordinates)
+        linear = [[0.0] * count for _ in range(3)]
+        turned: list[list[Any]] = [[0.0] * count for _ in range(3)]
+        quadratic: list[list[Any]] = [[0.0] * count for _ in range(count)]
+        for row, direction in enumerate(("stretch", "y", "z")):
+            for j, k in enumerate(self.ranges[direction]):
+                linear[row][k] = float(self.by_direction[direction].values(place)[j])
+        for j, k in enumerate(self.ranges["twist"]):
+            turned[0][k] = float(self.by_direction["twist"].values(place)[j])
+        for row, sign, direction in ((2, 1.0, "y"), (1, -1.0, "z")):
+            slopes = self.by_direction[direction].values(place, 1)
+            metric = self.by_direction[direction].shortening(place)
+            for j, k in enumerate(self.ranges[direction]):
+                turned[row][k] = sign * float(slopes[j]) / self.length
+                for i, other in enumerate(self.ranges[direction]):
+                    quadratic[k][other] = -0.5 * float(metric[j, i]) / self.length
+        position = [place * self.length, 0.0, 0.0]
+        return {"position": position, "linear": linear, "quadratic": quadratic, "slopes": turned}
+
+
+def _weighted(factors: Sequence[float] | Array, values: Sequence[Scalar]) -> Scalar:
+    total = ops.scalar(0.0)
+    for factor, value in zip(factors, values, strict=True):
+        if abs(factor) > _ROUNDING:
+            total = total + float(factor) * value
+    return total
+
+
+def _section_rotation(slopes: Sequence[Scalar], has: Sequence[bool]) -> tuple[Mat, list[Vec]]:
+    """Return the rotation of a section and its axes of rotation by v', w' and ϑ, in its own axes.
+
+    In one plane without twist the rotation is a turn about the axis across the plane.
+    """
+    a, b, twist = slopes
+    c = ops.sqrt(1.0 - a * a - b * b)
+    nothing = ops.vector(0.0, 0.0, 0.0)
+    if not has[1] and not has[2]:
+        return rotations.turn_by(3, c, a), [ops.vector(0.0, 0.0, 1.0 / c), nothing, nothing]
+    if not has[0] and not has[2]:
+        return rotations.turn_by(2, c, -b), [nothing, ops.vector(0.0, -1.0 / c, 0.0), nothing]
+    s = 1.0 / (1.0 + c)
+    bend = rotations.matrix(
+        [[c, -a, -b], [a, 1.0 - a * a * s, -a * b * s], [b, -a * b * s, 1.0 - b * b * s]]
+    )
+    # In the section's axes the shortest rotation turns with
+    # (0, -ḃ, ȧ) - ċ s (0, -b, a) - s (a ḃ - b ȧ, 0, 0) at c² = 1 - a² - b².
+    r = s / c
+    by_a = ops.vector(b * s, -a * b * r, 1.0 + a * a * r)
+    by_b = ops.vector(-a * s, -1.0 - b * b * r, a * b * r)
+    turn = rotations.turn(1, twist) if has[2] else rotations.identity()
+    whole = bend @ turn
+    found = [turn.T @ by_a, turn.T @ by_b, ops.vector(1.0, 0.0, 0.0)]
+    return whole, found

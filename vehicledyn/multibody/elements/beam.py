@@ -1,0 +1,262 @@
+"""Beams: straight, uniform, in space, by assumed modes or by rigid segments with springs."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from itertools import pairwise
+from typing import Literal
+
+from vehicledyn.base.errors import InputError
+from vehicledyn.base.registry import register
+from vehicledyn.base.shapes import Anchor, Shape, Tube
+from vehicledyn.multibody.bodies.beam_sections import Section
+from vehicledyn.multibody.bodies.beam_shapes import SPARE, assumed_shapes
+from vehicledyn.multibody.bodies.modal_beam import DIRECTIONS, BeamStiffness, ModalBeam
+from vehicledyn.multibody.bodies.segmented_beam import SegmentedBeam
+from vehicledyn.multibody.joints.deformation import DEFORMATION
+from vehicledyn.multibody.model.bodies import Body, Joint, Turn
+from vehicledyn.multibody.model.declaration import ORIGIN, body_name, choice, group, number, vector
+from vehicledyn.multibody.model.parts import BasePart, Loads, Output, Situation
+from vehicledyn.symbolic import ops, rotations
+from vehicledyn.symbolic.equations import Channel
+from vehicledyn.symbolic.ops import Scalar
+
+MOST_MODES = 12
+"""Modes of a direction beyond which the shapes of polynomials are no longer told apart."""
+_DRAWN = 8
+"""Pieces that a beam of assumed modes is drawn of."""
+_UNITS = {"y": "m", "z": "m", "twist": "rad", "stretch": "m"}
+_WORDS = {"y": "bending along y", "z": "bending along z", "twist": "twist", "stretch": "stretch"}
+
+
+@dataclass(frozen=True, kw_only=True)
+class Material:
+    """An isotropic, linearly elastic material."""
+
+    density: Scalar = number("kg/m^3", "Density", above=0.0)
+    young: Scalar = number("Pa", "Young's modulus E", above=0.0)
+    poisson: Scalar = number("1", "Poisson's ratio", default=0.3, least=0.0)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Stiffness:
+    """Stiffness and mass of a beam whose section is given by them."""
+
+    mass_per_length: Scalar = number("kg/m", "Mass over length", above=0.0)
+    y: Scalar = number("N*m^2", "E I for deflections along y", default=0.0, least=0.0)
+    z: Scalar = number("N*m^2", "E I for deflections along z", default=0.0, least=0.0)
+    twist: Scalar = number("N*m^2", "Torsion stiffness G J", default=0.0, least=0.0)
+    stretch: Scalar = number("N", "Axial stiffness E A", default=0.0, least=0.0)
+    polar: Scalar = number(
+        "kg*m", "Inertia of the sections about the axis, over length", default=0.0, least=0.0
+    )
+
+
+@dataclass(frozen=True, kw_only=True)
+class Modes:
+    """Number of modes in each direction; none lets the beam be rigid in it."""
+
+    y: int = choice("Modes of bending along y", default=0, least=0)
+    z: int = choice("Modes of bending along z", default=0, least=0)
+    twist: int = choice("Modes of twist", default=0, least=0)
+    stretch: int = choice("Modes of stretch", default=0, least=0)
+
+
+@register("element_type", "beam")
+@dataclass(frozen=True, kw_only=True)
+class Beam(BasePart):
+    """A straight beam, clamped at its start to a point of a body, that bends, twists and stretches.
+
+    Axial forces, as of fast rotation, stiffen or buckle it. Other bodies, forces, sensors and cuts
+    take hold of its frames: `<name>.tip` at its end, and `<name>.frame_1` and so on at the places
+    `frames`. Its section is given by `section` and `material`, or by `stiffness`.
+    """
+
+    body: str = body_name("Body that it is clamped to, or ground")
+    at: Sequence[Scalar] = vector("m", "Where it starts, in the axes of the body", default=ORIGIN)
+    direction: Sequence[Scalar] = vector(
+        "1", "Along the beam, its x axis, in the axes of the body", default=(1.0, 0.0, 0.0)
+    )
+    upwards: Sequence[Scalar] = vector(
+        "1", "A direction in the plane of its x and z axes", default=(0.0, 0.0, 1.0)
+    )
+    length: Scalar = number("m", "Length", above=0.0)
+    section: Section | None = group("Shape of the section", default=None)
+    material: Material | None = group("Material", default=None)
+    stiffness: Stiffness | None = group("Stiffness and mass, in place of a section", default=None)
+    model: Literal["modes", "segments"] = choice(
+        "Assumed modes, or rigid segments with springs between them", default="modes"
+    )
+    modes: Modes = group("Modes of each direction; for segments, where they yield")
+    basis: Literal["polynomials", "eigenfunctions"] = choice(
+        "Shapes of the modes: polynomials, or eigenfunctions of the clamped beam",
+        default="polynomials",
+    )
+    segments: int = choice("Number of segments", default=16, least=1)
+    damping_ratio: Scalar = number("1", "Damping ratio of each mode", default=0.0, least=0.0)
+    frames: tuple[float, ...] = choice(
+        "Places over the length, 0 to 1, of further frames", default=(), unit="1"
+    )
+
+    def __post_init__(self) -> None:
+        """Refuse what no beam can be."""
+        if (self.section is None) == (self.stiffness is None):
+            found = "neither" if self.section is None else "both"
+            raise InputError(f"section: give a section or a stiffness, not {found}")
+        if self.section is not None and self.material is None:
+            raise InputError("material: missing; a section needs density and young of one")
+        if self.section is None and self.material is not None:
+            raise InputError("material: a beam given by its stiffness has none; leave it out")
+        outside = [place for place in self.frames if not 0.0 <= place <= 1.0]
+        if outside:
+            words = f"frames: {outside[0]:g} is beyond the beam; places run from 0 to 1"
+            raise InputError(f"{words} of its length")
+        self._check_modes()
+
+    def _check_modes(self) -> None:
+        counts = self._counts
+        if not any(counts.values()):
+            raise InputError("modes: the beam has none and would be rigid; give it some, or a body")
+        for direction, count in counts.items():
+            if count < 0 or count > MOST_MODES:
+                raise InputError(
+                    f"modes.{direction}: {count} is not from 0 to {MOST_MODES}, beyond which "
+                    "shapes are not independent in double precision; use segments for more"
+                )
+            modulus = getattr(self.numbers, direction)
+            if count and isinstance(modulus, int | float) and modulus <= 0.0:
+                raise InputError(
+                    f"stiffness.{direction}: the beam has modes of {_WORDS[direction]} and no "
+                    f"stiffness in it; give stiffness.{direction} or set modes.{direction} to 0"
+                )
+
+    @property
+    def _counts(self) -> dict[str, int]:
+        return {direction: getattr(self.modes, direction) for direction in DIRECTIONS}
+
+    @cached_property
+    def numbers(self) -> Stiffness:
+        """Stiffness and mass of the section."""
+        if self.stiffness is not None:
+            return self.stiffness
+        if self.section is None or self.material is None:
+            raise InputError("section: missing")
+        s, m = self.section.numbers, self.material
+        shear = m.young / (2.0 * (1.0 + m.poisson))
+        return Stiffness(
+            mass_per_length=m.density * s.area,
+            y=m.young * s.along_y,
+            z=m.young * s.along_z,
+            twist=shear * s.torsion,
+            stretch=m.young * s.area,
+            polar=m.density * (s.along_y + s.along_z),
+        )
+
+    @cached_property
+    def _modal(self) -> ModalBeam:
+        n, spare = self.numbers, SPARE if self.basis == "eigenfunctions" else 0
+        made = {
+            direction: assumed_shapes(
+                count, 2 if direction in ("y", "z") else 1, spare if count else 0
+            )
+            for direction, count in self._counts.items()
+        }
+        stiffness = BeamStiffness(n.y, n.z, n.twist, n.stretch)
+        return ModalBeam(self.name, self.length, n.mass_per_length, n.polar, stiffness, made)
+
+    @cached_property
+    def _segmented(self) -> SegmentedBeam:
+        n = self.numbers
+        stiffness = {d: getattr(n, d) for d, count in self._counts.items() if count}
+        return SegmentedBeam(
+            self.name, self.length, n.mass_per_length, n.polar, stiffness, self.segments
+        )
+
+    @property
+    def _places(self) -> dict[str, float]:
+        own = {f"{self.name}.frame_{j + 1}": place for j, place in enumerate(self.frames)}
+        drawn = range(1, _DRAWN) if self.model == "modes" else ()
+        line = {f"{self.name}.line_{k}": k / _DRAWN for k in drawn}
+        return {**own, **line, f"{self.name}.tip": 1.0}
+
+    @property
+    def _turns(self) -> tuple[Turn, ...]:
+        """Return the turn from the axes of the body to those of the beam, none where they agree."""
+        if tuple(self.direction) == (1.0, 0.0, 0.0) and tuple(self.upwards) == (0.0, 0.0, 1.0):
+            return ()
+        x = ops.unit(ops.vector(*self.direction))
+        y = ops.unit(ops.cross(ops.vector(*self.upwards), x))
+        return (Turn(rotations.columns(x, y, ops.cross(x, y))),)
+
+    def added_bodies(self) -> tuple[Body, ...]:
+        """Return the beam, or its segments, and its frames."""
+        if self.model == "segments":
+            return self._segmented.bodies(self.body, self.at, self._turns, self._places)
+        beam, n = self._modal, self.numbers
+        joints = tuple(
+            Joint(
+                DEFORMATION,
+                beam.coordinates[k],
+                role="independent",
+                description=f"Mode {j + 1} of {_WORDS[direction]} of {self.name}",
+                settings={"measure": _UNITS[direction]},
+            )
+            for direction in DIRECTIONS
+            for j, k in enumerate(beam.ranges[direction])
+        )
+        mass = n.mass_per_length * self.length
+        across = mass * self.length * self.length / 12.0
+        root = Body(
+            self.name,
+            self.body,
+            self.at,
+            (*self._turns, *joints),
+            mass=mass,
+            com=(0.5 * self.length, 0.0, 0.0),
+            inertia=(n.polar * self.length, across, across),
+            apparent_inertia=True,
+            flexibility=beam,
+        )
+        frames = (Body(name, self.name, place=place) for name, place in self._places.items())
+        return (root, *frames)
+
+    def loads(self, situation: Situation) -> Loads:
+        """Return elastic and damping forces on the coordinates."""
+        kinematics = situation.kinematics
+        if self.model == "segments":
+            return Loads(joint_forces=self._segmented.forces(kinematics, self.damping_ratio))
+        names = self._modal.coordinates
+        q, rates = ([of(name) for name in names] for of in (kinematics.coordinate, kinematics.rate))
+        forces = self._modal.elastic_forces(q, rates, ops.scalar(self.damping_ratio))
+        return Loads(joint_forces=dict(zip(names, forces, strict=True)))
+
+    def shapes(self) -> tuple[Shape, ...]:
+        """Return the pieces between points of the deformed axis; segments draw themselves."""
+        if self.model == "segments":
+            return ()
+        ends = [self.name, *(f"{self.name}.line_{k}" for k in range(1, _DRAWN)), f"{self.name}.tip"]
+        radius = None if self.section is None else self.section.reach[0]
+        return tuple(
+            Tube(f"{self.name}.piece_{k + 1}", Anchor(a), Anchor(b), radius, "rod")
+            for k, (a, b) in enumerate(pairwise(ends))
+        )
+
+    def outputs(self, situation: Situation) -> tuple[Output, ...]:
+        """Return how far the end stands from where it is undeformed, in the axes of the start."""
+        tip = f"{self.name}.tip"
+        kinematics = situation.kinematics
+        start = self.name if self.model == "modes" else self._segmented.names[0]
+        pair = kinematics.between(start, tip)
+        reach = pair.rotation(start).T @ (pair.position(tip) - pair.position(start))
+        moved = ops.vector(reach[0] - self.length, reach[1], reach[2])
+        return tuple(
+            Output(
+                Channel(
+                    f"{tip}_{axis}", "m", f"Deflection of the end of {self.name}, {axis}", start
+                ),
+                moved[k],
+            )
+            for k, axis in enumerate("xyz")
+        )

@@ -1,0 +1,133 @@
+"""Deformable bodies in numbers: how their coordinates move their points and their mass."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vehicledyn.multibody.model.deformation import Flexibility
+from vehicledyn.multibody.model.kinematics import Kinematics
+from vehicledyn.symbolic import ops
+from vehicledyn.symbolic.ops import Scalar
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class DeformedNumbers:
+    """Numbers of the links of deformable bodies at a configuration.
+
+    ``stations`` gives the link of each point the columns (angular, linear) of the coordinates in
+    its axes, shape (6, n); ``masses`` gives the link of each body the mass of its points (p,),
+    their places (p, 3) and derivatives (p, 3, n), and the matrix of its axial inertia, which has
+    the shape (n + 1, n + 1).
+    """
+
+    stations: dict[int, Array]
+    masses: dict[int, tuple[Array, Array, Array, Array]]
+
+
+class DeformableRows:
+    """Evaluates the deformable bodies of a tree."""
+
+    def __init__(self, kinematics: Kinematics, inputs: list[Any]) -> None:
+        """Take the kinematics; ``inputs`` are the columns that its expressions depend on."""
+        links = kinematics.tree.links
+        self._stations = [k for k, item in enumerate(links) if item.station is not None]
+        bodies = [(k, item.flexibility) for k, item in enumerate(links)]
+        self._bodies: list[tuple[int, Flexibility]] = [(k, b) for k, b in bodies if b is not None]
+        self._names = {k: kinematics.deforming(k) for k in self._stations}
+        self._names |= {k: body.coordinates for k, body in self._bodies}
+        expressions = [e for k in self._stations for e in self._at_station(kinematics, k)]
+        self._points = [len(kinematics.slices(k)) for k, _ in self._bodies]
+        for k, body in self._bodies:
+            expressions += self._of_body(kinematics, k, body)
+        self._evaluate = ops.numeric(inputs, ops.column(expressions))
+
+    def names(self, link: int) -> tuple[str, ...]:
+        """Return the coordinates of a station's or body's columns."""
+        return self._names[link]
+
+    def at(self, *values: Any) -> DeformedNumbers:
+        """Return the numbers at values of the inputs."""
+        if not self._names:
+            return DeformedNumbers({}, {})
+        numbers = self._evaluate(*values)[:, 0]
+        stations, masses, start = {}, {}, 0
+        for link in self._stations:
+            n = len(self._names[link])
+            stations[link] = numbers[start : start + 6 * n].reshape(n, 6).T
+            start += 6 * n
+        for (link, body), count in zip(self._bodies, self._points, strict=True):
+            n = len(body.coordinates)
+            width = 4 + 3 * n
+            rows = numbers[start : start + count * width].reshape(count, width)
+            start += count * width
+            axial = numbers[start : start + (n + 1) ** 2].reshape(n + 1, n + 1)
+            start += (n + 1) ** 2
+            moved = rows[:, 4:].reshape(count, n, 3).transpose(0, 2, 1)
+            masses[link] = rows[:, 0], rows[:, 1:4], moved, axial
+        return DeformedNumbers(stations, masses)
+
+    def _at_station(self, kinematics: Kinematics, link: int) -> list[Scalar]:
+        motions = dict(kinematics.link_motions(link))
+        found: list[Scalar] = []
+        for name in self._names[link]:
+            axes = motions.get(name)
+            vectors = (None, None) if axes is None else (axes.angular, axes.linear)
+            for vector in vectors:
+                found += [0.0 if vector is None else vector[i] for i in range(3)]
+        return found
+
+    @staticmethod
+    def _of_body(kinematics: Kinematics, link: int, body: Flexibility) -> list[Scalar]:
+        count = range(len(body.coordinates))
+        found: list[Scalar] = []
+        for item in kinematics.slices(link):
+            found += [body.mass * item.share, *(item.position[i] for i in range(3))]
+            for k in count:
+                found += [item.linear[k][i] if k in item.linear else 0.0 for i in range(3)]
+        axial = body.axial
+        found += [axial.whole, *(axial.coupling.get(k, 0.0) for k in count)]
+        for k in count:
+            row = [axial.own.get(k, 0.0) if k == j else 0.0 for j in count]
+            found += [axial.coupling.get(k, 0.0), *row]
+        return found
+
+
+def roots(
+    numbers: tuple[Array, Array, Array, Array],
+    frame: tuple[Array, Array],
+    columns: tuple[Array, Array],
+    own: list[int],
+) -> Array:
+    """Return the rows of A of a body, M = Aᵀ A, over all coordinates.
+
+    Parameters
+    ----------
+    numbers
+        Its mass, see :class:`DeformedNumbers`.
+    frame
+        Rotation and origin of its frame in the world.
+    columns
+        (ω, v of the point at the world's origin) of the frame by q̇, each (3, n_coordinates).
+    own
+        Columns of the coordinates of its deformation.
+    """
+    masses, points, moved, axial = numbers
+    turning, sliding = columns
+    rotation, origin = frame
+    blocks = []
+    for mass, point, motion in zip(masses, points, moved, strict=True):
+        velocity = sliding + np.cross(turning.T, origin + rotation @ point).T
+        velocity[:, own] += rotation @ motion
+        blocks.append(np.sqrt(max(mass, 0.0)) * velocity)
+    sizes, axes = np.linalg.eigh(axial)
+    rates = np.zeros((len(axial), turning.shape[1]))
+    rates[0] = rotation[:, 0] @ turning
+    rates[range(1, len(axial)), own] += 1.0
+    blocks.append(np.sqrt(np.maximum(sizes, 0.0))[:, None] * (axes.T @ rates))
+    return np.vstack(blocks)

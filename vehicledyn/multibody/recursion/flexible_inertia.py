@@ -1,0 +1,179 @@
+"""Inertia of a deformable body: the wrench and the forces on its coordinates that a motion needs.
+
+Its mass stands at points p_j(q), in the axes of its frame; each accelerates by
+a + β p + 2 ω × ṗ + p̈, with the share of every coordinate ∂p/∂q_k. All of it follows from the
+kinetic energy of these points, so that momentum and energy are those of the points exactly. The
+inertia of the sections about the first axis adds its own terms.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+from vehicledyn.multibody.model.bodies import Body
+from vehicledyn.multibody.model.deformation import Flexibility, Slice
+from vehicledyn.multibody.model.joint_wrench import JointWrench
+from vehicledyn.multibody.model.kinematics import Kinematics
+from vehicledyn.multibody.recursion.body_inertia import BodyInertia, LinkMotion
+from vehicledyn.multibody.recursion.inertia import Inertia
+from vehicledyn.symbolic import ops, rotations
+from vehicledyn.symbolic.ops import Mat, Scalar, Vec
+
+_NEGLIGIBLE = 1e-12
+"""Constant below which an entry is the rounding of orthogonal shapes."""
+
+
+@dataclass(frozen=True)
+class FlexibleInertia(BodyInertia):
+    """Inertia of a deformable body about the origin of its frame, at any deformation."""
+
+    body: Flexibility
+
+    def at(self, kinematics: Kinematics, link: int) -> DeformedInertia:
+        """Return it as the body is deformed in a motion."""
+        return DeformedInertia(self.body, kinematics, link)
+
+    def inertial_wrench(self, motion: LinkMotion) -> tuple[Vec, Vec]:
+        """Return force [N] and torque [N m] about the origin that a motion needs."""
+        return self.at(motion.kinematics, motion.link).wrench
+
+    def mass_blocks(self) -> tuple[Mat, Mat, Mat]:
+        """Refuse: the blocks depend on the deformation, see :meth:`at`."""
+        raise ValueError("the mass of a deformable body depends on its deformation")
+
+
+@dataclass(frozen=True)
+class DeformedInertia:
+    """A deformable body in a motion."""
+
+    body: Flexibility
+    kinematics: Kinematics
+    link: int
+
+    @property
+    def slices(self) -> list[Slice]:
+        """The mass as points."""
+        return self.kinematics.slices(self.link)
+
+    @cached_property
+    def rigid(self) -> Inertia:
+        """Inertia with the deformation frozen."""
+        moment, second = _zero(), [[ops.scalar(0.0)] * 3 for _ in range(3)]
+        for item in self.slices:
+            p = item.position
+            moment = moment + item.share * p
+            for i in range(3):
+                for j in range(i, 3):
+                    second[i][j] = second[i][j] + item.share * p[i] * p[j]
+        xx, yy, zz = (self.body.mass * _tidy(second[i][i]) for i in range(3))
+        beside = [-self.body.mass * _tidy(second[i][j]) for i, j in ((0, 1), (0, 2), (1, 2))]
+        about = yy + zz + self.body.axial.whole
+        matrix = rotations.symmetric((about, xx + zz, xx + yy), beside)
+        return Inertia(ops.scalar(self.body.mass), self.body.mass * _tidied(moment), matrix)
+
+    def unit_wrench(self, k: int) -> JointWrench:
+        """Return what the frame must transmit for a unit acceleration of a coordinate."""
+        force, torque = _zero(), _zero()
+        for item in self.slices:
+            if k in item.linear:
+                pushed = item.share * item.linear[k]
+                force = force + pushed
+                torque = torque + ops.cross(item.position, pushed)
+        axial = ops.vector(self.body.axial.coupling.get(k, 0.0), 0.0, 0.0)
+        mass = self.body.mass
+        return JointWrench(mass * _tidied(force), mass * _tidied(torque) + axial)
+
+    def entry(self, k: int, other: int) -> Scalar:
+        """Return the entry of the mass matrix between two coordinates of the deformation."""
+        total = ops.scalar(0.0)
+        for item in self.slices:
+            if k in item.linear and other in item.linear:
+                total = total + item.share * ops.dot(item.linear[k], item.linear[other])
+        own = self.body.axial.own.get(k, 0.0) if k == other else 0.0
+        return self.body.mass * _tidy(total) + own
+
+    @cached_property
+    def wrench(self) -> tuple[Vec, Vec]:
+        """Force and torque about the origin that the motion needs [N, N m]."""
+        force, torque = _zero(), _zero()
+        for item, pushed in zip(self.slices, self._pushes, strict=True):
+            force = force + pushed
+            torque = torque + ops.cross(item.position, pushed)
+        mass = self.body.mass
+        return mass * force, mass * torque + self._axial_torque
+
+    def forces(self) -> list[Scalar]:
+        """Return the force on each coordinate of the deformation that the motion needs."""
+        found = []
+        axial = self.body.axial
+        alpha = self.kinematics.link_angular_acceleration(self.link)
+        second = self.kinematics.amplitude_accelerations(self.link)
+        for k, _ in enumerate(self.body.coordinates):
+            total = ops.scalar(0.0)
+            for item, pushed in zip(self.slices, self._pushes, strict=True):
+                if k in item.linear:
+                    total = total + ops.dot(item.linear[k], pushed)
+            own = axial.coupling.get(k, 0.0) * alpha[0] + axial.own.get(k, 0.0) * second[k]
+            found.append(self.body.mass * total + own)
+        return found
+
+    @cached_property
+    def _pushes(self) -> list[Vec]:
+        """Share of the mass times acceleration of each point [m/s²]."""
+        k, link = self.kinematics, self.link
+        base, beta, omega = k.link_acceleration(link), k.beta(link), k.link_angular_velocity(link)
+        found = []
+        for item, (moving, growth) in zip(self.slices, k.slice_motions(link), strict=True):
+            lift = base + beta @ item.position + 2.0 * ops.cross(omega, moving) + growth
+            lift = lift + k.accelerated(item.linear, link)
+            found.append(item.share * lift)
+        return found
+
+    @property
+    def _axial_torque(self) -> Vec:
+        """Rate of the angular momentum h e of the sections about the first axis, ḣ e + ω × h e."""
+        k, axial = self.kinematics, self.body.axial
+        omega = k.link_angular_velocity(self.link)
+        alpha = k.link_angular_acceleration(self.link)
+        rates, second = k.amplitude_rates(self.link), k.amplitude_accelerations(self.link)
+        held, spun = axial.whole * omega[0], axial.whole * alpha[0]
+        for index, share in axial.coupling.items():
+            held, spun = held + share * rates[index], spun + share * second[index]
+        return ops.vector(spun, omega[2] * held, -(omega[1] * held))
+
+
+def deformable_energies(kinematics: Kinematics, body: Body, gravity: Vec) -> tuple[Scalar, Scalar]:
+    """Return kinetic energy and potential energy in the gravity field of a deformable body [J]."""
+    flexibility = body.flexibility
+    if flexibility is None:
+        raise ValueError(f"body '{body.name}' does not deform")
+    link = kinematics.tree.body_link[body.name]
+    omega, base = kinematics.link_angular_velocity(link), kinematics.link_velocity(link)
+    motions = kinematics.slice_motions(link)
+    kinetic = height = ops.scalar(0.0)
+    for item, (moving, _) in zip(kinematics.slices(link), motions, strict=True):
+        velocity = base + ops.cross(omega, item.position) + moving
+        kinetic = kinetic + 0.5 * item.share * ops.dot(velocity, velocity)
+        where = kinematics.position_in(-1, link, item.position)
+        height = height - item.share * ops.dot(gravity, where)
+    axial, spin = flexibility.axial, ops.scalar(0.5 * flexibility.axial.whole) * omega[0] * omega[0]
+    for k, rate in enumerate(kinematics.amplitude_rates(link)):
+        spin = spin + axial.coupling.get(k, 0.0) * omega[0] * rate
+        spin = spin + 0.5 * axial.own.get(k, 0.0) * rate * rate
+    return flexibility.mass * kinetic + spin, flexibility.mass * height
+
+
+def _zero() -> Vec:
+    return ops.vector(0.0, 0.0, 0.0)
+
+
+def _tidied(vector: Vec) -> Vec:
+    return ops.vector(*(_tidy(vector[k]) for k in range(3)))
+
+
+def _tidy(value: Scalar) -> Scalar:
+    """Return a number, zero for one that is but the rounding of orthogonal shapes."""
+    if value.is_constant() and abs(float(value)) < _NEGLIGIBLE:
+        return ops.scalar(0.0)
+    return value
