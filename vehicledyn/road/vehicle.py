@@ -16,11 +16,10 @@ from vehicledyn.symbolic.ops import Scalar
 class RoadOptions:
     """Parts that a scenario chooses for a road vehicle.
 
-    ``contact`` is "disc", "vertical" or "tangent_plane" (see
+    ``contact`` is "disc", "vertical", "tangent_plane" or "lowest_point" (see
     :class:`vehicledyn.road.wheel.road_wheel.RoadWheel`). ``free_wheels`` says whether the wheels
-    turn freely
-    or at the constant rate speed / unloaded radius; ``speed`` is the forward speed at the start
-    [m/s].
+    turn freely or at the constant rate speed / unloaded radius; ``speed`` is the forward speed at
+    the start [m/s].
     """
 
     front_tyre: Tyre

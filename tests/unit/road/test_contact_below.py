@@ -10,7 +10,11 @@ from vehicledyn.road.surfaces.flat import Flat
 from vehicledyn.road.surfaces.plane import Plane
 from vehicledyn.road.surfaces.sine import Sine
 from vehicledyn.road.wheel.contact import contact_on_plane
-from vehicledyn.road.wheel.contact_below import contact_below, contact_on_tangent_plane
+from vehicledyn.road.wheel.contact_below import (
+    contact_below,
+    contact_of_lowest_point,
+    contact_on_tangent_plane,
+)
 from vehicledyn.symbolic import ops
 
 RADIUS = 0.364325
@@ -106,3 +110,25 @@ def test_the_rules_differ_only_for_wheels_cambered_on_slopes(seed):
 def test_a_wheel_that_lies_on_its_side_stays_finite(kind):
     contact = touch(kind, Flat(), np.array([0.0, 0.0, 0.1]), np.array([0.0, 0.0, 1.0]))
     assert np.all(np.isfinite(numbers(contact.position)))
+
+
+def test_the_lowest_point_lies_its_deflection_below_its_foot_on_the_ground():
+    """On level ground the depth is R cos γ - h, and the point R sin γ beside the centre."""
+    camber, height = 0.2, 0.33
+    axis = ops.vector(0.0, math.cos(camber), math.sin(camber))
+    touch = contact_of_lowest_point(Flat(), ops.vector(1.0, 2.0, height), axis, RADIUS)
+    assert float(touch.deflection) == pytest.approx(RADIUS * math.cos(camber) - height, abs=1e-15)
+    found = numbers(touch.position)
+    assert found == pytest.approx([1.0, 2.0 + RADIUS * math.sin(camber), 0.0], abs=1e-15)
+
+
+@pytest.mark.parametrize("road", ROADS[:2])
+def test_without_camber_the_lowest_point_is_the_contact_of_the_disc(road):
+    normal = np.array([-float(g) for g in road.gradient(0.0, 0.0)] + [1.0])
+    axis = ops.unit(ops.cross(ops.vector(*normal), ops.vector(1.0, 0.3, 0.0)))
+    centre = ops.vector(0.4, 0.7, float(road.height(0.4, 0.7)) + 0.35)
+    one, other = (
+        touch(road, centre, axis, RADIUS) for touch in (contact_of_lowest_point, contact_on_plane)
+    )
+    assert numbers(one.position) == pytest.approx(numbers(other.position), abs=1e-14)
+    assert float(one.deflection) == pytest.approx(float(other.deflection), abs=1e-14)

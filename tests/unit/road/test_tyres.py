@@ -367,6 +367,24 @@ def test_chrono_rules():
         assert float(lengths.lateral) == pytest.approx(float(row["sigma_alpha_m"]), abs=1e-9)
 
 
+RECORDED = {  # wheel: load, slip, slip angle, camber, F_x, F_y of a run at 22.2 m/s
+    "left": (2190.0888, 0.019527, -0.044577, 0.030036, 688.55015, 1549.6202),
+    "right": (5816.8863, -0.006698, -0.01322, 0.005479, -717.82106, 1040.0314),
+}
+
+
+@pytest.mark.parametrize("side", RECORDED)
+def test_chrono_feeds_its_formula_on_a_car_in_its_own_way(side):
+    """A recorded corner of Chrono's sedan: no camber, slips over |v| + 0.1 m/s, other side."""
+    file = {"file": "passenger_245_40R18_pac2002.tir", "convention": "chrono_vehicle"}
+    law = find("tyre", "file")(**file).mounted(side)
+    *felt, along, across = RECORDED[side]
+    found = law.forces(TyreInput(*felt, 22.2))
+    forces = [float(found.longitudinal_force), float(found.lateral_force)]
+    assert forces == pytest.approx([along, across], abs=0.2)
+    assert law.rolling_radius(0.344, 0.335) == pytest.approx(0.344 - 0.009 / 3.0, rel=1e-14)
+
+
 def test_a_tyre_of_the_other_side_is_mirrored():
     right = tyre("magic_formula_61")  # the file is that of a right tyre
     left = right.mounted("left")

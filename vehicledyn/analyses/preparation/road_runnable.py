@@ -9,6 +9,8 @@ from typing import TYPE_CHECKING, Any, Self
 from vehicledyn.analyses.preparation.ports import Ports, WheelPort
 from vehicledyn.analyses.preparation.runnable import Vector, index_of, start_values
 from vehicledyn.base.shapes import Hull, Shape
+from vehicledyn.multibody.elements.half_shaft import HalfShaft
+from vehicledyn.multibody.model.bodies import Joint
 from vehicledyn.multibody.model.system import System
 from vehicledyn.road.manoeuvres.channel_recorder import Recording
 from vehicledyn.road.manoeuvres.manoeuvre import RoadManoeuvre
@@ -77,6 +79,8 @@ class RoadSubject:
         if self.vehicle.free_wheels:
             for corner in self.vehicle.corners:
                 state[index(f"{corner.spin}_rate")] = speed / corner.radius
+        for _, shaft, radius in self._half_shafts():
+            state[index(f"{shaft}_rate")] = speed / radius
         return state
 
     def still_state(self, equations: Equations) -> Vector:
@@ -100,11 +104,27 @@ class RoadSubject:
         if speed > 0.0:
             rolling = {f"{spin}_rate" for spin in spins if vehicle.free_wheels}
             slips = tuple(f"{corner.name}.tyre." for corner in vehicle.corners)
+            shafts = [(part, f"{angle}_rate") for part, angle, _ in self._half_shafts()]
+            if vehicle.free_wheels:
+                rolling |= {rate for _, rate in shafts}
+            slips += tuple(f"{part}." for part, _ in shafts)
             for index, state in enumerate(e.states):
                 if state.name in rolling or state.name.startswith(slips):
                     free.append(index)
                     rates.append(index)
         return free, rates
+
+    def _half_shafts(self) -> list[tuple[str, str, float]]:
+        """Return half shafts to wheels: name, coordinate that turns the shaft, wheel's radius."""
+        radii = {corner.body: corner.radius for corner in self.vehicle.corners}
+        parts = [p for p in self.system.parts if isinstance(p, HalfShaft) and p.wheel in radii]
+        last = {body.name: body.joints[-1] for body in self.system.bodies if body.joints}
+        joints = ((part, last.get(part.shaft)) for part in parts)
+        return [
+            (part.name, joint.name, radii[part.wheel])
+            for part, joint in joints
+            if isinstance(joint, Joint)
+        ]
 
     def scene(self) -> dict[str, SceneItem]:
         """Return what the manoeuvre shows."""

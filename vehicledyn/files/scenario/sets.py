@@ -85,11 +85,12 @@ class Scenario(ParameterSet):
     creep: ParameterSet | None = part("creep", "Creep law of wheels on rails", default=None)
     rail_contact: ParameterSet | None = part("rail_contact", "How wheels touch rails", default=None)
     manoeuvre: ParameterSet | None = part("manoeuvre", "What the vehicle does", default=None)
-    contact: Literal["disc", "vertical", "tangent_plane"] | None = Field(
+    contact: Literal["disc", "vertical", "tangent_plane", "lowest_point"] | None = Field(
         default=None,
         description="How wheels touch the ground: 'disc' by geometry (the default), 'vertical' "
         "by the rules of the Iltis benchmark, 'tangent_plane' as 'vertical' with the contact "
-        "point in the plane that touches the ground below the wheel centre",
+        "point in the plane that touches the ground below the wheel centre, 'lowest_point' by "
+        "that of the disc, as Chrono::Vehicle",
     )
     relaxation: ParameterSet | None = part(
         "relaxation", "Transient slip of the tyres; needed to stand on a slope", default=None

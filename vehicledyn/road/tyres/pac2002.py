@@ -10,10 +10,16 @@ from vehicledyn.base.registry import register
 from vehicledyn.road.tyres.file_tyre import FileTyre, convention_of
 from vehicledyn.road.tyres.pacejka.coefficient_values import Coefficients
 from vehicledyn.road.tyres.pacejka.formula_52 import forces_52
-from vehicledyn.road.tyres.pacejka.formula_chrono import forces_chrono, lengths_chrono
+from vehicledyn.road.tyres.pacejka.formula_chrono import (
+    forces_chrono,
+    lengths_chrono,
+    on_a_chrono_vehicle,
+)
 from vehicledyn.road.tyres.tyre import RelaxationLengths, TyreForces, TyreInput
+from vehicledyn.symbolic.ops import Scalar
 
 _UNCOMBINED = 3
+_OF_CHRONO = ("chrono", "chrono_vehicle")
 
 
 @register("tyre", "pac2002")
@@ -21,7 +27,9 @@ class Pac2002(FileTyre):
     """PAC2002; see :mod:`vehicledyn.road.tyres.pacejka.formula_52`.
 
     Conventions: "standard" takes tan α and sin γ, "angles" takes α and γ, "chrono" follows
-    Chrono::Vehicle (:mod:`vehicledyn.road.tyres.pacejka.formula_chrono`).
+    Chrono::Vehicle (:mod:`vehicledyn.road.tyres.pacejka.formula_chrono`), "chrono_vehicle" also
+    feeds the formula as that program does on a car: without camber, with slips over the speed
+    plus 0.1 m/s, and with the side of the file taken the other way round.
     """
 
     versions: ClassVar[tuple[str, ...]] = ("pac2002", "5.2")
@@ -33,16 +41,30 @@ class Pac2002(FileTyre):
 
     def steady_forces(self, p: Coefficients, contact: TyreInput) -> TyreForces:
         """Return the forces of a tyre that is not mirrored."""
-        chosen = convention_of(self, ("standard", "angles", "chrono"))
+        chosen = convention_of(self, ("standard", "angles", "chrono", "chrono_vehicle"))
+        if chosen == "chrono_vehicle":
+            contact = on_a_chrono_vehicle(contact)
+            chosen = "chrono"
         if chosen == "chrono":
             return forces_chrono(p, contact, self.combined or self._combined_of_file())
         return forces_52(p, contact, angles=chosen == "angles")
 
     def relaxation_lengths(self, contact: TyreInput) -> RelaxationLengths:
         """Return the lengths by the file's coefficients, in the convention of the tyre."""
-        if self.convention == "chrono":
+        if self.convention in _OF_CHRONO:
             return lengths_chrono(self.coefficients(), contact)
         return super().relaxation_lengths(contact)
+
+    def rolling_radius(self, radius: Scalar, loaded_radius: Scalar) -> Scalar:
+        """Return the loaded radius, by Chrono the radius less a third of the deflection [m]."""
+        loaded = super().rolling_radius(radius, loaded_radius)
+        return radius - (radius - loaded) / 3.0 if self.convention in _OF_CHRONO else loaded
+
+    def mounted(self, side: str) -> FileTyre:
+        """Return the tyre on a side of the car, on the other one where Chrono mounts it so."""
+        if self.convention == "chrono_vehicle":
+            side = {"left": "right", "right": "left"}.get(side, side)
+        return super().mounted(side)
 
     def _combined_of_file(self) -> str:
         content = self.content

@@ -14,6 +14,7 @@ from pathlib import Path
 
 from vehicledyn.base.errors import InputError
 from vehicledyn.base.parameters import ParameterSet
+from vehicledyn.symbolic import ops
 from vehicledyn.symbolic.ops import Scalar
 
 
@@ -98,6 +99,16 @@ class Tyre(ParameterSet):
             f"tyres of the kind '{self.kind}' have no relaxation lengths of their own; give them "
             "by the relaxation 'first_order'"
         )
+
+    def rolling_radius(self, radius: Scalar, loaded_radius: Scalar) -> Scalar:
+        """Return the radius at which the wheel rolls without slip [m].
+
+        Parameters
+        ----------
+        radius, loaded_radius
+            Unloaded radius and distance of the contact point from the wheel centre [m].
+        """
+        return ops.minimum(loaded_radius, radius)
 
     def placed(self, folder: Path) -> Tyre:
         """Return the same tyre; one that names a file looks for it in a folder."""

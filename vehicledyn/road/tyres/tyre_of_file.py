@@ -10,6 +10,7 @@ from vehicledyn.road.tyres.magic_formula_62 import MagicFormula62
 from vehicledyn.road.tyres.pac2002 import Pac2002
 from vehicledyn.road.tyres.pacejka.coefficient_values import Coefficients
 from vehicledyn.road.tyres.tyre import RelaxationLengths, TyreForces, TyreInput
+from vehicledyn.symbolic.ops import Scalar
 
 _LAWS: dict[str, type[FileTyre]] = {
     "pac2002": Pac2002,
@@ -33,6 +34,15 @@ class TyreOfFile(FileTyre):
     def relaxation_lengths(self, contact: TyreInput) -> RelaxationLengths:
         """Return the lengths by the law of the file."""
         return self.law.relaxation_lengths(contact)
+
+    def rolling_radius(self, radius: Scalar, loaded_radius: Scalar) -> Scalar:
+        """Return the rolling radius by the law of the file."""
+        return self.law.rolling_radius(radius, loaded_radius)
+
+    def mounted(self, side: str) -> FileTyre:
+        """Return the tyre on a side of the car, by the law of the file."""
+        mirror = self.law.mounted(side).mirror
+        return self.model_copy(update={"mirror": mirror})
 
     @property
     def law(self) -> FileTyre:

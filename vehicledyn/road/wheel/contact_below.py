@@ -9,6 +9,10 @@ loaded radius r, P = C - r e_s. Of this radius there are two rules:
   the tangent plane: exact on level ground, and on slopes where the wheel is not cambered;
 - the exact one, r = (C - F)·n / (n·e_s), by which P lies in the tangent plane.
 
+A third contact is that of the *lowest point* D = C - R e_s of the disc, as Chrono::Vehicle has it:
+the deflection is its depth below the ground along the normal there, the contact point P the
+foot of D on the ground.
+
 They differ where a wheel is both yawed and cambered on a slope: by up to 0.8 mm for the Iltis
 over its bump in anti-phase. Both are in closed form on any ground. On level ground the disc's
 deflection differs from theirs by (1/cos γ - 1) of the loaded radius.
@@ -57,6 +61,31 @@ def contact_on_tangent_plane(
     _, _, cosine = wheel_axes(spin_axis, normal)
     loaded_radius = _clearance(surface, centre) * normal[2] / cosine
     return _contact(surface, centre, spin_axis, radius, loaded_radius)
+
+
+def contact_of_lowest_point(
+    surface: RoadSurface, centre: Vec, spin_axis: Vec, radius: Scalar
+) -> Contact:
+    """Return the contact of the disc's lowest point; arguments as above.
+
+    References
+    ----------
+    Project Chrono, ChTire::DiscTerrainCollision1pt; rules of that public program, own formulation.
+    """
+    _, spoke, _ = wheel_axes(spin_axis, ground_normal(surface, centre[0], centre[1]))
+    lowest = centre - radius * spoke
+    normal = ground_normal(surface, lowest[0], lowest[1])
+    longitudinal, _, cosine = wheel_axes(spin_axis, normal)
+    depth = (surface.height(lowest[0], lowest[1]) - lowest[2]) * normal[2]
+    return Contact(
+        position=lowest + depth * normal,
+        longitudinal=longitudinal,
+        lateral=ops.cross(normal, longitudinal),
+        normal=normal,
+        loaded_radius=radius - depth,
+        deflection=depth,
+        camber=ops.atan(ops.dot(normal, spin_axis) / cosine),
+    )
 
 
 def _clearance(surface: RoadSurface, centre: Vec) -> Scalar:

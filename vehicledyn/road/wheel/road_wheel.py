@@ -14,7 +14,11 @@ from vehicledyn.road.wheel.contact import (
     contact_on_plane,
     contact_residuals,
 )
-from vehicledyn.road.wheel.contact_below import contact_below, contact_on_tangent_plane
+from vehicledyn.road.wheel.contact_below import (
+    contact_below,
+    contact_of_lowest_point,
+    contact_on_tangent_plane,
+)
 from vehicledyn.road.wheel.relaxation import (
     Relaxation,
     TransientSlip,
@@ -35,7 +39,11 @@ from vehicledyn.symbolic.ops import Scalar, Vec
 DAMPING_ENGAGEMENT = 1e-3
 """Deflection over which the damping of the tyre fades in at touch-down [m]."""
 
-_BELOW = {"vertical": contact_below, "tangent_plane": contact_on_tangent_plane}
+_BELOW = {
+    "vertical": contact_below,
+    "tangent_plane": contact_on_tangent_plane,
+    "lowest_point": contact_of_lowest_point,
+}
 _OFFSET = ("contact_offset_x", "contact_offset_y")
 _DEFLECTION = ("tyre.longitudinal_deflection", "tyre.lateral_deflection")
 
@@ -58,8 +66,8 @@ class RoadWheel(BasePart):
     The spring acts along the ground normal, F_z = k δ + c δ̇ and never pulls; the damping
     fades in over the first millimetre, with δ̇ taken from the velocity of the centre along
     the normal. A lifted wheel has no force. The tyre's forces act at the contact point.
-    The rolling radius of the longitudinal slip is the loaded radius, so that slip is the
-    velocity of the disc's lowest point and its force always dissipates.
+    The rolling radius of the longitudinal slip is the loaded radius, unless the tyre law has
+    another: then slip is the velocity of the disc's lowest point and its force always dissipates.
 
     On ground that is not one plane the contact point of a disc adds two algebraic unknowns,
     its horizontal offset from the wheel centre.
@@ -81,7 +89,8 @@ class RoadWheel(BasePart):
         "disc" for the geometric contact of a disc (:mod:`vehicledyn.road.wheel.contact`),
         "vertical"
         for the rules of the Iltis benchmark, "tangent_plane" for the same with the contact
-        point in the ground's tangent plane (both :mod:`vehicledyn.road.wheel.contact_below`).
+        point in the ground's tangent plane, "lowest_point" for the lowest point of the disc (all
+        three :mod:`vehicledyn.road.wheel.contact_below`).
     relaxation
         Relaxation lengths; None for steady slip. Needed to stand still under load.
     floors
@@ -228,7 +237,7 @@ class RoadWheel(BasePart):
             longitudinal=ops.dot(velocity, contact.longitudinal),
             lateral=ops.dot(velocity, contact.lateral),
             spin=situation.kinematics.angular_velocity(self.body)[1],
-            rolling_radius=ops.minimum(contact.loaded_radius, self.radius),
+            rolling_radius=self.tyre.rolling_radius(self.radius, contact.loaded_radius),
         )
 
     def _velocity(self, situation: Situation) -> Vec:

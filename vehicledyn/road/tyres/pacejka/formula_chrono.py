@@ -37,6 +37,9 @@ COMBINED = ("ellipse", "pacejka", "none")
 
 _ARGUMENT_LIMIT = 0.5 * math.pi - 0.01
 _ADDED_FORCE = 0.1
+_SPEED_MARGIN = 0.1
+"""Added to the speed that slips are divided by on a car [m/s]."""
+
 _SLIP_FLOOR = 1e-9
 """Rounds the direction of the slip in the ellipse where there is none [1]."""
 
@@ -71,6 +74,22 @@ def forces_chrono(p: Coefficients, contact: TyreInput, combined: str) -> TyreFor
         mz += p.UNLOADED_RADIUS * p.LS * arm * fx
     tilt, drag = other_moments(p, s, fx, fy, s.camber)
     return TyreForces(*(s.share * item for item in (fx, fy, mz, tilt, drag)))
+
+
+def on_a_chrono_vehicle(contact: TyreInput) -> TyreInput:
+    """Return what that program's formula gets of the contact of a wheel on a car.
+
+    Found from runs of its sedan: the forces of these inputs agree with the recorded ones.
+    """
+    speed = ops.absolute(contact.forward_speed)
+    share = speed / (speed + _SPEED_MARGIN)
+    return TyreInput(
+        contact.normal_force,
+        contact.longitudinal_slip * share,
+        ops.atan(share * tangent(contact.slip_angle)),
+        0.0,
+        contact.forward_speed,
+    )
 
 
 def _longitudinal(p: Coefficients, s: State) -> _Curve:

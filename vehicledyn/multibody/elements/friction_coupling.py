@@ -1,0 +1,83 @@
+"""Dry friction between turning parts that sticks: brakes, clutches, limited-slip differentials."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from vehicledyn.base.registry import register
+from vehicledyn.multibody.model.declaration import coordinate_name, function, number
+from vehicledyn.multibody.model.parts import BasePart, Loads, Output, Situation
+from vehicledyn.symbolic import ops
+from vehicledyn.symbolic.equations import Channel, Variable
+from vehicledyn.symbolic.ops import Scalar
+
+RELEASE_TIME = 2e-3
+"""Time in which a sliding coupling loses the twist beyond its limit [s].
+
+A fixed step of 1 ms resolves it; the torque does not depend on it while the coupling slides.
+"""
+
+
+@register("element_type", "friction_coupling")
+@dataclass(frozen=True, kw_only=True)
+class FrictionCoupling(BasePart):
+    """Dry friction on a coordinate, or between two, that holds without creep at standstill.
+
+    With ω the rate of ``coordinate`` less that of ``other``, and z the twist of the friction
+    faces, a state, the torque against ω is
+
+        T = max(-L, min(L, k z + c ω)),    z' = ω - (z - max(-L/k, min(L/k, z))) / τ
+
+    L is the torque limit, k and c stiffness and damping while it sticks. Below the limit the
+    coupling is a spring that never loses its twist, so it holds a load for any time; sliding, its
+    torque is exactly L against the motion. At a constant limit its power T ω is the growth of the
+    stored energy and a loss that is never negative.
+
+    A brake acts on the spin of a wheel, a clutch on two shafts; a limit that nothing reaches
+    locks a differential.
+    """
+
+    coordinate: str = coordinate_name("The coordinate")
+    other: str | None = coordinate_name("The other coordinate, if any", default=None)
+    limit: Callable[[Situation], Scalar] = function(
+        "N*m", "Torque limit L, not negative", of="motion"
+    )
+    stiffness: Scalar = number("N*m/rad", "Stiffness k while it sticks", default=1e5, above=0.0)
+    damping: Scalar = number("N*m*s/rad", "Damping c while it sticks", default=0.0, least=0.0)
+
+    def states(self) -> tuple[Variable, ...]:
+        """Return the twist of the friction faces."""
+        return (Variable("twist", "rad", "Twist of the friction faces"),)
+
+    def loads(self, situation: Situation) -> Loads:
+        """Return the torque on the coordinates and the rate of the twist."""
+        torque, rate, limit = self._state(situation)
+        twist = situation.states["twist"]
+        excess = twist - _within(twist, limit / self.stiffness)
+        forces = {self.coordinate: -torque}
+        if self.other is not None:
+            forces[self.other] = torque
+        return Loads(joint_forces=forces, rates={"twist": rate - excess / RELEASE_TIME})
+
+    def outputs(self, situation: Situation) -> tuple[Output, ...]:
+        """Return the torque and its power."""
+        torque, rate, _ = self._state(situation)
+        name, words = self.name, "Friction torque against the motion"
+        return (
+            Output(Channel(f"{name}.torque", "N*m", words), torque),
+            Output(Channel(f"{name}.power", "W", "Power that friction takes"), torque * rate),
+        )
+
+    def _state(self, situation: Situation) -> tuple[Scalar, Scalar, Scalar]:
+        """Return torque, relative rate and limit."""
+        rate = situation.kinematics.rate(self.coordinate)
+        if self.other is not None:
+            rate = rate - situation.kinematics.rate(self.other)
+        limit = ops.maximum(self.limit(situation), 0.0)
+        trial = self.stiffness * situation.states["twist"] + self.damping * rate
+        return _within(trial, limit), rate, limit
+
+
+def _within(value: Scalar, most: Scalar) -> Scalar:
+    return ops.minimum(ops.maximum(value, -most), most)
