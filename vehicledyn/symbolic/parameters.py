@@ -41,9 +41,10 @@ class ParameterTable:
     def add_set(self, prefix: str, parameters: S) -> S:
         """Enter every quantity of a set and return a copy of the set that holds the symbols.
 
-        Nested sets are entered under ``prefix.field``; vectors become three parameters
-        ``prefix.field.x``, ``.y``, ``.z`` and a tuple of symbols; other fields are kept. A set
-        whose quantities are numbers in the equations is kept as it is.
+        Nested sets are entered under ``prefix.field``, lists of them with a number behind it;
+        vectors become three parameters ``prefix.field.x``, ``.y``, ``.z`` and a tuple of
+        symbols; other fields are kept. A set whose quantities are numbers in the equations is
+        kept as it is.
         """
         if parameters.in_equations:
             return parameters
@@ -55,6 +56,8 @@ class ParameterTable:
             meaning = declared.description or name
             if isinstance(value, ParameterSet):
                 symbols[name] = self.add_set(path, value)
+            elif isinstance(value, list) and all(isinstance(v, ParameterSet) for v in value):
+                symbols[name] = [self.add_set(f"{path}.{k}", v) for k, v in enumerate(value)]
             elif unit is None or value is None:
                 symbols[name] = value
             elif isinstance(value, tuple):

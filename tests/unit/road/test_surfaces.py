@@ -17,6 +17,13 @@ EXAMPLES = {
     "plane": {"slope_x": 0.05, "slope_y": "-8 %", "level": "20 cm"},
     "profile": {"file": str(Path(__file__).with_name("rough_road.csv")), "start": "25 cm"},
     "opencrg": {"file": str(Path(__file__).with_name("measured_road.crg"))},
+    "heightfield": {
+        "file": str(Path(__file__).with_name("hill.asc")),
+        "x": "10 cm",
+        "rise": "-5 cm",
+        "scale": "110 %",
+    },
+    "mesh": {"file": str(Path(__file__).with_name("ridge.obj")), "cell": "0.25 m", "y": "0.1 m"},
     "obstacles": {
         "crest": "25 mm",
         "start": "1 m",

@@ -113,6 +113,18 @@ def vector(kind_or_tyre, *felt):
     )
 
 
+@pytest.mark.parametrize("kind", sorted(EXAMPLES))
+def test_friction_of_the_ground_scales_that_of_the_law(kind):
+    dry = tyre(kind)
+    own = getattr(dry, dry.friction_field)
+    icy = find("tyre", kind)(**EXAMPLES[kind] | {dry.friction_field: 0.25 * own})
+    for slip, angle in ((0.0, 0.004), (0.0, 0.1), (-0.4, 0.0), (0.3, -0.4)):
+        felt = 3700.0, slip, angle, 0.0, 20.0
+        found = vector(dry.on_ground(0.25), *felt)
+        assert found == pytest.approx(vector(icy, *felt), rel=1e-12, abs=1e-9)
+    assert abs(found[1]) < 0.6 * abs(vector(dry, *felt)[1])
+
+
 def test_every_tyre_has_an_example():
     assert set(kinds("tyre")) == set(EXAMPLES) | set(OF_FILES)
 

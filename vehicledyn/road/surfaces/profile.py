@@ -2,18 +2,15 @@
 
 from __future__ import annotations
 
-from functools import lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING
-
-from pydantic import Field
 
 from vehicledyn.base.errors import InputError
 from vehicledyn.base.files.column_files import Column, Columns, read_columns
 from vehicledyn.base.parameters import quantity
 from vehicledyn.base.problems import Problem, refusal
 from vehicledyn.base.registry import register
-from vehicledyn.road.surfaces.surface import RoadSurface
+from vehicledyn.road.surfaces.file_surface import FileSurface
 from vehicledyn.symbolic.ops import Scalar
 
 if TYPE_CHECKING:
@@ -31,7 +28,7 @@ _COLUMNS = {"x": Column("m", required=True), "z": Column("m", required=True)}
 
 
 @register("road", "profile")
-class ProfileRoad(RoadSurface):
+class ProfileRoad(FileSurface):
     """Ground z = h(x - start) through the points of a file, equal across the road.
 
     The file is a table with the columns x and z and their units, such as ``x [m], z [mm]``. A
@@ -42,57 +39,27 @@ class ProfileRoad(RoadSurface):
     in one point only while its radius stays below the smallest radius of curvature.
     """
 
-    file: str = Field(description="Table of x and z, beside the file that names it")
     start: float = quantity("m", "World x where the x of the file is zero", default=0.0)
-
-    def placed(self, folder: Path) -> ProfileRoad:
-        """Return the same road, its file looked for in a folder."""
-        return self.model_copy(update={"file": str(folder / self.file)})
-
-    def problems_beside(self, folder: Path) -> list[str]:
-        """Return what is wrong with the file, one line each."""
-        try:
-            _curve(folder / self.file)
-        except InputError as error:
-            lines = str(error).splitlines()
-            return lines[:-1] if len(lines) > 1 else lines
-        return []
 
     def height(self, x: Scalar, y: Scalar) -> Scalar:
         """Return the height of the ground [m]."""
-        return _curve(Path(self.file)).value(x - self.start)
+        return self.ground().value(x - self.start)
 
     def gradient(self, x: Scalar, y: Scalar) -> tuple[Scalar, Scalar]:
         """Return the slope along x [1]; the slope along y is zero."""
-        return _curve(Path(self.file)).slope(x - self.start), 0.0
+        return self.ground().slope(x - self.start), 0.0
 
+    @classmethod
+    def read(cls, path: Path, *settings: object) -> CurveTable:
+        """Return the curve in a file; see :meth:`FileSurface.read`."""
+        import numpy as np
 
-def _curve(path: Path) -> CurveTable:
-    """Return the curve in a file.
-
-    Raises
-    ------
-    InputError
-        If the file cannot be read or holds no road; with line and column.
-    """
-    try:
-        facts = path.stat()
-    except OSError:
-        raise InputError(f"{path}: there is no such file") from None
-    return _read(path, facts.st_mtime_ns, facts.st_size)
-
-
-@lru_cache(maxsize=8)
-def _read(path: Path, changed: int, size: int) -> CurveTable:
-    """Return the curve in a file that was changed at a time and has a size."""
-    import numpy as np
-
-    columns = read_columns(path, _COLUMNS)
-    x, z = (np.array(columns.numbers[name]) for name in _COLUMNS)
-    problems = _problems(columns, x.tolist(), z.tolist())
-    if problems:
-        raise refusal(problems, str(path))
-    return _through(path, x, z)
+        columns = read_columns(path, _COLUMNS)
+        x, z = (np.array(columns.numbers[name]) for name in _COLUMNS)
+        problems = _problems(columns, x.tolist(), z.tolist())
+        if problems:
+            raise refusal(problems, str(path))
+        return _through(path, x, z)
 
 
 def _problems(columns: Columns, x: list[float], z: list[float]) -> list[Problem]:

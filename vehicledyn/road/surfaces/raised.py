@@ -27,6 +27,10 @@ class RaisedRoad(RoadSurface):
         along, across = self.base.gradient(x, y)
         return along + self.slope, across
 
+    def friction(self, x: Scalar, y: Scalar) -> Scalar:
+        """Return the friction of the base [1]."""
+        return self.base.friction(x, y)
+
 
 class RaisedPlane(RaisedRoad):
     """A plane that stays one."""

@@ -1,4 +1,4 @@
-"""What a road surface is: a height z(x, y) with its gradient, in world axes."""
+"""What a road surface is: a height z(x, y) with its gradient and friction, in world axes."""
 
 from __future__ import annotations
 
@@ -6,7 +6,8 @@ from abc import abstractmethod
 from pathlib import Path
 from typing import ClassVar
 
-from vehicledyn.base.parameters import ParameterSet
+from vehicledyn.base.parameters import ParameterSet, part
+from vehicledyn.road.patches.patch import FrictionPatch, friction_at
 from vehicledyn.symbolic import ops
 from vehicledyn.symbolic.ops import Scalar, Vec
 
@@ -20,6 +21,10 @@ class RoadSurface(ParameterSet):
 
     is_flat: ClassVar[bool] = False
 
+    patches: list[FrictionPatch] = part(
+        "patch", "Patches of other friction; where they overlap the last one counts", default=[]
+    )
+
     def placed(self, folder: Path) -> RoadSurface:
         """Return the same surface, with files that it names looked for in a folder."""
         return self
@@ -31,6 +36,10 @@ class RoadSurface(ParameterSet):
     @abstractmethod
     def gradient(self, x: Scalar, y: Scalar) -> tuple[Scalar, Scalar]:
         """Return the slopes ∂z/∂x and ∂z/∂y [1] at a place [m, m] of the world."""
+
+    def friction(self, x: Scalar, y: Scalar) -> Scalar:
+        """Return the friction at a place over that of the tyres' own road [1]."""
+        return friction_at(self.patches, x, y)
 
 
 def ground_normal(surface: RoadSurface, x: Scalar, y: Scalar) -> Vec:

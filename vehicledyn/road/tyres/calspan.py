@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import ClassVar
+
 from pydantic import ConfigDict
 
 from vehicledyn.base.parameters import quantity
@@ -43,6 +45,8 @@ class Calspan(Tyre):
     Frik, Leister, Schwartz (1993), Vehicle System Dynamics 22 (Suppl.), 215-253, by way of
     a public model of the benchmark; the primary paper was not at hand.
     """
+
+    friction_field: ClassVar[str] = "skid_number"
 
     model_config = ConfigDict(validate_default=True)
 

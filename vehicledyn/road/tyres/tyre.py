@@ -11,6 +11,7 @@ from __future__ import annotations
 from abc import abstractmethod
 from dataclasses import dataclass
 from pathlib import Path
+from typing import ClassVar
 
 from vehicledyn.base.errors import InputError
 from vehicledyn.base.parameters import ParameterSet
@@ -83,6 +84,9 @@ class Tyre(ParameterSet):
     Forces are finite and continuous for any finite input, and vanish with the load.
     """
 
+    friction_field: ClassVar[str] = "friction"
+    """Field that is in proportion to the friction of the ground."""
+
     @abstractmethod
     def forces(self, contact: TyreInput) -> TyreForces:
         """Return the steady forces of the tyre."""
@@ -109,6 +113,24 @@ class Tyre(ParameterSet):
             Unloaded radius and distance of the contact point from the wheel centre [m].
         """
         return ops.minimum(loaded_radius, radius)
+
+    def on_ground(self, friction: Scalar) -> Tyre:
+        """Return the tyre on ground whose friction over that of the tyre's own road is given [1].
+
+        Raises
+        ------
+        InputError
+            If the law has no friction.
+        """
+        if isinstance(friction, float) and friction == 1.0:
+            return self
+        if self.friction_field not in type(self).model_fields:
+            raise InputError(
+                f"tyres of the kind '{self.kind}' have no field '{self.friction_field}', so they "
+                "cannot feel patches of other friction; leave out the road's patches"
+            )
+        scaled = getattr(self, self.friction_field) * friction
+        return self.model_copy(update={self.friction_field: scaled})
 
     def placed(self, folder: Path) -> Tyre:
         """Return the same tyre; one that names a file looks for it in a folder."""

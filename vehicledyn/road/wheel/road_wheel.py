@@ -57,6 +57,7 @@ class WheelState:
     felt: TyreInput
     forces: TyreForces
     transient: TransientSlip | None
+    friction: Scalar
 
 
 @dataclass(frozen=True)
@@ -164,6 +165,7 @@ class RoadWheel(BasePart):
             ("contact_z", "m", "Contact point, z", z, "world"),
             ("spin_rate", "rad/s", "Spin relative to the carrier", spin_rate, "joint"),
             *_further_moments(forces),
+            *self._friction_channel(state),
         )
         return tuple(
             Output(Channel(f"{self.name}.{name}", unit, text, frame), value)
@@ -201,7 +203,9 @@ class RoadWheel(BasePart):
         else:
             slip, angle = transient.longitudinal_slip, transient.slip_angle
         felt = TyreInput(load, slip, angle, camber, motion.longitudinal)
-        return WheelState(contact, motion, felt, self.tyre.forces(felt), transient)
+        friction = self.surface.friction(contact.position[0], contact.position[1])
+        forces = self.tyre.on_ground(friction).forces(felt)
+        return WheelState(contact, motion, felt, forces, transient, friction)
 
     def _contact(self, situation: Situation) -> Contact:
         centre, axis = self._pose(situation)
@@ -211,6 +215,12 @@ class RoadWheel(BasePart):
             return contact_on_plane(self.surface, centre, axis, self.radius)
         offset = self._offset(situation)
         return contact_at_offset(self.surface, centre, axis, self.radius, offset=offset)
+
+    def _friction_channel(self, state: WheelState) -> tuple[tuple[str, str, str, Scalar, str], ...]:
+        if isinstance(state.friction, float):
+            return ()
+        text = "Friction of the ground over that of the tyre's own road"
+        return (("ground_friction", "1", text, state.friction, ""),)
 
     def _residuals(self, situation: Situation) -> tuple[Scalar, ...]:
         if not self._is_implicit:
