@@ -82,5 +82,5 @@ def test_a_law_without_friction_says_so():
             return TyreForces(0.0, 0.0, 0.0)
 
     assert isinstance(Plain().on_ground(1.0), Plain)
-    with pytest.raises(InputError, match="no field 'friction'.*patches"):
+    with pytest.raises(InputError, match=r"no field 'friction'.*patches"):
         Plain().on_ground(0.3)
