@@ -31,6 +31,7 @@ if TYPE_CHECKING:
     from vehicledyn.interface.loading import load
     from vehicledyn.interface.mechanism import inverse, kinematics
     from vehicledyn.interface.plugins import load_plugin
+    from vehicledyn.interface.sensitivities import sensitivity
     from vehicledyn.interface.simulation import simulate
     from vehicledyn.interface.studies import sweep
     from vehicledyn.multibody.model.bodies import Body, Joint, Turn
@@ -75,6 +76,7 @@ __all__ = [
     "modes",
     "open_result",
     "response",
+    "sensitivity",
     "simulate",
     "sweep",
 ]
@@ -105,6 +107,7 @@ _HOMES = {
     "vehicledyn.interface.studies": ("sweep",),
     "vehicledyn.interface.loading": ("load",),
     "vehicledyn.interface.plugins": ("load_plugin",),
+    "vehicledyn.interface.sensitivities": ("sensitivity",),
     "vehicledyn.interface.simulation": ("simulate",),
     "vehicledyn.multibody.model.bodies": ("Body", "Joint", "Turn"),
     "vehicledyn.multibody.model.cuts": ("BallCut", "BodyCut", "RodCut"),

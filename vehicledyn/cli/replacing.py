@@ -19,7 +19,7 @@ Overwrite = Annotated[
 
 RUN, STUDY, HUNT = "vehicledyn-result", "vehicledyn-study", "vehicledyn-hunt"
 MODES, RESPONSE, PROFILES = "vehicledyn-modes", "vehicledyn-response", "vehicledyn-profiles"
-EQUILIBRIUM = "vehicledyn-equilibrium"
+EQUILIBRIUM, SENSITIVITY = "vehicledyn-equilibrium", "vehicledyn-sensitivity"
 
 _STUDIES = (STUDY, HUNT)
 

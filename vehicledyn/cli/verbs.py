@@ -74,6 +74,7 @@ HOMES = {
     "rail": ("profiles",),
     "sweep": ("sweep",),
     "hunt": ("hunt",),
+    "sensitivity": ("sensitivity",),
     "report": ("report",),
     "animate": ("animate",),
     "start": ("init",),

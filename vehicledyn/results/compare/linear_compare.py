@@ -26,6 +26,7 @@ from vehicledyn.results.tables import (
     hunt_table,
     mode_table,
     response_table,
+    sensitivity_table,
 )
 
 KINDS = {
@@ -34,6 +35,7 @@ KINDS = {
     contact_table.FORMAT: "contact geometry",
     hunt_table.FORMAT: "a hunting study",
     equilibrium_table.FORMAT: "an equilibrium",
+    sensitivity_table.FORMAT: "sensitivities",
     "vehicledyn-result": "a run",
     "vehicledyn-study": "a sweep",
 }

@@ -24,6 +24,7 @@ from vehicledyn.results.tables import (
     hunt_table,
     mode_table,
     response_table,
+    sensitivity_table,
 )
 
 KINDS = {
@@ -33,6 +34,7 @@ KINDS = {
     contact_table.FORMAT: "contacts",
     equilibrium_table.FORMAT: "equilibrium",
     cam_table.FORMAT: "cam",
+    sensitivity_table.FORMAT: "sensitivity",
 }
 """What the formats of these files are called."""
 

@@ -14,6 +14,7 @@ from vehicledyn.results.plots.linear.bode import bode_figures
 from vehicledyn.results.plots.linear.mode_figures import mode_figures
 from vehicledyn.results.plots.picture_files import save_figures
 from vehicledyn.results.plots.plot_style import STYLE
+from vehicledyn.results.plots.sensitivity_figures import sensitivity_figures
 from vehicledyn.results.store.linear_file import format_of
 from vehicledyn.results.tables import (
     contact_table,
@@ -21,6 +22,7 @@ from vehicledyn.results.tables import (
     hunt_table,
     mode_table,
     response_table,
+    sensitivity_table,
 )
 
 if TYPE_CHECKING:
@@ -32,6 +34,7 @@ FORMATS = (
     contact_table.FORMAT,
     hunt_table.FORMAT,
     equilibrium_table.FORMAT,
+    sensitivity_table.FORMAT,
 )
 
 
@@ -76,6 +79,9 @@ def describe_linear(path: Path) -> LinearDescription:
             "channels": len(modes.channels),
         }
         return LinearDescription(str(path), facts)
+    if format_of(path) == sensitivity_table.FORMAT:
+        found = sensitivity_table.read_sensitivity(path)
+        return LinearDescription(str(path), _sensitivity_facts(found))
     if format_of(path) == hunt_table.FORMAT:
         return LinearDescription(str(path), _hunt_facts(hunt_table.read_hunt(path)))
     if format_of(path) == equilibrium_table.FORMAT:
@@ -107,6 +113,19 @@ def _equilibrium_facts(table: equilibrium_table.EquilibriumTable) -> dict[str, A
         "stability": table.stability,
         "coordinates": len(table.coordinates),
         "forces": len(table.forces),
+    }
+
+
+def _sensitivity_facts(table: sensitivity_table.SensitivityTable) -> dict[str, Any]:
+    """Return what a file of derivatives holds."""
+    return {
+        "holds": "derivatives by parameters",
+        "title": table.title,
+        "model": table.model,
+        "parameters": len(table.parameters),
+        "figures": [f"{item.name} [{item.unit}]" for item in table.figures],
+        "channels": [f"{item.name} [{item.unit}]" for item in table.channels],
+        "notes": list(table.notes),
     }
 
 
@@ -180,5 +199,7 @@ def linear_figures(path: Path) -> Iterator[tuple[str, Figure]]:
         yield from hunt_figures(hunt_table.read_hunt(path))
     elif format_of(path) == contact_table.FORMAT:
         yield from contact_figures(contact_table.read_contacts(path))
+    elif format_of(path) == sensitivity_table.FORMAT:
+        yield from sensitivity_figures(sensitivity_table.read_sensitivity(path))
     elif format_of(path) != equilibrium_table.FORMAT:
         yield from bode_figures(response_table.read_response(path))

@@ -19,6 +19,7 @@ from vehicledyn.results.tables import (
     hunt_table,
     mode_table,
     response_table,
+    sensitivity_table,
 )
 from vehicledyn.results.tables.response_table import ratio_unit
 
@@ -43,6 +44,9 @@ def linear_content(path: Path) -> Content:
     elif kind == equilibrium_table.FORMAT:
         balance = equilibrium_table.read_equilibrium(path)
         what, key_figures, sections = "Equilibrium", *_equilibrium(balance)
+    elif kind == sensitivity_table.FORMAT:
+        slopes = sensitivity_table.read_sensitivity(path)
+        what, key_figures, sections = "Sensitivities", *_sensitivities(slopes)
     else:
         table = hunt_table.read_hunt(path)
         what, key_figures, sections = "Limit cycles", *_cycles(table)
@@ -88,6 +92,25 @@ def _equilibrium(table: equilibrium_table.EquilibriumTable) -> Parts:
         )
         if quantities
     ]
+    return [], sections
+
+
+def _sensitivities(table: sensitivity_table.SensitivityTable) -> Parts:
+    """Return the derivatives of each figure, those that matter most first."""
+    sections = []
+    for row, figure in enumerate(table.figures):
+        lines = [
+            (
+                table.parameters[k].name,
+                number(float(table.parameter_values[k])),
+                number(float(table.slopes[row][k])),
+                table.unit(row, k),
+            )
+            for k in table.ranked(row)
+            if table.slopes[row][k]
+        ]
+        heads = ("Parameter", "Value, SI", "Derivative", "Unit")
+        sections.append(Section(f"{figure.name} [{figure.unit}]", [Table(heads, lines, (1, 2))]))
     return [], sections
 
 

@@ -1,0 +1,164 @@
+"""Tangents of motions against closed forms and differences."""
+
+import numpy as np
+import pytest
+from event_examples import bouncing_ball, crossing_oscillator, with_events
+from solve_examples import build, oscillator, slider_crank, symbols
+
+from vehicledyn.analyse.gradients.motion import Balance, follow, rate_slopes, start_slopes
+from vehicledyn.base.errors import NumericalError
+from vehicledyn.kernel.engine import Method
+from vehicledyn.kernel.kernel import compile_kernel
+from vehicledyn.kernel.tangent_code import Grid, TangentCode
+
+
+def followed(equations, grid, n_intervals, *, parameters=None, by_state=None, state=None):
+    """Return the motion and its derivatives by all parameters and the given start states."""
+    kernel = compile_kernel(equations)
+    if parameters is not None:
+        kernel.set_parameters(parameters)
+    n_x, n_p = len(equations.states), len(equations.parameters)
+    start = np.array([s.start for s in equations.states] if state is None else state, dtype=float)
+    guess = np.array([u.start for u in equations.unknowns])
+    chosen = list(by_state or [])
+    directions = np.zeros((n_p, n_p + len(chosen))), np.zeros((n_x, n_p + len(chosen)))
+    directions[0][:, :n_p] = np.eye(n_p)
+    for k, index in enumerate(chosen):
+        directions[1][index, n_p + k] = 1.0
+    code = TangentCode(equations, range(len(equations.channels)))
+    unknowns = kernel.solve_unknowns(grid.start, start, guess)
+    return follow(
+        code,
+        kernel,
+        grid,
+        n_intervals=n_intervals,
+        start=(start, unknowns),
+        directions=directions,
+    )
+
+
+def ball_at(time, gravity, restitution, height, speed):
+    """Return height and speed of a bouncing ball in closed form, also for complex numbers."""
+    landing = (speed + np.sqrt(speed**2 + 2.0 * gravity * height)) / gravity
+    start, rebound = landing, restitution * np.sqrt(speed**2 + 2.0 * gravity * height)
+    if time < landing.real:
+        return height + speed * time - 0.5 * gravity * time**2, speed - gravity * time
+    while (start + 2.0 * rebound / gravity).real < time:
+        start, rebound = start + 2.0 * rebound / gravity, restitution * rebound
+    flight = time - start
+    return rebound * flight - 0.5 * gravity * flight**2, rebound - gravity * flight
+
+
+def complex_steps(function, point):
+    """Return the derivatives of a function of several numbers, exact to rounding."""
+    columns = []
+    for k in range(len(point)):
+        moved = [complex(item) for item in point]
+        moved[k] += 1e-30j
+        columns.append(np.imag(function(*moved)) / 1e-30)
+    return np.array(columns).T
+
+
+def test_a_bouncing_ball_has_the_gradient_of_its_closed_form():
+    """Position and speed behind three impacts, by gravity, restitution, start height and speed."""
+    found = followed(bouncing_ball(), Grid(Method.RK4, 0.0, 0.1, 7), 15, by_state=[0, 1])
+    assert [event.name for event in found.events] == ["impact"] * 2
+    exact = complex_steps(lambda *p: np.array(ball_at(1.5, *p)), [9.81, 0.8, 1.0, 0.0])
+    assert found.state_slopes == pytest.approx(exact, rel=1e-9, abs=1e-9)
+    impact = complex_steps(
+        lambda g, e, h, v: np.array([(v + np.sqrt(v**2 + 2 * g * h)) / g]), [9.81, 0.8, 1.0, 0.0]
+    )[0]
+    assert found.events[0].slope == pytest.approx(impact, rel=1e-9, abs=1e-12)
+
+
+def test_constraint_solutions_carry_tangents():
+    """A slider-crank, whose rod angle and slider follow from a loop, against differences."""
+    equations, grid = slider_crank(), Grid(Method.RK4, 0.0, 0.1, 10)
+    values = np.array([p.value for p in equations.parameters])
+    found = followed(equations, grid, 5)
+
+    def end(parameters):
+        return followed(equations, grid, 5, parameters=parameters).values[-1]
+
+    for k, value in enumerate(values):
+        step = 1e-2 * max(abs(value), 0.1)
+        wide, middle, narrow = (
+            (end(moved(values, k, h)) - end(moved(values, k, -h))) / (2.0 * h)
+            for h in (step, step / 2, step / 4)
+        )
+        first, second = (4 * middle - wide) / 3, (4 * narrow - middle) / 3
+        richardson = (16 * second - first) / 15
+        error = np.abs(found.slopes[-1][:, k] - richardson)
+        assert np.max(error) < 1e-8 * max(np.max(np.abs(richardson)), 1.0)
+
+
+def moved(values, k, by):
+    """Return values with one of them changed."""
+    other = values.copy()
+    other[k] += by
+    return other
+
+
+def test_semi_implicit_euler_has_the_tangents_of_its_own_steps():
+    """x'' = -w^2 x: the map of a step is linear, its powers are known."""
+    equations = oscillator()
+    found = followed(equations, Grid(Method.SYMPLECTIC_EULER, 0.0, 0.1, 2), 3, by_state=[0, 1])
+    step, square = 0.05, 4.0
+    matrix = np.array([[1.0 - step**2 * square, step], [-step * square, 1.0]])
+    n_p = len(equations.parameters)
+    expected = np.linalg.matrix_power(matrix, 6)
+    assert found.state_slopes[:, n_p:] == pytest.approx(expected, rel=1e-12)
+
+
+def test_a_grazing_event_has_no_gradient():
+    """A crossing at a turning point is reported."""
+    t, place = symbols("t", "place")
+    (depth,) = symbols("depth")
+    equations = build(
+        "grazing",
+        time=t,
+        states=[(place, 1.0)],
+        rates=[2.0 * (t - 1.0)],
+        parameters=[(depth, 0.0)],
+        outputs=[("place", place)],
+    )
+    equations = with_events(
+        equations, ("touch", place - depth - 1e-15, "falling", False, {0: place + 1.0})
+    )
+    with pytest.raises(NumericalError, match="grazes"):
+        followed(equations, Grid(Method.RK4, 0.0, 0.5, 1), 4)
+
+
+def test_an_event_without_reset_moves_its_instant_only():
+    """x = cos w t reaches zero at pi/(2 w); the motion goes on as if nothing had been."""
+    with_event = followed(crossing_oscillator(), Grid(Method.RK4, 0.0, 0.1, 10), 10, by_state=[0])
+    assert with_event.events[0].time == pytest.approx(np.pi / 4, abs=1e-6)
+    assert with_event.state_slopes[:, -1] == pytest.approx(
+        [np.cos(2.0), -2.0 * np.sin(2.0)], abs=1e-5
+    )
+
+
+def test_an_equilibrium_follows_its_parameters():
+    """0 = g - k x^3 / m: dx/dk = -x / (3 k)."""
+    t, place, speed = symbols("t", "place", "speed")
+    k, m = symbols("stiffness", "mass")
+    equations = build(
+        "hanging",
+        time=t,
+        states=[(place, 1.0), (speed, 0.0)],
+        rates=[speed, 9.81 - k * place**3 / m],
+        parameters=[(k, 50.0), (m, 2.0)],
+        outputs=[("place", place)],
+        positions=(0,),
+        velocities=(1,),
+    )
+    rest = (9.81 * 2.0 / 50.0) ** (1 / 3)
+    code = TangentCode(equations, [])
+    point = np.array([rest, 0.0]), np.zeros(0)
+    values = np.array([50.0, 2.0])
+    balance = Balance(values, 0.0, point, ([0], [1]))
+    found = start_slopes(code, balance, np.eye(2))
+    assert found[0] == pytest.approx([-rest / 150.0, rest / 6.0], rel=1e-12)
+    by_state, by_parameter = rate_slopes(code, balance, np.eye(2))
+    assert by_state[1] == pytest.approx([-3.0 * 25.0 * rest**2, 0.0])
+    assert by_parameter[1] == pytest.approx([-(rest**3) / 2.0, 50.0 * rest**3 / 4.0])

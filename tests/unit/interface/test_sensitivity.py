@@ -1,0 +1,82 @@
+"""Derivatives of runs by parameters, from Python."""
+
+import numpy as np
+import pytest
+
+import vehicledyn as vd
+from vehicledyn.base.errors import InputError
+
+SETTINGS = {"duration": "0.5 s"}
+OF = ["max(lower.angle)", "upper.angle"]
+
+
+@pytest.fixture(scope="module")
+def found():
+    """Derivatives of a double pendulum by all parameters and a start value."""
+    to = ["parameters.*", "start.upper.angle"]
+    return vd.sensitivity("double_pendulum", OF, to, **SETTINGS)
+
+
+def test_derivatives_are_labelled(found):
+    """Figures over parameters, curves over time as well."""
+    assert found.kind == "sensitivity"
+    slopes = found["figure_slope"]
+    assert slopes.dims == ("figure", "parameter")
+    assert found["channel_slope"].dims == ("channel", "time", "parameter")
+    figures = list(found["figure"].values)
+    assert figures[0] == "max(lower.angle)"
+    names = list(found["parameter"].values)
+    assert names[-1] == "start.upper.angle"
+    run = vd.simulate("double_pendulum", **SETTINGS)
+    assert found["channel_value"].values[0] == pytest.approx(run["upper.angle"].values, abs=1e-6)
+    report = found.report.as_text()
+    assert "length" in report
+    assert "no effect" in report
+
+
+def test_derivatives_agree_with_runs(found):
+    """By the length, against Richardson's differences of the same steps."""
+
+    def curve(length):
+        changed = {"parameters.length": f"{length!r} m"}
+        data = vd.sensitivity("double_pendulum", OF, "mass", set=changed, **SETTINGS)
+        return data["channel_value"].values[0]
+
+    names = list(found["parameter"].values)
+    wide, near = ((curve(1.0 + h) - curve(1.0 - h)) / (2.0 * h) for h in (2e-3, 1e-3))
+    slopes = found["channel_slope"].values[0][:, names.index("length")]
+    assert slopes == pytest.approx((4.0 * near - wide) / 3.0, abs=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("of", "to", "match"),
+    [
+        ("max(lower.angel)", "parameters.*", r"did you mean 'lower\.angle'"),
+        ("upper.angle", "parameters.lenght", "did you mean 'length'"),
+        ("upper.angle", "start.upper.angel", r"did you mean 'upper\.angle'"),
+    ],
+)
+def test_unknown_names_are_refused(of, to, match):
+    """The nearest name is suggested."""
+    with pytest.raises(InputError, match=match):
+        vd.sensitivity("double_pendulum", of, to, **SETTINGS)
+
+
+def test_a_figure_of_samples_that_tie_has_no_derivative():
+    """The largest height of a periodic motion that is reached twice is a corner."""
+    from vehicledyn.analyse.gradients.key_figures import figure_slope, sampled_slopes
+
+    time = np.linspace(0.0, 1.0, 5)
+    values, slopes = (
+        np.array([0.0, 1.0, 0.0, 1.0, 0.0]),
+        np.array([[0.0], [1.0], [0.0], [2.0], [0.0]]),
+    )
+    assert "as extreme" in figure_slope("max", time, values, slopes).trouble
+    corner = sampled_slopes(
+        lambda y: {"size": float(np.abs(y).max())}, values[:, None], slopes[:, None]
+    )
+    assert corner["size"].trouble
+    smooth = sampled_slopes(
+        lambda y: {"sum": float((y**3).sum())}, values[:, None], slopes[:, None]
+    )
+    assert smooth["sum"].slope == pytest.approx([3.0 + 6.0], rel=1e-9)

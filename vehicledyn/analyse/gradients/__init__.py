@@ -1,0 +1,1 @@
+"""Exact derivatives of what analyses compute, by parameters and start values."""

@@ -1,0 +1,136 @@
+"""Derivatives of numbers drawn from sampled channels: extremes, means, integrals, any function."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+Floats = NDArray[np.float64]
+
+_TIE = 1e-12
+"""Part of a channel's range within which two samples far apart are equally extreme."""
+
+_STEP = 1e-5
+"""Part of a channel's range by which samples are moved to see how a function of them changes."""
+
+_CORNER = 1e-3
+"""Part of a derivative by which those to both sides may differ, where they do not come closer."""
+
+
+@dataclass(frozen=True)
+class FigureSlope:
+    """A key figure, and its derivatives (n_directions,); ``trouble`` says why there are none.
+
+    ``time`` is where an extreme lies [s], not a number for others.
+    """
+
+    value: float
+    slope: Floats
+    trouble: str = ""
+    time: float = np.nan
+
+
+def figure_slope(kind: str, time: Floats, values: Floats, slopes: Floats) -> FigureSlope:
+    """Return one of :data:`KINDS` of a channel.
+
+    Parameters
+    ----------
+    kind
+        Name of the figure.
+    time, values
+        Samples, shape (n_times,).
+    slopes
+        Their derivatives, shape (n_times, n_directions).
+    """
+    return KINDS[kind](time, values, slopes)
+
+
+def _extreme(time: Floats, values: Floats, slopes: Floats, ranks: Floats) -> FigureSlope:
+    """Return the sample of highest rank; its instant adds nothing, there the rate is zero."""
+    place = int(np.argmax(ranks))
+    ties = np.flatnonzero(ranks >= ranks[place] - _TIE * np.ptp(ranks))
+    trouble, apart = "", ties[np.abs(ties - place) > 1]
+    scale = np.max(np.abs(slopes), axis=0, initial=0.0)
+    differ = [k for k in apart if np.any(np.abs(slopes[k] - slopes[place]) > _CORNER * scale)]
+    if differ and np.ptp(ranks) > 0.0:
+        trouble = f"it is as extreme at {time[place]:g} s as at {time[differ[0]]:g} s"
+    return FigureSlope(float(values[place]), slopes[place], trouble, float(time[place]))
+
+
+def _mean_square(time: Floats, values: Floats, slopes: Floats) -> FigureSlope:
+    span = time[-1] - time[0]
+    mean = np.trapezoid(values**2, time) / span
+    root = float(np.sqrt(mean))
+    if root == 0.0:
+        return FigureSlope(0.0, np.zeros(slopes.shape[1]), "the channel is zero all along")
+    product = np.asarray(np.trapezoid(values[:, None] * slopes, time, axis=0), dtype=float)
+    return FigureSlope(root, product / (span * root))
+
+
+def _integral(time: Floats, values: Floats, slopes: Floats) -> FigureSlope:
+    sums = np.asarray(np.trapezoid(slopes, time, axis=0), dtype=float)
+    return FigureSlope(float(np.trapezoid(values, time)), sums)
+
+
+def _mean(time: Floats, values: Floats, slopes: Floats) -> FigureSlope:
+    span, whole = time[-1] - time[0], _integral(time, values, slopes)
+    return FigureSlope(whole.value / span, np.asarray(whole.slope / span))
+
+
+KINDS: dict[str, Callable[[Floats, Floats, Floats], FigureSlope]] = {
+    "max": lambda t, y, dy: _extreme(t, y, dy, y),
+    "min": lambda t, y, dy: _extreme(t, y, dy, -y),
+    "peak": lambda t, y, dy: _extreme(t, y, dy, np.abs(y)),
+    "rms": _mean_square,
+    "mean": _mean,
+    "integral": _integral,
+    "initial": lambda t, y, dy: FigureSlope(float(y[0]), dy[0]),
+    "final": lambda t, y, dy: FigureSlope(float(y[-1]), dy[-1]),
+}
+"""Figures by name; the peak is the value of largest magnitude, with its sign."""
+
+
+def sampled_slopes(
+    function: Callable[[Floats], dict[str, float]], values: Floats, slopes: Floats
+) -> dict[str, FigureSlope]:
+    """Return the derivatives of any numbers that a function draws from samples.
+
+    The samples are moved along each direction by a little, to both sides; what they are moved by
+    is exact, so nothing is simulated again.
+
+    Parameters
+    ----------
+    function
+        Returns numbers by name for samples of shape (n_times, n_channels).
+    values
+        The samples.
+    slopes
+        Their derivatives, shape (n_times, n_channels, n_directions).
+    """
+    known = function(values)
+    n = slopes.shape[2]
+    found = {name: np.full(n, np.nan) for name in known}
+    troubles = dict.fromkeys(known, "")
+    spread = np.maximum(np.ptp(values, axis=0), 1e-9 * np.max(np.abs(values), axis=0, initial=0.0))
+    for k in range(n):
+        size = np.max(np.abs(slopes[:, :, k]), axis=0)
+        ratios = size[spread > 0.0] / spread[spread > 0.0]
+        step = _STEP / max(float(np.max(ratios, initial=0.0)), 1e-300)
+        if not np.any(size):
+            for name in known:
+                found[name][k] = 0.0
+            continue
+        sides = [function(values + h * slopes[:, :, k]) for h in (step, -step, step / 2, -step / 2)]
+        for name, middle in known.items():
+            ahead, behind, near, nearer = (side.get(name, np.nan) for side in sides)
+            wide, narrow = (ahead - behind) / (2.0 * step), (near - nearer) / step
+            found[name][k] = (4.0 * narrow - wide) / 3.0
+            bend = abs(ahead - 2.0 * middle + behind) / step
+            bend_near = abs(near - 2.0 * middle + nearer) / (step / 2.0)
+            floor = max(_CORNER * abs(narrow), 1e-9 * abs(middle) / step)
+            if not np.isfinite(bend) or (bend_near > floor and bend_near > 0.75 * bend):
+                troubles[name] = "it has a corner here"
+    return {name: FigureSlope(value, found[name], troubles[name]) for name, value in known.items()}

@@ -1,0 +1,1 @@
+"""Derivatives of what analyses return, by the parameters of a model."""

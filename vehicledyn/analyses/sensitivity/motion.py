@@ -1,0 +1,246 @@
+"""Derivatives of a scenario's run: channels over time and key figures, by parameters."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vehicledyn.analyse.gradients.key_figures import FigureSlope, figure_slope, sampled_slopes
+from vehicledyn.analyse.gradients.motion import Balance, MotionSlopes, follow, start_slopes
+from vehicledyn.analyses.preparation.prepare import Point, set_speed
+from vehicledyn.analyses.preparation.prepared import Prepared, Progress
+from vehicledyn.analyses.sensitivity.names import Directions, Wanted, directions, wanted
+from vehicledyn.analyses.simulation.prepared_run import prepare_run
+from vehicledyn.analyses.simulation.wanted_outputs import needed_channels
+from vehicledyn.base.errors import InputError
+from vehicledyn.base.units import shown
+from vehicledyn.files.scenario import LoadedScenario
+from vehicledyn.integrate.accuracy.proposed_step import proposed_step
+from vehicledyn.integrate.fixed_step import steps_per_interval
+from vehicledyn.kernel.engine import Method
+from vehicledyn.kernel.tangent_code import Grid, TangentCode
+from vehicledyn.results.store.linear_file import Quantity
+from vehicledyn.results.tables.sensitivity_table import SensitivityTable
+from vehicledyn.road.manoeuvres.channel_recorder import Recording
+
+Floats = NDArray[np.float64]
+
+_FIXED = (Method.RK4, Method.SYMPLECTIC_EULER)
+
+
+@dataclass
+class MotionStudy:
+    """A scenario made ready to be followed with its derivatives, as often as wanted."""
+
+    loaded: LoadedScenario
+    prepared: Prepared
+    start: Point
+    channels: list[int]
+    code: TangentCode
+    grid: Grid
+    n_intervals: int
+    notes: list[str]
+
+    @staticmethod
+    def of(loaded: LoadedScenario, names: list[str], progress: Progress) -> MotionStudy:
+        """Prepare a scenario; ``names`` are the channels wanted besides those of key figures."""
+        prepared, start = prepare_run(loaded, backend="auto", progress=progress)
+        if prepared.has_multipliers:
+            raise InputError(
+                f"the constraints of '{prepared.equations.name}' are treated with multipliers; "
+                "derivatives of its motion need 'constraint_method: partitioning'"
+            )
+        all_names = [c.name for c in prepared.equations.channels]
+        chosen = [*needed_channels(prepared), *[all_names.index(name) for name in names]]
+        channels = list(dict.fromkeys(chosen))
+        notes: list[str] = []
+        grid, n_intervals = _grid(loaded, prepared, start, notes)
+        progress("deriving and compiling the tangents", None)
+        code = TangentCode(prepared.equations, channels)
+        return MotionStudy(loaded, prepared, start, channels, code, grid, n_intervals, notes)
+
+    def followed(self, chosen: Directions, progress: Progress) -> MotionSlopes:
+        """Return the motion with its derivatives."""
+        by_state = self.start_slopes(chosen) + chosen.by_state
+        return follow(
+            self.code,
+            self.prepared.kernel,
+            self.grid,
+            n_intervals=self.n_intervals,
+            start=(self.start.state, self.start.unknowns),
+            directions=(chosen.by_parameter, by_state),
+            progress=lambda part: progress("following the motion with its tangents", part),
+        )
+
+    def start_slopes(self, chosen: Directions) -> Floats:
+        """Return how the start follows the parameters; given states follow the speed alone."""
+        subject, scenario = self.prepared.subject, self.loaded.scenario
+        speed = scenario.speed or 0.0
+        kind = scenario.start or subject.usual_start
+        kernel, e = self.prepared.kernel, self.prepared.equations
+        given = self._given(chosen, speed)
+        if kind == "nominal":
+            return given
+        held = kernel.parameters
+        balanced_speed = 0.0 if kind == "static" else speed
+        state = self.start.state.copy()
+        pairs = subject.balance_pairs(e, balanced_speed)
+        if kind == "static":
+            others = [k for k in e.speeds if k not in pairs[0]]
+            state[others] = subject.still_state(e)[others]
+        set_speed(self.prepared, balanced_speed)
+        try:
+            point = (state, self.start.unknowns)
+            balance = Balance(kernel.parameters, subject.balance_time, point, pairs)
+            moved = given if kind == "steady" else np.zeros(given.shape)
+            found = start_slopes(self.code, balance, chosen.by_parameter, moved)
+        finally:
+            kernel.set_parameters(held)
+        if kind == "static":
+            found[others] = given[others]
+        return found
+
+    def _given(self, chosen: Directions, speed: float) -> Floats:
+        """Return how the given states follow the speed, in which they are linear."""
+        subject, e = self.prepared.subject, self.prepared.equations
+        slopes = np.zeros(chosen.by_state.shape)
+        names = [p.name for p in e.parameters]
+        if "speed" in names and "speed" in subject.parameters_at(speed or 1.0):
+            faster = subject.start_state(e, speed + 1.0) - subject.start_state(e, speed)
+            slopes += np.outer(faster, chosen.by_parameter[names.index("speed")])
+        return slopes
+
+    def run_figures(self, motion: MotionSlopes) -> dict[str, tuple[FigureSlope, Quantity]]:
+        """Return the key figures of the run with their derivatives."""
+        e = self.prepared.equations
+        names = [e.channels[k].name for k in self.channels]
+        units = {e.channels[k].name: e.channels[k].unit for k in self.channels}
+        about: dict[str, Quantity] = {}
+
+        def figures(values: Floats) -> dict[str, float]:
+            recording = Recording(motion.times, dict(zip(names, values.T, strict=True)), units)
+            found = {}
+            for entry in self.prepared.subject.summarise(recording):
+                if isinstance(entry.value, float):
+                    about[entry.name] = Quantity(entry.name, entry.unit, entry.description)
+                    found[entry.name] = entry.value
+            return found
+
+        found = sampled_slopes(figures, motion.values, motion.slopes)
+        return {name: (slope, about[name]) for name, slope in found.items()}
+
+
+def find_motion_sensitivity(
+    loaded: LoadedScenario, of: list[str], to: list[str], progress: Progress
+) -> SensitivityTable:
+    """Return derivatives of a run's channels and key figures by parameters and start values.
+
+    Parameters
+    ----------
+    loaded
+        The scenario.
+    of, to
+        Names, see :mod:`vehicledyn.analyses.sensitivity.names`.
+    progress
+        Called with what is going on.
+
+    Raises
+    ------
+    InputError
+        If a name means nothing.
+    NumericalError
+        If the run fails, or a derivative does not exist.
+    """
+    names = _named_channels(loaded, of, progress)
+    study = MotionStudy.of(loaded, names, progress)
+    e, kernel = study.prepared.equations, study.prepared.kernel
+    chosen = directions(e, kernel.parameters, study.start.state, to)
+    motion = study.followed(chosen, progress)
+    run = study.run_figures(motion) if _needs_run(of, e) else {}
+    asked = wanted(e, of, list(run))
+    return _table(study, chosen, motion, asked, run)
+
+
+def _needs_run(of: list[str], equations: Any) -> bool:
+    channels = {c.name for c in equations.channels}
+    return any(name not in channels and "(" not in name for name in of)
+
+
+def _named_channels(loaded: LoadedScenario, of: list[str], progress: Progress) -> list[str]:
+    """Return the channels that names ask for."""
+    prepared, _ = prepare_run(loaded, backend="auto", progress=progress)
+    known = [name for name in of if name not in {c.name for c in prepared.equations.channels}]
+    found = wanted(prepared.equations, of, known)
+    return [*found.curves, *[channel for _, channel in found.figures]]
+
+
+def _grid(
+    loaded: LoadedScenario, prepared: Prepared, start: Point, notes: list[str]
+) -> tuple[Grid, int]:
+    """Return the steps of a scenario; a method without derivatives is replaced, as noted."""
+    solver, interval = loaded.scenario.solver, loaded.scenario.output.interval
+    method = getattr(solver, "fixed_method", None)
+    step = getattr(solver, "step", None) if method in _FIXED else None
+    if method not in _FIXED:
+        method = Method.RK4
+    if step is None:
+        point = (0.0, start.state, start.unknowns)
+        step = proposed_step(prepared.kernel, method, point, interval)
+        name = Method(method).name.lower()
+        notes.append(f"derivatives are those of {name} steps of {shown(step, 's')}")
+    duration = loaded.scenario.duration
+    per_interval = steps_per_interval(step, interval)
+    return Grid(int(method), 0.0, interval, per_interval), round(duration / interval)
+
+
+def _table(
+    study: MotionStudy,
+    chosen: Directions,
+    motion: MotionSlopes,
+    asked: Wanted,
+    run: dict[str, tuple[FigureSlope, Quantity]],
+) -> SensitivityTable:
+    e, notes = study.prepared.equations, list(study.notes)
+    places = {e.channels[k].name: place for place, k in enumerate(study.channels)}
+    about = {c.name: c for c in e.channels}
+    figures: list[Quantity] = []
+    found: list[FigureSlope] = []
+    for name in asked.others:
+        slope, quantity = run[name]
+        figures.append(quantity)
+        found.append(slope)
+    for kind, name in asked.figures:
+        place, channel = places[name], about[name]
+        samples = motion.values[:, place], motion.slopes[:, place]
+        found.append(figure_slope(kind, motion.times, *samples))
+        unit = f"{channel.unit}*s" if kind == "integral" else channel.unit
+        figures.append(Quantity(f"{kind}({name})", unit, f"{kind} of {channel.description}"))
+    slopes = np.zeros((len(found), len(chosen.values)))
+    for row, (item, figure) in enumerate(zip(found, figures, strict=True)):
+        slopes[row] = np.nan if item.trouble else item.slope
+        if item.trouble:
+            notes.append(f"warning: '{figure.name}' has no derivative: {item.trouble}")
+    notes += [
+        f"event '{event.name}' at {event.time:.6g} s; its instant moves with the parameters"
+        for event in motion.events
+    ]
+    if motion.ended_by:
+        notes.append(f"warning: event '{motion.ended_by}' ended the run at {motion.times[-1]:g} s")
+    curves = [places[name] for name in asked.curves]
+    return SensitivityTable(
+        study.loaded.title,
+        study.loaded.scenario.model,
+        chosen.quantities,
+        chosen.values,
+        tuple(figures),
+        np.array([item.value for item in found]),
+        slopes,
+        tuple(Quantity(c.name, c.unit, c.description) for c in (about[n] for n in asked.curves)),
+        motion.times,
+        motion.values[:, curves].T,
+        motion.slopes[:, curves].transpose(1, 0, 2),
+        tuple(notes),
+    )

@@ -1,0 +1,67 @@
+"""The verb that finds derivatives of a run."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+import vehicledyn
+from vehicledyn.cli.options import Json, Overrides, Target, is_result_name
+from vehicledyn.cli.performing import perform, show
+from vehicledyn.cli.replacing import SENSITIVITY, Overwrite, check_replacing
+
+
+def add_verbs(app: typer.Typer) -> None:
+    """Add the verb to the command line."""
+    app.command()(sensitivity)
+
+
+def sensitivity(
+    target: Target,
+    *,
+    of: Annotated[
+        list[str],
+        typer.Option(
+            "--of",
+            metavar="NAME",
+            help="Key figure, channel, or figure of a channel such as 'max(chassis.roll)'; may "
+            "be repeated.",
+        ),
+    ],
+    to: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--to",
+            metavar="PATTERN",
+            help="Parameters, such as 'parameters.front.*', or start values, such as "
+            "'start.chassis.y'; may be repeated, all parameters if absent.",
+        ),
+    ] = None,
+    overrides: Overrides = None,
+    output: Annotated[
+        Path | None,
+        typer.Option("--output", "-o", help="File to write: a result (.h5), or JSON (others)."),
+    ] = None,
+    plots: Annotated[Path | None, typer.Option(help="Folder for tornado and curves.")] = None,
+    overwrite: Overwrite = False,
+    as_json: Json = False,
+) -> None:
+    """Find exact derivatives of a run's channels and key figures by parameters, ranked."""
+    from vehicledyn.cli.analyses import read_target
+
+    loaded = read_target(target, overrides, ("scenario", "system"))
+    is_result = output is not None and is_result_name(output)
+    if output is not None and is_result:
+        check_replacing(output, SENSITIVITY, overwrite=overwrite)
+    data = perform(
+        vehicledyn.sensitivity,
+        loaded,
+        of,
+        to or ["parameters.*"],
+        save_to=output if is_result else None,
+        overwrite=True,
+        plots=plots,
+    )
+    show(data, as_json=as_json, plots=plots, file=None if is_result else output)

@@ -1,0 +1,134 @@
+"""Derivatives of key figures and channels by parameters, as a result file."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from vehicledyn.results.store.consistency import Sizes
+from vehicledyn.results.store.linear_file import (
+    Quantity,
+    new_file,
+    old_file,
+    read_quantities,
+    read_texts,
+    write_numbers,
+    write_quantities,
+    write_texts,
+)
+from vehicledyn.results.tables.response_table import ratio_unit
+
+FORMAT = "vehicledyn-sensitivity"
+
+
+@dataclass(frozen=True)
+class SensitivityTable:
+    """Derivatives of figures and channels, in SI.
+
+    ``parameters`` with their ``parameter_values`` (n_parameters,); ``figures`` with ``values``
+    (n_figures,) and ``slopes`` (n_figures, n_parameters), not a number where none exists;
+    ``channels`` sampled at ``time`` (n_times,) with ``channel_values`` (n_channels, n_times) and
+    ``channel_slopes`` (n_channels, n_times, n_parameters). ``cost`` is in simulations.
+    """
+
+    title: str
+    model: str
+    parameters: tuple[Quantity, ...]
+    parameter_values: Any
+    figures: tuple[Quantity, ...]
+    values: Any
+    slopes: Any
+    channels: tuple[Quantity, ...] = ()
+    time: Any = field(default_factory=lambda: np.zeros(0))
+    channel_values: Any = field(default_factory=lambda: np.zeros((0, 0)))
+    channel_slopes: Any = field(default_factory=lambda: np.zeros((0, 0, 0)))
+    notes: tuple[str, ...] = ()
+
+    @property
+    def elasticities(self) -> Any:
+        """Change of a figure by a hundredth of a parameter's value, shape as ``slopes``."""
+        return 0.01 * np.asarray(self.slopes) * np.asarray(self.parameter_values)[None, :]
+
+    def ranked(self, figure: int) -> list[int]:
+        """Return the parameters by what a hundredth of each does to a figure, largest first.
+
+        Those whose value is zero come behind the others, by their derivative.
+        """
+        effects, slopes = np.abs(self.elasticities[figure]), np.abs(self.slopes[figure])
+        keys = [
+            (-np.nan_to_num(e), -np.nan_to_num(s)) for e, s in zip(effects, slopes, strict=True)
+        ]
+        return sorted(range(len(keys)), key=lambda k: keys[k])
+
+    def unit(self, figure: int, parameter: int) -> str:
+        """Return the unit of a derivative."""
+        return ratio_unit(self.figures[figure].unit, self.parameters[parameter].unit)
+
+
+def write_sensitivity(path: Path, table: SensitivityTable) -> None:
+    """Write derivatives to a file.
+
+    Raises
+    ------
+    InputError
+        If it cannot be written.
+    """
+    with new_file(path, FORMAT, {"title": table.title, "model": table.model}) as file:
+        parameters = write_quantities(file, "parameter", table.parameters)
+        figures = write_quantities(file, "figure", table.figures)
+        words = ("as parameter", "Value of the parameter")
+        write_numbers(file, "parameter_value", table.parameter_values, (parameters,), words)
+        words = ("as figure", "Value of the figure")
+        write_numbers(file, "figure_value", table.values, (figures,), words)
+        words = ("figure/parameter", "Derivative of the figure by the parameter")
+        write_numbers(file, "figure_slope", table.slopes, (figures, parameters), words)
+        words = ("as figure", "Change of the figure by one per cent of the parameter")
+        scales = (figures, parameters)
+        write_numbers(file, "figure_change_per_percent", table.elasticities, scales, words)
+        write_texts(file, "notes", table.notes)
+        if not table.channels:
+            return
+        channels = write_quantities(file, "channel", table.channels)
+        time = file.create_dataset("time", data=np.asarray(table.time, dtype=float))
+        time.attrs["units"], time.attrs["long_name"] = "s", "Time"
+        time.make_scale("time")
+        words = ("as channel", "Value of the channel")
+        write_numbers(file, "channel_value", table.channel_values, (channels, time), words)
+        words = ("channel/parameter", "Derivative of the channel by the parameter")
+        every = (channels, time, parameters)
+        write_numbers(file, "channel_slope", table.channel_slopes, every, words)
+
+
+def read_sensitivity(path: Path) -> SensitivityTable:
+    """Return the derivatives in a file.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be read or holds something else.
+    """
+    with old_file(path, FORMAT) as file:
+        parameters, figures = read_quantities(file, "parameter"), read_quantities(file, "figure")
+        sizes = Sizes({"parameter": len(parameters), "figure": len(figures)})
+        more: dict[str, Any] = {}
+        if "channel" in file:
+            more = {
+                "channels": read_quantities(file, "channel"),
+                "time": file["time"][()],
+                "channel_values": file["channel_value"][()],
+                "channel_slopes": file["channel_slope"][()],
+            }
+        return SensitivityTable(
+            str(file.attrs["title"]),
+            str(file.attrs["model"]),
+            parameters,
+            sizes.fit("parameter_value", file["parameter_value"][()], "parameter", gaps=True),
+            figures,
+            sizes.fit("figure_value", file["figure_value"][()], "figure", gaps=True),
+            file["figure_slope"][()],
+            notes=tuple(read_texts(file, "notes")),
+            **more,
+        )
