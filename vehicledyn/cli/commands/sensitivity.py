@@ -49,7 +49,7 @@ def sensitivity(
     as_json: Json = False,
 ) -> None:
     """Find exact derivatives of a run's channels and key figures by parameters, ranked."""
-    from vehicledyn.cli.analyses import read_target
+    from vehicledyn.cli.commands.analyses import read_target
 
     loaded = read_target(target, overrides, ("scenario", "system"))
     is_result = output is not None and is_result_name(output)
