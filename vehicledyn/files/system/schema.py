@@ -69,7 +69,7 @@ def _sections(schema: Any) -> Any:
         return [_sections(item) for item in schema]
     if not isinstance(schema, dict):
         return schema
-    if "section" in schema:
+    if isinstance(schema.get("section"), str):  # A field of that name holds a mapping.
         family, kind = schema["section"], schema.get("section_kind")
         inner = {"$ref": f"#/$defs/{find(family, kind).__name__ if kind else family}"}
         described = {"description": schema["description"], "type": "object"}

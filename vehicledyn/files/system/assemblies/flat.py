@@ -10,10 +10,10 @@ from typing import Any
 from vehicledyn.base.errors import unknown_name
 from vehicledyn.base.problems import Place
 from vehicledyn.files.system.assemblies.instances import instance
-from vehicledyn.files.system.assemblies.mirror import image_name, mirror_image
+from vehicledyn.files.system.assemblies.mirror import image_name, mirror_image, with_group
+from vehicledyn.files.system.assemblies.outside import Outside
 from vehicledyn.files.system.assemblies.read import Assembly, Use
 from vehicledyn.files.system.assembly_sets import AssemblySet
-from vehicledyn.files.system.joints import Coordinate
 from vehicledyn.files.system.sets import MirrorSet, Sections, SystemFile
 from vehicledyn.multibody.model.ground import GROUND
 
@@ -52,7 +52,7 @@ class Flat:
             self.origins[(*at, "bodies", body, *rest)] = (*use.place, *origin)
         self.assemblies.append(Assembly(use.name, item.file, use.part.file.title, use.part.inner))
 
-    def enter_group(self, group: Group, outside: Sequence[Coordinate]) -> None:
+    def enter_group(self, group: Group, outside: Outside) -> None:
         """Enter the parts of a mirror group and of its image."""
         image = mirror_image(group.file.model_copy(update=group.sections), outside)
         self.problems += [((*group.at, *place), words, False) for place, words in image.problems]
@@ -120,7 +120,8 @@ def flatten(file: SystemFile, uses: Sequence[Use], path: Path) -> tuple[SystemFi
     by_place = {use.place: use for use in uses}
     for place, item in items.items():
         flat.enter(by_place[place], item, path)
-    outside = [c for n, b in flat.sections["bodies"].items() for c in b.coordinates(n)]
+    plain = Outside().with_sections(flat.sections)
+    groups = []
     for number, written in enumerate(file.mirror):
         sections = {name: dict(getattr(written, name)) for name in _SECTIONS}
         group = Group(written, ("mirror", number), sections)
@@ -131,6 +132,12 @@ def flatten(file: SystemFile, uses: Sequence[Use], path: Path) -> tuple[SystemFi
                 continue
             flat.enter(by_place[*group.at, "assemblies", name], item, path, group)
             items[*group.at, "assemblies", name] = item
+        groups.append(group)
+    for group in groups:
+        outside = plain
+        for other in groups:
+            if other is not group:
+                outside = with_group(outside, other.file, other.sections)
         flat.enter_group(group, outside)
     for use in uses:
         if use.place in items:

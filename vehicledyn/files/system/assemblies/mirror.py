@@ -7,22 +7,24 @@ right-handed and all joints keep their kinds and axes. So the mirror image of a 
 a turn about another axis than the mirror's differs: slides along the mirror's axis and turns
 about the two others have the opposite sign, and with them their starts, fixed turns, drives and
 forces; slides along the others and turns about the mirror's axis have the same sign. Bodies
-outside the group are their own images, and their coordinates obey the same rule.
+outside the group whose image stands outside too have that for an image, all others are their own
+images; their coordinates obey the same rule.
 """
 
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
 from vehicledyn.base.problems import Place
 from vehicledyn.files.expressions.expressions import Expression, named
 from vehicledyn.files.expressions.fields import SystemSet, fact
+from vehicledyn.files.system.assemblies.outside import Outside, images
 from vehicledyn.files.system.declared_sets import DeclaredSet
 from vehicledyn.files.system.events import EventSet
-from vehicledyn.files.system.joints import Coordinate, JointSet
+from vehicledyn.files.system.joints import JointSet
 from vehicledyn.files.system.rail_wheels import RailWheelSet
 from vehicledyn.files.system.sets import (
     BodySet,
@@ -52,7 +54,7 @@ class Image:
     problems: list[tuple[Place, str]] = field(default_factory=list)
 
 
-def mirror_image(group: MirrorSet, outside: Sequence[Coordinate] = ()) -> Image:
+def mirror_image(group: MirrorSet, outside: Outside | None = None) -> Image:
     """Return the mirror image of a group of parts.
 
     Parameters
@@ -60,21 +62,28 @@ def mirror_image(group: MirrorSet, outside: Sequence[Coordinate] = ()) -> Image:
     group
         The parts.
     outside
-        Coordinates of the bodies outside the group, which are their own images: what acts on
-        them in the group, or uses them, acts in the image on their mirror motion.
+        What stands outside the group, other groups and their images too: what acts on it in the
+        group, or uses it, acts in the image on its image, in its mirror motion.
     """
-    image = Image()
+    image, outside = Image(), outside or Outside()
     axis, pieces = AXES[group.plane], _Pieces(group.names, frozenset(group.assemblies))
     coordinates = [c for name, body in group.bodies.items() for c in body.coordinates(name)]
+
+    def renewed(names: Iterable[str]) -> dict[str, str]:
+        return {name: _replaced(name, pieces) for name in names}
+
+    def beside(names: Iterable[str]) -> dict[str, str]:
+        return images(names, lambda name: _replaced(name, pieces))
+
     renamed = _Names(
-        {name: _replaced(name, pieces) for name in group.bodies},
+        {**beside(outside.bodies), **renewed(group.bodies)},
         {
-            **{c.name: c.name for c in outside},
-            **{c.name: _new_coordinate(c.name, group, pieces) for c in coordinates},
+            **beside(c.name for c in outside.coordinates),
+            **{c.name: _new_coordinate(c.name, group.bodies, pieces) for c in coordinates},
         },
-        {c.name for c in (*outside, *coordinates) if c.is_turned_by_mirror(axis)},
-        {name: _replaced(name, pieces) for name in (*group.cuts, *group.constraints)},
-        {name: _replaced(name, pieces) for name in group.switches},
+        {c.name for c in (*outside.coordinates, *coordinates) if c.is_turned_by_mirror(axis)},
+        {**beside(outside.constraints), **renewed((*group.cuts, *group.constraints))},
+        {**beside(outside.switches), **renewed(group.switches)},
     )
     for section in (name for name in Sections.model_fields if name != "assemblies"):
         entries: dict[str, Any] = image.sections.setdefault(section, {})
@@ -90,6 +99,18 @@ def mirror_image(group: MirrorSet, outside: Sequence[Coordinate] = ()) -> Image:
                 image.problems.append(((section, name), f"its image '{new}' is made twice"))
             entries[new], image.old[section, new] = value, name
     return image
+
+
+def with_group(
+    outside: Outside, group: MirrorSet, sections: Mapping[str, Mapping[str, Any]]
+) -> Outside:
+    """Return what stands outside of other groups, with a group of such sections and its image."""
+    pieces = _Pieces(group.names, frozenset(group.assemblies))
+    return outside.with_images(
+        sections,
+        lambda name: _replaced(name, pieces),
+        lambda name: _new_coordinate(name, sections["bodies"], pieces),
+    )
 
 
 def image_name(name: str, group: MirrorSet) -> str:
@@ -137,8 +158,8 @@ def _replaced(name: str, pieces: _Pieces) -> str:
     return re.sub(pattern, lambda match: texts[match[0]], name)
 
 
-def _new_coordinate(name: str, group: MirrorSet, pieces: _Pieces) -> str:
-    body = next((b for b in group.bodies if name.startswith(f"{b}.")), None)
+def _new_coordinate(name: str, bodies: Iterable[str], pieces: _Pieces) -> str:
+    body = next((b for b in bodies if name.startswith(f"{b}.")), None)
     if body is None:
         return _replaced(name, pieces)
     return _replaced(body, pieces) + name[len(body) :]
