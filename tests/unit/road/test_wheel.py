@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 import pytest
+from scipy.optimize import brentq
 
 from vehicledyn.base.errors import InputError
 from vehicledyn.multibody.equations.derivation import derive
@@ -21,6 +22,7 @@ from vehicledyn.road.wheel.contact_search import find_contact
 from vehicledyn.road.wheel.relaxation import Relaxation, TyreRelaxation
 from vehicledyn.road.wheel.road_wheel import RoadWheel
 from vehicledyn.road.wheel.slip import SlipFloors
+from vehicledyn.road.wheel.soft_ground import direction_of_travel, soil_forces
 from vehicledyn.symbolic import ops
 from vehicledyn.symbolic.parameters import ParameterTable
 
@@ -299,3 +301,68 @@ def test_tyres_of_files_hold_a_locked_wheel_by_their_own_relaxation(settings):
 def test_relaxation_of_tyres_without_lengths_is_refused():
     with pytest.raises(InputError, match="'linear' have no relaxation lengths of their own"):
         Rig(relaxation=TyreRelaxation(), tyre=LINEAR)
+
+
+SAND = {
+    "kind": "bekker",
+    "wheel_width": "200 mm",
+    "cohesion": "1 kPa",
+    "friction_angle": "30 deg",
+    "shear_modulus": "25 mm",
+    "exponent": 1.1,
+    "cohesive_modulus": "1 kN/m",
+    "frictional_modulus": "3 MPa",
+}
+
+
+@pytest.fixture(scope="module")
+def sand_rig():
+    return Rig(surface=Flat(soil=SAND), turning=False, damping=2e3)
+
+
+def test_a_standing_wheel_sinks_until_the_soil_carries_it(sand_rig):
+    """Spring of the tyre and soil carry the same load, one upon the other."""
+
+    def missing(height):
+        return (
+            sand_rig.outputs(sand_rig.state(z=height))["wheel.tyre.normal_force"] - MASS * GRAVITY
+        )
+
+    height = brentq(missing, RADIUS - 0.2, RADIUS - 0.02, xtol=1e-10)
+    found = sand_rig.outputs(sand_rig.state(z=height))
+    sinkage = found["wheel.sinkage"]
+    deflection = RADIUS - height - sinkage
+    assert deflection == pytest.approx(MASS * GRAVITY / STIFFNESS, rel=1e-5)
+    soil = sand_rig.wheel.surface.soil
+    held = soil_forces(soil, RADIUS - deflection, sinkage, slip=0.0, direction=0.0)
+    assert held.load == pytest.approx(MASS * GRAVITY, rel=1e-5)
+    assert 0.05 < sinkage < 0.15
+    assert found["wheel.tyre.longitudinal_force"] == pytest.approx(0.0, abs=1e-9)
+
+
+def test_motion_in_sand_is_that_of_the_soils_forces(sand_rig):
+    state = sand_rig.state(z=RADIUS - 0.06, x_rate=5.0, y_rate=0.4, spin_rate=18.0)
+    found, rate = sand_rig.outputs(state), sand_rig.rate(state)
+    rolling = RADIUS - (0.06 - found["wheel.sinkage"])
+    soil = soil_forces(
+        sand_rig.wheel.surface.soil,
+        rolling,
+        found["wheel.sinkage"],
+        slip=18.0 * rolling / 5.0 - 1.0,
+        side_slip=0.4 / 5.0,
+        direction=direction_of_travel(5.0),
+    )
+    assert found["wheel.tyre.longitudinal_slip"] == pytest.approx(18.0 * rolling / 5.0 - 1.0)
+    assert soil.load == pytest.approx(found["wheel.tyre.normal_force"], rel=1e-9)
+    assert rate[sand_rig["spin_rate"]] == pytest.approx(-soil.torque / SPIN_INERTIA, rel=1e-9)
+    assert rate[sand_rig["x_rate"]] == pytest.approx(soil.pull / MASS, rel=1e-9)
+    assert rate[sand_rig["y_rate"]] == pytest.approx(soil.side / MASS, rel=1e-9)
+
+
+def test_a_wheel_above_the_sand_feels_nothing(sand_rig):
+    state = sand_rig.state(z=RADIUS + 0.1, x_rate=5.0, spin_rate=20.0)
+    found = sand_rig.outputs(state)
+    assert found["wheel.sinkage"] == 0.0
+    assert found["wheel.tyre.normal_force"] == 0.0
+    assert found["wheel.tyre.longitudinal_force"] == 0.0
+    assert sand_rig.rate(state)[sand_rig["z_rate"]] == pytest.approx(-GRAVITY)

@@ -41,4 +41,4 @@ class RaisedPlane(RaisedRoad):
 def raised(surface: RoadSurface, rise: Scalar, slope: Scalar = 0.0) -> RoadSurface:
     """Return a surface lifted by a rise [m] and tilted by a slope along x [1]."""
     chosen = RaisedPlane if surface.is_flat else RaisedRoad
-    return chosen.model_construct(base=surface, rise=rise, slope=slope)
+    return chosen.model_construct(base=surface, rise=rise, slope=slope, soil=surface.soil)

@@ -8,6 +8,7 @@ from typing import ClassVar
 
 from vehicledyn.base.parameters import ParameterSet, part
 from vehicledyn.road.patches.patch import FrictionPatch, friction_at
+from vehicledyn.road.soils.soil import Soil
 from vehicledyn.symbolic import ops
 from vehicledyn.symbolic.ops import Scalar, Vec
 
@@ -28,6 +29,10 @@ class RoadSurface(ParameterSet):
     def placed(self, folder: Path) -> RoadSurface:
         """Return the same surface, with files that it names looked for in a folder."""
         return self
+
+    soil: Soil | None = part(
+        "soil", "Soil that the wheels sink into; without it the ground is rigid", default=None
+    )
 
     @abstractmethod
     def height(self, x: Scalar, y: Scalar) -> Scalar:

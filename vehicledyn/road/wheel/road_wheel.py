@@ -32,6 +32,7 @@ from vehicledyn.road.wheel.slip import (
     rolling_share,
     slip_angle,
 )
+from vehicledyn.road.wheel.soft_ground import SoilForces, direction_of_travel, soil_forces
 from vehicledyn.symbolic import ops
 from vehicledyn.symbolic.equations import Channel, Variable
 from vehicledyn.symbolic.ops import Scalar, Vec
@@ -45,6 +46,7 @@ _BELOW = {
     "lowest_point": contact_of_lowest_point,
 }
 _OFFSET = ("contact_offset_x", "contact_offset_y")
+_SINKAGE = "sinkage"
 _DEFLECTION = ("tyre.longitudinal_deflection", "tyre.lateral_deflection")
 
 
@@ -122,13 +124,14 @@ class RoadWheel(BasePart):
         )
 
     def unknowns(self) -> tuple[Variable, ...]:
-        """Return the offset of the contact point from the wheel centre, if it is implicit."""
-        if not self._is_implicit:
-            return ()
-        return (
+        """Return the offset of the contact point if it is implicit, and the sinkage in soil."""
+        offsets = (
             Variable(_OFFSET[0], "m", "Contact point from the wheel centre along world x"),
             Variable(_OFFSET[1], "m", "Contact point from the wheel centre along world y"),
         )
+        sinkage = Variable(_SINKAGE, "m", "Depth of the wheel in the soil")
+        soft = self.surface.soil is not None
+        return (offsets if self._is_implicit else ()) + ((sinkage,) if soft else ())
 
     def loads(self, situation: Situation) -> Loads:
         """Return the contact wrench, the contact equations and the rates of the deflections."""
@@ -140,7 +143,7 @@ class RoadWheel(BasePart):
         return Loads(
             wrenches=(self._wrench(situation, state),),
             rates=rates,
-            residuals=self._residuals(situation),
+            residuals=self._residuals(situation, state),
         )
 
     def outputs(self, situation: Situation) -> tuple[Output, ...]:
@@ -166,6 +169,7 @@ class RoadWheel(BasePart):
             ("spin_rate", "rad/s", "Spin relative to the carrier", spin_rate, "joint"),
             *_further_moments(forces),
             *self._friction_channel(state),
+            *self._sinkage_channel(situation),
         )
         return tuple(
             Output(Channel(f"{self.name}.{name}", unit, text, frame), value)
@@ -204,8 +208,33 @@ class RoadWheel(BasePart):
             slip, angle = transient.longitudinal_slip, transient.slip_angle
         felt = TyreInput(load, slip, angle, camber, motion.longitudinal)
         friction = self.surface.friction(contact.position[0], contact.position[1])
+        if self.surface.soil is not None:
+            return WheelState(contact, motion, felt, self._of_soil(situation, felt), transient, 1.0)
         forces = self.tyre.on_ground(friction).forces(felt)
         return WheelState(contact, motion, felt, forces, transient, friction)
+
+    def _of_soil(self, situation: Situation, felt: TyreInput) -> TyreForces:
+        """Return the forces of soft ground, in place of those of the tyre law."""
+        soil = self._soil(situation, felt)
+        contact = self._contact(situation)
+        loaded = ops.where(felt.normal_force > 0.0, 1.0, 0.0)
+        return TyreForces(
+            loaded * soil.pull,
+            loaded * soil.side,
+            loaded * soil.turning,
+            rolling_resistance=loaded * (soil.pull * contact.loaded_radius - soil.torque),
+        )
+
+    def _soil(self, situation: Situation, felt: TyreInput) -> SoilForces:
+        assert self.surface.soil is not None
+        return soil_forces(
+            self.surface.soil,
+            self._rolling_radius(situation, self._contact(situation)),
+            situation.unknowns[_SINKAGE],
+            slip=felt.longitudinal_slip,
+            side_slip=ops.tan(felt.slip_angle),
+            direction=direction_of_travel(felt.forward_speed),
+        )
 
     def _contact(self, situation: Situation) -> Contact:
         centre, axis = self._pose(situation)
@@ -222,11 +251,26 @@ class RoadWheel(BasePart):
         text = "Friction of the ground over that of the tyre's own road"
         return (("ground_friction", "1", text, state.friction, ""),)
 
-    def _residuals(self, situation: Situation) -> tuple[Scalar, ...]:
-        if not self._is_implicit:
+    def _sinkage_channel(
+        self, situation: Situation
+    ) -> tuple[tuple[str, str, str, Scalar, str], ...]:
+        if self.surface.soil is None:
             return ()
-        centre, axis = self._pose(situation)
-        return contact_residuals(self.surface, centre, axis, self._offset(situation))
+        depth = ops.maximum(situation.unknowns[_SINKAGE], 0.0)
+        return (("sinkage", "m", "Depth of the wheel in the soil", depth, ""),)
+
+    def _residuals(self, situation: Situation, state: WheelState) -> tuple[Scalar, ...]:
+        residuals: tuple[Scalar, ...] = ()
+        if self._is_implicit:
+            centre, axis = self._pose(situation)
+            residuals = contact_residuals(self.surface, centre, axis, self._offset(situation))
+        if self.surface.soil is not None:
+            sinkage = situation.unknowns[_SINKAGE]
+            held = self._soil(situation, state.felt).load
+            carried = ops.where(sinkage > 0.0, held, self.stiffness * sinkage)
+            carried -= self._spring_force(situation, state.contact)
+            residuals += (carried / self.stiffness,)
+        return residuals
 
     @property
     def _is_implicit(self) -> bool:
@@ -247,8 +291,15 @@ class RoadWheel(BasePart):
             longitudinal=ops.dot(velocity, contact.longitudinal),
             lateral=ops.dot(velocity, contact.lateral),
             spin=situation.kinematics.angular_velocity(self.body)[1],
-            rolling_radius=self.tyre.rolling_radius(self.radius, contact.loaded_radius),
+            rolling_radius=self._rolling_radius(situation, contact),
         )
+
+    def _rolling_radius(self, situation: Situation, contact: Contact) -> Scalar:
+        """Return the radius at which the wheel rolls [m]; in soil that of its deflected rim."""
+        if self.surface.soil is None:
+            return self.tyre.rolling_radius(self.radius, contact.loaded_radius)
+        sinkage = ops.maximum(situation.unknowns[_SINKAGE], 0.0)
+        return ops.minimum(contact.loaded_radius + sinkage, self.radius)
 
     def _velocity(self, situation: Situation) -> Vec:
         """Return the velocity of the wheel centre against the ground, world axes [m/s]."""
@@ -265,10 +316,16 @@ class RoadWheel(BasePart):
         return transient_slip(motion, lengths, along, across)
 
     def _normal_force(self, situation: Situation, contact: Contact) -> Scalar:
+        return ops.maximum(self._spring_force(situation, contact), 0.0)
+
+    def _spring_force(self, situation: Situation, contact: Contact) -> Scalar:
+        """Return the force of spring and damper of the tyre [N]; in soil it may be negative."""
         closing = -ops.dot(self._velocity(situation), contact.normal)
         overlap = ops.maximum(contact.deflection, 0.0)
         engaged = ops.minimum(overlap / DAMPING_ENGAGEMENT, 1.0)
-        return ops.maximum(self.stiffness * overlap + self.damping * closing * engaged, 0.0)
+        if self.surface.soil is not None:
+            overlap = contact.deflection - situation.unknowns[_SINKAGE]
+        return self.stiffness * overlap + self.damping * closing * engaged
 
     def _wrench(self, situation: Situation, state: WheelState) -> Wrench:
         contact, forces = state.contact, state.forces
