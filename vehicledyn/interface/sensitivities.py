@@ -6,10 +6,11 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
+from vehicledyn.base.errors import InputError
 from vehicledyn.files.scenario.settings import Settings, override_texts
-from vehicledyn.interface.quantities import texts
+from vehicledyn.interface.quantities import speed_in_si, texts
 from vehicledyn.interface.running import Progress, reporter, result_place
-from vehicledyn.interface.targets import Source, read_scenario
+from vehicledyn.interface.targets import Source, read_scenario, read_target
 from vehicledyn.results.labelled.data import LabelledData
 
 
@@ -18,6 +19,7 @@ def sensitivity(
     of: str | Iterable[str],
     to: str | Iterable[str] = "parameters.*",
     *,
+    speed: float | str | None = None,
     set: Settings | None = None,
     save_to: str | Path | None = None,
     overwrite: bool = False,
@@ -31,10 +33,15 @@ def sensitivity(
     scenario
         Path or name of a scenario or model, a System, or what :func:`vehicledyn.load` returned.
     of
-        Key figures of the run, channels, or figures of channels such as ``max(chassis.roll)``.
+        Key figures of the run, channels, or figures of channels such as ``max(chassis.roll)``;
+        or of the linearised model: ``eigenvalues``, ``critical_speed`` and coordinates of the
+        equilibrium, such as ``equilibrium.chassis.z``.
     to
         Parameters, by patterns such as ``parameters.front.*``, and start values of states, such
         as ``start.chassis.y``.
+    speed
+        For linearised models: speed such as "20 m/s", or a number [m/s]; the scenario's if None.
+        The search for the critical speed begins there.
     set, settings, save_to, overwrite, progress
         As for :func:`vehicledyn.simulate`.
 
@@ -52,14 +59,27 @@ def sensitivity(
     NumericalError
         If the run fails or its derivative does not exist.
     """
+    from vehicledyn.analyses.sensitivity.linear import find_linear_sensitivity, is_linear
     from vehicledyn.analyses.sensitivity.motion import find_motion_sensitivity
     from vehicledyn.analyses.sensitivity.report import SensitivityReport
     from vehicledyn.results.tables.sensitivity_table import write_sensitivity
 
-    loaded = read_scenario(scenario, override_texts(set, settings))
-    with result_place(save_to, may_exist=overwrite) as place:
-        table = find_motion_sensitivity(
-            loaded, texts("of", of), texts("to", to), reporter(progress)
+    names, patterns, changes = texts("of", of), texts("to", to), override_texts(set, settings)
+    linear = [is_linear(name) for name in names]
+    if any(linear) and not all(linear):
+        raise InputError(
+            "figures of the linearised model and of a run have results of their own; ask for "
+            "them one after the other"
         )
+    if speed is not None and not any(linear):
+        raise InputError("speed: is for linearised models; a run has the scenario's speed")
+    with result_place(save_to, may_exist=overwrite) as place:
+        if any(linear):
+            at = None if speed is None else speed_in_si(speed)
+            target = read_target(scenario, changes)
+            table = find_linear_sensitivity(target, names, patterns, at, reporter(progress))
+        else:
+            loaded = read_scenario(scenario, changes)
+            table = find_motion_sensitivity(loaded, names, patterns, reporter(progress))
         write_sensitivity(place.path, table)
         return place.value(SensitivityReport(table))

@@ -80,3 +80,63 @@ def test_a_figure_of_samples_that_tie_has_no_derivative():
         lambda y: {"sum": float((y**3).sum())}, values[:, None], slopes[:, None]
     )
     assert smooth["sum"].slope == pytest.approx([3.0 + 6.0], rel=1e-9)
+
+
+def critical(mass, inertia, gauge, radius, conicity, lateral, yaw, creep):
+    """Return critical speed and frequency of the single wheelset, by Routh's condition."""
+    square = (yaw + gauge**2 * lateral) / (inertia + gauge**2 * mass)
+    springs = (lateral - mass * square) * (yaw - inertia * square)
+    speed = 2.0 * creep * gauge * np.sqrt(square)
+    speed = speed / np.sqrt(springs + 4.0 * creep**2 * gauge * conicity / radius)
+    return np.array([speed, np.sqrt(square) / (2.0 * np.pi)])
+
+
+def test_the_critical_speed_has_the_gradient_of_its_closed_form():
+    """A wheelset on springs, by all its parameters."""
+    found = vd.sensitivity("simple_wheelset", "critical_speed", "*", speed="40 m/s")
+    names = ["mass", "yaw_inertia", "half_gauge", "radius", "conicity", "lateral_stiffness"]
+    names += ["yaw_stiffness", "creep_coefficient"]
+    known = list(found["parameter"].values)
+    places = [known.index(name) for name in names]
+    values = found["parameter_value"].values[places].astype(float)
+    assert found["figure_value"].values == pytest.approx(critical(*values), rel=1e-10)
+    columns = []
+    for k in range(len(values)):
+        moved = values.astype(complex)
+        moved[k] += 1e-25j
+        columns.append(np.imag(critical(*moved)) / 1e-25)
+    error = found["figure_slope"].values[:, places] - np.array(columns).T
+    parts = error * values[None, :] / critical(*values)[:, None]
+    assert parts == pytest.approx(0.0, abs=1e-10)
+    assert not found["figure_slope"].values[:, known.index("clearance")].any()
+
+
+def test_eigenvalues_and_equilibrium_follow_parameters():
+    """Two masses on springs, against differences."""
+
+    def figures(stiffness):
+        changed = {"parameters.upper.stiffness": f"{stiffness!r} N/m"}
+        of = ["eigenvalues", "equilibrium.*"]
+        return vd.sensitivity("double_spring_mass", of, "upper.stiffness", set=changed)
+
+    at = 18_000.0
+    found = figures(at)
+    near, wide = (
+        (figures(at + h)["figure_value"].values - figures(at - h)["figure_value"].values) / (2 * h)
+        for h in (100.0, 200.0)
+    )
+    slopes = found["figure_slope"].values[:, 0]
+    scale = np.abs(found["figure_value"].values) / at + 1e-12
+    assert np.abs(slopes - (4.0 * near - wide) / 3.0) / scale == pytest.approx(0.0, abs=1e-6)
+
+
+def test_linear_names_are_checked():
+    """Kinds are not mixed, and names and speeds must mean something."""
+    with pytest.raises(InputError, match="one after the other"):
+        vd.sensitivity("double_pendulum", ["eigenvalues", "upper.angle"])
+    with pytest.raises(InputError, match="no parameter 'speed'"):
+        vd.sensitivity("double_pendulum", "critical_speed")
+    with pytest.raises(InputError, match=r"did you mean 'upper\.angle'"):
+        vd.sensitivity("double_pendulum", "equilibrium.upper.angel")
+    with pytest.raises(InputError, match="linearised"):
+        vd.sensitivity("double_pendulum", "upper.angle", speed="3 m/s")

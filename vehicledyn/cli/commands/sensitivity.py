@@ -26,8 +26,8 @@ def sensitivity(
         typer.Option(
             "--of",
             metavar="NAME",
-            help="Key figure, channel, or figure of a channel such as 'max(chassis.roll)'; may "
-            "be repeated.",
+            help="Key figure, channel, or figure of a channel such as 'max(chassis.roll)'; or "
+            "'eigenvalues', 'critical_speed', 'equilibrium.COORDINATE'; may be repeated.",
         ),
     ],
     to: Annotated[
@@ -38,6 +38,9 @@ def sensitivity(
             help="Parameters, such as 'parameters.front.*', or start values, such as "
             "'start.chassis.y'; may be repeated, all parameters if absent.",
         ),
+    ] = None,
+    speed: Annotated[
+        str | None, typer.Option(help='Speed such as "20 m/s", for linearised models.')
     ] = None,
     overrides: Overrides = None,
     output: Annotated[
@@ -60,6 +63,7 @@ def sensitivity(
         loaded,
         of,
         to or ["parameters.*"],
+        speed=speed,
         save_to=output if is_result else None,
         overwrite=True,
         plots=plots,

@@ -1,0 +1,270 @@
+"""Derivatives of equilibria, eigenvalues and the linear critical speed, by all parameters."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from fnmatch import fnmatchcase
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vehicledyn.analyse.equilibrium import find_equilibrium
+from vehicledyn.analyse.gradients.eigenvalues import EigenDerivatives, EigenSlopes, LinearPoint
+from vehicledyn.analyses.linear.mode_report import NEAR_ZERO
+from vehicledyn.analyses.preparation.own_speed import at_speed
+from vehicledyn.analyses.preparation.prepare import prepare, reference_start, start_point
+from vehicledyn.analyses.preparation.prepared import Prepared, Progress, refuse_multipliers
+from vehicledyn.analyses.sensitivity.names import directions
+from vehicledyn.base.errors import InputError, NumericalError, nearest_name
+from vehicledyn.files.scenario.target import Target
+from vehicledyn.results.store.linear_file import Quantity
+from vehicledyn.results.tables.sensitivity_table import SensitivityTable
+
+Floats = NDArray[np.float64]
+
+EIGENVALUES, CRITICAL, BALANCE = "eigenvalues", "critical_speed", "equilibrium."
+_STRIDE, _MOST_STRIDES, _MOST_STEPS = 1.15, 40, 30
+_FOUND = 1e-11
+"""Part of a critical speed that its last correction may have."""
+
+
+def is_linear(name: str) -> bool:
+    """Return whether a name asks for a figure of the linearised model."""
+    return name in (EIGENVALUES, CRITICAL) or name.startswith(BALANCE)
+
+
+@dataclass
+class _Model:
+    """A model at its point to linearise about."""
+
+    prepared: Prepared
+    point: LinearPoint
+    derivatives: EigenDerivatives
+    by_speed: Floats
+    """How the states that are held follow the speed, shape (n_states,)."""
+
+    @property
+    def speed_index(self) -> int:
+        """Number of the parameter that is the speed.
+
+        Raises
+        ------
+        InputError
+            If there is none.
+        """
+        names = [p.name for p in self.prepared.equations.parameters]
+        if "speed" not in names:
+            raise InputError(
+                f"'{self.prepared.equations.name}' has no parameter 'speed', so no critical speed"
+            )
+        return names.index("speed")
+
+    def at_speed(self, speed: float) -> LinearPoint:
+        """Return the equilibrium at another speed [m/s], near the last one."""
+        index, old = self.speed_index, self.point
+        parameters = old.parameters.copy()
+        along = self.derivatives.equilibrium(old)[0][:, index] + self.by_speed
+        state = old.state + (speed - parameters[index]) * along
+        parameters[index] = speed
+        kernel = self.prepared.kernel.with_parameters(parameters)
+        found = find_equilibrium(
+            self.prepared.equations,
+            kernel,
+            time=old.time,
+            state=state,
+            unknowns=old.unknowns,
+            free=old.pairs[0],
+            balanced=old.pairs[1],
+            tolerance=1e-9,
+            derivatives=self.prepared.derivatives,
+        )
+        self.point = replace(old, parameters=parameters, state=found.state, unknowns=found.unknowns)
+        return self.point
+
+
+def find_linear_sensitivity(
+    target: Target, of: list[str], to: list[str], speed: float | None, progress: Progress
+) -> SensitivityTable:
+    """Return derivatives of an equilibrium, its eigenvalues or the critical speed.
+
+    Parameters
+    ----------
+    target
+        A scenario or model.
+    of
+        ``eigenvalues``, ``critical_speed``, or ``equilibrium.`` and patterns of states.
+    to
+        Patterns of parameters.
+    speed
+        Forward speed [m/s]; the scenario's own if None. The search for the critical speed begins
+        there.
+    progress
+        Called with what is going on.
+
+    Raises
+    ------
+    InputError
+        If a name means nothing, or the model has no speed.
+    NumericalError
+        If there is no equilibrium or no critical speed.
+    """
+    model = _model(target, speed, progress)
+    e = model.prepared.equations
+    if any(name.startswith("start.") for name in to):
+        raise InputError("an equilibrium has no start values; name parameters")
+    figures: list[Quantity] = []
+    values: list[float] = []
+    rows: list[Floats] = []
+    for name in of:
+        progress(f"differentiating {name}", None)
+        if name == EIGENVALUES:
+            found = _eigenvalues(model)
+        elif name == CRITICAL:
+            found = _critical_speed(model)
+        else:
+            found = _balance(model, name.removeprefix(BALANCE))
+        for quantity, value, slope in found:
+            figures.append(quantity)
+            values.append(value)
+            rows.append(slope)
+    chosen = directions(e, model.point.parameters, model.point.state, to)
+    title = e.name if target.choices is None else target.choices.title
+    return SensitivityTable(
+        title,
+        e.name,
+        chosen.quantities,
+        chosen.values,
+        tuple(figures),
+        np.array(values),
+        np.array(rows) @ chosen.by_parameter,
+    )
+
+
+def _model(target: Target, speed: float | None, progress: Progress) -> _Model:
+    target, own = at_speed(target, speed)
+    if own is None and target.choices is not None:
+        own = target.choices.speed
+    prepared = prepare(target, backend="auto", progress=progress, varies_states=True)
+    refuse_multipliers(prepared.equations)
+    wanted = None if target.choices is None else target.choices.start
+    kind = reference_start(prepared.subject, own or 0.0, wanted)
+    subject, e = prepared.subject, prepared.equations
+    start = start_point(prepared, own or 0.0, kind)
+    balanced = 0.0 if kind == "static" else own or 0.0
+    pairs = ([], []) if kind == "nominal" else subject.balance_pairs(e, balanced)
+    point = LinearPoint(
+        prepared.kernel.parameters, subject.balance_time, start.state, start.unknowns, pairs
+    )
+    here = own or 1.0
+    faster = subject.start_state(e, here + 1.0) - subject.start_state(e, here)
+    return _Model(prepared, point, EigenDerivatives(e), faster)
+
+
+Found = list[tuple[Quantity, float, Floats]]
+
+
+def _by_parameter(model: _Model, slopes: EigenSlopes) -> Any:
+    """Return the derivatives by parameters; the speed moves the held states as well."""
+    found = slopes.by_parameter.copy()
+    names = [p.name for p in model.prepared.equations.parameters]
+    if "speed" in names:
+        found[:, names.index("speed")] += slopes.by_held @ model.by_speed
+    return found
+
+
+def _eigenvalues(model: _Model) -> Found:
+    """Return growth and frequency of all modes but the zero ones, fastest growing first."""
+
+    def chosen(values: Any) -> list[int]:
+        kept = [k for k, v in enumerate(values) if v.imag >= 0.0 and abs(v) > NEAR_ZERO]
+        return sorted(kept, key=lambda k: -values[k].real)
+
+    slopes = model.derivatives.at(model.point, chosen)
+    by_parameter = _by_parameter(model, slopes)
+    found: Found = []
+    for k, value in enumerate(slopes.values):
+        words = f"of mode {k + 1}"
+        growth = Quantity(f"mode_{k + 1}.growth", "1/s", f"Real part {words}")
+        found.append((growth, float(value.real), by_parameter[k].real))
+        if value.imag:
+            turns = 2.0 * np.pi
+            frequency = Quantity(f"mode_{k + 1}.frequency", "Hz", f"Frequency {words}")
+            found.append((frequency, float(value.imag / turns), by_parameter[k].imag / turns))
+    return found
+
+
+def _critical_speed(model: _Model) -> Found:
+    """Return the speed at which a mode begins to grow: dv = -Re(dλ/dp) / Re(dλ/dv)."""
+    index = model.speed_index
+    stable, unstable = _bracket(model, index)
+    speed = unstable
+    for _ in range(_MOST_STEPS):
+        slopes = model.derivatives.at(model.at_speed(speed), _fastest)
+        growth, by_parameter = float(slopes.values[0].real), _by_parameter(model, slopes)[0]
+        rate = float(by_parameter[index].real)
+        stable, unstable = (stable, speed) if growth > 0.0 else (speed, unstable)
+        step = -growth / rate if rate else np.inf
+        if abs(step) <= _FOUND * speed:
+            break
+        inside = stable < speed + step < unstable
+        speed = speed + step if inside else 0.5 * (stable + unstable)
+    else:
+        raise NumericalError(f"the critical speed near {speed:g} m/s was not found exactly")
+    by_speed = -by_parameter.real / rate
+    by_speed[index] = 0.0
+    value = slopes.values[0].imag / (2.0 * np.pi)
+    along = (by_parameter.imag + by_parameter[index].imag * by_speed) / (2.0 * np.pi)
+    along[index] = 0.0
+    return [
+        (Quantity(CRITICAL, "m/s", "Speed at which a mode begins to grow"), speed, by_speed),
+        (Quantity("critical_frequency", "Hz", "Frequency of that mode"), float(value), along),
+    ]
+
+
+def _fastest(values: Any) -> list[int]:
+    """Return the oscillation that grows fastest, or decays most slowly."""
+    moving = [k for k, v in enumerate(values) if v.imag > NEAR_ZERO]
+    return [max(moving, key=lambda k: values[k].real)] if moving else []
+
+
+def _bracket(model: _Model, index: int) -> tuple[float, float]:
+    """Return a speed at which all oscillations decay and a higher one at which one grows."""
+
+    def growth(speed: float) -> float:
+        values = model.derivatives.eigenvalues(model.at_speed(speed))
+        chosen = _fastest(values)
+        return float(values[chosen[0]].real) if chosen else -np.inf
+
+    speed = float(model.point.parameters[index])
+    if speed <= 0.0:
+        raise InputError("the search for the critical speed needs a speed above zero to begin at")
+    up = growth(speed) <= 0.0
+    for _ in range(_MOST_STRIDES):
+        other = speed * _STRIDE if up else speed / _STRIDE
+        if (growth(other) <= 0.0) != up:
+            return (speed, other) if up else (other, speed)
+        speed = other
+    raise NumericalError(f"no mode begins to grow up to {speed:g} m/s: no critical speed was found")
+
+
+def _balance(model: _Model, pattern: str) -> Found:
+    """Return the states of the equilibrium that a pattern names."""
+    e = model.prepared.equations
+    names = [item.name for item in (*e.states, *e.unknowns)]
+    kept = [k for k, name in enumerate(names) if fnmatchcase(name, pattern)]
+    if not kept:
+        guess = nearest_name(pattern, names)
+        hint = f"; did you mean '{guess}'?" if guess else ""
+        raise InputError(f"'{BALANCE}{pattern}' matches no coordinate of '{e.name}'{hint}")
+    slopes = np.vstack(model.derivatives.equilibrium(model.point))
+    values = np.concatenate([model.point.state, model.point.unknowns])
+    items = (*e.states, *e.unknowns)
+    return [
+        (
+            Quantity(f"{BALANCE}{items[k].name}", items[k].unit, items[k].description),
+            float(values[k]),
+            slopes[k],
+        )
+        for k in kept
+    ]
