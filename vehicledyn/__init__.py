@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from vehicledyn.interface.hunting import hunt
     from vehicledyn.interface.linear import equilibrium, modes, response
     from vehicledyn.interface.loading import load
-    from vehicledyn.interface.mechanism import inverse, kinematics
+    from vehicledyn.interface.mechanism import inverse, kinematics, rig
     from vehicledyn.interface.plugins import load_plugin
     from vehicledyn.interface.sensitivities import sensitivity
     from vehicledyn.interface.simulation import simulate
@@ -76,6 +76,7 @@ __all__ = [
     "modes",
     "open_result",
     "response",
+    "rig",
     "sensitivity",
     "simulate",
     "sweep",
@@ -103,6 +104,7 @@ _HOMES = {
     "vehicledyn.interface.mechanism": (
         "inverse",
         "kinematics",
+        "rig",
     ),
     "vehicledyn.interface.studies": ("sweep",),
     "vehicledyn.interface.loading": ("load",),

@@ -76,6 +76,66 @@ def kinematics(
         return place.value(report)
 
 
+def rig(
+    model: Source,
+    test: str = "parallel",
+    values: Path_ | None = None,
+    *,
+    travel: str | float = 0.0,
+    steering: str | None = None,
+    set: Settings | None = None,
+    save_to: str | Path | None = None,
+    overwrite: bool = False,
+    progress: Progress = False,
+    **settings: Any,
+) -> LabelledData:
+    """Return kinematics and compliance of an axle on a suspension rig.
+
+    The body of the axle is held, its wheels have no tyres and keep the height that the test gives.
+
+    Parameters
+    ----------
+    model
+        Axle or suspension: path or name of a system with sensors "wheel_angles", a System, or what
+        :func:`vehicledyn.load` returned.
+    test
+        "parallel" and "roll" lift the wheels, "steer" moves the steering, "lateral",
+        "longitudinal" and "aligning" load them.
+    values
+        What the test controls: one value, ("-60 mm", "60 mm", 24) for 25 values, or the same as
+        a text; a usual range if None.
+    travel
+        How far the wheels are lifted while the test steers or loads them, such as "20 mm".
+    steering
+        Coordinate that steers; the one of a body named rack if None.
+    set, settings, save_to, overwrite, progress
+        As for :func:`vehicledyn.simulate`.
+
+    Returns
+    -------
+    LabelledData
+        Every quantity over ``sample``; :mod:`vehicledyn.analyses.mechanism.rig_quantities` says
+        what each is.
+
+    Raises
+    ------
+    InputError
+        If the model, the test or a setting cannot be used.
+    NumericalError
+        If the loops cannot be assembled.
+    """
+    from vehicledyn.analyses.mechanism.rig import RigRequest, run_rig
+    from vehicledyn.base.units import to_si
+
+    span = None if values is None else _range("values", values)
+    lift = to_si(travel, "m") if isinstance(travel, str) else float(travel)
+    request = RigRequest(test, span, lift, steering)
+    target = read_target(model, override_texts(set, settings), ("scenario", "system"))
+    with result_place(save_to, may_exist=overwrite) as place:
+        report = run_rig(target, request, output=place.path, progress=reporter(progress))
+        return place.value(report)
+
+
 def inverse(
     scenario: Source,
     *,

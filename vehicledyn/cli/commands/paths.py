@@ -33,6 +33,7 @@ def add_verbs(app: typer.Typer) -> None:
     """Add the verbs of this module to the command line."""
     app.command()(kinematics)
     app.command()(inverse)
+    app.command()(rig)
 
 
 def kinematics(
@@ -136,3 +137,58 @@ def _drive(text: str) -> tuple[str, str]:
     if not name.strip() or not equals or not values.strip():
         raise InputError(f"--drive {text}: write NAME=FROM:TO:STEPS or NAME=VALUE")
     return name.strip(), values.strip()
+
+
+def rig(
+    target: Target,
+    *,
+    test: Annotated[
+        str,
+        typer.Option(
+            help="parallel, roll (wheels up and down), steer, lateral, longitudinal (forces at the "
+            "contact points) or aligning (moment)."
+        ),
+    ] = "parallel",
+    values: Annotated[
+        str | None,
+        typer.Option(
+            metavar="FROM:TO:STEPS",
+            help="Travel, roll angle, steering coordinate, force or moment, such as "
+            "'-60 mm:60 mm:24'; a usual range if absent.",
+        ),
+    ] = None,
+    travel: Annotated[
+        str, typer.Option(help="Lifts the wheels while they are steered or loaded: '20 mm'.")
+    ] = "0 mm",
+    steering: Annotated[
+        str | None,
+        typer.Option(metavar="COORDINATE", help="What steers; the coordinate of a body 'rack'."),
+    ] = None,
+    overrides: Overrides = None,
+    output: Annotated[
+        Path | None, typer.Option("--output", "-o", help="Result file; NAME_rig_TEST.h5.")
+    ] = None,
+    plots: Plots = None,
+    no_plots: NoPlots = False,
+    overwrite: Overwrite = False,
+    as_json: Json = False,
+    quiet: Quiet = False,
+) -> None:
+    """Measure kinematics and compliance of an axle on a suspension rig."""
+    loaded = read_target(target, overrides, ("scenario", "system"))
+    result = output or Path(f"{Path(target).stem}_rig_{test}.h5")
+    check_replacing(result, RUN, overwrite=overwrite)
+    folder = None if no_plots else plots or result.parent / f"{result.stem}_plots"
+    data = perform(
+        vehicledyn.rig,
+        loaded,
+        test,
+        values,
+        travel=travel,
+        steering=steering,
+        save_to=result,
+        overwrite=True,
+        plots=folder,
+        quiet=quiet,
+    )
+    conclude(data, plots=folder, as_json=as_json, quiet=quiet)

@@ -1,0 +1,234 @@
+"""The verb "rig": kinematics and compliance of an axle on a suspension rig."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vehicledyn.analyses.mechanism.rig_bench import Bench
+from vehicledyn.analyses.mechanism.rig_quantities import Place
+from vehicledyn.analyses.mechanism.rig_report import RigReport, figures
+from vehicledyn.analyses.mechanism.rig_tests import TESTS, Controls, RigTest, of_one_wheel
+from vehicledyn.analyses.preparation.prepared import Progress
+from vehicledyn.base.errors import InputError, NumericalError, unknown_name
+from vehicledyn.base.ranges import read_range
+from vehicledyn.files.scenario.target import Target
+from vehicledyn.results.hdf5.output import check_output
+from vehicledyn.results.store.layout import Axis, ResultHeader, SummaryEntry
+from vehicledyn.results.store.writer import ResultWriter
+from vehicledyn.symbolic.equations import Channel
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class RigRequest:
+    """What to do on the rig.
+
+    ``values`` are those of the control, as "FROM:TO:STEPS"; ``travel`` lifts the wheels beside it
+    [m], so that loads and steering act at another height; ``steering`` is what steers.
+    """
+
+    test: str
+    values: str | None = None
+    travel: float = 0.0
+    steering: str | None = None
+
+
+def run_rig(target: Target, request: RigRequest, *, output: Path, progress: Progress) -> RigReport:
+    """Put an axle on the rig and write the result file.
+
+    Parameters
+    ----------
+    target
+        A system with sensors ``wheel_angles``, or a scenario of one.
+    request
+        What to do.
+    output
+        Result file; checked before anything is computed.
+    progress
+        Called with what is going on and the part done.
+
+    Raises
+    ------
+    InputError
+        If the test or its range is wrong, or the system has nothing to put on the rig.
+    NumericalError
+        If the loops cannot be assembled at the design position.
+    """
+    check_output(output)
+    if request.test not in TESTS:
+        raise InputError(unknown_name("test", request.test, TESTS))
+    test = TESTS[request.test]
+    values = _range(test, request.values)
+    progress("assembling the axle", None)
+    bench = Bench(target, request.steering)
+    _refuse(bench, request.test, target)
+    bench.lift(request.travel)
+    swept = _swept(bench, test, values, progress)
+    return _write(target, request.test, bench, swept, output)
+
+
+def _range(test: RigTest, text: str | None) -> Array:
+    if text is None:
+        first, last, steps = test.usual
+        return np.linspace(first, last, steps + 1)
+    try:
+        return np.asarray(read_range(text).values(test.unit))
+    except InputError as error:
+        raise InputError(f"values of {test.control}: {error}") from None
+
+
+def _refuse(bench: Bench, name: str, target: Target) -> None:
+    if name == "steer" and not bench.steering:
+        raise InputError(
+            f"{target.origin}: the test 'steer' needs a coordinate that steers; name it with "
+            "'steering' (--steering NAME)"
+        )
+
+
+def _swept(bench: Bench, test: RigTest, values: Array, progress: Progress) -> tuple[Array, str]:
+    """Return rows of the control and all quantities, and where the way out ended before.
+
+    Two ways lead out from the value nearest to zero, so that each place is followed from its
+    neighbour.
+    """
+    middle = int(np.argmin(np.abs(values)))
+    rows: dict[int, Array] = {}
+    failure = ""
+    for way in (range(middle, len(values)), range(middle - 1, -1, -1)):
+        bench.restart()
+        for k in way:
+            try:
+                rows[k] = _row(bench, test, float(values[k]))
+            except NumericalError as error:
+                if not rows:
+                    raise
+                failure = f"no place at {test.control} = {values[k]:.6g} {test.unit}: {error}"
+                break
+            progress("on the rig", len(rows) / len(values))
+    return np.array([rows[k] for k in sorted(rows)]), failure
+
+
+def _row(bench: Bench, test: RigTest, value: float) -> Array:
+    seen = bench.at(test.controls(bench, value))
+
+    def slopes_by(controls: Controls, about: float, rest: Mapping[str, float]) -> dict[str, float]:
+        step = test.step
+        sides = [bench.at({**rest, **controls(bench, about + d)}) for d in (step, -step)]
+        return {n: (sides[0][n] - sides[1][n]) / (2.0 * step) for n in seen}
+
+    slopes = slopes_by(test.controls, value, {})
+    places = [_place(bench, k, seen, slopes) for k in range(len(bench.corners))]
+    if test.control == "steering":
+        rest = test.controls(bench, value)
+        for k, place in enumerate(places):
+            lifted = slopes_by(of_one_wheel("travel", k), 0.0, rest)
+            places[k] = _steered(bench, k, place, seen, (slopes, lifted))
+    found = [item.value(place) for place in places for item in test.quantities]
+    return np.array([value, *found, *_axle(bench, test, seen, slopes)])
+
+
+def _steered(
+    bench: Bench,
+    corner: int,
+    place: Place,
+    seen: Mapping[str, float],
+    slopes: tuple[Mapping[str, float], Mapping[str, float]],
+) -> Place:
+    """Return a wheel that also knows how it steers while its spring keeps its length."""
+    by_steering, by_travel = slopes
+    spring = max(bench.lengths, key=lambda name: abs(by_travel[name]), default=None)
+    share = 0.0
+    if spring is not None and by_travel[spring] != 0.0:
+        share = -by_steering[spring] / by_travel[spring]
+    mixed = {n: by_steering[n] + share * by_travel[n] for n in seen}
+    return replace(place, steered=_place(bench, corner, seen, mixed))
+
+
+def _place(
+    bench: Bench, corner: int, seen: Mapping[str, float], slopes: Mapping[str, float]
+) -> Place:
+    head = f"{bench.corners[corner].name}."
+    values, changes = (
+        {n.removeprefix(head): x for n, x in given.items() if n.startswith(head)}
+        | {"load": given[bench.pad(corner)]}
+        for given in (seen, slopes)
+    )
+    is_left = bench.corners[corner].side == "left"
+    return Place(is_left, values, changes, bench.turn(corner, seen), bench.turn(corner, slopes))
+
+
+def _axle(
+    bench: Bench, test: RigTest, seen: Mapping[str, float], slopes: Mapping[str, float]
+) -> list[float]:
+    """Return what is of the whole axle: roll stiffness, Ackermann difference, steering force."""
+    names = [corner.name for corner in bench.corners]
+    if test.control == "roll":
+        arms = [(seen[f"{n}.contact_y"], slopes[f"{n}.contact_y"]) for n in names]
+        loads = [(seen[bench.pad(k)], slopes[bench.pad(k)]) for k in range(len(names))]
+        pairs = zip(arms, loads, strict=True)
+        return [sum(y * dn + dy * n for (y, dy), (n, dn) in pairs)]
+    if test.control == "steering":
+        force = seen.get(f"{bench.steering}_force", float("nan"))
+        sides = {c.side: seen[f"{c.name}.steer_angle"] for c in bench.corners}
+        return [force, sides.get("left", np.nan) - sides.get("right", np.nan)]
+    return []
+
+
+def _axle_channels(test: RigTest) -> Iterator[Channel]:
+    if test.control == "roll":
+        yield Channel(
+            "axle.roll_stiffness", "N*m/rad", "Roll stiffness of the axle, tyres left out"
+        )
+    if test.control == "steering":
+        yield Channel("axle.steering_force", "N", "Force on the steering coordinate")
+        yield Channel(
+            "axle.steer_difference", "rad", "Steer angle of the left wheel less the right"
+        )
+
+
+def _channels(bench: Bench, test: RigTest) -> list[Channel]:
+    found = [Channel(test.control, test.unit, test.text)]
+    for corner in bench.corners:
+        found += [
+            Channel(f"{corner.name}.{item.name}", item.unit, item.description)
+            for item in test.quantities
+        ]
+    return [*found, *_axle_channels(test)]
+
+
+def _write(
+    target: Target, name: str, bench: Bench, swept: tuple[Array, str], output: Path
+) -> RigReport:
+    table, failure = swept
+    test = TESTS[name]
+    channels = _channels(bench, test)
+    known = [k for k in range(len(channels)) if np.isfinite(table[:, k]).any()]
+    channels, table = [channels[k] for k in known], table[:, known]
+    status = "failed" if failure else "ok"
+    header = ResultHeader(
+        title=f"Rig test '{name}' of {target.model_name}",
+        model=target.model_name,
+        plots=figures(channels, table, [corner.name for corner in bench.corners]),
+        axis=Axis("1", "Number of the place"),
+    )
+    middle = int(np.argmin(np.abs(table[:, 0])))
+    with ResultWriter(
+        output, channels=channels, header=header, expected_samples=len(table)
+    ) as writer:
+        writer.append(np.arange(len(table), dtype=float), table)
+        writer.close(status, failure, summary=list(_summary(channels, table[middle])))
+    return RigReport(
+        target.model_name, name, output, status, tuple(channels), table, middle, failure
+    )
+
+
+def _summary(channels: Sequence[Channel], row: Array) -> Iterator[SummaryEntry]:
+    for channel, value in zip(channels, row, strict=True):
+        if np.isfinite(value):
+            yield SummaryEntry(channel.name, float(value), channel.unit, channel.description)
