@@ -129,12 +129,14 @@ def test_redundant_constraints_are_told(call):
     [
         (SCENARIO.replace("interval: 10 ms", "interval: 10 ms, channels: [a.q, a.qq, b.*]"), (),
          ["scenario.yaml:5:43: output.channels[1]: 'a.qq' matches no channel; did you mean 'a.q'?",
-          "scenario.yaml:5:49: output.channels[2]: 'b.*' matches no channel"]),
+          "scenario.yaml:5:49: output.channels[2]: 'b.*' matches no channel; there are 5, in a.*, "
+          "energy.*, power.*"]),
         (SCENARIO.replace("interval: 10 ms", "interval: 10 ms, plots: [coordnates]"), (),
          ["scenario.yaml:5:35: output.plots[0]: no plot named 'coordnates'; did you mean "
           "'coordinates'? Known: coordinates, energy, rates"]),
         (SCENARIO, ("--set", "output.channels=[x]"),
-         ["--set output.channels: output.channels[0]: 'x' matches no channel"]),
+         ["--set output.channels: output.channels[0]: 'x' matches no channel; there are 5, in a.*, "
+          "energy.*, power.*"]),
     ],
 )  # fmt: skip
 def test_unknown_names_of_the_output_have_their_lines(call, tmp_path, scenario, options, lines):

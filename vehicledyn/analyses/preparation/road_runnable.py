@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, Self
 
@@ -15,7 +16,7 @@ from vehicledyn.multibody.model.system import System
 from vehicledyn.road.manoeuvres.channel_recorder import Recording
 from vehicledyn.road.manoeuvres.manoeuvre import RoadManoeuvre
 from vehicledyn.road.vehicle import RoadVehicle
-from vehicledyn.symbolic.equations import Equations
+from vehicledyn.symbolic.equations import Channel, Equations
 
 if TYPE_CHECKING:
     from vehicledyn.results.store.layout import SceneItem, SummaryEntry
@@ -134,7 +135,7 @@ class RoadSubject:
         """Return the hull of the vehicle."""
         return (Hull(self.vehicle.chassis, self.vehicle.chassis, self.vehicle.outline),)
 
-    def plots(self, _: Equations) -> list[dict[str, Any]]:
+    def plots(self, _: Sequence[Channel]) -> list[dict[str, Any]]:
         """Return the figures of the manoeuvre."""
         return self.manoeuvre.plots(self.vehicle)
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any, Protocol, Self
 
 import numpy as np
@@ -10,7 +11,7 @@ from numpy.typing import NDArray
 from vehicledyn.analyses.preparation.ports import Ports
 from vehicledyn.multibody.model.system import System
 from vehicledyn.road.manoeuvres.channel_recorder import Recording
-from vehicledyn.symbolic.equations import Equations
+from vehicledyn.symbolic.equations import Channel, Equations
 
 if TYPE_CHECKING:
     from vehicledyn.base.shapes import Shape
@@ -77,8 +78,8 @@ class Subject(Protocol):
     def shapes(self) -> tuple[Shape, ...]:
         """Return shapes that no part of the system offers."""
 
-    def plots(self, equations: Equations) -> list[dict[str, Any]]:
-        """Return descriptions of the standard figures."""
+    def plots(self, channels: Sequence[Channel]) -> list[dict[str, Any]]:
+        """Return descriptions of the standard figures of a system with these channels."""
 
     def channels(self, equations: Equations) -> list[str]:
         """Return the channels that the summary is made from."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator
+from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, Self
 
@@ -137,13 +137,13 @@ class SystemSubject:
         """Return nothing."""
         return ()
 
-    def plots(self, equations: Equations) -> list[dict[str, Any]]:
+    def plots(self, channels: Sequence[Channel]) -> list[dict[str, Any]]:
         """Return paths over the ground, coordinates, rates, forces and energies against time.
 
         Those of a vehicle on rails begin with its wheel forces and how its axles run.
         """
         names = [j.name for j in self.system.joints()]
-        by_name = {c.name: c for c in equations.channels}
+        by_name = {c.name: c for c in channels}
         rails: list[dict[str, Any]] = []
         if self._rolls:
             from vehicledyn.analyses.preparation.rail_figures import is_of_rails, rail_figures
@@ -161,7 +161,7 @@ class SystemSubject:
             _figure("forces", "Forces", "Force", forces),
             _figure("energy", "Energy", "Energy", energies),
         ]
-        known = {channel.name for channel in equations.channels}
+        known = {channel.name for channel in channels}
         return [*rails, *self._paths(known), *(figure for figure in figures if figure["panels"])]
 
     def _paths(self, known: set[str]) -> Iterator[dict[str, Any]]:

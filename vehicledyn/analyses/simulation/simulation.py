@@ -35,7 +35,11 @@ from vehicledyn.analyses.simulation.run_recording import RunRecording
 from vehicledyn.analyses.simulation.singular_turns import SingularTurns
 from vehicledyn.analyses.simulation.standing_wheels import standing_wheels
 from vehicledyn.analyses.simulation.track_positions import track_place
-from vehicledyn.analyses.simulation.wanted_outputs import needed_channels, written_channels
+from vehicledyn.analyses.simulation.wanted_outputs import (
+    check_run,
+    needed_channels,
+    written_channels,
+)
 from vehicledyn.base.errors import InputError, NumericalError
 from vehicledyn.base.units import shown
 from vehicledyn.files.scenario import LoadedScenario
@@ -98,7 +102,7 @@ def run_scenario(
     """
     check_output(output)
     prepared, start = prepare_run(
-        loaded, backend=backend, progress=progress, check=partial(written_channels, loaded)
+        loaded, backend=backend, progress=progress, check=partial(check_run, loaded)
     )
     kept, described = written_channels(loaded, prepared)
     recorder = None

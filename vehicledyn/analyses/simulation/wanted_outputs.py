@@ -4,30 +4,89 @@ from __future__ import annotations
 
 import fnmatch
 from collections.abc import Sequence
+from contextlib import suppress
 from typing import Any
 
-from vehicledyn.analyses.preparation.error_locations import wrong_output
+from vehicledyn.analyses.preparation.error_locations import told_with_places, wrong_output
 from vehicledyn.analyses.preparation.prepared import Derived, Prepared
-from vehicledyn.base.errors import nearest_name, unknown_name
+from vehicledyn.analyses.preparation.runnable import Subject
+from vehicledyn.base.errors import NumericalError, nearest_name, unknown_name
+from vehicledyn.base.interrupts import undisturbed
 from vehicledyn.files.scenario import LoadedScenario
+from vehicledyn.results.labelled.near_names import near
+from vehicledyn.symbolic.equations import Channel
 
 
 def written_channels(
-    loaded: LoadedScenario, derived: Derived | Prepared
+    loaded: LoadedScenario, prepared: Prepared
 ) -> tuple[list[int], list[dict[str, Any]]]:
     """Return channels and figures to write; refuse unknown ones, and what the solver cannot do."""
-    kept = _kept_channels(loaded, derived)
-    described = _plots(loaded, derived, kept)
-    # Only methods that cannot treat every model have a check.
+    _check_solver(loaded, prepared)
+    return _wanted(loaded, prepared.subject, prepared.equations.channels)
+
+
+def check_run(loaded: LoadedScenario, derived: Derived) -> None:
+    """Refuse unknown channels and figures before anything is derived; then what no solver can do.
+
+    Raises
+    ------
+    InputError
+        With all unknown channels, or that the solver cannot treat these equations.
+    """
+    check_outputs(loaded, derived.subject)
+    _check_solver(loaded, derived)
+
+
+def check_outputs(loaded: LoadedScenario, subject: Subject) -> None:
+    """Refuse channels and figures that a scenario asks for and its subject will not have.
+
+    Raises
+    ------
+    InputError
+        With all of them.
+    NumericalError
+        If the loops of the subject cannot be assembled.
+    """
+    if not loaded.asks_for_outputs:
+        return
+    from vehicledyn.multibody.equations.channel_outline import outline_channels
+
+    with undisturbed(), told_with_places(loaded):
+        channels = outline_channels(subject.system)
+    _wanted(loaded, subject, channels)
+
+
+def validate_outputs(loaded: LoadedScenario) -> None:
+    """Refuse channels and figures that a scenario asks for in vain, without running it.
+
+    Raises
+    ------
+    InputError
+        With all of them. Loops that cannot be assembled are left to the run to report.
+    """
+    from vehicledyn.analyses.preparation.build_model import build_subject
+
+    with suppress(NumericalError), told_with_places(loaded):
+        check_outputs(loaded, build_subject(loaded))
+
+
+def _check_solver(loaded: LoadedScenario, derived: Derived | Prepared) -> None:
+    """Refuse equations that the solver cannot treat; only some methods have a check."""
     check = getattr(loaded.scenario.solver, "check", None)
     if check is not None:
         check(derived.equations)
-    return kept, described
 
 
-def _kept_channels(loaded: LoadedScenario, prepared: Derived | Prepared) -> list[int]:
+def _wanted(
+    loaded: LoadedScenario, subject: Subject, channels: Sequence[Channel]
+) -> tuple[list[int], list[dict[str, Any]]]:
+    kept = _kept_channels(loaded, channels)
+    return kept, _plots(loaded, subject, channels, kept)
+
+
+def _kept_channels(loaded: LoadedScenario, channels: Sequence[Channel]) -> list[int]:
     """Return the channels to write; an unknown pattern is an error before the run."""
-    names = [c.name for c in prepared.equations.channels]
+    names = [c.name for c in channels]
     patterns = loaded.scenario.output.channels
     if patterns is None:
         return list(range(len(names)))
@@ -35,7 +94,7 @@ def _kept_channels(loaded: LoadedScenario, prepared: Derived | Prepared) -> list
     for pattern in patterns:
         if not fnmatch.filter(names, pattern):
             guess = nearest_name(pattern, names)
-            hint = f"; did you mean '{guess}'?" if guess else ""
+            hint = f"; did you mean '{guess}'?" if guess else f"; {near(pattern, names)}"
             problems.append((pattern, f"'{pattern}' matches no channel{hint}"))
     if problems:
         raise wrong_output(loaded, "channels", problems)
@@ -49,11 +108,11 @@ def needed_channels(prepared: Prepared) -> list[int]:
 
 
 def _plots(
-    loaded: LoadedScenario, prepared: Derived | Prepared, kept: Sequence[int]
+    loaded: LoadedScenario, subject: Subject, channels: Sequence[Channel], kept: Sequence[int]
 ) -> list[dict[str, Any]]:
     """Return the figures asked for, those whose channels are kept."""
-    described = prepared.subject.plots(prepared.equations)
-    names = {prepared.equations.channels[k].name for k in kept}
+    described = subject.plots(channels)
+    names = {channels[k].name for k in kept}
     wanted = loaded.scenario.output.plots
     known = [str(plot["name"]) for plot in described]
     for name in wanted or ():

@@ -65,7 +65,11 @@ def _read_as(data: Any, path: Path, overrides: list[str]) -> None:
     elif is_system_file(path):
         load_model(str(path), overrides)
     else:
-        load_scenario(path, overrides)
+        loaded = load_scenario(path, overrides)
+        if loaded.asks_for_outputs:
+            from vehicledyn.analyses.simulation.wanted_outputs import validate_outputs
+
+            validate_outputs(loaded)
 
 
 def _is_track(data: Any) -> bool:

@@ -69,6 +69,12 @@ class LoadedScenario(Target):
         return self.scenario
 
     @property
+    def asks_for_outputs(self) -> bool:
+        """Whether it names channels or figures; whoever names none gets all."""
+        output = self.scenario.output
+        return output.channels is not None or bool(output.plots)
+
+    @property
     def model_name(self) -> str:
         """Name of its model."""
         return self.scenario.model

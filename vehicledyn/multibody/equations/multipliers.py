@@ -198,17 +198,22 @@ def multipliers_of(system: System, symbols: Symbols, loops: Loops) -> Multiplier
     InputError
         If they are asked for where they cannot be had.
     """
-    method = system.constraint_method
-    if method == "partitioning" or not loops.constraints:
-        return None
-    if method == "auto" and not are_entangled(symbols, loops.gaps.structure):
+    if not may_take_multipliers(system, symbols, loops):
         return None
     try:
         return Multipliers(system, symbols, loops)
     except InputError:
-        if method == "auto":
+        if system.constraint_method == "auto":
             return None
         raise
+
+
+def may_take_multipliers(system: System, symbols: Symbols, loops: Loops) -> bool:
+    """Return whether :func:`multipliers_of` would try."""
+    method = system.constraint_method
+    if method == "partitioning" or not loops.constraints:
+        return False
+    return method != "auto" or are_entangled(symbols, loops.gaps.structure)
 
 
 def are_entangled(symbols: Symbols, structure: Sequence[set[int]]) -> bool:

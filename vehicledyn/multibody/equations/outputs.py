@@ -20,6 +20,13 @@ from vehicledyn.symbolic import ops
 from vehicledyn.symbolic.equations import Channel
 from vehicledyn.symbolic.ops import Scalar, Vec
 
+_BEFORE = "before they are projected onto them"
+DRIFT_CHANNELS = (
+    Channel("constraints.position_drift", "m", f"Largest gap of the states, {_BEFORE}"),
+    Channel("constraints.velocity_drift", "m/s", f"Largest opening speed of the states, {_BEFORE}"),
+)
+"""What systems with multipliers show besides."""
+
 
 @dataclass(frozen=True)
 class Solved:
@@ -196,19 +203,9 @@ def drifts(projection: Projection | None) -> list[Output]:
     """Return how far the states have drifted off the constraints that they are put onto."""
     if projection is None:
         return []
-    text = "before they are projected onto them"
-    return [
-        Output(
-            Channel("constraints.position_drift", "m", f"Largest gap of the states, {text}"),
-            ops.scalar(projection.gap),
-        ),
-        Output(
-            Channel(
-                "constraints.velocity_drift", "m/s", f"Largest opening speed of the states, {text}"
-            ),
-            ops.scalar(projection.opening),
-        ),
-    ]
+    values = (projection.gap, projection.opening)
+    pairs = zip(DRIFT_CHANNELS, values, strict=True)
+    return [Output(channel, ops.scalar(value)) for channel, value in pairs]
 
 
 def _driven_power(loops: Loops, multipliers: dict[int, Scalar]) -> Scalar:

@@ -21,16 +21,23 @@ def unknown_array(name: str, known: Iterable[str], figures: Sequence[str] = ()) 
     names = list(dict.fromkeys(known))
     if len(names) <= FEW:
         return unknown_name("channel" if not figures else "channel or figure", name, names)
+    text = f"no channel{' or figure' if figures else ''} matches '{name[:80]}'; {near(name, names)}"
+    return f"{text}; figures: {', '.join(figures)}" if figures else text
+
+
+def near(name: str, names: Sequence[str]) -> str:
+    """Return which of many names are near one that is not among them, or of what they are.
+
+    >>> near("speeed", ["car.speed", "car.y"])
+    'there are 2, in car.*'
+    """
     plain = name.strip("*?")
     part = [n for n in names if plain and plain in n]
-    near = get_close_matches(name, names, MOST_NAMED, 0.6)
+    like = get_close_matches(name, names, MOST_NAMED, 0.6)
     last = [n for n in names if n.rpartition(".")[2] == plain.rpartition(".")[2]]
-    found = list(dict.fromkeys([*near, *part, *last]))[:MOST_NAMED]
-    text = f"no channel{' or figure' if figures else ''} matches '{name[:80]}'"
+    found = list(dict.fromkeys([*like, *part, *last]))[:MOST_NAMED]
     if found:
-        text += f"; nearest: {', '.join(found)} (of {len(names)})"
-    else:
-        groups = list(dict.fromkeys(n.partition(".")[0] for n in names))
-        shown = ", ".join(f"{group}.*" for group in groups[:FEW])
-        text += f"; there are {len(names)}, in {shown}{', ...' if len(groups) > FEW else ''}"
-    return f"{text}; figures: {', '.join(figures)}" if figures else text
+        return f"nearest: {', '.join(found)} (of {len(names)})"
+    groups = list(dict.fromkeys(n.partition(".")[0] for n in names))
+    shown = ", ".join(f"{group}.*" for group in groups[:FEW])
+    return f"there are {len(names)}, in {shown}{', ...' if len(groups) > FEW else ''}"
