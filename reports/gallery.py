@@ -107,6 +107,7 @@ PICTURES = {
     "rail_wheelset": Picture(("wheelset.lateral",), "mm", "Lateral shift"),
     "simple_wheelset": Picture(("wheelset.lateral",), "mm", "Lateral shift"),
     "slider_crank": Picture(("slider.position",), "mm", "Place of the slider"),
+    "slider_crank_flexible": Picture(("bending_1",), "mm", "Bending of the rod"),
     "slider_crank_two_angles": Picture(("guide.multiplier",), "N", "Normal force of the guide"),
     "assembled_car": Picture(("chassis.y",), "m", "Place y", "chassis.x"),
     "car_of_parts": Picture(("chassis.y",), "m", "Place y", "chassis.x"),

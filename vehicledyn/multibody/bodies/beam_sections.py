@@ -77,6 +77,16 @@ class Section:
             return self.radius, self.radius
         return 0.5 * self.width, 0.5 * self.height
 
+    def shear_factor(self, poisson: Scalar) -> Scalar:
+        """Return the part of the area that carries shear (Cowper 1966, J. Appl. Mech. 33) [1]."""
+        if self.shape == "rectangle":
+            return 10.0 * (1.0 + poisson) / (12.0 + 11.0 * poisson)
+        if self.shape == "circle":
+            return 6.0 * (1.0 + poisson) / (7.0 + 6.0 * poisson)
+        if self.shape == "tube":
+            return 2.0 * (1.0 + poisson) / (4.0 + 3.0 * poisson)
+        return self.web * self.height / self.numbers.area
+
     def _i_section(self) -> SectionNumbers:
         """Return those of two flanges and a web; torsion of thin open walls, Σ l t³/3."""
         b, h, web, flange = self.width, self.height, self.web, self.flange

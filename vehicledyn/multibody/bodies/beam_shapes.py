@@ -3,7 +3,8 @@
 A shape is a polynomial of ξ = x/L in 0 to 1. Of all polynomials of some degree that a clamped
 start allows, those are taken that are orthogonal in mass and in stiffness (Rayleigh, Ritz), slowest
 first: with no spare degree they span every polynomial of that degree, with many spare ones they
-are the eigenfunctions of the clamped beam.
+are the eigenfunctions of the clamped beam. Hinged shapes are the sines of a beam whose ends stay on
+the first axis.
 """
 
 from __future__ import annotations
@@ -26,11 +27,13 @@ class Shapes:
     """Shapes φ_k(ξ) with ∫ φ_i φ_j dξ = δ_ij and ∫ φ_i⁽ᵐ⁾ φ_j⁽ᵐ⁾ dξ = λ_k δ_ij.
 
     ``coefficients`` are those of Legendre polynomials of 2 ξ - 1, a column a shape; ``stiffness``
-    are the λ_k; m is 2 for bending and 1 for twist and stretch.
+    are the λ_k; m is 2 for bending and 1 for twist and stretch. ``points`` of a Gauss
+    quadrature integrate products of two shapes and the place.
     """
 
     coefficients: Array
     stiffness: Array
+    points: int
 
     @property
     def count(self) -> int:
@@ -83,19 +86,34 @@ def assumed_shapes(count: int, order: int, spare: int = 0) -> Shapes:
     """
     size = count + spare
     if not count:
-        return Shapes(np.zeros((1, 0)), np.zeros(0))
+        return Shapes(np.zeros((1, 0)), np.zeros(0), 0)
     basis = np.eye(size)
     for _ in range(order):
         basis = _times_place(basis)
     points, weights = quadrature(size + order + 1)
-    parts = Shapes(basis, np.zeros(size))
+    parts = Shapes(basis, np.zeros(size), 0)
     moved, bent = parts.at(points), parts.at(points, order)
     mass, stiff = ((item.T * weights) @ item for item in (moved, bent))
     root = np.linalg.inv(np.linalg.cholesky(mass))
     found, vectors = np.linalg.eigh(root @ stiff @ root.T)
     chosen = basis @ (root.T @ vectors)[:, :count]
     ends = np.sign(legendre.legval(1.0, chosen))
-    return Shapes(chosen * ends, found[:count])
+    return Shapes(chosen * ends, found[:count], size + order)
+
+
+@lru_cache(maxsize=16)
+def hinged_shapes(count: int) -> Shapes:
+    """Return √2 sin k π ξ, the bending shapes of a beam with a hinge at each end."""
+    if not count:
+        return assumed_shapes(0, 2)
+    degree = 4 * count + 14
+    points, weights = quadrature(degree + 8)
+    order = np.arange(degree + 1)
+    sines = np.sqrt(2.0) * np.sin(np.pi * np.outer(points, np.arange(1, count + 1)))
+    basis = legendre.legvander(2.0 * points - 1.0, degree)
+    coefficients = (2.0 * order + 1.0)[:, None] * ((basis.T * weights) @ sines)
+    stiffness = np.asarray((np.pi * np.arange(1.0, count + 1.0)) ** 4, dtype=np.float64)
+    return Shapes(coefficients, stiffness, 2 * count + 6)
 
 
 def _times_place(columns: Array) -> Array:

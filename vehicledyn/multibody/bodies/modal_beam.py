@@ -16,7 +16,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
+from typing import Any, Literal, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -27,6 +27,9 @@ from vehicledyn.symbolic import ops, rotations
 from vehicledyn.symbolic.ops import Mat, Scalar, Vec
 
 Array = NDArray[np.float64]
+Stiffening: TypeAlias = Literal["shortening", "axial_force", "none"]
+"""How axial forces act on bending: by the shortening of the axis, by an energy, not at all."""
+
 DIRECTIONS = ("y", "z", "twist", "stretch")
 _ROUNDING = 1e-13
 
@@ -46,7 +49,8 @@ class ModalBeam(Flexibility):
     """A straight, uniform beam along the first axis of its frame, clamped to it at x = 0.
 
     ``by_direction`` are the shapes of each of :data:`DIRECTIONS`, ``polar`` is the inertia of the
-    sections about the axis over the length [kg m].
+    sections about the axis over the length [kg m]. With the ``stiffening`` "axial_force" points are
+    displaced to first order and the axial force E A s' adds the energy ½ ∫ E A s' (v'² + w'²) dx.
     """
 
     name: str
@@ -55,6 +59,7 @@ class ModalBeam(Flexibility):
     polar: Scalar
     stiffness: BeamStiffness
     by_direction: dict[str, Shapes]
+    stiffening: Stiffening = "shortening"
 
     @cached_property
     def coordinates(self) -> tuple[str, ...]:
@@ -96,7 +101,7 @@ class ModalBeam(Flexibility):
     @property
     def _points(self) -> int:
         """Number of points of the quadrature: shapes and the moment of the shortening exactly."""
-        return max(item.degree for item in self.by_direction.values()) + 1
+        return max(item.points for item in self.by_direction.values())
 
     def slices(self, q: Sequence[Scalar]) -> list[Slice]:
         """Return the mass at the points of a Gauss quadrature."""
@@ -118,7 +123,7 @@ class ModalBeam(Flexibility):
             linear[k] = ops.vector(shape, 0.0, 0.0)
         for axis, direction in enumerate(("y", "z"), 1):
             own, items = self.by_direction[direction], self.ranges[direction]
-            values, metric = own.values(place), own.shortening(place)
+            values, metric = own.values(place), self._metric(direction, place)
             amplitudes = [q[k] for k in items]
             for j, k in enumerate(items):
                 across[direction] = across[direction] + float(values[j]) * q[k]
@@ -128,6 +133,11 @@ class ModalBeam(Flexibility):
                 moved[axis] = float(values[j])
                 linear[k] = ops.vector(*moved)
         return ops.vector(along, across["y"], across["z"]), linear
+
+    def _metric(self, direction: str, place: float) -> Array:
+        """Return the coefficients of the shortening, zero where it is left out."""
+        found = self.by_direction[direction].shortening(place)
+        return found if self.stiffening == "shortening" else 0.0 * found
 
     def deflection(self, place: float, q: Sequence[Scalar]) -> Deflection:
         """Return where the section at ``place`` L stands."""
@@ -159,19 +169,32 @@ class ModalBeam(Flexibility):
         """
         found: list[Scalar] = []
         for direction in DIRECTIONS:
-            own = self.by_direction[direction]
-            power = 3 if direction in ("y", "z") else 1
             inertia = (self.polar if direction == "twist" else self.mass_per_length) * self.length
-            for j, k in enumerate(self.ranges[direction]):
-                modulus = getattr(self.stiffness, direction)
-                stiffness = float(own.stiffness[j]) * modulus / self.length**power
+            for k, stiffness in zip(self.ranges[direction], self._springs(direction), strict=True):
                 resistance = 2.0 * damping * ops.sqrt(stiffness * inertia)
                 found.append(-stiffness * q[k] - resistance * rates[k])
-        coupling = self._coupling_energy(q)
-        if coupling is None:
+        coupling = self._couplings(q)
+        if not coupling:
             return found
-        slope = ops.dense(ops.jacobian(coupling, ops.column(list(q))))
+        slope = ops.dense(ops.jacobian(sum(coupling), ops.column(list(q))))
         return [force - slope[k] for k, force in enumerate(found)]
+
+    def _springs(self, direction: str) -> list[Scalar]:
+        """Return the stiffness of each mode of a direction by itself."""
+        power = 3 if direction in ("y", "z") else 1
+        modulus = getattr(self.stiffness, direction) / self.length**power
+        return [float(factor) * modulus for factor in self.by_direction[direction].stiffness]
+
+    def _couplings(self, q: Sequence[Scalar]) -> list[Scalar]:
+        return [e for e in (self._coupling_energy(q), self._axial_energy(q)) if e is not None]
+
+    def energy(self, q: Sequence[Scalar]) -> Scalar:
+        """Return the strain energy [J]."""
+        total = sum(self._couplings(q), start=ops.scalar(0.0))
+        for direction, items in self.ranges.items():
+            for k, stiffness in zip(items, self._springs(direction), strict=True):
+                total = total + 0.5 * stiffness * q[k] * q[k]
+        return total
 
     def _coupling_energy(self, q: Sequence[Scalar]) -> Scalar | None:
         """Return the strain energy beyond that of each direction by itself.
@@ -197,6 +220,17 @@ class ModalBeam(Flexibility):
             total = total + 0.5 * float(weight) * gained
         return total * self.length
 
+    def _axial_energy(self, q: Sequence[Scalar]) -> Scalar | None:
+        """Return the energy of the axial force in bending, where it is the only stiffening."""
+        if self.stiffening != "axial_force":
+            return None
+        total = ops.scalar(0.0)
+        for x, weight in zip(*quadrature(2 * self._points), strict=True):
+            strain = self._along("stretch", float(x), q, 1)
+            slopes = [self._along(d, float(x), q, 1) for d in ("y", "z")]
+            total = total + float(weight) * strain * sum(slope * slope for slope in slopes)
+        return 0.5 * self.stiffness.stretch / self.length**2 * total
+
     def _along(self, direction: str, place: float, q: Sequence[Scalar], derivative: int) -> Scalar:
         values = self.by_direction[direction].values(place, derivative)
         return _weighted(values, [q[k] for k in self.ranges[direction]])
@@ -214,7 +248,7 @@ class ModalBeam(Flexibility):
             turned[0][k] = float(self.by_direction["twist"].values(place)[j])
         for row, sign, direction in ((2, 1.0, "y"), (1, -1.0, "z")):
             slopes = self.by_direction[direction].values(place, 1)
-            metric = self.by_direction[direction].shortening(place)
+            metric = self._metric(direction, place)
             for j, k in enumerate(self.ranges[direction]):
                 turned[row][k] = sign * float(slopes[j]) / self.length
                 for i, other in enumerate(self.ranges[direction]):

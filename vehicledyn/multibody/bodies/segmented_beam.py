@@ -110,20 +110,31 @@ class SegmentedBeam:
             if direction in self.stiffness
         )
 
+    def energy(self, kinematics: Kinematics) -> Scalar:
+        """Return the energy of the springs [J]."""
+        total = ops.scalar(0.0)
+        for index in range(1, self.count + 1):
+            for joint in self._joints(index):
+                place = kinematics.coordinate(joint.name)
+                total = total + 0.5 * self._spring(joint) * place * place
+        return total
+
+    def _spring(self, joint: Joint) -> Scalar:
+        direction = joint.name.removeprefix(f"{self.name}.").rpartition("_")[0]
+        return self.stiffness[direction] * self.count / self.length
+
     def forces(self, kinematics: Kinematics, damping: Scalar) -> dict[str, Scalar]:
         """Return the forces of the springs and dampers on the coordinates [N or N m].
 
         The dampers are to the springs as gives the first bending mode its damping ratio.
         """
-        part = self.length / self.count
         bending = [self.stiffness[d] for d in ("z", "y") if d in self.stiffness]
         pace = _FIRST * ops.sqrt(bending[-1] / self.mass_per_length) if bending else 1.0
         delay = 2.0 * damping * self.length**2 / pace
         found = {}
         for index in range(1, self.count + 1):
             for joint in self._joints(index):
-                direction = joint.name.removeprefix(f"{self.name}.").rpartition("_")[0]
-                spring = self.stiffness[direction] / part
+                spring = self._spring(joint)
                 rate = kinematics.rate(joint.name)
                 place = kinematics.coordinate(joint.name)
                 found[joint.name] = -spring * (place + delay * rate)

@@ -12,12 +12,14 @@ from vehicledyn.base.errors import InputError
 from vehicledyn.base.registry import register
 from vehicledyn.base.shapes import Anchor, Shape, Tube
 from vehicledyn.multibody.bodies.beam_sections import Section
-from vehicledyn.multibody.bodies.beam_shapes import SPARE, assumed_shapes
-from vehicledyn.multibody.bodies.modal_beam import DIRECTIONS, BeamStiffness, ModalBeam
+from vehicledyn.multibody.bodies.beam_shapes import SPARE, Shapes, assumed_shapes, hinged_shapes
+from vehicledyn.multibody.bodies.exact_beam import DIRECTIONS, ExactBeam
+from vehicledyn.multibody.bodies.modal_beam import BeamStiffness, ModalBeam, Stiffening
 from vehicledyn.multibody.bodies.segmented_beam import SegmentedBeam
 from vehicledyn.multibody.joints.deformation import DEFORMATION
 from vehicledyn.multibody.model.bodies import Body, Joint, Turn
 from vehicledyn.multibody.model.declaration import ORIGIN, body_name, choice, group, number, vector
+from vehicledyn.multibody.model.kinematics import Kinematics
 from vehicledyn.multibody.model.parts import BasePart, Loads, Output, Situation
 from vehicledyn.symbolic import ops, rotations
 from vehicledyn.symbolic.equations import Channel
@@ -27,8 +29,14 @@ MOST_MODES = 12
 """Modes of a direction beyond which the shapes of polynomials are no longer told apart."""
 _DRAWN = 8
 """Pieces that a beam of assumed modes is drawn of."""
-_UNITS = {"y": "m", "z": "m", "twist": "rad", "stretch": "m"}
-_WORDS = {"y": "bending along y", "z": "bending along z", "twist": "twist", "stretch": "stretch"}
+_WORDS = {
+    "y": "bending along y",
+    "z": "bending along z",
+    "twist": "twist",
+    "stretch": "stretch",
+    "shear_y": "shear along y",
+    "shear_z": "shear along z",
+}
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -49,8 +57,16 @@ class Stiffness:
     z: Scalar = number("N*m^2", "E I for deflections along z", default=0.0, least=0.0)
     twist: Scalar = number("N*m^2", "Torsion stiffness G J", default=0.0, least=0.0)
     stretch: Scalar = number("N", "Axial stiffness E A", default=0.0, least=0.0)
+    shear_y: Scalar = number("N", "Shear stiffness along y", default=0.0, least=0.0)
+    shear_z: Scalar = number("N", "Shear stiffness along z", default=0.0, least=0.0)
     polar: Scalar = number(
         "kg*m", "Inertia of the sections about the axis, over length", default=0.0, least=0.0
+    )
+    rotary_y: Scalar = number(
+        "kg*m", "The same for the turns of bending along y", default=0.0, least=0.0
+    )
+    rotary_z: Scalar = number(
+        "kg*m", "The same for the turns of bending along z", default=0.0, least=0.0
     )
 
 
@@ -62,6 +78,8 @@ class Modes:
     z: int = choice("Modes of bending along z", default=0, least=0)
     twist: int = choice("Modes of twist", default=0, least=0)
     stretch: int = choice("Modes of stretch", default=0, least=0)
+    shear_y: int = choice("Modes of shear along y, of an exact beam", default=0, least=0)
+    shear_z: int = choice("Modes of shear along z, of an exact beam", default=0, least=0)
 
 
 @register("element_type", "beam")
@@ -86,13 +104,21 @@ class Beam(BasePart):
     section: Section | None = group("Shape of the section", default=None)
     material: Material | None = group("Material", default=None)
     stiffness: Stiffness | None = group("Stiffness and mass, in place of a section", default=None)
-    model: Literal["modes", "segments"] = choice(
-        "Assumed modes, or rigid segments with springs between them", default="modes"
+    model: Literal["modes", "exact", "segments"] = choice(
+        "Assumed modes of small deflections, of deflections of any size, or rigid segments with "
+        "springs between them",
+        default="modes",
     )
     modes: Modes = group("Modes of each direction; for segments, where they yield")
-    basis: Literal["polynomials", "eigenfunctions"] = choice(
-        "Shapes of the modes: polynomials, or eigenfunctions of the clamped beam",
+    basis: Literal["polynomials", "eigenfunctions", "sines"] = choice(
+        "Shapes of the modes: polynomials, eigenfunctions of the clamped beam, or for bending the "
+        "sines of a beam with a hinge at each end, which stay on the first axis",
         default="polynomials",
+    )
+    stiffening: Stiffening = choice(
+        "How axial forces act on bending: by the shortening of the bent axis, by an energy of the "
+        "force in the stretch alone, or not at all",
+        default="shortening",
     )
     segments: int = choice("Number of segments", default=16, least=1)
     damping_ratio: Scalar = number("1", "Damping ratio of each mode", default=0.0, least=0.0)
@@ -117,6 +143,10 @@ class Beam(BasePart):
 
     def _check_modes(self) -> None:
         counts = self._counts
+        if self.model != "exact" and counts["shear_y"] + counts["shear_z"]:
+            raise InputError("modes: shear is for beams with 'model: exact'; leave it out")
+        if self.stiffening == "axial_force" and not counts["stretch"]:
+            raise InputError("stiffening: an axial_force needs modes.stretch; give one or more")
         if not any(counts.values()):
             raise InputError("modes: the beam has none and would be rigid; give it some, or a body")
         for direction, count in counts.items():
@@ -151,20 +181,35 @@ class Beam(BasePart):
             z=m.young * s.along_z,
             twist=shear * s.torsion,
             stretch=m.young * s.area,
+            shear_y=shear * self.section.shear_factor(m.poisson) * s.area,
+            shear_z=shear * self.section.shear_factor(m.poisson) * s.area,
             polar=m.density * (s.along_y + s.along_z),
+            rotary_y=m.density * s.along_y,
+            rotary_z=m.density * s.along_z,
         )
 
     @cached_property
-    def _modal(self) -> ModalBeam:
-        n, spare = self.numbers, SPARE if self.basis == "eigenfunctions" else 0
+    def _modal(self) -> ModalBeam | ExactBeam:
+        n = self.numbers
         made = {
-            direction: assumed_shapes(
-                count, 2 if direction in ("y", "z") else 1, spare if count else 0
-            )
-            for direction, count in self._counts.items()
+            direction: self._shapes(direction, count) for direction, count in self._counts.items()
         }
+        if self.model == "exact":
+            moduli = {direction: getattr(n, direction) for direction in DIRECTIONS}
+            inertias = (n.polar, n.rotary_z, n.rotary_y)
+            given = (n.mass_per_length, inertias, moduli, made)
+            return ExactBeam(self.name, self.length, *given)
         stiffness = BeamStiffness(n.y, n.z, n.twist, n.stretch)
-        return ModalBeam(self.name, self.length, n.mass_per_length, n.polar, stiffness, made)
+        return ModalBeam(
+            self.name, self.length, n.mass_per_length, n.polar, stiffness, made, self.stiffening
+        )
+
+    def _shapes(self, direction: str, count: int) -> Shapes:
+        bends = direction in ("y", "z")
+        if bends and self.basis == "sines":
+            return hinged_shapes(count)
+        spare = SPARE if count and self.basis == "eigenfunctions" else 0
+        return assumed_shapes(count, 2 if bends else 1, spare)
 
     @cached_property
     def _segmented(self) -> SegmentedBeam:
@@ -177,7 +222,7 @@ class Beam(BasePart):
     @property
     def _places(self) -> dict[str, float]:
         own = {f"{self.name}.frame_{j + 1}": place for j, place in enumerate(self.frames)}
-        drawn = range(1, _DRAWN) if self.model == "modes" else ()
+        drawn = () if self.model == "segments" else range(1, _DRAWN)
         line = {f"{self.name}.line_{k}": k / _DRAWN for k in drawn}
         return {**own, **line, f"{self.name}.tip": 1.0}
 
@@ -201,9 +246,9 @@ class Beam(BasePart):
                 beam.coordinates[k],
                 role="independent",
                 description=f"Mode {j + 1} of {_WORDS[direction]} of {self.name}",
-                settings={"measure": _UNITS[direction]},
+                settings={"measure": "rad" if direction == "twist" else "m"},
             )
-            for direction in DIRECTIONS
+            for direction in beam.ranges
             for j, k in enumerate(beam.ranges[direction])
         )
         mass = n.mass_per_length * self.length
@@ -247,11 +292,12 @@ class Beam(BasePart):
         """Return how far the end stands from where it is undeformed, in the axes of the start."""
         tip = f"{self.name}.tip"
         kinematics = situation.kinematics
-        start = self.name if self.model == "modes" else self._segmented.names[0]
+        start = self._segmented.names[0] if self.model == "segments" else self.name
         pair = kinematics.between(start, tip)
         reach = pair.rotation(start).T @ (pair.position(tip) - pair.position(start))
         moved = ops.vector(reach[0] - self.length, reach[1], reach[2])
-        return tuple(
+        energy = Channel(f"{self.name}.strain_energy", "J", f"Strain energy of {self.name}")
+        deflections = tuple(
             Output(
                 Channel(
                     f"{tip}_{axis}", "m", f"Deflection of the end of {self.name}, {axis}", start
@@ -260,3 +306,9 @@ class Beam(BasePart):
             )
             for k, axis in enumerate("xyz")
         )
+        return (*deflections, Output(energy, self._strain_energy(kinematics)))
+
+    def _strain_energy(self, kinematics: Kinematics) -> Scalar:
+        if self.model == "segments":
+            return self._segmented.energy(kinematics)
+        return self._modal.energy([kinematics.coordinate(n) for n in self._modal.coordinates])

@@ -17,17 +17,32 @@ Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
+class Slices:
+    """Slices of a body: masses (p,), places (p, 3) and their derivatives ``moved`` (p, 3, n).
+
+    ``inertias`` (p, 3) are about their own axes, ``turns`` (p, 3, 3) lead from these to the body,
+    ``turned`` (p, 3, n) are their angular velocities by the coordinates.
+    """
+
+    masses: Array
+    places: Array
+    moved: Array
+    inertias: Array
+    turns: Array
+    turned: Array
+
+
+@dataclass(frozen=True)
 class DeformedNumbers:
     """Numbers of the links of deformable bodies at a configuration.
 
     ``stations`` gives the link of each point the columns (angular, linear) of the coordinates in
-    its axes, shape (6, n); ``masses`` gives the link of each body the mass of its points (p,),
-    their places (p, 3) and derivatives (p, 3, n), and the matrix of its axial inertia, which has
-    the shape (n + 1, n + 1).
+    its axes, shape (6, n); ``masses`` gives the link of each body its slices and the matrix of its
+    axial inertia, shape (n + 1, n + 1).
     """
 
     stations: dict[int, Array]
-    masses: dict[int, tuple[Array, Array, Array, Array]]
+    masses: dict[int, tuple[Slices, Array]]
 
 
 class DeformableRows:
@@ -63,13 +78,22 @@ class DeformableRows:
             start += 6 * n
         for (link, body), count in zip(self._bodies, self._points, strict=True):
             n = len(body.coordinates)
-            width = 4 + 3 * n
+            width = 16 + 6 * n
             rows = numbers[start : start + count * width].reshape(count, width)
             start += count * width
             axial = numbers[start : start + (n + 1) ** 2].reshape(n + 1, n + 1)
             start += (n + 1) ** 2
-            moved = rows[:, 4:].reshape(count, n, 3).transpose(0, 2, 1)
-            masses[link] = rows[:, 0], rows[:, 1:4], moved, axial
+            moved = rows[:, 16 : 16 + 3 * n].reshape(count, n, 3).transpose(0, 2, 1)
+            turned = rows[:, 16 + 3 * n :].reshape(count, n, 3).transpose(0, 2, 1)
+            own = Slices(
+                rows[:, 0],
+                rows[:, 1:4],
+                moved,
+                rows[:, 4:7],
+                rows[:, 7:16].reshape(-1, 3, 3),
+                turned,
+            )
+            masses[link] = own, axial
         return DeformedNumbers(stations, masses)
 
     def _at_station(self, kinematics: Kinematics, link: int) -> list[Scalar]:
@@ -88,8 +112,12 @@ class DeformableRows:
         found: list[Scalar] = []
         for item in kinematics.slices(link):
             found += [body.mass * item.share, *(item.position[i] for i in range(3))]
-            for k in count:
-                found += [item.linear[k][i] if k in item.linear else 0.0 for i in range(3)]
+            turn = item.rotation
+            found += [0.0 if turn is None else item.share * j for j in body.sections]
+            found += [0.0 if turn is None else turn[i, j] for i in range(3) for j in range(3)]
+            for columns in (item.linear, item.angular):
+                for k in count:
+                    found += [columns[k][i] if k in columns else 0.0 for i in range(3)]
         axial = body.axial
         found += [axial.whole, *(axial.coupling.get(k, 0.0) for k in count)]
         for k in count:
@@ -99,7 +127,7 @@ class DeformableRows:
 
 
 def roots(
-    numbers: tuple[Array, Array, Array, Array],
+    numbers: tuple[Slices, Array],
     frame: tuple[Array, Array],
     columns: tuple[Array, Array],
     own: list[int],
@@ -117,14 +145,17 @@ def roots(
     own
         Columns of the coordinates of its deformation.
     """
-    masses, points, moved, axial = numbers
+    slices, axial = numbers
     turning, sliding = columns
     rotation, origin = frame
     blocks = []
-    for mass, point, motion in zip(masses, points, moved, strict=True):
-        velocity = sliding + np.cross(turning.T, origin + rotation @ point).T
-        velocity[:, own] += rotation @ motion
+    for k, mass in enumerate(slices.masses):
+        velocity = sliding + np.cross(turning.T, origin + rotation @ slices.places[k]).T
+        velocity[:, own] += rotation @ slices.moved[k]
         blocks.append(np.sqrt(max(mass, 0.0)) * velocity)
+        spin = slices.turns[k].T @ rotation.T @ turning
+        spin[:, own] += slices.turned[k]
+        blocks.append(np.sqrt(np.maximum(slices.inertias[k], 0.0))[:, None] * spin)
     sizes, axes = np.linalg.eigh(axial)
     rates = np.zeros((len(axial), turning.shape[1]))
     rates[0] = rotation[:, 0] @ turning

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 from vehicledyn.symbolic.ops import Mat, Scalar, Vec
@@ -34,11 +34,17 @@ class Deflection:
 
 @dataclass(frozen=True)
 class Slice:
-    """A part of the mass: ``share`` of the whole, its place [m] and that place's derivatives."""
+    """A part of the mass: ``share`` of the whole, its place [m] and that place's derivatives.
+
+    Where its own inertia counts it has a ``rotation``, v_body = R v_slice, and ``angular``, the
+    angular velocities a unit rate of each coordinate gives, in its axes.
+    """
 
     share: Scalar
     position: Vec
     linear: Columns
+    rotation: Mat | None = None
+    angular: Columns = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -76,6 +82,11 @@ class Flexibility(ABC):
     @abstractmethod
     def axial(self) -> AxialInertia:
         """Inertia of the sections about the first axis."""
+
+    @property
+    def sections(self) -> Sequence[Scalar]:
+        """Moments of inertia of all slices together about the axes of each [kg m²]."""
+        return (0.0, 0.0, 0.0)
 
     @abstractmethod
     def deflection(self, place: float, q: Sequence[Scalar]) -> Deflection:

@@ -122,6 +122,12 @@ class DeformedMotion(ABC):
                 total = total + columns[k] * value
         return total
 
+    def slice_turns(self, link: int) -> list[tuple[Vec, Vec]]:
+        """Return relative angular velocity and its growth of these points, in their axes."""
+        return self._once(
+            "slice turn", link, lambda: [self.grown(s.angular, link) for s in self.slices(link)]
+        )
+
     def slice_motions(self, link: int) -> list[tuple[Vec, Vec]]:
         """Return ṗ and p̈ at zero q̈ of the points that carry the mass of a deformable body."""
         return self._once(

@@ -19,7 +19,7 @@ from vehicledyn.symbolic.ops import Mat, Scalar, Vec
 T = TypeVar("T")
 ACCELERATED = frozenset({"alpha", "acceleration", "beta"})
 """What is kept of links that depends on accelerations."""
-MOVING = ACCELERATED | {"omega", "velocity", "point motion", "slice motion"}
+MOVING = ACCELERATED | {"omega", "velocity", "point motion", "slice motion", "slice turn"}
 """What is kept of links that depends on rates."""
 GROUND_LINK = -1
 

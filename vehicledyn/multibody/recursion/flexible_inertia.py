@@ -66,10 +66,13 @@ class DeformedInertia:
             for i in range(3):
                 for j in range(i, 3):
                     second[i][j] = second[i][j] + item.share * p[i] * p[j]
+        turned = _matrix([item for item in self.slices if item.rotation is not None], self.body)
         xx, yy, zz = (self.body.mass * _tidy(second[i][i]) for i in range(3))
         beside = [-self.body.mass * _tidy(second[i][j]) for i, j in ((0, 1), (0, 2), (1, 2))]
         about = yy + zz + self.body.axial.whole
         matrix = rotations.symmetric((about, xx + zz, xx + yy), beside)
+        if turned is not None:
+            matrix = matrix + turned
         return Inertia(ops.scalar(self.body.mass), self.body.mass * _tidied(moment), matrix)
 
     def unit_wrench(self, k: int) -> JointWrench:
@@ -81,6 +84,9 @@ class DeformedInertia:
                 force = force + pushed
                 torque = torque + ops.cross(item.position, pushed)
         axial = ops.vector(self.body.axial.coupling.get(k, 0.0), 0.0, 0.0)
+        for item in self.slices:
+            if item.rotation is not None and k in item.angular:
+                axial = axial + item.rotation @ _held(item, self.body, item.angular[k])
         mass = self.body.mass
         return JointWrench(mass * _tidied(force), mass * _tidied(torque) + axial)
 
@@ -91,6 +97,10 @@ class DeformedInertia:
             if k in item.linear and other in item.linear:
                 total = total + item.share * ops.dot(item.linear[k], item.linear[other])
         own = self.body.axial.own.get(k, 0.0) if k == other else 0.0
+        for item in self.slices:
+            if k in item.angular and other in item.angular:
+                held = _held(item, self.body, item.angular[other])
+                own = own + ops.dot(item.angular[k], held)
         return self.body.mass * _tidy(total) + own
 
     @cached_property
@@ -101,7 +111,11 @@ class DeformedInertia:
             force = force + pushed
             torque = torque + ops.cross(item.position, pushed)
         mass = self.body.mass
-        return mass * force, mass * torque + self._axial_torque
+        torque = mass * torque + self._axial_torque
+        for item, twist in zip(self.slices, self._twists, strict=True):
+            if item.rotation is not None and twist is not None:
+                torque = torque + item.rotation @ twist
+        return mass * force, torque
 
     def forces(self) -> list[Scalar]:
         """Return the force on each coordinate of the deformation that the motion needs."""
@@ -115,7 +129,30 @@ class DeformedInertia:
                 if k in item.linear:
                     total = total + ops.dot(item.linear[k], pushed)
             own = axial.coupling.get(k, 0.0) * alpha[0] + axial.own.get(k, 0.0) * second[k]
+            for item, twist in zip(self.slices, self._twists, strict=True):
+                if twist is not None and k in item.angular:
+                    own = own + ops.dot(item.angular[k], twist)
             found.append(self.body.mass * total + own)
+        return found
+
+    @cached_property
+    def _twists(self) -> list[Vec | None]:
+        """Torque that the own inertia of each slice needs, in its axes; None without any [N m]."""
+        k, link = self.kinematics, self.link
+        if all(item.rotation is None for item in self.slices):
+            return [None] * len(self.slices)
+        found: list[Vec | None] = []
+        omega, alpha = k.link_angular_velocity(link), k.link_angular_acceleration(link)
+        for item, (turning, growth) in zip(self.slices, k.slice_turns(link), strict=True):
+            if item.rotation is None:
+                found.append(None)
+                continue
+            carried = item.rotation.T @ omega
+            total = carried + turning
+            spun = item.rotation.T @ alpha + ops.cross(carried, turning) + growth
+            spun = spun + k.accelerated(item.angular, link)
+            held = _held(item, self.body, total)
+            found.append(_held(item, self.body, spun) + ops.cross(total, held))
         return found
 
     @cached_property
@@ -157,11 +194,34 @@ def deformable_energies(kinematics: Kinematics, body: Body, gravity: Vec) -> tup
         kinetic = kinetic + 0.5 * item.share * ops.dot(velocity, velocity)
         where = kinematics.position_in(-1, link, item.position)
         height = height - item.share * ops.dot(gravity, where)
+    turns = [] if flexibility.sections == (0.0,) * 3 else kinematics.slice_turns(link)
+    turning_energy = ops.scalar(0.0)
+    for item, (turning, _) in zip(kinematics.slices(link), turns, strict=False):
+        if item.rotation is not None:
+            total = item.rotation.T @ omega + turning
+            turning_energy = turning_energy + 0.5 * ops.dot(total, _held(item, flexibility, total))
     axial, spin = flexibility.axial, ops.scalar(0.5 * flexibility.axial.whole) * omega[0] * omega[0]
     for k, rate in enumerate(kinematics.amplitude_rates(link)):
         spin = spin + axial.coupling.get(k, 0.0) * omega[0] * rate
         spin = spin + 0.5 * axial.own.get(k, 0.0) * rate * rate
-    return flexibility.mass * kinetic + spin, flexibility.mass * height
+    return flexibility.mass * kinetic + spin + turning_energy, flexibility.mass * height
+
+
+def _held(item: Slice, body: Flexibility, turning: Vec) -> Vec:
+    """Return the angular momentum of a slice about its own axes, in these."""
+    return ops.vector(*(item.share * j * turning[k] for k, j in enumerate(body.sections)))
+
+
+def _matrix(items: list[Slice], body: Flexibility) -> Mat | None:
+    """Return the own inertia of slices in the axes of the body; None without any."""
+    total: Mat | None = None
+    for item in items:
+        if item.rotation is not None:
+            zero = (0.0, 0.0, 0.0)
+            own = rotations.symmetric([item.share * j for j in body.sections], zero)
+            turned = rotations.congruent(item.rotation, own)
+            total = turned if total is None else total + turned
+    return total
 
 
 def _zero() -> Vec:

@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vehicledyn.base.numbers.quaternions import about, from_rows, multiplied, rotated
+from vehicledyn.multibody.bodies.drawn_beam import deflected_exactly
 from vehicledyn.multibody.joints.joint_type import JointType, joint_type
 from vehicledyn.multibody.joints.numeric_joint import displacements, quaternions
 from vehicledyn.multibody.model.deformation import Station
@@ -116,6 +117,9 @@ def _deflected(
 ) -> tuple[Array, Array]:
     """Return position and attitude of a point of a body that deforms."""
     q = np.stack([values[name] for name in point["names"]], axis=1)
+    if "nodes" in point:
+        moved, attitude = deflected_exactly(point, q)
+        return position + rotated(turned, moved), multiplied(turned, attitude)
     place, linear, quadratic, slopes = (
         np.array(point[word], dtype=float) for word in ("position", "linear", "quadratic", "slopes")
     )
@@ -180,6 +184,11 @@ def _point(station: Station, fixed: set[str]) -> dict[str, Any]:
     """Return a point of a deformable body as plain data, without coordinates that are held."""
     drawn, names = station.flexibility.drawn(station.place), station.flexibility.coordinates
     kept = [k for k, name in enumerate(names) if name not in fixed]
+    if "nodes" in drawn:
+        nodes = [[[row[k] for k in kept] for row in node] for node in drawn["nodes"]]
+        end = [[row[k] for k in kept] for row in drawn["end"]]
+        own = [names[k] for k in kept]
+        return {"names": own, "nodes": nodes, "weights": drawn["weights"], "end": end}
     rows = {word: [[row[k] for k in kept] for row in drawn[word]] for word in ("linear", "slopes")}
     quadratic = [[drawn["quadratic"][i][j] for j in kept] for i in kept]
     own = [names[k] for k in kept]
