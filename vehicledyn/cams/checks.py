@@ -144,7 +144,8 @@ def _remedy(cam: Cam) -> str:
         if enough is None
         else (f"take a base radius of {1e3 * enough:.4g} mm or more")
     )
-    return f"{size}, a smaller roller, or more angle for the law"
+    roller = "" if isinstance(cam.touch, LineFollower) else "a smaller roller, "
+    return f"{size}, {roller}or more angle for the law"
 
 
 def enough_base(cam: Cam) -> float | None:

@@ -205,4 +205,5 @@ def _error(stages: Vector, size: float, scale: Vector) -> float:
 
 def _mean_norm(values: Vector) -> float:
     with np.errstate(over="ignore"):
-        return float(np.linalg.norm(values)) / math.sqrt(values.size)
+        # A system whose motion is all driven has no states.
+        return float(np.linalg.norm(values)) / math.sqrt(max(values.size, 1))

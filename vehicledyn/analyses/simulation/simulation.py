@@ -244,6 +244,17 @@ class _Run:
     def _happened(self, writer: ResultWriter, event: EventRecord) -> None:
         self.events.append(event)
         writer.happened(event)
+        self._remark(event)
+
+    def _remark(self, event: EventRecord) -> None:
+        """Warn once of an event that a model does not end at but has advice for."""
+        own = [e for e in self.prepared.equations.events if e.name == event.name]
+        is_known = any(other.name == event.name for other in self.events[:-1])
+        for found in () if is_known else own:
+            if found.terminal or not found.advice:
+                continue
+            words = f"event '{event.name}' at t = {event.time:.9g} s: {found.advice}"
+            self.notes.append(f"warning: {words}")
 
     def _writer(self, output: Path, *, hidden: bool) -> ResultWriter:
         e, s = self.prepared.equations, self.loaded.scenario
