@@ -257,8 +257,9 @@ def test_every_kind_was_there():
         assert kinds_of == set(JOINT_KINDS)
     text = WRITTEN.read_text(encoding="utf-8")
     # Track frames are in tests/unit/files/test_track_frames.py, quaternions in
-    # tests/unit/multibody/test_quaternion_joint.py.
+    # tests/unit/multibody/test_quaternion_joint.py, Geneva drives in tests/validation/test_cams.py.
     elsewhere = {
+        "geneva",
         "spherical_quaternion",
         "track_frame",
         "rolling_wheel",

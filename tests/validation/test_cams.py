@@ -121,7 +121,7 @@ def run(folder, text, duration, interval="0.1 ms", solver=EVENTS):
         duration=f"{math.ceil(1e4 * duration - 1e-6) / 10} ms",
         solver=solver,
         output={"interval": interval},
-        backend="casadi",
+        backend="interpreted",
     )
 
 

@@ -260,6 +260,12 @@ CONSTRAINTS = {
         "",
         0.0,
     ),
+    "geneva": (
+        TURNING,
+        "driver: a.q, wheel: b.q, slots: 12, distance: 80 mm",
+        "b.q",
+        -np.arctan2(np.sin(0.7), 1.0 / np.sin(np.pi / 12) - np.cos(0.7)) / 0.7,
+    ),
     "rolling_wheel": (DISK, "body: b, axis: 2, radius: 0.5 m", "", 0.0),
 }
 
@@ -275,6 +281,8 @@ def test_constraint(kind, tmp_path):
             **{other.replace(".", "__"): 0.7, f"{other.replace('.', '__')}_rate": 2}
         )
         assert seen["b.q"] == pytest.approx(ratio * seen["a.q"], rel=1e-12)
+        if kind == "geneva":
+            return  # its ratio is not constant
         assert seen["b.q_rate"] == pytest.approx(ratio * seen["a.q_rate"], rel=1e-12)
         return
     rates = {s.name.replace(".", "__"): 0.3 + 0.1 * k for k, s in enumerate(e.states)}
@@ -305,6 +313,11 @@ SENSORS = {
     "constraints: {k: {kind: knife_edge, body: b, across: [0, 1, 0]",
 }
 
+CAM = (
+    "cam_body: ground, follower_body: b, cam: {outline: {kind: eccentric_circle, radius: 0.4 m, "
+    "eccentricity: 10 mm}, follower: {kind: roller, radius: 0.1 m}},"
+)
+APART = np.hypot(0.3, 0.38)
 ELEMENTS = {
     "air_drag": ("body: b, drag_area: 0.5 m^2", lambda s: (0.25 * 1.225 * 4.0**2, 0.0, 0.0)),
     "beam": (
@@ -315,6 +328,21 @@ ELEMENTS = {
         "a: ground, b: {body: b, point: [0, 0, 0.1]}, stiffness: [20 N/m, 0, 0], damping: [0, "
         "3 N*s/m, 0]",
         lambda s: (-20.0 * s["b.x"], -3.0 * s["b.y_rate"], 0.0),
+    ),
+    "cam_contact": (
+        f"{CAM} centre: [0, 0, -0.37], stiffness: 1e3, exponent: 1",
+        lambda s: tuple(1e3 * (0.5 - APART) * n / APART for n in (0.3, 0.0, 0.38)),
+    ),
+    "cam_impact": (
+        f"{CAM} centre: [0, 0, -0.6], touching: false",
+        lambda s: (0.0, 0.0, 0.0),
+    ),
+    # On the circle of radius 0.5 m about (0, -0.5), at 5 m/s.
+    "cam_joint": (f"{CAM} centre: [0, 0, -0.49]", lambda s: (-60.0, 0.0, None)),
+    "hydraulic_lash": (
+        "a: {body: ground, point: [0.3 m, 0, -1 m]}, b: b, area: 1 mm^2, volume: 1 mm^3, length: "
+        "0.9 m, bulk_modulus: 1 GPa, leakage: 0, check_valve: 0, stiffness: 5 N/m, preload: 2 N",
+        lambda s: (0.0, 0.0, 2.0 - 5.0 * 0.1),
     ),
     "flexible_bar": (
         "body: b, length: 1 m, mass_per_length: 1 kg/m, bending_stiffness: 9 N*m^2, frames: [1]",
@@ -339,8 +367,10 @@ def test_element(kind, tmp_path):
     fields, force = ELEMENTS[kind]
     text = PUSHED + f"elements: {{e: {{kind: {kind}, {fields}}}}}\n"
     seen = Motion(equations(tmp_path, text)).at(2.0, b__x=0.3, b__x_rate=-4.0, b__y_rate=0.7)
-    rates = [2.0 * seen[f"d.b.{axis}_rate"] for axis in "xyz"]
-    assert rates == pytest.approx(force(seen), rel=1e-13, abs=1e-13)
+    free = [axis for axis in "xyz" if f"d.b.{axis}_rate" in seen]
+    assert len(free) == (2 if kind == "cam_joint" else 3)
+    rates = [2.0 * seen[f"d.b.{axis}_rate"] for axis in free]
+    assert rates == pytest.approx(force(seen)[: len(free)], rel=1e-13, abs=1e-13)
 
 
 @pytest.mark.parametrize("kind", kinds("sensor"))

@@ -147,7 +147,9 @@ class CompliantContact(ContactPart):
     """
 
     stiffness: Scalar = number("", "Stiffness k, in N/mⁿ", above=0.0)
-    exponent: float = choice("Exponent n: 1.5 for round bodies, 1 for a spring", default=1.5)
+    exponent: Scalar = number(
+        "1", "Exponent n: 1.5 for round bodies, 1 for a spring", default=1.5, least=1.0
+    )
     dissipation: Scalar = number("s/m", "Dissipation α", default=0.0, least=0.0)
 
     def loads(self, situation: Situation) -> Loads:
