@@ -17,6 +17,8 @@ FIRST = re.compile(r"# (\S+)\n")
 def test_listings_and_commands(tmp_path):
     path = f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"
     for kind, body in BLOCK.findall(PAGE):
+        if body.startswith("# part of"):
+            continue  # systems/cam_follower.yaml has the same
         if kind == "yaml":
             (tmp_path / FIRST.match(body)[1]).write_text(body)
             assert read_cam(tmp_path / FIRST.match(body)[1]).title
