@@ -41,6 +41,11 @@ _SIGNATURES: dict[str, tuple[Any, Sequence[Any]]] = {
     "vd_tangent_point": (_I, [_D, *[_P] * 9]),
     "vd_tangent_values": (None, [_D, *[_P] * 7, _L, _P, _P]),
 }
+_BACK: dict[str, tuple[Any, Sequence[Any]]] = {
+    "vd_record": (_I, [_L, _L, _L, _D, _D, *[_P] * 6]),
+    "vd_steps_back": (_I, [_L, _L, _L, _D, _D, *[_P] * 4, _L, *[_P] * 4]),
+    "vd_values_back": (_I, [_D, *[_P] * 8, _L, *[_P] * 6]),
+}
 
 
 class _Rows(ctypes.Structure):
@@ -89,15 +94,17 @@ class TangentCode:
     Observed are the chosen channels, then the functions of the events, then their new values.
     """
 
-    def __init__(self, equations: Equations, channels: Sequence[int]) -> None:
-        """Derive and compile, or find in the cache.
+    def __init__(
+        self, equations: Equations, channels: Sequence[int], *, back: bool = False
+    ) -> None:
+        """Derive and compile, or find in the cache; with ``back`` for adjoints as well.
 
         Raises
         ------
         MissingPartError
             If no C compiler works.
         """
-        self.equations, self.channels = equations, tuple(channels)
+        self.equations, self.channels, self.back = equations, tuple(channels), back
         functions = derive_functions(equations)
         self._prepare = functions.prepare
         self.stage: StageProgram = stage_program(equations, functions)
@@ -122,18 +129,30 @@ class TangentCode:
             ) from None
 
         def build(folder: Path) -> Path:
-            text = tangent_source(self.equations, functions, self.stage, self.observed)
+            text = tangent_source(
+                self.equations, functions, self.stage, self.observed, back=self.back
+            )
             return build_library(compiler, text, folder)
 
         def opened(path: Path) -> ctypes.CDLL:
             library = ctypes.CDLL(str(path))
-            for name, (result, arguments) in _SIGNATURES.items():
+            for name, (result, arguments) in (_SIGNATURES | (_BACK if self.back else {})).items():
                 function = getattr(library, name)
                 function.restype, function.argtypes = result, arguments
             return library
 
-        parts = ("tangents", repr(self.channels), generator_fingerprint(), compiler.identity)
+        parts = (
+            "tangents",
+            repr((self.channels, self.back)),
+            generator_fingerprint(),
+            compiler.identity,
+        )
         return cache.load(cache.key_of(fingerprint(self.equations), *parts), build, opened)[0]
+
+    @property
+    def n_constants(self) -> int:
+        """Number of constants."""
+        return int(self._prepare.numel_out(0))
 
     def constants(self, parameters: Vector) -> Vector:
         """Return what depends on the parameters alone."""

@@ -5,6 +5,8 @@ import pytest
 from event_examples import bouncing_ball, crossing_oscillator, with_events
 from solve_examples import build, oscillator, slider_crank, symbols
 
+from vehicledyn.analyse.gradients.adjoint import figure_adjoint
+from vehicledyn.analyse.gradients.key_figures import figure_slope
 from vehicledyn.analyse.gradients.motion import Balance, follow, rate_slopes, start_slopes
 from vehicledyn.base.errors import NumericalError
 from vehicledyn.kernel.engine import Method
@@ -97,6 +99,29 @@ def moved(values, k, by):
     other = values.copy()
     other[k] += by
     return other
+
+
+@pytest.mark.parametrize("kept", [64_000_000, 1])
+def test_adjoints_agree_with_tangents(kept, monkeypatch):
+    """One figure by all parameters and start values; also where few steps are kept."""
+    monkeypatch.setattr("vehicledyn.kernel.back_code._MOST_BYTES", kept)
+    equations, grid = slider_crank(), Grid(Method.RK4, 0.0, 0.1, 10)
+    ahead = followed(equations, grid, 5, by_state=[0, 1])
+    kernel, channel = compile_kernel(equations), 1
+    code = TangentCode(equations, [channel], back=True)
+    start = np.array([s.start for s in equations.states])
+    guess = np.array([u.start for u in equations.unknowns])
+
+    def figure(times, values):
+        found = figure_slope("rms", times, values[:, 0], np.eye(len(times)))
+        return found, found.slope[:, None]
+
+    back = figure_adjoint(code, kernel, grid, n_intervals=5, start=(start, guess), figure=figure)
+    expected = figure_slope("rms", ahead.times, ahead.values[:, channel], ahead.slopes[:, channel])
+    assert back.figure.value == pytest.approx(expected.value, rel=1e-12)
+    found = [*back.by_parameter, *back.by_state]
+    assert found == pytest.approx(expected.slope, rel=1e-10, abs=1e-12)
+    assert back.n_bytes <= 50 * 8 * 4
 
 
 def test_semi_implicit_euler_has_the_tangents_of_its_own_steps():

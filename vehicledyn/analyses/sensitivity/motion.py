@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from vehicledyn.analyse.gradients.adjoint import figure_adjoint
 from vehicledyn.analyse.gradients.key_figures import FigureSlope, figure_slope, sampled_slopes
 from vehicledyn.analyse.gradients.motion import Balance, MotionSlopes, follow, start_slopes
 from vehicledyn.analyses.preparation.prepare import Point, set_speed
@@ -45,8 +46,13 @@ class MotionStudy:
     notes: list[str]
 
     @staticmethod
-    def of(loaded: LoadedScenario, names: list[str], progress: Progress) -> MotionStudy:
-        """Prepare a scenario; ``names`` are the channels wanted besides those of key figures."""
+    def of(
+        loaded: LoadedScenario, names: list[str], progress: Progress, *, back: bool = False
+    ) -> MotionStudy:
+        """Prepare a scenario; ``names`` are the channels wanted besides those of key figures.
+
+        With ``back`` the motion is to be followed back from the first of these.
+        """
         prepared, start = prepare_run(loaded, backend="auto", progress=progress)
         if prepared.has_multipliers:
             raise InputError(
@@ -54,12 +60,13 @@ class MotionStudy:
                 "derivatives of its motion need 'constraint_method: partitioning'"
             )
         all_names = [c.name for c in prepared.equations.channels]
-        chosen = [*needed_channels(prepared), *[all_names.index(name) for name in names]]
+        chosen = [all_names.index(name) for name in names]
+        chosen = chosen if back else [*needed_channels(prepared), *chosen]
         channels = list(dict.fromkeys(chosen))
         notes: list[str] = []
         grid, n_intervals = _grid(loaded, prepared, start, notes)
         progress("deriving and compiling the tangents", None)
-        code = TangentCode(prepared.equations, channels)
+        code = TangentCode(prepared.equations, channels, back=back)
         return MotionStudy(loaded, prepared, start, channels, code, grid, n_intervals, notes)
 
     def followed(self, chosen: Directions, progress: Progress) -> MotionSlopes:
@@ -155,6 +162,8 @@ def find_motion_sensitivity(
         If the run fails, or a derivative does not exist.
     """
     names = _named_channels(loaded, of, progress)
+    if _goes_back(loaded, of, to):
+        return _figure_back(loaded, of[0], to, progress)
     study = MotionStudy.of(loaded, names, progress)
     e, kernel = study.prepared.equations, study.prepared.kernel
     chosen = directions(e, kernel.parameters, study.start.state, to)
@@ -162,6 +171,64 @@ def find_motion_sensitivity(
     run = study.run_figures(motion) if _needs_run(of, e) else {}
     asked = wanted(e, of, list(run))
     return _table(study, chosen, motion, asked, run)
+
+
+_BACK_FROM = 64
+"""Directions from which on one figure is found by adjoints."""
+
+
+def _goes_back(loaded: LoadedScenario, of: list[str], to: list[str]) -> bool:
+    """Return whether adjoints are quicker: one figure of a channel, many directions, no events."""
+    prepared, start = prepare_run(loaded, backend="auto", progress=lambda *_: None)
+    e, solver = prepared.equations, loaded.scenario.solver
+    alone = len(of) == 1 and "(" in of[0]
+    plain = getattr(solver, "fixed_method", None) == Method.RK4 and not e.events
+    if not (alone and plain):
+        return False
+    chosen = directions(e, prepared.kernel.parameters, start.state, to)
+    return len(chosen.values) >= _BACK_FROM
+
+
+def _figure_back(
+    loaded: LoadedScenario, name: str, to: list[str], progress: Progress
+) -> SensitivityTable:
+    """Return the derivatives of one figure of a channel, by adjoints."""
+    kind, _, channel = name.removesuffix(")").partition("(")
+    study = MotionStudy.of(loaded, [channel], progress, back=True)
+    e, kernel = study.prepared.equations, study.prepared.kernel
+    chosen = directions(e, kernel.parameters, study.start.state, to)
+
+    def figure(times: Floats, values: Floats) -> tuple[FigureSlope, Floats]:
+        found = figure_slope(kind, times, values[:, 0], np.eye(len(times)))
+        return found, found.slope[:, None]
+
+    progress("following the motion back", None)
+    found = figure_adjoint(
+        study.code,
+        kernel,
+        study.grid,
+        n_intervals=study.n_intervals,
+        start=(study.start.state, study.start.unknowns),
+        figure=figure,
+    )
+    moved = study.start_slopes(chosen) + chosen.by_state
+    slope = found.by_parameter @ chosen.by_parameter + found.by_state @ moved
+    about = e.channels[study.channels[0]]
+    unit = f"{about.unit}*s" if kind == "integral" else about.unit
+    trouble = found.figure.trouble
+    notes = [*study.notes, f"found by adjoints; {found.n_bytes / 1e6:.1f} MB of steps kept"]
+    if trouble:
+        notes.append(f"warning: '{name}' has no derivative: {trouble}")
+    return SensitivityTable(
+        loaded.title,
+        loaded.scenario.model,
+        chosen.quantities,
+        chosen.values,
+        (Quantity(name, unit, f"{kind} of {about.description}"),),
+        np.array([found.figure.value]),
+        np.full((1, len(slope)), np.nan) if trouble else slope[None, :],
+        notes=tuple(notes),
+    )
 
 
 def _needs_run(of: list[str], equations: Any) -> bool:

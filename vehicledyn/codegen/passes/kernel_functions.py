@@ -142,7 +142,7 @@ def _apart(inputs: list[Any], expressions: list[Any]) -> tuple[list[Any], Any, A
 
     last = len(inputs) - 1
     whole = casadi.cse([casadi.densify(casadi.SX(item)) for item in expressions])
-    with _as_written():
+    with as_written():
         function = casadi.Function("all", inputs, whole)
         if function.get_function():
             function = casadi.Function("all", inputs, _split_calls(function, inputs))
@@ -227,7 +227,7 @@ def _operations_in(function: Any, known: dict[str, int]) -> int:
 
 
 @contextmanager
-def _as_written() -> Iterator[None]:
+def as_written() -> Iterator[None]:
     """Keep CasADi from turning a times 1/b back into a / b."""
     import casadi
 

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from vehicledyn.codegen.passes.kernel_functions import KernelFunctions
+from vehicledyn.codegen.passes.kernel_functions import KernelFunctions, as_written
 from vehicledyn.codegen.passes.local_slopes import slope_graph
 from vehicledyn.codegen.passes.vertex_elimination import LinearRows, eliminated
 from vehicledyn.symbolic import ops
@@ -43,6 +43,28 @@ class Program:
     which: Index
     targets: Index
     fixed: NDArray[np.float64]
+
+    def transposed(self, sources: int) -> Program:
+        """Return the program of the adjoints: row k is that of column ``out[k]``, last first.
+
+        Columns keep their numbers; behind the rows come the ``sources``, last first as well.
+        """
+        users: dict[int, list[tuple[int, int]]] = {}
+        for k, target in enumerate(self.out):
+            for i in range(self.starts[k], self.starts[k + 1]):
+                users.setdefault(int(self.columns[i]), []).append((int(target), int(self.which[i])))
+        out = [*map(int, self.out[::-1]), *range(sources - 1, -1, -1)]
+        entries = [users.get(column, []) for column in out]
+        flat = [item for own in entries for item in own]
+        return Program(
+            self.n_columns,
+            np.array(out, np.int32),
+            np.cumsum([0, *map(len, entries)]).astype(np.int32),
+            np.array([column for column, _ in flat], np.int32),
+            np.array([place for _, place in flat], np.int32),
+            np.arange(sources, dtype=np.int32),
+            self.fixed,
+        )
 
     def touched(self, first: int, moving: NDArray[np.bool_]) -> tuple[Index, ...]:
         """Return rows, starts, columns and weights of the entries by constants that move.
@@ -219,17 +241,20 @@ def _written(
     import casadi
 
     column = casadi.cse(casadi.densify(column))
-    graph = slope_graph(casadi.Function("values", symbols, [column]), symbols, lambda _: True)
     elements = [(k, i) for k, item in enumerate(symbols) for i in range(item.numel())]
-    targets = writer.rows(eliminated(graph, elements, _SLACK), sources)
-    return targets, graph.values
+    function = casadi.Function("values", symbols, [column])
+    with as_written():  # products with reciprocals would become divisions, which take longer
+        graph = slope_graph(function, symbols, lambda _: True)
+        rows = eliminated(graph, elements, _SLACK)
+    return writer.rows(rows, sources), graph.values
 
 
 def _cse(results: list[Any]) -> list[Any]:
     import casadi
 
     dense = [casadi.densify(casadi.SX(item)) for item in results]
-    return list(casadi.cse(dense))
+    with as_written():
+        return list(casadi.cse(dense))
 
 
 def _by_rows(slopes: Any, columns: Sequence[int], weights: Weights) -> list[list[tuple[int, int]]]:

@@ -105,7 +105,7 @@ def _rules() -> dict[int, Callable[[int, list[Any], Any], Any]]:
         casadi.OP_SQ: lambda place, given, value: given[0] + given[0],
         casadi.OP_MUL: lambda place, given, value: given[1 - place],
         casadi.OP_DIV: lambda place, given, value: (
-            1.0 / given[1] if place == 0 else -value / given[1]
+            1.0 / given[1] if place == 0 else -value * (1.0 / given[1])
         ),
         casadi.OP_SQRT: lambda place, given, value: 0.5 / value,
         casadi.OP_IF_ELSE_ZERO: lambda place, given, value: casadi.if_else(given[0], 1.0, 0.0),

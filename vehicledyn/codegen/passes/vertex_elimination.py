@@ -104,6 +104,8 @@ def _product(outer: Any, inner: Any) -> Any:
         return inner
     if inner.is_one():
         return outer
+    if outer.is_minus_one() or inner.is_minus_one():
+        return -(inner if outer.is_minus_one() else outer)
     return outer * inner
 
 

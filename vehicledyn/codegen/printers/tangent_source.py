@@ -14,7 +14,7 @@ from vehicledyn.codegen.printers.kernel_source import (
     shared_texts,
     wide_units,
 )
-from vehicledyn.codegen.printers.row_code import print_rows
+from vehicledyn.codegen.printers.row_code import print_rows, print_rows_back
 from vehicledyn.codegen.printers.row_printer import Copies
 from vehicledyn.codegen.printers.wide_functions import WideFunctions
 from vehicledyn.codegen.toolchain.compiler import UNIT_BREAK, suitable_lanes
@@ -33,8 +33,13 @@ def tangent_source(
     functions: KernelFunctions,
     stage: StageProgram,
     observed: PointProgram,
+    *,
+    back: bool = False,
 ) -> str:
-    """Return the C source: one unit for the motion, one for its tangents."""
+    """Return the C source: one unit for the motion, one for its tangents.
+
+    With ``back`` the adjoints of the motion are among the first.
+    """
     lanes = suitable_lanes()
     in_rows, tables = lanes >= PLACES, equations.tables
     copies = Copies(functions.prepare.numel_out(0) + ROW * len(tables))
@@ -54,9 +59,26 @@ def tangent_source(
     }
     names = [f"#define {name} {size}" for name, size in sizes.items()]
     motion = [*head, *texts, *printed, copies.text, *names, shared_source("linearise.c")]
+    motion += _back(equations, functions, stage, observed) if back else []
     return UNIT_BREAK.join(
         ["\n".join(motion), *wide_units(wide), _directions(equations, functions, stage, observed)]
     )
+
+
+def _back(
+    equations: Equations, functions: KernelFunctions, stage: StageProgram, observed: PointProgram
+) -> list[str]:
+    """Return the functions of adjoints."""
+    n_x, n_z, n_c = len(equations.states), len(equations.unknowns), functions.prepare.numel_out(0)
+    first = 1 + n_x + n_z
+    seeded = [*stage.program.targets.tolist(), *stage.unknowns.tolist()]
+    rows, ends = stage.program.transposed(1 + n_x + n_c), observed.program
+    own = ends.transposed(first + n_c)
+    return [
+        print_rows_back(rows, range(1 + n_x, 1 + n_x + n_c), "stage_back", seeded),
+        print_rows_back(own, range(first, first + n_c), "point_back", ends.targets.tolist()),
+        shared_source("back.c"),
+    ]
 
 
 def _directions(
