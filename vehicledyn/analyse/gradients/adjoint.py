@@ -72,7 +72,7 @@ def figure_adjoint(
     state, guess = start
     unknowns = code.solved(grid.start, state, guess, constants)
     record, end = back.record(n_intervals * grid.per_interval, (state, unknowns))
-    times = grid.start + grid.interval * np.arange(n_intervals + 1)
+    times = np.asarray(grid.start + grid.interval * np.arange(n_intervals + 1), dtype=float)
 
     def sample(number: int) -> Moment:
         if number == n_intervals:
