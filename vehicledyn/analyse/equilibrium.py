@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -99,6 +99,7 @@ def find_equilibrium(
     tolerance: float,
     derivatives: Slopes | None = None,
     settling: float | None = None,
+    not_held: Callable[[], Mapping[str, str]] = dict,
 ) -> EquilibriumPoint:
     """Return the point where chosen rates vanish, found by moving as many chosen states.
 
@@ -123,6 +124,9 @@ def find_equilibrium(
     settling
         How far a free state may move in a step while forces have yet to begin, as where contacts
         are still open; then the point settles as in strongly damped motion first [m or rad].
+    not_held
+        Returns why a coordinate, by name, may have nothing that holds it, with advice; called
+        for the message only.
 
     Raises
     ------
@@ -144,7 +148,9 @@ def find_equilibrium(
     )
     if not found.solved:
         loose = _loose(equations, problem, found.point, int(np.argmax(np.abs(found.residual))))
-        raise NumericalError(_unbalanced(equations, balanced, found.residual, tolerance, loose))
+        reasons = _reasons(equations, found.residual, balanced, tolerance, not_held())
+        advice = _advice(reasons, loose)
+        raise NumericalError(_unbalanced(equations, balanced, found.residual, tolerance, advice))
     final_state, final_unknowns = problem.point(found.point)
     for attitude in equations.attitudes:
         quaternion = list(attitude.quaternion)
@@ -222,12 +228,37 @@ def _loose(equations: Equations, problem: _Balance, point: Vector, worst: int) -
     return [equations.states[problem.free[k]].name for k in taken]
 
 
+def _reasons(
+    equations: Equations,
+    residual: Vector,
+    balanced: Sequence[int],
+    tolerance: float,
+    not_held: Mapping[str, str],
+) -> list[str]:
+    """Return why the rates that stay cannot be balanced, where parts say so."""
+    stay = [
+        equations.states[k].name
+        for k, r in zip(balanced, residual, strict=True)
+        if not abs(r) <= tolerance
+    ]
+    names = [name.removesuffix("_rate") for name in stay]
+    return list(dict.fromkeys(not_held[name] for name in names if name in not_held))
+
+
+def _advice(reasons: Sequence[str], loose: Sequence[str]) -> str:
+    if reasons:
+        return "; ".join(reasons)
+    if loose:
+        return f"nothing holds {', '.join(loose)}: hold them by a spring or a drive"
+    return "change loads or parameters, or start nearer to it"
+
+
 def _unbalanced(
     equations: Equations,
     balanced: Sequence[int],
     residual: Vector,
     tolerance: float,
-    loose: Sequence[str],
+    advice: str,
 ) -> str:
     order = np.argsort(-np.abs(residual))
     worst = [k for k in order if not abs(residual[k]) <= tolerance][:_NAMED]
@@ -236,9 +267,6 @@ def _unbalanced(
         f"{_per_second(equations.states[balanced[k]].unit)})"
         for k in worst
     ]
-    advice = "change loads or parameters, or start nearer to it"
-    if loose:
-        advice = f"nothing holds {', '.join(loose)}: hold them by a spring or a drive"
     return (
         f"no equilibrium of model '{equations.name}' near the starting point; rates that stay "
         f"unbalanced: {', '.join(rates)}; {advice}"

@@ -20,6 +20,7 @@ from vehicledyn.files.scenario import (
 )
 from vehicledyn.files.scenario.load import examine_scenario
 from vehicledyn.files.scenario.python_models import PythonModel
+from vehicledyn.files.scenario.sets import Scenario
 from vehicledyn.files.scenario.system_models import is_system
 from vehicledyn.library import Kind, locate
 from vehicledyn.multibody.model.system import System
@@ -35,6 +36,8 @@ USUAL_RUN: dict[str, Any] = {
     "output": {"interval": "10 ms"},
 }
 """How long and by what method a model is simulated of which nothing else is said."""
+
+_OF_MODELS = {"model", "parameters", "initial"}
 
 _DRIVEN: dict[str, Any] = {
     "manoeuvre": {"kind": "straight"},
@@ -101,6 +104,25 @@ def read_scenario(source: Source, overrides: Sequence[str] = ()) -> LoadedScenar
     if loaded is None:
         raise refusal(problems, name)
     return loaded
+
+
+def read_described(source: Source, overrides: Sequence[str] = ()) -> Target:
+    """Return a scenario or model to describe, with changes of whatever a run would let change.
+
+    Where they change more than parameters and starts of a model, such as its tyres, the usual run
+    of the model is described.
+
+    Raises
+    ------
+    InputError
+        As :func:`read_scenario`.
+    """
+    target = read_target(source)
+    words = {override.partition("=")[0].strip().partition(".")[0] for override in overrides}
+    chosen = words & (set(Scenario.model_fields) - _OF_MODELS)
+    if target.choices is None and chosen:
+        return read_scenario(target, overrides)
+    return target.with_overrides(overrides) if overrides else target
 
 
 def _model_name(model: Target) -> str:

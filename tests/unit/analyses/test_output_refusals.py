@@ -20,7 +20,7 @@ ROOT = Path(__file__).parents[3]
 
 @pytest.mark.parametrize("name", ["double_pendulum", "jeep_suspension", "testset_wheelset"])
 def test_outline_names_the_channels_of_the_equations(name):
-    """Open chains, loops with reactions and wheels on rails: the same channels in the same order."""
+    """Open chains, loops with reactions, wheels on rails: the same channels in the same order."""
     system = build_subject(load_model(str(ROOT / f"systems/{name}.yaml"))).system
     assert tuple(outline_channels(system)) == derive(system).channels
 

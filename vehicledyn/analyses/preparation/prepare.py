@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
@@ -26,6 +27,7 @@ from vehicledyn.analyses.preparation.vague_starts import refuse_vague_start
 from vehicledyn.base.interrupts import undisturbed
 from vehicledyn.files.scenario.target import Target
 from vehicledyn.kernel.kernel import Backend, compile_kernel
+from vehicledyn.multibody.model.parts import BasePart
 
 if TYPE_CHECKING:
     from vehicledyn.kernel.derivatives import Slopes
@@ -181,6 +183,7 @@ def equilibrium_point(
         tolerance=BALANCE_TOLERANCE,
         derivatives=slopes or prepared.derivatives,
         settling=_let_down(prepared, start) or subject.settling,
+        not_held=partial(not_held, subject),
     )
     final = found.state.copy()
     if kind == "static":
@@ -188,6 +191,12 @@ def equilibrium_point(
         final[velocities] = moving[velocities]
         set_speed(prepared, speed)
     return _moving(prepared, Point(final, found.unknowns, found.residual))
+
+
+def not_held(subject: Subject) -> dict[str, str]:
+    """Return coordinates that parts of the system cannot hold, and why."""
+    parts = [part for part in subject.system.parts if isinstance(part, BasePart)]
+    return {name: why for part in parts for name, why in part.not_held().items()}
 
 
 def _by_partitioning(prepared: Prepared, speed: float, kind: Literal["static", "steady"]) -> Point:

@@ -69,8 +69,10 @@ def show_model(
     as_json: Json = False,
 ) -> None:
     """Show a model: bodies, coordinates, parameters, channels, operation counts."""
-    loaded = read_target(name, overrides)
     from vehicledyn.analyses import describe_model, write_system
+    from vehicledyn.interface.targets import read_described
+
+    loaded = read_described(read_target(name, None), overrides or ())
 
     if as_yaml:
         emit(write_system(loaded))

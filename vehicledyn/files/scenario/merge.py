@@ -12,6 +12,7 @@ from vehicledyn.base.parameters import ParameterSet
 from vehicledyn.base.problems import Place, Problem, dotted
 from vehicledyn.base.validation_messages import UNKNOWN_KEY
 from vehicledyn.base.yaml import read_yaml
+from vehicledyn.files.scenario.sets import Scenario
 from vehicledyn.files.scenario.sources import Sources
 
 _COMPONENTS = ("x", "y", "z")
@@ -115,9 +116,17 @@ def merge_parameters(
             if place is None or (line["loc"], line["msg"]) in _own_faults(model):
                 problems.append(_own_problem(model, line["loc"], line["msg"]))
             else:
-                problems.append(sources.problem((_ROOT, *place), line["msg"], at_key=at_key))
+                words = line["msg"] + (_choice_hint(place) if at_key else "")
+                problems.append(sources.problem((_ROOT, *place), words, at_key=at_key))
         return None, problems
     return (None if problems else parameters), problems
+
+
+def _choice_hint(place: Place) -> str:
+    """Return where to set what is no parameter of the model but chosen for it, such as tyres."""
+    if len(place) != 1 or place[0] not in Scenario.model_fields:
+        return ""
+    return f"; '{place[0]}' stands beside 'parameters': set {place[0]} or {place[0]}.KEY"
 
 
 def _same_kind(default: dict[str, Any], change: dict[str, Any]) -> bool:

@@ -280,6 +280,13 @@ class BasePart:
         """Watch nothing."""
         return ()
 
+    def not_held(self) -> dict[str, str]:
+        """Return coordinates that the part turns or moves but cannot hold, and why, with advice.
+
+        Read where a search for an equilibrium fails, to name the law that makes it fail.
+        """
+        return {}
+
     def shapes(self) -> tuple[Shape, ...]:
         """Look like nothing."""
         return ()

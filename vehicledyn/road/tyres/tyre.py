@@ -91,6 +91,14 @@ class Tyre(ParameterSet):
     def forces(self, contact: TyreInput) -> TyreForces:
         """Return the steady forces of the tyre."""
 
+    @property
+    def pulls_along(self) -> bool:
+        """Whether longitudinal slip gives a force at all, whatever the numbers but zero."""
+        slip = ops.symbol("longitudinal_slip")
+        load = ops.symbol("normal_force")
+        force = self.forces(TyreInput(load, slip, 0.0, 0.0, 1.0)).longitudinal_force
+        return ops.depends_on(ops.scalar(force), slip)
+
     def relaxation_lengths(self, contact: TyreInput) -> RelaxationLengths:
         """Return the relaxation lengths at a load and camber.
 

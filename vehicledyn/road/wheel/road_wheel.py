@@ -123,6 +123,16 @@ class RoadWheel(BasePart):
             Variable(_DEFLECTION[1], "m", "Deflection of the contact patch across the wheel"),
         )
 
+    def not_held(self) -> dict[str, str]:
+        """Return the spin, where the tyre's law has no longitudinal force that could turn it."""
+        if self.tyre.pulls_along:
+            return {}
+        words = (
+            f"tyres of the kind '{self.tyre.kind}' have no longitudinal force, so nothing brings "
+            "free wheels to roll: give 'wheel_spin: prescribed', or tyres with a longitudinal force"
+        )
+        return {self.spin: words}
+
     def unknowns(self) -> tuple[Variable, ...]:
         """Return the offset of the contact point if it is implicit, and the sinkage in soil."""
         offsets = (
