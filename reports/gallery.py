@@ -86,6 +86,10 @@ PICTURES = {
     "double_pendulum": _path("tip.x", "tip.z", "Tip: z"),
     "double_spring_mass": Picture(("upper.height", "lower.height"), "mm", "Height"),
     "cam_follower": Picture(("contact.gap",), "mm", "Gap between cam and follower"),
+    "omni_cart": _path("cart.x", "cart.y", "Cart, seen from above: y"),
+    "mecanum_cart": Picture(
+        tuple(f"wheel_{k}.spin_rate" for k in ("00", "01")), "rad/s", "Speed of the front wheels"
+    ),
     "geneva_drive": Picture(("driver.angle_rate", "wheel.angle_rate"), "rad/s", "Angular velocity"),
     "valve_train": Picture(("cam.normal_force", "seat.force"), "N", "Force"),
     "four_bar": Picture(("crank.angle", "rocker.angle"), "deg", "Angle"),

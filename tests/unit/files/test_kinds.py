@@ -260,6 +260,12 @@ CONSTRAINTS = {
         "",
         0.0,
     ),
+    "universal_wheel": (
+        PLANE,
+        "body: b, axis: 1, radius: 0.1 m, roller_angle: 0 deg, centre: [0, 0.5 m, 0]",
+        "",
+        0.0,
+    ),
     "geneva": (
         TURNING,
         "driver: a.q, wheel: b.q, slots: 12, distance: 80 mm",
@@ -288,7 +294,10 @@ def test_constraint(kind, tmp_path):
     rates = {s.name.replace(".", "__"): 0.3 + 0.1 * k for k, s in enumerate(e.states)}
     seen = Motion(e).at(**rates)
     assert seen["constraints.velocity_error"] < 1e-12
-    if kind != "rolling_wheel":
+    if kind == "universal_wheel":
+        along = np.cos(seen["b.yaw"]) * seen["b.x_rate"] + np.sin(seen["b.yaw"]) * seen["b.y_rate"]
+        assert along - 0.5 * seen["b.yaw_rate"] == pytest.approx(0.0, abs=1e-12)
+    elif kind != "rolling_wheel":
         across = (
             -np.sin(seen["b.yaw"]) * seen["b.x_rate"] + np.cos(seen["b.yaw"]) * seen["b.y_rate"]
         )
