@@ -3,10 +3,21 @@
 import numpy as np
 import pytest
 
+from vehicledyn.analyse.equilibrium import assemble
 from vehicledyn.base.errors import InputError
 from vehicledyn.base.registry import kinds
 from vehicledyn.kernel.kernel import compile_kernel
-from vehicledyn.multibody import GROUND, Body, Joint, ParameterTable, System, TimeLaw, derive
+from vehicledyn.multibody import (
+    GROUND,
+    Body,
+    BodyCut,
+    Joint,
+    ParameterTable,
+    RodCut,
+    System,
+    TimeLaw,
+    derive,
+)
 from vehicledyn.multibody.bodies.beam_sections import Section
 from vehicledyn.multibody.elements.beam import Beam, Material, Modes, Stiffness
 from vehicledyn.multibody.joints.joint_type import joint_kinds, joint_type
@@ -19,23 +30,28 @@ PACE = np.sqrt(BENDING / MASS / LENGTH**4)
 """Bending frequencies are multiples of this [rad/s]."""
 
 
-def kernel_of(*bodies, hub=(), speed=0.0, at=(0.0, 0.0, 0.0), gravity=(0.0, 0.0, 0.0), **settings):
+def kernel_of(
+    *bodies, cuts=(), hub=(), speed=0.0, at=(0.0, 0.0, 0.0), gravity=(0.0, 0.0, 0.0), **settings
+):
     """A beam on a hub that turns about the vertical at a speed [rad/s]."""
     joints = (*hub, Joint("R3", "turn", role="driven"))
     settings = {"length": LENGTH, "stiffness": GIVEN} | settings
     beam = Beam("beam", body="hub", at=at, **settings)
     spin = TimeLaw("spin", "turn", lambda t: speed * t)
     root = Body("hub", GROUND, joints=joints)
-    made = System("beam", ParameterTable(), (root, *bodies), parts=(beam, spin), gravity=gravity)
+    made = System(
+        "beam", ParameterTable(), (root, *bodies), parts=(beam, spin), cuts=cuts, gravity=gravity
+    )
     return compile_kernel(derive(made), backend="interpreted")
 
 
 def matrix_of(kernel, size=1e-6):
     """Return ∂ẋ/∂x about the start."""
-    x0, none = np.array([s.start for s in kernel.equations.states]), np.zeros(0)
+    x0 = np.array([s.start for s in kernel.equations.states])
+    guess = np.array([u.start for u in kernel.equations.unknowns])
 
     def rates(step):
-        return kernel.rates(0.0, x0 + step, none)
+        return kernel.rates(0.0, x0 + step, assemble(kernel, 0.0, x0 + step, guess))
 
     return np.array([(rates(size * e) - rates(-size * e)) / (2 * size) for e in np.eye(len(x0))]).T
 
@@ -61,6 +77,17 @@ def test_clamped_free_of_segments():
     """They converge with the fourth power of their number: 16 are as good as modes."""
     kernel = kernel_of(model="segments", segments=16, modes=Modes(z=1))
     assert frequencies(kernel)[:2] / PACE == pytest.approx([3.516015268, 22.0344915647], rel=2e-5)
+
+
+def test_loops_hold_its_end():
+    """Clamped at both ends by a cut, and on a hinge at both: modes become dependent."""
+    cut = BodyCut("clamp", "beam.tip", (0.0, 0.0, 0.0), "hub", (LENGTH, 0.0, 0.0))
+    clamped = kernel_of(cuts=(cut,), modes=Modes(z=8, stretch=1))
+    assert frequencies(clamped)[0] / PACE == pytest.approx(22.3732854480613, rel=1e-4)
+    pin = (Joint("R2", "pin"),)
+    rod = RodCut("rod", "beam.tip", (0.0, 0.0, 0.0), GROUND, (LENGTH, 0.0, 1e3), 1e3)
+    hinged = kernel_of(cuts=(rod,), hub=pin, modes=Modes(z=8))
+    assert frequencies(hinged)[0] / PACE == pytest.approx(np.pi**2, rel=1e-4)
 
 
 def test_free_free():
@@ -139,6 +166,35 @@ def test_static_deflection(settings, counts):
     seen = dict(zip([c.name for c in e.channels], kernel.outputs(0.0, x, np.zeros(0)), strict=True))
     assert seen["beam.tip_z"] == pytest.approx(-MASS * g * LENGTH**4 / (8 * BENDING), rel=1e-4)
     assert seen["beam.tip_x"] == pytest.approx(MASS * g * LENGTH**2 / (2 * STRETCH), rel=2e-3)
+
+
+@pytest.mark.parametrize("model", ["modes", "exact"])
+def test_section_loads_and_stress(model):
+    """A weight at the end of a heavy strip of steel: M = -(F + q L/2) L at the start."""
+    section, steel = Section(shape="rectangle", width=0.02, height=0.01), 210e9
+    tip, g, density = Body("load", "beam.tip", mass=3.0), 1e-3, 7850.0
+    kernel = kernel_of(
+        tip, gravity=(0.0, 0.0, -g), model=model, stiffness=None, section=section, frames=(0.5,),
+        material=Material(density=density, young=steel), modes=Modes(z=5),
+    )  # fmt: skip
+    e = kernel.equations
+    n, x = len(e.states) // 2, np.zeros(len(e.states))
+    matrix, rates = matrix_of(kernel), kernel.rates(0.0, x, np.zeros(0))
+    x[:n] = -np.linalg.solve(matrix[n:, :n], rates[n:])
+    seen = dict(zip([c.name for c in e.channels], kernel.outputs(0.0, x, np.zeros(0)), strict=True))
+    line = density * 2e-4 * g
+
+    def moment(x):
+        return 3.0 * g * (LENGTH - x) + 0.5 * line * (LENGTH - x) ** 2
+
+    # A deflection downwards is a turn about +y, and so is the moment on the inner part.
+    assert seen["beam.start.moment_y"] == pytest.approx(moment(0.0), rel=1e-6)
+    assert seen["beam.frame_1.moment_y"] == pytest.approx(moment(0.5 * LENGTH), rel=1e-6)
+    stress = moment(0.0) * 0.005 / (0.02 * 0.01**3 / 12.0)
+    assert seen["beam.start.stress"] == pytest.approx(stress, rel=1e-6)
+    if model == "modes":
+        shear = 3.0 * g + line * 0.5 * LENGTH
+        assert seen["beam.frame_1.shear_force_z"] == pytest.approx(-shear, rel=1e-6)
 
 
 def test_a_tip_force_buckles_it_sideways():

@@ -22,6 +22,7 @@ from numpy.polynomial import legendre
 from numpy.typing import NDArray
 
 from vehicledyn.multibody.bodies.beam_shapes import Shapes, quadrature
+from vehicledyn.multibody.bodies.section_loads import SectionLoads
 from vehicledyn.multibody.model.deformation import AxialInertia, Deflection, Flexibility, Slice
 from vehicledyn.symbolic import ops, rotations
 from vehicledyn.symbolic.ops import Mat, Scalar, Vec
@@ -221,18 +222,30 @@ class ExactBeam(Flexibility):
         """Return the strain energy [J]."""
         total = ops.scalar(0.0)
         for place, weight in zip(*self._nodes, strict=True):
-            section = self._section(float(place), q)
-            slopes = self._angles(float(place), 1)
-            curved = ops.vector(0.0, 0.0, 0.0)
-            for direction, spin in section.spins.items():
-                rate = self._sum(direction, slopes[direction], q) / self.length
-                curved = curved + spin * rate
-            terms = {"twist": curved[0], "z": curved[1], "y": curved[2]}
-            strain = section.strain - ops.vector(1.0, 0.0, 0.0)
-            terms |= {name: strain[axis] for name, axis in _AXES.items()}
-            own = [self.stiffness[d] * t * t for d, t in terms.items() if self.ranges[d]]
+            terms = self._strains(float(place), q)
+            own = [self.stiffness[d] * t * t for d, t in terms.items()]
             total = total + 0.5 * float(weight) * sum(own, start=ops.scalar(0.0))
         return total * self.length
+
+    def _strains(self, place: float, q: Sequence[Scalar]) -> dict[str, Scalar]:
+        """Return curvatures and strains of a section that has coordinates for them, by direction.
+
+        The curvature along z is that about y: negative where w'' is positive.
+        """
+        section, slopes = self._section(place, q), self._angles(place, 1)
+        curved = ops.vector(0.0, 0.0, 0.0)
+        for direction, spin in section.spins.items():
+            curved = curved + spin * (self._sum(direction, slopes[direction], q) / self.length)
+        terms = {"twist": curved[0], "z": curved[1], "y": curved[2]}
+        strain = section.strain - ops.vector(1.0, 0.0, 0.0)
+        terms |= {name: strain[axis] for name, axis in _AXES.items()}
+        return {direction: term for direction, term in terms.items() if self.ranges[direction]}
+
+    def loads(self, place: float, q: Sequence[Scalar]) -> SectionLoads:
+        """Return forces and moments in the section at ``place`` L, in the axes of the section."""
+        found = {d: self.stiffness[d] * term for d, term in self._strains(place, q).items()}
+        order = ("stretch", "shear_y", "shear_z", "twist", "z", "y")
+        return SectionLoads(*(found.get(direction) for direction in order))
 
     def drawn(self, place: float) -> dict[str, Any]:
         """Return a point as plain data: shapes at the nodes, their weights, shapes at the point."""

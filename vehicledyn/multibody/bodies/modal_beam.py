@@ -22,6 +22,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vehicledyn.multibody.bodies.beam_shapes import Shapes, quadrature
+from vehicledyn.multibody.bodies.section_loads import SectionLoads
 from vehicledyn.multibody.model.deformation import AxialInertia, Deflection, Flexibility, Slice
 from vehicledyn.symbolic import ops, rotations
 from vehicledyn.symbolic.ops import Mat, Scalar, Vec
@@ -112,6 +113,29 @@ class ModalBeam(Flexibility):
             found.append(Slice(float(weight), position, linear))
         return found
 
+    def growths(self, q: Sequence[Scalar], rates: Sequence[Scalar]) -> list[Vec]:
+        """Return p̈ of the slices at zero q̈: what the shortening grows by, -Σ G_ij q̇_i q̇_j / L."""
+        points, _ = quadrature(self._points)
+        pairs = {
+            (k, other): rates[k] * rates[other] / self.length
+            for direction in ("y", "z")
+            for k in self.ranges[direction]
+            for other in self.ranges[direction]
+            if other <= k
+        }
+        found = []
+        for x in points:
+            total = ops.scalar(0.0)
+            for direction in ("y", "z"):
+                first = self.ranges[direction].start
+                metric = self._metric(direction, float(x))
+                for (k, other), product in pairs.items():
+                    if k in self.ranges[direction]:
+                        factor = metric[k - first, other - first] * (1.0 if k == other else 2.0)
+                        total = total - float(factor) * product
+            found.append(ops.vector(total, 0.0, 0.0))
+        return found
+
     def _axis(self, place: float, q: Sequence[Scalar]) -> tuple[Vec, dict[int, Vec]]:
         """Return where a point of the axis stands, with its derivatives."""
         across = {"y": ops.scalar(0.0), "z": ops.scalar(0.0)}
@@ -124,10 +148,10 @@ class ModalBeam(Flexibility):
         for axis, direction in enumerate(("y", "z"), 1):
             own, items = self.by_direction[direction], self.ranges[direction]
             values, metric = own.values(place), self._metric(direction, place)
-            amplitudes = [q[k] for k in items]
+            amplitudes = [q[k] / self.length for k in items]
             for j, k in enumerate(items):
                 across[direction] = across[direction] + float(values[j]) * q[k]
-                pull = _weighted(metric[j], amplitudes) / self.length
+                pull = _weighted(metric[j], amplitudes)
                 along = along - 0.5 * pull * q[k]
                 moved = [-pull, 0.0, 0.0]
                 moved[axis] = float(values[j])
@@ -195,6 +219,27 @@ class ModalBeam(Flexibility):
             for k, stiffness in zip(items, self._springs(direction), strict=True):
                 total = total + 0.5 * stiffness * q[k] * q[k]
         return total
+
+    def loads(self, place: float, q: Sequence[Scalar]) -> SectionLoads:
+        """Return forces and moments in the section at ``place`` L.
+
+        Moments are E I times the curvature; shear forces are the rates of the moments along x.
+        """
+
+        def load(direction: str, order: int, sign: float = 1.0) -> Scalar | None:
+            if not self.ranges[direction]:
+                return None
+            modulus = sign * getattr(self.stiffness, direction) / self.length**order
+            return modulus * self._along(direction, place, q, order)
+
+        return SectionLoads(
+            axial=load("stretch", 1),
+            shear_y=load("y", 3, -1.0),
+            shear_z=load("z", 3, -1.0),
+            torque=load("twist", 1),
+            moment_y=load("z", 2, -1.0),
+            moment_z=load("y", 2),
+        )
 
     def _coupling_energy(self, q: Sequence[Scalar]) -> Scalar | None:
         """Return the strain energy beyond that of each direction by itself.

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
@@ -121,6 +121,10 @@ class Beam(BasePart):
         default="shortening",
     )
     segments: int = choice("Number of segments", default=16, least=1)
+    role: Literal["auto", "independent"] = choice(
+        "Whether loops may determine some of its coordinates, as where both ends are clamped",
+        default="auto",
+    )
     damping_ratio: Scalar = number("1", "Damping ratio of each mode", default=0.0, least=0.0)
     frames: tuple[float, ...] = choice(
         "Places over the length, 0 to 1, of further frames", default=(), unit="1"
@@ -244,7 +248,7 @@ class Beam(BasePart):
             Joint(
                 DEFORMATION,
                 beam.coordinates[k],
-                role="independent",
+                role=self.role,
                 description=f"Mode {j + 1} of {_WORDS[direction]} of {self.name}",
                 settings={"measure": "rad" if direction == "twist" else "m"},
             )
@@ -306,7 +310,19 @@ class Beam(BasePart):
             )
             for k, axis in enumerate("xyz")
         )
-        return (*deflections, Output(energy, self._strain_energy(kinematics)))
+        found = [*deflections, Output(energy, self._strain_energy(kinematics))]
+        return (*found, *self._section_outputs(kinematics))
+
+    def _section_outputs(self, kinematics: Kinematics) -> Iterator[Output]:
+        """Yield the loads of the sections at the start and the frames; segments have none."""
+        if self.model == "segments":
+            return
+        q = [kinematics.coordinate(name) for name in self._modal.coordinates]
+        places = {f"{self.name}.start": 0.0}
+        places |= {f"{self.name}.frame_{j + 1}": place for j, place in enumerate(self.frames)}
+        for name, place in places.items():
+            for channel, value in self._modal.loads(place, q).channels(name, self.section):
+                yield Output(channel, value)
 
     def _strain_energy(self, kinematics: Kinematics) -> Scalar:
         if self.model == "segments":

@@ -96,6 +96,10 @@ class Flexibility(ABC):
     def slices(self, q: Sequence[Scalar]) -> list[Slice]:
         """Return the mass of the body as points."""
 
+    def growths(self, q: Sequence[Scalar], rates: Sequence[Scalar]) -> list[Vec] | None:
+        """Return p̈ of the slices at zero q̈ where that is known by a short formula [m/s²]."""
+        return None
+
     @abstractmethod
     def drawn(self, place: float) -> dict[str, Any]:
         """Return a point as plain data, whose numbers may be symbols.

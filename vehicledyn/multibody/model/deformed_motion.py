@@ -130,6 +130,18 @@ class DeformedMotion(ABC):
 
     def slice_motions(self, link: int) -> list[tuple[Vec, Vec]]:
         """Return ṗ and p̈ at zero q̈ of the points that carry the mass of a deformable body."""
-        return self._once(
-            "slice motion", link, lambda: [self.grown(s.linear, link) for s in self.slices(link)]
-        )
+
+        def build() -> list[tuple[Vec, Vec]]:
+            body, rates = self.tree.links[link].flexibility, self.amplitude_rates(link)
+            known = None if body is None else body.growths(self.amplitudes(link), rates)
+            if known is None:
+                return [self.grown(item.linear, link) for item in self.slices(link)]
+            found = []
+            for item, growth in zip(self.slices(link), known, strict=True):
+                moving = ops.vector(0.0, 0.0, 0.0)
+                for k, column in item.linear.items():
+                    moving = moving + column * rates[k]
+                found.append((moving, growth))
+            return found
+
+        return self._once("slice motion", link, build)

@@ -40,10 +40,9 @@ class LinkMotion:
 class BodyInertia(ABC):
     """Inertia of a body about the origin of its link, in the axes of the link.
 
-    Both are asked of a rigid body alone. A body with deformations q_f of its own would add, to
-    these two, what they make of q_f: its inertia and elastic forces on q_f, the blocks of the
-    mass matrix that couple q̈_f with (a, α) and with itself, and the places, rotations and
-    velocities of its points, which the tree takes from the link's frame today.
+    That of a deformable body depends on its deformation, and adds forces on the coordinates of
+    this and blocks of the mass matrix that couple them, see
+    :mod:`vehicledyn.multibody.recursion.flexible_inertia`.
     """
 
     @abstractmethod
