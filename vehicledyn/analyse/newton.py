@@ -42,6 +42,7 @@ def solve_damped(
     tolerance: float,
     max_iterations: int = 60,
     largest_step: Any = np.inf,
+    persistent: bool = True,
 ) -> NewtonResult:
     """Find a point where every residual is at most the tolerance.
 
@@ -60,9 +61,12 @@ def solve_damped(
         Newton steps at most.
     largest_step
         How far a step may move each unknown, so that it does not leap to a solution far off.
+    persistent
+        Whether to go on by Levenberg and Marquardt's method where Newton's fails; a continuation
+        rather takes a shorter step.
     """
     result = _newton(evaluate, start, tolerance, max_iterations, largest_step)
-    if result.solved:
+    if result.solved or not persistent:
         return result
     nearest = _nearest(evaluate, start)
     again = _newton(evaluate, nearest, tolerance, max_iterations, largest_step)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from vehicledyn.analyses.preparation.road_runnable import RoadSubject
@@ -63,6 +64,27 @@ def build_vehicle(target: Target) -> RoadVehicle:
 
     vehicle: RoadVehicle = BUILDERS[target.written.kind].vehicle(*_asked(target))
     return limited(manoeuvre_of(target).fit(vehicle))
+
+
+def build_tested(target: Target, test: RoadManoeuvre) -> RoadSubject:
+    """Return the vehicle of a target on free wheels in another manoeuvre than its own.
+
+    Raises
+    ------
+    InputError
+        If the scenario lacks a part that the vehicle needs.
+    """
+    from vehicledyn.files.building.builders import BUILDERS
+
+    written, choice = _asked(target)
+    free = None if choice is None else replace(choice, free_wheels=True)
+    vehicle: RoadVehicle = BUILDERS[written.kind].vehicle(written, free)
+    if not vehicle.free_wheels:
+        raise InputError(
+            f"{target.origin}: by itself its wheels turn at a given rate; driving tests need "
+            "'wheel_spin: free': name a scenario of it that chooses tyres and road"
+        )
+    return RoadSubject(limited(test.fit(vehicle)), test)
 
 
 def _asked(target: Target) -> tuple[WrittenModel, RoadChoice | None]:

@@ -1,0 +1,1 @@
+"""Handling of road vehicles: steady cornering without time simulation, and the standards' tests."""

@@ -1,0 +1,167 @@
+"""Steady-state cornering by the three methods of ISO 4138, as curves over lateral acceleration."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vehicledyn.analyses.handling.steady_turn import SteadyTurn, Turn
+from vehicledyn.analyses.handling.tested_car import CarPoint
+from vehicledyn.base.errors import NumericalError
+
+Vector = NDArray[np.float64]
+
+STEP = 0.25
+"""Distance of points [m/s²]."""
+
+_SMALLEST_STEP = 0.01
+_SLOWEST = 3.0
+"""Speed below which no point of a circle is looked for [m/s]."""
+
+QUANTITIES = {
+    "lateral_acceleration": ("m/s^2", "Lateral acceleration: speed times yaw rate"),
+    "speed": ("m/s", "Speed"),
+    "steering_angle": ("rad", "Steering-wheel angle"),
+    "understeer_angle": ("rad", "Front-wheel angle beyond wheelbase times curvature"),
+    "sideslip_angle": ("rad", "Side-slip angle"),
+    "roll_angle": ("rad", "Roll angle"),
+    "yaw_rate": ("rad/s", "Yaw rate"),
+    "curvature": ("1/m", "Curvature of the path"),
+    "drive_torque": ("N*m", "Drive torque that holds the speed"),
+    "smallest_wheel_load": ("N", "Smallest wheel load"),
+}
+"""Quantities of a curve with units and meanings."""
+
+
+@dataclass(frozen=True)
+class SteadyCurve:
+    """Steady turns along lateral acceleration.
+
+    ``values`` holds the quantities of :data:`QUANTITIES`, each of shape (n_points,); ``points`` the
+    states. ``limit`` is the largest lateral acceleration found [m/s²], NaN where the curve was not
+    followed to its limit.
+    """
+
+    method: str
+    values: dict[str, Vector]
+    points: list[CarPoint] = field(repr=False)
+    limit: float = float("nan")
+
+    def gradient(self, name: str, last: float) -> float:
+        """Return the slope of a quantity over lateral acceleration, of a line up to ``last``."""
+        lateral = self.values["lateral_acceleration"]
+        kept = lateral <= last + 1e-6
+        return float(np.polyfit(lateral[kept], self.values[name][kept], 1)[0])
+
+    def initial_slope(self, name: str) -> float:
+        """Return the slope of a quantity over lateral acceleration at its first points."""
+        lateral, values = self.values["lateral_acceleration"], self.values[name]
+        return float((values[1] - values[0]) / (lateral[1] - lateral[0]))
+
+
+def constant_speed(
+    solver: SteadyTurn, speed: float, *, last: float = np.inf, first: float = 0.0
+) -> SteadyCurve:
+    """Return the turns at a forward speed [m/s] from a lateral acceleration to the limit [m/s²].
+
+    The limit is where no steady turn is found any more, to 0.01 m/s².
+
+    Raises
+    ------
+    NumericalError
+        If the car does not run straight.
+    """
+
+    def turn(lateral: float) -> Turn:
+        return Turn(speed, "lateral_acceleration", lateral)
+
+    start = solver.straight(speed)
+    return _followed(solver, "constant speed", turn, start, first=first, last=last)
+
+
+def constant_radius(solver: SteadyTurn, radius: float, *, last: float = np.inf) -> SteadyCurve:
+    """Return the turns on a circle to the left [m], the speed growing from a walk to the limit."""
+
+    def turn(lateral: float) -> Turn:
+        return Turn(float(np.sqrt(lateral * radius)), "curvature", 1.0 / radius)
+
+    first = max(_SLOWEST**2 / radius, 0.1)
+    start = solver.straight(float(np.sqrt(first * radius)))
+    return _followed(solver, "constant radius", turn, start, first=first, last=last)
+
+
+def constant_steering(solver: SteadyTurn, angle: float, *, last: float = np.inf) -> SteadyCurve:
+    """Return the turns at a steering-wheel angle [rad], the speed growing from a walk.
+
+    Points are at speeds whose squares are equally spaced, as the lateral acceleration then about
+    is; the curve ends where it exceeds ``last`` or no turn is found.
+    """
+    found: list[CarPoint] = []
+    point = solver.straight(_SLOWEST)
+    steps = np.sqrt(np.arange(_SLOWEST**2, 70.0**2, 15.0))
+    for speed in steps:
+        try:
+            point = solver.find(Turn(float(speed), "steering", angle), point)
+        except NumericalError:
+            break
+        found.append(point)
+        lateral = abs(solver.car.outputs(point)["accelerometer.lateral"])
+        if lateral > last or (len(found) > 1 and lateral < 0.01):
+            break
+    return _curve(solver, "constant steering-wheel angle", found, float("nan"))
+
+
+def _followed(
+    solver: SteadyTurn, method: str, turn, start: CarPoint, *, first: float, last: float
+) -> SteadyCurve:  # type: ignore[no-untyped-def]
+    points = list(_points(solver, turn, start, first, last))
+    curve = _curve(solver, method, points, float("nan"))
+    lateral = float(curve.values["lateral_acceleration"][-1])
+    is_limit = lateral < last - 1e-6
+    return SteadyCurve(method, curve.values, points, lateral if is_limit else float("nan"))
+
+
+def _points(solver: SteadyTurn, turn, start, first, last) -> Iterator[CarPoint]:  # type: ignore[no-untyped-def]
+    """Yield turns at growing lateral acceleration, in steps that halve where none is found."""
+    point = solver.find(turn(first), start)
+    yield point
+    lateral, step = first, STEP
+    while lateral < last - 1e-9 and step >= _SMALLEST_STEP:
+        wanted = min(lateral + step, last)
+        try:
+            point = solver.find(turn(wanted), point)
+        except NumericalError:
+            step *= 0.5
+            continue
+        lateral = wanted
+        yield point
+
+
+def _curve(solver: SteadyTurn, method: str, points: list[CarPoint], limit: float) -> SteadyCurve:
+    rows = [describe(solver, point) for point in points]
+    values = {name: np.array([row[name] for row in rows]) for name in QUANTITIES}
+    return SteadyCurve(method, values, points, limit)
+
+
+def describe(solver: SteadyTurn, point: CarPoint) -> dict[str, float]:
+    """Return the quantities of a steady turn."""
+    car = solver.car
+    outputs, chassis = car.outputs(point), car.vehicle.chassis
+    speed = float(np.hypot(outputs["body.forward_speed"], outputs["body.lateral_speed"]))
+    rate = outputs["body.yaw_rate"]
+    loads = [outputs[f"{corner.name}.tyre.normal_force"] for corner in car.vehicle.corners]
+    return {
+        "lateral_acceleration": speed * rate,
+        "speed": speed,
+        "steering_angle": outputs["steering_angle.angle"],
+        "understeer_angle": outputs["steering_angle.understeer_angle"],
+        "sideslip_angle": outputs["body.sideslip_angle"],
+        "roll_angle": outputs[f"{chassis}.roll"],
+        "yaw_rate": rate,
+        "curvature": rate / speed,
+        "drive_torque": outputs["drive.torque"],
+        "smallest_wheel_load": min(loads),
+    }

@@ -1,0 +1,187 @@
+"""Steady cornering without time simulation: states that turn about the vertical unchanged.
+
+In a steady turn the chassis keeps height, pitch and roll, all springs keep their length, and the
+velocity turns with the yaw rate r: ẍ = -r v_y, ÿ = r v_x in axes along the heading. Newton's
+method balances accelerations, wheel spins and further states of a car in this motion.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vehicledyn.analyse.newton import solve_damped
+from vehicledyn.analyses.handling.tested_car import CarPoint, TestedCar
+from vehicledyn.base.errors import NumericalError
+
+Vector = NDArray[np.float64]
+Demand = Literal["steering", "lateral_acceleration", "curvature"]
+
+BALANCED = 1e-7
+"""Largest acceleration that counts as balanced [m/s², rad/s²]."""
+
+_ITERATIONS = 15
+_STEP = 1e-6
+_BRAKE_SCALE = 1e3
+"""Unit of the brake torque among the unknowns [N m]."""
+
+
+@dataclass(frozen=True)
+class Turn:
+    """A demand on a steady turn at a forward speed [m/s].
+
+    ``value`` is the steering angle [rad], the lateral acceleration r v [m/s²] or the curvature r/v
+    of the path [1/m], as ``demand`` says. ``acceleration`` is that along the path [m/s²]: driven
+    by the drive, or braked by the brakes if negative. A side-slip angle [rad] replaces the balance
+    about the vertical, as if a rig held the car at it.
+    """
+
+    speed: float
+    demand: Demand
+    value: float
+    acceleration: float = 0.0
+    sideslip: float | None = None
+
+
+class SteadyTurn:
+    """Finds steady turns of a car, each near a point known before."""
+
+    def __init__(self, car: TestedCar) -> None:
+        self.car = car
+        e, chassis = car.equations, car.vehicle.chassis
+        spins = [corner.spin for corner in car.vehicle.corners]
+        held = {*(f"{chassis}.{name}" for name in ("x", "y", "yaw")), *spins}
+        kept = [
+            (p, v)
+            for p, v in zip(e.positions, e.velocities, strict=True)
+            if e.states[p].name not in held
+        ]
+        self._motion = [car.state(f"{chassis}.{name}_rate") for name in ("x", "y", "yaw")]
+        self._rolling = [car.state(f"{spin}_rate") for spin in spins]
+        coordinates = {*e.positions, *e.velocities}
+        self._integral = car.state("drive.speed_error_integral")
+        further = [k for k in range(len(e.states)) if k not in coordinates and k != self._integral]
+        self._free = [*(p for p, _ in kept), *self._motion, *self._rolling, *further]
+        self._balanced = [*(v for _, v in kept), *self._motion, *self._rolling, *further]
+        self._angle = car.table_places("test.steering.angle")
+        self._brake = car.table_places("test.brake_torque")
+
+    def straight(self, speed: float) -> CarPoint:
+        """Return straight running at a speed [m/s].
+
+        Raises
+        ------
+        NumericalError
+            If there is no such motion.
+        """
+        car, start = self.car, self.car.standing
+        state = start.state.copy()
+        state[self._motion[0]] = speed
+        for corner, place in zip(car.vehicle.corners, self._rolling, strict=True):
+            state[place] = speed / corner.radius
+        guess = CarPoint(state, start.unknowns, start.parameters)
+        return self.find(Turn(speed, "steering", 0.0), guess)
+
+    def find(self, turn: Turn, guess: CarPoint) -> CarPoint:
+        """Return the steady turn near a guess.
+
+        Raises
+        ------
+        NumericalError
+            If Newton's method finds none.
+        """
+        base = guess.parameters.copy()
+        base[self.car.place("speed")] = turn.speed
+        torque = guess.state[self._integral]
+        if turn.acceleration < 0.0:
+            torque = guess.parameters[self._brake[0]] / _BRAKE_SCALE
+        first = np.concatenate(
+            [guess.state[self._free], [guess.parameters[self._angle[0]], torque]]
+        )
+        search = _Search(self, turn, CarPoint(guess.state, guess.unknowns, base))
+        found = solve_damped(
+            search.evaluate,
+            first,
+            tolerance=BALANCED,
+            max_iterations=_ITERATIONS,
+            persistent=False,
+        )
+        if not found.solved:
+            worst = float(np.abs(found.residual).max())
+            raise NumericalError(
+                f"no steady turn with {turn.demand.replace('_', ' ')} {turn.value:.6g} at "
+                f"{turn.speed:g} m/s: {worst:.2g} m/s^2 stays unbalanced"
+            )
+        return search.point(found.point)
+
+    def yaw_acceleration(self, point: CarPoint) -> float:
+        """Return the yaw acceleration at a point [rad/s²]; zero in a steady turn."""
+        self.car.kernel.set_parameters(point.parameters)
+        return float(self.car.rates(point.state, point.unknowns)[0][self._motion[2]])
+
+    def residual(self, turn: Turn, point: CarPoint, rates: Vector) -> Vector:
+        """Return what is unbalanced in a motion, with the demands on speed and turn last."""
+        ahead, aside, yaw_rate = (float(point.state[k]) for k in self._motion)
+        wanted = np.zeros(len(self.car.equations.states))
+        speed = float(np.hypot(ahead, aside))
+        growth = turn.acceleration / speed
+        wanted[self._motion[0]] = growth * ahead - yaw_rate * aside
+        wanted[self._motion[1]] = growth * aside + yaw_rate * ahead
+        wanted[self._rolling] = growth * point.state[self._rolling]
+        given = {
+            "steering": float(point.parameters[self._angle[0]]),
+            "lateral_acceleration": yaw_rate * speed,
+            "curvature": yaw_rate / speed,
+        }[turn.demand]
+        unbalanced = rates - wanted
+        if turn.sideslip is not None:
+            unbalanced[self._motion[2]] = float(np.arctan2(aside, ahead)) - turn.sideslip
+        gap = given - turn.value
+        return np.append(unbalanced[self._balanced], [ahead - turn.speed, gap])
+
+    def moved(self, turn: Turn, point: CarPoint, x: Vector) -> CarPoint:
+        """Return a point with the unknowns of the search put in."""
+        state, parameters = point.state.copy(), point.parameters.copy()
+        state[self._free] = x[:-2]
+        parameters[self._angle] = x[-2]
+        if turn.acceleration < 0.0:
+            state[self._integral] = 0.0
+            parameters[self._brake] = x[-1] * _BRAKE_SCALE
+        else:
+            state[self._integral] = x[-1]
+            parameters[self._brake] = 0.0
+        return CarPoint(state, point.unknowns, parameters)
+
+
+class _Search:
+    """Residual and Jacobian of the search for one turn; the loops stay closed on the way."""
+
+    def __init__(self, solver: SteadyTurn, turn: Turn, start: CarPoint) -> None:
+        self._solver, self._turn, self._start = solver, turn, start
+        self._unknowns = start.unknowns
+
+    def evaluate(self, x: Vector) -> tuple[Vector, Vector]:
+        """Return residual and Jacobian, this by differences: the root does not depend on it."""
+        residual, self._unknowns = self._at(x)
+        columns = []
+        for k, value in enumerate(x):
+            step = _STEP * max(1.0, abs(float(value)))
+            other = x.copy()
+            other[k] += step
+            columns.append((self._at(other)[0] - residual) / step)
+        return residual, np.stack(columns, axis=1)
+
+    def point(self, x: Vector) -> CarPoint:
+        """Return the point of some unknowns."""
+        moved = self._solver.moved(self._turn, self._start, x)
+        return CarPoint(moved.state, self._at(x)[1], moved.parameters)
+
+    def _at(self, x: Vector) -> tuple[Vector, Vector]:
+        moved = self._solver.moved(self._turn, self._start, x)
+        car = self._solver.car
+        car.kernel.set_parameters(moved.parameters)
+        rates, unknowns = car.rates(moved.state, self._unknowns)
+        return self._solver.residual(self._turn, moved, rates), unknowns
