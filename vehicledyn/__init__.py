@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     from vehicledyn.interface.cams import cam
     from vehicledyn.interface.comparing import compare
     from vehicledyn.interface.contacts import contact_geometry
+    from vehicledyn.interface.handling import handling, steady
     from vehicledyn.interface.hunting import hunt
     from vehicledyn.interface.linear import equilibrium, modes, response
     from vehicledyn.interface.loading import load
@@ -68,6 +69,7 @@ __all__ = [
     "compare",
     "contact_geometry",
     "equilibrium",
+    "handling",
     "hunt",
     "inverse",
     "kinematics",
@@ -79,6 +81,7 @@ __all__ = [
     "rig",
     "sensitivity",
     "simulate",
+    "steady",
     "sweep",
 ]
 
@@ -95,6 +98,7 @@ _HOMES = {
     "vehicledyn.interface.cams": ("cam",),
     "vehicledyn.interface.comparing": ("compare",),
     "vehicledyn.interface.contacts": ("contact_geometry",),
+    "vehicledyn.interface.handling": ("handling", "steady"),
     "vehicledyn.interface.hunting": ("hunt",),
     "vehicledyn.interface.linear": (
         "equilibrium",

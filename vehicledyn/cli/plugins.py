@@ -9,7 +9,7 @@ from typing import Any
 
 TAKE_PLUGINS = (
     "run", "sweep", "validate", "schema", "models", "equilibrium", "eig", "response", "hunt",
-    "kinematics", "inverse", "export", "track", "doctor",
+    "kinematics", "inverse", "export", "track", "doctor", "steady", "handling",
 )  # fmt: skip
 """Verbs that load models or list catalogues."""
 

@@ -82,6 +82,7 @@ HOMES = {
     "track": ("track",),
     "tyre": ("tyre",),
     "cam": ("cam",),
+    "handling": ("steady", "handling"),
 }
 """Commands by the module of `commands` they stand in, in the order in which help lists them."""
 

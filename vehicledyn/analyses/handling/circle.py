@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from dataclasses import dataclass, field
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -109,22 +109,30 @@ def constant_steering(solver: SteadyTurn, angle: float, *, last: float = np.inf)
             break
         found.append(point)
         lateral = abs(solver.car.outputs(point)["accelerometer.lateral"])
-        if lateral > last or (len(found) > 1 and lateral < 0.01):
+        if lateral > last:
             break
     return _curve(solver, "constant steering-wheel angle", found, float("nan"))
 
 
 def _followed(
-    solver: SteadyTurn, method: str, turn, start: CarPoint, *, first: float, last: float
-) -> SteadyCurve:  # type: ignore[no-untyped-def]
+    solver: SteadyTurn,
+    method: str,
+    turn: Callable[[float], Turn],
+    start: CarPoint,
+    *,
+    first: float,
+    last: float,
+) -> SteadyCurve:
     points = list(_points(solver, turn, start, first, last))
     curve = _curve(solver, method, points, float("nan"))
     lateral = float(curve.values["lateral_acceleration"][-1])
     is_limit = lateral < last - 1e-6
-    return SteadyCurve(method, curve.values, points, lateral if is_limit else float("nan"))
+    return replace(curve, limit=lateral if is_limit else float("nan"))
 
 
-def _points(solver: SteadyTurn, turn, start, first, last) -> Iterator[CarPoint]:  # type: ignore[no-untyped-def]
+def _points(
+    solver: SteadyTurn, turn: Callable[[float], Turn], start: CarPoint, first: float, last: float
+) -> Iterator[CarPoint]:
     """Yield turns at growing lateral acceleration, in steps that halve where none is found."""
     point = solver.find(turn(first), start)
     yield point

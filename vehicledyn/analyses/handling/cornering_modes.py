@@ -12,7 +12,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from vehicledyn.analyses.handling.tested_car import CarPoint, TestedCar
+from vehicledyn.analyses.handling.steady_turn import SteadyTurn
+from vehicledyn.analyses.handling.tested_car import CarPoint
 from vehicledyn.kernel.derivatives import Derivatives
 
 Vector = NDArray[np.float64]
@@ -36,7 +37,7 @@ class CorneringSystem:
     @property
     def eigenvalues(self) -> NDArray[np.complex128]:
         """Eigenvalues, slowest first [1/s]."""
-        found = np.linalg.eigvals(self.matrix)
+        found = np.asarray(np.linalg.eigvals(self.matrix), dtype=complex)
         return found[np.argsort(np.abs(found))]
 
     def response(self, output: str, frequencies: Vector) -> NDArray[np.complex128]:
@@ -54,11 +55,10 @@ class CorneringSystem:
 class CorneringModes:
     """Linearises a car about its steady turns, with exact derivatives."""
 
-    def __init__(self, car: TestedCar) -> None:
-        self.car = car
+    def __init__(self, solver: SteadyTurn) -> None:
+        car = self.car = solver.car
         e, chassis = car.equations, car.vehicle.chassis
-        left_out = {f"{chassis}.x", f"{chassis}.y", f"{chassis}.yaw"}
-        left_out |= {corner.spin for corner in car.vehicle.corners}
+        left_out = {f"{chassis}.x", f"{chassis}.y", f"{chassis}.yaw", *solver.turning}
         self._kept = [k for k, s in enumerate(e.states) if s.name not in left_out]
         names = [e.states[k].name for k in self._kept]
         self._motion = [names.index(f"{chassis}.{n}_rate") for n in ("x", "y", "yaw")]

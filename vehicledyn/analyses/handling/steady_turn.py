@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from vehicledyn.analyse.newton import solve_damped
 from vehicledyn.analyses.handling.tested_car import CarPoint, TestedCar
 from vehicledyn.base.errors import NumericalError
+from vehicledyn.road.manoeuvres.speed_control import SpeedControl
 
 Vector = NDArray[np.float64]
 Demand = Literal["steering", "lateral_acceleration", "curvature"]
@@ -25,6 +26,12 @@ BALANCED = 1e-7
 
 _ITERATIONS = 15
 _STEP = 1e-6
+_SHIFT, _UNMOVED = 0.3, 1e-6
+"""Angle by which a coordinate is moved [rad] and the change of a rate that rounding makes [1]."""
+
+_USUAL_SPEED, _GROWTH = 20.0, 0.5
+"""Speed [m/s] and acceleration [m/s²] at which the drive is measured."""
+
 _BRAKE_SCALE = 1e3
 """Unit of the brake torque among the unknowns [N m]."""
 
@@ -52,15 +59,14 @@ class SteadyTurn:
     def __init__(self, car: TestedCar) -> None:
         self.car = car
         e, chassis = car.equations, car.vehicle.chassis
-        spins = [corner.spin for corner in car.vehicle.corners]
-        held = {*(f"{chassis}.{name}" for name in ("x", "y", "yaw")), *spins}
-        kept = [
-            (p, v)
-            for p, v in zip(e.positions, e.velocities, strict=True)
-            if e.states[p].name not in held
-        ]
+        travelling = {f"{chassis}.{name}" for name in ("x", "y", "yaw")}
+        pairs = list(zip(e.positions, e.velocities, strict=True))
+        turning = {p for p, _ in pairs if _turns_freely(car, p)}
+        kept = [(p, v) for p, v in pairs if p not in turning and e.states[p].name not in travelling]
         self._motion = [car.state(f"{chassis}.{name}_rate") for name in ("x", "y", "yaw")]
-        self._rolling = [car.state(f"{spin}_rate") for spin in spins]
+        # Wheels and shafts turn: their angles make no difference, their rates are constant.
+        self._rolling = [v for p, v in pairs if p in turning]
+        self.turning = frozenset(e.states[p].name for p in turning)
         coordinates = {*e.positions, *e.velocities}
         self._integral = car.state("drive.speed_error_integral")
         further = [k for k in range(len(e.states)) if k not in coordinates and k != self._integral]
@@ -80,8 +86,8 @@ class SteadyTurn:
         car, start = self.car, self.car.standing
         state = start.state.copy()
         state[self._motion[0]] = speed
-        for corner, place in zip(car.vehicle.corners, self._rolling, strict=True):
-            state[place] = speed / corner.radius
+        for corner in car.vehicle.corners:
+            state[car.state(f"{corner.spin}_rate")] = speed / corner.radius
         guess = CarPoint(state, start.unknowns, start.parameters)
         return self.find(Turn(speed, "steering", 0.0), guess)
 
@@ -154,6 +160,42 @@ class SteadyTurn:
             state[self._integral] = x[-1]
             parameters[self._brake] = 0.0
         return CarPoint(state, point.unknowns, parameters)
+
+
+def solver_for(car: TestedCar) -> SteadyTurn:
+    """Return the solver of a car, whose speed controller fits its mass and driveline.
+
+    An error of 1 m/s asks for 1 m/s², and its integral for 0.3 m/s² a second.
+
+    Raises
+    ------
+    NumericalError
+        If the car does not run straight.
+    """
+    solver = SteadyTurn(car)
+    held = solver.straight(_USUAL_SPEED)
+    faster = solver.find(Turn(_USUAL_SPEED, "steering", 0.0, _GROWTH), held)
+    torques = [car.outputs(point)["drive.torque"] for point in (held, faster)]
+    gain = abs(torques[1] - torques[0]) / _GROWTH
+    car.hold_speed_by(SpeedControl(proportional_gain=gain, integral_gain=0.3 * gain))
+    return solver
+
+
+def _turns_freely(car: TestedCar, position: int) -> bool:
+    """Return whether no rate depends on an angle of the car at rest, as on that of a wheel."""
+    states, chassis = car.equations.states, car.vehicle.chassis
+    if states[position].unit != "rad" or states[position].name.startswith(f"{chassis}."):
+        return False
+    rest = car.standing
+    car.kernel.set_parameters(rest.parameters)
+    before, _ = car.rates(rest.state, rest.unknowns)
+    moved = rest.state.copy()
+    moved[position] += _SHIFT
+    try:
+        after, _ = car.rates(moved, rest.unknowns)
+    except NumericalError:
+        return False
+    return bool(np.all(np.abs(after - before) <= _UNMOVED * (1.0 + np.abs(before))))
 
 
 class _Search:

@@ -6,7 +6,7 @@ serves steady states and all open-loop tests.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vehicledyn.analyses.preparation.build_model import build_tested
-from vehicledyn.analyses.preparation.prepare import nominal_point, prepare
+from vehicledyn.analyses.preparation.prepare import equilibrium_point, prepare
 from vehicledyn.analyses.preparation.prepared import Prepared, Progress
 from vehicledyn.base.errors import InputError
 from vehicledyn.files.scenario.target import Target
@@ -24,11 +24,13 @@ from vehicledyn.road.manoeuvres.driving_test import DrivingTest
 from vehicledyn.road.manoeuvres.speed_control import SpeedControl
 from vehicledyn.road.manoeuvres.time_table import KNOTS
 from vehicledyn.road.vehicle import RoadVehicle
+from vehicledyn.symbolic import ops
+from vehicledyn.symbolic.ops import Scalar
 
 Vector = NDArray[np.float64]
 
 CONTROL = SpeedControl(proportional_gain=3000.0, integral_gain=600.0)
-"""Speed controller of the tests; a steady state does not depend on it."""
+"""Speed controller before the car's own is known; a steady state does not depend on it."""
 
 
 @dataclass(frozen=True)
@@ -77,6 +79,7 @@ class TestedCar:
         )
         self.vehicle: RoadVehicle = self.prepared.subject.vehicle  # type: ignore[attr-defined]
         self.kernel, self.equations = self.prepared.kernel, self.prepared.equations
+        self.control = CONTROL
         self._places = {p.name: k for k, p in enumerate(self.equations.parameters)}
         self._states = {s.name: k for k, s in enumerate(self.equations.states)}
         self.channel = {c.name: k for k, c in enumerate(self.equations.channels)}
@@ -85,6 +88,39 @@ class TestedCar:
     def title(self) -> str:
         """Name of the model."""
         return self.target.model_name
+
+    @cached_property
+    def steering_ratio(self) -> float:
+        """Steering-wheel angle over that of the front wheels; 1 where there is no wheel."""
+        return self.worth(self.vehicle.steering_ratio)
+
+    def worth(self, expression: Scalar) -> float:
+        """Return what an expression of the model's parameters is worth."""
+        entries = self.vehicle.system.table.entries
+        symbols = ops.column([entry.symbol for entry in entries])
+        number = ops.numeric([symbols], ops.column([expression]))
+        return float(np.ravel(number([entry.value for entry in entries]))[0])
+
+    def like(self, other: TestedCar, point: CarPoint) -> CarPoint:
+        """Return the point of another car of the same model in this one; further states are 0."""
+        known = dict(zip((s.name for s in other.equations.states), point.state, strict=True))
+        state = np.array([known.get(s.name, 0.0) for s in self.equations.states])
+        guess = dict(zip((u.name for u in other.equations.unknowns), point.unknowns, strict=True))
+        unknowns = np.array([guess.get(u.name, u.start) for u in self.equations.unknowns])
+        places = {p.name: k for k, p in enumerate(other.equations.parameters)}
+        parameters = self.kernel.parameters
+        for name, place in self._places.items():
+            if name in places:
+                parameters[place] = point.parameters[places[name]]
+        return CarPoint(state, unknowns, parameters)
+
+    def hold_speed_by(self, control: SpeedControl) -> None:
+        """Use a speed controller from now on."""
+        self.control = control
+        parameters = self.standing.parameters.copy()
+        parameters[self.place("test.proportional_gain")] = control.proportional_gain
+        parameters[self.place("test.integral_gain")] = control.integral_gain
+        self.standing = replace(self.standing, parameters=parameters)
 
     def place(self, parameter: str) -> int:
         """Return the index of a parameter."""
@@ -107,9 +143,14 @@ class TestedCar:
 
     @cached_property
     def standing(self) -> CarPoint:
-        """The nominal position, at rest."""
-        self.set({"speed": 0.0})
-        point = nominal_point(self.prepared, 0.0)
+        """The car at rest on its springs.
+
+        Raises
+        ------
+        NumericalError
+            If it finds no equilibrium at rest.
+        """
+        point = equilibrium_point(self.prepared, 0.0, "static")
         return CarPoint(point.state, point.unknowns, self.kernel.parameters)
 
     def rates(self, state: Vector, unknowns: Vector, time: float = 0.0) -> tuple[Vector, Vector]:

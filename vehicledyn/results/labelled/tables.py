@@ -21,6 +21,7 @@ from vehicledyn.results.tables import (
     cam_table,
     contact_table,
     equilibrium_table,
+    handling_table,
     hunt_table,
     mode_table,
     response_table,
@@ -35,6 +36,7 @@ KINDS = {
     equilibrium_table.FORMAT: "equilibrium",
     cam_table.FORMAT: "cam",
     sensitivity_table.FORMAT: "sensitivity",
+    handling_table.FORMAT: "handling",
 }
 """What the formats of these files are called."""
 

@@ -82,6 +82,10 @@ class DrivingTest(RoadManoeuvre):
             f"{PREFIX}.integral_gain": gains[1],
         }
 
+    def settings_for(self, vehicle: RoadVehicle) -> dict[str, float]:
+        """Return the parameters of the test on a vehicle, whose size may decide some."""
+        return self.settings()
+
     def fit(self, vehicle: RoadVehicle) -> RoadVehicle:
         """Return the vehicle with steering, pedals, wind and the sensors of the tests."""
         from vehicledyn.multibody.elements.drives import TimeLaw

@@ -53,8 +53,10 @@ class LaneChangeTest(DrivingTest):
         return fitted.with_parts(self.driver.part(fitted, path))
 
     def settings_for(self, vehicle: RoadVehicle) -> dict[str, float]:
-        """Return the parameters of the test and of its path by name."""
-        return {**self.settings(), **dict(self.path(vehicle).settings(f"{PREFIX}.path"))}
+        """Return the parameters of the test and of its path by name; the driver steers."""
+        settings = self.settings()
+        own = {n: v for n, v in settings.items() if not n.startswith(f"{PREFIX}.steering.")}
+        return {**own, **dict(self.path(vehicle).settings(f"{PREFIX}.path"))}
 
     def scene(self, vehicle: RoadVehicle) -> dict[str, SceneItem]:
         """Return the cones and the outline of the body."""

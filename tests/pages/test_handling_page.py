@@ -1,0 +1,45 @@
+"""Every command and listing of the page on handling works; its table names every test."""
+
+import os
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from vehicledyn.files.scenario import load_scenario
+from vehicledyn.results.plots.handling.test_figures import TESTS
+
+pytestmark = pytest.mark.long
+
+PAGE = (Path(__file__).parents[2] / "docs" / "handling.md").read_text(encoding="utf-8")
+BLOCK = re.compile(r"^```(\w+)\n(.*?)^```", re.MULTILINE | re.DOTALL)
+FIRST = re.compile(r"# (\S+)\n")
+
+
+def test_listings_and_commands(tmp_path):
+    path = f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"
+    for kind, body in BLOCK.findall(PAGE):
+        lines = body.splitlines()
+        if kind == "yaml":
+            (tmp_path / FIRST.match(body)[1]).write_text(body)
+            assert load_scenario(tmp_path / FIRST.match(body)[1], ()).title
+            continue
+        if kind == "python":
+            (tmp_path / FIRST.match(body)[1]).write_text(body)
+            lines = [f"python {FIRST.match(body)[1]}"]
+        for line in lines:
+            done = subprocess.run(
+                line, shell=True, cwd=tmp_path, env=os.environ | {"PATH": path}, check=False,
+                capture_output=True, text=True, timeout=300,
+            )  # fmt: skip
+            assert done.returncode == 0, f"{line}\n{done.stderr}"
+    assert "Understeer gradient" in (tmp_path / "steady.html").read_text()
+
+
+def test_page_names_every_test():
+    said = PAGE.lower().replace("-", " ")
+    other = {"braking_in_turn": "braking in a turn", "crosswind": "side wind"}
+    for test in TESTS:
+        assert other.get(test, test.replace("_", " ").removesuffix(" steer")) in said, test

@@ -1,0 +1,175 @@
+"""Steady cornering and driving tests against closed forms, each other and the linear analyses."""
+
+import numpy as np
+import pytest
+
+import vehicledyn
+from vehicledyn.analyses.handling.circle import constant_radius, constant_speed, constant_steering
+from vehicledyn.analyses.handling.cornering_modes import CorneringModes
+from vehicledyn.analyses.handling.steady_turn import SteadyTurn, Turn, solver_for
+from vehicledyn.analyses.handling.test_run import drive, figures_of
+from vehicledyn.analyses.handling.tested_car import CONTROL, TestedCar
+from vehicledyn.analyses.handling.yaw_moment import yaw_moments
+from vehicledyn.base.errors import InputError, NumericalError
+from vehicledyn.interface.targets import read_target
+from vehicledyn.road.manoeuvres.driving_test import DrivingTest
+from vehicledyn.road.manoeuvres.fishhook import Fishhook
+from vehicledyn.road.manoeuvres.frequency_test import FREQUENCIES
+from vehicledyn.road.manoeuvres.pulse_steer import PulseSteer
+from vehicledyn.road.manoeuvres.step_steer import StepSteer
+from vehicledyn.road.manoeuvres.swept_sine import SweptSine
+from vehicledyn.road.standards.frequency_response import transient_response
+
+pytestmark = pytest.mark.long
+
+SPEED = 25.0
+GRAVITY = 9.81
+LOAD, FRONT, REAR = 2500.0, 30e3, 42e3
+LINEAR = f"""\
+title: A small car on linear tyres
+model: small_car
+tyres:
+  front: {{kind: linear, nominal_load: {LOAD} N, longitudinal_stiffness: 60 kN,
+    cornering_stiffness: {FRONT} N/rad, friction: 1}}
+  rear: {{kind: linear, nominal_load: {LOAD} N, longitudinal_stiffness: 60 kN,
+    cornering_stiffness: {REAR} N/rad, friction: 1}}
+wheel_spin: free
+road: {{kind: flat}}
+speed: {SPEED} m/s
+duration: 1 s
+solver: {{kind: rk4, step: 1 ms}}
+output: {{interval: 10 ms}}
+manoeuvre: {{kind: straight}}
+"""
+
+
+def solver_of(target):
+    test = DrivingTest(speed_control=CONTROL)
+    car = TestedCar(read_target(target), backend="auto", progress=lambda *_: None, test=test)
+    return solver_for(car)
+
+
+@pytest.fixture(scope="module")
+def small_car() -> SteadyTurn:
+    return solver_of("small_car")
+
+
+@pytest.fixture(scope="module")
+def linear_car(tmp_path_factory) -> SteadyTurn:
+    path = tmp_path_factory.mktemp("linear") / "linear.yaml"
+    path.write_text(LINEAR)
+    return solver_of(path)
+
+
+def test_understeer_of_linear_tyres_is_that_of_the_single_track_model(linear_car):
+    """K = F_0/g (1/C_front - 1/C_rear), as stiffness is proportional to load."""
+    by_hand = LOAD / GRAVITY * (1.0 / FRONT - 1.0 / REAR)
+    points = [
+        linear_car.find(Turn(SPEED, "lateral_acceleration", lateral), linear_car.straight(SPEED))
+        for lateral in (0.05, 0.1)
+    ]
+    angles = [linear_car.car.outputs(p)["steering_angle.understeer_angle"] for p in points]
+    assert angles[1] / 0.1 == pytest.approx(by_hand, rel=0.01)
+    assert (angles[1] - angles[0]) / 0.05 == pytest.approx(by_hand, rel=0.01)
+
+
+def test_the_three_methods_of_the_circle_agree_on_the_gradient(small_car):
+    curves = [
+        constant_speed(small_car, SPEED, last=1.0),
+        constant_radius(small_car, 100.0, last=1.0),
+        constant_steering(small_car, 0.006, last=1.0),
+    ]
+    found = [curve.gradient("understeer_angle", 1.0) for curve in curves]
+    assert max(found) / min(found) < 1.02
+
+
+def test_a_steady_turn_is_where_a_simulated_step_ends(small_car):
+    turn = Turn(SPEED, "lateral_acceleration", 3.0)
+    point = small_car.find(turn, small_car.straight(SPEED))
+    wanted = small_car.car.outputs(point)
+    test = StepSteer(
+        speed_control=small_car.car.control, angle=wanted["steering_angle.angle"], begin=0.0
+    )
+    run = drive(small_car.car, test, small_car.straight(SPEED), 12.0)
+    for name in (
+        "body.yaw_rate",
+        "body.sideslip_angle",
+        "chassis.roll",
+        "front_left.tyre.normal_force",
+    ):
+        assert run.recording.channels[name][-1] == pytest.approx(wanted[name], rel=1e-3), name
+
+
+def test_swept_sine_pulse_and_linear_response_agree(small_car):
+    straight = small_car.straight(SPEED)
+    linear = CorneringModes(small_car).about(straight, held_speed=True)
+    exact = linear.response("body.yaw_rate", FREQUENCIES)
+    control = small_car.car.control
+    tests = (
+        (SweptSine(speed_control=control, amplitude=0.0015, sweep_time=20.0), 24.0),
+        (PulseSteer(speed_control=control, amplitude=0.003), 5.0),
+    )
+    for test, duration in tests:
+        signals = drive(small_car.car, test, straight, duration).signals
+        found = transient_response(
+            signals.time, signals.steering, signals.yaw_rate, frequencies=FREQUENCIES
+        )
+        assert np.abs(found.response / exact - 1.0).max() < 0.03
+
+
+def test_the_linear_response_is_that_of_the_general_analysis(small_car):
+    """One reduces exact derivatives in axes along the heading, the other keeps the world's."""
+    at = [0.3, 1.0, 2.0]
+    general = vehicledyn.response(
+        "small_car", "road_wheel_angle", "body.yaw_rate", speed=SPEED, first=0.3, last=2.0, at=at,
+        points=5, spacing="linear",
+    )  # fmt: skip
+    frequencies = np.asarray(general["response"].coords["frequency"].values)
+    expected = np.asarray(general["response"].values).reshape(len(frequencies), -1)[:, 0]
+    linear = CorneringModes(small_car).about(small_car.straight(SPEED))
+    found = linear.response("body.yaw_rate", frequencies)
+    assert np.abs(found / expected - 1.0).max() < 0.01
+
+
+def test_the_yaw_moment_vanishes_in_a_steady_turn(small_car):
+    point = small_car.find(Turn(SPEED, "lateral_acceleration", 4.0), small_car.straight(SPEED))
+    outputs = small_car.car.outputs(point)
+    found = yaw_moments(
+        small_car,
+        SPEED,
+        sideslip=np.array([outputs["body.sideslip_angle"]]),
+        steering=np.array([outputs["steering_angle.angle"]]),
+    )
+    assert abs(found.yaw_acceleration[0, 0]) < 1e-4
+    assert found.lateral_acceleration[0, 0] == pytest.approx(4.0, rel=1e-3)
+
+
+def test_a_turn_beyond_the_grip_is_refused_with_what_was_asked(small_car):
+    with pytest.raises(NumericalError, match="lateral acceleration 15 at 25 m/s"):
+        small_car.find(Turn(SPEED, "lateral_acceleration", 15.0), small_car.straight(SPEED))
+
+
+def test_a_fishhook_reports_when_its_first_roll_ends(small_car):
+    test = Fishhook(speed_control=small_car.car.control, angle=0.12, hold=2.0)
+    run = drive(small_car.car, test, small_car.straight(SPEED), 3.0)
+    figures = {figure.name: figure.value for figure in figures_of(small_car.car, "fishhook", run)}
+    rates = np.abs(run.signals.roll_rate)
+    at = test.turned_at + figures["first_roll_settled"]
+    assert np.interp(at, run.signals.time, rates) < np.radians(1.5)
+    before = (run.signals.time >= test.turned_at) & (run.signals.time < at - 1e-9)
+    assert (rates[before] >= np.radians(1.5)).all()
+
+
+def test_what_is_no_road_vehicle_is_refused():
+    with pytest.raises(InputError, match="no road vehicle"):
+        vehicledyn.steady("four_bar")
+
+
+def test_the_report_holds_curves_and_figures(tmp_path):
+    data = vehicledyn.steady("small_car", limits=False, save_to=tmp_path / "steady.h5")
+    assert data.kind == "handling"
+    assert data["constant_speed.steering_angle"].unit == "rad"
+    report = data.report
+    assert report.table.figure("constant_speed.limit") == pytest.approx(7.86, abs=0.05)
+    assert "Understeer gradient" in report.as_text()
+    assert report.as_dict()["cars"][0]["model"] == "small_car"

@@ -1,0 +1,54 @@
+"""The whole set of handling tests on one car: steady cornering, open-loop tests, lane changes."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from vehicledyn.analyses.handling.lane_changes import run_lane_changes
+from vehicledyn.analyses.handling.standard_tests import StandardTests
+from vehicledyn.analyses.handling.steady import SteadyWish, steady_sheets
+from vehicledyn.analyses.handling.steady_turn import solver_for
+from vehicledyn.analyses.handling.tested_car import CONTROL, TestedCar
+from vehicledyn.analyses.preparation.prepared import Progress
+from vehicledyn.files.scenario.target import Target
+from vehicledyn.kernel.kernel import Backend
+from vehicledyn.results.tables.handling_table import HandlingTable
+from vehicledyn.road.manoeuvres.driving_test import DrivingTest
+
+
+def handling_table(target: Target, *, backend: Backend, progress: Progress) -> HandlingTable:
+    """Return the key figures and curves of all handling tests of a car.
+
+    Parameters
+    ----------
+    target
+        A scenario or model of a road vehicle; its own manoeuvre is left out.
+    backend, progress
+        As for a run.
+
+    Raises
+    ------
+    InputError
+        If the model is no road vehicle on free wheels.
+    NumericalError
+        If the car does not run straight.
+    """
+    test = DrivingTest(speed_control=CONTROL)
+    car = TestedCar(target, backend=backend, progress=progress, test=test)
+    progress("finding straight running", None)
+    solver = solver_for(car)
+    steady = steady_sheets(solver, SteadyWish(limits=False), progress)
+    tests = StandardTests(solver, progress)
+    tests.run_all()
+    understeer = steady.figure("constant_speed.understeer_gradient")
+    run_lane_changes(tests, max(understeer, 0.0), backend=backend)
+    notes = list(tests.notes)
+    if car.steering_ratio == 1.0:
+        notes.append("steering angles are those of the front wheels: it has no steering_ratio")
+    return replace(
+        steady,
+        title="Handling tests",
+        sheets={**steady.sheets, **tests.sheets},
+        figures=[*steady.figures, *tests.figures],
+        notes=tuple(notes),
+    )

@@ -1,0 +1,279 @@
+"""The open-loop tests of the standards on one car, each scaled by its steady cornering."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from vehicledyn.analyses.handling.cornering_modes import CorneringModes
+from vehicledyn.analyses.handling.steady_turn import SteadyTurn, Turn
+from vehicledyn.analyses.handling.test_run import DrivenTest, drive, figures_of, sheet_of
+from vehicledyn.analyses.handling.tested_car import CarPoint
+from vehicledyn.base.errors import InputError, NumericalError
+from vehicledyn.results.tables.handling_table import TRUTH, KeyFigure, Sheet
+from vehicledyn.road.manoeuvres.braking_in_turn import BrakingInTurn
+from vehicledyn.road.manoeuvres.crosswind import Crosswind
+from vehicledyn.road.manoeuvres.driving_test import DrivingTest
+from vehicledyn.road.manoeuvres.fishhook import Fishhook
+from vehicledyn.road.manoeuvres.frequency_test import FREQUENCIES
+from vehicledyn.road.manoeuvres.j_turn import JTurn
+from vehicledyn.road.manoeuvres.pulse_steer import PulseSteer
+from vehicledyn.road.manoeuvres.sine_dwell_test import SineDwellTest
+from vehicledyn.road.manoeuvres.single_sine import SingleSine
+from vehicledyn.road.manoeuvres.slowly_increasing_steer import SlowlyIncreasingSteer
+from vehicledyn.road.manoeuvres.speed_control import SpeedControl
+from vehicledyn.road.manoeuvres.step_steer import StepSteer
+from vehicledyn.road.manoeuvres.straight_braking import StraightBraking
+from vehicledyn.road.manoeuvres.swept_sine import SweptSine
+from vehicledyn.road.manoeuvres.weave import Weave
+from vehicledyn.road.standards.frequency_response import transient_response
+from vehicledyn.road.standards.steering_shares import angle_at_third_g
+
+_TOWN, _MOTORWAY = 80.0 / 3.6, 100.0 / 3.6
+_MILE = 0.44704
+ROLLOVER_SPEEDS = tuple(speed * _MILE for speed in (35.0, 40.0, 45.0, 47.5, 50.0))
+"""Entry speeds of the rollover tests, 35 to 50 mile/h [m/s]."""
+
+_LARGEST_ANGLE = math.radians(270.0)
+_CAP = math.radians(300.0)
+
+
+@dataclass
+class StandardTests:
+    """Runs the tests and collects their key figures, sheets and notes."""
+
+    solver: SteadyTurn
+    progress: Callable[[str, float | None], None]
+    figures: list[KeyFigure] = field(default_factory=list)
+    sheets: dict[str, Sheet] = field(default_factory=dict)
+    notes: list[str] = field(default_factory=list)
+    _straight: dict[float, CarPoint] = field(default_factory=dict)
+
+    def run_all(self) -> None:
+        """Run all open-loop tests."""
+        third_g = self.slowly_increasing_steer()
+        self.transients()
+        self.frequency_responses()
+        self.weave()
+        if third_g is not None:
+            self.sine_with_dwell(third_g)
+            self.fishhook(third_g)
+            self.j_turn(third_g)
+        self.braking()
+        self.crosswind()
+
+    def slowly_increasing_steer(self) -> float | None:
+        """Run the slowly increasing steer; return the steering angle at 0.3 g [rad]."""
+        last = self._angle(_TOWN, 4.8)
+        rate = math.radians(13.5) if self._has_wheel else last / 15.0
+        test = SlowlyIncreasingSteer(speed_control=self._control, angle=1.05 * last, rate=rate)
+        run = self._run("slowly_increasing_steer", test, _TOWN, 0.5 + 1.05 * last / rate + 0.5)
+        try:
+            return angle_at_third_g(run.signals)
+        except InputError as error:
+            self.notes.append(f"slowly increasing steer: {error}; tests scaled by it are left out")
+            return None
+
+    def transients(self) -> None:
+        """Run ISO 7401's step and single sine at 4 m/s²."""
+        angle = self._angle(_TOWN, 4.0)
+        self._run("step_steer", StepSteer(speed_control=self._control, angle=angle), _TOWN, 4.5)
+        sine = SingleSine(speed_control=self._control, amplitude=angle)
+        self._run("single_sine", sine, _TOWN, 4.5)
+
+    def frequency_responses(self) -> None:
+        """Run swept sine and pulse with small angles, beside the linearised response."""
+        small = self._angle(_TOWN, 0.4)
+        control = self._control
+        tests = {
+            "swept_sine": (
+                SweptSine(speed_control=control, amplitude=small, sweep_time=30.0),
+                34.0,
+            ),
+            "pulse_steer": (PulseSteer(speed_control=control, amplitude=2.0 * small), 6.0),
+        }
+        point = self.straight_at(_TOWN)
+        linear = CorneringModes(self.solver).about(point, held_speed=True)
+        exact = linear.response("body.yaw_rate", FREQUENCIES)
+        unit, text = "1", "Largest deviation of the yaw response from the linearised one"
+        for name, (test, duration) in tests.items():
+            signals = self._run(name, test, _TOWN, duration).signals
+            offset = signals.yaw_rate[0]
+            found = transient_response(
+                signals.time, signals.steering, signals.yaw_rate - offset, frequencies=FREQUENCIES
+            )
+            worst = float(np.abs(found.response / exact - 1.0).max())
+            self.figures.append(KeyFigure(name, "from_linear", worst, unit, text))
+
+    def weave(self) -> None:
+        """Run ISO 13674's weave at 100 km/h and 2 m/s²."""
+        angle = self._angle(_MOTORWAY, 2.0)
+        test = Weave(speed_control=self._control, amplitude=angle, periods=2)
+        self._run("weave", test, _MOTORWAY, 11.0)
+
+    def sine_with_dwell(self, third_g: float) -> None:
+        """Run the sine with dwell from 1.5 A in steps of 0.5 A, up to 6.5 A or 270 deg."""
+        largest = 6.5 * third_g
+        if self._has_wheel:
+            largest = min(max(largest, _LARGEST_ANGLE), _CAP)
+        amplitudes = np.append(np.arange(1.5, largest / third_g - 1e-9, 0.5), largest / third_g)
+        passed, count = True, 0
+        worst = [0.0, 0.0, math.inf]
+        for part in amplitudes:
+            test = SineDwellTest(speed_control=self._control, amplitude=float(part) * third_g)
+            run = self._drive(f"sine with dwell, {part:.3g} A", test, _TOWN, 5.0)
+            verdict = test.verdict(run.signals)
+            count += 1
+            worst = [
+                max(worst[0], verdict.first_ratio),
+                max(worst[1], verdict.second_ratio),
+                min(worst[2], verdict.displacement) if part >= 5.0 else worst[2],
+            ]
+            if not (verdict.is_stable and (part < 5.0 or verdict.is_responsive)) or run.ended_by:
+                passed = False
+                break
+        name = "sine_with_dwell"
+        self.sheets[name] = sheet_of(run)
+        add = self.figures.append
+        add(KeyFigure(name, "passed", passed, TRUTH, "Whether all amplitudes pass"))
+        words = "Largest amplitude that was driven, over that at 0.3 g"
+        add(KeyFigure(name, "last_amplitude", float(part), "1", words))
+        add(KeyFigure(name, "runs", count, "1", "Number of runs to one side"))
+        for key, value, words in (
+            ("first_yaw_rate_ratio", worst[0], "Largest yaw rate 1 s after the end over its peak"),
+            ("second_yaw_rate_ratio", worst[1], "Largest one 1.75 s after the end over its peak"),
+        ):
+            add(KeyFigure(name, key, value, "1", words))
+        if math.isfinite(worst[2]):
+            words = "Least lateral displacement 1.07 s after the begin, from 5 A on"
+            add(KeyFigure(name, "lateral_displacement", worst[2], "m", words))
+
+    def fishhook(self, third_g: float) -> None:
+        """Run the fishhook with roll-rate feedback at growing speeds until the car tips up."""
+
+        def test_at(speed: float) -> DrivingTest:
+            test = Fishhook(speed_control=self._control, angle=6.5 * third_g, hold=2.0)
+            first = self._drive("fishhook, first turn", test, speed, 3.0)
+            settled = test.roll_settled(first.signals)
+            hold = max(settled, 0.01) if math.isfinite(settled) else 2.0
+            return Fishhook(speed_control=self._control, angle=6.5 * third_g, hold=hold)
+
+        self._tip_up("fishhook", test_at, 5.0)
+
+    def j_turn(self, third_g: float) -> None:
+        """Run the J-turn at growing speeds until the car tips up."""
+
+        def test_at(_: float) -> DrivingTest:
+            return JTurn(speed_control=self._control, angle=8.0 * third_g)
+
+        self._tip_up("j_turn", test_at, 3.5)
+
+    def braking(self) -> None:
+        """Brake in a turn of 100 m at 5 m/s², and on the straight from 100 km/h."""
+        speed = math.sqrt(5.0 * 100.0)
+        try:
+            turn = Turn(speed, "curvature", 0.01)
+            start = self._near(speed, turn)
+            torque = self._brake_torque(speed, 4.0)
+        except NumericalError as error:
+            self.notes.append(f"braking: {error}")
+            return
+        angle = float(start.parameters[self.solver.car.table_places("test.steering.angle")[0]])
+        test = BrakingInTurn(
+            speed_control=self._control, angle=angle, brake_at=0.5, torque=torque, build_up=0.2
+        )
+        held = {f"test.steering.angle.value_{k}": angle for k in range(8)}
+        self._run("braking_in_turn", test, speed, 2.5, (start, held))
+        torque = self._brake_torque(_MOTORWAY, 6.0)
+        straight = StraightBraking(speed_control=self._control, torque=torque)
+        self._run("straight_braking", straight, _MOTORWAY, 7.0)
+
+    def crosswind(self) -> None:
+        """Let a gust of 1 kN, 0.5 m ahead of the origin, act at 100 km/h."""
+        test = Crosswind(speed_control=self._control, force=1000.0, ahead=0.5)
+        self._run("crosswind", test, _MOTORWAY, 4.0)
+
+    def _tip_up(self, name: str, test_at: Callable[[float], DrivingTest], duration: float) -> None:
+        tipped = math.nan
+        for speed in ROLLOVER_SPEEDS:
+            test = test_at(speed)
+            run = self._drive(f"{name.replace('_', ' ')}, {speed / _MILE:g} mile/h", test, speed,
+                              duration)  # fmt: skip
+            figures = {f.name: f for f in figures_of(self.solver.car, name, run)}
+            if figures["two_wheel_lift"].value or run.ended_by == "body.overturned":
+                tipped = speed
+                break
+        self.sheets[name] = sheet_of(run)
+        self.figures += figures.values()
+        words = "Whether the car tips up at or below 50 mile/h"
+        self.figures.append(KeyFigure(name, "tips_up", not math.isnan(tipped), TRUTH, words))
+        if not math.isnan(tipped):
+            words = "Entry speed at which it does"
+            self.figures.append(KeyFigure(name, "tip_up_speed", tipped, "m/s", words))
+
+    def _run(
+        self,
+        name: str,
+        test: DrivingTest,
+        speed: float,
+        duration: float,
+        start: tuple[CarPoint, dict[str, float]] | None = None,
+    ) -> DrivenTest:
+        run = self._drive(name.replace("_", " "), test, speed, duration, start)
+        self.figures += figures_of(self.solver.car, name, run)
+        self.sheets[name] = sheet_of(run)
+        return run
+
+    def _drive(
+        self,
+        words: str,
+        test: DrivingTest,
+        speed: float,
+        duration: float,
+        start: tuple[CarPoint, dict[str, float]] | None = None,
+    ) -> DrivenTest:
+        self.progress(words, None)
+        point, changes = start or (self.straight_at(speed), {})
+        run = drive(self.solver.car, test, point, duration, changes)
+        if run.ended_by:
+            self.notes.append(f"{words}: {run.note()}; recorded until then")
+        return run
+
+    def straight_at(self, speed: float) -> CarPoint:
+        """Return straight running at a speed [m/s], found once."""
+        if speed not in self._straight:
+            self._straight[speed] = self.solver.straight(speed)
+        return self._straight[speed]
+
+    def _near(self, speed: float, turn: Turn) -> CarPoint:
+        """Return a turn, reached from straight running in steps."""
+        point = self.straight_at(speed)
+        for part in np.linspace(0.2, 1.0, 5):
+            step = Turn(turn.speed, turn.demand, float(part) * turn.value, turn.acceleration)
+            point = self.solver.find(step, point)
+        return point
+
+    def _angle(self, speed: float, lateral: float) -> float:
+        """Return the steering-wheel angle of a steady turn beyond that of straight running."""
+        point = self._near(speed, Turn(speed, "lateral_acceleration", lateral))
+        ratio = self.solver.car.table_places("test.steering.angle")[0]
+        return float(point.parameters[ratio])
+
+    def _brake_torque(self, speed: float, deceleration: float) -> float:
+        point = self.straight_at(speed)
+        for part in (0.0, 0.34, 0.67, 1.0):
+            turn = Turn(speed, "steering", 0.0, -part * deceleration if part else 0.0)
+            point = self.solver.find(turn, point)
+        return float(point.parameters[self.solver.car.table_places("test.brake_torque")[0]])
+
+    @property
+    def _control(self) -> SpeedControl:
+        return self.solver.car.control
+
+    @property
+    def _has_wheel(self) -> bool:
+        """Whether steering angles are those of a steering wheel."""
+        return self.solver.car.steering_ratio > 1.5

@@ -1,0 +1,166 @@
+"""Steady cornering of a car as a whole: circles, modes, yaw moments and limits."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from vehicledyn.analyses.handling.acceleration_limits import acceleration_limits
+from vehicledyn.analyses.handling.circle import (
+    QUANTITIES,
+    SteadyCurve,
+    constant_radius,
+    constant_speed,
+    constant_steering,
+)
+from vehicledyn.analyses.handling.cornering_modes import CorneringModes
+from vehicledyn.analyses.handling.steady_turn import SteadyTurn, solver_for
+from vehicledyn.analyses.handling.tested_car import CONTROL, TestedCar
+from vehicledyn.analyses.handling.yaw_moment import yaw_moments
+from vehicledyn.analyses.preparation.prepared import Progress
+from vehicledyn.files.scenario.target import Target
+from vehicledyn.kernel.kernel import Backend
+from vehicledyn.results.tables.handling_table import Column, HandlingTable, KeyFigure, Sheet
+from vehicledyn.road.manoeuvres.driving_test import DrivingTest
+
+GRADIENT_UP_TO = 4.0
+"""Lateral acceleration up to which gradients are taken [m/s²]."""
+
+_SIDESLIPS = np.radians(np.linspace(-8.0, 8.0, 9))
+_GRADIENTS = (
+    ("understeer_angle", "understeer_gradient", "Understeer gradient at the front wheels"),
+    ("sideslip_angle", "sideslip_gradient", "Side-slip gradient"),
+    ("roll_angle", "roll_gradient", "Roll gradient"),
+)
+
+
+@dataclass(frozen=True)
+class SteadyWish:
+    """What of steady cornering is wanted: speed [m/s], radius [m], and which analyses."""
+
+    speed: float = 100.0 / 3.6
+    radius: float = 100.0
+    moments: bool = True
+    limits: bool = True
+
+
+def steady_table(
+    target: Target, wish: SteadyWish, *, backend: Backend, progress: Progress
+) -> HandlingTable:
+    """Return curves and key figures of a car in steady cornering.
+
+    Raises
+    ------
+    InputError
+        If the model is no road vehicle on free wheels.
+    NumericalError
+        If the car does not run straight.
+    """
+    test = DrivingTest(speed_control=CONTROL)
+    car = TestedCar(target, backend=backend, progress=progress, test=test)
+    progress("finding straight running", None)
+    return steady_sheets(solver_for(car), wish, progress)
+
+
+def steady_sheets(solver: SteadyTurn, wish: SteadyWish, progress: Progress) -> HandlingTable:
+    """Return the curves and key figures that are wanted of a car, see :func:`steady_table`."""
+    sheets: dict[str, Sheet] = {}
+    progress("cornering at constant speed", None)
+    speed = constant_speed(solver, wish.speed)
+    progress("cornering at constant radius", None)
+    radius = constant_radius(solver, wish.radius)
+    lateral, angles = speed.values["lateral_acceleration"], speed.values["steering_angle"]
+    angle = float(np.interp(GRADIENT_UP_TO, lateral, angles))
+    progress("cornering at constant steering-wheel angle", None)
+    steering = constant_steering(solver, angle)
+    curves = {
+        "constant_speed": speed,
+        "constant_radius": radius,
+        "constant_steering": steering,
+    }
+    sheets |= {name: _sheet(curve) for name, curve in curves.items() if curve.points}
+    figures = [f for name, c in curves.items() for f in _circle_figures(name, c)]
+    progress("finding modes along lateral acceleration", None)
+    sheets["modes"], found = _modes(solver, speed)
+    figures += found
+    if wish.moments:
+        progress("finding yaw moments", None)
+        sheets["yaw_moments"] = _moments(solver, wish.speed, 2.0 * abs(angle))
+    if wish.limits:
+        progress("finding limits of acceleration", None)
+        limits = acceleration_limits(solver, wish.speed)
+        along, across = "Acceleration along the path", "Largest lateral acceleration"
+        sheets["limits"] = {
+            "longitudinal": Column("m/s^2", along, limits.longitudinal),
+            "lateral": Column("m/s^2", across, limits.lateral),
+        }
+        figures.append(_limit_figure("braking", -float(limits.longitudinal.min())))
+        figures.append(_limit_figure("driving", float(limits.longitudinal.max())))
+    title = f"Steady cornering at {wish.speed * 3.6:.4g} km/h and {wish.radius:.4g} m"
+    return HandlingTable(title, solver.car.title, sheets, figures)
+
+
+def _limit_figure(name: str, value: float) -> KeyFigure:
+    words = f"Largest acceleration along the path, {name}, in steps of 1 m/s^2"
+    return KeyFigure("limits", name, value, "m/s^2", words)
+
+
+def _sheet(curve: SteadyCurve) -> Sheet:
+    return {name: Column(*QUANTITIES[name], values) for name, values in curve.values.items()}
+
+
+def _circle_figures(test: str, curve: SteadyCurve) -> Iterator[KeyFigure]:
+    """Yield gradients up to 4 m/s² and the limit of a circle."""
+    lateral = curve.values["lateral_acceleration"]
+    for name, title, text in _GRADIENTS:
+        if (lateral <= GRADIENT_UP_TO + 1e-6).sum() >= 2:
+            slope = curve.gradient(name, GRADIENT_UP_TO)
+            words = f"{text}, of a line up to {GRADIENT_UP_TO:g} m/s^2"
+            yield KeyFigure(test, title, slope, "rad*s^2/m", words)
+    if np.isfinite(curve.limit):
+        words = "Largest lateral acceleration of a steady turn"
+        yield KeyFigure(test, "limit", curve.limit, "m/s^2", words)
+
+
+def _modes(solver: SteadyTurn, curve: SteadyCurve) -> tuple[Sheet, list[KeyFigure]]:
+    """Return eigenvalues along a curve, and where the car loses stability."""
+    modes = CorneringModes(solver)
+    rows: list[tuple[float, float, float]] = []
+    growth: list[tuple[float, float]] = []
+    lateral = curve.values["lateral_acceleration"]
+    for at, point in list(zip(lateral, curve.points, strict=True))[::2]:
+        found = modes.about(point, held_speed=True).eigenvalues
+        rows += [(float(at), float(v.real), float(v.imag)) for v in found]
+        growth.append((float(at), float(found.real.max())))
+    across, real, imaginary = np.array(rows).T
+    unstable = [at for at, value in growth if value > _UNSTABLE]
+    words = "Lateral acceleration from which on steady cornering is unstable"
+    figures = [KeyFigure("modes", "unstable_from", unstable[0], "m/s^2", words)] if unstable else []
+    sheet = {
+        "lateral_acceleration": Column(*QUANTITIES["lateral_acceleration"], across),
+        "real": Column("1/s", "Real part of an eigenvalue", real),
+        "imaginary": Column("1/s", "Imaginary part of an eigenvalue", imaginary),
+    }
+    return sheet, figures
+
+
+_UNSTABLE = 1e-3
+"""Growth rate that counts as unstable; slow states of the drive have smaller ones [1/s]."""
+
+
+def _moments(solver: SteadyTurn, speed: float, largest: float) -> Sheet:
+    steering = np.linspace(-largest, largest, 9)
+    found = yaw_moments(solver, speed, sideslip=_SIDESLIPS, steering=steering)
+    slips, angles = np.meshgrid(found.sideslip, found.steering, indexing="ij")
+    return {
+        "sideslip_angle": Column("rad", "Side-slip angle that is held", slips.ravel()),
+        "steering_angle": Column("rad", "Steering-wheel angle", angles.ravel()),
+        "lateral_acceleration": Column(
+            "m/s^2", "Lateral acceleration", found.lateral_acceleration.ravel()
+        ),
+        "yaw_acceleration": Column(
+            "rad/s^2", "Yaw acceleration if it were let go", found.yaw_acceleration.ravel()
+        ),
+    }

@@ -1,0 +1,1 @@
+"""Figures of handling: steady cornering, yaw moments, limits, and the standards' tests."""

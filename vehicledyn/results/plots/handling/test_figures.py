@@ -1,0 +1,83 @@
+"""Figures of the standards' open-loop tests and lane changes, one car or two over each other."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from typing import TYPE_CHECKING
+
+from vehicledyn.results.plots.handling.steady_figures import new_figure, steady_figures
+from vehicledyn.results.plots.plot_style import LINE_STYLES, PALETTE, axis_label
+from vehicledyn.results.tables.handling_table import HandlingTable
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+_DEGREES = 180.0 / math.pi
+TESTS = {
+    "slowly_increasing_steer": "Slowly increasing steer",
+    "step_steer": "Step steer (ISO 7401)",
+    "single_sine": "Single sine (ISO 7401)",
+    "swept_sine": "Swept sine (ISO 7401)",
+    "pulse_steer": "Pulse (ISO 7401)",
+    "weave": "Weave (ISO 13674-1)",
+    "sine_with_dwell": "Sine with dwell (FMVSS 126, UN R140), last amplitude",
+    "fishhook": "Fishhook, last speed",
+    "j_turn": "J-turn, last speed",
+    "braking_in_turn": "Braking in a turn (ISO 7975)",
+    "straight_braking": "Straight braking (ISO 21994)",
+    "crosswind": "Side wind (ISO 12021), 1 kN",
+    "double_lane_change": "Double lane change (ISO 3888-1)",
+    "obstacle_avoidance": "Obstacle avoidance (ISO 3888-2), last speed passed",
+}
+"""Titles of the tests whose signals are drawn."""
+
+_PANELS = (
+    ("steering", "Steering wheel", "deg", _DEGREES),
+    ("yaw_rate", "Yaw rate", "deg/s", _DEGREES),
+    ("lateral_acceleration", "Lateral acceleration", "m/s^2", 1.0),
+    ("sideslip", "Side-slip angle", "deg", _DEGREES),
+)
+_BRAKED = ("forward_speed", "Speed", "m/s", 1.0)
+
+
+def handling_figures(tables: Sequence[HandlingTable]) -> Iterator[tuple[str, Figure]]:
+    """Give all figures of one car or two with their names, drawn on demand."""
+    yield from steady_figures(tables)
+    for name, title in TESTS.items():
+        if any(name in table.sheets for table in tables):
+            yield name, _test(tables, name, title)
+    if any("weave" in table.sheets for table in tables):
+        yield "weave_loops", _loops(tables)
+
+
+def _test(tables: Sequence[HandlingTable], name: str, title: str) -> Figure:
+    figure = new_figure(tables, title, 0.62)
+    panels = list(_PANELS)
+    if "braking" in name:
+        panels[0] = _BRAKED
+    for axes, (signal, label, unit, scale) in zip(
+        figure.subplots(2, 2, sharex=True).flat, panels, strict=True
+    ):
+        for table, style, colour in zip(tables, LINE_STYLES, PALETTE, strict=False):
+            if name in table.sheets:
+                sheet = table.sheets[name]
+                axes.plot(sheet["time"].values, sheet[signal].values * scale, style, color=colour)
+        axes.set_ylabel(axis_label(label, unit))
+    for axes in figure.axes[2:]:
+        axes.set_xlabel(axis_label("Time", "s"))
+    return figure
+
+
+def _loops(tables: Sequence[HandlingTable]) -> Figure:
+    figure = new_figure(tables, "Weave: answers over the steering-wheel angle", 0.5)
+    for axes, (signal, label, unit, scale) in zip(figure.subplots(1, 2), _PANELS[1:3], strict=True):
+        for table, style, colour in zip(tables, LINE_STYLES, PALETTE, strict=False):
+            if "weave" in table.sheets:
+                sheet = table.sheets["weave"]
+                later = sheet["time"].values > 0.5 * sheet["time"].values[-1]
+                across = sheet["steering"].values[later] * _DEGREES
+                axes.plot(across, sheet[signal].values[later] * scale, style, color=colour)
+        axes.set_xlabel(axis_label("Steering-wheel angle", "deg"))
+        axes.set_ylabel(axis_label(label, unit))
+    return figure
