@@ -12,9 +12,9 @@ from vehicledyn.analyses.handling.tested_car import CONTROL, TestedCar
 from vehicledyn.analyses.handling.yaw_moment import yaw_moments
 from vehicledyn.base.errors import InputError, NumericalError
 from vehicledyn.interface.targets import read_target
+from vehicledyn.road.manoeuvres import frequency_test
 from vehicledyn.road.manoeuvres.driving_test import DrivingTest
 from vehicledyn.road.manoeuvres.fishhook import Fishhook
-from vehicledyn.road.manoeuvres.frequency_test import FREQUENCIES
 from vehicledyn.road.manoeuvres.pulse_steer import PulseSteer
 from vehicledyn.road.manoeuvres.step_steer import StepSteer
 from vehicledyn.road.manoeuvres.swept_sine import SweptSine
@@ -23,6 +23,7 @@ from vehicledyn.road.standards.frequency_response import transient_response
 pytestmark = pytest.mark.long
 
 SPEED = 25.0
+FREQUENCIES = np.array(frequency_test.FREQUENCIES)
 GRAVITY = 9.81
 LOAD, FRONT, REAR = 2500.0, 30e3, 42e3
 LINEAR = f"""\

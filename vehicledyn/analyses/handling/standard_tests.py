@@ -95,15 +95,15 @@ class StandardTests:
             ),
             "pulse_steer": (PulseSteer(speed_control=control, amplitude=2.0 * small), 6.0),
         }
-        point = self.straight_at(_TOWN)
+        frequencies, point = np.array(FREQUENCIES), self.straight_at(_TOWN)
         linear = CorneringModes(self.solver).about(point, held_speed=True)
-        exact = linear.response("body.yaw_rate", FREQUENCIES)
+        exact = linear.response("body.yaw_rate", frequencies)
         unit, text = "1", "Largest deviation of the yaw response from the linearised one"
         for name, (test, duration) in tests.items():
             signals = self._run(name, test, _TOWN, duration).signals
             offset = signals.yaw_rate[0]
             found = transient_response(
-                signals.time, signals.steering, signals.yaw_rate - offset, frequencies=FREQUENCIES
+                signals.time, signals.steering, signals.yaw_rate - offset, frequencies=frequencies
             )
             worst = float(np.abs(found.response / exact - 1.0).max())
             self.figures.append(KeyFigure(name, "from_linear", worst, unit, text))

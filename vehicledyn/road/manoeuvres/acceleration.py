@@ -12,11 +12,10 @@ from vehicledyn.road.manoeuvres.channel_recorder import Recording
 from vehicledyn.road.manoeuvres.driving_test import DrivingTest
 from vehicledyn.road.manoeuvres.time_table import TimeTable
 from vehicledyn.road.standards.entries import entry
-from vehicledyn.road.standards.signals import Signals
-from vehicledyn.road.standards.step_response import first_crossing
 
 if TYPE_CHECKING:
     from vehicledyn.results.store.layout import SummaryEntry
+    from vehicledyn.road.standards.signals import Signals
     from vehicledyn.road.vehicle import RoadVehicle
 
 
@@ -44,6 +43,8 @@ class Acceleration(DrivingTest):
         self, signals: Signals, recording: Recording, vehicle: RoadVehicle
     ) -> Iterator[SummaryEntry]:
         """Yield times and ways to some speeds."""
+        from vehicledyn.road.standards.step_response import first_crossing
+
         driven = signals.between(self.begin, float(signals.time[-1]))
         if len(driven.time) < 2:
             return

@@ -14,10 +14,10 @@ from vehicledyn.road.manoeuvres.driving_test import DrivingTest
 from vehicledyn.road.manoeuvres.steering_signal import SteeringSignal, ramp_and_hold
 from vehicledyn.road.manoeuvres.time_table import TimeTable
 from vehicledyn.road.standards.entries import entry
-from vehicledyn.road.standards.signals import Signals
 
 if TYPE_CHECKING:
     from vehicledyn.results.store.layout import SummaryEntry
+    from vehicledyn.road.standards.signals import Signals
     from vehicledyn.road.vehicle import RoadVehicle
 
 

@@ -14,10 +14,10 @@ from vehicledyn.road.manoeuvres.channel_recorder import Recording
 from vehicledyn.road.manoeuvres.manoeuvre import RoadManoeuvre
 from vehicledyn.road.manoeuvres.steering_signal import SteeringSignal
 from vehicledyn.road.manoeuvres.time_table import TimeTable
-from vehicledyn.road.standards.signals import Signals, signal_channels
 
 if TYPE_CHECKING:
     from vehicledyn.results.store.layout import SummaryEntry
+    from vehicledyn.road.standards.signals import Signals
     from vehicledyn.road.vehicle import RoadVehicle
 
 PREFIX = "test"
@@ -147,11 +147,15 @@ class DrivingTest(RoadManoeuvre):
 
     def channels(self, vehicle: RoadVehicle) -> list[str]:
         """Return the channels of the test's quantities and of the general key figures."""
+        from vehicledyn.road.standards.signals import signal_channels
+
         own = signal_channels(vehicle.chassis)
         return list(dict.fromkeys([*own, *super().channels(vehicle)]))
 
     def summarise(self, recording: Recording, vehicle: RoadVehicle) -> list[SummaryEntry]:
         """Return the quantities of the test's standard and the general key figures."""
+        from vehicledyn.road.standards.signals import Signals
+
         signals = Signals.of(recording.time[:], recording.channels, vehicle.chassis)
         return [
             *self.quantities(signals, recording, vehicle),

@@ -15,10 +15,10 @@ from vehicledyn.road.manoeuvres.steering_signal import SteeringSignal
 from vehicledyn.road.manoeuvres.time_table import TimeTable
 from vehicledyn.road.manoeuvres.tip_up import lift_channels, tip_up
 from vehicledyn.road.standards.entries import entry
-from vehicledyn.road.standards.signals import Signals
 
 if TYPE_CHECKING:
     from vehicledyn.results.store.layout import SummaryEntry
+    from vehicledyn.road.standards.signals import Signals
     from vehicledyn.road.vehicle import RoadVehicle
 
 

@@ -5,20 +5,18 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
 from vehicledyn.base.errors import InputError
 from vehicledyn.road.manoeuvres import figures
 from vehicledyn.road.manoeuvres.channel_recorder import Recording
 from vehicledyn.road.manoeuvres.driving_test import DrivingTest
 from vehicledyn.road.standards.entries import entry
-from vehicledyn.road.standards.signals import Signals
 
 if TYPE_CHECKING:
     from vehicledyn.results.store.layout import SummaryEntry
+    from vehicledyn.road.standards.signals import Signals
     from vehicledyn.road.vehicle import RoadVehicle
 
-FREQUENCIES = np.linspace(0.2, 2.0, 37)
+FREQUENCIES = tuple(0.2 + 0.05 * k for k in range(37))
 """Frequencies of the response [Hz]."""
 
 _SHOWN = (0.2, 0.5, 1.0, 2.0)
@@ -42,17 +40,20 @@ class FrequencyTest(DrivingTest):
         self, signals: Signals, recording: Recording, vehicle: RoadVehicle
     ) -> Iterator[SummaryEntry]:
         """Yield gains, phases, peak and bandwidth."""
+        import numpy as np
+
         from vehicledyn.road.standards.frequency_response import transient_response
 
+        frequencies = np.array(FREQUENCIES)
         for name, (text, unit) in _ANSWERS.items():
             try:
                 found = transient_response(
-                    signals.time, signals.steering, getattr(signals, name), frequencies=FREQUENCIES
+                    signals.time, signals.steering, getattr(signals, name), frequencies=frequencies
                 )
             except InputError:
                 return
             for frequency in _SHOWN:
-                k = int(np.argmin(np.abs(FREQUENCIES - frequency)))
+                k = int(np.argmin(np.abs(frequencies - frequency)))
                 label = f"{frequency:g}".replace(".", "_")
                 words = f"{text} over steering angle at {frequency:g} Hz"
                 yield from entry(f"{name}_gain_{label}_hz", found.magnitude[k], unit, words)

@@ -6,8 +6,6 @@ from abc import abstractmethod
 from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
 from vehicledyn.base.parameters import part, quantity
 from vehicledyn.road.drivers.driver import Driver
 from vehicledyn.road.manoeuvres import figures
@@ -16,10 +14,10 @@ from vehicledyn.road.manoeuvres.driving_test import PREFIX, DrivingTest
 from vehicledyn.road.manoeuvres.step_path import StepPath
 from vehicledyn.road.standards.entries import entry
 from vehicledyn.road.standards.evasion import Lane, cones, passage
-from vehicledyn.road.standards.signals import Signals
 
 if TYPE_CHECKING:
     from vehicledyn.results.store.layout import SceneItem, SummaryEntry
+    from vehicledyn.road.standards.signals import Signals
     from vehicledyn.road.vehicle import RoadVehicle
 
 _CONE_RADIUS = 0.1
@@ -75,6 +73,8 @@ class LaneChangeTest(DrivingTest):
         self, signals: Signals, recording: Recording, vehicle: RoadVehicle
     ) -> Iterator[SummaryEntry]:
         """Yield pass or fail, clearances of the lanes and speeds at their ends."""
+        import numpy as np
+
         pose = np.array([signals.x, signals.y, signals.yaw])
         lanes = self.lanes(vehicle)
         found = [passage(lane, vehicle.outline, pose) for lane in lanes]

@@ -5,8 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
 from vehicledyn.base.errors import InputError
 from vehicledyn.base.parameters import quantity
 from vehicledyn.base.registry import register
@@ -15,10 +13,10 @@ from vehicledyn.road.manoeuvres.channel_recorder import Recording
 from vehicledyn.road.manoeuvres.driving_test import DrivingTest
 from vehicledyn.road.manoeuvres.steering_signal import SteeringSignal, ramp_and_hold
 from vehicledyn.road.standards.entries import entry
-from vehicledyn.road.standards.signals import Signals
 
 if TYPE_CHECKING:
     from vehicledyn.results.store.layout import SummaryEntry
+    from vehicledyn.road.standards.signals import Signals
     from vehicledyn.road.vehicle import RoadVehicle
 
 _INITIAL = 4.0
@@ -55,6 +53,8 @@ class SlowlyIncreasingSteer(DrivingTest):
         self, signals: Signals, recording: Recording, vehicle: RoadVehicle
     ) -> Iterator[SummaryEntry]:
         """Yield angle at 0.3 g, gradients and the limit."""
+        import numpy as np
+
         from vehicledyn.road.standards.gradients import initial_gradient
         from vehicledyn.road.standards.steering_shares import angle_at_third_g
 

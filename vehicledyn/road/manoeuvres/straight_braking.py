@@ -5,8 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
 from vehicledyn.base.parameters import quantity
 from vehicledyn.base.registry import register
 from vehicledyn.road.manoeuvres import figures
@@ -14,10 +12,10 @@ from vehicledyn.road.manoeuvres.channel_recorder import Recording
 from vehicledyn.road.manoeuvres.driving_test import DrivingTest
 from vehicledyn.road.manoeuvres.time_table import TimeTable
 from vehicledyn.road.standards.entries import entry
-from vehicledyn.road.standards.signals import Signals
 
 if TYPE_CHECKING:
     from vehicledyn.results.store.layout import SummaryEntry
+    from vehicledyn.road.standards.signals import Signals
     from vehicledyn.road.vehicle import RoadVehicle
 
 
@@ -57,6 +55,8 @@ class StraightBraking(DrivingTest):
         self, signals: Signals, recording: Recording, vehicle: RoadVehicle
     ) -> Iterator[SummaryEntry]:
         """Yield distances, deceleration and heading."""
+        import numpy as np
+
         braked = signals.between(self.brake_at, float(signals.time[-1]))
         if len(braked.time) < 2:
             return

@@ -5,8 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
-import numpy as np
-
 from vehicledyn.road.standards.entries import entry
 
 if TYPE_CHECKING:
@@ -25,6 +23,8 @@ def lift_channels(vehicle: RoadVehicle) -> list[str]:
 
 def tip_up(recording: Recording, vehicle: RoadVehicle) -> Iterator[SummaryEntry]:
     """Yield the largest height of both wheels of a side, whether that is lift, and when."""
+    import numpy as np
+
     heights = []
     for is_left in (True, False):
         side = [

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
-import numpy as np
-
-from vehicledyn.road.standards.signals import Floats
+if TYPE_CHECKING:
+    from vehicledyn.road.standards.signals import Floats
 
 
 @dataclass(frozen=True)
@@ -106,6 +106,8 @@ def passage(lane: Lane, outline: tuple[tuple[float, float], ...], pose: Floats) 
     Passed
         ``clearance`` is negative where a corner was outside while inside the section's length.
     """
+    import numpy as np
+
     x, y, yaw = pose
     ahead, aside = (np.array([corner[k] for corner in outline])[:, None] for k in (0, 1))
     corner_x = x + np.cos(yaw) * ahead - np.sin(yaw) * aside
