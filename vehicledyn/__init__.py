@@ -31,6 +31,7 @@ if TYPE_CHECKING:
     from vehicledyn.interface.linear import equilibrium, modes, response
     from vehicledyn.interface.loading import load
     from vehicledyn.interface.mechanism import inverse, kinematics, rig
+    from vehicledyn.interface.optimisation import optimise
     from vehicledyn.interface.plugins import load_plugin
     from vehicledyn.interface.sensitivities import sensitivity
     from vehicledyn.interface.simulation import simulate
@@ -77,6 +78,7 @@ __all__ = [
     "load_plugin",
     "modes",
     "open_result",
+    "optimise",
     "response",
     "rig",
     "sensitivity",
@@ -112,6 +114,7 @@ _HOMES = {
     ),
     "vehicledyn.interface.studies": ("sweep",),
     "vehicledyn.interface.loading": ("load",),
+    "vehicledyn.interface.optimisation": ("optimise",),
     "vehicledyn.interface.plugins": ("load_plugin",),
     "vehicledyn.interface.sensitivities": ("sensitivity",),
     "vehicledyn.interface.simulation": ("simulate",),

@@ -20,6 +20,7 @@ Overwrite = Annotated[
 RUN, STUDY, HUNT = "vehicledyn-result", "vehicledyn-study", "vehicledyn-hunt"
 HANDLING = "vehicledyn-handling"
 MODES, RESPONSE, PROFILES = "vehicledyn-modes", "vehicledyn-response", "vehicledyn-profiles"
+OPTIMUM = "vehicledyn-optimum"
 EQUILIBRIUM, SENSITIVITY = "vehicledyn-equilibrium", "vehicledyn-sensitivity"
 
 _STUDIES = (STUDY, HUNT)

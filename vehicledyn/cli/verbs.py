@@ -75,6 +75,7 @@ HOMES = {
     "sweep": ("sweep",),
     "hunt": ("hunt",),
     "sensitivity": ("sensitivity",),
+    "optimise": ("optimise",),
     "report": ("report",),
     "animate": ("animate",),
     "start": ("init",),

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -11,12 +12,12 @@ from numpy.typing import NDArray
 from vehicledyn.analyse.gradients.adjoint import figure_adjoint
 from vehicledyn.analyse.gradients.key_figures import FigureSlope, figure_slope, sampled_slopes
 from vehicledyn.analyse.gradients.motion import Balance, MotionSlopes, follow, start_slopes
-from vehicledyn.analyses.preparation.prepare import Point, set_speed
+from vehicledyn.analyses.preparation.prepare import Point, set_speed, start_point
 from vehicledyn.analyses.preparation.prepared import Prepared, Progress
 from vehicledyn.analyses.sensitivity.names import Directions, Wanted, directions, wanted
 from vehicledyn.analyses.simulation.prepared_run import prepare_run
 from vehicledyn.analyses.simulation.wanted_outputs import needed_channels
-from vehicledyn.base.errors import InputError
+from vehicledyn.base.errors import InputError, nearest_name
 from vehicledyn.base.units import shown
 from vehicledyn.files.scenario import LoadedScenario
 from vehicledyn.integrate.accuracy.proposed_step import proposed_step
@@ -68,6 +69,35 @@ class MotionStudy:
         progress("deriving and compiling the tangents", None)
         code = TangentCode(prepared.equations, channels, back=back)
         return MotionStudy(loaded, prepared, start, channels, code, grid, n_intervals, notes)
+
+    def moved(self, changes: Mapping[str, float]) -> MotionStudy:
+        """Return the same with other values of parameters, in SI, and the start that follows."""
+        names = [p.name for p in self.prepared.equations.parameters]
+        parameters = self.prepared.kernel.parameters
+        for name, value in changes.items():
+            parameters[names.index(name)] = value
+        kernel = self.prepared.kernel.with_parameters(parameters)
+        prepared = replace(self.prepared, kernel=kernel)
+        scenario = self.loaded.scenario
+        start = start_point(prepared, scenario.speed or 0.0, scenario.start)
+        return replace(self, prepared=prepared, start=start)
+
+    def figures(self, asked: Wanted, motion: MotionSlopes) -> list[tuple[FigureSlope, Quantity]]:
+        """Return the figures asked for, those of the run first."""
+        e = self.prepared.equations
+        places = {e.channels[k].name: place for place, k in enumerate(self.channels)}
+        run = self.run_figures(motion) if asked.others else {}
+        found = [_known(run, name) for name in asked.others]
+        for kind, name in asked.figures:
+            place = places[name]
+            channel = e.channels[self.channels[place]]
+            slope = figure_slope(
+                kind, motion.times, motion.values[:, place], motion.slopes[:, place]
+            )
+            unit = f"{channel.unit}*s" if kind == "integral" else channel.unit
+            words = f"{kind} of {channel.description}"
+            found.append((slope, Quantity(f"{kind}({name})", unit, words)))
+        return found
 
     def followed(self, chosen: Directions, progress: Progress) -> MotionSlopes:
         """Return the motion with its derivatives."""
@@ -168,9 +198,8 @@ def find_motion_sensitivity(
     e, kernel = study.prepared.equations, study.prepared.kernel
     chosen = directions(e, kernel.parameters, study.start.state, to)
     motion = study.followed(chosen, progress)
-    run = study.run_figures(motion) if _needs_run(of, e) else {}
-    asked = wanted(e, of, list(run))
-    return _table(study, chosen, motion, asked, run)
+    known = list(study.run_figures(motion)) if _needs_run(of, e) else []
+    return _table(study, chosen, motion, wanted(e, of, known))
 
 
 _BACK_FROM = 64
@@ -231,6 +260,21 @@ def _figure_back(
     )
 
 
+def _known(run: dict[str, tuple[FigureSlope, Quantity]], name: str) -> tuple[FigureSlope, Quantity]:
+    """Return a figure of the run.
+
+    Raises
+    ------
+    InputError
+        If there is none of this name.
+    """
+    if name not in run:
+        guess = nearest_name(name, run)
+        hint = f"; did you mean '{guess}'?" if guess else ""
+        raise InputError(f"the run has no key figure '{name}'{hint}")
+    return run[name]
+
+
 def _needs_run(of: list[str], equations: Any) -> bool:
     channels = {c.name for c in equations.channels}
     return any(name not in channels and "(" not in name for name in of)
@@ -268,23 +312,12 @@ def _table(
     chosen: Directions,
     motion: MotionSlopes,
     asked: Wanted,
-    run: dict[str, tuple[FigureSlope, Quantity]],
 ) -> SensitivityTable:
     e, notes = study.prepared.equations, list(study.notes)
     places = {e.channels[k].name: place for place, k in enumerate(study.channels)}
     about = {c.name: c for c in e.channels}
-    figures: list[Quantity] = []
-    found: list[FigureSlope] = []
-    for name in asked.others:
-        slope, quantity = run[name]
-        figures.append(quantity)
-        found.append(slope)
-    for kind, name in asked.figures:
-        place, channel = places[name], about[name]
-        samples = motion.values[:, place], motion.slopes[:, place]
-        found.append(figure_slope(kind, motion.times, *samples))
-        unit = f"{channel.unit}*s" if kind == "integral" else channel.unit
-        figures.append(Quantity(f"{kind}({name})", unit, f"{kind} of {channel.description}"))
+    pairs = study.figures(asked, motion)
+    found, figures = [slope for slope, _ in pairs], [quantity for _, quantity in pairs]
     slopes = np.zeros((len(found), len(chosen.values)))
     for row, (item, figure) in enumerate(zip(found, figures, strict=True)):
         slopes[row] = np.nan if item.trouble else item.slope

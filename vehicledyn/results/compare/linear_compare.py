@@ -25,6 +25,7 @@ from vehicledyn.results.tables import (
     equilibrium_table,
     hunt_table,
     mode_table,
+    optimum_table,
     response_table,
     sensitivity_table,
 )
@@ -36,6 +37,7 @@ KINDS = {
     hunt_table.FORMAT: "a hunting study",
     equilibrium_table.FORMAT: "an equilibrium",
     sensitivity_table.FORMAT: "sensitivities",
+    optimum_table.FORMAT: "an optimum",
     "vehicledyn-result": "a run",
     "vehicledyn-study": "a sweep",
 }

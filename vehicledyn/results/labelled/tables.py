@@ -24,6 +24,7 @@ from vehicledyn.results.tables import (
     handling_table,
     hunt_table,
     mode_table,
+    optimum_table,
     response_table,
     sensitivity_table,
 )
@@ -37,6 +38,7 @@ KINDS = {
     cam_table.FORMAT: "cam",
     sensitivity_table.FORMAT: "sensitivity",
     handling_table.FORMAT: "handling",
+    optimum_table.FORMAT: "optimum",
 }
 """What the formats of these files are called."""
 

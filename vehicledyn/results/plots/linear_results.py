@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -21,6 +21,7 @@ from vehicledyn.results.tables import (
     equilibrium_table,
     hunt_table,
     mode_table,
+    optimum_table,
     response_table,
     sensitivity_table,
 )
@@ -35,6 +36,7 @@ FORMATS = (
     hunt_table.FORMAT,
     equilibrium_table.FORMAT,
     sensitivity_table.FORMAT,
+    optimum_table.FORMAT,
 )
 
 
@@ -65,32 +67,38 @@ def is_linear(path: Path) -> bool:
 
 def describe_linear(path: Path) -> LinearDescription:
     """Return what a file of eigenmodes, frequency responses or contact geometry holds."""
-    if format_of(path) == contact_table.FORMAT:
-        return LinearDescription(str(path), _contact_facts(path))
-    if format_of(path) == mode_table.FORMAT:
-        modes = mode_table.read_modes(path)
-        facts: dict[str, Any] = {
-            "holds": "eigenmodes and mode shapes",
-            "title": modes.title,
-            "model": modes.model,
-            "cases": [case.label or "as given" for case in modes.cases],
-            "modes": [len(case.kind) for case in modes.cases],
-            "states": len(modes.states),
-            "channels": len(modes.channels),
-        }
-        return LinearDescription(str(path), facts)
-    if format_of(path) == sensitivity_table.FORMAT:
-        found = sensitivity_table.read_sensitivity(path)
-        return LinearDescription(str(path), _sensitivity_facts(found))
-    if format_of(path) == hunt_table.FORMAT:
-        return LinearDescription(str(path), _hunt_facts(hunt_table.read_hunt(path)))
-    if format_of(path) == equilibrium_table.FORMAT:
-        return LinearDescription(
-            str(path), _equilibrium_facts(equilibrium_table.read_equilibrium(path))
-        )
+    facts: dict[str, Callable[[Path], dict[str, Any]]] = {
+        contact_table.FORMAT: _contact_facts,
+        mode_table.FORMAT: _mode_facts,
+        optimum_table.FORMAT: optimum_table.describe_optimum,
+        sensitivity_table.FORMAT: lambda p: _sensitivity_facts(
+            sensitivity_table.read_sensitivity(p)
+        ),
+        hunt_table.FORMAT: lambda p: _hunt_facts(hunt_table.read_hunt(p)),
+        equilibrium_table.FORMAT: lambda p: _equilibrium_facts(
+            equilibrium_table.read_equilibrium(p)
+        ),
+    }
+    return LinearDescription(str(path), facts.get(format_of(path), _response_facts)(path))
+
+
+def _mode_facts(path: Path) -> dict[str, Any]:
+    modes = mode_table.read_modes(path)
+    return {
+        "holds": "eigenmodes and mode shapes",
+        "title": modes.title,
+        "model": modes.model,
+        "cases": [case.label or "as given" for case in modes.cases],
+        "modes": [len(case.kind) for case in modes.cases],
+        "states": len(modes.states),
+        "channels": len(modes.channels),
+    }
+
+
+def _response_facts(path: Path) -> dict[str, Any]:
     table = response_table.read_response(path)
     first, last = table.frequency[0], table.frequency[-1]
-    facts = {
+    return {
         "holds": "frequency responses",
         "title": table.title,
         "model": table.model,
@@ -99,7 +107,6 @@ def describe_linear(path: Path) -> LinearDescription:
         "inputs": [f"{item.name} [{item.unit}]" for item in table.inputs],
         "outputs": [f"{item.name} [{item.unit}]" for item in table.outputs],
     }
-    return LinearDescription(str(path), facts)
 
 
 def _equilibrium_facts(table: equilibrium_table.EquilibriumTable) -> dict[str, Any]:
@@ -201,5 +208,5 @@ def linear_figures(path: Path) -> Iterator[tuple[str, Figure]]:
         yield from contact_figures(contact_table.read_contacts(path))
     elif format_of(path) == sensitivity_table.FORMAT:
         yield from sensitivity_figures(sensitivity_table.read_sensitivity(path))
-    elif format_of(path) != equilibrium_table.FORMAT:
+    elif format_of(path) not in (equilibrium_table.FORMAT, optimum_table.FORMAT):
         yield from bode_figures(response_table.read_response(path))

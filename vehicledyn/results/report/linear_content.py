@@ -18,6 +18,7 @@ from vehicledyn.results.tables import (
     equilibrium_table,
     hunt_table,
     mode_table,
+    optimum_table,
     response_table,
     sensitivity_table,
 )
@@ -44,6 +45,8 @@ def linear_content(path: Path) -> Content:
     elif kind == equilibrium_table.FORMAT:
         balance = equilibrium_table.read_equilibrium(path)
         what, key_figures, sections = "Equilibrium", *_equilibrium(balance)
+    elif kind == optimum_table.FORMAT:
+        what, key_figures, sections = "Optimum", [], []
     elif kind == sensitivity_table.FORMAT:
         slopes = sensitivity_table.read_sensitivity(path)
         what, key_figures, sections = "Sensitivities", *_sensitivities(slopes)

@@ -1,0 +1,116 @@
+"""Optimisation studies, from Python."""
+
+import json
+
+import numpy as np
+import pytest
+
+import vehicledyn as vd
+from vehicledyn.analyse.optimise import Values, optimise
+from vehicledyn.base.errors import InputError, NumericalError
+
+SCENARIO = """\
+title: A quarter car on a shaker
+model: quarter_car
+duration: 2 s
+solver: {kind: rk4, step: 5 ms}
+output: {interval: 10 ms}
+"""
+STUDY = """\
+title: Body and strut
+scenarios: run.yaml
+variables:
+  body.stiffness: {from: 5 kN/m, to: 60 kN/m, start: 50 kN/m}
+  parameters.body.damping: {from: 200 N*s/m, to: 8 kN*s/m, start: 7 kN*s/m}
+minimise: {rms(strut.force): 1}
+constraints:
+  rms(strut.rate): {at_most: 0.12 m/s}
+"""
+
+
+def study(folder, text=STUDY):
+    """Write a study and its scenario; return the study's path."""
+    (folder / "run.yaml").write_text(SCENARIO, encoding="utf-8")
+    path = folder / "study.yaml"
+    path.write_text(text, encoding="utf-8")
+    return path
+
+
+def test_a_constrained_optimum_is_stationary(tmp_path):
+    """The gradient is a multiple of that of the active constraint, and bounds hold."""
+    found = vd.optimise(study(tmp_path))
+    report = found.report
+    assert found.kind == "optimum"
+    assert found.attributes["optimality"] < 1e-5
+    start, best = found["figure_start"].values, found["figure_best"].values
+    assert best[0] < start[0]
+    assert best[1] == pytest.approx(0.12, rel=1e-5)
+    assert report.as_dict()["active"] == ["rms(strut.rate)"]
+    assert found.attributes["runs"] < 40
+    assert "active: rms(strut.rate) at most 0.12" in report.as_text()
+
+
+def test_a_stopped_search_goes_on_to_the_same_optimum(tmp_path, monkeypatch):
+    """Runs that were kept are not computed again; the result is the same to the last bit."""
+    path = study(tmp_path)
+    whole = vd.optimise(path)["variable_best"].values
+    from vehicledyn.studies.optimisation import problem
+
+    new, count = problem.Problem._new, []
+
+    def counted(self, point):
+        count.append(point)
+        if len(count) == 3:
+            raise KeyboardInterrupt
+        return new(self, point)
+
+    monkeypatch.setattr(problem.Problem, "_new", counted)
+    with pytest.raises(KeyboardInterrupt):
+        vd.optimise(path, save_to=tmp_path / "out.h5")
+    kept = tmp_path / "out.h5.runs.jsonl"
+    assert len(kept.read_text(encoding="utf-8").splitlines()) == 3
+    kept.write_text(kept.read_text(encoding="utf-8") + '{"point": "[1', encoding="utf-8")
+    again = vd.optimise(path, save_to=tmp_path / "out.h5", resume=True)
+    assert (again["variable_best"].values == whole).all()
+    assert any("2 runs were known" in note for note in again.notes)
+    assert not kept.exists()
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "match"),
+    [
+        ("body.stiffness: {", "body.stifness: {", "did you mean 'body.stiffness'"),
+        ("from: 5 kN/m", "from: 70 kN/m", "from must be below to"),
+        ("start: 50 kN/m", "start: 90 kN/m", "outside its bounds"),
+        ("from: 5 kN/m", "from: 5 kg", "kg"),
+        ("rms(strut.rate)", "rms(strut.rat)", "did you mean 'strut.rate'"),
+        ("at_most", "most", "at_least, at_most"),
+        ("minimise: {rms(strut.force): 1}", "minimise: body.height_rate", "is a curve"),
+        ("minimise:", "minimize:", "unknown key"),
+        ("scenarios: run.yaml", "scenarios: none.yaml", "none.yaml"),
+    ],
+)
+def test_wrong_studies_are_refused(tmp_path, old, new, match):
+    """Each with one clear message."""
+    assert old in STUDY
+    with pytest.raises(InputError, match=match):
+        vd.optimise(study(tmp_path, STUDY.replace(old, new)))
+
+
+def test_a_failed_run_is_retreated_from():
+    """Beyond x = 2 there is no motion; the search comes back and reports it."""
+
+    def evaluate(x):
+        if x[0] > 2.0:
+            raise NumericalError("flies off")
+        return Values(float((x[0] - 1.9) ** 2), 2.0 * (x - 1.9), np.zeros(0), np.zeros((0, 1)))
+
+    found = optimise(
+        evaluate,
+        start=np.array([0.0]),
+        bounds=(np.array([-10.0]), np.array([10.0])),
+        tolerance=1e-14,
+        most_runs=60,
+    )
+    assert found.variables == pytest.approx([1.9], abs=1e-5)
+    assert json.dumps(found.failures) == json.dumps(["flies off"] * len(found.failures))

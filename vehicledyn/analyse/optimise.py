@@ -1,0 +1,220 @@
+"""Constrained optimisation with exact gradients: scaling, optimiser and first-order optimality.
+
+The optimisers are scipy's; here are the scaling of variables to their bounds and of figures to
+their sizes, evaluations that are kept, and the check of the Karush-Kuhn-Tucker conditions.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vehicledyn.base.errors import NumericalError
+
+Floats = NDArray[np.float64]
+
+_ACTIVE = 1e-5
+"""Distance of a constraint or bound to its limit, scaled, within which it is active."""
+
+_WORSE = 10.0
+"""Sizes of the objective that a point without a motion is worse than the start."""
+
+
+@dataclass(frozen=True)
+class Values:
+    """An objective, its gradient (n,), constraints c >= 0 (m,) and their gradients (m, n)."""
+
+    objective: float
+    gradient: Floats
+    constraints: Floats
+    jacobian: Floats
+
+
+@dataclass(frozen=True)
+class Optimum:
+    """The best point that was found.
+
+    ``variables`` (n,) in SI with the :class:`Values` there; ``optimality`` is the largest part of
+    the scaled gradient that no active constraint or bound takes, ``violation`` the largest scaled
+    one; ``multipliers`` (m,) are zero where a constraint is not active; ``n_runs`` counts
+    evaluations, ``failures`` those that came to nothing.
+    """
+
+    variables: Floats
+    values: Values
+    optimality: float
+    violation: float
+    multipliers: Floats
+    at_bound: list[int]
+    n_runs: int
+    failures: list[str]
+    message: str
+    history: list[tuple[Floats, float, float]] = field(default_factory=list)
+
+
+def optimise(
+    evaluate: Callable[[Floats], Values],
+    *,
+    start: Floats,
+    bounds: tuple[Floats, Floats],
+    tolerance: float,
+    most_runs: int,
+) -> Optimum:
+    """Return where an objective is least within bounds and constraints, by SLSQP.
+
+    Parameters
+    ----------
+    evaluate
+        Returns objective and constraints; raises NumericalError where there are none.
+    start
+        Point to begin at, shape (n,), within the bounds.
+    bounds
+        Lowest and highest values, shape (n,) each.
+    tolerance
+        Part of the objective's size that the last step may still gain.
+    most_runs
+        Evaluations after which the best point so far is returned.
+
+    Raises
+    ------
+    NumericalError
+        If nothing can be evaluated at the start.
+
+    References
+    ----------
+    Kraft (1988), A software package for sequential quadratic programming, DFVLR-FB 88-28.
+    """
+    from scipy.optimize import minimize
+
+    search = _Search(evaluate, bounds, most_runs)
+    scaled = (start - bounds[0]) / search.width
+    search.at(scaled)
+    message = "converged"
+    try:
+        found = minimize(
+            lambda x: search.at(x).objective / search.size,
+            scaled,
+            jac=lambda x: search.at(x).gradient * search.width / search.size,
+            bounds=[(0.0, 1.0)] * len(start),
+            constraints=search.constraints,
+            method="SLSQP",
+            options={"ftol": tolerance, "maxiter": most_runs},
+        )
+        message = "converged" if found.success else str(found.message)
+    except _EnoughError:
+        message = f"stopped after {most_runs} runs"
+    return search.best(message)
+
+
+class _EnoughError(Exception):
+    """Ends a search after the runs that it may take."""
+
+
+class _Search:
+    """Evaluations of a search, in variables between 0 and 1."""
+
+    def __init__(
+        self, evaluate: Callable[[Floats], Values], bounds: tuple[Floats, Floats], most: int
+    ) -> None:
+        self._evaluate, self._most = evaluate, most
+        self._low, self.width = bounds[0], bounds[1] - bounds[0]
+        self._known: dict[bytes, Values] = {}
+        self._points: list[tuple[Floats, Values]] = []
+        self.size, self.failures = 1.0, list[str]()
+        self._scales = np.zeros(0)
+
+    def at(self, x: Floats) -> Values:
+        """Return what is known of a point; one without a motion is far worse than the start."""
+        x = np.clip(x, 0.0, 1.0)
+        key = x.tobytes()
+        if key not in self._known:
+            if len(self._known) >= self._most:
+                raise _EnoughError
+            self._known[key] = self._new(x)
+        return self._known[key]
+
+    def _new(self, x: Floats) -> Values:
+        point = self._low + self.width * x
+        try:
+            found = self._evaluate(point)
+        except NumericalError as error:
+            if not self._points:
+                raise
+            self.failures.append(str(error))
+            first = self._points[0][1]
+            worse = first.objective + _WORSE * self.size
+            return Values(worse, first.gradient, first.constraints, first.jacobian)
+        if not self._points:
+            self.size = max(
+                abs(found.objective), float(np.max(np.abs(found.gradient * self.width)))
+            )
+            self.size = self.size or 1.0
+            slopes = np.max(np.abs(found.jacobian * self.width), axis=1, initial=0.0)
+            self._scales = np.maximum(np.abs(found.constraints), slopes)
+            self._scales[self._scales == 0.0] = 1.0
+        self._points.append((x.copy(), found))
+        return found
+
+    @property
+    def constraints(self) -> list[dict[str, object]]:
+        """Constraints as scipy takes them."""
+        if not self._scales.size:
+            return []
+        return [
+            {
+                "type": "ineq",
+                "fun": lambda x: self.at(x).constraints / self._scales,
+                "jac": lambda x: self.at(x).jacobian * self.width / self._scales[:, None],
+            }
+        ]
+
+    def _violation(self, found: Values) -> float:
+        return float(np.max(-found.constraints / self._scales, initial=0.0))
+
+    def best(self, message: str) -> Optimum:
+        """Return the best point: the least objective of those that keep the constraints."""
+        allowed = [item for item in self._points if self._violation(item[1]) <= _ACTIVE]
+        if allowed:
+            x, found = min(allowed, key=lambda item: item[1].objective)
+        else:
+            x, found = min(self._points, key=lambda item: self._violation(item[1]))
+            message = f"no point keeps all constraints; {message}"
+        optimality, multipliers, at_bound = self._stationarity(x, found)
+        history = [
+            (self._low + self.width * x, item.objective, self._violation(item))
+            for x, item in self._points
+        ]
+        return Optimum(
+            self._low + self.width * x,
+            found,
+            optimality,
+            self._violation(found),
+            multipliers * self.size / self._scales if multipliers.size else multipliers,
+            at_bound,
+            len(self._known),
+            self.failures,
+            message,
+            history,
+        )
+
+    def _stationarity(self, x: Floats, found: Values) -> tuple[float, Floats, list[int]]:
+        """Return what no active constraint takes of the gradient, and the multipliers."""
+        from scipy.optimize import nnls
+
+        gradient = found.gradient * self.width / self.size
+        scaled = found.constraints / self._scales
+        active = [k for k, value in enumerate(scaled) if value <= _ACTIVE]
+        lower, upper = np.flatnonzero(x <= _ACTIVE), np.flatnonzero(x >= 1.0 - _ACTIVE)
+        unit = np.eye(len(x))
+        rows = found.jacobian[active] * self.width / self._scales[active][:, None]
+        columns = np.vstack([rows, unit[lower], -unit[upper]]).T
+        multipliers = np.zeros(len(scaled))
+        if not columns.shape[1]:
+            return float(np.max(np.abs(gradient))), multipliers, []
+        weights, _ = nnls(columns, gradient)
+        multipliers[active] = weights[: len(active)]
+        left = float(np.max(np.abs(columns @ weights - gradient)))
+        return left, multipliers, sorted({*map(int, lower), *map(int, upper)})

@@ -1,0 +1,44 @@
+"""The verb "optimise": the best values of parameters."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+import vehicledyn
+from vehicledyn.cli.finding import find_file
+from vehicledyn.cli.options import Json, Overrides
+from vehicledyn.cli.performing import perform, show
+from vehicledyn.cli.replacing import OPTIMUM, Overwrite, check_replacing
+
+
+def add_verbs(app: typer.Typer) -> None:
+    """Add the verb of this module to the command line."""
+    app.command()(optimise)
+
+
+def optimise(
+    study: Annotated[Path, typer.Argument(metavar="STUDY", help="Optimisation study file.")],
+    *,
+    output: Annotated[
+        Path | None,
+        typer.Option("--output", "-o", help="Result file; the study's name with .h5 if absent."),
+    ] = None,
+    overrides: Overrides = None,
+    resume: Annotated[
+        bool, typer.Option("--resume", help="Go on with a search that was stopped.")
+    ] = False,
+    overwrite: Overwrite = False,
+    as_json: Json = False,
+) -> None:
+    """Find the values of parameters that make figures of runs best, with exact gradients."""
+    path = find_file(study, "study")
+    result = output or Path(f"{study.stem}.h5")
+    check_replacing(result, OPTIMUM, overwrite=overwrite, resume=resume)
+    changes = dict(change.split("=", 1) for change in overrides or [] if "=" in change)
+    data = perform(
+        vehicledyn.optimise, path, set=changes, save_to=result, overwrite=True, resume=resume
+    )
+    show(data, as_json=as_json)

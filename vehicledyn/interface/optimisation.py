@@ -1,0 +1,62 @@
+"""Optimisation from Python."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import vehicledyn.catalogue  # noqa: F401
+from vehicledyn.files.scenario.settings import Settings, override_texts
+from vehicledyn.interface.running import Progress, reporter, result_place
+from vehicledyn.library import locate
+from vehicledyn.results.labelled.data import LabelledData
+
+
+def optimise(
+    study: str | Path,
+    *,
+    set: Settings | None = None,
+    save_to: str | Path | None = None,
+    overwrite: bool = False,
+    resume: bool = False,
+    progress: Progress = False,
+    **settings: Any,
+) -> LabelledData:
+    """Return the values of parameters that make figures of runs best, found with gradients.
+
+    Parameters
+    ----------
+    study
+        Path or name of an optimisation study.
+    set, settings
+        Changes of all scenarios, as for :func:`vehicledyn.simulate`.
+    save_to, overwrite, progress
+        As for :func:`vehicledyn.simulate`.
+    resume
+        Whether to go on with a search that was stopped; its runs are kept beside ``save_to``.
+
+    Returns
+    -------
+    LabelledData
+        ``variable_best`` over variable, ``figure_best`` and ``figure_slope`` there, and the runs:
+        ``point``, ``objective``, ``violation``.
+
+    Raises
+    ------
+    InputError
+        If the study, a scenario or a setting cannot be used.
+    NumericalError
+        If the start has no motion or no derivatives.
+    """
+    from vehicledyn.results.tables.optimum_table import write_optimum
+    from vehicledyn.studies.optimisation.file import load_optimisation
+    from vehicledyn.studies.optimisation.run import run_optimisation
+
+    loaded = load_optimisation(locate(str(study), ("study",)), override_texts(set, settings))
+    kept = None if save_to is None else Path(f"{save_to}.runs.jsonl")
+    with result_place(save_to, may_exist=overwrite or resume) as place:
+        report = run_optimisation(loaded, kept=kept, resume=resume, progress=reporter(progress))
+        write_optimum(place.path, report.table)
+        if kept is not None:
+            kept.unlink(missing_ok=True)
+        return place.value(report)

@@ -1,0 +1,110 @@
+"""The optimum of a study with the points that led to it, as a result file."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from vehicledyn.results.store.linear_file import (
+    Quantity,
+    new_file,
+    old_file,
+    read_quantities,
+    write_numbers,
+    write_quantities,
+    write_texts,
+)
+
+FORMAT = "vehicledyn-optimum"
+
+
+@dataclass(frozen=True)
+class OptimumTable:
+    """An optimum, in SI.
+
+    ``variables`` with ``low``, ``high``, ``start`` and ``best`` (n,); ``figures`` with values at
+    the start and the optimum ``figure_values`` (2, m) and ``figure_slopes`` (m, n) there; the runs
+    with ``points`` (n_runs, n), ``objective`` and ``violation`` (n_runs,).
+    """
+
+    title: str
+    message: str
+    variables: tuple[Quantity, ...]
+    low: Any
+    high: Any
+    start: Any
+    best: Any
+    figures: tuple[Quantity, ...]
+    figure_values: Any
+    figure_slopes: Any
+    points: Any
+    objective: Any
+    violation: Any
+    optimality: float
+    n_runs: int
+    notes: tuple[str, ...]
+
+
+def write_optimum(path: Path, table: OptimumTable) -> None:
+    """Write an optimum to a file.
+
+    Raises
+    ------
+    InputError
+        If it cannot be written.
+    """
+    head = {
+        "title": table.title,
+        "model": "",
+        "message": table.message,
+        "optimality": table.optimality,
+        "runs": table.n_runs,
+    }
+    with new_file(path, FORMAT, head) as file:
+        variables = write_quantities(file, "variable", table.variables)
+        figures = write_quantities(file, "figure", table.figures)
+        run = file.create_dataset("run", data=range(1, len(table.objective) + 1))
+        run.attrs["units"], run.attrs["long_name"] = "1", "Number of the run"
+        run.make_scale("run")
+        for name, values, words in (
+            ("low", table.low, "Lowest value allowed"),
+            ("high", table.high, "Highest value allowed"),
+            ("start", table.start, "Value at the start"),
+            ("best", table.best, "Value at the optimum"),
+        ):
+            about = ("as variable", words)
+            write_numbers(file, f"variable_{name}", values, (variables,), about)
+        for name, values in zip(("start", "best"), table.figure_values, strict=True):
+            about = ("as figure", f"Figure at the {name} point")
+            write_numbers(file, f"figure_{name}", values, (figures,), about)
+        about = ("figure/variable", "Derivative of the figure at the optimum")
+        write_numbers(file, "figure_slope", table.figure_slopes, (figures, variables), about)
+        about = ("as variable", "Variables of the run")
+        write_numbers(file, "point", table.points, (run, variables), about)
+        write_numbers(file, "objective", table.objective, (run,), ("1", "Objective of the run"))
+        about = ("1", "Largest scaled violation of a constraint")
+        write_numbers(file, "violation", table.violation, (run,), about)
+        write_texts(file, "notes", table.notes)
+
+
+def describe_optimum(path: Path) -> dict[str, Any]:
+    """Return what a file of an optimum holds.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be read or holds something else.
+    """
+    with old_file(path, FORMAT) as file:
+        names = [item.name for item in read_quantities(file, "variable")]
+        best = zip(names, file["variable_best"][()], strict=True)
+        return {
+            "holds": "an optimum",
+            "title": str(file.attrs["title"]),
+            "message": str(file.attrs["message"]),
+            "optimality": f"{float(file.attrs['optimality']):.2g}",
+            "runs": int(file.attrs["runs"]),
+            "variables": [f"{name} {float(value):.6g}" for name, value in best],
+            "figures": [f"{item.name} [{item.unit}]" for item in read_quantities(file, "figure")],
+        }

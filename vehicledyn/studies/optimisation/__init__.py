@@ -1,0 +1,1 @@
+"""Studies that seek the best values of parameters."""

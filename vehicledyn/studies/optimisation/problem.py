@@ -1,0 +1,245 @@
+"""An optimisation study made ready: figures of all scenarios with their gradients at a point."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vehicledyn.analyse.optimise import Values
+from vehicledyn.analyses.preparation.prepared import Progress
+from vehicledyn.analyses.sensitivity.motion import MotionStudy
+from vehicledyn.analyses.sensitivity.names import Wanted, directions, wanted
+from vehicledyn.base.errors import InputError, NumericalError, nearest_name
+from vehicledyn.base.units import to_si
+from vehicledyn.results.store.linear_file import Quantity
+from vehicledyn.studies.optimisation.file import OptimisationStudy
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class _Part:
+    """A scenario with the figures wanted of it, and their places among all figures."""
+
+    study: MotionStudy
+    asked: Wanted
+    names: list[str]
+
+
+class Problem:
+    """Figures of a study's scenarios by its variables.
+
+    Parameters
+    ----------
+    study
+        The validated study.
+    kept
+        File of evaluations that are known, one a line; further ones are added to it. None to
+        keep none.
+    progress
+        Called with what is going on.
+
+    Raises
+    ------
+    InputError
+        If a variable, figure, bound or limit means nothing.
+    """
+
+    def __init__(self, study: OptimisationStudy, kept: Path | None, progress: Progress) -> None:
+        self._study, self._kept = study, kept
+        self._parts = _parts(study, progress)
+        self.figures = [name for part in self._parts for name in part.names]
+        first = self._parts[0].study.prepared
+        e = first.equations
+        names = [p.name for p in e.parameters]
+        for variable in study.variables:
+            _check_variable(variable.name, names, e.name)
+        places = [names.index(v.name) for v in study.variables]
+        self.variables = tuple(
+            Quantity(e.parameters[k].name, e.parameters[k].unit, e.parameters[k].description)
+            for k in places
+        )
+        values = first.kernel.parameters[places]
+        self.low, self.high = (
+            np.array([_si(v, e.parameters[k].unit, study, side) for v, k in zip(
+                [getattr(item, side) for item in study.variables], places, strict=True)])
+            for side in ("low", "high")
+        )  # fmt: skip
+        starts = [
+            value if v.start is None else _si(v.start, e.parameters[k].unit, study, "start")
+            for v, k, value in zip(study.variables, places, values, strict=True)
+        ]
+        self.start = np.array(starts)
+        self._check_bounds()
+        self.units: dict[str, str] = {}
+        self._known = _read(kept)
+        self.n_known = len(self._known)
+
+    def _check_bounds(self) -> None:
+        for item, low, high, start in zip(
+            self.variables, self.low, self.high, self.start, strict=True
+        ):
+            if not low < high:
+                raise InputError(
+                    f"{self._study.path}: variables.{item.name}: from must be below to"
+                )
+            if not low <= start <= high:
+                raise InputError(
+                    f"{self._study.path}: variables.{item.name}: its start {start:g} {item.unit} "
+                    "lies outside its bounds; give start or other bounds"
+                )
+
+    def evaluate(self, point: Floats) -> tuple[dict[str, float], dict[str, Floats]]:
+        """Return all figures and their gradients at a point.
+
+        Raises
+        ------
+        NumericalError
+            If a run fails or a figure has no derivative there.
+        """
+        key = json.dumps(point.tolist())
+        if key not in self._known:
+            self._known[key] = self._new(point)
+            self._keep(key)
+        entry = self._known[key]
+        self.units |= entry.get("units", {})
+        if "failure" in entry:
+            raise NumericalError(str(entry["failure"]))
+        slopes = {name: np.array(row) for name, row in entry["slopes"].items()}
+        return dict(entry["values"]), slopes
+
+    def values(self, point: Floats) -> Values:
+        """Return objective and constraints at a point."""
+        figures, slopes = self.evaluate(point)
+        weights = self._study.weights
+        constraints, rows = [], [np.zeros(len(point))][:0]
+        for name, sign, limit in self.limits():
+            constraints.append(sign * (figures[name] - limit))
+            rows.append(sign * slopes[name])
+        gradient = sum((w * slopes[name] for name, w in weights.items()), np.zeros(len(point)))
+        return Values(
+            float(sum(w * figures[name] for name, w in weights.items())),
+            gradient,
+            np.array(constraints),
+            np.array(rows).reshape(len(rows), len(point)),
+        )
+
+    def limits(self) -> list[tuple[str, float, float]]:
+        """Return the figure, sign and value of each limit: sign (figure - value) >= 0."""
+        found = []
+        for limit in self._study.limits:
+            unit = self.units.get(limit.figure, "1")
+            for value, sign in ((limit.at_least, 1.0), (limit.at_most, -1.0)):
+                if value is not None:
+                    number = _si(value, unit, self._study, limit.figure)
+                    found.append((limit.figure, sign, number))
+        return found
+
+    def _new(self, point: Floats) -> dict[str, Any]:
+        values: dict[str, float] = {}
+        slopes: dict[str, list[float]] = {}
+        units: dict[str, str] = {}
+        names = [item.name for item in self.variables]
+        for part in self._parts:
+            try:
+                study = part.study.moved(dict(zip(names, map(float, point), strict=True)))
+                e, kernel = study.prepared.equations, study.prepared.kernel
+                chosen = directions(e, kernel.parameters, study.start.state, names)
+                motion = study.followed(chosen, _silent)
+            except NumericalError as error:
+                return {"failure": f"{part.study.loaded.title}: {error}"}
+            found = study.figures(part.asked, motion)
+            for name, (slope, quantity) in zip(part.names, found, strict=True):
+                if slope.trouble:
+                    return {"failure": f"'{name}' has no derivative: {slope.trouble}"}
+                values[name], slopes[name] = slope.value, slope.slope.tolist()
+                units[name] = quantity.unit
+        return {"values": values, "slopes": slopes, "units": units}
+
+    def _keep(self, key: str) -> None:
+        if self._kept is None:
+            return
+        with self._kept.open("a", encoding="utf-8") as file:
+            file.write(json.dumps({"point": key, **self._known[key]}) + "\n")
+
+
+def _read(kept: Path | None) -> dict[str, dict[str, Any]]:
+    """Return the evaluations of a file; a line that was cut short is left out."""
+    known: dict[str, dict[str, Any]] = {}
+    if kept is None or not kept.is_file():
+        return known
+    for line in kept.read_text(encoding="utf-8").splitlines():
+        try:
+            entry = json.loads(line)
+            known[entry.pop("point")] = entry
+        except (ValueError, KeyError, AttributeError):
+            continue
+    return known
+
+
+def _parts(study: OptimisationStudy, progress: Progress) -> list[_Part]:
+    wanted_of: dict[str, list[str]] = {name: [] for name in study.scenarios}
+    for figure in dict.fromkeys([*study.weights, *(limit.figure for limit in study.limits)]):
+        scenario, _, name = figure.rpartition("/")
+        if scenario not in wanted_of:
+            guess = nearest_name(scenario, wanted_of)
+            hint = f"; did you mean '{guess}'?" if guess else ""
+            raise InputError(f"{study.path}: '{figure}' names no scenario{hint}")
+        wanted_of[scenario].append(name)
+    parts = []
+    for scenario, names in wanted_of.items():
+        loaded = study.scenarios[scenario]
+        channels = [name.partition("(")[2].removesuffix(")") for name in names if "(" in name]
+        progress(f"preparing {loaded.title}", None)
+        motion = MotionStudy.of(loaded, [], progress) if not channels else _with(
+            loaded, channels, names, study, progress
+        )  # fmt: skip
+        asked = wanted(motion.prepared.equations, names, [n for n in names if "(" not in n])
+        if asked.curves:
+            raise InputError(
+                f"{study.path}: '{asked.curves[0]}' is a curve; take a figure of it, such as "
+                f"rms({asked.curves[0]})"
+            )
+        own = [*asked.others, *(f"{kind}({channel})" for kind, channel in asked.figures)]
+        parts.append(_Part(motion, asked, [f"{scenario}/{n}" if scenario else n for n in own]))
+    return parts
+
+
+def _with(
+    loaded: Any, channels: Sequence[str], names: list[str], study: OptimisationStudy, tell: Progress
+) -> MotionStudy:
+    """Return a scenario with channels, whose names are checked first."""
+    from vehicledyn.analyses.simulation.prepared_run import prepare_run
+
+    prepared, _ = prepare_run(loaded, backend="auto", progress=tell)
+    try:
+        wanted(prepared.equations, names, [n for n in names if "(" not in n])
+    except InputError as error:
+        raise InputError(f"{study.path}: {error}") from None
+    return MotionStudy.of(loaded, list(channels), tell)
+
+
+def _check_variable(name: str, known: Sequence[str], model: str) -> None:
+    if name == "speed":
+        raise InputError("'speed' is the scenario's; it cannot be a variable")
+    if name not in known:
+        guess = nearest_name(name, known)
+        hint = f"; did you mean '{guess}'?" if guess else ""
+        raise InputError(f"'{name}' is no parameter of '{model}'{hint}")
+
+
+def _si(value: Any, unit: str, study: OptimisationStudy, field: str) -> float:
+    try:
+        return float(to_si(value, unit))
+    except InputError as error:
+        raise InputError(f"{study.path}: {field}: {error}") from None
+
+
+def _silent(text: str, fraction: float | None = None) -> None:
+    """Report nothing."""
