@@ -42,7 +42,7 @@ class _Pull(BasePart):
 class ChronoStep(RoadManoeuvre):
     """A step of 0.1 s of the steering while a force at the centre of mass holds the speed."""
 
-    rack: float = quantity("1", "Steering coordinate after the step, SI")
+    rack: float = quantity("m", "Steering coordinate after the step")
     gain: float = quantity("N*s/m", "Force over the error of speed")
     begin: float = quantity("s", "When it begins")
 

@@ -96,7 +96,9 @@ class RoadSubject:
         """
         e, vehicle = equations, self.vehicle
         spins = {corner.spin for corner in vehicle.corners}
+        shafts = [(part, angle) for part, angle, _ in self._half_shafts()]
         held = {*(f"{vehicle.chassis}.{name}" for name in ("x", "y", "yaw")), *spins}
+        held |= {angle for _, angle in shafts}
         free, rates = [], []
         for position, velocity in zip(e.positions, e.velocities, strict=True):
             if e.states[position].name not in held:
@@ -105,9 +107,8 @@ class RoadSubject:
         if speed > 0.0:
             rolling = {f"{spin}_rate" for spin in spins if vehicle.free_wheels}
             slips = tuple(f"{corner.name}.tyre." for corner in vehicle.corners)
-            shafts = [(part, f"{angle}_rate") for part, angle, _ in self._half_shafts()]
             if vehicle.free_wheels:
-                rolling |= {rate for _, rate in shafts}
+                rolling |= {f"{angle}_rate" for _, angle in shafts}
             slips += tuple(f"{part}." for part, _ in shafts)
             for index, state in enumerate(e.states):
                 if state.name in rolling or state.name.startswith(slips):

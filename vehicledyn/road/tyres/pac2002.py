@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import ClassVar, Literal
 
 from pydantic import Field
@@ -16,6 +17,7 @@ from vehicledyn.road.tyres.pacejka.formula_chrono import (
     on_a_chrono_vehicle,
 )
 from vehicledyn.road.tyres.tyre import RelaxationLengths, TyreForces, TyreInput
+from vehicledyn.symbolic import ops
 from vehicledyn.symbolic.ops import Scalar
 
 _UNCOMBINED = 3
@@ -29,7 +31,8 @@ class Pac2002(FileTyre):
     Conventions: "standard" takes tan α and sin γ, "angles" takes α and γ, "chrono" follows
     Chrono::Vehicle (:mod:`vehicledyn.road.tyres.pacejka.formula_chrono`), "chrono_vehicle" also
     feeds the formula as that program does on a car: without camber, with slips over the speed
-    plus 0.1 m/s, and with the side of the file taken the other way round.
+    plus 0.1 m/s, and with the side of the file taken the other way round; its wheels roll without
+    resistance.
     """
 
     versions: ClassVar[tuple[str, ...]] = ("pac2002", "5.2")
@@ -42,11 +45,12 @@ class Pac2002(FileTyre):
     def steady_forces(self, p: Coefficients, contact: TyreInput) -> TyreForces:
         """Return the forces of a tyre that is not mirrored."""
         chosen = convention_of(self, ("standard", "angles", "chrono", "chrono_vehicle"))
+        combined = self.combined or self._combined_of_file()
         if chosen == "chrono_vehicle":
-            contact = on_a_chrono_vehicle(contact)
-            chosen = "chrono"
+            found = forces_chrono(p, on_a_chrono_vehicle(contact), combined)
+            return replace(found, rolling_resistance=0.0)
         if chosen == "chrono":
-            return forces_chrono(p, contact, self.combined or self._combined_of_file())
+            return forces_chrono(p, contact, combined)
         return forces_52(p, contact, angles=chosen == "angles")
 
     def relaxation_lengths(self, contact: TyreInput) -> RelaxationLengths:
@@ -55,10 +59,15 @@ class Pac2002(FileTyre):
             return lengths_chrono(self.coefficients(), contact)
         return super().relaxation_lengths(contact)
 
-    def rolling_radius(self, radius: Scalar, loaded_radius: Scalar) -> Scalar:
-        """Return the loaded radius, by Chrono the radius less a third of the deflection [m]."""
-        loaded = super().rolling_radius(radius, loaded_radius)
-        return radius - (radius - loaded) / 3.0 if self.convention in _OF_CHRONO else loaded
+    def rolling_radius(self, radius: Scalar, loaded_radius: Scalar, camber: Scalar) -> Scalar:
+        """Return the loaded radius; by Chrono R/cos γ less a third of the deflection [m].
+
+        The latter was found from runs of its sedan and HMMWV.
+        """
+        loaded = super().rolling_radius(radius, loaded_radius, camber)
+        if self.convention not in _OF_CHRONO:
+            return loaded
+        return radius / ops.cos(camber) - (radius - loaded) / 3.0
 
     def mounted(self, side: str) -> FileTyre:
         """Return the tyre on a side of the car, on the other one where Chrono mounts it so."""

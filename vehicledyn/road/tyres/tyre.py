@@ -112,13 +112,15 @@ class Tyre(ParameterSet):
             "by the relaxation 'first_order'"
         )
 
-    def rolling_radius(self, radius: Scalar, loaded_radius: Scalar) -> Scalar:
+    def rolling_radius(self, radius: Scalar, loaded_radius: Scalar, camber: Scalar) -> Scalar:
         """Return the radius at which the wheel rolls without slip [m].
 
         Parameters
         ----------
         radius, loaded_radius
             Unloaded radius and distance of the contact point from the wheel centre [m].
+        camber
+            Camber to the ground [rad].
         """
         return ops.minimum(loaded_radius, radius)
 

@@ -35,9 +35,9 @@ class TyreOfFile(FileTyre):
         """Return the lengths by the law of the file."""
         return self.law.relaxation_lengths(contact)
 
-    def rolling_radius(self, radius: Scalar, loaded_radius: Scalar) -> Scalar:
+    def rolling_radius(self, radius: Scalar, loaded_radius: Scalar, camber: Scalar) -> Scalar:
         """Return the rolling radius by the law of the file."""
-        return self.law.rolling_radius(radius, loaded_radius)
+        return self.law.rolling_radius(radius, loaded_radius, camber)
 
     def mounted(self, side: str) -> FileTyre:
         """Return the tyre on a side of the car, by the law of the file."""

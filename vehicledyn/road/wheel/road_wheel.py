@@ -307,7 +307,7 @@ class RoadWheel(BasePart):
     def _rolling_radius(self, situation: Situation, contact: Contact) -> Scalar:
         """Return the radius at which the wheel rolls [m]; in soil that of its deflected rim."""
         if self.surface.soil is None:
-            return self.tyre.rolling_radius(self.radius, contact.loaded_radius)
+            return self.tyre.rolling_radius(self.radius, contact.loaded_radius, contact.camber)
         sinkage = ops.maximum(situation.unknowns[_SINKAGE], 0.0)
         return ops.minimum(contact.loaded_radius + sinkage, self.radius)
 
