@@ -138,3 +138,46 @@ def test_other_roller_angles_and_a_centre_of_mass_beside_the_origin(angle, tmp_p
         assert rate * 0.1 * math.sin(tilt) == pytest.approx(along, abs=1e-11)
     energy = found["energy.kinetic"].values
     assert energy == pytest.approx(np.full(energy.size, energy[0]), rel=1e-11)
+
+
+def test_rollers_as_bodies_move_a_cart_as_their_average(tmp_path):
+    """Three omni wheels of six rollers each on motors; the mean of 0.6 s, to 2 % of the speed."""
+    text = cart("kiwi").replace("com: [0.0 m, 0, 0]", "com: [0, 0, 0]")
+    text = text.replace("name: y, role: independent}", "name: y}\n      - {kind: T3, name: z}")
+    text = text.replace("gravity: [0, 0, 0]", "").replace("mass: 1 kg", "mass: 0.1 kg")
+    text = text.replace("inertia: [0, 0.01, 0]", "inertia: [0.01, 0.01, 0.01]")
+    head = text[: text.index("constraints:")]
+    u, v, turn, radius = 0.5, 0.25, 0.5, 0.05
+    angles = [math.radians(a) for a in (90, 210, 330)]
+    rates = [(-math.sin(a) * u + math.cos(a) * v + 0.25 * turn) / radius for a in angles]
+    elements, motors = "elements:\n", "forces:\n"
+    for k, rate in enumerate(rates, 1):
+        elements += (
+            f"  e{k}: {{kind: roller_wheel, hub: w{k}, axis: 2, radius: 0.05, rollers: 6, "
+            "roller_angle: 90.0, roller_radius: 0.012, roller_mass: 0.05 kg, stiffness: 2e5 N/m, "
+            "dissipation: 1 s/m, friction: 0.6, creep_speed: 0.02 m/s}\n"
+        )
+        motors += (
+            f"  m{k}: {{coordinate: w{k}.spin, force: 5 N*m*s/rad * "
+            f"({rate!r} rad/s - w{k}.spin_rate)}}\n"
+        )
+    path = tmp_path / "rollers.yaml"
+    path.write_text(head + elements + motors + "initial:\n  cart.z: -0.3 mm\n")
+    found = vd.simulate(
+        path, duration="1 s", solver={"kind": "rk4", "step": "40 us"},
+        output={"interval": "2 ms"},
+    )  # fmt: skip
+    late = found["time"].values > 0.4
+    yaw, vx, vy = (found[f"cart.{n}"].values[late] for n in ("yaw", "x_rate", "y_rate"))
+    seen = [
+        np.mean(np.cos(yaw) * vx + np.sin(yaw) * vy),
+        np.mean(np.cos(yaw) * vy - np.sin(yaw) * vx),
+    ]
+    spins = [np.mean(found[f"w{k}.spin_rate"].values[late]) for k in (1, 2, 3)]
+    rows = [[-math.sin(a) / radius, math.cos(a) / radius, 0.25 / radius] for a in angles]
+    average = np.linalg.solve(rows, spins)
+    assert np.hypot(seen[0] - average[0], seen[1] - average[1]) < 0.02 * math.hypot(u, v)
+    assert np.mean(found["cart.yaw_rate"].values[late]) == pytest.approx(average[2], rel=0.02)
+    weight = 9.81 * (sum(float(m) for m in (17.0, 0.3)) + 18 * 0.05)
+    forces = sum(np.mean(found[f"e{k}.normal_force"].values[late]) for k in (1, 2, 3))
+    assert forces == pytest.approx(weight, rel=0.02)

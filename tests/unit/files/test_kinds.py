@@ -348,6 +348,12 @@ ELEMENTS = {
     ),
     # On the circle of radius 0.5 m about (0, -0.5), at 5 m/s.
     "cam_joint": (f"{CAM} centre: [0, 0, -0.49]", lambda s: (-60.0, 0.0, None)),
+    # Far above the ground; the rollers turn with the hub and weigh nothing to speak of.
+    "roller_wheel": (
+        "hub: b, axis: 2, radius: 0.1, rollers: 8, roller_angle: 45.0, roller_radius: 0.02, "
+        "roller_mass: 1e-14 kg, centre: [0, 0, 1 m], stiffness: 1e5 N/m, friction: 0.5",
+        lambda s: (0.0, 0.0, 0.0),
+    ),
     "hydraulic_lash": (
         "a: {body: ground, point: [0.3 m, 0, -1 m]}, b: b, area: 1 mm^2, volume: 1 mm^3, length: "
         "0.9 m, bulk_modulus: 1 GPa, leakage: 0, check_valve: 0, stiffness: 5 N/m, preload: 2 N",
