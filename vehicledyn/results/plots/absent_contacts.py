@@ -1,7 +1,8 @@
-"""Contacts of wheel and rail that carry no load: where nothing touches there is nothing to draw.
+"""Contacts that carry no load: where nothing touches there is nothing to draw.
 
-A contact without load is kept at some place of the profile, so that the equations stay smooth.
-Its place, angle and radius mean nothing there; its forces are zero and are drawn.
+A contact of a wheel without load is kept where it would touch first, so that the equations stay
+smooth. Its place, angle, radius, creepage and slip mean nothing there; its forces are zero and are
+drawn, and so are deflection and approach, which are never positive there.
 """
 
 from __future__ import annotations
@@ -14,14 +15,18 @@ from numpy.typing import NDArray
 
 from vehicledyn.results.store.reader import Result
 
-_GEOMETRY = re.compile(r"(.*\.contact_\d+)\.(place|angle|rolling_radius|approach|.*creepage)")
+_ON_RAIL = re.compile(r"(.*\.contact_\d+)\.(place|lateral_place|angle|rolling_radius|.*creepage)")
+_ON_ROAD = re.compile(r"(.*)\.(contact_[xyz]|tyre\.(longitudinal_slip|slip_angle))")
+_LOADS = ((_ON_RAIL, "normal_force"), (_ON_ROAD, "tyre.normal_force"))
 
 
 def load_of(name: str, known: Container[str]) -> str | None:
     """Return the channel whose load says whether a channel of contact geometry means anything."""
-    found = _GEOMETRY.fullmatch(name)
-    load = f"{found[1]}.normal_force" if found else ""
-    return load if load in known else None
+    for pattern, force in _LOADS:
+        found = pattern.fullmatch(name)
+        if found and (load := f"{found[1]}.{force}") in known:
+            return load
+    return None
 
 
 def shown_values(result: Result, name: str) -> NDArray[np.float64]:
