@@ -16,6 +16,7 @@ from vehicledyn.kernel.kernel import compile_kernel
 from vehicledyn.multibody import GROUND, Body, Joint, ParameterTable, System, TimeLaw, derive
 from vehicledyn.multibody.elements.beam import Beam, Modes, Stiffness
 from vehicledyn.multibody.elements.external_wrenches import ExternalWrench
+from vehicledyn.multibody.elements.moving_load import MovingLoad
 from vehicledyn.multibody.elements.point_sensors import PointSensor
 
 pytestmark = pytest.mark.validation
@@ -183,6 +184,27 @@ def test_spaghetti():
     total = seen["energy.kinetic"][-1] + seen["beam.strain_energy"][-1]
     assert total == pytest.approx(work, rel=1e-4)
     assert work == pytest.approx(sum(REFERENCE["spaghetti"]["rows"][1][7:9]), rel=2e-3)
+
+
+@pytest.mark.parametrize(
+    ("alpha", "expected"),
+    [(0.25, REFERENCE["moving_force"]["slow"]), (1.0, REFERENCE["moving_force"]["critical"])],
+)
+def test_moving_force(alpha, expected):
+    """Deflection of the middle of a hinged beam over P L³/48 E I, at quarters of the passage."""
+    length, bending, line = 2.0, 30.0, 3.0
+    period = length / (alpha * np.pi / length * np.sqrt(bending / line))
+    parts = (
+        Beam("beam", body=GROUND, length=length, modes=Modes(z=9), basis="sines", frames=(0.5,),
+             stiffness=Stiffness(mass_per_length=line, z=bending)),
+        MovingLoad("load", "beam", place=lambda t: length * t / period,
+                   force=lambda t: (0.0, 0.0, -1.0)),
+        PointSensor("middle", body="beam.frame_1", shows=("position",)),
+    )  # fmt: skip
+    system = System("bridge", ParameterTable(), (), parts=parts, gravity=(0.0, 0.0, 0.0))
+    _, seen = run(system, RungeKutta4(step=period / 2000), period, period / 4)
+    found = -seen["middle.z"][1:] / (length**3 / (48.0 * bending))
+    assert found == pytest.approx(expected, abs=1e-3)
 
 
 @pytest.mark.parametrize(

@@ -368,6 +368,12 @@ ELEMENTS = {
         "spring_damper, stiffness: 5 N/m, free_length: 1 m, damping: 9 N*s/m}",
         lambda s: (0.0, 0.0, 5.0 * (4.0 - 1.0)),
     ),
+    # Beam and body, 3 kg together, follow the force of 3 N along the beam.
+    "moving_load": (
+        "body: beam, place: 0.1 m/s * time, force: [3 N, 0, 0]}, beam: {kind: beam, body: b, "
+        "length: 1 m, stiffness: {mass_per_length: 1 kg/m, z: 9 N*m^2}, modes: {z: 2}",
+        lambda s: (2.0, 0.0, 0.0),
+    ),
     "spring": (
         "coordinate: b.x, law: {kind: spring_damper, stiffness: 5 N/m, damping: 2 N*s/m}",
         lambda s: (-5.0 * s["b.x"] - 2.0 * s["b.x_rate"], 0.0, 0.0),

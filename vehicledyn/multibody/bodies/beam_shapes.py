@@ -16,6 +16,9 @@ import numpy as np
 from numpy.polynomial import legendre
 from numpy.typing import NDArray
 
+from vehicledyn.symbolic import ops
+from vehicledyn.symbolic.ops import Scalar
+
 Array = NDArray[np.float64]
 
 SPARE = 10
@@ -55,6 +58,19 @@ class Shapes:
             return np.zeros((len(places), 0))
         turned = legendre.legder(self.coefficients, derivative, scl=2.0)
         return np.asarray(legendre.legval(2.0 * places - 1.0, turned).T)
+
+    def anywhere(self, place: Scalar) -> list[Scalar]:
+        """Return φ_k at a place that is an expression, by Clenshaw's recursion."""
+        x = 2.0 * place - 1.0
+        found: list[Scalar] = []
+        for column in self.coefficients.T:
+            before, last = ops.scalar(0.0), ops.scalar(0.0)
+            for n in range(len(column) - 1, -1, -1):
+                factor = (2.0 * n + 1.0) / (n + 1.0)
+                now = factor * x * last - (n + 1.0) / (n + 2.0) * before + float(column[n])
+                before, last = last, now
+            found.append(last)
+        return found
 
     def shortening(self, place: float) -> Array:
         """Return ∫ φ_i' φ_j' dξ from 0 to a place, shape (count, count)."""

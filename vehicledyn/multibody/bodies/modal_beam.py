@@ -113,6 +113,17 @@ class ModalBeam(Flexibility):
             found.append(Slice(float(weight), position, linear))
         return found
 
+    def carried(self, place: Scalar, q: Sequence[Scalar]) -> tuple[Vec, dict[int, Vec]]:
+        """Return where the axis is at a place that varies, with its derivatives, to first order."""
+        moved = [ops.scalar(0.0)] * 3
+        linear: dict[int, Vec] = {}
+        for axis, direction in enumerate(("stretch", "y", "z")):
+            shapes = self.by_direction[direction].anywhere(place)
+            for shape, k in zip(shapes, self.ranges[direction], strict=True):
+                moved[axis] = moved[axis] + shape * q[k]
+                linear[k] = ops.vector(*(shape if i == axis else 0.0 for i in range(3)))
+        return ops.vector(place * self.length + moved[0], moved[1], moved[2]), linear
+
     def growths(self, q: Sequence[Scalar], rates: Sequence[Scalar]) -> list[Vec]:
         """Return p̈ of the slices at zero q̈: what the shortening grows by, -Σ G_ij q̇_i q̇_j / L."""
         points, _ = quadrature(self._points)
