@@ -4,6 +4,8 @@ import numpy as np
 import pytest
 from system_texts import Motion, equations, problems
 
+from vehicledyn.base.errors import InputError
+
 SYSTEM = """
 title: Two flywheels with a friction coupling, and a wheel on a half shaft
 gravity: [0, 0, 0]
@@ -23,9 +25,17 @@ elements:
     kind: friction_coupling
     coordinate: one.angle
     other: two.angle
+    ratio: 1.5
     limit: limit + 5 N*m*s/rad * abs(two.angle_rate)
     stiffness: 2 kN*m/rad
     damping: 3 N*m*s/rad
+  engine:
+    kind: engine
+    coordinate: two.angle
+    throttle: 0.3 + 0.2 * one.angle_rate / (1 rad/s)
+    speeds: [-5, 0, 4, 9]
+    full_torques: [10, 40, 55, 20]
+    drag_torques: [0, 0, -6, -9]
   shaft: {kind: half_shaft, shaft: one, wheel: wheel, stiffness: 900 N*m/rad, damping: 4 N*m*s/rad}
 """
 
@@ -52,7 +62,7 @@ def test_power_is_growth_of_stored_energy_and_a_loss(motion, seed):
     kinetic = 0.4 * one * seen["d.one.angle_rate"] + 0.7 * two * seen["d.two.angle_rate"]
     kinetic += 0.9 * spin * seen["d.wheel.spin_rate"]
     kinetic += (1.0 + 0.5) * state["knee__steer_rate"] * seen["d.knee.steer_rate"]
-    slide, twist = one - two, state["clutch__twist"]
+    slide, twist = one - 1.5 * two, state["clutch__twist"]
     most = 80.0 + 5.0 * abs(two)
     stuck = float(np.clip(twist, -most / 2e3, most / 2e3))
     torque = float(np.clip(2e3 * twist + 3.0 * slide, -most, most))
@@ -64,7 +74,12 @@ def test_power_is_growth_of_stored_energy_and_a_loss(motion, seed):
     stored += 900.0 * state["shaft__twist"] * seen["d.shaft.twist"]
     loss += 4.0 * lag**2
     size = abs(kinetic) + abs(stored) + loss
-    assert kinetic + stored + loss == pytest.approx(0.0, abs=1e-9 * size)
+    throttle = np.clip(0.3 + 0.2 * one, 0.0, 1.0)
+    full = np.interp(two, [-5, 0, 4, 9], [10, 40, 55, 20])
+    drag = np.interp(two, [-5, 0, 4, 9], [0, 0, -6, -9])
+    power = (throttle * full + (1.0 - throttle) * drag) * two
+    assert seen["engine.power"] == pytest.approx(power, rel=1e-12)
+    assert kinetic + stored + loss == pytest.approx(power, abs=1e-9 * (size + abs(power)))
 
 
 def test_a_stuck_coupling_is_a_spring_that_keeps_its_twist(motion):
@@ -82,3 +97,17 @@ def test_a_sliding_coupling_has_its_limit_against_the_motion(motion):
 def test_stiffness_must_be_positive(tmp_path):
     text = SYSTEM.replace("stiffness: 2 kN*m/rad", "stiffness: 0 N*m/rad")
     assert any("elements.clutch.stiffness" in problem for problem in problems(tmp_path, text))
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "words"),
+    [
+        ("speeds: [-5, 0, 4, 9]", "speeds: [-5, 4, 0, 9]", "speeds of the map do not grow"),
+        ("speeds: [-5, 0, 4, 9]", "speeds: [-5, 0, 4]", "3 speeds and 4 values"),
+        ("full_torques: [10, 40, 55, 20]", "full_torques: []", "0 values of 'full_torques'"),
+        ("full_torques: [10, 40, 55, 20]", "full_torques: [10, .nan, 55, 20]", "a finite number"),
+    ],
+)
+def test_a_map_is_a_function_of_the_speed(tmp_path, old, new, words):
+    with pytest.raises(InputError, match=words):
+        equations(tmp_path, SYSTEM.replace(old, new))

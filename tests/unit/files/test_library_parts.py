@@ -5,6 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+import vehicledyn as vd
 from vehicledyn.analyse.equilibrium import assemble
 from vehicledyn.files.building.construct import build_system
 from vehicledyn.files.system.read import read_system
@@ -98,3 +99,26 @@ def test_the_bar_resists_roll_and_leaves_heave_alone(sign):
     inertia = p["arm.inertia"] + p["arm.mass"] * float(half @ half)
     wanted = -2.0 * p["stiffness"] * slope**2 * travel / (mass + inertia * slope**2)
     assert difference == pytest.approx(wanted, rel=1e-3)
+
+
+def test_the_gearbox_changes_up_and_passes_the_torque_on(tmp_path):
+    """In gear the shafts turn by the ratio, and i (T - J_e ω̇_e) accelerates the flywheel."""
+    path = tmp_path / "up.yaml"
+    path.write_text(
+        f"title: Up\nmodel: {SYSTEMS / 'engine_and_gearbox.yaml'}\nduration: 3 s\n"
+        "solver: {kind: rk4, step: 1 ms}\noutput: {interval: 10 ms}\n",
+        encoding="utf-8",
+    )
+    run = vd.simulate(path)
+    names = ("engine.angle_rate", "propeller.angle_rate", "engine.torque", "selected")
+    engine, propeller, torque, gear = (np.asarray(run[name]) for name in names)
+    assert gear[-1] == 3.0
+    assert (np.diff(gear) >= 0.0).all()
+    ratios = 1.0 / np.array([0.265, 0.489, 0.784])
+    changes = [0, *(np.flatnonzero(np.diff(gear)) + 1), len(gear)]
+    for first, last in zip(changes, changes[1:], strict=False):
+        place = (first + 3 * last) // 4  # the clutch has closed long before
+        ratio = ratios[int(gear[place]) - 1]
+        assert engine[place] == pytest.approx(ratio * propeller[place], rel=2e-3)
+        rates = [np.gradient(x, 0.01)[place] for x in (engine, propeller)]
+        assert 7.3 * rates[1] == pytest.approx(ratio * (torque[place] - 0.2 * rates[0]), rel=2e-2)

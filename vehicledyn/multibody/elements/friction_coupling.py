@@ -19,13 +19,17 @@ A fixed step of 1 ms resolves it; the torque does not depend on it while the cou
 """
 
 
+def _one(_: Situation) -> Scalar:
+    return 1.0
+
+
 @register("element_type", "friction_coupling")
 @dataclass(frozen=True, kw_only=True)
 class FrictionCoupling(BasePart):
     """Dry friction on a coordinate, or between two, that holds without creep at standstill.
 
-    With ω the rate of ``coordinate`` less that of ``other``, and z the twist of the friction
-    faces, a state, the torque against ω is
+    With ω the rate of ``coordinate`` less i times that of ``other``, i the ratio, and z the twist
+    of the friction faces, a state, the torque against ω is
 
         T = max(-L, min(L, k z + c ω)),    z' = ω - (z - max(-L/k, min(L/k, z))) / τ
 
@@ -34,12 +38,17 @@ class FrictionCoupling(BasePart):
     torque is exactly L against the motion. At a constant limit its power T ω is the growth of the
     stored energy and a loss that is never negative.
 
-    A brake acts on the spin of a wheel, a clutch on two shafts; a limit that nothing reaches
-    locks a differential.
+    T acts against ``coordinate``, and i T along ``other``. A brake acts on the spin of a wheel, a
+    clutch on two shafts; a limit that nothing reaches locks a differential. With a ratio that
+    switches it is a gearbox with its clutch: give it a limit of zero while gears change, so that
+    what is twisted is let loose first.
     """
 
     coordinate: str = coordinate_name("The coordinate")
     other: str | None = coordinate_name("The other coordinate, if any", default=None)
+    ratio: Callable[[Situation], Scalar] = function(
+        "1", "Turns i of the coordinate a turn of the other", of="motion", default=_one, written=1.0
+    )
     limit: Callable[[Situation], Scalar] = function(
         "N*m", "Torque limit L, not negative", of="motion"
     )
@@ -57,7 +66,7 @@ class FrictionCoupling(BasePart):
         excess = twist - _within(twist, limit / self.stiffness)
         forces = {self.coordinate: -torque}
         if self.other is not None:
-            forces[self.other] = torque
+            forces[self.other] = self.ratio(situation) * torque
         return Loads(joint_forces=forces, rates={"twist": rate - excess / RELEASE_TIME})
 
     def outputs(self, situation: Situation) -> tuple[Output, ...]:
@@ -73,7 +82,7 @@ class FrictionCoupling(BasePart):
         """Return torque, relative rate and limit."""
         rate = situation.kinematics.rate(self.coordinate)
         if self.other is not None:
-            rate = rate - situation.kinematics.rate(self.other)
+            rate = rate - self.ratio(situation) * situation.kinematics.rate(self.other)
         limit = ops.maximum(self.limit(situation), 0.0)
         trial = self.stiffness * situation.states["twist"] + self.damping * rate
         return _within(trial, limit), rate, limit
