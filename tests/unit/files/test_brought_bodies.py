@@ -63,3 +63,38 @@ def test_a_name_that_is_taken_is_refused(tmp_path):
     text = ARM.replace("bodies: {", "bodies: {bar.frame_1: {mass: 1 kg}, ")
     found = problems(tmp_path, text)
     assert any("bar.frame_1" in line for line in found), found
+
+
+BLADE = """\
+title: A blade on a hub without mass, with a load at its end
+bodies:
+  hub: {joints: [R3 turn]}
+  load: {parent: blade.tip, mass: 2 kg}
+elements:
+  blade: {kind: beam, body: hub, length: 2 m, modes: {y: 3}, frames: [0.5],
+          section: {shape: rectangle, width: 8 mm, height: 9 mm},
+          material: {density: 7870 kg/m^3, young: 200 GPa}}
+"""
+
+
+def test_a_massless_body_carries_what_an_element_brings(tmp_path):
+    assert not problems(tmp_path, BLADE)
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "words"),
+    [
+        ("frames: [0.5]", "frames: [1.5]", "1.5 is beyond the beam; places run from 0 to 1"),
+        ("{y: 3}", "{y: 30}", "30 is not from 0 to 12"),
+        ("{y: 3}", "{}", "would be rigid"),
+        ("frames: [0.5]", "stiffness: {mass_per_length: 1 kg/m}", "not both"),
+        ("width: 8 mm, ", "", "a rectangle needs its width and height"),
+        ("shape: rectangle", "radius: 1 mm, shape: rectangle", "a rectangle has no radius"),
+        ("{y: 3}", "{y: 3}, stiffening: axial_force", "needs modes.stretch"),
+        ("parent: blade.tip", "parent: blade", "'blade' deforms; hang it on a frame"),
+    ],
+)
+def test_one_mistake_in_a_beam_is_one_problem(tmp_path, old, new, words):
+    """Bodies and joints that depend on the beam are not named beside it."""
+    (found,) = problems(tmp_path, BLADE.replace(old, new))
+    assert words in found

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -22,6 +23,30 @@ class Brought:
 
     bodies: list[Body] = field(default_factory=list)
     problems: list[tuple[Place, str]] = field(default_factory=list)
+    failed: dict[str, DeclaredSet] = field(default_factory=dict)
+
+    @property
+    def parents(self) -> dict[str, str]:
+        """Parent of each body by name."""
+        return {body.name: body.parent for body in self.bodies}
+
+    @property
+    def carriers(self) -> set[str]:
+        """Bodies that these hang on, and all names that elements with mistakes mention."""
+        named = (value for item in self.failed.values() for value in vars(item).values())
+        return {*self.parents.values(), *(value for value in named if isinstance(value, str))}
+
+    def is_consequence(self, words: str) -> bool:
+        """Return whether a problem is but that an element with mistakes brings nothing."""
+        return any(f"'{name}." in words or f"'{name}'" in words for name in self.failed)
+
+    def hanging_problems(self, file: SystemFile) -> Iterator[tuple[Place, str]]:
+        """Yield bodies of the file that hang on one that deforms, not on a frame of it."""
+        deformable = {body.name for body in self.bodies if body.flexibility is not None}
+        for name, item in file.bodies.items():
+            if item.parent in deformable:
+                words = f"'{item.parent}' deforms; hang it on a frame, such as '{item.parent}.tip'"
+                yield ("bodies", name, "parent"), words
 
     @property
     def coordinates(self) -> dict[str, Coordinate]:
@@ -62,6 +87,7 @@ def brought_by(file: SystemFile, parameters: Parameters) -> Brought:
             continue
         except InputError as error:
             found.problems.append((("elements", name), str(error)))
+            found.failed[name] = item
             continue
         clash = sorted({body.name for body in bodies} & taken)
         if clash:

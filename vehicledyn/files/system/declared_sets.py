@@ -162,7 +162,8 @@ def element_of(item: DeclaredSet, name: str, value: Values, coordinates: Sequenc
     try:
         return item.made_from(**named, **own)
     except InputError as error:
-        raise InputError(f"{item.kind} '{name}': {error}") from None
+        head = f"{item.kind} '{name}': " if name else ""
+        raise InputError(f"{head}{error}") from None
 
 
 def _function_of(

@@ -77,7 +77,9 @@ class Reading:
         brought = brought_by(flat, known)
         coordinates = {**brought.coordinates, **coordinates_of(flat)}
         self._tell(brought.problems)
-        self._tell(check(flat, coordinates, known, {b.name: b.parent for b in brought.bodies}))
+        self._tell(brought.hanging_problems(flat))
+        found = check(flat, coordinates, known, brought.parents, brought.carriers)
+        self._tell(item for item in found if not brought.is_consequence(item[1]))
         self._tell(interface_problems(flat, coordinates, self.parameters.declared))
         return _parents_first(flat)
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Collection, Iterable, Iterator
 from typing import Any
 
 from vehicledyn.base.errors import unknown_name
@@ -36,7 +36,8 @@ def check(
     file: SystemFile,
     coordinates: dict[str, Coordinate],
     parameters: Parameters,
-    brought: Mapping[str, str] | None = None,
+    brought: Iterable[str] = (),
+    carriers: Collection[str] = (),
 ) -> Problems:
     """Yield what is wrong in a file whose parts are well formed, with places.
 
@@ -49,7 +50,9 @@ def check(
     parameters
         The parameters, those without mistakes.
     brought
-        Parent of each body that elements bring, by name.
+        Names of the bodies that elements bring.
+    carriers
+        Names of the bodies that these hang on.
     """
     yield from _names(file)
     if file.wheels and "speed" in parameters.declared:
@@ -57,7 +60,6 @@ def check(
         yield ("parameters", "speed"), words
     yield from _coordinates_twice(file)
     yield from tree_problems(file.bodies)
-    brought = brought or {}
     known = _Known(file, coordinates, parameters, brought)
     for item in walk(file, coordinates):
         if isinstance(item, Reference):
@@ -66,7 +68,7 @@ def check(
             yield from _expression(item, known)
     yield from _initial(file, known)
     yield from _drives(file, known)
-    yield from inertia_problems(file, parameters, known.driven, set(brought.values()))
+    yield from inertia_problems(file, parameters, known.driven, carriers)
     yield from structure_problems(file, coordinates)
     yield from _switches(file, known)
     yield from _events(file, known)
