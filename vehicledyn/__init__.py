@@ -36,6 +36,7 @@ if TYPE_CHECKING:
     from vehicledyn.interface.sensitivities import sensitivity
     from vehicledyn.interface.simulation import simulate
     from vehicledyn.interface.studies import sweep
+    from vehicledyn.interface.uncertainties import uncertainty
     from vehicledyn.multibody.model.bodies import Body, Joint, Turn
     from vehicledyn.multibody.model.cuts import BallCut, BodyCut, RodCut
     from vehicledyn.multibody.model.ground import GROUND
@@ -85,6 +86,7 @@ __all__ = [
     "simulate",
     "steady",
     "sweep",
+    "uncertainty",
 ]
 
 _HOMES = {
@@ -118,6 +120,7 @@ _HOMES = {
     "vehicledyn.interface.plugins": ("load_plugin",),
     "vehicledyn.interface.sensitivities": ("sensitivity",),
     "vehicledyn.interface.simulation": ("simulate",),
+    "vehicledyn.interface.uncertainties": ("uncertainty",),
     "vehicledyn.multibody.model.bodies": ("Body", "Joint", "Turn"),
     "vehicledyn.multibody.model.cuts": ("BallCut", "BodyCut", "RodCut"),
     "vehicledyn.multibody.model.ground": ("GROUND",),

@@ -11,7 +11,13 @@ from numpy.typing import NDArray
 
 from vehicledyn.analyse.gradients.adjoint import figure_adjoint
 from vehicledyn.analyse.gradients.key_figures import FigureSlope, figure_slope, sampled_slopes
-from vehicledyn.analyse.gradients.motion import Balance, MotionSlopes, follow, start_slopes
+from vehicledyn.analyse.gradients.motion import (
+    Balance,
+    MotionSlopes,
+    follow,
+    sampled_run,
+    start_slopes,
+)
 from vehicledyn.analyses.preparation.prepare import Point, set_speed, start_point
 from vehicledyn.analyses.preparation.prepared import Prepared, Progress
 from vehicledyn.analyses.sensitivity.names import Directions, Wanted, directions, wanted
@@ -61,6 +67,11 @@ class MotionStudy:
                 "derivatives of its motion need 'constraint_method: partitioning'"
             )
         all_names = [c.name for c in prepared.equations.channels]
+        for name in names:
+            if name not in all_names:
+                guess = nearest_name(name, all_names)
+                hint = f"; did you mean '{guess}'?" if guess else ""
+                raise InputError(f"'{name}' is no channel of '{prepared.equations.name}'{hint}")
         chosen = [all_names.index(name) for name in names]
         chosen = chosen if back else [*needed_channels(prepared), *chosen]
         channels = list(dict.fromkeys(chosen))
@@ -111,6 +122,27 @@ class MotionStudy:
             directions=(chosen.by_parameter, by_state),
             progress=lambda part: progress("following the motion with its tangents", part),
         )
+
+    def plain(self, progress: Progress) -> MotionSlopes:
+        """Return the motion without derivatives, as those by no directions."""
+        kernel, n_x = self.prepared.kernel, len(self.start.state)
+        if kernel.equations.events:
+            none = np.zeros((len(kernel.parameters), 0)), np.zeros((n_x, 0))
+            start = (self.start.state, self.start.unknowns)
+            return follow(
+                self.code,
+                kernel,
+                self.grid,
+                n_intervals=self.n_intervals,
+                start=start,
+                directions=none,
+            )
+        times, values, state = sampled_run(
+            kernel, self.grid, self.n_intervals, (self.start.state, self.start.unknowns)
+        )
+        chosen = values[:, self.channels]
+        empty = np.zeros((*chosen.shape, 0))
+        return MotionSlopes(times, chosen, empty, state, np.zeros((n_x, 0)), [], "")
 
     def start_slopes(self, chosen: Directions) -> Floats:
         """Return how the start follows the parameters; given states follow the speed alone."""

@@ -87,6 +87,11 @@ def directions(
     return Directions(tuple(quantities), sizes, by_parameter, by_state)
 
 
+def named_channels(of: Sequence[str]) -> list[str]:
+    """Return the channels in names such as ``max(chassis.roll)``, unchecked."""
+    return [match[2] for name in of if (match := _FIGURE.fullmatch(name))]
+
+
 def wanted(equations: Equations, of: Sequence[str], known: Sequence[str]) -> Wanted:
     """Return what names ask for: channels, ``max(CHANNEL)`` and the like, figures of the run.
 
