@@ -14,7 +14,14 @@ pytestmark = pytest.mark.long
 DRIVERS = {
     "preview": "{kind: preview, preview_time: 0.5 s, lag_frequency: 20 rad/s, lag_damping: 0.8, "
     "rack_stop: 60 mm}",
+    "macadam": "{kind: macadam, preview_time: 1 s, points: 5, speed: 10 m/s, mass: 1600 kg, "
+    "yaw_inertia: 1800 kg*m^2, front_distance: 1 m, rear_distance: 1 m, HANDS, "
+    "front_stiffness: 60 kN/rad, rear_stiffness: 60 kN/rad, rack_speed: 0.5 m/s}",
+    "pure_pursuit": "{kind: pure_pursuit, distance: 5 m, HANDS, rack_acceleration: 20 m/s^2}",
+    "stanley": "{kind: stanley, gain: 3 Hz, HANDS}",
 }
+HANDS = "lag_frequency: 20 rad/s, lag_damping: 0.8, rack_stop: 60 mm"
+DRIVERS = {kind: text.replace("HANDS", HANDS) for kind, text in DRIVERS.items()}
 SLALOM = (
     "{kind: slalom, cones: 1, spacing: 18 m, first_cone: 4 m, cone_radius: 0.1 m, "
     "path_offset: 1 m, driver: DRIVER}"

@@ -40,8 +40,7 @@ def handling_table(target: Target, *, backend: Backend, progress: Progress) -> H
     steady = steady_sheets(solver, SteadyWish(limits=False), progress)
     tests = StandardTests(solver, progress)
     tests.run_all()
-    understeer = steady.figure("constant_speed.understeer_gradient")
-    run_lane_changes(tests, max(understeer, 0.0), backend=backend)
+    run_lane_changes(tests, backend=backend)
     notes = list(tests.notes)
     if car.steering_ratio == 1.0:
         notes.append("steering angles are those of the front wheels: it has no steering_ratio")

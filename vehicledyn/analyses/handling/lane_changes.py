@@ -1,74 +1,115 @@
-"""Lane changes between cones with a preview driver: a kernel of their own, since he steers."""
+"""Lane changes between cones with MacAdam's driver: a kernel of their own, since he steers."""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 
 from vehicledyn.analyses.handling.standard_tests import StandardTests
+from vehicledyn.analyses.handling.steady_turn import Turn
 from vehicledyn.analyses.handling.test_run import DrivenTest, drive, figures_of, sheet_of
 from vehicledyn.analyses.handling.tested_car import TestedCar
 from vehicledyn.kernel.kernel import Backend
-from vehicledyn.results.tables.handling_table import TRUTH, KeyFigure
-from vehicledyn.road.drivers.preview import Preview
+from vehicledyn.results.tables.handling_table import KeyFigure
+from vehicledyn.road.drivers.macadam import MacAdam
 from vehicledyn.road.manoeuvres.double_lane_change import DoubleLaneChange
 from vehicledyn.road.manoeuvres.lane_change_test import LaneChangeTest
 from vehicledyn.road.manoeuvres.obstacle_avoidance import ObstacleAvoidance
+from vehicledyn.road.standards.steering_shares import STANDARD_GRAVITY
 
-ENTRY_SPEED = 80.0 / 3.6
-"""Entry speed of the double lane change [m/s]."""
-
-AVOIDANCE_SPEEDS = tuple(speed / 3.6 for speed in (40.0, 50.0, 55.0, 60.0, 65.0, 70.0, 75.0, 80.0))
-"""Entry speeds at which the obstacle avoidance is tried, until one fails [m/s]."""
+SPEEDS = {
+    "double_lane_change": tuple(speed / 3.6 for speed in range(60, 105, 5)),
+    "obstacle_avoidance": tuple(speed / 3.6 for speed in range(40, 85, 5)),
+}
+"""Entry speeds that are tried, until a corner leaves its lane [m/s]."""
 
 _LARGEST_WHEEL_ANGLE = 0.6
 _BEGIN = 20.0
+_PREVIEW_TIME, _GENTLE = 0.8, 0.5
+"""Preview time [s], and lateral acceleration of the turn that shows the stiffness [m/s²]."""
 
 
-def run_lane_changes(tests: StandardTests, understeer: float, *, backend: Backend) -> None:
-    """Drive ISO 3888-1 at 80 km/h, and ISO 3888-2 at growing speeds until a corner leaves.
+def run_lane_changes(tests: StandardTests, *, backend: Backend) -> None:
+    """Drive ISO 3888-1 and ISO 3888-2 at growing entry speeds, until a corner leaves its lane.
 
     Parameters
     ----------
     tests
         The tests of the car, which take the key figures.
-    understeer
-        Understeer gradient that the driver makes up for [rad s²/m].
     backend
         As for a run.
     """
     car = tests.solver.car
-    driver = Preview(
-        preview_time=0.5,
-        understeer=understeer,
-        lag_frequency=30.0,
-        lag_damping=0.8,
-        rack_stop=_LARGEST_WHEEL_ANGLE / abs(car.worth(car.vehicle.steering_gain)),
-    )
-    test = DoubleLaneChange(speed_control=car.control, driver=driver, begin=_BEGIN)
-    driven = TestedCar(car.target, backend=backend, progress=tests.progress, test=test)
-    run = _drive(tests, driven, test, ENTRY_SPEED)
-    tests.figures += figures_of(driven, "double_lane_change", run)
-    tests.sheets["double_lane_change"] = sheet_of(run)
-    passed = math.nan
-    for speed in AVOIDANCE_SPEEDS:
-        front = max(corner[0] for corner in car.vehicle.outline)
-        release = (_BEGIN + 2.0 - front) / speed
-        avoidance = ObstacleAvoidance(
+    front = max(corner[0] for corner in car.vehicle.outline)
+
+    def double(speed: float) -> LaneChangeTest:
+        driver = driver_of(tests, speed)
+        return DoubleLaneChange(speed_control=car.control, driver=driver, begin=_BEGIN)
+
+    def avoidance(speed: float) -> LaneChangeTest:
+        driver, release = driver_of(tests, speed), (_BEGIN + 2.0 - front) / speed
+        return ObstacleAvoidance(
             speed_control=car.control, driver=driver, begin=_BEGIN, release_at=release
         )
-        tried = _drive(tests, driven, avoidance, speed)
-        found = figures_of(driven, "obstacle_avoidance", tried)
-        if not next(f.value for f in found if f.name == "passed"):
+
+    first = double(SPEEDS["double_lane_change"][0])
+    driven = TestedCar(car.target, backend=backend, progress=tests.progress, test=first)
+    for name, make in (("double_lane_change", double), ("obstacle_avoidance", avoidance)):
+        _until_left(tests, driven, name, make)
+
+
+def _until_left(
+    tests: StandardTests, car: TestedCar, name: str, make: Callable[[float], LaneChangeTest]
+) -> None:
+    """Drive a lane change at growing speeds; keep the last run that passes, or the first."""
+    passed = math.nan
+    for speed in SPEEDS[name]:
+        run = _drive(tests, car, make(speed), speed)
+        found = figures_of(car, name, run)
+        is_good = bool(next(f.value for f in found if f.name == "passed")) and not run.ended_by
+        if is_good or math.isnan(passed):
+            kept, figures = run, found
+        if not is_good:
             break
-        passed, kept, run = speed, found, tried
+        passed = speed
+    tests.figures += figures
+    tests.sheets[name] = sheet_of(kept)
     if not math.isnan(passed):
-        tests.figures += kept
-        tests.sheets["obstacle_avoidance"] = sheet_of(run)
-        words = "Largest entry speed that passes, of 40 and 50 to 80 km/h in steps of 5"
-        tests.figures.append(KeyFigure("obstacle_avoidance", "largest_speed", passed, "m/s", words))
-    else:
-        words = "Whether it passes at 40 km/h"
-        tests.figures.append(KeyFigure("obstacle_avoidance", "passed", 0.0, TRUTH, words))
+        low, high = (round(SPEEDS[name][k] * 3.6) for k in (0, -1))
+        words = f"Largest entry speed that passes, of {low} to {high} km/h in steps of 5"
+        tests.figures.append(KeyFigure(name, "largest_speed", passed, "m/s", words))
+
+
+def driver_of(tests: StandardTests, speed: float) -> MacAdam:
+    """Return a driver who knows the car's axle loads and cornering stiffness.
+
+    The stiffness is that of a gentle turn; the yaw inertia is taken as the mass times both axle
+    distances, which is near that of usual cars.
+    """
+    solver, vehicle = tests.solver, tests.solver.car.vehicle
+    straight = solver.car.outputs(tests.straight_at(speed))
+    turn = Turn(speed, "lateral_acceleration", _GENTLE)
+    gentle = solver.car.outputs(solver.find(turn, tests.straight_at(speed)))
+    loads, stiffness = {}, {}
+    for is_front in (True, False):
+        names = [f"{c.name}.tyre" for c in vehicle.corners if c.is_front == is_front]
+        loads[is_front] = sum(straight[f"{name}.normal_force"] for name in names)
+        gained = [
+            sum(after[f"{n}.{what}"] - straight[f"{n}.{what}"] for n in names)
+            for what in ("lateral_force", "slip_angle")
+            for after in (gentle,)
+        ]
+        stiffness[is_front] = abs(gained[0] / gained[1]) * len(names)
+    wheelbase, whole = solver.car.worth(vehicle.wheelbase), loads[True] + loads[False]
+    front, rear = (wheelbase * loads[not is_front] / whole for is_front in (True, False))
+    mass = whole / STANDARD_GRAVITY
+    return MacAdam(
+        preview_time=_PREVIEW_TIME, points=10, speed=speed, mass=mass,
+        yaw_inertia=mass * front * rear, front_distance=front, rear_distance=rear,
+        front_stiffness=stiffness[True], rear_stiffness=stiffness[False], lag_frequency=30.0,
+        lag_damping=0.8,
+        rack_stop=_LARGEST_WHEEL_ANGLE / abs(solver.car.worth(vehicle.steering_gain)),
+    )  # fmt: skip
 
 
 def _drive(tests: StandardTests, car: TestedCar, test: LaneChangeTest, speed: float) -> DrivenTest:
@@ -76,7 +117,8 @@ def _drive(tests: StandardTests, car: TestedCar, test: LaneChangeTest, speed: fl
     tests.progress(words, None)
     start = car.like(tests.solver.car, tests.straight_at(speed))
     end = test.lanes(car.vehicle)[2].end
-    run = drive(car, test, start, (end + 8.0) / speed * 1.1)
+    numbers = test.driver.numbers()  # type: ignore[attr-defined]
+    run = drive(car, test, start, (end + 8.0) / speed * 1.1, numbers)
     if run.ended_by:
         tests.notes.append(f"{words}: {run.note()}; recorded until then")
     return run

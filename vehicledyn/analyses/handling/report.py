@@ -23,14 +23,15 @@ class HandlingReport:
         tables = [self.table] + ([self.other] if self.other is not None else [])
         lines = [f"{self.table.title}: {' against '.join(table.model for table in tables)}"]
         known = [{f.key: f for f in table.figures} for table in tables]
-        test = ""
-        for key in dict.fromkeys(key for figures in known for key in figures):
-            figure = next(figures[key] for figures in known if key in figures)
-            if figure.test != test:
-                test = figure.test
-                lines += ["", test.replace("_", " ")]
-            values = "".join(f"{text_of(figures.get(key)):>18}" for figures in known)
-            lines.append(f"  {values}  {figure.description}")
+        tests = dict.fromkeys(f.test for table in tables for f in table.figures)
+        keys = list(dict.fromkeys(key for figures in known for key in figures))
+        for test in tests:
+            lines += ["", test.replace("_", " ")]
+            for key in keys:
+                figure = next(figures[key] for figures in known if key in figures)
+                if figure.test == test:
+                    values = "".join(f"{text_of(figures.get(key)):>18}" for figures in known)
+                    lines.append(f"  {values}  {figure.description}")
         notes = [f"{table.model}: {note}" for table in tables for note in table.notes]
         return "\n".join([*lines, *([""] if notes else []), *notes])
 
