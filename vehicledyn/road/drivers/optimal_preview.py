@@ -3,15 +3,52 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
-if TYPE_CHECKING:
-    from vehicledyn.road.drivers.macadam import MacAdam
-
 Vector = NDArray[np.float64]
+
+
+class SingleTrackNumbers(Protocol):
+    """What the driver knows, see :class:`vehicledyn.road.drivers.macadam.MacAdam`."""
+
+    @property
+    def preview_time(self) -> float:
+        """How far ahead the driver looks [s]."""
+
+    @property
+    def points(self) -> int:
+        """Number of points ahead."""
+
+    @property
+    def speed(self) -> float:
+        """Speed [m/s]."""
+
+    @property
+    def mass(self) -> float:
+        """Mass [kg]."""
+
+    @property
+    def yaw_inertia(self) -> float:
+        """Moment of inertia about the vertical [kg m²]."""
+
+    @property
+    def front_distance(self) -> float:
+        """Front axle ahead of the centre of mass [m]."""
+
+    @property
+    def rear_distance(self) -> float:
+        """Rear axle behind it [m]."""
+
+    @property
+    def front_stiffness(self) -> float:
+        """Cornering stiffness of the front axle [N/rad]."""
+
+    @property
+    def rear_stiffness(self) -> float:
+        """That of the rear axle [N/rad]."""
 
 
 @dataclass(frozen=True)
@@ -23,7 +60,7 @@ class Prediction:
     free: Vector
 
 
-def single_track(driver: MacAdam) -> tuple[Vector, Vector]:
+def single_track(driver: SingleTrackNumbers) -> tuple[Vector, Vector]:
     """Return A and B of the single-track model with x = (y, v_y, r, ψ), input the wheel angle."""
     v, m, i = driver.speed, driver.mass, driver.yaw_inertia
     a, b = driver.front_distance, driver.rear_distance
@@ -39,7 +76,7 @@ def single_track(driver: MacAdam) -> tuple[Vector, Vector]:
     return matrix, np.array([0.0, cf / m, a * cf / i, 0.0])
 
 
-def prediction(driver: MacAdam) -> Prediction:
+def prediction(driver: SingleTrackNumbers) -> Prediction:
     """Return what the driver expects at equally spaced times up to the preview time."""
     matrix, given = single_track(driver)
     times = driver.preview_time * np.arange(1, driver.points + 1) / driver.points
