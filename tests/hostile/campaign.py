@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 import harness
 import result_cases
 import resume_cases
+import road_file_cases
 import table_cases
 import warm
 import yaml_cases
@@ -21,6 +22,8 @@ KINDS = {
     "profile": table_cases.profile,
     "track": table_cases.track,
     "road": table_cases.road,
+    "opencrg": road_file_cases.opencrg,
+    "tyre": road_file_cases.tyre,
     "motion": table_cases.motion,
     "cases": table_cases.cases_table,
     "result": result_cases.result,

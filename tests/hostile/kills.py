@@ -1,6 +1,6 @@
 """Kills commands at random times and says what must not have been lost, or be taken for whole.
 
-By hand: ``python tests/hostile/kills.py 200``.
+By hand: ``python tests/hostile/kills.py 200 [run sweep hunt ...]``.
 """
 
 import contextlib
@@ -212,16 +212,17 @@ class start:  # noqa: N801
 
 
 def main():
-    """Kill the commands in turn as often as asked for, and print what went wrong."""
+    """Kill all or the named commands in turn as often as asked for; print what went wrong."""
     import warm
 
     warm.up()
     count, bad = int(sys.argv[1]), 0
+    victims = [v for v in VICTIMS if v.name in sys.argv[2:] or not sys.argv[2:]]
     with tempfile.TemporaryDirectory() as folder:
         campaign = Campaign(folder)
         for number in range(count):
-            victim = VICTIMS[number % len(VICTIMS)]
-            for fault in campaign.kill(victim, go_on=number % 3 == 0):
+            victim = victims[number % len(victims)]
+            for fault in campaign.kill(victim, go_on=number // len(victims) % 3 == 0):
                 bad += 1
                 print(f"kill {number}, {victim.name}: {fault}", flush=True)  # noqa: T201
             if number % 10 == 9:

@@ -5,9 +5,12 @@ import json
 
 import pytest
 import result_cases
+import road_file_cases
 import table_cases
 import yaml_cases
 from harness import Case, run
+
+from vehicledyn.results.store.layout import dataset_path
 
 MEASURED = "s [m], curvature [1/km], cant [mm]\n"
 RECORD = "s [m], level [mm], cross_level [mm]\n"
@@ -135,6 +138,30 @@ def giant(place):
     return change
 
 
+def nothing(place):
+    def change(file):
+        del file[place]
+        file.create_dataset(place, data=[], dtype=float)
+
+    return change
+
+
+def complex_numbers(place):
+    def change(file):
+        old = file[place][()]
+        del file[place]
+        file.create_dataset(place, data=old + 1j)
+
+    return change
+
+
+def stated(status):
+    def change(file):
+        file.attrs["status"] = status
+
+    return change
+
+
 @pytest.mark.parametrize(
     ("change", "words"),
     [
@@ -166,6 +193,10 @@ def test_studies_that_do_not_fit_together(change, words):
         ("contact.h5", cut("curves/place"), "place has "),
         ("hunt.h5", cut("cycle_period"), "period has "),
         ("hunt.h5", cut("equilibrium_parameter"), "eigenvalue has "),
+        ("hunt.h5", nothing("equilibrium_parameter"), "eigenvalue has "),
+        ("hunt.h5", complex_numbers("eigenvalue_imag"), "eigenvalue holds no real numbers"),
+        ("response.h5", complex_numbers("response_imag"), "response holds no real numbers"),
+        ("hunt.h5", stated("$x^2_{$"), "status: '$x^2_{$' is unknown"),
     ],
 )
 @pytest.mark.parametrize("verb", ["info", "plot", "report"])
@@ -183,7 +214,7 @@ def test_amplitudes_beyond_all_flanges():
 
 def as_a_row(file):
     del file["states/value"]
-    file["states"].create_dataset("value", shape=(10**12,), chunks=(1000,), dtype=float)
+    file["states"].create_dataset("value", data=[0.0] * 9)
 
 
 def test_states_that_are_no_table():
@@ -212,3 +243,88 @@ def test_numbers_that_end_a_run_at_once(system, given, instead):
     command = ["run", f"scenarios/systems/{system}.yaml", "-o", "out.h5", "--no-plots", "-q"]
     outcome = run(Case(system, files, [*command, *SHORT], outputs=("out.h5",)))
     assert outcome.code in (1, 3) and not outcome.faults, outcome
+
+
+@pytest.mark.parametrize(
+    "place", ["states/value", "restart/history", "restart/event_at", "events/at"]
+)
+def test_arrays_that_are_not_in_the_file(place):
+    def change(file):
+        if place in file:
+            del file[place]
+        file.create_dataset(place, shape=(10**12,), chunks=(1000,), dtype=float)
+
+    refused(
+        Case("info", {"run.h5": changed("run.h5", change)}, ["info", "run.h5"]), "not in the file"
+    )
+
+
+def formats(file):
+    file.attrs["format"] = [1.0, 2.0]
+
+
+@pytest.mark.parametrize("name", ["run.h5", "response.h5", "study.h5"])
+@pytest.mark.parametrize("verb", ["info", "report", "compare"])
+def test_formats_that_are_lists(name, verb):
+    files = {name: changed(name, formats), "whole.h5": changed(name, lambda file: None)}
+    others = ["whole.h5"] if verb == "compare" else []
+    outcome = run(Case(name, files, [verb, name, *others]))
+    assert (outcome.code, outcome.faults) == (2, []), outcome
+
+
+def test_values_at_the_end_of_all_numbers():
+    def change(file):
+        name = next(n for n in file.attrs["channels"] if n.endswith("lateral"))
+        column = file[dataset_path(name)]
+        column[...] = 1.79e308
+
+    case = Case("ends", {"rail.h5": changed("rail.h5", change)}, ["report", "rail.h5"])
+    outcome = run(case)
+    assert outcome.code == 0 and outcome.faults == ["leaves rail_report.html"], outcome
+
+
+@pytest.mark.parametrize(
+    ("given", "instead", "words"),
+    [
+        ("reference_line_end_u = 10.0", "reference_line_end_u = 1e308", "a finite number, 1e+06"),
+        ("long_section_v_left = 1.5", "long_section_v_left = -inf", "a finite number, 1e+06"),
+        (" 0.012089", "1e39     ", "number 5 of cross section 2 is 1e+39"),
+        (" 0.012089", "-1e301   ", "number 5 of cross section 2 is -1e+301"),
+        (
+            "reference_line_end_u = 10.0",
+            "reference_line_end_u = 90",
+            "the file holds 21: it is cut",
+        ),
+    ],
+)
+def test_measured_roads_beyond_all_bounds(given, instead, words):
+    head, body = road_file_cases.roads()[b"LRFI"]
+    content = (head + body).replace(given.encode(), instead.encode(), 1)
+    assert content != head + body
+    text = yaml_cases.scenario_texts()["scenarios/iltis_ramp_steer.yaml"]
+    text = text.replace("kind: flat", "kind: opencrg\n  file: a.crg")
+    files = {"a.yaml": text.encode(), "a.crg": content}
+    refused(Case("opencrg", files, ["validate", "a.yaml"]), words)
+
+
+def test_heights_that_no_slope_joins():
+    rows = "".join(f"{k}, {z}\n" for k, z in enumerate([0, 1e308, 1.7e308, 1e-300, 0, 1, 2]))
+    flat = yaml_cases.scenario_texts()["scenarios/iltis_ramp_steer.yaml"]
+    text = flat.replace("kind: flat", "kind: profile\n  file: r.csv")
+    files = {"a.yaml": text.encode(), "r.csv": f"x [m], z [m]\n{rows}".encode()}
+    outcome = run(Case("road", files, ["validate", "a.yaml"]))
+    assert outcome.code in (0, 2) and not outcome.faults, outcome
+
+
+def test_tyres_without_the_shape_of_their_trail():
+    text = road_file_cases.tyres()[1]
+    line = next(line for line in text.splitlines() if line.startswith("QCZ1"))
+    files = {"a.tir": text.replace(line, "").encode()}
+    refused(Case("tyre", files, ["tyre", "a.tir"]), "QCZ1: missing: Shape factor Cpt")
+
+
+def test_roads_that_are_walls():
+    flat = yaml_cases.scenario_texts()["scenarios/iltis_ramp_steer.yaml"]
+    text = flat.replace("kind: flat", "{kind: plane, slope_x: 0, slope_y: 300}")
+    text = text.replace("road:\n  {", "road: {")
+    refused(Case("road", {"a.yaml": text.encode()}, ["validate", "a.yaml"]), "road.slope_y")

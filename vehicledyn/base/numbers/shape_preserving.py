@@ -109,8 +109,8 @@ def _monotone_slopes(places: Vector, values: Vector) -> Vector:
     slopes = np.zeros(len(places))
     before, after = secants[:-1], secants[1:]
     w1, w2 = 2.0 * steps[1:] + steps[:-1], steps[1:] + 2.0 * steps[:-1]
-    same = before * after > 0.0
-    with np.errstate(divide="ignore", invalid="ignore"):
+    same = np.sign(before) * np.sign(after) > 0.0
+    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         mean = (w1 + w2) / (w1 / before + w2 / after)
     slopes[1:-1] = np.where(same, mean, 0.0)
     return slopes

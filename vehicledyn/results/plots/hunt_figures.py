@@ -202,7 +202,7 @@ def _shown(table: HuntTable) -> tuple[list[str], list[float]]:
 
 
 def _entitled(figure: Figure, title: str, table: HuntTable) -> Figure:
-    state = "" if table.status == "ok" else f" ({table.status})"
+    state = "" if table.status == "ok" else f" ({plain(table.status)})"
     figure.suptitle(title + state, fontsize=10.5, fontweight="bold", x=0.01, ha="left")
     figure.supxlabel(plain(table.title), fontsize=6.5, color="0.45", x=0.99, ha="right")
     return figure

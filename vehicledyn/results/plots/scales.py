@@ -13,6 +13,9 @@ if TYPE_CHECKING:
 ROUNDING = 1e-9
 """Extent that counts as none, as part of the values' size, at least of 1 in the unit shown."""
 
+_LARGEST = 1e300
+"""Values beyond it leave no room for a wider scale."""
+
 _SHOWN_AS = {"rad": "deg", "rad/s": "deg/s", "rad/s^2": "deg/s^2"}
 _SMALL_AS, _SMALL = {"m": "mm", "m/s": "mm/s"}, 0.1
 _LARGE_AS, _LARGE = {"N": "kN", "N*m": "kN*m", "Pa": "MPa"}, 2e4
@@ -21,11 +24,11 @@ _LARGE_AS, _LARGE = {"N": "kN", "N*m": "kN*m", "Pa": "MPa"}, 2e4
 def leave_room(axes: Axes) -> None:
     """Widen a scale that would show nothing but rounding errors: zero from -1 to 1."""
     low, high = axes.get_ylim()
-    centre = 0.5 * (low + high)
+    centre = 0.5 * low + 0.5 * high
     lines = [np.asarray(line.get_ydata(), dtype=float) for line in axes.lines]
     values = np.concatenate([np.ravel(each) for each in lines]) if lines else np.empty(0)
     known = values[np.isfinite(values)]
-    if not known.size:
+    if not known.size or np.abs(known).max() > _LARGEST:
         return
     size = max(1.0, float(np.abs(known).max()))
     if np.ptp(known) >= ROUNDING * size:

@@ -155,8 +155,16 @@ def write_numbers(
 
 
 def read_complex(group: h5py.Group, name: str) -> Any:
-    """Return an array of complex numbers."""
+    """Return an array of complex numbers.
+
+    Raises
+    ------
+    ValueError
+        If one of its two parts holds no real numbers.
+    """
     real, imaginary = (group[f"{name}_{part}"][()] for part in ("real", "imag"))
+    if {real.dtype.kind, imaginary.dtype.kind} - set("fiu"):
+        raise ValueError(f"{name} holds no real numbers")
     values = np.array(real, dtype=complex)
     values.imag = imaginary
     return values

@@ -25,6 +25,7 @@ from vehicledyn.results.store.animation_section import (
     read_animation,
     read_rows,
 )
+from vehicledyn.results.store.consistency import require_stored
 from vehicledyn.results.store.decimation import ColumnRange, column_range, thinned
 from vehicledyn.results.store.history import History, read_events, read_history
 from vehicledyn.results.store.layout import (
@@ -48,6 +49,9 @@ if TYPE_CHECKING:
     import pandas
 
 Floats = NDArray[np.float64]
+
+_BESIDE = {"states", "events", "restart", "summary", "solver"}
+"""Groups beside the channels whose arrays are read whole."""
 
 
 def open_result(path: str | Path, most: int | None = None) -> Result:
@@ -112,6 +116,8 @@ class Result:
             self.channels = tuple(str(name) for name in file.attrs["channels"])
             self.samples = int(file["time"].shape[0])
             refuse_promises(path, file, self.channels)
+            for group in _BESIDE & set(file):
+                require_stored(file[group])
             self._check_sums("time")
             self._thinning = thinned(self.samples, most)
             self.block = self._thinning.block

@@ -16,7 +16,7 @@ from vehicledyn.results.store.layout import FORMAT, FORMAT_VERSION, dataset_path
 
 def check_format(path: Path, file: h5py.File) -> None:
     """Refuse files of other programs, and results of a newer format than this program reads."""
-    if file.attrs.get("format") != FORMAT:
+    if str(file.attrs.get("format", "")) != FORMAT:
         raise InputError(f"{path}: is HDF5, but not a result of this program")
     version = int(file.attrs["format_version"])
     if version > FORMAT_VERSION:

@@ -54,7 +54,7 @@ def is_study_file(path: Path) -> bool:
     """Return whether a file is one of a study; what cannot be read is none."""
     try:
         with open_file(path) as file:
-            return bool(file.attrs.get("format") == FORMAT)
+            return str(file.attrs.get("format", "")) == FORMAT
     except (InputError, OSError, RuntimeError, KeyError):
         return False
 
@@ -97,7 +97,7 @@ class StudyFile:
     def __init__(self, path: Path, file: OpenFile) -> None:
         self.path, self._file = path, file
         with reading(path, file, _ADVICE):
-            if file.attrs.get("format") != FORMAT:
+            if str(file.attrs.get("format", "")) != FORMAT:
                 raise InputError(f"{path}: is no file of 'vehicledyn sweep'")
             if int(file.attrs["format_version"]) > FORMAT_VERSION:
                 raise InputError(f"{path}: was written by a newer vehicledyn; update this one")

@@ -30,6 +30,7 @@ KINDS = ("", "fold", "period_doubling", "torus", "branch_point")
 """What a limit cycle may be besides one."""
 
 RUNNING, INTERRUPTED = "running", "interrupted"
+STATUSES = ("ok", "partial", "failed", RUNNING, INTERRUPTED)
 FIGURE_MEANINGS = {
     "linear_critical": "linear critical value (an oscillation begins to grow)",
     "linear_critical_frequency": "its frequency",
@@ -233,7 +234,7 @@ def read_hunt(path: Path) -> HuntTable:
         motion = sizes.fit("cycle_motion", file["cycle_motion"][()], "cycles", "phases", "channels")
         locus = sizes.fit("equilibrium_parameter", file["equilibrium_parameter"][()], "equilibria")
         eigenvalues = read_complex(file, "eigenvalue")
-        if len(locus):
+        if len(locus) or eigenvalues.size:
             sizes.fit("eigenvalue", eigenvalues, "equilibria", "states")
         directions = _read_directions(file, sizes, len(kinds))
         cycles = tuple(
@@ -306,6 +307,7 @@ def _read_directions(file: Any, sizes: Sizes, count: int) -> list[Any]:
 
 def _status(path: Path, status: str, message: str) -> tuple[str, str]:
     """Return status and message; what runs no more, and never said how it ended, was killed."""
+    require_known("status", [status], STATUSES)
     if status != RUNNING or is_being_written(path.resolve()):
         return status, message
     words = (

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from vehicledyn.base.errors import InputError
 from vehicledyn.base.files.limits import read_regular
 from vehicledyn.base.problems import Mark, Problem, refusal
-from vehicledyn.road.opencrg.header import BLOCKS, Header, read_header
+from vehicledyn.road.opencrg.header import BLOCKS, LARGEST, Header, read_header
 from vehicledyn.road.opencrg.payload import Array, PayloadError, read_payload
 
 MOST_BYTES = 2_000_000_000
@@ -83,7 +83,7 @@ def read_crg(path: Path) -> CrgData:
     if header.problems:
         raise refusal(header.problems, str(path))
     try:
-        table = read_payload(content, header, rows if header.code[2] == "B" else None)
+        table = read_payload(content, header, rows)
     except PayloadError as error:
         raise refusal([error.problem], str(path)) from None
     return _data(header, table, v, path)
@@ -182,6 +182,11 @@ def _data(header: Header, table: Array, v: Array, path: Path) -> CrgData:
         words = f"a road needs two cross sections at least, not {len(table)}"
         mark = Mark(header.line_count, 1)
         raise refusal([Problem(header.source, mark, "", words)], str(path))
+    beyond = np.abs(table) > LARGEST
+    if beyond.any():
+        row, column = np.argwhere(beyond)[0]
+        words = f"number {column + 1} of cross section {row + 1} is {table[row, column]:g}"
+        raise InputError(f"{path}: {words}; no road is farther or higher than {LARGEST:g} m")
     columns = {n: i for i, n in enumerate(header.channels) if isinstance(n, str)}
     along = {name: table[:, at].copy() for name, at in columns.items()}
     for name, numbers in along.items():
@@ -198,8 +203,6 @@ def _data(header: Header, table: Array, v: Array, path: Path) -> CrgData:
     order = np.argsort(v)
     cells = [i for i, c in enumerate(header.channels) if not isinstance(c, str)]
     heights = table[:, cells][:, order].astype(np.float32)
-    if np.isinf(heights).any():
-        raise InputError(f"{path}: a height is infinite")
     is_even = isinstance(header.channels[cells[0]], int)
     return CrgData(
         str(path),

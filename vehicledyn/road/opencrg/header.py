@@ -48,6 +48,8 @@ _CHANNEL = re.compile(r"reference line (x|y|u|phi|banking|slope)\b", re.I)
 _AT_PLACE = re.compile(r"long section at v\s*=\s*([^,\s]+)\s*,\s*m\s*$", re.I)
 _NUMBERED = re.compile(r"long section\s+(\d+)\s*,\s*m\s*$", re.I)
 _LONGEST_LINE = 1000
+LARGEST = 1e6
+"""Largest magnitude of a number in a file; no road is farther, longer or higher [m]."""
 
 
 @dataclass
@@ -141,8 +143,8 @@ def _setting(header: Header, block: str, words: str, number: int) -> None:
     except ValueError:
         header.refuse(number, f"'{text[:60]}' is no number", name)
         return
-    if not math.isfinite(value):
-        header.refuse(number, "must be a finite number", name)
+    if not abs(value) <= LARGEST:
+        header.refuse(number, f"must be a finite number, {LARGEST:g} at most", name)
         return
     if name in header.values[block]:
         header.refuse(number, f"set before, in line {header.lines[name]}", name)
@@ -184,9 +186,12 @@ def _channel(header: Header, text: str) -> str | int | float | None:
         return int(numbered[1])
     if placed:
         try:
-            return float(placed[1])
+            place = float(placed[1])
         except ValueError:
-            header.refuse(header.line_count, f"'{placed[1][:40]}' is no place v")
-            return None
+            place = math.inf
+        if abs(place) <= LARGEST:
+            return place
+        header.refuse(header.line_count, f"'{placed[1][:40]}' is no place v")
+        return None
     header.refuse(header.line_count, f"unknown channel '{text[:60]}'")
     return None

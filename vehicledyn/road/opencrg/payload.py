@@ -52,12 +52,17 @@ def _binary(data: bytes, header: Header, rows: int | None) -> Array:
     kind = np.dtype(">f8" if header.code[1] == "D" else ">f4")
     count = len(header.channels)
     found = len(data) // (kind.itemsize * count)
-    if rows is not None and found < rows:
-        words = f"{rows} cross sections are announced, the file holds {found}: it is cut short"
-        raise PayloadError(Problem(header.source, Mark(header.line_count + 1, 1), "", words))
+    _require(found, rows, header)
     whole = found if rows is None else rows
     numbers = np.frombuffer(data, kind, whole * count).reshape(whole, count)
     return numbers.astype(float)
+
+
+def _require(found: int, rows: int | None, header: Header) -> None:
+    """Refuse data with fewer cross sections than the header announces."""
+    if rows is not None and found < rows:
+        words = f"{rows} cross sections are announced, the file holds {found}: it is cut short"
+        raise PayloadError(Problem(header.source, Mark(header.line_count + 1, 1), "", words))
 
 
 def _text(data: bytes, header: Header, rows: int | None) -> Array:
@@ -70,6 +75,7 @@ def _text(data: bytes, header: Header, rows: int | None) -> Array:
     if len(kept) % per_row:
         words = f"the last cross section has {len(kept) % per_row} of its {per_row} lines"
         raise PayloadError(Problem(header.source, Mark(kept[-1][0], 1), "", words))
+    _require(len(kept) // per_row, rows, header)
     values = []
     for index, (at, line) in enumerate(kept):
         wanted = min(each, count - (index % per_row) * each)

@@ -16,8 +16,10 @@ class Plane(RoadSurface):
 
     is_flat: ClassVar[bool] = True
 
-    slope_x: float = quantity("1", "Rise along world x per metre, uphill positive")
-    slope_y: float = quantity("1", "Rise along world y per metre, up to the left positive")
+    slope_x: float = quantity("1", "Rise along world x per metre, uphill positive", ge=-2, le=2)
+    slope_y: float = quantity(
+        "1", "Rise along world y per metre, up to the left positive", ge=-2, le=2
+    )
     level: float = quantity("m", "Height at the origin of the world", default=0.0)
 
     def height(self, x: Scalar, y: Scalar) -> Scalar:

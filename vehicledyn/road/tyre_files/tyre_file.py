@@ -185,6 +185,10 @@ def _complete(
             problems.append(Problem(source, None, name, _missing(coefficient, entries)))
         elif coefficient.default != "none":
             values[name] = float(coefficient.default)
+    if "QCZ1" not in written and (values.get("QDZ1"), values.get("QDZ2")) == (0.0, 0.0):
+        values["QCZ1"] = 1.0  # of a pneumatic trail of zero, whose shape has no effect
+    elif "QCZ1" not in written:
+        problems.append(Problem(source, None, "QCZ1", _missing(coefficients()["QCZ1"], entries)))
     pressure = found.get("NOMPRES", found.get("IP_NOM", found.get("INFLPRES", found.get("IP"))))
     values["NOMPRES"] = 1.0 if pressure is None else pressure
     values["INFLPRES"] = found.get("INFLPRES", found.get("IP", values["NOMPRES"]))
