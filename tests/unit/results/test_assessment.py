@@ -2,6 +2,7 @@
 
 import json
 import math
+import tracemalloc
 
 import numpy as np
 import pytest
@@ -21,6 +22,7 @@ from vehicledyn.results.assessment.running_safety import (
     track_shift_limit,
 )
 from vehicledyn.results.assessment.signals import (
+    LazyChannels,
     block_rms,
     butterworth,
     even_samples,
@@ -396,3 +398,26 @@ def test_a_partial_file_says_so_first(make_result):
     values = {n: (units[n], v) for n, v in channels.items()}
     path = make_result(time=time, values=values, status="failed", message="derailed")
     assert assess_result(path).as_text().startswith("PARTIAL RESULT: failed at t = 60 s: derailed")
+
+
+def most_memory(axles):
+    """Return the most memory of an assessment of so many axles, whose channels are on a disk."""
+    time, load = np.linspace(0.0, 100.0, 100_001), np.full(100_001, 5e4)
+    forces = [
+        f"axle_{n}.{side}.{f}" for n in range(axles) for side in ("left", "right") for f in "YQ"
+    ]
+    units = dict.fromkeys(forces, "N") | {"body.x": "m"}
+
+    def read(name):
+        return 20.0 * time if name == "body.x" else load + 1e3 * np.sin(time)
+
+    tracemalloc.start()
+    found = assess(time, LazyChannels(units, read), units)
+    most = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    assert len(found.wheels) == 2 * axles
+    return most
+
+
+def test_memory_does_not_grow_with_the_channels():
+    assert most_memory(6) - most_memory(2) < 8 * 100_001  # one of the 16 further columns

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 
@@ -37,7 +38,7 @@ from vehicledyn.results.assessment.running_safety import (
     static_samples,
 )
 from vehicledyn.results.assessment.running_safety import WINDOW as WAY
-from vehicledyn.results.assessment.signals import Floats, Samples, even_samples
+from vehicledyn.results.assessment.signals import Floats, LazyChannels, Samples, even_samples
 from vehicledyn.results.assessment.stability import WINDOW as STRETCH
 from vehicledyn.results.assessment.stability import AxleStability, assess_stability
 from vehicledyn.results.assessment.subjects import Subjects, find_subjects
@@ -79,7 +80,7 @@ class Assessment:
 
 def assess(
     time: Floats,
-    channels: Mapping[str, Floats],
+    channels: Mapping[str, Any],
     units: Mapping[str, str],
     *,
     begin: float | None = None,
@@ -92,7 +93,7 @@ def assess(
     time
         Not falling, shape (n,) [s].
     channels
-        Values by name, shape (n,), SI.
+        Values by name, or datasets of a file, shape (n,), SI; one is read at a time.
     units
         SI units by name.
     begin, end
@@ -104,7 +105,9 @@ def assess(
         If the section holds fewer than two samples.
     """
     subjects = find_subjects({name: units[name] for name in channels})
-    whole = {name: values for name, values in channels.items() if np.isfinite(values).all()}
+    whole = LazyChannels(
+        [name for name in channels if np.isfinite(channels[name]).all()], channels.__getitem__
+    )
     samples = even_samples(time, whole, begin=begin, end=end)
     section = samples.time[samples.kept]
     found = Assessment(float(section[0]), float(section[-1]), samples.rate)
@@ -139,15 +142,22 @@ def _distance(subjects: Subjects, samples: Samples) -> Floats | None:
     the channel that goes farthest gives it, arc coordinates along the track before others.
     """
     known = [name for name in subjects.ways if name in samples.channels]
-    ways = {name: np.abs(np.diff(samples.channels[name])) for name in known}
-    along = {name: steps for name, steps in ways.items() if name.endswith(".track_position")}
-    farthest = max((along or ways).values(), key=np.sum, default=None)
-    speeds = [samples.channels[name] for name in subjects.speeds if name in samples.channels]
-    if farthest is None and speeds:
-        farthest = samples.step * np.abs(0.5 * (speeds[0][:-1] + speeds[0][1:]))
-    if farthest is None:
+    along = [name for name in known if name.endswith(".track_position")]
+    lengths = {name: _steps(samples, name).sum() for name in along or known}
+    speeds = [name for name in subjects.speeds if name in samples.channels]
+    if lengths:
+        farthest = _steps(samples, max(lengths, key=lambda name: lengths[name]))
+    elif speeds:
+        speed = samples.channels[speeds[0]]
+        farthest = samples.step * np.abs(0.5 * (speed[:-1] + speed[1:]))
+    else:
         return None
     return np.concatenate([[0.0], np.cumsum(farthest)])[samples.kept]
+
+
+def _steps(samples: Samples, name: str) -> Floats:
+    """Return how far a channel goes from sample to sample."""
+    return np.asarray(np.abs(np.diff(samples.channels[name])))
 
 
 def _assess_safety(
@@ -163,8 +173,8 @@ def _assess_safety(
             f"sliding means over {WAY:g} m of track are left out: only {found.way:.3g} m were run"
         )
         distance = None
-    bends = [samples.channels[name] for name in subjects.bends if name in samples.channels]
-    curvature = bends[0] if bends else None
+    bends = [name for name in subjects.bends if name in samples.channels]
+    curvature = samples.channels[bends[0]] if bends else None
     curved: list[str] = []
     for axle, all_wheels in subjects.axles.items():
         wheels = tuple(wheel for wheel in all_wheels if _has(samples, wheel, "Y", "Q"))

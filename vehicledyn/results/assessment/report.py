@@ -10,6 +10,7 @@ from typing import Any
 from vehicledyn.base.errors import InputError
 from vehicledyn.results.assessment.assess import Assessment, assess
 from vehicledyn.results.assessment.comfort import DIRECTIONS, Comfort
+from vehicledyn.results.assessment.signals import LazyChannels
 from vehicledyn.results.assessment.subjects import find_subjects
 from vehicledyn.results.store.reader import open_result
 
@@ -82,8 +83,7 @@ def assess_result(
                 f"{path}: has nothing to assess: neither forces of wheels on rails, such as "
                 "'front.left.Q', nor an accelerometer; keep them with output.channels"
             )
-        names = subjects.channels(units)
-        channels = {name: result.channel(name).values for name in names}
+        channels = LazyChannels(subjects.channels(units), lambda name: result.channel(name).values)
         return AssessmentReport(
             path=str(path),
             title=result.title,

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,8 +25,9 @@ _UNEVEN = 1e-6
 class Samples:
     """Channels at even steps of time.
 
-    ``time`` and each channel have shape (n,); ``step`` is in s. ``kept`` is the section that is
-    assessed; filters see the whole run, so that they have settled where it begins.
+    ``time`` and each channel have shape (n,); ``step`` is in s. Channels are read when asked for,
+    so that few of them are in memory at once. ``kept`` is the section that is assessed; filters
+    see the whole run, so that they have settled where it begins.
     """
 
     time: Floats
@@ -49,9 +51,42 @@ class Samples:
         return self.channels[name][self.kept]
 
 
+class LazyChannels(Mapping[str, Any]):
+    """Channels that are read when they are asked for, and not kept.
+
+    Parameters
+    ----------
+    names
+        Names of the channels.
+    read
+        Function from a name to the values, shape (n,), SI.
+    """
+
+    def __init__(self, names: Iterable[str], read: Callable[[str], Any]) -> None:
+        self._names, self._read = dict.fromkeys(names), read
+
+    def __getitem__(self, name: str) -> Any:
+        """Return a channel, shape (n,)."""
+        if name not in self._names:
+            raise KeyError(name)
+        return self._read(name)
+
+    def __contains__(self, name: object) -> bool:
+        """Return whether there is such a channel, without reading it."""
+        return name in self._names
+
+    def __iter__(self) -> Iterator[str]:
+        """Iterate over the names."""
+        return iter(self._names)
+
+    def __len__(self) -> int:
+        """Return the number of channels."""
+        return len(self._names)
+
+
 def even_samples(
     time: Floats,
-    channels: Mapping[str, Floats],
+    channels: Mapping[str, Any],
     *,
     begin: float | None = None,
     end: float | None = None,
@@ -66,7 +101,7 @@ def even_samples(
     time
         Not falling, shape (n,) [s].
     channels
-        Values by name, shape (n,), SI.
+        Values by name, or datasets of a file, shape (n,), SI.
     begin, end
         Limits of the section; the whole run if absent [s].
 
@@ -77,22 +112,25 @@ def even_samples(
     """
     last = np.append(np.diff(time) > 0.0, True)
     instants = np.asarray(time, dtype=float)[last]
-    values = {name: np.asarray(column, dtype=float)[last] for name, column in channels.items()}
+    known = instants
     if len(instants) > 1:
         step = float(np.median(np.diff(instants)))
         count = round((instants[-1] - instants[0]) / step)
         even = instants[0] + step * np.arange(count + 1)
         if len(even) != len(instants) or np.abs(even - instants).max() > _UNEVEN * step:
-            even = even[even <= instants[-1] + _UNEVEN * step]
-            values = {name: np.interp(even, instants, column) for name, column in values.items()}
-            instants = even
+            instants = even[even <= instants[-1] + _UNEVEN * step]
     else:
         step = 0.0
     kept = _between(instants, step, begin, end)
     if kept.stop - kept.start < 2:
         span = f"{instants[0]:.6g} to {instants[-1]:.6g} s" if len(instants) else "no samples"
         raise InputError(f"nothing to assess there: the run holds {span}")
-    return Samples(instants, step, values, kept)
+
+    def read(name: str) -> Floats:
+        column = np.asarray(channels[name], dtype=float)[last]
+        return column if instants is known else np.asarray(np.interp(instants, known, column))
+
+    return Samples(instants, step, LazyChannels(channels, read), kept)
 
 
 def filtered(values: Floats, step: float, response: Response) -> Floats:
