@@ -354,6 +354,16 @@ ELEMENTS = {
         "roller_mass: 1e-14 kg, centre: [0, 0, 1 m], stiffness: 1e5 N/m, friction: 0.5",
         lambda s: (0.0, 0.0, 0.0),
     ),
+    "body_contact": (
+        "body_a: ground, body_b: b, plane: {point: [0, 0, -0.08 m]}, ball: {radius: 0.1 m}, "
+        "stiffness: 1e3, exponent: 1",
+        lambda s: (0.0, 0.0, 20.0),
+    ),
+    "body_impact": (
+        "body_a: ground, body_b: b, capsule: {centre: [0, 0, 2 m], radius: 1 m}, "
+        "ball: {radius: 0.1 m}, touching: false",
+        lambda s: (0.0, 0.0, 0.0),
+    ),
     "hydraulic_lash": (
         "a: {body: ground, point: [0.3 m, 0, -1 m]}, b: b, area: 1 mm^2, volume: 1 mm^3, length: "
         "0.9 m, bulk_modulus: 1 GPa, leakage: 0, check_valve: 0, stiffness: 5 N/m, preload: 2 N",

@@ -277,3 +277,7 @@ class _Measured(BaseConstraint):
         """Return the gap less its coordinate [m]."""
         gap = self.part.touch(geometry).gap - geometry.coordinate(self.coordinate)
         return [Residual(gap, "m", FORCE, "N", f"Normal force along {self.coordinate}")]
+
+    def guesses(self, geometry: Geometry) -> dict[str, Scalar]:
+        """Return the gap at the start, so that no other coordinate moves for it."""
+        return {self.coordinate: self.part.touch(geometry).gap}
