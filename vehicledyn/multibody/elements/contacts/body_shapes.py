@@ -20,6 +20,8 @@ from vehicledyn.symbolic.ops import Scalar, Vec
 
 _TINY = 1e-18
 """Keeps roots and divisions away from zero [m²]."""
+_FAR = 1e9
+"""Beyond every side of a polygon [m or m²]."""
 
 
 @dataclass(frozen=True)
@@ -110,8 +112,8 @@ def on_polygon(placing: Placing, body: str, polygon: Polygon, centre: Vec, radiu
     local = turn.T @ (centre - unlabelled(placing.position(body)))
     first, second = polygon.axis % 3, (polygon.axis + 1) % 3
     x, y = local[first], local[second]
-    best: tuple[Scalar, Scalar, Scalar] | None = None
-    inside: Scalar = ops.scalar(-1e9)
+    nearest: list[Scalar] = [ops.scalar(_FAR), x, y]
+    inside: Scalar = ops.scalar(-_FAR)
     for a, b in zip(polygon.corners, (*polygon.corners[1:], polygon.corners[0]), strict=True):
         side = (b[0] - a[0], b[1] - a[1])
         length = math.hypot(*side)
@@ -119,15 +121,11 @@ def on_polygon(placing: Placing, body: str, polygon: Polygon, centre: Vec, radiu
         inside = ops.maximum(inside, outwards)
         share = ((x - a[0]) * side[0] + (y - a[1]) * side[1]) / length**2
         share = ops.minimum(ops.maximum(share, 0.0), 1.0)
-        place = (a[0] + share * side[0], a[1] + share * side[1])
-        squared = (x - place[0]) ** 2 + (y - place[1]) ** 2
-        if best is None:
-            best = (squared, *place)
-        else:
-            nearer = squared < best[0]
-            kept = zip((squared, *place), best, strict=True)
-            best = tuple(ops.where(nearer, new, old) for new, old in kept)  # type: ignore[assignment]
-    nearest = best or (inside, x, y)
+        on_side = (a[0] + share * side[0], a[1] + share * side[1])
+        squared = (x - on_side[0]) ** 2 + (y - on_side[1]) ** 2
+        is_nearer = squared < nearest[0]
+        pairs = zip((squared, *on_side), nearest, strict=True)
+        nearest = [ops.where(is_nearer, new, old) for new, old in pairs]
     place = (x, y, local[polygon.axis - 1])
     return _from_wall(polygon, place, nearest, (inside, radius), (turn, placing, body))
 
@@ -135,7 +133,7 @@ def on_polygon(placing: Placing, body: str, polygon: Polygon, centre: Vec, radiu
 def _from_wall(
     polygon: Polygon,
     place: tuple[Scalar, Scalar, Scalar],
-    nearest: tuple[Scalar, Scalar, Scalar],
+    nearest: Sequence[Scalar],
     apart: tuple[Scalar, Scalar],
     frame: tuple[Vec, Placing, str],
 ) -> Touch:
