@@ -72,6 +72,15 @@ class RoadVehicle:
     drive: str = ""
     steering_ratio: Scalar = 1.0
 
+    def worth(self, expression: Scalar) -> float:
+        """Return what an expression of the vehicle's parameters is worth."""
+        from vehicledyn.symbolic import ops
+
+        entries = self.system.table.entries
+        symbols = ops.column([entry.symbol for entry in entries])
+        number = ops.numeric([symbols], ops.column([expression]))
+        return float(number([entry.value for entry in entries]).ravel()[0])
+
     def with_parts(self, *parts: Part) -> RoadVehicle:
         """Return the vehicle with more parts in its system."""
         return replace(self, system=self.system.with_parts(*parts))

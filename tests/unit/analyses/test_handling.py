@@ -174,3 +174,40 @@ def test_the_report_holds_curves_and_figures(tmp_path):
     assert report.table.figure("constant_speed.limit") == pytest.approx(7.86, abs=0.05)
     assert "Understeer gradient" in report.as_text()
     assert report.as_dict()["cars"][0]["model"] == "small_car"
+
+
+LOST = """\
+title: Much too fast
+model: small_car
+speed: SPEED
+manoeuvre:
+  kind: double_lane_change
+  begin: 1 m
+  driver: {kind: pure_pursuit, distance: 8 m, lag_frequency: 20 rad/s, lag_damping: 0.8,
+    rack_stop: STOP}
+  speed_control: {proportional_gain: 400 N*s, integral_gain: 100 N}
+duration: 4 s
+solver: {kind: rk4, step: 1 ms}
+output: {interval: 10 ms}
+"""
+
+
+def test_a_driver_who_loses_the_car_says_when_and_where(tmp_path):
+    path = tmp_path / "lost.yaml"
+    path.write_text(LOST.replace("SPEED", "50 m/s").replace("STOP", "60 mm"))
+    with pytest.warns(vehicledyn.UnfinishedWarning, match="rolled over"):
+        data = vehicledyn.simulate(path)
+    assert data.status == "overturned"
+    summary = data.summary
+    assert not summary["passed"].value
+    time, x = summary["lost_at_time"].value, summary["lost_at_x"].value
+    error = np.abs(data["driver.path_error"].values)
+    assert np.interp(time, data.time, error) >= 5.0
+    assert np.interp(time, data.time, data["chassis.x"].values) == pytest.approx(x)
+
+
+def test_a_path_tighter_than_the_car_is_refused(tmp_path):
+    path = tmp_path / "tight.yaml"
+    path.write_text(LOST.replace("SPEED", "10 m/s").replace("STOP", "2 mm"))
+    with pytest.raises(InputError, match=r"radius of .* m behind x = .* rack_stop"):
+        vehicledyn.simulate(path)

@@ -24,7 +24,6 @@ from vehicledyn.road.manoeuvres.driving_test import DrivingTest
 from vehicledyn.road.manoeuvres.speed_control import SpeedControl
 from vehicledyn.road.manoeuvres.time_table import KNOTS
 from vehicledyn.road.vehicle import RoadVehicle
-from vehicledyn.symbolic import ops
 from vehicledyn.symbolic.ops import Scalar
 
 Vector = NDArray[np.float64]
@@ -96,10 +95,7 @@ class TestedCar:
 
     def worth(self, expression: Scalar) -> float:
         """Return what an expression of the model's parameters is worth."""
-        entries = self.vehicle.system.table.entries
-        symbols = ops.column([entry.symbol for entry in entries])
-        number = ops.numeric([symbols], ops.column([expression]))
-        return float(np.ravel(number([entry.value for entry in entries]))[0])
+        return self.vehicle.worth(expression)
 
     def like(self, other: TestedCar, point: CarPoint) -> CarPoint:
         """Return the point of another car of the same model in this one; further states are 0."""

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import math
 from abc import abstractmethod
 from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
+from vehicledyn.base.errors import InputError
 from vehicledyn.base.parameters import part, quantity
 from vehicledyn.road.drivers.driver import Driver
 from vehicledyn.road.manoeuvres import figures
@@ -21,6 +23,10 @@ if TYPE_CHECKING:
     from vehicledyn.road.vehicle import RoadVehicle
 
 _CONE_RADIUS = 0.1
+_PATH_ERROR = "driver.path_error"
+
+LOST = 5.0
+"""Distance from the path at which a driver has lost the car [m]."""
 
 
 class LaneChangeTest(DrivingTest):
@@ -45,7 +51,14 @@ class LaneChangeTest(DrivingTest):
         )
 
     def fit(self, vehicle: RoadVehicle) -> RoadVehicle:
-        """Return the vehicle with its driver, pedals and sensors."""
+        """Return the vehicle with its driver, pedals and sensors.
+
+        Raises
+        ------
+        InputError
+            If the path has a corner that the driver's rack stop does not let the car take.
+        """
+        self._refuse_tight_corner(vehicle)
         path = self.path(vehicle).enter(vehicle.system.table, f"{PREFIX}.path")
         fitted = self.with_pedals(vehicle)
         return fitted.with_parts(self.driver.part(fitted, path))
@@ -55,6 +68,24 @@ class LaneChangeTest(DrivingTest):
         settings = self.settings()
         own = {n: v for n, v in settings.items() if not n.startswith(f"{PREFIX}.steering.")}
         return {**own, **dict(self.path(vehicle).settings(f"{PREFIX}.path"))}
+
+    def _refuse_tight_corner(self, vehicle: RoadVehicle) -> None:
+        stop = getattr(self.driver, "rack_stop", None)
+        if stop is None:
+            return
+        radius, place = self.path(vehicle).tightest()
+        needed = math.atan(vehicle.worth(vehicle.wheelbase) / radius)
+        most = abs(vehicle.worth(vehicle.steering_gain)) * stop
+        if needed > most:
+            raise InputError(
+                f"manoeuvre: the path turns with a radius of {radius:.3g} m behind "
+                f"x = {place:.4g} m, which needs {math.degrees(needed):.3g} deg at the front "
+                f"wheels; the driver's rack_stop lets them turn by {math.degrees(most):.3g} deg"
+            )
+
+    def channels(self, vehicle: RoadVehicle) -> list[str]:
+        """Return also the channel that shows how far the car is from its path."""
+        return [*super().channels(vehicle), _PATH_ERROR]
 
     def scene(self, vehicle: RoadVehicle) -> dict[str, SceneItem]:
         """Return the cones and the outline of the body."""
@@ -89,5 +120,12 @@ class LaneChangeTest(DrivingTest):
                 speed = float(np.interp(x - front, signals.x, signals.speed))
                 words = f"Speed when the front is at the {'begin' if 'entry' in name else 'end'}"
                 yield from entry(name, speed, "m/s", words)
+        far = np.abs(np.asarray(recording.channels[_PATH_ERROR][:])) > LOST
+        if far.any():
+            at = int(np.argmax(far))
+            words = f"When the driver lost the car, {LOST:g} m from its path"
+            yield from entry("lost_at_time", float(signals.time[at]), "s", words)
+            words = "Position x at which he lost it"
+            yield from entry("lost_at_x", float(signals.x[at]), "m", words)
         largest = float(np.abs(signals.steering).max())
         yield from entry("largest_steering_angle", largest, "rad", "Largest steering angle")

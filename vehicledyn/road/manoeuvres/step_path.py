@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
 from vehicledyn.symbolic import ops
 from vehicledyn.symbolic.ops import Scalar
 from vehicledyn.symbolic.parameters import ParameterTable
+
+_SHARPEST = 10.0 / math.sqrt(3.0)
+"""Largest second derivative of s³ (10 - 15 s + 6 s²), its slope left out [1]."""
 
 
 @dataclass(frozen=True)
@@ -19,6 +23,17 @@ class StepPath:
 
     places: tuple[float, ...]
     offsets: tuple[float, ...]
+
+    def tightest(self) -> tuple[float, float]:
+        """Return the smallest radius of the steps and the x of the step's begin [m]."""
+        radius, place = math.inf, self.places[0]
+        steps = zip(self.places, self.places[1:], self.offsets, self.offsets[1:], strict=False)
+        for begin, end, before, after in steps:
+            if before != after:
+                here = (end - begin) ** 2 / (_SHARPEST * abs(after - before))
+                if here < radius:
+                    radius, place = here, begin
+        return radius, place
 
     def settings(self, name: str) -> Iterator[tuple[str, float]]:
         """Yield the parameters by name with their values."""
