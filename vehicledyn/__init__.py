@@ -28,6 +28,7 @@ if TYPE_CHECKING:
     from vehicledyn.interface.contacts import contact_geometry
     from vehicledyn.interface.handling import handling, steady
     from vehicledyn.interface.hunting import hunt
+    from vehicledyn.interface.identification import identify
     from vehicledyn.interface.linear import equilibrium, modes, response
     from vehicledyn.interface.loading import load
     from vehicledyn.interface.mechanism import inverse, kinematics, rig
@@ -73,6 +74,7 @@ __all__ = [
     "equilibrium",
     "handling",
     "hunt",
+    "identify",
     "inverse",
     "kinematics",
     "load",
@@ -104,6 +106,7 @@ _HOMES = {
     "vehicledyn.interface.contacts": ("contact_geometry",),
     "vehicledyn.interface.handling": ("handling", "steady"),
     "vehicledyn.interface.hunting": ("hunt",),
+    "vehicledyn.interface.identification": ("identify",),
     "vehicledyn.interface.linear": (
         "equilibrium",
         "modes",

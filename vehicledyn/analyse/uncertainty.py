@@ -86,7 +86,9 @@ def first_order_shares(slopes: Floats, laws: Sequence[Distribution]) -> Floats:
     """Return the part of each figure's variance that each parameter brings, shape (m, n)."""
     parts = (slopes * np.array([law.deviation for law in laws])) ** 2
     whole = np.sum(parts, axis=1, keepdims=True)
-    return np.divide(parts, whole, out=np.zeros_like(parts), where=whole > 0.0)
+    found: Floats = np.zeros_like(parts)
+    np.divide(parts, whole, out=found, where=whole > 0.0)
+    return found
 
 
 def samples(laws: Sequence[Distribution], number: int, seed: int, *, scrambled: bool) -> Floats:
