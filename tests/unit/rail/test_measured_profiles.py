@@ -12,6 +12,7 @@ from vehicledyn.rail.profiles.named_profiles import named_profile
 from vehicledyn.rail.profiles.open_profile import read_profile
 from vehicledyn.rail.profiles.profile_defects import find_defects
 from vehicledyn.rail.profiles.profile_reading import ProfileReading
+from vehicledyn.rail.profiles.smoothing import proposed_wavelength, slope_noise, smoothed
 
 WHEEL, RAIL = named_profile("S1002", "wheel"), named_profile("60E1", "rail")
 TREAD = np.linspace(-0.037, 0.05, 400)
@@ -135,6 +136,34 @@ def test_unsmoothed_noise_is_reported(tmp_path):
     assert any("not smoothed: slopes and curvatures hold the noise" in note for note in notes)
     clean = read_profile(written(tmp_path, rows(POINTS[2.5e-4])), "wheel").notes
     assert not any("not smoothed" in note for note in clean)
+
+
+@pytest.mark.parametrize("scatter", [2e-5, 5e-5, 1e-4])
+def test_noise_has_a_smoothing_proposed_and_its_slopes_reported(tmp_path, scatter):
+    """0.02 to 0.1 mm of noise: unsmoothed or smoothed too little, the notes say what would do."""
+    points = POINTS[2.5e-4].copy()
+    points[:, 1] += np.random.default_rng(4).normal(scale=scatter, size=len(points))
+    path = written(tmp_path, rows(points))
+    wanted = 1e3 * proposed_wavelength(scatter, 2.5e-4)
+    for smoothing, words in ((0.0, "conicities are those of the noise"), (3e-3, "keep noise of")):
+        notes = read_profile(path, "wheel", ProfileReading(smoothing=smoothing)).notes
+        (note,) = [text for text in notes if words in text]
+        proposed = float(note.partition('smoothing "')[2].partition(" mm")[0])
+        assert proposed == pytest.approx(wanted, rel=0.3)
+    enough = read_profile(path, "wheel", ProfileReading(smoothing=1.1e-3 * wanted)).notes
+    assert not any("noise" in text for text in enough)
+
+
+@pytest.mark.parametrize("wavelength", [4e-3, 1e-2])
+def test_noise_of_slopes_is_that_of_the_formula(wavelength):
+    """Of a flat profile with white noise, far from its ends."""
+    y = np.arange(-0.2, 0.2, 2.5e-4)
+    z = np.random.default_rng(2).normal(scale=2e-5, size=len(y))
+    curve = smoothed(y, z, wavelength).table
+    places = np.arange(-0.18, 0.18, 1e-4)
+    step = 1e-6
+    slopes = (curve.height(places + step) - curve.height(places - step)) / (2.0 * step)
+    assert np.std(slopes) == pytest.approx(slope_noise(2e-5, 2.5e-4, wavelength), rel=0.15)
 
 
 @pytest.mark.parametrize("profile", [POINTS, POINTS_OF_RAIL], ids=["S1002", "60E1"])

@@ -17,7 +17,10 @@ from vehicledyn.rail.profiles.profile_names import Kind, is_name
 from vehicledyn.rail.profiles.profile_pieces import Floats, Table
 from vehicledyn.rail.profiles.profile_reading import AS_IT_IS, ProfileReading
 from vehicledyn.rail.profiles.profile_shape import NARROWEST, Measurement, in_our_axes
-from vehicledyn.rail.profiles.smoothing import Smoothed, smoothed
+from vehicledyn.rail.profiles.smoothing import Smoothed, proposed_wavelength, slope_noise, smoothed
+
+_NEARLY = 0.7
+"""Part of the wavelength that would be proposed with which smoothing is left as it is [1]."""
 
 _NOISE = 0.5e-6
 """Scatter of points above which a curve through them all is rough [m]."""
@@ -94,18 +97,30 @@ def _curve(path: Path, found: Measurement, wavelength: float) -> Smoothed:
 
 def _on_smoothing(curve: Smoothed, y: Floats, z: Floats, wavelength: float) -> list[str]:
     """Return what smoothing did, or what it should do."""
+    points = np.column_stack([y, z])
+    scatter = find_scatter(points)
+    spacing = float(np.median(np.linalg.norm(np.diff(points, axis=0), axis=1)))
+    wanted = proposed_wavelength(scatter, spacing)
+    proposal = f'smoothing "{1e3 * wanted:.2g} mm" leaves {_mrad(scatter, spacing, wanted)}'
     if wavelength > 0.0:
-        return [
+        said = (
             f"smoothed over {1e3 * wavelength:g} mm: points lie up to {1e3 * curve.largest:.2g} mm "
             f"from the curve, {1e3 * curve.rms:.2g} mm in the root mean square"
-        ]
-    scatter = find_scatter(np.column_stack([y, z]))
+        )
+        if scatter < _NOISE or wavelength > _NEARLY * wanted:
+            return [said]
+        left = _mrad(scatter, spacing, wavelength)
+        return [said, f"slopes, and conicities with them, keep noise of {left}; {proposal}"]
     if scatter < _NOISE:
         return []
     return [
         f"points scatter by {1e6 * scatter:.2g} µm and are not smoothed: slopes and curvatures "
-        "hold the noise; smooth over some millimetres"
+        f"hold the noise, and conicities are those of the noise; {proposal}"
     ]
+
+
+def _mrad(scatter: float, spacing: float, wavelength: float) -> str:
+    return f"{1e3 * slope_noise(scatter, spacing, wavelength):.2g} mrad"
 
 
 def _with_datum(curve: Table, kind: Kind) -> tuple[Table, float, list[str]]:

@@ -29,6 +29,16 @@ _FINEST = 2e-5
 _FEWEST = 4
 
 
+_SLOPE_NOISE = 2e-3
+"""Noise of the slope that is left where smoothing is proposed [1]."""
+
+_LONGEST = 20e-3
+"""Longest wavelength that is proposed [m]."""
+
+_SMALLEST = 1e-12
+"""Scatter of points that counts as none [m]."""
+
+
 class Smoothed(NamedTuple):
     """A smooth profile and how far the points lie from it along the normal, shape (n,) [m]."""
 
@@ -80,6 +90,31 @@ def smoothed(y: Floats, z: Floats, wavelength: float) -> Smoothed:
     moved = points - values
     across = (rates[:, 0] * moved[:, 1] - rates[:, 1] * moved[:, 0]) / np.hypot(*rates.T)
     return Smoothed(curve, across)
+
+
+def slope_noise(scatter: float, spacing: float, wavelength: float) -> float:
+    """Return the standard deviation of the slope of a smoothed curve through scattered points [1].
+
+    Smoothing passes 1/(1 + (k/k_c)⁴) of a wave, k_c = 2π/λ, and white noise has the density
+    σ² h/π over wave numbers k > 0, so that σ_slope² = σ² h k_c³/π ∫ x²/(1 + x⁴)² dx, with
+    π/(8 √2) for the integral.
+
+    Parameters
+    ----------
+    scatter, spacing, wavelength
+        σ of the points, their distance h, and λ of which half is left [m].
+    """
+    edge = 2.0 * np.pi / wavelength
+    return float(scatter * np.sqrt(spacing * edge**3 / (8.0 * np.sqrt(2.0))))
+
+
+def proposed_wavelength(scatter: float, spacing: float) -> float:
+    """Return the wavelength that leaves 2 mrad of noise in the slope, no more than 20 mm [m].
+
+    Longer waves are the shape of a profile itself.
+    """
+    edge = (_SLOPE_NOISE / max(scatter, _SMALLEST)) ** 2 * 8.0 * np.sqrt(2.0) / spacing
+    return float(min(2.0 * np.pi / np.cbrt(edge), _LONGEST))
 
 
 def _widest_run(usable: NDArray[np.bool_], y: Floats) -> slice:
