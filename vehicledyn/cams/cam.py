@@ -99,11 +99,6 @@ class Cam(ParameterSet):
         """Return the geometry at angles of the cam [rad]."""
         return geometry_of(self.touch, self.moving(theta))
 
-    @property
-    def knots(self) -> list[float]:
-        """Angles at which laws and their pieces begin [rad]."""
-        return [0.0] if self.curve is None else self.curve.knots[:-1]
-
     def samples(self, count: int) -> Array:
         """Return equally distant angles of a turn, its end included [rad]."""
         return np.linspace(0.0, TURN, count + 1)

@@ -70,10 +70,6 @@ class Outline(ParameterSet):
     def line_gap(self, angle: Scalar, distance: Scalar) -> Scalar:
         """Return how far a face is outside the outline [m]."""
 
-    @abstractmethod
-    def marks(self, follower: Follower) -> list[float]:
-        """Return angles of the cam where the motion is not smooth [rad]."""
-
     def motion(self, follower: Follower, theta: Array) -> Motion:
         """Return the motion of a follower on the outline.
 

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
@@ -195,17 +195,3 @@ def from_accelerations(
         begin += width
         value, slope = piece.derivatives(np.array([begin]))[:2, 0].tolist()
     return unit_curve(pieces)
-
-
-def turned_over(curve: PieceCurve) -> PieceCurve:
-    """Return the curve with its sign changed."""
-    return PieceCurve(
-        tuple(
-            replace(
-                p,
-                coefficients=tuple(-c for c in p.coefficients),
-                waves=tuple((-a, w, phase) for a, w, phase in p.waves),
-            )
-            for p in curve.pieces
-        )
-    )

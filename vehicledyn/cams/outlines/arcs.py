@@ -11,7 +11,7 @@ from pydantic import Field, model_validator
 
 from vehicledyn.base.parameters import ParameterSet, quantity
 from vehicledyn.base.registry import register
-from vehicledyn.cams.follower import Follower, PointFollower
+from vehicledyn.cams.follower import PointFollower
 from vehicledyn.cams.outline import Array, Outline, Reach, Support
 from vehicledyn.cams.turns import wrapped
 from vehicledyn.symbolic import ops
@@ -119,10 +119,6 @@ class Edges(Outline):
             inside = wrapped(angle - edge.first) <= edge.last - edge.first
             total = ops.maximum(total, ops.where(inside, reach, -_FAR))
         return distance - total
-
-    def marks(self, follower: Follower) -> list[float]:
-        """Return nothing: where arcs join is found by the samples."""
-        return []
 
     def _meetings(self, edge: Edge, follower: PointFollower, theta: Array) -> list[Array]:
         """Return the coordinates at which the centre is on an arc or line moved out, (n,) each."""

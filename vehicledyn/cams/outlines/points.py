@@ -12,7 +12,7 @@ from pydantic import Field, PrivateAttr
 
 from vehicledyn.base.parameters import quantity
 from vehicledyn.base.registry import register
-from vehicledyn.cams.follower import Follower, PointFollower
+from vehicledyn.cams.follower import PointFollower
 from vehicledyn.cams.geometry import turned
 from vehicledyn.cams.outline import Array, Outline, Reach, Support
 from vehicledyn.cams.pieces import hermite_table
@@ -135,10 +135,6 @@ class MeasuredPoints(Outline):
     def line_gap(self, angle: Scalar, distance: Scalar) -> Scalar:
         """Return how far the face is from touching [m]."""
         return distance - self._supports.value(wrapped(angle))
-
-    def marks(self, follower: Follower) -> list[float]:
-        """Return nothing: the spline is smooth."""
-        return []
 
     @cached_property
     def _grid(self) -> Array:
