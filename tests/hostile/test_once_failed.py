@@ -328,3 +328,14 @@ def test_roads_that_are_walls():
     text = flat.replace("kind: flat", "{kind: plane, slope_x: 0, slope_y: 300}")
     text = text.replace("road:\n  {", "road: {")
     refused(Case("road", {"a.yaml": text.encode()}, ["validate", "a.yaml"]), "road.slope_y")
+
+
+def test_masses_whose_squares_overflow():
+    name = "systems/double_pendulum.yaml"
+    text = yaml_cases.system_texts()[name]
+    given = "mass: {value: 1 kg"
+    assert given in text
+    files = {name: text.replace(given, "mass: {value: 1e200 kg").encode()}
+    outcome = run(Case("mass", yaml_cases.around(files), ["eig", name, "-o", "m.h5"], ("m.h5",)))
+    assert not outcome.faults, outcome
+    assert "nothing resists" not in outcome.text

@@ -24,6 +24,10 @@ MOST_SHOWN = 20
 """Problems that an error lists one by one."""
 
 
+LONGEST = 4000
+"""Letters of a message; of longer ones, which quote a long value, begin and end are shown."""
+
+
 class Problem(NamedTuple):
     """One thing that is wrong in a file, or in an option that changes what the file says.
 
@@ -39,7 +43,10 @@ class Problem(NamedTuple):
     def __str__(self) -> str:
         """Return ``file:line:column: field: message``."""
         at = f"{self.source}:{self.mark.line}:{self.mark.column}" if self.mark else self.source
-        return ": ".join(text for text in (at, self.field, self.message) if text)
+        message = self.message
+        if len(message) > LONGEST:
+            message = f"{message[: LONGEST // 2]} … {message[-LONGEST // 2 :]}"
+        return ": ".join(text for text in (at, self.field, message) if text)
 
 
 def dotted(place: Iterable[str | int]) -> str:

@@ -13,6 +13,8 @@ from vehicledyn.kernel.engine import Method
 from vehicledyn.kernel.kernel import compile_kernel
 from vehicledyn.kernel.tangent_code import Grid, TangentCode
 
+pytestmark = pytest.mark.usefixtures("needs_compiler")
+
 
 def followed(equations, grid, n_intervals, *, parameters=None, by_state=None, state=None):
     """Return the motion and its derivatives by all parameters and the given start states."""

@@ -19,6 +19,12 @@ def test_twenty_of_many_problems_are_listed():
     assert len(few.splitlines()) == 21
 
 
+def test_long_messages_are_shown_in_part():
+    text = str(Problem("file", START, "field", f"'{'x' * 1_000_000}' is no number"))
+    assert len(text) < 5_000
+    assert text.startswith("file:1:1: field: 'xxx") and text.endswith("xxx' is no number")
+
+
 def test_names_are_compared_and_shown_in_part():
     text = unknown_name("part", "x" * 1_000_000, [f"part{k}" for k in range(50_000)])
     assert len(text) < 2_000

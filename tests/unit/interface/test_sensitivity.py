@@ -6,6 +6,8 @@ import pytest
 import vehicledyn as vd
 from vehicledyn.base.errors import InputError
 
+pytestmark = pytest.mark.usefixtures("needs_compiler")
+
 SETTINGS = {"duration": "0.5 s"}
 OF = ["max(lower.angle)", "upper.angle"]
 

@@ -108,6 +108,7 @@ class Resistance:
             moved = self._inertial(time, q, values) @ self._transfer(time, q, values)
         if not moved.shape[1] or not np.isfinite(moved).all():
             return []
+        moved = moved / (np.abs(moved).max() or 1.0)  # whose squares do not overflow
         sizes = np.linalg.norm(moved, axis=0)
         moving = sizes > _ROUNDING * sizes.max(initial=0.0)
         scaled = np.where(moving, moved, 0.0) / np.where(moving, sizes, 1.0)
