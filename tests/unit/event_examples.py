@@ -11,7 +11,8 @@ from vehicledyn.integrate.simulate import simulate
 from vehicledyn.symbolic.equations import Event
 
 GRAVITY = 9.81
-FIXED = ("rk4", "symplectic_euler", "rkc")
+IMPLICIT = ("newmark", "hht", "generalised_alpha")
+FIXED = ("rk4", "symplectic_euler", "rkc", *IMPLICIT)
 
 
 def with_events(equations, *events):

@@ -63,7 +63,14 @@ def test_catalogue():
 
 @pytest.mark.parametrize(
     ("solver", "order", "settings"),
-    [("rk4", 4, {}), ("symplectic_euler", 1, {}), ("rkc", 2, {"stages": 5})],
+    [
+        ("rk4", 4, {}),
+        ("symplectic_euler", 1, {}),
+        ("rkc", 2, {"stages": 5}),
+        ("newmark", 2, {}),
+        ("hht", 2, {}),
+        ("generalised_alpha", 2, {}),
+    ],
 )
 @pytest.mark.parametrize("make", [oscillator, forced, slider_crank, double_pendulum])
 def test_order_of_fixed_steps(backend, solver, order, settings, make):

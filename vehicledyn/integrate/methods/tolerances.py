@@ -29,3 +29,8 @@ def fixed_step() -> Any:
     """Declare the step of a method, which may be left to the program."""
     text = "Step size; divides the sampling interval; chosen from the model's start if left out"
     return quantity("s", text, default=None, gt=0)
+
+
+def required_step() -> Any:
+    """Declare the step of an implicit method, which stability does not bound."""
+    return quantity("s", "Step size; divides the sampling interval", gt=0)

@@ -1,0 +1,35 @@
+"""Chung and Hulbert's implicit generalised-alpha method with a fixed step."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from vehicledyn.base.parameters import ParameterSet, quantity
+from vehicledyn.base.registry import register
+from vehicledyn.integrate.methods.tolerances import required_step
+
+if TYPE_CHECKING:
+    from vehicledyn.integrate.task import Statistics, Task
+
+
+@register("solver", "generalised_alpha")
+class GeneralisedAlpha(ParameterSet):
+    """Implicit generalised-alpha method, order 2, fixed step; damps what it cannot resolve.
+
+    Of all methods of its family with this spectral radius it damps slow motion least.
+
+    Chung, Hulbert (1993), A time integration algorithm for structural dynamics with improved
+    numerical dissipation: the generalized-alpha method, Journal of Applied Mechanics 60, 371-375.
+    """
+
+    step: float = required_step()
+    spectral_radius: float = quantity(
+        "1", "Factor a step leaves of infinitely fast oscillations", default=0.8, ge=0, le=1
+    )
+
+    def integrate(self, task: Task) -> Statistics:
+        """Integrate a task."""
+        from vehicledyn.integrate.newmark_family import Weights, run_newmark
+
+        weights = Weights.generalised_alpha(self.spectral_radius)
+        return run_newmark(task, "generalised_alpha", weights, self.step)

@@ -1,0 +1,34 @@
+"""Implicit method of Hilber, Hughes and Taylor with a fixed step."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from vehicledyn.base.parameters import ParameterSet, quantity
+from vehicledyn.base.registry import register
+from vehicledyn.integrate.methods.tolerances import required_step
+
+if TYPE_CHECKING:
+    from vehicledyn.integrate.task import Statistics, Task
+
+
+@register("solver", "hht")
+class HilberHughesTaylor(ParameterSet):
+    """Implicit HHT method, order 2, fixed step; damps oscillations that the step cannot resolve.
+
+    The usual parameter alpha is (r - 1)/(r + 1), of r the spectral radius.
+
+    Hilber, Hughes, Taylor (1977), Improved numerical dissipation for time integration algorithms
+    in structural dynamics, Earthquake Engineering and Structural Dynamics 5, 283-292.
+    """
+
+    step: float = required_step()
+    spectral_radius: float = quantity(
+        "1", "Factor a step leaves of infinitely fast oscillations", default=0.8, ge=0.5, le=1
+    )
+
+    def integrate(self, task: Task) -> Statistics:
+        """Integrate a task."""
+        from vehicledyn.integrate.newmark_family import Weights, run_newmark
+
+        return run_newmark(task, "hht", Weights.hht(self.spectral_radius), self.step)

@@ -1,0 +1,36 @@
+"""Newmark's implicit method with a fixed step."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from vehicledyn.base.parameters import ParameterSet, quantity
+from vehicledyn.base.registry import register
+from vehicledyn.integrate.methods.tolerances import required_step
+
+if TYPE_CHECKING:
+    from vehicledyn.integrate.task import Statistics, Task
+
+
+@register("solver", "newmark")
+class Newmark(ParameterSet):
+    """Newmark's implicit method, fixed step; order 2 with gamma = 1/2, else order 1.
+
+    With beta = 1/4 and gamma = 1/2 it is the trapezoidal rule: stable with any step where the
+    model is linear, and without numerical damping.
+
+    Newmark (1959), A method of computation for structural dynamics, Journal of the Engineering
+    Mechanics Division 85, 67-94.
+    """
+
+    step: float = required_step()
+    beta: float = quantity("1", "Weight of the new acceleration in positions", default=0.25, gt=0)
+    gamma: float = quantity(
+        "1", "Weight of the new acceleration in velocities", default=0.5, ge=0.5
+    )
+
+    def integrate(self, task: Task) -> Statistics:
+        """Integrate a task."""
+        from vehicledyn.integrate.newmark_family import Weights, run_newmark
+
+        return run_newmark(task, "newmark", Weights.newmark(self.beta, self.gamma), self.step)
