@@ -95,7 +95,7 @@ def test_every_crossing_is_found_between_coarse_samples(solver):
     run = go(kernel, solver, stop=30.0, interval=10.0, step=1e-2, tolerance=1e-8)
     expected = np.pi / 4.0 * np.arange(1, 39, 2)
     assert len(run.events) == len(expected)
-    # Newmark's trapezoidal rule is late by (2 h)²/12 of the time, the damped ones by a quarter more.
+    # Newmark's trapezoidal rule is late by (2 h)²/12 of the time, the others by a quarter more.
     accuracy = {"symplectic_euler": 2e-2, "rkc": 1e-3, **dict.fromkeys(IMPLICIT, 1.5e-3)}.get(
         solver, 1e-5
     )
