@@ -20,6 +20,9 @@ def first_lines(family: str) -> dict[str, str]:
 
 def counts() -> dict[str, int]:
     """Return the number of entries of each catalogue, by family."""
+    import vehicledyn.cams.followers
+    import vehicledyn.cams.laws
+    import vehicledyn.cams.outlines  # noqa: F401
     from vehicledyn.files.system.kinds import load_kinds
 
     load_kinds()

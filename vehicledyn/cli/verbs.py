@@ -70,7 +70,7 @@ HOMES = {
     "linear": ("eig", "response"),
     "exports": ("export",),
     "export_data": ("export-data",),
-    "paths": ("kinematics", "inverse"),
+    "paths": ("kinematics", "inverse", "rig"),
     "rail": ("profiles",),
     "sweep": ("sweep",),
     "hunt": ("hunt",),

@@ -46,6 +46,10 @@ def copy_entry(entry: Entry, folder: Path) -> list[Path]:
     return list(copies)
 
 
+_LONGEST_NAME = 255
+"""Characters of the longest name of a file; longer texts are expressions."""
+
+
 def referenced(path: Path) -> list[Path]:
     """Return a file of the library and all that it refers to, directly or through others."""
     root, waiting = library_folder().resolve(), [path.resolve()]
@@ -66,7 +70,7 @@ def _texts(data: Any) -> Iterator[str]:
     inner = data.values() if isinstance(data, dict) else data if isinstance(data, list) else ()
     for item in inner:
         if isinstance(item, str):
-            if Path(item).suffix and "\n" not in item:
+            if Path(item).suffix and "\n" not in item and len(item) <= _LONGEST_NAME:
                 yield item
         else:
             yield from _texts(item)

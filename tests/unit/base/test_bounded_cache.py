@@ -10,6 +10,9 @@ PACKAGE = Path(vehicledyn.__file__).parent
 BOUNDED_BY_THEIR_KEYS = {
     "analyses/preparation/run_cache.py:_program": "nothing",
     "codegen/ir/instructions.py:_operations": "nothing",
+    "codegen/passes/local_slopes.py:_rules": "nothing",
+    "codegen/passes/local_slopes.py:_step_codes": "nothing",
+    "codegen/passes/local_slopes.py:_template": "operations and their operands",
     "files/system/declared_sets.py:declared_set": "types of elements",
     "files/system/joint_sets.py:joint_set": "types of joints",
     "library/names.py:entries": "kinds of files",

@@ -70,7 +70,7 @@ def test_quick_verbs_load_nothing_heavy(tmp_path, verb):
 
 
 def test_validating_rails_loads_nothing_heavy():
-    names = ("curving_wheelset", "radial_wheelset", "testset_wheelset")
+    names = ("rail_wheelset", "radial_wheelset", "testset_wheelset")
     files = [str(SCENARIOS / f"{name}.yaml") for name in names]
     said = heavy_loaded_by("validate", *files, heavy=(*HEAVY, "vehicledyn.multibody.model.system"))
     assert said.endswith("loaded []\n")

@@ -364,6 +364,16 @@ ELEMENTS = {
         "ball: {radius: 0.1 m}, touching: false",
         lambda s: (0.0, 0.0, 0.0),
     ),
+    "engine": (
+        "coordinate: b.x, throttle: 0.5, speeds: [-9, 9], full_torques: [7, 7], "
+        "drag_torques: [-1, -1]",
+        lambda s: (3.0, 0.0, 0.0),
+    ),
+    "friction_coupling": (
+        "coordinate: b.x, limit: 6, stiffness: 1e3, damping: 0.5",
+        lambda s: (2.0, 0.0, 0.0),
+    ),
+    "half_shaft": ("shaft: b, wheel: b, stiffness: 900, damping: 4", lambda s: (0.0, 0.0, 0.0)),
     "hydraulic_lash": (
         "a: {body: ground, point: [0.3 m, 0, -1 m]}, b: b, area: 1 mm^2, volume: 1 mm^3, length: "
         "0.9 m, bulk_modulus: 1 GPa, leakage: 0, check_valve: 0, stiffness: 5 N/m, preload: 2 N",

@@ -1,5 +1,6 @@
 """Parts of cars in the library, each run by itself: steering, driveline, anti-roll bar."""
 
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -116,7 +117,7 @@ def test_the_gearbox_changes_up_and_passes_the_torque_on(tmp_path):
     assert (np.diff(gear) >= 0.0).all()
     ratios = 1.0 / np.array([0.265, 0.489, 0.784])
     changes = [0, *(np.flatnonzero(np.diff(gear)) + 1), len(gear)]
-    for first, last in zip(changes, changes[1:], strict=False):
+    for first, last in pairwise(changes):
         place = (first + 3 * last) // 4  # the clutch has closed long before
         ratio = ratios[int(gear[place]) - 1]
         assert engine[place] == pytest.approx(ratio * propeller[place], rel=2e-3)

@@ -189,7 +189,7 @@ def test_tolerance_holds_across_events(solver):
     assert errors[0] > 30.0 * errors[1]
 
 
-@pytest.mark.parametrize("solver", FIXED)
+@pytest.mark.parametrize("solver", [kind for kind in FIXED if kind not in ("newmark", "hht")])
 @pytest.mark.parametrize(
     ("make", "stop"),
     [(bouncing_ball, 3.0), (kicked_oscillator, 4.0), (settling_ball, 5.0), (jumping_crank, 6.0)],

@@ -14,6 +14,7 @@ from vehicledyn.analyses.mechanism.rig_quantities import Place
 from vehicledyn.analyses.mechanism.rig_report import RigReport, figures
 from vehicledyn.analyses.mechanism.rig_tests import TESTS, Controls, RigTest, of_one_wheel
 from vehicledyn.analyses.preparation.prepared import Progress
+from vehicledyn.base.argument_names import argument
 from vehicledyn.base.errors import InputError, NumericalError, unknown_name
 from vehicledyn.base.ranges import read_range
 from vehicledyn.files.scenario.target import Target
@@ -87,7 +88,7 @@ def _refuse(bench: Bench, name: str, target: Target) -> None:
     if name == "steer" and not bench.steering:
         raise InputError(
             f"{target.origin}: the test 'steer' needs a coordinate that steers; name it with "
-            "'steering' (--steering NAME)"
+            f"{argument('steering')}"
         )
 
 
