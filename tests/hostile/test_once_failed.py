@@ -339,3 +339,25 @@ def test_masses_whose_squares_overflow():
     outcome = run(Case("mass", yaml_cases.around(files), ["eig", name, "-o", "m.h5"], ("m.h5",)))
     assert not outcome.faults, outcome
     assert "nothing resists" not in outcome.text
+
+
+def test_numbers_that_no_scale_reaches():
+    def change(file):
+        file.pop("checksums", None)
+        file["wheelset/roll"][...] = 1e308
+
+    files = {"rail.h5": changed("rail.h5", change)}
+    outcome = run(Case("result", files, ["report", "rail.h5"], ("rail_report.html",)))
+    assert outcome.code == 0 and not outcome.faults, outcome
+
+
+def test_a_study_whose_checksums_are_not_in_the_file():
+    def change(file):
+        del file["cases/crc"]
+        file.create_dataset("cases/crc", (10**12,), "u4", chunks=(1000,))
+
+    files = {"study.h5": changed("study.h5", change), "study.yaml": yaml_cases.STUDY.encode()}
+    words = ["sweep", "study.yaml", "-o", "study.h5", "--resume", "--workers", "1", "-q"]
+    outcome = run(Case("resumed", yaml_cases.around(files), words, ("study.h5",)))
+    assert outcome.code == 2, outcome
+    assert "is damaged (cases/crc is not in the file)" in outcome.text

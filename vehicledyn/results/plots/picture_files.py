@@ -12,6 +12,7 @@ from vehicledyn.base.errors import InputError, unknown_name
 from vehicledyn.base.files.whole_file import folder_for_files, whole_file
 from vehicledyn.results.hdf5.output import write_failed
 from vehicledyn.results.plots.plot_style import STYLE
+from vehicledyn.results.plots.scales import leave_out_unbounded
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -60,6 +61,8 @@ def settle(figure: Figure) -> None:
     engine = figure.get_layout_engine()
     if engine is None:
         return
+    for axes in figure.axes:
+        leave_out_unbounded(axes)
     with signs_may_be_missing():
         engine.execute(figure)
     figure.set_layout_engine(None)  # "none" leaves a stand-in, for which savefig draws twice

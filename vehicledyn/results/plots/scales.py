@@ -21,6 +21,19 @@ _SMALL_AS, _SMALL = {"m": "mm", "m/s": "mm/s"}, 0.1
 _LARGE_AS, _LARGE = {"N": "kN", "N*m": "kN*m", "Pa": "MPa"}, 2e4
 
 
+def leave_out_unbounded(axes: Axes) -> None:
+    """Leave gaps in lines where values are too large for any scale, as in damaged files."""
+    lines = [np.asarray(line.get_ydata(), dtype=float) for line in axes.lines]
+    kept = [np.where(np.abs(values) > _LARGEST, np.nan, values) for values in lines]
+    if all(np.array_equal(*pair, equal_nan=True) for pair in zip(lines, kept, strict=True)):
+        return
+    for line, values in zip(axes.lines, kept, strict=True):
+        line.set_ydata(values)
+    known = np.concatenate([np.ravel(values[np.isfinite(values)]) for values in kept])
+    low, high = (known.min(), known.max()) if known.size else (-1.0, 1.0)
+    axes.set_ylim(low, high if high > low else low + 1.0)
+
+
 def leave_room(axes: Axes) -> None:
     """Widen a scale that would show nothing but rounding errors: zero from -1 to 1."""
     low, high = axes.get_ylim()

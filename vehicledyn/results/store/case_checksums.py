@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vehicledyn.results.hdf5.seal import DamagedError
+from vehicledyn.results.store.decimation import promises_too_much
 from vehicledyn.results.store.study_layout import PENDING
 
 DATASET = "cases/crc"
@@ -42,6 +43,9 @@ def check_cases(file: h5py.File) -> None:
     """
     if DATASET not in file:
         return
+    for name in ("cases/status", DATASET):
+        if promises_too_much(file[name]):
+            raise DamagedError(f"{name} is not in the file")
     status, known = file["cases/status"][()], file[DATASET][()]
     step = 512
     if "samples" in file:
