@@ -7,6 +7,7 @@ import numpy as np
 from solve_examples import Samples, build, oscillator, slider_crank, starts, symbols
 
 from vehicledyn.base.registry import find
+from vehicledyn.integrate.newmark_family import Weights
 from vehicledyn.integrate.simulate import simulate
 from vehicledyn.symbolic.equations import Event
 
@@ -127,3 +128,22 @@ def settings_of(solver, *, step=1e-3, tolerance=1e-10):
     if solver in FIXED:
         return {"step": step} | ({"stages": 4} if solver == "rkc" else {})
     return {"relative_tolerance": tolerance, "absolute_tolerance": tolerance}
+
+
+def late_by(kind, phase):
+    """Share of time by which a method is late on an oscillation, by its amplification matrix.
+
+    ``phase`` is the angle in a step [rad]; zero for methods that are not of Newmark's family.
+    """
+    if kind not in IMPLICIT:
+        return 0.0
+    settings = find("solver", kind)(step=1.0)
+    if kind == "newmark":
+        w = Weights.newmark(settings.beta, settings.gamma)
+    else:
+        w = getattr(Weights, kind)(settings.spectral_radius)
+    n = phase * phase
+    left = [[1.0, 0.0, -w.beta], [0.0, 1.0, -w.gamma], [(1 - w.alpha_f) * n, 0.0, 1 - w.alpha_m]]
+    right = [[1.0, 1.0, 0.5 - w.beta], [0.0, 1.0, 1.0 - w.gamma], [-w.alpha_f * n, 0.0, -w.alpha_m]]
+    turns = np.abs(np.angle(np.linalg.eigvals(np.linalg.solve(left, right))))
+    return phase / turns[np.argmin(np.abs(turns - phase))] - 1.0
