@@ -1,5 +1,6 @@
 """The suspension rig against closed geometry, virtual work and a linear solution by hand."""
 
+import re
 from pathlib import Path
 
 import numpy as np
@@ -178,3 +179,11 @@ def test_beyond_the_travel_the_places_reached_are_kept():
         data = rig(name, "parallel", ("0 mm", "900 mm", 9))
     assert data.status == "failed"
     assert 1 < len(np.asarray(data["travel"])) < 10
+
+
+def test_the_sedan_states_the_steering_gain_of_its_axle():
+    data = rig(str(SYSTEMS / "wishbone_arms_axle.yaml"), "steer", "-0.5 mm:0.5 mm:2")
+    gains = columns(data, *(f"{side}_wheel_angles.steer_gain" for side in ("left", "right")))
+    text = (SYSTEMS / "sedan.yaml").read_text(encoding="utf-8")
+    stated = float(re.search(r"steering_gain: \{value: (\S+) rad/m", text)[1])
+    assert stated == pytest.approx(np.mean(gains), rel=1e-3)
