@@ -5,6 +5,8 @@ import subprocess
 import sys
 from pathlib import Path
 
+import pytest
+
 SYSTEM = Path(__file__).parents[3] / "systems" / "double_pendulum.yaml"
 SCENARIO = """\
 title: A long swing
@@ -35,6 +37,7 @@ def most_memory(folder, seconds):
     return memory
 
 
+@pytest.mark.long
 def test_memory_does_not_grow_with_the_samples(tmp_path):
     shutil.copy(SYSTEM, tmp_path)
     (tmp_path / "long.yaml").write_text(SCENARIO, encoding="utf-8")

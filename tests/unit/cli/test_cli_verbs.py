@@ -67,7 +67,7 @@ def pipeline(monkeypatch):
 
 
 def test_validate_several_files(call, write, tmp_path):
-    good, bad = write(), tmp_path / "bad.yaml"
+    good, bad = write(("  channels: [chassis.*]\n", "")), tmp_path / "bad.yaml"
     bad.write_text("title: 1")
     code, out, err = call("validate", good, bad)
     assert code == 2

@@ -87,6 +87,7 @@ def test_refusals(arguments, told, tmp_path):
     assert not (tmp_path / "r.h5").exists()
 
 
+@pytest.mark.long
 def test_what_was_mended_is_drawn_and_kept_in_the_file(tmp_path):
     """The result file holds the points, so that the picture can be drawn again."""
     profile = named_profile("S1002", "wheel")
@@ -205,6 +206,7 @@ def test_help_is_light():
     assert "Find contact points" in done.stdout
 
 
+@pytest.mark.long
 def test_flanges_over_the_rail_are_told():
     """The tip of S1002 is 55 mm inside the tape circle: 5 mm over a gauge face at 27.5 mm."""
     shifts = (0.0, -0.027, 0.028)

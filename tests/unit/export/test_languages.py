@@ -75,6 +75,7 @@ def plain(value):
     return value.tolist() if isinstance(value, np.ndarray) else value
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("name", CASES)
 def test_python(name, tmp_path):
     c = case(name)
@@ -120,6 +121,7 @@ def argument_of_c(value):
     return np.ascontiguousarray(value, dtype=float).ctypes.data_as(ctypes.c_void_p)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("name", CASES)
 def test_c(name, tmp_path):
     c = case(name)

@@ -205,8 +205,11 @@ def _part(schema: Schema) -> Schema:
     kept: Schema = {key: schema[key] for key in ("description", "default") if key in schema}
     if schema.get("type") == "array":
         return {**kept, "type": "array", "items": reference}
-    if {"type": "null"} in schema.get("anyOf", []):
-        return {**kept, "anyOf": [reference, {"type": "null"}]}
+    choices = schema.get("anyOf", [])
+    if {"type": "null"} in choices:
+        is_list = any(choice.get("type") == "array" for choice in choices)
+        some = {"type": "array", "items": reference} if is_list else reference
+        return {**kept, "anyOf": [some, {"type": "null"}]}
     return {**kept, **reference}
 
 
