@@ -17,6 +17,8 @@ from vehicledyn.analyse.periodic import autonomous
 from vehicledyn.analyse.periodic.branch import follow_cycles
 from vehicledyn.analyse.periodic.cycle_points import Limits
 
+pytestmark = pytest.mark.long
+
 
 def circles(back):
     model = field(cornered_circles(back, 0.1), "mu")

@@ -31,6 +31,8 @@ from vehicledyn.analyse.periodic.orbit_steps import Steps
 from vehicledyn.base.errors import InputError, NumericalError
 from vehicledyn.symbolic.equations import Event
 
+pytestmark = pytest.mark.long
+
 
 def radius(point):
     return float(np.hypot(*point.orbit.states[:, :2].T).mean())

@@ -30,7 +30,7 @@ METHODS = [kind for kind in kinds("solver") if kind not in ("newmark", "hht")]
 """All but two that share every line with `generalised_alpha` beside their weights."""
 EXACT = [kind for kind in METHODS if kind not in ("symplectic_euler", "rkc", *IMPLICIT)]
 ADAPTIVE = [kind for kind in METHODS if kind not in FIXED]
-FINEST = {"rk23": 1e-9}
+FINEST = {"rk23": 1e-8}
 """Finest tolerances of methods that would take ten thousands of steps for finer ones."""
 CROSSINGS = np.pi / 4.0 * np.arange(1, 11, 2)
 

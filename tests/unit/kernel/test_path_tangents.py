@@ -11,6 +11,8 @@ from vehicledyn.analyse.periodic.monodromy import durations_of, passages, passag
 from vehicledyn.base.errors import NumericalError
 from vehicledyn.kernel import path_tangents
 
+pytestmark = pytest.mark.long
+
 
 def orbit_of(monkeypatch, make, span):
     """A field with compiled code and the last orbit of its branch."""

@@ -17,6 +17,8 @@ from vehicledyn.analyse.periodic import autonomous, monodromy
 from vehicledyn.analyse.periodic.monodromy import passages
 from vehicledyn.analyse.periodic.nonsmooth_points import Kinks
 
+pytestmark = pytest.mark.long
+
 
 @pytest.mark.parametrize(
     ("make", "parameter"),

@@ -22,6 +22,8 @@ from vehicledyn.multibody.bodies.beam_sections import Section
 from vehicledyn.multibody.elements.beam import Beam, Material, Modes, Stiffness
 from vehicledyn.multibody.joints.joint_type import joint_kinds, joint_type
 
+pytestmark = pytest.mark.long
+
 LENGTH, MASS, BENDING, TWIST, STRETCH, POLAR = 1.5, 2.0, 50.0, 20.0, 5e4, 0.01
 GIVEN = Stiffness(
     mass_per_length=MASS, y=BENDING, z=BENDING, twist=TWIST, stretch=STRETCH, polar=POLAR

@@ -44,7 +44,6 @@ from vehicledyn.results.store.layout import Axis
 
 STEP = 5e-3
 TIME = np.arange(0.0, 300.0 + STEP / 2, STEP)
-RANDOM = np.random.default_rng(7)
 DIRECTIONS = ("longitudinal", "lateral", "vertical")
 
 
@@ -82,7 +81,7 @@ def ride(speed=20.0, step=STEP, duration=60.0, **changes):
 def test_weighted_noise_is_that_of_digital_filters(weighting):
     """Second way: each analogue part made digital at 4 kHz by the bilinear transform."""
     step, low, high, flat = 2.5e-4, 2.0 * np.pi * 0.4, 2.0 * np.pi * 100.0, math.sqrt(2.0)
-    noise = RANDOM.normal(size=40001)
+    noise = np.random.default_rng(7).normal(size=40001)
     smooth = signal.sosfilt(signal.butter(6, 60.0, fs=1 / step, output="sos"), noise)
     w3 = 2.0 * np.pi * weighting.transition
     parts = [
@@ -116,7 +115,7 @@ def test_low_pass_is_that_of_scipy():
     gains = abs(butterworth(20.0, 4)(np.array([0.0, 20.0, 40.0])))
     assert gains == pytest.approx([1.0, math.sqrt(0.5), 1.0 / math.sqrt(257.0)], rel=1e-12)
     step = 1e-4
-    noise = np.cumsum(RANDOM.normal(size=20001)) + 100.0
+    noise = np.cumsum(np.random.default_rng(7).normal(size=20001)) + 100.0
     sos = signal.butter(4, 20.0, fs=1 / step, output="sos")
     expected = signal.sosfilt(sos, noise, zi=signal.sosfilt_zi(sos) * noise[0])[0]
     found = filtered(noise, step, butterworth(20.0, 4))
@@ -204,7 +203,7 @@ def test_ride_index_of_a_sine(direction, factor):
 
 def test_ride_index_of_noise_against_its_spectrum():
     """Second way: 2 ∫ B² G df over 0.5 to 30 Hz with SciPy's power spectral density."""
-    noise = RANDOM.normal(size=len(TIME))
+    noise = np.random.default_rng(7).normal(size=len(TIME))
     frequency, density = signal.welch(noise, fs=1 / STEP, nperseg=4000)
     inside = (frequency >= 0.5) & (frequency <= 30.0)
     weight = abs(Sperling(VERTICAL)(frequency))
