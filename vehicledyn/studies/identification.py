@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from vehicledyn.analyse.identify import Estimate, estimate
 from vehicledyn.analyses.preparation.prepared import Progress
-from vehicledyn.analyses.sensitivity.motion import MotionStudy
+from vehicledyn.analyses.sensitivity.motion_study import MotionStudy
 from vehicledyn.analyses.sensitivity.names import directions
 from vehicledyn.analyses.simulation.prepared_run import prepare_run
 from vehicledyn.base.errors import InputError, nearest_name

@@ -23,7 +23,7 @@ from vehicledyn.analyse.uncertainty import (
     uniform,
 )
 from vehicledyn.analyses.preparation.prepared import Progress
-from vehicledyn.analyses.sensitivity.motion import MotionStudy
+from vehicledyn.analyses.sensitivity.motion_study import MotionStudy
 from vehicledyn.analyses.sensitivity.names import Wanted, directions, named_channels, wanted
 from vehicledyn.base.errors import InputError, NumericalError, nearest_name
 from vehicledyn.base.units import shown, to_si

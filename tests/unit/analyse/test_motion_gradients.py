@@ -6,8 +6,9 @@ from event_examples import bouncing_ball, crossing_oscillator, with_events
 from solve_examples import build, oscillator, slider_crank, symbols
 
 from vehicledyn.analyse.gradients.adjoint import figure_adjoint
+from vehicledyn.analyse.gradients.equilibrium import Balance, rate_slopes, start_slopes
 from vehicledyn.analyse.gradients.key_figures import figure_slope
-from vehicledyn.analyse.gradients.motion import Balance, follow, rate_slopes, start_slopes
+from vehicledyn.analyse.gradients.motion import follow
 from vehicledyn.base.errors import NumericalError
 from vehicledyn.kernel.engine import Method
 from vehicledyn.kernel.kernel import compile_kernel

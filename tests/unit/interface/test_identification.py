@@ -44,7 +44,7 @@ def test_a_pendulum_tells_its_length_but_not_its_mass():
     loaded = read_scenario("double_pendulum", ["duration=1 s"])
     bounds = {"length": {"from": "0.7 m", "to": "1.4 m"}}
     rng, times = np.random.default_rng(5), np.linspace(0.0, 1.0, 51)
-    from vehicledyn.analyses.sensitivity.motion import MotionStudy
+    from vehicledyn.analyses.sensitivity.motion_study import MotionStudy
 
     study = MotionStudy.of(loaded, ["upper.angle"], lambda *_: None).moved({"length": 1.1})
     motion = study.plain(lambda *_: None)

@@ -84,6 +84,29 @@ def test_a_figure_of_samples_that_tie_has_no_derivative():
     assert smooth["sum"].slope == pytest.approx([3.0 + 6.0], rel=1e-9)
 
 
+def test_a_derivative_that_is_not_finite_is_no_derivative():
+    """Such as that of a root at zero."""
+    from vehicledyn.analyse.gradients.key_figures import KINDS, figure_slope, sampled_slopes
+
+    time, values = np.linspace(0.0, 1.0, 3), np.array([0.0, 1.0, 2.0])
+    slopes = np.array([[np.inf], [1.0], [np.nan]])
+    for kind in KINDS:
+        assert figure_slope(kind, time, values[::-1], slopes).trouble, kind
+    assert "finite at 0 s" in figure_slope("mean", time, values, slopes).trouble
+    lost = sampled_slopes(lambda y: {"sum": float(y.sum())}, values[:, None], slopes[:, None])
+    assert "finite" in lost["sum"].trouble
+
+
+def test_steps_that_stand_for_another_method_are_judged():
+    """Those that suit the start are halved until the motion no longer moves."""
+    found = vd.sensitivity("double_pendulum", "upper.angle", "length", **SETTINGS)
+    run = vd.simulate("double_pendulum", **SETTINGS)
+    error = np.abs(found["channel_value"].values[0] - run["upper.angle"].values).max()
+    assert error < 1e-5 * np.ptp(run["upper.angle"].values)
+    (note,) = [item for item in found.notes if "derivatives are those of rk4 steps" in item]
+    assert "warning" not in note
+
+
 def critical(mass, inertia, gauge, radius, conicity, lateral, yaw, creep):
     """Return critical speed and frequency of the single wheelset, by Routh's condition."""
     square = (yaw + gauge**2 * lateral) / (inertia + gauge**2 * mass)

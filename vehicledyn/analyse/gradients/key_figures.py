@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -45,7 +45,11 @@ def figure_slope(kind: str, time: Floats, values: Floats, slopes: Floats) -> Fig
     slopes
         Their derivatives, shape (n_times, n_directions).
     """
-    return KINDS[kind](time, values, slopes)
+    found = KINDS[kind](time, values, slopes)
+    if found.trouble or (np.isfinite(found.value) and np.isfinite(found.slope).all()):
+        return found
+    lost = np.flatnonzero(~(np.isfinite(values) & np.isfinite(slopes).all(axis=1)))
+    return replace(found, trouble=f"it is not finite at {time[lost[0]] if lost.size else 0.0:g} s")
 
 
 def _extreme(time: Floats, values: Floats, slopes: Floats, ranks: Floats) -> FigureSlope:
@@ -117,6 +121,9 @@ def sampled_slopes(
     spread = np.maximum(np.ptp(values, axis=0), 1e-9 * np.max(np.abs(values), axis=0, initial=0.0))
     for k in range(n):
         size = np.max(np.abs(slopes[:, :, k]), axis=0)
+        if not np.isfinite(size).all():
+            troubles = dict.fromkeys(known, "a channel behind it has no finite derivative")
+            continue
         ratios = size[spread > 0.0] / spread[spread > 0.0]
         step = _STEP / max(float(np.max(ratios, initial=0.0)), 1e-300)
         if not np.any(size):

@@ -6,14 +6,14 @@ the solved constraints, and through events, whose instants move with the paramet
     dt/dp = -(dg/dp) / (dg/dt)
 
 for an event function g that a step reaches at the instant t. A step up to an event is one of
-variable length, and so is the one behind it.
+variable length, and so is the one behind it. Where a run changes its dependent coordinates, the
+tangents of the new states are those that states and dependent coordinates had before.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,6 +28,9 @@ Matrix = NDArray[np.float64]
 
 _GRAZING = 1e-6
 """Rate of an event function at its zero, as a part of its mean rate in the step before it."""
+
+_AT_STEP = 1e-6
+"""Part of a step that a change of the dependent coordinates may lie beside it."""
 
 _SHORTEST, _REACH = 1e-9, 1.25
 """Parts of a step behind an event of a method of order one, as in a run without derivatives."""
@@ -49,7 +52,7 @@ class MotionSlopes:
     ``times`` (n_times,), ``values`` (n_times, n_channels), ``slopes`` (n_times, n_channels,
     n_directions) of the chosen channels, ``state`` and ``state_slopes`` (n_states, n_directions)
     at the end, ``events`` in their order. Where an event ended the run, the last sample moves with
-    it.
+    it. ``changes`` are times at which other coordinates became dependent [s].
     """
 
     times: Vector
@@ -59,6 +62,20 @@ class MotionSlopes:
     state_slopes: Matrix
     events: list[EventSlope]
     ended_by: str
+    changes: list[float] = field(default_factory=list)
+
+
+@dataclass(frozen=True)
+class Piece:
+    """Equations that hold from a time on [s], with other dependent coordinates than before.
+
+    ``code`` observes the same channels, in the same order, as that of the piece before; behind
+    these it may observe others, which the next change needs.
+    """
+
+    time: float
+    kernel: Kernel
+    code: TangentCode
 
 
 @dataclass
@@ -83,6 +100,8 @@ def follow(
     n_intervals: int,
     start: tuple[Vector, Vector],
     directions: tuple[Matrix, Matrix],
+    later: Sequence[Piece] = (),
+    n_channels: int | None = None,
     progress: Callable[[float], object] | None = None,
 ) -> MotionSlopes:
     """Return a motion and its derivatives.
@@ -100,6 +119,10 @@ def follow(
     directions
         Tangents of the parameters (n_parameters, n_directions) and of the states at the start
         (n_states, n_directions).
+    later
+        Changes of the dependent coordinates, each at a step.
+    n_channels
+        Number of channels to record, the first ones of the code; all if None.
     progress
         Called with the part done.
 
@@ -108,7 +131,9 @@ def follow(
     NumericalError
         If the run cannot go on, or a derivative does not exist.
     """
-    run = _Run(code, kernel, grid, start, directions)
+    count = len(code.channels) if n_channels is None else n_channels
+    run = _Run(Piece(grid.start, kernel, code), grid, start, directions, count)
+    run.expect(later)
     run.sample()
     for number in range(n_intervals):
         run.interval()
@@ -125,31 +150,8 @@ def follow(
         run.bundle.state[:, : run.n],
         run.events,
         run.watch.ended_by,
+        [piece.time for piece in later],
     )
-
-
-def sampled_run(
-    kernel: Kernel, grid: Grid, n_intervals: int, start: tuple[Vector, Vector]
-) -> tuple[Vector, Matrix, Vector]:
-    """Return times, all channels (n_times, n_channels) and the last state of a plain run.
-
-    Raises
-    ------
-    NumericalError
-        If it cannot go on.
-    """
-    e = kernel.equations
-    unknowns = kernel.solve_unknowns(grid.start, *start)
-    march = March(grid.method, grid.start, grid.interval, grid.per_interval, start[0], unknowns)
-    sizes = (len(e.states), len(e.unknowns), len(e.channels))
-    rows = Rows(*[np.empty((n_intervals + 1, size)) for size in sizes])
-    first = kernel.outputs(grid.start, start[0], unknowns)
-    status = kernel.advance(march, n_intervals * grid.per_interval, rows)
-    if status is not Status.SOLVED:
-        time = march.time(march.step)
-        raise NumericalError(kernel.failure(status, time, march.ledger))
-    times = np.asarray(grid.start + grid.interval * np.arange(n_intervals + 1), dtype=float)
-    return times, np.vstack([first, rows.outputs[:n_intervals]]), march.state.copy()
 
 
 class _Run:
@@ -160,36 +162,83 @@ class _Run:
 
     def __init__(
         self,
-        code: TangentCode,
-        kernel: Kernel,
+        piece: Piece,
         grid: Grid,
         start: tuple[Vector, Vector],
         directions: tuple[Matrix, Matrix],
+        n_channels: int,
     ) -> None:
         by_parameter, by_state = directions
-        self.code, self.kernel, self.grid, self.n = code, kernel, grid, by_state.shape[1]
+        self.grid, self.n, self._by_parameter = grid, by_state.shape[1], by_parameter
         self.events: list[EventSlope] = []
-        self.record = _Recorder(len(code.channels), self.n)
-        self.constants = code.constants(kernel.parameters)
-        moved = np.asarray(code.constant_slopes(kernel.parameters) @ by_parameter)
-        extra = bool(kernel.equations.events)
-        self.bundle = Bundle(code, np.pad(moved, ((0, 0), (0, int(extra)))))
-        self.bundle.state = np.pad(by_state, ((0, 0), (0, int(extra))))
-        self._extra = np.zeros(self.n + int(extra))
-        state, guess = start
-        unknowns = code.solved(grid.start, state, guess, self.constants)
+        self.record = _Recorder(n_channels, self.n)
         self._names: list[str] = []
-        self.watch = EventWatch(
-            kernel, Point(grid.start, state, unknowns), Ledger(), self._happened
-        )
+        self._later: list[tuple[int, Piece]] = []
+        extra = int(bool(piece.kernel.equations.events))
+        self._extra = np.zeros(self.n + extra)
+        self._begin(piece, 0, start, np.pad(by_state, ((0, 0), (0, extra))))
+        if self.watch.ended_by:
+            raise NumericalError(f"event '{self.watch.ended_by}' ends the motion at its start")
+
+    def _begin(
+        self, piece: Piece, step: int, start: tuple[Vector, Vector], tangents: Matrix
+    ) -> None:
+        """Go on with the equations of a piece from a step, with the tangents of its states."""
+        self.kernel, self.code, grid = piece.kernel, piece.code, self.grid
+        self.constants = self.code.constants(self.kernel.parameters)
+        moved = np.asarray(self.code.constant_slopes(self.kernel.parameters) @ self._by_parameter)
+        extra = len(self._extra) - self.n
+        self.bundle = Bundle(self.code, np.pad(moved, ((0, 0), (0, extra))))
+        self.bundle.state = tangents
+        state, guess = start
+        time = grid.start + grid.interval * step / grid.per_interval
+        unknowns = self.code.solved(time, state, guess, self.constants)
+        point = Point(time, state, unknowns)
+        self.watch = EventWatch(self.kernel, point, Ledger(), self._happened)
         sides = self.watch.sides
         self.march = March(
             grid.method, grid.start, grid.interval, grid.per_interval, state, unknowns, sides=sides
         )
-        shape = (2, len(state)), (2, len(unknowns)), (2, len(kernel.equations.channels))
+        self.march.step = step
+        shape = (2, len(state)), (2, len(unknowns)), (2, len(self.kernel.equations.channels))
         self._rows = Rows(*[np.empty(item) for item in shape])
-        if self.watch.ended_by:
-            raise NumericalError(f"event '{self.watch.ended_by}' ends the motion at its start")
+
+    def expect(self, later: Sequence[Piece]) -> None:
+        """Take notice of changes of the dependent coordinates.
+
+        Raises
+        ------
+        NumericalError
+            If one does not lie at a step.
+        """
+        for piece in later:
+            place = (piece.time - self.grid.start) / self.grid.interval * self.grid.per_interval
+            if abs(place - round(place)) > _AT_STEP:
+                raise NumericalError(
+                    f"the dependent coordinates change within a step, at t = {piece.time:.9g} s, "
+                    "which derivatives do not follow; take a smaller step or another start"
+                )
+            self._later.append((round(place), piece))
+
+    def _change(self, piece: Piece) -> None:
+        """Go on with other dependent coordinates: the same motion, with other states."""
+        point = Point(self.time, self.march.state, self.march.unknowns)
+        values, slopes = self._values(point, None)
+        moment = Moment(*point, self.constants)
+        unknowns, e = self.bundle.point(moment)[1], self.kernel.equations
+        channels = [e.channels[k].name for k in self.code.channels]
+        known = dict(zip(channels, zip(values, slopes, strict=False), strict=False))
+        for items, numbers, rows in (
+            (e.states, point.state, self.bundle.state),
+            (e.unknowns, point.unknowns, unknowns),
+        ):
+            names = [item.name for item in items]
+            known |= dict(zip(names, zip(numbers, rows, strict=True), strict=True))
+        new = piece.kernel.equations
+        state = np.array([known[item.name][0] for item in new.states])
+        guess = np.array([known[u.name][0] if u.name in known else u.start for u in new.unknowns])
+        tangents = np.array([known[item.name][1] for item in new.states])
+        self._begin(piece, self.march.step, (state, guess), tangents)
 
     def _happened(self, name: str, _: float) -> None:
         self._names.append(name)
@@ -215,12 +264,16 @@ class _Run:
         """Go on to the next sample, or to the event that ends the motion."""
         due = self.grid.per_interval
         while due:
+            if self._later and self._later[0][0] <= self.march.step:
+                self._change(self._later.pop(0)[1])
+            ahead = self._later[0][0] - self.march.step if self._later else due
+            wanted = min(due, ahead)
             state, unknowns, first = (
                 self.march.state.copy(),
                 self.march.unknowns.copy(),
                 self.march.step,
             )
-            status = self.kernel.advance(self.march, due, self._rows)
+            status = self.kernel.advance(self.march, wanted, self._rows)
             taken = int(self.march.ledger.counts[Count.STEPS])
             moment = Moment(self.time, state, unknowns, self.constants)
             self.bundle.steps(self.grid, Way(first, taken), moment)
@@ -331,66 +384,3 @@ class _Run:
                 f"the events {names} happen at once at t = {time:.9g} s: which comes first "
                 "decides how the motion goes on, so no derivative exists behind them"
             )
-
-
-@dataclass(frozen=True)
-class Balance:
-    """An equilibrium: all parameters, time [s], states and unknowns, and what was balanced.
-
-    ``pairs`` are the states that were free and the rates that are zero.
-    """
-
-    parameters: Vector
-    time: float
-    point: tuple[Vector, Vector]
-    pairs: tuple[list[int], list[int]]
-
-
-def start_slopes(
-    code: TangentCode, balance: Balance, by_parameter: Matrix, held: Matrix | None = None
-) -> Matrix:
-    """Return the derivatives of an equilibrium's states, shape (n_states, n_directions).
-
-    0 = f_b(x, p) for the balanced rates b and the free states: dx = -(∂f_b/∂x)⁻¹ df_b.
-
-    Parameters
-    ----------
-    code
-        Compiled derivatives.
-    balance
-        The equilibrium.
-    by_parameter
-        Tangents of the parameters, shape (n_parameters, n_directions).
-    held
-        Tangents of the states that are not free, shape (n_states, n_directions).
-
-    Raises
-    ------
-    NumericalError
-        If the equilibrium does not follow the parameters.
-    """
-    free, balanced = balance.pairs
-    slopes = np.zeros((len(balance.point[0]), by_parameter.shape[1])) if held is None else held
-    slopes = slopes.copy()
-    slopes[free] = 0.0
-    rates = rate_slopes(code, balance, by_parameter)
-    by_free, given = rates[0][np.ix_(balanced, free)], (rates[1] + rates[0] @ slopes)[balanced]
-    found = -np.linalg.lstsq(by_free, given, rcond=1e-12)[0]
-    missed = np.abs(by_free @ found + given)
-    if np.any(missed > 1e-7 * np.max(np.abs(given), axis=0, initial=1e-12)):
-        raise NumericalError("the equilibrium has no derivative: it is not isolated")
-    slopes[free] = found
-    return slopes
-
-
-def rate_slopes(code: TangentCode, balance: Balance, by_parameter: Matrix) -> tuple[Matrix, Matrix]:
-    """Return dẋ/dx (n_states, n_states) and dẋ/dp (n_states, n_directions) on closed loops."""
-    state, guess = (np.ascontiguousarray(item) for item in balance.point)
-    n = len(state)
-    constants = code.constants(balance.parameters)
-    moved = np.asarray(code.constant_slopes(balance.parameters) @ by_parameter)
-    bundle = Bundle(code, np.hstack([np.zeros((len(moved), n)), moved]))
-    bundle.state = np.hstack([np.eye(n), np.zeros((n, by_parameter.shape[1]))])
-    unknowns = code.solved(balance.time, state, guess, constants)
-    found: Any = bundle.point(Moment(balance.time, state, unknowns, constants))[2]
-    return found[:, :n], found[:, n:]

@@ -92,6 +92,16 @@ class PartitionedRun:
         )
         self._started = time.perf_counter()
 
+    @property
+    def kernel_in_use(self) -> Kernel:
+        """The kernel of the present partition."""
+        return self._changes.kernel
+
+    @property
+    def has_passed(self) -> bool:
+        """Whether a singular configuration has been passed, by steps of another kind."""
+        return self._passing.passed > 0
+
     def go(self, state: Vector, unknowns: Vector) -> Statistics:
         """Run to the end; whatever stops it, the samples found are handed on.
 

@@ -74,7 +74,7 @@ def simulate_watched(
         If the integration cannot go on; a singular configuration is named with its loop and
         coordinate.
     """
-    if not _may_change(kernel.equations):
+    if not may_change(kernel.equations):
         return simulate(
             kernel,
             solver,
@@ -148,9 +148,7 @@ class _Pieces:
                 plan = replace(plan, start=beginning.time)
             projected = ProjectedRun(kernel, projected_plan(plan), self.make_watch)
             return projected.go(state, unknowns, skip=beginning is not None)
-        sizes = (block.stop - block.start for block in kernel.equations.blocks)
-        steps = _STEPS_IF_WIDE if max(sizes, default=0) > _WIDE_BLOCK else _STEPS_PER_LOOK
-        plan = plan.looked_at(steps=steps)
+        plan = plan.looked_at(steps=steps_per_look(kernel.equations))
         run = PartitionedRun(
             self.system, kernel, self.first, plan, self.make_watch, self.known, course
         )
@@ -167,11 +165,17 @@ class _Pieces:
         return self.run(place.kernel, plan, place.state.copy(), place.unknowns.copy())
 
 
-def _may_change(equations: Equations) -> bool:
+def may_change(equations: Equations) -> bool:
     """Return whether a run may need other coordinates, or projection, on the way."""
     known = equations.structure
     has_multipliers = known.get("constraint_method") == "multipliers"
     return bool(has_multipliers or known.get("loops") or known.get("rate_dependent"))
+
+
+def steps_per_look(equations: Equations) -> int:
+    """Return about how many fixed steps a run takes between two looks at its partition."""
+    sizes = (block.stop - block.start for block in equations.blocks)
+    return _STEPS_IF_WIDE if max(sizes, default=0) > _WIDE_BLOCK else _STEPS_PER_LOOK
 
 
 def _watch_of(system: System) -> PartitionWatch:

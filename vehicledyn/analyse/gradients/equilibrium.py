@@ -1,0 +1,78 @@
+"""Derivatives of an equilibrium, and of the rates at a point, by parameters and states."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vehicledyn.base.errors import NumericalError
+from vehicledyn.kernel.engine import Vector
+from vehicledyn.kernel.tangent_code import Bundle, Moment, TangentCode
+
+Matrix = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Balance:
+    """An equilibrium: all parameters, time [s], states and unknowns, and what was balanced.
+
+    ``pairs`` are the states that were free and the rates that are zero.
+    """
+
+    parameters: Vector
+    time: float
+    point: tuple[Vector, Vector]
+    pairs: tuple[list[int], list[int]]
+
+
+def start_slopes(
+    code: TangentCode, balance: Balance, by_parameter: Matrix, held: Matrix | None = None
+) -> Matrix:
+    """Return the derivatives of an equilibrium's states, shape (n_states, n_directions).
+
+    0 = f_b(x, p) for the balanced rates b and the free states: dx = -(∂f_b/∂x)⁻¹ df_b.
+
+    Parameters
+    ----------
+    code
+        Compiled derivatives.
+    balance
+        The equilibrium.
+    by_parameter
+        Tangents of the parameters, shape (n_parameters, n_directions).
+    held
+        Tangents of the states that are not free, shape (n_states, n_directions).
+
+    Raises
+    ------
+    NumericalError
+        If the equilibrium does not follow the parameters.
+    """
+    free, balanced = balance.pairs
+    slopes = np.zeros((len(balance.point[0]), by_parameter.shape[1])) if held is None else held
+    slopes = slopes.copy()
+    slopes[free] = 0.0
+    rates = rate_slopes(code, balance, by_parameter)
+    by_free, given = rates[0][np.ix_(balanced, free)], (rates[1] + rates[0] @ slopes)[balanced]
+    found = -np.linalg.lstsq(by_free, given, rcond=1e-12)[0]
+    missed = np.abs(by_free @ found + given)
+    if np.any(missed > 1e-7 * np.max(np.abs(given), axis=0, initial=1e-12)):
+        raise NumericalError("the equilibrium has no derivative: it is not isolated")
+    slopes[free] = found
+    return slopes
+
+
+def rate_slopes(code: TangentCode, balance: Balance, by_parameter: Matrix) -> tuple[Matrix, Matrix]:
+    """Return dẋ/dx (n_states, n_states) and dẋ/dp (n_states, n_directions) on closed loops."""
+    state, guess = (np.ascontiguousarray(item) for item in balance.point)
+    n = len(state)
+    constants = code.constants(balance.parameters)
+    moved = np.asarray(code.constant_slopes(balance.parameters) @ by_parameter)
+    bundle = Bundle(code, np.hstack([np.zeros((len(moved), n)), moved]))
+    bundle.state = np.hstack([np.eye(n), np.zeros((n, by_parameter.shape[1]))])
+    unknowns = code.solved(balance.time, state, guess, constants)
+    found: Any = bundle.point(Moment(balance.time, state, unknowns, constants))[2]
+    return found[:, :n], found[:, n:]

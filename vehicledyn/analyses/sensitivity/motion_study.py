@@ -1,0 +1,305 @@
+"""A scenario ready to be followed with its derivatives: start, motion and key figures."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vehicledyn.analyse.gradients.equilibrium import Balance, start_slopes
+from vehicledyn.analyse.gradients.key_figures import FigureSlope, figure_slope, sampled_slopes
+from vehicledyn.analyse.gradients.motion import MotionSlopes, Piece, follow
+from vehicledyn.analyse.gradients.sampled_run import sampled_run
+from vehicledyn.analyses.preparation.prepare import Point, set_speed, start_point
+from vehicledyn.analyses.preparation.prepared import Prepared, Progress
+from vehicledyn.analyses.sensitivity.names import Directions, Wanted
+from vehicledyn.analyses.sensitivity.pieces import Pieces
+from vehicledyn.analyses.simulation.partition_course import PartitionCourse, RunCourse
+from vehicledyn.analyses.simulation.prepared_run import prepare_run
+from vehicledyn.analyses.simulation.wanted_outputs import needed_channels
+from vehicledyn.base.errors import InputError, nearest_name
+from vehicledyn.base.units import shown
+from vehicledyn.files.scenario import LoadedScenario
+from vehicledyn.integrate.accuracy.proposed_step import proposed_step
+from vehicledyn.integrate.fixed_step import steps_per_interval
+from vehicledyn.kernel.engine import Method
+from vehicledyn.kernel.tangent_code import Grid, TangentCode
+from vehicledyn.results.store.linear_file import Quantity
+from vehicledyn.road.manoeuvres.channel_recorder import Recording
+
+Floats = NDArray[np.float64]
+
+_FIXED = (Method.RK4, Method.SYMPLECTIC_EULER)
+
+_AS_GOOD, _MOST_HALVINGS = 1e-5, 5
+"""Part of a channel's range by which steps may miss it that stand for another method's, and how
+often they are halved for it."""
+
+
+@dataclass
+class MotionStudy:
+    """A scenario made ready to be followed with its derivatives, as often as wanted."""
+
+    loaded: LoadedScenario
+    prepared: Prepared
+    start: Point
+    channels: list[int]
+    code: TangentCode
+    grid: Grid
+    n_intervals: int
+    notes: list[str]
+    course: PartitionCourse
+    pieces: Pieces
+
+    @staticmethod
+    def of(
+        loaded: LoadedScenario, names: list[str], progress: Progress, *, back: bool = False
+    ) -> MotionStudy:
+        """Prepare a scenario; ``names`` are the channels wanted besides those of key figures.
+
+        With ``back`` the motion is to be followed back from the first of these.
+        """
+        prepared, start = prepare_run(loaded, backend="auto", progress=progress)
+        if prepared.has_multipliers:
+            raise InputError(
+                f"the constraints of '{prepared.equations.name}' are treated with multipliers; "
+                "derivatives of its motion need 'constraint_method: partitioning'"
+            )
+        all_names = [c.name for c in prepared.equations.channels]
+        for name in names:
+            if name not in all_names:
+                guess = nearest_name(name, all_names)
+                hint = f"; did you mean '{guess}'?" if guess else ""
+                raise InputError(f"'{name}' is no channel of '{prepared.equations.name}'{hint}")
+        chosen = [all_names.index(name) for name in names]
+        chosen = chosen if back else [*needed_channels(prepared), *chosen]
+        channels = list(dict.fromkeys(chosen))
+        notes: list[str] = []
+        grid, n_intervals = _grid(loaded, prepared, start, notes)
+        progress("deriving and compiling the tangents", None)
+        code = TangentCode(prepared.equations, channels, back=back)
+        course = PartitionCourse(prepared.subject.system, lambda: prepared.watch)
+        study = MotionStudy(
+            loaded, prepared, start, channels, code, grid, n_intervals, notes, course, Pieces()
+        )
+        kept = getattr(loaded.scenario.solver, "fixed_method", None) in _FIXED
+        return study if kept else study._with_judged_steps(progress)
+
+    def _with_judged_steps(self, progress: Progress) -> MotionStudy:
+        """Return the same with steps so small that halving them does not move the samples.
+
+        For scenarios whose own method has no derivatives and keeps to a tolerance instead.
+        """
+        study, values = self, self.plain(progress).values
+        for _ in range(_MOST_HALVINGS):
+            progress("choosing the steps to follow", None)
+            finer = replace(study.grid, per_interval=2 * study.grid.per_interval)
+            found = replace(study, grid=finer).plain(progress).values
+            missed = _missed(values, found)
+            if missed <= _AS_GOOD:
+                break
+            study, values = replace(study, grid=finer), found
+        step = study.grid.interval / study.grid.per_interval
+        notes = [f"derivatives are those of rk4 steps of {shown(step, 's')}"]
+        if missed > _AS_GOOD:
+            notes.append(
+                f"warning: these steps miss the motion by up to {missed:.1e} of a channel's range; "
+                "give the scenario solver.kind rk4 with a step that suits it"
+            )
+        return replace(study, notes=notes)
+
+    def moved(self, changes: Mapping[str, float]) -> MotionStudy:
+        """Return the same with other values of parameters, in SI, and the start that follows."""
+        names = [p.name for p in self.prepared.equations.parameters]
+        parameters = self.prepared.kernel.parameters
+        for name, value in changes.items():
+            parameters[names.index(name)] = value
+        kernel = self.prepared.kernel.with_parameters(parameters)
+        prepared = replace(self.prepared, kernel=kernel)
+        scenario = self.loaded.scenario
+        start = start_point(prepared, scenario.speed or 0.0, scenario.start)
+        return replace(self, prepared=prepared, start=start)
+
+    def figures(self, asked: Wanted, motion: MotionSlopes) -> list[tuple[FigureSlope, Quantity]]:
+        """Return the figures asked for, those of the run first."""
+        e = self.prepared.equations
+        places = {e.channels[k].name: place for place, k in enumerate(self.channels)}
+        run = self.run_figures(motion) if asked.others else {}
+        found = [_known(run, name) for name in asked.others]
+        for kind, name in asked.figures:
+            place = places[name]
+            channel = e.channels[self.channels[place]]
+            slope = figure_slope(
+                kind, motion.times, motion.values[:, place], motion.slopes[:, place]
+            )
+            unit = f"{channel.unit}*s" if kind == "integral" else channel.unit
+            words = f"{kind} of {channel.description}"
+            found.append((slope, Quantity(f"{kind}({name})", unit, words)))
+        return found
+
+    def followed(self, chosen: Directions, progress: Progress) -> MotionSlopes:
+        """Return the motion with its derivatives."""
+        by_state = self.start_slopes(chosen) + chosen.by_state
+        first, *later = self._parts()
+        return follow(
+            first.code,
+            first.kernel,
+            self.grid,
+            n_intervals=self.n_intervals,
+            start=(self.start.state, self.start.unknowns),
+            directions=(chosen.by_parameter, by_state),
+            later=later,
+            n_channels=len(self.channels),
+            progress=lambda part: progress("following the motion with its tangents", part),
+        )
+
+    def changes(self) -> RunCourse | None:
+        """Return the run with its changes of dependent coordinates, None where there are none."""
+        kernel = self.prepared.kernel
+        if not self.course.needed(kernel):
+            return None
+        start = (self.start.state, self.start.unknowns)
+        return self.course.run(kernel, self.grid, self.n_intervals, start)
+
+    def _parts(self) -> tuple[Piece, ...]:
+        """Return the pieces of the motion between changes of its dependent coordinates."""
+        begin = Piece(self.grid.start, self.prepared.kernel, self.code)
+        course, e = self.changes(), self.prepared.equations
+        if course is None or not course.changes:
+            return (begin,)
+        names = [e.channels[k].name for k in self.channels]
+        return self.pieces.of(begin, course.changes, names)
+
+    def plain(self, progress: Progress) -> MotionSlopes:
+        """Return the motion without derivatives, as those by no directions."""
+        kernel, n_x = self.prepared.kernel, len(self.start.state)
+        course = self.changes()
+        if course is not None:
+            wanted = course.channels[:, self.channels]
+            nothing = np.zeros((*wanted.shape, 0))
+            last, ended_by = course.states[-1], course.ended_by
+            return MotionSlopes(
+                course.times, wanted, nothing, last, np.zeros((n_x, 0)), [], ended_by
+            )
+        if kernel.equations.events:
+            none = np.zeros((len(kernel.parameters), 0)), np.zeros((n_x, 0))
+            start = (self.start.state, self.start.unknowns)
+            return follow(
+                self.code,
+                kernel,
+                self.grid,
+                n_intervals=self.n_intervals,
+                start=start,
+                directions=none,
+            )
+        times, values, state = sampled_run(
+            kernel, self.grid, self.n_intervals, (self.start.state, self.start.unknowns)
+        )
+        chosen = values[:, self.channels]
+        empty = np.zeros((*chosen.shape, 0))
+        return MotionSlopes(times, chosen, empty, state, np.zeros((n_x, 0)), [], "")
+
+    def start_slopes(self, chosen: Directions) -> Floats:
+        """Return how the start follows the parameters; given states follow the speed alone."""
+        subject, scenario = self.prepared.subject, self.loaded.scenario
+        speed = scenario.speed or 0.0
+        kind = scenario.start or subject.usual_start
+        kernel, e = self.prepared.kernel, self.prepared.equations
+        given = self._given(chosen, speed)
+        if kind == "nominal":
+            return given
+        held = kernel.parameters
+        balanced_speed = 0.0 if kind == "static" else speed
+        state = self.start.state.copy()
+        pairs = subject.balance_pairs(e, balanced_speed)
+        if kind == "static":
+            others = [k for k in e.speeds if k not in pairs[0]]
+            state[others] = subject.still_state(e)[others]
+        set_speed(self.prepared, balanced_speed)
+        try:
+            point = (state, self.start.unknowns)
+            balance = Balance(kernel.parameters, subject.balance_time, point, pairs)
+            moved = given if kind == "steady" else np.zeros(given.shape)
+            found = start_slopes(self.code, balance, chosen.by_parameter, moved)
+        finally:
+            kernel.set_parameters(held)
+        if kind == "static":
+            found[others] = given[others]
+        return found
+
+    def _given(self, chosen: Directions, speed: float) -> Floats:
+        """Return how the given states follow the speed, in which they are linear."""
+        subject, e = self.prepared.subject, self.prepared.equations
+        slopes = np.zeros(chosen.by_state.shape)
+        names = [p.name for p in e.parameters]
+        if "speed" in names and "speed" in subject.parameters_at(speed or 1.0):
+            faster = subject.start_state(e, speed + 1.0) - subject.start_state(e, speed)
+            slopes += np.outer(faster, chosen.by_parameter[names.index("speed")])
+        return slopes
+
+    def run_figures(self, motion: MotionSlopes) -> dict[str, tuple[FigureSlope, Quantity]]:
+        """Return the key figures of the run with their derivatives."""
+        e = self.prepared.equations
+        names = [e.channels[k].name for k in self.channels]
+        units = {e.channels[k].name: e.channels[k].unit for k in self.channels}
+        about: dict[str, Quantity] = {}
+
+        def figures(values: Floats) -> dict[str, float]:
+            recording = Recording(motion.times, dict(zip(names, values.T, strict=True)), units)
+            found = {}
+            for entry in self.prepared.subject.summarise(recording):
+                if isinstance(entry.value, float):
+                    about[entry.name] = Quantity(entry.name, entry.unit, entry.description)
+                    found[entry.name] = entry.value
+            return found
+
+        found = sampled_slopes(figures, motion.values, motion.slopes)
+        return {name: (slope, about[name]) for name, slope in found.items()}
+
+
+def _known(run: dict[str, tuple[FigureSlope, Quantity]], name: str) -> tuple[FigureSlope, Quantity]:
+    """Return a figure of the run.
+
+    Raises
+    ------
+    InputError
+        If there is none of this name.
+    """
+    if name not in run:
+        guess = nearest_name(name, run)
+        hint = f"; did you mean '{guess}'?" if guess else ""
+        raise InputError(f"the run has no key figure '{name}'{hint}")
+    return run[name]
+
+
+def _grid(
+    loaded: LoadedScenario, prepared: Prepared, start: Point, notes: list[str]
+) -> tuple[Grid, int]:
+    """Return the steps of a scenario; a method without derivatives is replaced, as noted."""
+    solver, interval = loaded.scenario.solver, loaded.scenario.output.interval
+    method = getattr(solver, "fixed_method", None)
+    step = getattr(solver, "step", None) if method in _FIXED else None
+    if method not in _FIXED:
+        method = Method.RK4
+    if step is None:
+        point = (0.0, start.state, start.unknowns)
+        step = proposed_step(prepared.kernel, method, point, interval)
+        name = Method(method).name.lower()
+        notes.append(f"derivatives are those of {name} steps of {shown(step, 's')}")
+    per_interval = steps_per_interval(step, interval)
+    whole = loaded.scenario.duration / interval
+    n_intervals = math.floor(whole * (1.0 + 1e-12) + 1e-9)
+    return Grid(int(method), 0.0, interval, per_interval), n_intervals
+
+
+def _missed(coarse: Floats, fine: Floats) -> float:
+    """Return the largest difference of channels, as a part of each one's range."""
+    if coarse.shape != fine.shape:
+        return math.inf
+    spans = np.ptp(fine, axis=0)
+    sizes = np.maximum(spans, 1e-9 * np.max(np.abs(fine), axis=0, initial=0.0))
+    differences = np.max(np.abs(coarse - fine), axis=0, initial=0.0)[sizes > 0.0]
+    return float(np.max(differences / sizes[sizes > 0.0], initial=0.0))
