@@ -6,7 +6,8 @@ import sys
 from pathlib import Path
 
 import pytest
-from test_documents import BLOCK, blocks, run
+from programs import run
+from test_documents import BLOCK, blocks
 
 from vehicledyn.results.store.reader import open_result
 

@@ -1,14 +1,13 @@
 """Every listing of the page on equilibrium, eigenmodes and frequency response works."""
 
 import json
-import os
 import re
-import subprocess
 import sys
 from pathlib import Path
 
 import numpy as np
 import pytest
+from programs import run
 
 from vehicledyn.results.tables.mode_table import read_modes
 from vehicledyn.results.tables.response_table import read_response
@@ -16,16 +15,6 @@ from vehicledyn.results.tables.response_table import read_response
 ROOT = Path(__file__).parents[2]
 PAGE = (ROOT / "docs" / "analyses.md").read_text(encoding="utf-8")
 BLOCK = re.compile(r"^```(\w+)\n(.*?)^```", re.MULTILINE | re.DOTALL)
-
-
-def run(command, folder):
-    path = f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"
-    done = subprocess.run(
-        command, shell=isinstance(command, str), cwd=folder, env=os.environ | {"PATH": path},
-        check=False, capture_output=True, text=True, timeout=300,
-    )  # fmt: skip
-    assert done.returncode == 0, f"{command}\n{done.stdout}\n{done.stderr}"
-    return done.stdout
 
 
 @pytest.fixture(scope="module")

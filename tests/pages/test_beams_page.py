@@ -1,11 +1,10 @@
 """Every command and listing of the page on beams works; its tables name every choice."""
 
-import os
 import re
-import subprocess
-import sys
 from pathlib import Path
 from typing import get_args, get_type_hints
+
+from programs import run
 
 from vehicledyn.multibody.bodies.beam_sections import Section
 from vehicledyn.multibody.elements.beam import Beam, Modes
@@ -16,19 +15,13 @@ FIRST = re.compile(r"# (\S+)\n")
 
 
 def test_listings_and_commands(tmp_path):
-    path = f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"
     for kind, body in BLOCK.findall(PAGE):
         lines = body.splitlines()
         if kind in ("yaml", "python"):
             (tmp_path / FIRST.match(body)[1]).write_text(body, encoding="utf-8")
             lines = [f"python {FIRST.match(body)[1]}"] if kind == "python" else []
         for line in lines:
-            done = subprocess.run(
-                line, shell=True, cwd=tmp_path, env=os.environ | {"PATH": path}, check=False,
-                capture_output=True, text=True, timeout=300,
-            )  # fmt: skip
-            assert done.returncode == 0, f"{line}\n{done.stdout}\n{done.stderr}"
-            assert done.stdout
+            assert run(line, tmp_path)
     assert (tmp_path / "spin.h5").is_file()
 
 

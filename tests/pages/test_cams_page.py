@@ -1,10 +1,9 @@
 """Every command and listing of the page on cams works; its tables name every kind."""
 
-import os
 import re
-import subprocess
-import sys
 from pathlib import Path
+
+from programs import run
 
 from vehicledyn.base.registry import kinds
 from vehicledyn.cams.cam_file import read_cam
@@ -15,7 +14,6 @@ FIRST = re.compile(r"# (\S+)\n")
 
 
 def test_listings_and_commands(tmp_path):
-    path = f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"
     for kind, body in BLOCK.findall(PAGE):
         if body.startswith("# part of"):
             continue  # systems/cam_follower.yaml has the same
@@ -28,12 +26,7 @@ def test_listings_and_commands(tmp_path):
             (tmp_path / FIRST.match(body)[1]).write_text(body)
             lines = [f"python {FIRST.match(body)[1]}"]
         for line in lines:
-            done = subprocess.run(
-                line, shell=True, cwd=tmp_path, env=os.environ | {"PATH": path}, check=False,
-                capture_output=True, text=True, timeout=300,
-            )  # fmt: skip
-            assert done.returncode == 0, f"{line}\n{done.stderr}"
-            assert done.stdout
+            assert run(line, tmp_path)
     names = {p.name for p in tmp_path.iterdir()}
     assert {"intake.csv", "intake.h5", "intake.dxf", "intake_pictures"} <= names
 

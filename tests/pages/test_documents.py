@@ -1,16 +1,15 @@
 """Every command and every listing of README and CONTRIBUTING works."""
 
 import math
-import os
 import re
 import shutil
-import subprocess
 import sys
 import tomllib
 from pathlib import Path
 
 import numpy as np
 import pytest
+from programs import run
 
 import vehicledyn
 from vehicledyn.results.store.reader import open_result
@@ -25,17 +24,6 @@ FILE = re.compile(r"^# (\S+)\n")
 
 def blocks(text, language):
     return [body for kind, body in BLOCK.findall(text) if kind == language]
-
-
-def run(command, folder, **changes):
-    path = f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"
-    environment = os.environ | {"PATH": path} | changes
-    done = subprocess.run(
-        command, shell=isinstance(command, str), cwd=folder, env=environment, check=False,
-        capture_output=True, text=True, timeout=300,
-    )  # fmt: skip
-    assert done.returncode == 0, f"{command}\n{done.stdout}\n{done.stderr}"
-    return done.stdout
 
 
 def test_readme_begins_with_installing_and_running_then_testing():

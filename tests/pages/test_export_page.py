@@ -1,29 +1,17 @@
 """Every command and listing of the page on exporting works, and all languages agree."""
 
-import os
 import re
 import shutil
-import subprocess
 import sys
 from pathlib import Path
 
 import pytest
+from programs import run
 
 ROOT = Path(__file__).parents[2]
 PAGE = (ROOT / "docs" / "export.md").read_text(encoding="utf-8")
 BLOCK = re.compile(r"^```(\w+)\n(.*?)^```", re.MULTILINE | re.DOTALL)
 FILE = re.compile(r"^(?:#|//|%) (use\S*)\n")
-
-
-def run(command, folder):
-    path = f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"
-    done = subprocess.run(
-        command, shell=True, cwd=folder, env=os.environ | {"PATH": path, "PYTHONPATH": str(folder)},
-        check=False,
-        capture_output=True, text=True, timeout=300,
-    )  # fmt: skip
-    assert done.returncode == 0, f"{command}\n{done.stdout}\n{done.stderr}"
-    return done.stdout
 
 
 @pytest.fixture(scope="module")
@@ -47,12 +35,14 @@ def angle(folder):
     """The crank's angle after half a second, by the Python listing with the file's own mass."""
     text = (folder / "use.py").read_text(encoding="utf-8")
     (folder / "own.py").write_text(text.replace("crank_mass=2.5", ""), encoding="utf-8")
-    return float(run(f"{sys.executable} own.py", folder))
+    return float(run(f"{sys.executable} own.py", folder, PYTHONPATH=str(folder)))
 
 
 def test_listing_in_python(folder, angle):
     """The crank turns about its centre of mass: its mass changes nothing."""
-    assert float(run(f"{sys.executable} use.py", folder)) == pytest.approx(angle, rel=1e-7)
+    assert float(run(f"{sys.executable} use.py", folder, PYTHONPATH=str(folder))) == pytest.approx(
+        angle, rel=1e-7
+    )
 
 
 @pytest.mark.skipif(shutil.which("cc") is None, reason="no C compiler")
@@ -72,7 +62,9 @@ def test_listing_in_matlab(folder):
 @pytest.mark.skipif(shutil.which("cc") is None, reason="no C compiler")
 def test_listing_of_the_fmu(folder, angle):
     pytest.importorskip("fmpy", reason="fmpy, which simulates FMUs, is not installed")
-    assert float(run(f"{sys.executable} use_fmu.py", folder)) == pytest.approx(angle, rel=1e-5)
+    assert float(
+        run(f"{sys.executable} use_fmu.py", folder, PYTHONPATH=str(folder))
+    ) == pytest.approx(angle, rel=1e-5)
 
 
 def test_the_page_tells_of_every_function(folder):

@@ -1,12 +1,10 @@
 """Every command and listing of the page on handling works; its table names every test."""
 
-import os
 import re
-import subprocess
-import sys
 from pathlib import Path
 
 import pytest
+from programs import run
 
 from vehicledyn.files.scenario import load_scenario
 from vehicledyn.results.plots.handling.test_figures import TESTS
@@ -19,7 +17,6 @@ FIRST = re.compile(r"# (\S+)\n")
 
 
 def test_listings_and_commands(tmp_path):
-    path = f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"
     for kind, body in BLOCK.findall(PAGE):
         lines = body.splitlines()
         if kind == "yaml":
@@ -30,11 +27,7 @@ def test_listings_and_commands(tmp_path):
             (tmp_path / FIRST.match(body)[1]).write_text(body)
             lines = [f"python {FIRST.match(body)[1]}"]
         for line in lines:
-            done = subprocess.run(
-                line, shell=True, cwd=tmp_path, env=os.environ | {"PATH": path}, check=False,
-                capture_output=True, text=True, timeout=300,
-            )  # fmt: skip
-            assert done.returncode == 0, f"{line}\n{done.stderr}"
+            run(line, tmp_path)
     assert "Understeer gradient" in (tmp_path / "steady.html").read_text()
 
 

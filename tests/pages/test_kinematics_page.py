@@ -1,13 +1,11 @@
 """Every command of the page on kinematics and inverse dynamics works."""
 
-import os
 import re
-import subprocess
-import sys
 from pathlib import Path
 
 import numpy as np
 import pytest
+from programs import run
 
 from vehicledyn.results.store.reader import open_result
 
@@ -32,13 +30,8 @@ def folder(tmp_path_factory):
         (place / name).symlink_to(ROOT / name)
     text = listing("turn.yaml").replace("SYSTEMS", str(ROOT / "systems"))
     (place / "turn.yaml").write_text(text, encoding="utf-8")
-    path = f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"
     for line in COMMANDS:
-        done = subprocess.run(
-            line, shell=True, cwd=place, env=os.environ | {"PATH": path}, check=False,
-            capture_output=True, text=True, timeout=300,
-        )  # fmt: skip
-        assert done.returncode == 0, f"{line}\n{done.stdout}\n{done.stderr}"
+        run(line, place)
     return place
 
 

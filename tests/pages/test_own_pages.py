@@ -7,7 +7,7 @@ import sys
 from pathlib import Path
 
 import pytest
-from test_documents import run
+from programs import run
 
 from vehicledyn.results.store.reader import open_result
 

@@ -1,12 +1,11 @@
 """Every command and listing of the page on profiles works."""
 
-import os
 import re
-import subprocess
 import sys
 from pathlib import Path
 
 import pytest
+from programs import run
 
 from vehicledyn.results.tables.contact_table import read_contacts
 
@@ -16,16 +15,6 @@ BLOCK = re.compile(r"^```(\w+)\n(.*?)^```", re.MULTILINE | re.DOTALL)
 COMMANDS = [
     line for kind, body in BLOCK.findall(PAGE) if kind == "sh" for line in body.splitlines()
 ]
-
-
-def run(command, folder):
-    path = f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"
-    done = subprocess.run(
-        command, shell=isinstance(command, str), cwd=folder, env=os.environ | {"PATH": path},
-        check=False, capture_output=True, text=True, timeout=300,
-    )  # fmt: skip
-    assert done.returncode == 0, f"{command}\n{done.stderr}"
-    return done.stdout
 
 
 @pytest.fixture(scope="module")

@@ -1,12 +1,10 @@
 """Every command and listing of the page on vehicles on rails works."""
 
-import os
 import re
-import subprocess
-import sys
 from pathlib import Path
 
 import pytest
+from programs import run
 
 from vehicledyn.results.store.reader import open_result
 
@@ -25,15 +23,9 @@ def told(tmp_path_factory):
     place = tmp_path_factory.mktemp("page")
     for name, text in LISTINGS.items():
         (place / name).write_text(text, encoding="utf-8")
-    path = f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"
     printed = {}
     for line in COMMANDS:
-        done = subprocess.run(
-            line, shell=True, cwd=place, env=os.environ | {"PATH": path}, check=False,
-            capture_output=True, text=True, timeout=300,
-        )  # fmt: skip
-        assert done.returncode == 0, f"{line}\n{done.stderr}"
-        printed[line.split()[1]] = done.stdout
+        printed[line.split()[1]] = run(line, place)
     return place, printed
 
 

@@ -7,7 +7,8 @@ import sys
 from pathlib import Path
 
 import pytest
-from test_documents import blocks, run
+from programs import run
+from test_documents import blocks
 
 ROOT = Path(__file__).parents[2]
 PAGE = (ROOT / "docs" / "report.md").read_text(encoding="utf-8")

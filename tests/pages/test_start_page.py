@@ -9,7 +9,8 @@ from pathlib import Path
 
 import jsonschema
 import pytest
-from test_documents import blocks, run
+from programs import run
+from test_documents import blocks
 
 import vehicledyn.catalogue  # noqa: F401
 from vehicledyn.analyses.models.start_files import STARTS, write_start

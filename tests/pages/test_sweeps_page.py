@@ -5,7 +5,8 @@ import sys
 from pathlib import Path
 
 import pytest
-from test_documents import BLOCK, README, blocks, run
+from programs import run
+from test_documents import BLOCK, README, blocks
 
 from vehicledyn.results.store.study_reader import open_study
 

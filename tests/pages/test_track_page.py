@@ -2,7 +2,6 @@
 
 import csv
 import json
-import os
 import re
 import subprocess
 import sys
@@ -10,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from programs import run
 
 import vehicledyn.catalogue  # noqa: F401
 from vehicledyn.base.parameters import read_part
@@ -32,15 +32,9 @@ def told(tmp_path_factory):
     place = tmp_path_factory.mktemp("page")
     for name, text in LISTINGS.items():
         (place / name).write_text(text, encoding="utf-8")
-    path = f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"
     printed = {}
     for line in COMMANDS:
-        done = subprocess.run(
-            line, shell=True, cwd=place, env=os.environ | {"PATH": path}, check=False,
-            capture_output=True, text=True, timeout=300,
-        )  # fmt: skip
-        assert done.returncode == 0, f"{line}\n{done.stderr}"
-        printed[line] = done.stdout
+        printed[line] = run(line, place)
     return place, printed
 
 

@@ -1,0 +1,125 @@
+"""Runs command lines as a user would type them.
+
+Every start of the program imports a second's worth of packages. Where the system can fork, a
+server imports them once, and each command runs in a fork of it: a process of its own, with its own
+folder, environment and output. Lines that need a shell and other programs start as usual.
+"""
+
+import array
+import contextlib
+import json
+import os
+import re
+import shlex
+import signal
+import socket
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+
+TIMEOUT = 300
+"""Longest time of a command [s]."""
+
+_SHELL = re.compile(r"[|;&<>$`*?~#\\\n(){}!]")
+_READ_AT_START = re.compile(r"PYTHON|MPL|OMP_|OPENBLAS_|LD_|LC_|LANG|COLUMNS|TERM|NO_COLOR|CI$")
+_SERVER = Path(__file__).parent / "warm_server.py"
+
+
+def run(command, folder, **environment):
+    """Run a command in a folder; return what it printed, fail where its exit code is not 0."""
+    done = call(command, folder, **environment)
+    assert done.returncode == 0, f"{command}\n{done.stdout}\n{done.stderr}"
+    return done.stdout
+
+
+def call(command, folder, **environment):
+    """Run a command, a line for the shell or a list of words; return the completed process."""
+    path = f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"
+    changed = os.environ | {"PATH": path} | environment
+    words = _words(command)
+    if _is_served(words) and _can_be_forked(changed):
+        return _server().call(words, folder, changed)
+    return subprocess.run(
+        command, shell=isinstance(command, str), cwd=folder, env=changed, check=False,
+        capture_output=True, text=True, timeout=TIMEOUT,
+    )  # fmt: skip
+
+
+def _words(command):
+    if not isinstance(command, str):
+        return [str(word) for word in command]
+    return [] if _SHELL.search(command) else shlex.split(command)
+
+
+def _is_served(words):
+    """Whether a command is the program, a file of Python or a text of Python without options."""
+    if words[:1] == ["vehicledyn"]:
+        return True
+    return words[:1] in (["python"], [sys.executable]) and (
+        words[1] == "-c" or not words[1].startswith("-")
+    )
+
+
+def _can_be_forked(environment):
+    if not sys.platform.startswith("linux"):
+        return False
+    return _at_start(environment) == _at_start(os.environ)
+
+
+def _at_start(environment):
+    return {key: value for key, value in environment.items() if _READ_AT_START.match(key)}
+
+
+class _Server:
+    """A process that has imported the program and forks for each command."""
+
+    def __init__(self):
+        ours, theirs = socket.socketpair()
+        with theirs:
+            self._process = subprocess.Popen(
+                [sys.executable, _SERVER, str(theirs.fileno())],
+                pass_fds=[theirs.fileno()], stdin=subprocess.DEVNULL,
+            )  # fmt: skip
+        self._socket, self._answers = ours, ours.makefile("r")
+        self.environment = _at_start(os.environ)
+
+    def call(self, words, folder, environment):
+        request = {"words": words, "folder": str(folder), "environment": environment}
+        with tempfile.TemporaryFile() as output, tempfile.TemporaryFile() as errors:
+            self._send(json.dumps(request).encode(), (output.fileno(), errors.fileno()))
+            code = self._answer(words)
+            texts = []
+            for file in (output, errors):
+                file.seek(0)
+                texts.append(file.read().decode())
+        return subprocess.CompletedProcess(words, code, *texts)
+
+    def _send(self, message, files):
+        numbers = array.array("i", files)
+        rights = [(socket.SOL_SOCKET, socket.SCM_RIGHTS, numbers)]
+        self._socket.sendmsg([len(message).to_bytes(8, "big")], rights)
+        self._socket.sendall(message)
+
+    def _answer(self, words):
+        child = int(self._answers.readline())
+        self._socket.settimeout(TIMEOUT)
+        try:
+            return int(self._answers.readline())
+        except TimeoutError:
+            with contextlib.suppress(ProcessLookupError):
+                os.killpg(child, signal.SIGKILL)
+            raise subprocess.TimeoutExpired(words, TIMEOUT) from None
+        finally:
+            self._socket.settimeout(None)
+
+
+_servers = {}
+
+
+def _server():
+    """Return the server of this process and of its environment, started where there is none."""
+    key = (os.getpid(), *sorted(_at_start(os.environ).items()))
+    if key not in _servers:
+        _servers[key] = _Server()
+    return _servers[key]

@@ -1,0 +1,98 @@
+"""Imports the program once and runs each command it is sent in a fork; see ``programs``."""
+
+import importlib
+import json
+import os
+import pkgutil
+import runpy
+import signal
+import socket
+import sys
+import traceback
+import types
+import warnings
+
+import vehicledyn
+import vehicledyn.cli
+
+PACKAGES = (
+    "h5py", "jinja2", "matplotlib.backends.backend_agg", "matplotlib.backends.backend_svg",
+    "matplotlib.figure", "pandas", "ruamel.yaml", "scipy.integrate", "scipy.interpolate",
+    "scipy.linalg", "scipy.optimize", "scipy.signal", "scipy.stats", "typer",
+)  # fmt: skip
+
+
+def serve(connection):
+    """Run commands until the other end closes."""
+    while True:
+        length, files, _, _ = socket.recv_fds(connection, 8, 2)
+        if not length:
+            return
+        request = json.loads(connection.recv(int.from_bytes(length, "big"), socket.MSG_WAITALL))
+        child = os.fork()
+        if child == 0:
+            connection.close()
+            _run(request, files)
+        for number in files:
+            os.close(number)
+        connection.sendall(b"%d\n" % child)
+        _, status = os.waitpid(child, 0)
+        connection.sendall(b"%d\n" % os.waitstatus_to_exitcode(status))
+
+
+def _run(request, files):
+    code = 1
+    try:
+        os.setpgid(0, 0)
+        os.chdir(request["folder"])
+        os.environ.clear()
+        os.environ.update(request["environment"])
+        for stream, number in zip((1, 2), files, strict=True):
+            os.dup2(number, stream)
+            os.close(number)
+        _call(request["words"])
+        code = 0
+    except SystemExit as end:
+        code = _code_of(end)
+    except BaseException:
+        traceback.print_exc()
+    finally:
+        sys.stdout.flush()
+        sys.stderr.flush()
+        os._exit(code)
+
+
+def _call(words):
+    """Be the program, a file of Python or, behind ``-c``, a text of it."""
+    program, *words = words
+    if program == "vehicledyn":
+        sys.argv = [program, *words]
+        vehicledyn.cli.main()
+    elif words[0] == "-c":
+        sys.argv = words
+        main = types.ModuleType("__main__")
+        sys.modules["__main__"] = main
+        exec(compile(words[1], "<string>", "exec"), main.__dict__)
+    else:
+        sys.argv = words
+        runpy.run_path(words[0], run_name="__main__")
+
+
+def _code_of(end):
+    if isinstance(end.code, str):
+        print(end.code, file=sys.stderr)  # noqa: T201
+        return 1
+    return end.code or 0
+
+
+if __name__ == "__main__":
+    signal.signal(signal.SIGINT, signal.default_int_handler)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        for found in pkgutil.walk_packages(vehicledyn.__path__, "vehicledyn."):
+            if not found.name.endswith("__main__"):
+                importlib.import_module(found.name)
+        for name in PACKAGES:
+            importlib.import_module(name)
+    with socket.socket(fileno=int(sys.argv[1])) as connection:
+        serve(connection)
