@@ -1,7 +1,6 @@
 """The verb ``profiles``: options, JSON, refusals, light start."""
 
 import json
-import os
 import subprocess
 import sys
 from dataclasses import replace
@@ -9,6 +8,7 @@ from dataclasses import replace
 import h5py
 import numpy as np
 import pytest
+from programs import call
 
 from vehicledyn.analyses.contact.contact_geometry import ContactRequest, find_contact_geometry
 from vehicledyn.base.errors import InputError
@@ -22,11 +22,7 @@ def quiet(*_):
 
 
 def command(*arguments, folder=None):
-    return subprocess.run(
-        [sys.executable, "-m", "vehicledyn", "profiles", *arguments],
-        cwd=folder, capture_output=True, text=True, timeout=120, check=False,
-        env=os.environ,
-    )  # fmt: skip
+    return call(["vehicledyn", "profiles", *arguments], folder or ".")
 
 
 def test_options_reach_the_geometry(tmp_path):

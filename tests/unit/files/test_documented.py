@@ -3,12 +3,11 @@
 import os
 import re
 import shutil
-import subprocess
-import sys
 from pathlib import Path
 
 import numpy as np
 import pytest
+from programs import run
 from system_texts import Motion
 
 from vehicledyn.base.registry import families, kinds
@@ -29,16 +28,6 @@ LISTINGS = {
 }
 SYSTEMS = [name for name, body in LISTINGS.items() if "model:" not in body]
 SCENARIOS = sorted((ROOT / "scenarios" / "systems").glob("*.yaml"))
-
-
-def run(command, folder):
-    path = f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"
-    done = subprocess.run(
-        command, shell=isinstance(command, str), cwd=folder, env=os.environ | {"PATH": path},
-        check=False, capture_output=True, text=True, timeout=300,
-    )  # fmt: skip
-    assert done.returncode == 0, f"{command}\n{done.stdout}\n{done.stderr}"
-    return done.stdout
 
 
 def test_commands_of_the_page(tmp_path):
