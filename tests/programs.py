@@ -16,6 +16,7 @@ import socket
 import subprocess
 import sys
 import tempfile
+import threading
 from pathlib import Path
 
 TIMEOUT = 300
@@ -118,8 +119,8 @@ _servers = {}
 
 
 def _server():
-    """Return the server of this process and of its environment, started where there is none."""
-    key = (os.getpid(), *sorted(_at_start(os.environ).items()))
+    """Return the server of this thread and of its environment, started where there is none."""
+    key = (os.getpid(), threading.get_ident(), *sorted(_at_start(os.environ).items()))
     if key not in _servers:
         _servers[key] = _Server()
     return _servers[key]

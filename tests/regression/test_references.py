@@ -1,4 +1,4 @@
-"""Every scenario has a small reference of its own text; check.sh compares the values."""
+"""Every scenario has a small reference of its own text; check.py compares the values."""
 
 import re
 from pathlib import Path

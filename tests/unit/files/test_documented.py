@@ -77,7 +77,7 @@ def test_links_of_the_page_lead_to_files():
 @pytest.mark.parametrize("scenario", SCENARIOS, ids=lambda path: path.stem)
 def test_example_runs_and_keeps_its_balance_of_energy(scenario, tmp_path):
     kept = Path(os.environ.get("CHECKED_RESULTS", tmp_path)) / "systems" / f"{scenario.stem}.h5"
-    if kept.is_file() and keeps_its_balance(kept):  # tests/regression/check.sh ran all of it
+    if kept.is_file() and keeps_its_balance(kept):  # tests/regression/check.py ran all of it
         return
     result = tmp_path / "result.h5"
     short = ["--set", "duration=0.5 s"]
