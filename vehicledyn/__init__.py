@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from vehicledyn.interface.contacts import contact_geometry
     from vehicledyn.interface.handling import handling, steady
     from vehicledyn.interface.hunting import hunt
-    from vehicledyn.interface.identification import identify
+    from vehicledyn.interface.identification import identify, identify_study
     from vehicledyn.interface.linear import equilibrium, modes, response
     from vehicledyn.interface.loading import load
     from vehicledyn.interface.mechanism import inverse, kinematics, rig
@@ -37,7 +37,7 @@ if TYPE_CHECKING:
     from vehicledyn.interface.sensitivities import sensitivity
     from vehicledyn.interface.simulation import simulate
     from vehicledyn.interface.studies import sweep
-    from vehicledyn.interface.uncertainties import uncertainty
+    from vehicledyn.interface.uncertainties import uncertainty, uncertainty_study
     from vehicledyn.multibody.model.bodies import Body, Joint, Turn
     from vehicledyn.multibody.model.cuts import BallCut, BodyCut, RodCut
     from vehicledyn.multibody.model.ground import GROUND
@@ -75,6 +75,7 @@ __all__ = [
     "handling",
     "hunt",
     "identify",
+    "identify_study",
     "inverse",
     "kinematics",
     "load",
@@ -89,6 +90,7 @@ __all__ = [
     "steady",
     "sweep",
     "uncertainty",
+    "uncertainty_study",
 ]
 
 _HOMES = {
@@ -106,7 +108,7 @@ _HOMES = {
     "vehicledyn.interface.contacts": ("contact_geometry",),
     "vehicledyn.interface.handling": ("handling", "steady"),
     "vehicledyn.interface.hunting": ("hunt",),
-    "vehicledyn.interface.identification": ("identify",),
+    "vehicledyn.interface.identification": ("identify", "identify_study"),
     "vehicledyn.interface.linear": (
         "equilibrium",
         "modes",
@@ -123,7 +125,7 @@ _HOMES = {
     "vehicledyn.interface.plugins": ("load_plugin",),
     "vehicledyn.interface.sensitivities": ("sensitivity",),
     "vehicledyn.interface.simulation": ("simulate",),
-    "vehicledyn.interface.uncertainties": ("uncertainty",),
+    "vehicledyn.interface.uncertainties": ("uncertainty", "uncertainty_study"),
     "vehicledyn.multibody.model.bodies": ("Body", "Joint", "Turn"),
     "vehicledyn.multibody.model.cuts": ("BallCut", "BodyCut", "RodCut"),
     "vehicledyn.multibody.model.ground": ("GROUND",),

@@ -11,7 +11,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from vehicledyn.base.errors import NumericalError
+
 Floats = NDArray[np.float64]
+
+_WORSE = 10.0
+"""Times the length of the first residuals that each one has where there is no motion."""
 
 _BLIND = 1e-7
 """Singular value of the scaled Jacobian, as a part of the largest, of a blind combination."""
@@ -23,7 +28,8 @@ class Estimate:
 
     ``variance`` is that of the weighted residuals, one if the noise was as given; ``blind`` are
     combinations (k, n) of scaled parameters that the data cannot tell; ``whiteness`` is the
-    largest autocorrelation of residuals in its own standard errors; ``n_runs`` counts evaluations.
+    largest autocorrelation of residuals in its own standard errors; ``n_runs`` counts evaluations,
+    ``failures`` are those that came to nothing; ``message`` says how the search ended.
     """
 
     values: Floats
@@ -33,6 +39,8 @@ class Estimate:
     blind: Floats
     whiteness: float
     n_runs: int
+    failures: tuple[str, ...] = ()
+    message: str = "converged"
 
 
 def estimate(
@@ -46,21 +54,36 @@ def estimate(
     Parameters
     ----------
     residuals
-        Returns weighted residuals (m,) and their Jacobian (m, n).
+        Returns weighted residuals (m,) and their Jacobian (m, n); raises NumericalError where
+        there are none, from where the search retreats.
     start
         Where to begin, shape (n,).
     bounds
         Lowest and highest values, shape (n,) each.
+
+    Raises
+    ------
+    NumericalError
+        If there are no residuals at the start.
     """
     from scipy.optimize import least_squares
     from scipy.stats import t as student
 
     known: dict[bytes, tuple[Floats, Floats]] = {}
+    failures: list[str] = []
 
     def at(x: Floats) -> tuple[Floats, Floats]:
         key = x.tobytes()
         if key not in known:
-            known[key] = residuals(x)
+            try:
+                known[key] = residuals(x)
+            except NumericalError as error:
+                if not known:
+                    raise
+                failures.append(str(error))
+                first = next(iter(known.values()))
+                size = float(np.sqrt(first[0] @ first[0])) or 1.0
+                known[key] = np.full(len(first[0]), _WORSE * size), first[1]
         return known[key]
 
     found = least_squares(
@@ -91,7 +114,15 @@ def estimate(
     reach = float(student.ppf(0.975, free)) * deviation
     intervals = np.stack([values - reach, values + reach], axis=1)
     return Estimate(
-        values, covariance, intervals, variance, rows[blind], _whiteness(left), len(known)
+        values,
+        covariance,
+        intervals,
+        variance,
+        rows[blind],
+        _whiteness(left),
+        len(known),
+        tuple(failures),
+        "converged" if found.success else str(found.message),
     )
 
 

@@ -21,6 +21,7 @@ RUN, STUDY, HUNT = "vehicledyn-result", "vehicledyn-study", "vehicledyn-hunt"
 HANDLING = "vehicledyn-handling"
 MODES, RESPONSE, PROFILES = "vehicledyn-modes", "vehicledyn-response", "vehicledyn-profiles"
 OPTIMUM = "vehicledyn-optimum"
+IDENTIFICATION, UNCERTAINTY = "vehicledyn-identification", "vehicledyn-uncertainty"
 EQUILIBRIUM, SENSITIVITY = "vehicledyn-equilibrium", "vehicledyn-sensitivity"
 
 _STUDIES = (STUDY, HUNT)

@@ -76,6 +76,8 @@ HOMES = {
     "hunt": ("hunt",),
     "sensitivity": ("sensitivity",),
     "optimise": ("optimise",),
+    "identify": ("identify",),
+    "uncertainty": ("uncertainty",),
     "report": ("report",),
     "animate": ("animate",),
     "start": ("init",),

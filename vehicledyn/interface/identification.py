@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -11,13 +12,11 @@ from vehicledyn.base.argument_names import argument
 from vehicledyn.base.errors import InputError
 from vehicledyn.base.units import to_si
 from vehicledyn.files.scenario.settings import Settings, override_texts
-from vehicledyn.interface.running import Progress, reporter
+from vehicledyn.interface.running import Progress, reporter, result_place
 from vehicledyn.interface.targets import Source, read_scenario
-from vehicledyn.studies.identification import (
-    IdentificationReport,
-    Measured,
-    channel_unit,
-)
+from vehicledyn.results.labelled.data import LabelledData
+from vehicledyn.studies.experiments import Measured
+from vehicledyn.studies.identification import IdentificationReport, channel_unit
 from vehicledyn.studies.identification import identify as find
 
 
@@ -69,3 +68,56 @@ def identify(
     if not items:
         raise InputError(f"{argument('measured')}: give one channel or more")
     return find(loaded, items, parameters, tell)
+
+
+def identify_study(
+    study: str | Path,
+    *,
+    set: Settings | None = None,
+    save_to: str | Path | None = None,
+    overwrite: bool = False,
+    resume: bool = False,
+    progress: Progress = False,
+    **settings: Any,
+) -> LabelledData:
+    """Return the parameters with which runs come closest to the measurements of a study.
+
+    Parameters
+    ----------
+    study
+        Path of an identification study.
+    set, settings
+        Changes of all scenarios, as for :func:`vehicledyn.simulate`.
+    save_to, overwrite, progress
+        As for :func:`vehicledyn.simulate`.
+    resume
+        Whether to go on with a study that was stopped; its runs are kept beside ``save_to``.
+
+    Returns
+    -------
+    LabelledData
+        ``parameter_value`` with ``parameter_low`` and ``parameter_high`` over parameter,
+        ``covariance``, and for each measured sample ``sample_measured`` and ``sample_fitted``.
+
+    Raises
+    ------
+    InputError
+        If the study, its data, a scenario or a setting cannot be used.
+    NumericalError
+        If a run fails at the start.
+    """
+    from vehicledyn.results.tables.identification_table import write_identification
+    from vehicledyn.studies.identification_study import run_identification_study
+
+    kept = None if save_to is None else Path(f"{save_to}.runs.jsonl")
+    with result_place(save_to, may_exist=overwrite or resume) as place:
+        report, runs = run_identification_study(
+            Path(study),
+            override_texts(set, settings),
+            kept=kept,
+            resume=resume,
+            progress=reporter(progress),
+        )
+        write_identification(place.path, report.table)
+        runs.forget()
+        return place.value(report)

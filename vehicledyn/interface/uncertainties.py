@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
+from pathlib import Path
 from typing import Any, Literal
 
 from vehicledyn.files.scenario.settings import Settings, override_texts
 from vehicledyn.interface.quantities import texts
-from vehicledyn.interface.running import Progress, reporter
+from vehicledyn.interface.running import Progress, reporter, result_place
 from vehicledyn.interface.targets import Source, read_scenario
+from vehicledyn.results.labelled.data import LabelledData
 from vehicledyn.studies.uncertainty import UncertaintyReport, find_uncertainty
 
 
@@ -71,3 +73,56 @@ def uncertainty(
         limits=limits or {},
         progress=reporter(progress),
     )
+
+
+def uncertainty_study(
+    study: str | Path,
+    *,
+    set: Settings | None = None,
+    save_to: str | Path | None = None,
+    overwrite: bool = False,
+    resume: bool = False,
+    progress: Progress = False,
+    **settings: Any,
+) -> LabelledData:
+    """Return how figures scatter whose parameters have distributions, as a study asks for.
+
+    Parameters
+    ----------
+    study
+        Path of an uncertainty study.
+    set, settings
+        Changes of all scenarios, as for :func:`vehicledyn.simulate`.
+    save_to, overwrite, progress
+        As for :func:`vehicledyn.simulate`.
+    resume
+        Whether to go on with a study that was stopped; its runs are kept beside ``save_to``.
+
+    Returns
+    -------
+    LabelledData
+        ``mean`` and ``deviation`` over figure, ``shares`` and ``totals`` over figure and parameter,
+        and the runs: ``point`` and ``sample``.
+
+    Raises
+    ------
+    InputError
+        If the study, a scenario or a setting cannot be used.
+    NumericalError
+        If a run fails.
+    """
+    from vehicledyn.results.tables.uncertainty_table import write_uncertainty
+    from vehicledyn.studies.uncertainty_study import run_uncertainty_study, table_of
+
+    kept = None if save_to is None else Path(f"{save_to}.runs.jsonl")
+    with result_place(save_to, may_exist=overwrite or resume) as place:
+        report, runs = run_uncertainty_study(
+            Path(study),
+            override_texts(set, settings),
+            kept=kept,
+            resume=resume,
+            progress=reporter(progress),
+        )
+        write_uncertainty(place.path, table_of(report))
+        runs.forget()
+        return place.value(report)

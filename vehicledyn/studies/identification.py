@@ -1,9 +1,9 @@
-"""Parameters of a scenario from measured channels."""
+"""Parameters and start values of scenarios from measured channels."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -11,34 +11,45 @@ from numpy.typing import NDArray
 
 from vehicledyn.analyse.identify import Estimate, estimate
 from vehicledyn.analyses.preparation.prepared import Progress
-from vehicledyn.analyses.sensitivity.motion_study import MotionStudy
-from vehicledyn.analyses.sensitivity.names import directions
 from vehicledyn.analyses.simulation.prepared_run import prepare_run
 from vehicledyn.base.errors import InputError, nearest_name
-from vehicledyn.base.units import shown, to_si
+from vehicledyn.base.units import shown
 from vehicledyn.files.scenario import LoadedScenario
+from vehicledyn.results.store.linear_file import Quantity
+from vehicledyn.results.tables.identification_table import IdentificationTable
+from vehicledyn.studies.experiments import Experiment, Fitting, Measured
+from vehicledyn.studies.identified import Unknowns
+from vehicledyn.studies.kept_runs import KeptRuns
 
 Floats = NDArray[np.float64]
 
+_WHITE, _SMALL = 4.0, 0.01
+"""Largest autocorrelation of white residuals in their errors, and the variance, in that of the
+noise, of residuals too small to matter."""
 
-@dataclass(frozen=True)
-class Measured:
-    """A measured channel: times (m,) [s], values (m,) in SI and the deviation of their noise."""
-
-    channel: str
-    times: Floats
-    values: Floats
-    noise: float
+_COARSE = 0.1
+"""Part of the noise that samples may miss between them without a warning."""
 
 
 @dataclass(frozen=True)
 class IdentificationReport:
-    """Identified parameters: names, units and the estimate in SI."""
+    """Identified parameters: names, units and the estimate in SI.
+
+    ``held_out`` are experiments that were not fitted, with the root mean square of their residuals
+    in deviations of the noise.
+    """
 
     title: str
     names: list[str]
     units: list[str]
     found: Estimate
+    table: IdentificationTable
+    held_out: list[tuple[str, float]] = field(default_factory=list)
+
+    @property
+    def messages(self) -> tuple[str, ...]:
+        """Remarks."""
+        return self.table.notes
 
     def as_text(self) -> str:
         """Return values with intervals, and what the data cannot tell."""
@@ -49,12 +60,37 @@ class IdentificationReport:
             value = shown(float(found.values[k]), unit)
             lines.append(f"  {name} = {value}  (95 %: {low} to {high})")
         lines.append(f"residuals: {np.sqrt(found.variance):.3g} of the noise given")
-        for row in found.blind:
-            parts = [f"{row[k]:+.2g} {self.names[k]}" for k in np.flatnonzero(np.abs(row) > 1e-3)]
-            lines.append(f"the data cannot tell {' '.join(parts)}, each as a part of its range")
-        if found.whiteness > 4.0:
-            lines.append("warning: residuals are not white; the model misses something")
-        return "\n".join(lines)
+        lines += [
+            f"held out: {name}, residuals {size:.3g} of the noise given"
+            for name, size in self.held_out
+        ]
+        return "\n".join([*lines, *self.table.notes])
+
+    def as_dict(self) -> dict[str, Any]:
+        """Return everything as plain data, in SI; null for an interval without ends."""
+        found = self.found
+        ends = np.where(np.isfinite(found.intervals), found.intervals, np.nan)
+        return {
+            "title": self.title,
+            "runs": found.n_runs,
+            "parameters": {
+                name: {
+                    "value": float(found.values[k]),
+                    "unit": unit,
+                    "interval": [None if np.isnan(end) else float(end) for end in ends[k]],
+                }
+                for k, (name, unit) in enumerate(zip(self.names, self.units, strict=True))
+            },
+            "set": {
+                f"parameters.{name}": f"{float(found.values[k])!r} {unit}".removesuffix(" 1")
+                for k, (name, unit) in enumerate(zip(self.names, self.units, strict=True))
+                if not name.startswith("start.")
+            },
+            "covariance": found.covariance.tolist(),
+            "residuals": float(np.sqrt(found.variance)),
+            "held_out": dict(self.held_out),
+            "notes": list(self.table.notes),
+        }
 
 
 def identify(
@@ -63,18 +99,43 @@ def identify(
     parameters: Mapping[str, Mapping[str, Any]],
     progress: Progress,
 ) -> IdentificationReport:
-    """Return the parameters with which a scenario comes closest to measurements.
+    """Return the parameters with which one scenario comes closest to measurements.
+
+    The arguments are those of :func:`identify_from`, of one experiment.
+    """
+    experiments = [Experiment("", loaded, tuple(measured))]
+    return identify_from(loaded.title, experiments, parameters, progress=progress)
+
+
+def identify_from(
+    title: str,
+    experiments: Sequence[Experiment],
+    parameters: Mapping[str, Mapping[str, Any]],
+    *,
+    progress: Progress,
+    held_out: Sequence[str] = (),
+    runs: KeptRuns | None = None,
+    remarks: Sequence[str] = (),
+) -> IdentificationReport:
+    """Return the parameters with which scenarios come closest to measurements of all experiments.
 
     Parameters
     ----------
-    loaded
-        The scenario; its samples are interpolated to the times of the measurements.
-    measured
-        The measurements.
+    title
+        What the report is called.
+    experiments
+        Scenarios with their measurements.
     parameters
-        For each parameter ``from`` and ``to``.
+        For each parameter, or start value ``start.STATE``, ``from`` and ``to``, further ``start``,
+        and ``prior`` with its ``deviation`` for what is known beforehand.
     progress
         Called with what is going on.
+    held_out
+        Names of experiments that are not fitted but show how well the others foretell them.
+    runs
+        Runs that are known, to which further ones are added.
+    remarks
+        Notes on the measurements that the report repeats.
 
     Raises
     ------
@@ -83,50 +144,104 @@ def identify(
     NumericalError
         If a run fails.
     """
-    for item in measured:
-        _check(item, loaded.scenario.duration)
-    channels = list(dict.fromkeys(item.channel for item in measured))
-    study = MotionStudy.of(loaded, channels, progress)
-    e = study.prepared.equations
-    units = {p.name: p.unit for p in e.parameters}
-    names = [name.removeprefix("parameters.") for name in parameters]
-    for name in names:
-        if name not in units or name == "speed":
-            guess = nearest_name(name, units)
-            hint = f"; did you mean '{guess}'?" if guess else ""
-            raise InputError(f"'{name}' is no parameter of '{e.name}' to identify{hint}")
-    if sum(len(item.times) for item in measured) <= len(names):
-        raise InputError(f"{len(names)} parameters need more samples than that")
-    low, high = (
-        np.array(
-            [to_si(v[side], units[n]) for n, v in zip(names, parameters.values(), strict=True)]
-        )
-        for side in ("from", "to")
-    )
-    for name, first, last in zip(names, low, high, strict=True):
-        if not first < last:
-            raise InputError(f"parameters.{name}: from must be below to")
-    start = study.prepared.kernel.parameters[[list(units).index(name) for name in names]]
-    places = {e.channels[k].name: place for place, k in enumerate(study.channels)}
+    fitted = [item for item in experiments if item.name not in held_out]
+    if not fitted:
+        raise InputError("all experiments are held out; leave one or more to fit")
+    known = runs or KeptRuns(None, (), resume=False)
+    fittings = [Fitting.of(item, known, progress) for item in experiments]
+    chosen = [item for item in fittings if item.experiment in fitted]
+    unknowns = Unknowns.of(parameters, [item.study for item in fittings])
+    if sum(item.n_samples for item in chosen) <= len(unknowns.names):
+        raise InputError(f"{len(unknowns.names)} parameters need more samples than that")
 
     def residuals(point: Floats) -> tuple[Floats, Floats]:
-        own = study.moved(dict(zip(names, map(float, point), strict=True)))
-        chosen = directions(e, own.prepared.kernel.parameters, own.start.state, names)
-        motion = own.followed(chosen, progress)
-        missed, slopes = [], []
-        for item in measured:
-            place = places[item.channel]
-            values = np.interp(item.times, motion.times, motion.values[:, place])
-            missed.append((values - item.values) / item.noise)
-            columns = [
-                np.interp(item.times, motion.times, motion.slopes[:, place, k]) / item.noise
-                for k in range(len(names))
-            ]
-            slopes.append(np.stack(columns, axis=1))
-        return np.concatenate(missed), np.vstack(slopes)
+        parts = [item.residuals(unknowns, point) for item in chosen]
+        parts.append(unknowns.prior_residuals(point))
+        return np.concatenate([part[0] for part in parts]), np.vstack([part[1] for part in parts])
 
-    found = estimate(residuals, start=np.clip(start, low, high), bounds=(low, high))
-    return IdentificationReport(loaded.title, names, [units[name] for name in names], found)
+    found = estimate(residuals, start=unknowns.start, bounds=(unknowns.low, unknowns.high))
+    others = [item for item in fittings if item.experiment not in fitted]
+    foretold = [
+        (item.experiment.name, _root_mean_square(item.residuals(unknowns, found.values)[0]))
+        for item in others
+    ]
+    notes = [*remarks, *_notes(unknowns, found, chosen, known)]
+    table = _table(title, unknowns, found, chosen, notes)
+    return IdentificationReport(title, unknowns.names, unknowns.units, found, table, foretold)
+
+
+def _root_mean_square(values: Floats) -> float:
+    return float(np.sqrt(np.mean(values**2)))
+
+
+def _table(
+    title: str,
+    unknowns: Unknowns,
+    found: Estimate,
+    fittings: list[Fitting],
+    notes: Sequence[str],
+) -> IdentificationTable:
+    """Return the result with the fit of every sample."""
+    signals: list[Quantity] = []
+    rows: list[Floats] = []
+    for item in fittings:
+        values = item.values(unknowns, found.values)[0]
+        for signal, model in zip(item.experiment.measured, values, strict=True):
+            name = f"{item.experiment.name}/{signal.channel}".removeprefix("/")
+            about = item.quantity(signal.channel)
+            which = np.full(len(model), float(len(signals)))
+            signals.append(Quantity(name, about.unit, about.description))
+            missed = (model - signal.values) / signal.noise
+            rows.append(np.stack([which, signal.times, signal.values, model, missed]))
+    number, time, measured, fitted, residual = np.hstack(rows)
+    return IdentificationTable(
+        title,
+        found.message,
+        found.n_runs,
+        unknowns.quantities,
+        unknowns.start,
+        found.values,
+        found.intervals[:, 0],
+        found.intervals[:, 1],
+        found.covariance,
+        found.variance,
+        found.whiteness,
+        tuple(signals),
+        number,
+        time,
+        measured,
+        fitted,
+        residual,
+        tuple(notes),
+    )
+
+
+def _notes(
+    unknowns: Unknowns, found: Estimate, fittings: list[Fitting], known: KeptRuns
+) -> list[str]:
+    """Return what a reader of the result must know of it."""
+    names = unknowns.names
+    notes = [f"a run failed: {reason}" for reason in found.failures]
+    if found.message != "converged":
+        notes.append(f"warning: the search has not converged: {found.message}")
+    for row in found.blind:
+        parts = [f"{row[k]:+.2g} {names[k]}" for k in np.flatnonzero(np.abs(row) > 1e-3)]
+        notes.append(f"the data cannot tell {' '.join(parts)}, each as a part of its range")
+    if found.whiteness > _WHITE and found.variance > _SMALL:
+        notes.append("warning: residuals are not white; the model misses something")
+    for k in unknowns.at_bound(found.values):
+        notes.append(f"warning: '{names[k]}' lies at its bound; its interval means little")
+    for item in fittings:
+        missed = item.missed_between_samples(unknowns, found.values)
+        if missed > _COARSE:
+            notes.append(
+                f"warning: straight lines between samples of {item.experiment.loaded.title} miss "
+                f"up to {missed:.2g} of the noise; give it a smaller output.interval"
+            )
+        notes += item.study.notes
+    if known.n_known:
+        notes.append(f"{known.n_known} runs were known from before")
+    return list(dict.fromkeys(notes))
 
 
 def channel_unit(loaded: LoadedScenario, channel: str) -> str:
@@ -144,18 +259,3 @@ def channel_unit(loaded: LoadedScenario, channel: str) -> str:
         hint = f"; did you mean '{guess}'?" if guess else ""
         raise InputError(f"'{channel}' is no channel of '{prepared.equations.name}'{hint}")
     return units[channel]
-
-
-def _check(item: Measured, duration: float) -> None:
-    """Raise InputError for a measurement that cannot be used."""
-    where = f"measured '{item.channel}'"
-    if item.times.shape != item.values.shape or item.times.ndim != 1 or not item.times.size:
-        raise InputError(f"{where}: needs as many values as times")
-    if not (np.isfinite(item.times).all() and np.isfinite(item.values).all()):
-        raise InputError(f"{where}: has gaps; leave the samples without a value out")
-    if np.any(np.diff(item.times) <= 0.0):
-        raise InputError(f"{where}: its times must grow")
-    if item.times[0] < 0.0 or item.times[-1] > duration * (1.0 + 1e-12):
-        raise InputError(f"{where}: lies outside the run from 0 to {duration:g} s")
-    if not item.noise > 0.0:
-        raise InputError(f"{where}: the deviation of its noise must be above zero")

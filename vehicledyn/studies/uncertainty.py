@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -29,6 +30,7 @@ from vehicledyn.base.errors import InputError, NumericalError, nearest_name
 from vehicledyn.base.units import shown, to_si
 from vehicledyn.files.scenario import LoadedScenario
 from vehicledyn.results.store.linear_file import Quantity
+from vehicledyn.studies.kept_runs import KeptRuns
 
 Floats = NDArray[np.float64]
 
@@ -46,6 +48,7 @@ class UncertaintyReport:
 
     ``shares`` (m, n) are first-order ones, ``totals`` those with interactions, None where a
     method does not give them. ``risks`` hold figure, words of the limit, share and its interval.
+    ``points`` (n_runs, n) and ``samples`` (n_runs, m) are the runs, None for one with gradients.
     """
 
     title: str
@@ -58,6 +61,8 @@ class UncertaintyReport:
     n_runs: int
     risks: list[tuple[str, str, float, float, float]] = field(default_factory=list)
     notes: tuple[str, ...] = ()
+    points: Floats | None = None
+    samples: Floats | None = None
 
     @property
     def messages(self) -> tuple[str, ...]:
@@ -122,6 +127,7 @@ def find_uncertainty(
     seed: int,
     limits: Mapping[str, Mapping[str, Any]],
     progress: Progress,
+    runs: KeptRuns | None = None,
 ) -> UncertaintyReport:
     """Return how the figures of a scenario scatter.
 
@@ -143,6 +149,8 @@ def find_uncertainty(
         By figure ``at_most`` or ``at_least``, whose risk is wanted.
     progress
         Called with what is going on.
+    runs
+        Runs that are known, to which further ones are added.
 
     Raises
     ------
@@ -156,6 +164,8 @@ def find_uncertainty(
     if number < 2 or (method == "sobol" and number & (number - 1)):
         raise InputError(f"number: {number}: at least 2, of Sobol indices a power of two")
     cases = _Cases.of(loaded, list(of), parameters, progress)
+    cases.runs = runs or KeptRuns(None, (), resume=False)
+    cases.check_limits(method, limits)
     if method == "first_order":
         values, slopes = cases.linear()
         found, shares = (
@@ -183,7 +193,9 @@ class _Cases:
     names: list[str]
     laws: list[Distribution]
     progress: Progress
+    runs: KeptRuns = field(default_factory=lambda: KeptRuns(None, (), resume=False))
     known: list[Floats] = field(default_factory=list)
+    points: list[Floats] = field(default_factory=list)
     quantities: tuple[Quantity, ...] = ()
 
     @staticmethod
@@ -214,6 +226,18 @@ class _Cases:
         laws = [_law(name, given, units[name]) for name, given in pairs]
         return _Cases(study, asked, names, laws, progress)
 
+    def check_limits(self, method: str, limits: Mapping[str, Mapping[str, Any]]) -> None:
+        """Raise InputError for limits that mean nothing, before anything is computed."""
+        known = [*self.asked.others, *(f"{kind}({name})" for kind, name in self.asked.figures)]
+        for name, given in limits.items():
+            if name not in known:
+                raise InputError(f"limits: '{name}' is not among the figures asked for")
+            for key in given:
+                if key not in ("at_most", "at_least"):
+                    raise InputError(f"limits: {name}: expected at_most or at_least, found '{key}'")
+        if limits and method == "first_order":
+            raise InputError("limits: the risk of a limit needs samples; take another method")
+
     def linear(self) -> tuple[Floats, Floats]:
         """Return the figures at the means and their derivatives."""
         means = {name: law.mean for name, law in zip(self.names, self.laws, strict=True)}
@@ -232,13 +256,27 @@ class _Cases:
         """Return the figures at some points, shape (number, m)."""
         rows = []
         for count, point in enumerate(points):
-            study = self.study.moved(dict(zip(self.names, map(float, point), strict=True)))
-            pairs = study.figures(self.asked, study.plain(self.progress))
-            self.quantities = tuple(quantity for _, quantity in pairs)
-            rows.append(np.array([slope.value for slope, _ in pairs]))
+            entry = self.runs.entry(point.tolist(), partial(self._run, point))
+            self.quantities = tuple(Quantity(*item) for item in entry["figures"])
+            if "failure" in entry:
+                raise NumericalError(str(entry["failure"]))
+            rows.append(np.array(entry["values"], dtype=float))
             self.progress("computing samples", (count + 1) / len(points))
         self.known += rows
+        self.points += list(points)
         return np.array(rows)
+
+    def _run(self, point: Floats) -> dict[str, Any]:
+        """Return the figures at a point, or why there are none."""
+        changes = dict(zip(self.names, map(float, point), strict=True))
+        try:
+            study = self.study.moved(changes)
+            pairs = study.figures(self.asked, study.plain(self.progress))
+        except NumericalError as error:
+            values = ", ".join(f"{name} = {value:.6g}" for name, value in changes.items())
+            return {"figures": [], "failure": f"the run with {values} failed: {error}"}
+        about = [(q.name, q.unit, q.description) for _, q in pairs]
+        return {"figures": about, "values": [slope.value for slope, _ in pairs]}
 
     def report(
         self,
@@ -265,6 +303,8 @@ class _Cases:
             len(self.known),
             risks,
             tuple(self.study.notes),
+            np.array(self.points) if self.points else None,
+            np.array(self.known) if self.points else None,
         )
 
     def _risks(
@@ -273,15 +313,11 @@ class _Cases:
         """Yield figure, words of a limit, the share beyond it and its interval."""
         places = {item.name: k for k, item in enumerate(self.quantities)}
         for name, given in limits.items():
-            if name not in places:
-                raise InputError(f"limits: '{name}' is not among the figures asked for")
             if figures is None:
-                raise InputError("limits: the risk of a limit needs samples; take another method")
+                continue
             k = places[name]
             unit = self.quantities[k].unit
             for key, value in given.items():
-                if key not in ("at_most", "at_least"):
-                    raise InputError(f"limits: {name}: expected at_most or at_least, found '{key}'")
                 limit = to_si(value, unit)
                 share, low, high = failing(figures[:, k], limit, above=key == "at_most")
                 words = f"{'above' if key == 'at_most' else 'below'} {shown(limit, unit)}"

@@ -15,7 +15,7 @@ from vehicledyn.analyse.gradients.motion import MotionSlopes, Piece, follow
 from vehicledyn.analyse.gradients.sampled_run import sampled_run
 from vehicledyn.analyses.preparation.prepare import Point, set_speed, start_point
 from vehicledyn.analyses.preparation.prepared import Prepared, Progress
-from vehicledyn.analyses.sensitivity.names import Directions, Wanted
+from vehicledyn.analyses.sensitivity.names import START, Directions, Wanted
 from vehicledyn.analyses.sensitivity.pieces import Pieces
 from vehicledyn.analyses.simulation.partition_course import PartitionCourse, RunCourse
 from vehicledyn.analyses.simulation.prepared_run import prepare_run
@@ -53,6 +53,8 @@ class MotionStudy:
     notes: list[str]
     course: PartitionCourse
     pieces: Pieces
+    held: tuple[int, ...] = ()
+    """States whose start is given, so that it does not follow the parameters."""
 
     @staticmethod
     def of(
@@ -112,16 +114,31 @@ class MotionStudy:
         return replace(study, notes=notes)
 
     def moved(self, changes: Mapping[str, float]) -> MotionStudy:
-        """Return the same with other values of parameters, in SI, and the start that follows."""
-        names = [p.name for p in self.prepared.equations.parameters]
+        """Return the same with other values of parameters, in SI, and the start that follows.
+
+        Names that begin with ``start.`` are those of states, whose start then follows nothing.
+        """
+        e = self.prepared.equations
+        names = [p.name for p in e.parameters]
         parameters = self.prepared.kernel.parameters
+        given = {
+            name.removeprefix(START): v for name, v in changes.items() if name.startswith(START)
+        }
         for name, value in changes.items():
-            parameters[names.index(name)] = value
+            if not name.startswith(START):
+                parameters[names.index(name)] = value
         kernel = self.prepared.kernel.with_parameters(parameters)
         prepared = replace(self.prepared, kernel=kernel)
         scenario = self.loaded.scenario
         start = start_point(prepared, scenario.speed or 0.0, scenario.start)
-        return replace(self, prepared=prepared, start=start)
+        states = [s.name for s in e.states]
+        held = tuple(states.index(name) for name in given)
+        if held:
+            state = start.state.copy()
+            state[list(held)] = list(given.values())
+            unknowns = kernel.solve_unknowns(0.0, state, start.unknowns)
+            start = Point(state, unknowns)
+        return replace(self, prepared=prepared, start=start, held=held)
 
     def figures(self, asked: Wanted, motion: MotionSlopes) -> list[tuple[FigureSlope, Quantity]]:
         """Return the figures asked for, those of the run first."""
@@ -142,7 +159,9 @@ class MotionStudy:
 
     def followed(self, chosen: Directions, progress: Progress) -> MotionSlopes:
         """Return the motion with its derivatives."""
-        by_state = self.start_slopes(chosen) + chosen.by_state
+        by_state = self.start_slopes(chosen)
+        by_state[list(self.held)] = 0.0
+        by_state = by_state + chosen.by_state
         first, *later = self._parts()
         return follow(
             first.code,

@@ -16,7 +16,7 @@ from vehicledyn.results.store.linear_file import Quantity
 from vehicledyn.symbolic.equations import Equations
 
 _FIGURE = re.compile(r"(\w+)\((.+)\)")
-_PARAMETERS, _START = "parameters.", "start."
+_PARAMETERS, START = "parameters.", "start."
 
 
 @dataclass(frozen=True)
@@ -65,9 +65,9 @@ def directions(
     states = [s.name for s in equations.states]
     chosen: list[tuple[bool, int]] = []
     for pattern in to:
-        is_state = pattern.startswith(_START)
+        is_state = pattern.startswith(START)
         names = states if is_state else parameters
-        own = pattern.removeprefix(_START if is_state else _PARAMETERS)
+        own = pattern.removeprefix(START if is_state else _PARAMETERS)
         found = [k for k, name in enumerate(names) if fnmatchcase(name, own)]
         if not found:
             guess = nearest_name(own, names)
@@ -80,7 +80,7 @@ def directions(
     quantities, sizes = [], np.zeros(len(chosen))
     for column, (is_state, k) in enumerate(chosen):
         item = equations.states[k] if is_state else equations.parameters[k]
-        name = f"{_START}{item.name}" if is_state else item.name
+        name = f"{START}{item.name}" if is_state else item.name
         quantities.append(Quantity(name, item.unit, item.description))
         (by_state if is_state else by_parameter)[k, column] = 1.0
         sizes[column] = (state if is_state else values)[k]

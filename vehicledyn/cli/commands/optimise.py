@@ -12,6 +12,7 @@ from vehicledyn.cli.finding import find_file
 from vehicledyn.cli.options import Json, Overrides
 from vehicledyn.cli.performing import perform, show
 from vehicledyn.cli.replacing import OPTIMUM, Overwrite, check_replacing
+from vehicledyn.files.scenario.overrides import read_overrides
 
 
 def add_verbs(app: typer.Typer) -> None:
@@ -37,7 +38,7 @@ def optimise(
     path = find_file(study, "study")
     result = output or Path(f"{study.stem}.h5")
     check_replacing(result, OPTIMUM, overwrite=overwrite, resume=resume)
-    changes = dict(change.split("=", 1) for change in overrides or [] if "=" in change)
+    changes = read_overrides(overrides or ())
     data = perform(
         vehicledyn.optimise, path, set=changes, save_to=result, overwrite=True, resume=resume
     )

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import copy
 import re
-from collections.abc import Collection
+from collections.abc import Collection, Iterable
 from typing import Any, NamedTuple
 
 from vehicledyn.base.argument_names import setting
 from vehicledyn.base.errors import InputError
-from vehicledyn.base.problems import Place, Problem
+from vehicledyn.base.problems import Place, Problem, refusal
 from vehicledyn.base.registry import kinds
 from vehicledyn.base.units import describe
 from vehicledyn.base.yaml import parse_yaml
@@ -72,6 +72,21 @@ def read_override(override: str) -> Change | Problem:
     if document.problems:
         return Problem(option, None, "", document.problems[0].message)
     return Change(key.strip(), document.data, option)
+
+
+def read_overrides(overrides: Iterable[str]) -> dict[str, Any]:
+    """Return the values that texts ``key=value`` ask for, by their dotted keys.
+
+    Raises
+    ------
+    InputError
+        If any of them is no such text.
+    """
+    found = [read_override(item) for item in overrides]
+    problems = [item for item in found if isinstance(item, Problem)]
+    if problems:
+        raise refusal(problems, problems[0].source)
+    return {item.key: item.value for item in found if isinstance(item, Change)}
 
 
 def apply_change(

@@ -24,10 +24,12 @@ from vehicledyn.results.tables import (
     contact_table,
     equilibrium_table,
     hunt_table,
+    identification_table,
     mode_table,
     optimum_table,
     response_table,
     sensitivity_table,
+    uncertainty_table,
 )
 
 KINDS = {
@@ -38,6 +40,8 @@ KINDS = {
     equilibrium_table.FORMAT: "an equilibrium",
     sensitivity_table.FORMAT: "sensitivities",
     optimum_table.FORMAT: "an optimum",
+    identification_table.FORMAT: "identified parameters",
+    uncertainty_table.FORMAT: "an uncertainty study",
     "vehicledyn-result": "a run",
     "vehicledyn-study": "a sweep",
 }

@@ -23,10 +23,12 @@ from vehicledyn.results.tables import (
     equilibrium_table,
     handling_table,
     hunt_table,
+    identification_table,
     mode_table,
     optimum_table,
     response_table,
     sensitivity_table,
+    uncertainty_table,
 )
 
 KINDS = {
@@ -39,6 +41,8 @@ KINDS = {
     sensitivity_table.FORMAT: "sensitivity",
     handling_table.FORMAT: "handling",
     optimum_table.FORMAT: "optimum",
+    identification_table.FORMAT: "identification",
+    uncertainty_table.FORMAT: "uncertainty",
 }
 """What the formats of these files are called."""
 

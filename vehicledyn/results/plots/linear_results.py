@@ -12,6 +12,7 @@ from vehicledyn.results.plots.contact_figures import contact_figures
 from vehicledyn.results.plots.hunt_figures import hunt_figures
 from vehicledyn.results.plots.linear.bode import bode_figures
 from vehicledyn.results.plots.linear.mode_figures import mode_figures
+from vehicledyn.results.plots.parameter_figures import identification_figures, uncertainty_figures
 from vehicledyn.results.plots.picture_files import save_figures
 from vehicledyn.results.plots.plot_style import STYLE
 from vehicledyn.results.plots.sensitivity_figures import sensitivity_figures
@@ -20,10 +21,12 @@ from vehicledyn.results.tables import (
     contact_table,
     equilibrium_table,
     hunt_table,
+    identification_table,
     mode_table,
     optimum_table,
     response_table,
     sensitivity_table,
+    uncertainty_table,
 )
 
 if TYPE_CHECKING:
@@ -37,6 +40,8 @@ FORMATS = (
     equilibrium_table.FORMAT,
     sensitivity_table.FORMAT,
     optimum_table.FORMAT,
+    identification_table.FORMAT,
+    uncertainty_table.FORMAT,
 )
 
 
@@ -71,6 +76,8 @@ def describe_linear(path: Path) -> LinearDescription:
         contact_table.FORMAT: _contact_facts,
         mode_table.FORMAT: _mode_facts,
         optimum_table.FORMAT: optimum_table.describe_optimum,
+        identification_table.FORMAT: identification_table.describe_identification,
+        uncertainty_table.FORMAT: uncertainty_table.describe_uncertainty,
         sensitivity_table.FORMAT: lambda p: _sensitivity_facts(
             sensitivity_table.read_sensitivity(p)
         ),
@@ -208,5 +215,9 @@ def linear_figures(path: Path) -> Iterator[tuple[str, Figure]]:
         yield from contact_figures(contact_table.read_contacts(path))
     elif format_of(path) == sensitivity_table.FORMAT:
         yield from sensitivity_figures(sensitivity_table.read_sensitivity(path))
+    elif format_of(path) == identification_table.FORMAT:
+        yield from identification_figures(identification_table.read_identification(path))
+    elif format_of(path) == uncertainty_table.FORMAT:
+        yield from uncertainty_figures(uncertainty_table.read_uncertainty(path))
     elif format_of(path) not in (equilibrium_table.FORMAT, optimum_table.FORMAT):
         yield from bode_figures(response_table.read_response(path))

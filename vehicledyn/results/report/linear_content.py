@@ -17,10 +17,12 @@ from vehicledyn.results.tables import (
     contact_table,
     equilibrium_table,
     hunt_table,
+    identification_table,
     mode_table,
     optimum_table,
     response_table,
     sensitivity_table,
+    uncertainty_table,
 )
 from vehicledyn.results.tables.response_table import ratio_unit
 
@@ -47,6 +49,10 @@ def linear_content(path: Path) -> Content:
         what, key_figures, sections = "Equilibrium", *_equilibrium(balance)
     elif kind == optimum_table.FORMAT:
         what, key_figures, sections = "Optimum", [], []
+    elif kind == identification_table.FORMAT:
+        what, key_figures, sections = "Identification", [], []
+    elif kind == uncertainty_table.FORMAT:
+        what, key_figures, sections = "Uncertainty", [], []
     elif kind == sensitivity_table.FORMAT:
         slopes = sensitivity_table.read_sensitivity(path)
         what, key_figures, sections = "Sensitivities", *_sensitivities(slopes)

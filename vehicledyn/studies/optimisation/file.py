@@ -11,6 +11,7 @@ from vehicledyn.base.problems import START, Problem, refusal
 from vehicledyn.base.yaml import Document, read_yaml
 from vehicledyn.files.scenario import LoadedScenario, load_scenario
 from vehicledyn.files.scenario.settings import override_texts
+from vehicledyn.studies.study_form import located
 
 _KEYS = ("title", "scenarios", "set", "variables", "minimise", "constraints")
 _MORE = ("tolerance", "most_runs")
@@ -80,7 +81,7 @@ def load_optimisation(path: Path, overrides: Sequence[str] = ()) -> Optimisation
     places = {"": given} if isinstance(given, str) else given
     changes = [*override_texts(data.get("set") or {}, {}), *overrides]
     scenarios = {
-        name: load_scenario(_located(path, place), changes) for name, place in places.items()
+        name: load_scenario(located(path, place), changes) for name, place in places.items()
     }
     wanted = data["minimise"]
     weights = {wanted: 1.0} if isinstance(wanted, str) else dict(wanted)
@@ -98,15 +99,6 @@ def load_optimisation(path: Path, overrides: Sequence[str] = ()) -> Optimisation
         float(data.get("tolerance", 1e-8)),
         int(data.get("most_runs", 200)),
     )
-
-
-def _located(path: Path, place: str) -> Path:
-    beside = path.parent / place
-    if beside.is_file():
-        return beside
-    from vehicledyn.library import locate
-
-    return locate(place, ("scenario",))
 
 
 def _problems(document: Document) -> list[Problem]:

@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Sequence
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -18,6 +16,7 @@ from vehicledyn.analyses.sensitivity.names import Wanted, directions, wanted
 from vehicledyn.base.errors import InputError, NumericalError, nearest_name
 from vehicledyn.base.units import to_si
 from vehicledyn.results.store.linear_file import Quantity
+from vehicledyn.studies.kept_runs import KeptRuns
 from vehicledyn.studies.optimisation.file import OptimisationStudy
 
 Floats = NDArray[np.float64]
@@ -40,8 +39,7 @@ class Problem:
     study
         The validated study.
     kept
-        File of evaluations that are known, one a line; further ones are added to it. None to
-        keep none.
+        Evaluations that are known; further ones are added to it.
     progress
         Called with what is going on.
 
@@ -51,7 +49,7 @@ class Problem:
         If a variable, figure, bound or limit means nothing.
     """
 
-    def __init__(self, study: OptimisationStudy, kept: Path | None, progress: Progress) -> None:
+    def __init__(self, study: OptimisationStudy, kept: KeptRuns, progress: Progress) -> None:
         self._study, self._kept = study, kept
         self._parts = _parts(study, progress)
         self.figures = [name for part in self._parts for name in part.names]
@@ -78,8 +76,7 @@ class Problem:
         self.start = np.array(starts)
         self._check_bounds()
         self.units: dict[str, str] = {}
-        self._known = _read(kept)
-        self.n_known = len(self._known)
+        self.n_known = kept.n_known
 
     def _check_bounds(self) -> None:
         for item, low, high, start in zip(
@@ -103,11 +100,7 @@ class Problem:
         NumericalError
             If a run fails or a figure has no derivative there.
         """
-        key = json.dumps(point.tolist())
-        if key not in self._known:
-            self._known[key] = self._new(point)
-            self._keep(key)
-        entry = self._known[key]
+        entry = self._kept.entry(point.tolist(), lambda: self._new(point))
         self.units |= entry.get("units", {})
         if "failure" in entry:
             raise NumericalError(str(entry["failure"]))
@@ -161,26 +154,6 @@ class Problem:
                 values[name], slopes[name] = slope.value, slope.slope.tolist()
                 units[name] = quantity.unit
         return {"values": values, "slopes": slopes, "units": units}
-
-    def _keep(self, key: str) -> None:
-        if self._kept is None:
-            return
-        with self._kept.open("a", encoding="utf-8") as file:
-            file.write(json.dumps({"point": key, **self._known[key]}) + "\n")
-
-
-def _read(kept: Path | None) -> dict[str, dict[str, Any]]:
-    """Return the evaluations of a file; a line that was cut short is left out."""
-    known: dict[str, dict[str, Any]] = {}
-    if kept is None or not kept.is_file():
-        return known
-    for line in kept.read_text(encoding="utf-8").splitlines():
-        try:
-            entry = json.loads(line)
-            known[entry.pop("point")] = entry
-        except (ValueError, KeyError, AttributeError):
-            continue
-    return known
 
 
 def _parts(study: OptimisationStudy, progress: Progress) -> list[_Part]:

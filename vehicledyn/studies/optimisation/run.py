@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
-import json
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -12,10 +10,10 @@ import numpy as np
 
 from vehicledyn.analyse.optimise import Optimum, optimise
 from vehicledyn.analyses.preparation.prepared import Progress
-from vehicledyn.base.errors import InputError
 from vehicledyn.base.units import shown
 from vehicledyn.results.store.linear_file import Quantity
 from vehicledyn.results.tables.optimum_table import OptimumTable
+from vehicledyn.studies.kept_runs import KeptRuns
 from vehicledyn.studies.optimisation.file import OptimisationStudy
 from vehicledyn.studies.optimisation.problem import Problem
 
@@ -108,9 +106,9 @@ def run_optimisation(
     NumericalError
         If the start has no motion or no derivatives.
     """
-    if kept is not None:
-        _begin(kept, study, resume=resume)
-    problem = Problem(study, kept, progress)
+    configurations = [loaded.text + repr(loaded.overrides) for loaded in study.scenarios.values()]
+    runs = KeptRuns(kept, [study.text, *configurations], resume=resume)
+    problem = Problem(study, runs, progress)
     first, _ = problem.evaluate(problem.start)
     limits = problem.limits()
     count = 0
@@ -164,19 +162,3 @@ def _table(
         found.n_runs,
         tuple(notes),
     )
-
-
-def _begin(kept: Path, study: OptimisationStudy, *, resume: bool) -> None:
-    """Begin a file of evaluations, or check that it belongs to the study."""
-    configurations = [loaded.text + repr(loaded.overrides) for loaded in study.scenarios.values()]
-    text = "\n".join([study.text, *configurations])
-    head = json.dumps({"study": hashlib.sha256(text.encode()).hexdigest()})
-    if resume and kept.is_file():
-        lines = kept.read_text(encoding="utf-8").splitlines()
-        if lines[:1] != [head]:
-            raise InputError(f"{kept}: holds runs of another study; start anew without resuming")
-        return
-    try:
-        kept.write_text(head + "\n", encoding="utf-8")
-    except OSError as error:
-        raise InputError(f"{kept}: cannot be written: {error.strerror}") from None

@@ -1,0 +1,75 @@
+"""Figures of studies of parameters: fits of measured signals, scatter of figures and its shares."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from vehicledyn.results.plots.figures import new_figure
+from vehicledyn.results.plots.plot_style import PALETTE, axis_label, plain
+from vehicledyn.results.tables.identification_table import IdentificationTable
+from vehicledyn.results.tables.uncertainty_table import UncertaintyTable
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+_HEIGHT, _BINS = 4.6, 24  # inch
+
+
+def identification_figures(table: IdentificationTable) -> Iterator[tuple[str, Figure]]:
+    """Yield name and figure of each signal: measured and fitted, residuals below."""
+    for number, signal in enumerate(table.signals):
+        chosen = np.flatnonzero(table.signal == number)
+        drawn = new_figure(_HEIGHT)
+        upper, lower = drawn.subplots(2, 1, sharex=True)
+        time = table.time[chosen]
+        upper.plot(time, table.measured[chosen], ".", color=PALETTE[1], label="measured")
+        upper.plot(time, table.fitted[chosen], color=PALETTE[0], label="identified")
+        lower.plot(time, table.residual[chosen], ".", color=PALETTE[0])
+        upper.set_ylabel(axis_label(plain(signal.name), signal.unit))
+        lower.set_ylabel(axis_label("Residual by noise", "1"))
+        lower.set_xlabel(axis_label("Time", "s"))
+        upper.legend(loc="best")
+        for axes in (upper, lower):
+            axes.grid(visible=True)
+        yield f"fit_{_file_name(signal.name)}", drawn
+
+
+def uncertainty_figures(table: UncertaintyTable) -> Iterator[tuple[str, Figure]]:
+    """Yield name and figure of the samples of each figure, and of its shares by parameter."""
+    for row, figure in enumerate(table.figures):
+        if len(table.samples):
+            drawn = new_figure(_HEIGHT)
+            axes = drawn.subplots()
+            axes.hist(table.samples[:, row], bins=_BINS, color=PALETTE[0])
+            axes.set_xlabel(axis_label(plain(figure.name), figure.unit))
+            axes.set_ylabel(axis_label("Runs", "1"))
+            axes.grid(visible=True)
+            yield f"scatter_{_file_name(figure.name)}", drawn
+        if np.isfinite(table.shares[row]).all():
+            yield f"shares_{_file_name(figure.name)}", _shares(table, row)
+
+
+def _shares(table: UncertaintyTable, row: int) -> Figure:
+    """Draw what part of a figure's variance each parameter brings, largest on top."""
+    drawn = new_figure(_HEIGHT)
+    axes = drawn.subplots()
+    order = np.argsort(table.shares[row])
+    places = np.arange(len(order))
+    totals = table.totals[row][order]
+    if np.isfinite(totals).all():
+        axes.barh(places, totals, color=PALETTE[1], height=0.7, label="with interactions")
+    axes.barh(places, table.shares[row][order], color=PALETTE[0], height=0.4, label="alone")
+    axes.set_yticks(places, [plain(table.parameters[k].name) for k in order])
+    name = plain(table.figures[row].name)
+    axes.set_xlabel(axis_label(f"Part of the variance of {name}", "1"))
+    axes.grid(visible=True, axis="x")
+    axes.legend(loc="lower right")
+    return drawn
+
+
+def _file_name(name: str) -> str:
+    return re.sub(r"[^A-Za-z0-9]+", "_", name).strip("_")

@@ -1,0 +1,143 @@
+"""Identified parameters with their intervals, and how well they fit, as a result file."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from vehicledyn.results.store.linear_file import (
+    Quantity,
+    new_file,
+    old_file,
+    read_quantities,
+    read_texts,
+    write_numbers,
+    write_quantities,
+    write_texts,
+)
+
+FORMAT = "vehicledyn-identification"
+
+
+@dataclass(frozen=True)
+class IdentificationTable:
+    """Identified parameters, in SI.
+
+    ``start``, ``value``, ``low`` and ``high`` of the 95 % intervals (n,); ``covariance`` (n, n);
+    ``signals`` that were measured, and for each of their samples ``signal`` (n_samples,), which of
+    them it belongs to, ``time`` [s], ``measured``, ``fitted`` and ``residual`` in noise deviations.
+    """
+
+    title: str
+    message: str
+    n_runs: int
+    parameters: tuple[Quantity, ...]
+    start: Any
+    value: Any
+    low: Any
+    high: Any
+    covariance: Any
+    variance: float
+    whiteness: float
+    signals: tuple[Quantity, ...]
+    signal: Any
+    time: Any
+    measured: Any
+    fitted: Any
+    residual: Any
+    notes: tuple[str, ...]
+
+
+_BY_PARAMETER = {
+    "start": "Value at the start",
+    "value": "Identified value",
+    "low": "Lower end of the 95 % interval",
+    "high": "Upper end of the 95 % interval",
+}
+_BY_SAMPLE = {
+    "signal": ("1", "Signal that the sample belongs to, from zero"),
+    "time": ("s", "Time"),
+    "measured": ("as signal", "Measured value"),
+    "fitted": ("as signal", "Value of the model"),
+    "residual": ("1", "Model less measurement, by the deviation of the noise"),
+}
+
+
+def write_identification(path: Path, table: IdentificationTable) -> None:
+    """Write identified parameters to a file.
+
+    Raises
+    ------
+    InputError
+        If it cannot be written.
+    """
+    head = {
+        "title": table.title,
+        "model": "",
+        "message": table.message,
+        "runs": table.n_runs,
+        "variance": table.variance,
+        "whiteness": table.whiteness,
+    }
+    with new_file(path, FORMAT, head) as file:
+        parameters = write_quantities(file, "parameter", table.parameters)
+        other = write_texts(file, "other", [item.name for item in table.parameters])
+        other.make_scale("other")
+        write_quantities(file, "signals", table.signals)
+        sample = file.create_dataset("sample", data=np.arange(1, len(table.time) + 1))
+        sample.attrs["units"], sample.attrs["long_name"] = "1", "Number of the sample"
+        sample.make_scale("sample")
+        for name, words in _BY_PARAMETER.items():
+            about = ("as parameter", words)
+            write_numbers(file, f"parameter_{name}", getattr(table, name), (parameters,), about)
+        about = ("parameter*other", "Covariance of the parameters")
+        write_numbers(file, "covariance", table.covariance, (parameters, other), about)
+        for name, about in _BY_SAMPLE.items():
+            write_numbers(file, f"sample_{name}", getattr(table, name), (sample,), about)
+        write_texts(file, "notes", table.notes)
+
+
+def read_identification(path: Path) -> IdentificationTable:
+    """Read what :func:`write_identification` wrote.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be read or holds something else.
+    """
+    with old_file(path, FORMAT) as file:
+        numbers = {name: file[f"parameter_{name}"][()] for name in _BY_PARAMETER}
+        numbers |= {name: file[f"sample_{name}"][()] for name in _BY_SAMPLE}
+        return IdentificationTable(
+            str(file.attrs["title"]),
+            str(file.attrs["message"]),
+            int(file.attrs["runs"]),
+            read_quantities(file, "parameter"),
+            covariance=file["covariance"][()],
+            variance=float(file.attrs["variance"]),
+            whiteness=float(file.attrs["whiteness"]),
+            signals=read_quantities(file, "signals"),
+            notes=tuple(read_texts(file, "notes")),
+            **numbers,
+        )
+
+
+def describe_identification(path: Path) -> dict[str, Any]:
+    """Return what a file of identified parameters holds."""
+    table = read_identification(path)
+    rows = zip(table.parameters, table.value, table.low, table.high, strict=True)
+    return {
+        "holds": "identified parameters",
+        "title": table.title,
+        "message": table.message,
+        "runs": table.n_runs,
+        "parameters": [
+            f"{item.name} {value:.6g} ({low:.6g} to {high:.6g}) {item.unit}"
+            for item, value, low, high in rows
+        ],
+        "signals": [f"{item.name} [{item.unit}]" for item in table.signals],
+        "notes": list(table.notes),
+    }

@@ -1,0 +1,137 @@
+"""How figures scatter with their parameters, as a result file."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import h5py
+import numpy as np
+
+from vehicledyn.results.store.linear_file import (
+    Quantity,
+    new_file,
+    old_file,
+    read_quantities,
+    read_texts,
+    write_numbers,
+    write_quantities,
+    write_texts,
+)
+
+FORMAT = "vehicledyn-uncertainty"
+
+
+@dataclass(frozen=True)
+class UncertaintyTable:
+    """Spread of figures, in SI.
+
+    ``mean``, ``deviation`` and their standard errors (m,); ``shares`` and ``totals`` (m, n) of the
+    variance by parameter, not a number where the method gives none; ``points`` (n_runs, n) and
+    ``samples`` (n_runs, m) of the runs, none of a method with gradients.
+    """
+
+    title: str
+    method: str
+    n_runs: int
+    parameters: tuple[Quantity, ...]
+    figures: tuple[Quantity, ...]
+    mean: Any
+    deviation: Any
+    mean_error: Any
+    deviation_error: Any
+    shares: Any
+    totals: Any
+    points: Any
+    samples: Any
+    risks: tuple[str, ...]
+    notes: tuple[str, ...]
+
+
+_BY_FIGURE = {
+    "mean": "Mean",
+    "deviation": "Standard deviation",
+    "mean_error": "Standard error of the mean",
+    "deviation_error": "Standard error of the standard deviation",
+}
+_SHARES = {
+    "shares": "Part of the variance that a parameter brings alone",
+    "totals": "Part of the variance that a parameter takes part in",
+}
+
+
+def write_uncertainty(path: Path, table: UncertaintyTable) -> None:
+    """Write the spread of figures to a file.
+
+    Raises
+    ------
+    InputError
+        If it cannot be written.
+    """
+    head = {"title": table.title, "model": "", "method": table.method, "runs": table.n_runs}
+    with new_file(path, FORMAT, head) as file:
+        parameters = write_quantities(file, "parameter", table.parameters)
+        figures = write_quantities(file, "figure", table.figures)
+        run = _runs(file, len(table.samples))
+        for name, words in _BY_FIGURE.items():
+            write_numbers(file, name, getattr(table, name), (figures,), ("as figure", words))
+        for name, words in _SHARES.items():
+            write_numbers(file, name, getattr(table, name), (figures, parameters), ("1", words))
+        about = ("as parameter", "Parameters of the run")
+        write_numbers(file, "point", table.points, (run, parameters), about)
+        about = ("as figure", "Figures of the run")
+        write_numbers(file, "sample", table.samples, (run, figures), about)
+        write_texts(file, "risks", table.risks)
+        write_texts(file, "notes", table.notes)
+
+
+def _runs(file: h5py.File, count: int) -> h5py.Dataset:
+    """Write the numbers of the runs and return their scale."""
+    run = file.create_dataset("run", data=np.arange(1, count + 1))
+    run.attrs["units"], run.attrs["long_name"] = "1", "Number of the run"
+    run.make_scale("run")
+    return run
+
+
+def read_uncertainty(path: Path) -> UncertaintyTable:
+    """Read what :func:`write_uncertainty` wrote.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be read or holds something else.
+    """
+    with old_file(path, FORMAT) as file:
+        numbers = {name: file[name][()] for name in (*_BY_FIGURE, *_SHARES)}
+        return UncertaintyTable(
+            str(file.attrs["title"]),
+            str(file.attrs["method"]),
+            int(file.attrs["runs"]),
+            read_quantities(file, "parameter"),
+            read_quantities(file, "figure"),
+            points=file["point"][()],
+            samples=file["sample"][()],
+            risks=tuple(read_texts(file, "risks")),
+            notes=tuple(read_texts(file, "notes")),
+            **numbers,
+        )
+
+
+def describe_uncertainty(path: Path) -> dict[str, Any]:
+    """Return what a file of an uncertainty study holds."""
+    table = read_uncertainty(path)
+    spreads = zip(table.figures, table.mean, table.deviation, strict=True)
+    return {
+        "holds": "an uncertainty study",
+        "title": table.title,
+        "method": table.method,
+        "runs": table.n_runs,
+        "parameters": [item.name for item in table.parameters],
+        "figures": [
+            f"{item.name} {mean:.6g} +- {deviation:.3g} {item.unit}"
+            for item, mean, deviation in spreads
+        ],
+        "risks": list(table.risks),
+        "notes": list(table.notes),
+    }

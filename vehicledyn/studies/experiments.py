@@ -1,0 +1,167 @@
+"""Measured experiments, and how far a scenario's run is from them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vehicledyn.analyses.preparation.prepared import Progress
+from vehicledyn.analyses.sensitivity.motion_study import MotionStudy
+from vehicledyn.analyses.sensitivity.names import directions
+from vehicledyn.base.errors import InputError, NumericalError
+from vehicledyn.files.scenario import LoadedScenario
+from vehicledyn.results.store.linear_file import Quantity
+from vehicledyn.studies.kept_runs import KeptRuns
+
+if TYPE_CHECKING:
+    from vehicledyn.studies.identified import Unknowns
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Measured:
+    """A measured channel: times (m,) [s], values (m,) in SI and the deviation of their noise.
+
+    ``lag`` [s] is by how much its clock is late: measured at t is what happened at t - lag.
+    """
+
+    channel: str
+    times: Floats
+    values: Floats
+    noise: float
+    lag: float = 0.0
+
+
+@dataclass(frozen=True)
+class Experiment:
+    """A scenario and what was measured of it."""
+
+    name: str
+    loaded: LoadedScenario
+    measured: tuple[Measured, ...]
+
+
+@dataclass(frozen=True)
+class Fitting:
+    """An experiment made ready: its scenario can be followed with derivatives."""
+
+    experiment: Experiment
+    study: MotionStudy
+    runs: KeptRuns
+    progress: Progress
+
+    @staticmethod
+    def of(experiment: Experiment, runs: KeptRuns, progress: Progress) -> Fitting:
+        """Check the measurements and prepare the scenario.
+
+        Raises
+        ------
+        InputError
+            If a measurement cannot be used, or a channel is unknown.
+        """
+        for item in experiment.measured:
+            _check(item, experiment)
+        channels = list(dict.fromkeys(item.channel for item in experiment.measured))
+        study = MotionStudy.of(experiment.loaded, channels, progress)
+        return Fitting(experiment, study, runs, progress)
+
+    @property
+    def n_samples(self) -> int:
+        """Number of measured samples."""
+        return sum(len(item.times) for item in self.experiment.measured)
+
+    def quantity(self, channel: str) -> Quantity:
+        """Return name, unit and meaning of a channel."""
+        about = {c.name: c for c in self.study.prepared.equations.channels}[channel]
+        return Quantity(about.name, about.unit, about.description)
+
+    def values(self, unknowns: Unknowns, point: Floats) -> tuple[list[Floats], list[Floats]]:
+        """Return the model's values at the samples of each signal, and their slopes.
+
+        Raises
+        ------
+        NumericalError
+            If the run fails.
+        """
+        key = [self.experiment.name, point.tolist()]
+        entry = self.runs.entry(key, lambda: self._run(unknowns, point))
+        if "failure" in entry:
+            raise NumericalError(str(entry["failure"]))
+        times = np.array(entry["times"])
+        values, slopes = [], []
+        for item in self.experiment.measured:
+            at = item.times - item.lag
+            own = np.array(entry["values"][item.channel])
+            rows = np.array(entry["slopes"][item.channel]).reshape(len(times), len(point))
+            values.append(np.interp(at, times, own))
+            columns = [np.interp(at, times, rows[:, k]) for k in range(len(point))]
+            slopes.append(np.stack(columns, axis=1))
+        return values, slopes
+
+    def residuals(self, unknowns: Unknowns, point: Floats) -> tuple[Floats, Floats]:
+        """Return model less measurement in deviations of the noise, and the Jacobian."""
+        values, slopes = self.values(unknowns, point)
+        signals = self.experiment.measured
+        missed = [(own - s.values) / s.noise for own, s in zip(values, signals, strict=True)]
+        rows = [slope / s.noise for slope, s in zip(slopes, signals, strict=True)]
+        return np.concatenate(missed), np.vstack(rows)
+
+    def missed_between_samples(self, unknowns: Unknowns, point: Floats) -> float:
+        """Return what straight lines between the run's samples miss, in deviations of the noise.
+
+        From what they miss with every other sample, a quarter of which is left with all of them.
+        """
+        entry = self.runs.entry([self.experiment.name, point.tolist()], dict)
+        times, largest = np.array(entry.get("times", [])), 0.0
+        for item in self.experiment.measured:
+            at = item.times - item.lag
+            near = np.abs(at[:, None] - times[None, :]).min(axis=1, initial=np.inf)
+            if len(times) < 3 or np.all(near <= 1e-9 * times[-1]):
+                continue
+            own = np.array(entry["values"][item.channel])
+            coarse = np.interp(times, times[::2], own[::2]) - own
+            largest = max(largest, float(np.max(np.abs(coarse))) / (4.0 * item.noise))
+        return largest
+
+    def _run(self, unknowns: Unknowns, point: Floats) -> dict[str, Any]:
+        """Return samples and slopes of a run, or why there are none."""
+        try:
+            own = self.study.moved(dict(zip(unknowns.names, map(float, point), strict=True)))
+            e, parameters = own.prepared.equations, own.prepared.kernel.parameters
+            chosen = directions(e, parameters, own.start.state, unknowns.names)
+            motion = own.followed(chosen, self.progress)
+        except NumericalError as error:
+            return {"failure": f"{self.experiment.loaded.title}: {error}"}
+        names = [e.channels[k].name for k in self.study.channels]
+        wanted = {item.channel for item in self.experiment.measured}
+        places = {name: k for k, name in enumerate(names) if name in wanted}
+        if motion.ended_by:
+            words = f"event '{motion.ended_by}' ended the run at {motion.times[-1]:g} s"
+            return {"failure": f"{self.experiment.loaded.title}: {words}, before its data end"}
+        return {
+            "times": motion.times.tolist(),
+            "values": {name: motion.values[:, k].tolist() for name, k in places.items()},
+            "slopes": {name: motion.slopes[:, k].ravel().tolist() for name, k in places.items()},
+        }
+
+
+def _check(item: Measured, experiment: Experiment) -> None:
+    """Raise InputError for a measurement that cannot be used."""
+    duration = experiment.loaded.scenario.duration
+    where = f"measured '{item.channel}'"
+    where = f"experiments.{experiment.name}: {where}" if experiment.name else where
+    if item.times.shape != item.values.shape or item.times.ndim != 1 or not item.times.size:
+        raise InputError(f"{where}: needs as many values as times")
+    if not (np.isfinite(item.times).all() and np.isfinite(item.values).all()):
+        raise InputError(f"{where}: has gaps; leave the samples without a value out")
+    if np.any(np.diff(item.times) <= 0.0):
+        raise InputError(f"{where}: its times must grow")
+    at = item.times - item.lag
+    if at[0] < 0.0 or at[-1] > duration * (1.0 + 1e-12):
+        raise InputError(f"{where}: lies outside the run from 0 to {duration:g} s")
+    if not item.noise > 0.0:
+        raise InputError(f"{where}: the deviation of its noise must be above zero")

@@ -1,0 +1,130 @@
+"""Identification studies as files: experiments with their data, parameters, what is held out."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from vehicledyn.analyses.preparation.prepared import Progress
+from vehicledyn.base.errors import InputError, nearest_name
+from vehicledyn.base.units import to_si
+from vehicledyn.files.scenario import LoadedScenario
+from vehicledyn.studies.experiments import Experiment, Measured
+from vehicledyn.studies.identification import IdentificationReport, channel_unit, identify_from
+from vehicledyn.studies.identified import KEYS
+from vehicledyn.studies.kept_runs import KeptRuns
+from vehicledyn.studies.measured_data import Signal, read_signals
+from vehicledyn.studies.study_form import StudyForm
+
+_REQUIRED = ("experiments", "parameters")
+_OPTIONAL = ("title", "hold_out")
+_EXPERIMENT = ("scenario", "set", "data", "time", "signals")
+_SIGNAL = ("column", "unit", "noise", "lag")
+
+
+def run_identification_study(
+    path: Path,
+    overrides: Sequence[str],
+    *,
+    kept: Path | None,
+    resume: bool,
+    progress: Progress,
+) -> tuple[IdentificationReport, KeptRuns]:
+    """Return what a study file asks for, and its runs.
+
+    Parameters
+    ----------
+    path
+        YAML file.
+    overrides
+        Changes ``key=value`` of all scenarios.
+    kept
+        File for the runs, so that a stopped search can go on; None for none.
+    resume
+        Whether to use the runs that are there already.
+    progress
+        Called with what is going on.
+
+    Raises
+    ------
+    InputError
+        If anything in the study or its data is wrong; all problems of its form are listed.
+    NumericalError
+        If a run fails at the start.
+    """
+    form = StudyForm.read(path, required=_REQUIRED, optional=_OPTIONAL)
+    given = dict(form.entries(("experiments",), _EXPERIMENT, ("scenario", "data", "signals")))
+    for name in given:
+        for _ in form.entries(("experiments", name, "signals"), _SIGNAL, ("noise",)):
+            pass
+    parameters = dict(form.entries(("parameters",), KEYS, ("from", "to")))
+    held_out = _held_out(form, given)
+    form.refuse()
+    experiments, texts, notes = [], [form.document.text], []
+    for name, item in given.items():
+        place = ("experiments", name, "scenario")
+        loaded = form.scenario(place, item["scenario"], item.get("set"), overrides)
+        measured, lost = _measured(path, name, item, loaded)
+        experiments.append(Experiment(name, loaded, measured))
+        texts += [loaded.text, repr(loaded.overrides), repr([m.values.tobytes() for m in measured])]
+        notes += lost
+    runs = KeptRuns(kept, texts, resume=resume)
+    try:
+        found = identify_from(
+            str(form.data.get("title", path.stem)),
+            experiments,
+            parameters,
+            progress=progress,
+            held_out=held_out,
+            runs=runs,
+            remarks=notes,
+        )
+    except InputError as error:
+        raise InputError(f"{path}: {error}") from None
+    return found, runs
+
+
+def _held_out(form: StudyForm, known: dict[str, Any]) -> list[str]:
+    names = form.data.get("hold_out") or []
+    if not isinstance(names, list):
+        form.wrong(("hold_out",), "expected a list of experiments")
+        return []
+    for k, name in enumerate(names):
+        if name not in known:
+            guess = nearest_name(str(name), known)
+            hint = f"; did you mean '{guess}'?" if guess else ""
+            form.wrong(("hold_out", k), f"'{name}' is no experiment{hint}")
+    return [str(name) for name in names]
+
+
+def _measured(
+    path: Path, name: str, item: dict[str, Any], loaded: LoadedScenario
+) -> tuple[tuple[Measured, ...], list[str]]:
+    """Return the measured channels of an experiment, and remarks on their gaps."""
+    where = f"{path}: experiments.{name}"
+    signals = []
+    for channel, entry in item["signals"].items():
+        try:
+            unit = channel_unit(loaded, channel)
+            noise = float(to_si(entry["noise"], unit))
+            lag = float(to_si(entry.get("lag", "0 s"), "s"))
+        except InputError as error:
+            raise InputError(f"{where}.signals.{channel}: {error}") from None
+        column = str(entry.get("column", channel))
+        signals.append(Signal(channel, column, unit, entry.get("unit"), noise, lag))
+    data = path.parent / str(item["data"])
+    if not data.is_file():
+        raise InputError(f"{where}.data: there is no file '{item['data']}' beside the study")
+    found, notes = [], []
+    for signal, (times, values) in zip(
+        signals, read_signals(data, str(item.get("time", "time")), signals), strict=True
+    ):
+        kept = ~np.isnan(values)
+        if not kept.all():
+            notes.append(f"{data.name}: {signal.column}: {int((~kept).sum())} gaps are left out")
+        channel = signal.channel
+        found.append(Measured(channel, times[kept], values[kept], signal.noise, signal.lag))
+    return tuple(found), notes

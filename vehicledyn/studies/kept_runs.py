@@ -1,0 +1,84 @@
+"""Runs of a study that are kept in a file as they come, so that a stopped study can go on."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Callable, Iterable
+from pathlib import Path
+from typing import Any
+
+from vehicledyn.base.errors import InputError
+
+_KEY = "run"
+
+
+class KeptRuns:
+    """Runs by what tells them apart; each is computed once and kept beside the result.
+
+    Parameters
+    ----------
+    path
+        File of one run a line, behind a line that names the study; None to keep none.
+    texts
+        What the study rests on: its file, its scenarios, its data.
+    resume
+        Whether to use what is there already; else the file begins anew.
+
+    Raises
+    ------
+    InputError
+        If the file is that of another study, or cannot be written.
+    """
+
+    def __init__(self, path: Path | None, texts: Iterable[str], *, resume: bool) -> None:
+        self._path = path
+        self._known: dict[str, dict[str, Any]] = {}
+        if path is not None:
+            self._begin(path, json.dumps({"study": _digest(texts)}), resume=resume)
+        self.n_known = len(self._known)
+
+    def entry(self, run: Any, compute: Callable[[], dict[str, Any]]) -> dict[str, Any]:
+        """Return what a run gave, computed if it is not known."""
+        key = json.dumps(run)
+        if key not in self._known:
+            found = compute()
+            self._known[key] = found
+            if self._path is not None:
+                with self._path.open("a", encoding="utf-8") as file:
+                    file.write(json.dumps({_KEY: key, **found}) + "\n")
+        return self._known[key]
+
+    def forget(self) -> None:
+        """Remove the file, as the study has come to its end."""
+        if self._path is not None:
+            self._path.unlink(missing_ok=True)
+
+    def _begin(self, path: Path, head: str, *, resume: bool) -> None:
+        try:
+            if resume and path.is_file():
+                self._read(path, head)
+                return
+            path.write_text(head + "\n", encoding="utf-8")
+        except OSError as error:
+            raise InputError(f"{path}: cannot be used: {error.strerror}") from None
+
+    def _read(self, path: Path, head: str) -> None:
+        """Read what is known; a line that was cut short is computed again."""
+        text = path.read_text(encoding="utf-8", errors="replace")
+        lines = text.splitlines()
+        if lines[:1] != [head]:
+            raise InputError(f"{path}: holds runs of another study; start anew without resuming")
+        for line in lines[1:]:
+            try:
+                entry = json.loads(line)
+                self._known[entry.pop(_KEY)] = entry
+            except (ValueError, KeyError, AttributeError, TypeError):
+                continue
+        if not text.endswith("\n"):
+            with path.open("a", encoding="utf-8") as file:
+                file.write("\n")
+
+
+def _digest(texts: Iterable[str]) -> str:
+    return hashlib.sha256("\n".join(texts).encode()).hexdigest()

@@ -1,0 +1,135 @@
+"""What study files have in common: keys that are checked, scenarios that are found."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from vehicledyn.base.errors import nearest_name
+from vehicledyn.base.problems import START, Problem, refusal
+from vehicledyn.base.yaml import Document, read_yaml
+from vehicledyn.files.scenario import LoadedScenario, load_scenario
+from vehicledyn.files.scenario.settings import override_texts
+
+
+@dataclass
+class StudyForm:
+    """A study file as plain data, and what is wrong with it so far."""
+
+    path: Path
+    document: Document
+    problems: list[Problem]
+
+    @staticmethod
+    def read(path: Path, *, required: Sequence[str], optional: Sequence[str]) -> StudyForm:
+        """Read a file and check its keys.
+
+        Raises
+        ------
+        InputError
+            If it cannot be read or is no mapping.
+        """
+        document = read_yaml(path)
+        form = StudyForm(path, document, list(document.problems))
+        if not isinstance(document.data, dict):
+            form.wrong((), f"a study is a mapping with {', '.join(required)}")
+            form.refuse()
+        form.check((), document.data, (*required, *optional))
+        for key in required:
+            if key not in document.data or document.data[key] in (None, {}, [], ""):
+                form.wrong((key,), "missing")
+        return form
+
+    @property
+    def data(self) -> dict[str, Any]:
+        """The content."""
+        found: dict[str, Any] = self.document.data
+        return found
+
+    def wrong(self, place: tuple[str | int, ...], words: str) -> None:
+        """Note a problem at a place."""
+        marks = self.document
+        mark = marks.values.get(place) or marks.keys.get(place) or START
+        found = Problem(marks.name, mark, ".".join(map(str, place)) or "file", words)
+        if found not in self.problems:
+            self.problems.append(found)
+
+    def refuse(self) -> None:
+        """Raise InputError if anything is wrong."""
+        if self.problems:
+            raise refusal(self.problems, self.document.name)
+
+    def check(self, place: tuple[str | int, ...], item: Any, keys: Collection[str]) -> bool:
+        """Note keys that mean nothing; return whether the item is a mapping."""
+        if not isinstance(item, dict):
+            self.wrong(place, f"expected a mapping with {', '.join(keys)}")
+            return False
+        for key in item:
+            if key not in keys:
+                guess = nearest_name(str(key), keys)
+                hint = f"; did you mean '{guess}'?" if guess else ""
+                self.wrong((*place, key), f"unknown key{hint} Known: {', '.join(keys)}")
+        return True
+
+    def entries(
+        self, place: tuple[str | int, ...], keys: Sequence[str] = (), needed: Sequence[str] = ()
+    ) -> Iterator[tuple[str, dict[str, Any]]]:
+        """Yield the mappings of a mapping by name, those that have the needed keys."""
+        group: Any = self.data
+        for step in place:
+            group = group.get(step) if isinstance(group, dict) else None
+        if group is None:
+            return
+        if not isinstance(group, dict):
+            self.wrong(place, "expected a mapping")
+            return
+        for name, item in group.items():
+            here = (*place, name)
+            if keys and not self.check(here, item, keys):
+                continue
+            missing = [key for key in needed if key not in item]
+            if missing:
+                self.wrong(here, f"needs {', '.join(missing)}")
+                continue
+            yield str(name), item
+
+    def number(self, key: str, default: float, *, least: float, whole: bool = False) -> float:
+        """Return a number of the study, noted as wrong if it is none or too small."""
+        value = self.data.get(key, default)
+        kinds = int if whole else int | float
+        if isinstance(value, bool) or not isinstance(value, kinds) or value < least:
+            what = "a whole number" if whole else "a number"
+            self.wrong((key,), f"expected {what} of at least {least:g}")
+            return default
+        return float(value)
+
+    def scenario(
+        self, place: tuple[str | int, ...], given: Any, changes: Any, overrides: Sequence[str] = ()
+    ) -> LoadedScenario:
+        """Return a scenario beside the study or of the library, with changes.
+
+        Raises
+        ------
+        InputError
+            If there is none of this name, or anything in it is wrong.
+        """
+        if not isinstance(given, str):
+            self.wrong(place, "expected the path or name of a scenario")
+            self.refuse()
+        if changes is not None and not isinstance(changes, Mapping):
+            self.wrong((*place[:-1], "set"), "expected a mapping of changes")
+            self.refuse()
+        texts = [*override_texts(changes or {}, {}), *overrides]
+        return load_scenario(located(self.path, given), texts)
+
+
+def located(path: Path, place: str) -> Path:
+    """Return a scenario's path: beside the study, or of the library."""
+    beside = path.parent / place
+    if beside.is_file():
+        return beside
+    from vehicledyn.library import locate
+
+    return locate(place, ("scenario",))

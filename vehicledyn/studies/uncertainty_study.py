@@ -1,0 +1,120 @@
+"""Uncertainty studies as files: distributions of parameters, figures, method, limits."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from vehicledyn.analyses.preparation.prepared import Progress
+from vehicledyn.base.errors import InputError
+from vehicledyn.results.tables.uncertainty_table import UncertaintyTable
+from vehicledyn.studies.kept_runs import KeptRuns
+from vehicledyn.studies.study_form import StudyForm
+from vehicledyn.studies.uncertainty import METHODS, UncertaintyReport, find_uncertainty
+
+_REQUIRED = ("scenario", "of", "parameters")
+_OPTIONAL = ("title", "set", "method", "number", "seed", "limits")
+
+
+def run_uncertainty_study(
+    path: Path,
+    overrides: Sequence[str],
+    *,
+    kept: Path | None,
+    resume: bool,
+    progress: Progress,
+) -> tuple[UncertaintyReport, KeptRuns]:
+    """Return what a study file asks for, and its runs.
+
+    Parameters
+    ----------
+    path
+        YAML file.
+    overrides
+        Changes ``key=value`` of the scenario.
+    kept
+        File for the runs, so that a stopped study can go on; None for none.
+    resume
+        Whether to use the runs that are there already.
+    progress
+        Called with what is going on.
+
+    Raises
+    ------
+    InputError
+        If anything in the study is wrong; all problems of its form are listed.
+    NumericalError
+        If a run fails.
+    """
+    form = StudyForm.read(path, required=_REQUIRED, optional=_OPTIONAL)
+    of, method = _figures(form), form.data.get("method", "first_order")
+    if method not in METHODS:
+        form.wrong(("method",), f"'{method}' is unknown; known are {', '.join(METHODS)}")
+    number = int(form.number("number", 256, least=2, whole=True))
+    seed = int(form.number("seed", 1, least=0, whole=True))
+    parameters, limits = dict(form.entries(("parameters",))), dict(form.entries(("limits",)))
+    for group, items in (("parameters", parameters), ("limits", limits)):
+        for name, item in items.items():
+            if not isinstance(item, dict):
+                form.wrong((group, name), "expected a mapping")
+    form.refuse()
+    loaded = form.scenario(("scenario",), form.data["scenario"], form.data.get("set"), overrides)
+    texts = [form.document.text, loaded.text, repr(loaded.overrides)]
+    runs = KeptRuns(kept, texts, resume=resume)
+    try:
+        found = find_uncertainty(
+            loaded,
+            of,
+            parameters,
+            method=method,
+            number=number,
+            seed=seed,
+            limits=limits,
+            progress=progress,
+            runs=runs,
+        )
+    except InputError as error:
+        raise InputError(f"{path}: {error}") from None
+    return found, runs
+
+
+def _figures(form: StudyForm) -> list[str]:
+    of = form.data.get("of")
+    names = [of] if isinstance(of, str) else of
+    if not isinstance(names, list) or not all(isinstance(name, str) for name in names):
+        form.wrong(("of",), "expected a figure, or a list of figures")
+        return []
+    return names
+
+
+def table_of(report: UncertaintyReport) -> UncertaintyTable:
+    """Return a report as a table for a result file."""
+    n, m = len(report.parameters), len(report.figures)
+    found = report.found
+
+    def given(values: Any, shape: tuple[int, int], fill: float = np.nan) -> Any:
+        return np.full(shape, fill) if values is None else values
+
+    return UncertaintyTable(
+        report.title,
+        report.method,
+        report.n_runs,
+        report.parameters,
+        report.figures,
+        found.mean,
+        found.deviation,
+        found.mean_error,
+        found.deviation_error,
+        given(report.shares, (m, n)),
+        given(report.totals, (m, n)),
+        given(report.points, (0, n)),
+        given(report.samples, (0, m)),
+        tuple(
+            f"{name} {words} in {share:.3%} (95 %: {low:.3%} to {high:.3%})"
+            for name, words, share, low, high in report.risks
+        ),
+        report.notes,
+    )
