@@ -23,6 +23,12 @@ Evaluate: TypeAlias = Callable[[Vector], tuple[Vector, Vector]]
 _SMALLEST_PART = 1e-5
 _SETTLING_STEPS = 400
 _SETTLED = 1e-6
+_AGREES, _DIFFERS = 0.1, 0.5
+"""Parts of the residual by which it may miss its linear prediction for the next step to be longer,
+and for a longer one to be taken back."""
+
+_LONGER, _FAR = 3.0, 20.0
+"""How much longer, and up to how many times the first step, so that none leaps over a contact."""
 
 
 @dataclass(frozen=True)
@@ -80,8 +86,9 @@ def settle(
     """Return a point where forces nearly balance, found as a strongly damped motion finds it.
 
     Pseudo-transient continuation: x moves with ẋ = f(x), the residual, in implicit steps
-    (1/τ - ∂f/∂x) δ = f that grow as the residual falls. Newton's method would leap where forces
-    begin only after some way, as those of contacts do.
+    (1/τ - ∂f/∂x) δ = f that grow as the residual falls, and faster where it falls as its slopes
+    foretell. Newton's method would leap where forces begin only after some way, as those of
+    contacts do: there the residual is not the one foretold, and a step that was long is taken back.
 
     Parameters
     ----------
@@ -90,7 +97,8 @@ def settle(
     start
         Point to start from.
     longest
-        How far a step may move any unknown while the residual does not fall.
+        How far the first step may move any unknown; none is made shorter for a residual that was
+        not foretold.
     largest_step
         How far a step may move each unknown at all.
 
@@ -102,7 +110,7 @@ def settle(
     point = start
     residual, jacobian = evaluate(point)
     size = first = _largest(residual)
-    part = longest / max(size, 1e-300)
+    part = shortest = longest / max(size, 1e-300)
     for _ in range(_SETTLING_STEPS):
         if size <= _SETTLED * first:
             break
@@ -113,9 +121,15 @@ def settle(
         except NumericalError:
             part *= 0.1
             continue
+        missed = _largest(trial - residual - jacobian @ step) / max(size, 1e-300)
+        if missed > _DIFFERS and part > shortest:
+            part = max(shortest, 0.1 * part)
+            continue
         point, residual, jacobian = point + step, trial, slopes
         before, size = size, _largest(residual)
-        part *= min(max(before / max(size, 1e-300), 0.1), 10.0)
+        growth = min(max(before / max(size, 1e-300), 0.1), 10.0)
+        may_grow = missed <= _AGREES and np.abs(step).max() * _LONGER <= _FAR * longest
+        part *= max(growth, _LONGER) if may_grow else growth
     return point
 
 

@@ -99,7 +99,7 @@ def find_reference(prepared: Prepared, speed: float, kind: Start | None) -> Refe
     if chosen != "steady":
         velocities = [k for k in e.speeds if k not in free]
         state[velocities] = begin[velocities]
-    total = prepared.derivatives.total(
+    total = prepared.slopes.total(
         subject.balance_time, state, point.unknowns, prepared.kernel.parameters
     )
     try:

@@ -16,7 +16,7 @@ from solve_examples import (
 from vehicledyn.analyse.equilibrium import assemble, find_equilibrium
 from vehicledyn.analyse.linearise import linearise
 from vehicledyn.analyse.modes import eigenmodes
-from vehicledyn.analyse.newton import solve_damped
+from vehicledyn.analyse.newton import settle, solve_damped
 from vehicledyn.base.errors import NumericalError
 from vehicledyn.kernel.kernel import compile_kernel
 
@@ -93,6 +93,23 @@ def test_newton_does_not_leap_to_a_solution_far_off():
     near = solve_damped(sine, np.array([1.5]), tolerance=1e-12, largest_step=0.5)
     assert leap.solved and abs(leap.point[0]) > 6.0
     assert near.solved and near.point == pytest.approx([0.0], abs=1e-12)
+
+
+@pytest.mark.parametrize("height", [0.0, 0.05, 0.4])
+def test_settling_takes_few_steps_whatever_the_way(height):
+    """A weight above a thin layer that carries it: below the layer there is nothing."""
+    asked = []
+
+    def evaluate(point):
+        asked.append(point)
+        depth = height - point[0]
+        carries = 0.0 < depth < 0.04
+        force = -10.0 + (2000.0 * depth if carries else 0.0)
+        return np.array([force]), np.array([[-2000.0 if carries else 0.0]])
+
+    found = settle(evaluate, np.array([height + 0.4]), longest=1e-3)
+    assert found[0] == pytest.approx(height - 0.005, abs=1e-7)
+    assert len(asked) < 60
 
 
 def test_what_nothing_moves_is_left_unbalanced_without_warnings():

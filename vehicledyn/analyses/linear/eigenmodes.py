@@ -116,7 +116,7 @@ def _modes_at(
         kind = reference_start(prepared.subject, speed, start)
     else:
         kind = _checked(prepared, wanted, speed)
-    point = start_point(prepared, speed, kind)
+    point = start_point(prepared, speed, kind, slopes=prepared.derivatives)
     linear = linearise(
         prepared.equations,
         prepared.kernel.parameters,

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -139,7 +139,8 @@ def find_equilibrium(
     moving = 0.0 if kind == "static" else wanted
     progress("finding the equilibrium", None)
     start = nominal_point(prepared, moving)
-    point = equilibrium_point(prepared, moving, "steady" if moving else "static")
+    how: Literal["static", "steady"] = "steady" if moving else "static"
+    point = equilibrium_point(prepared, moving, how, slopes=prepared.derivatives)
     is_still = not moving and prepared.subject.settling is None
     if is_still:
         start, point = _still(prepared, start), _still(prepared, point)

@@ -181,7 +181,7 @@ def equilibrium_point(
         free=free,
         balanced=rates,
         tolerance=BALANCE_TOLERANCE,
-        derivatives=slopes or prepared.derivatives,
+        derivatives=slopes or prepared.slopes,
         settling=_let_down(prepared, start) or subject.settling,
         not_held=partial(not_held, subject),
     )

@@ -19,7 +19,7 @@ from vehicledyn.kernel.kernel import Backend, Kernel, compile_kernel
 from vehicledyn.symbolic.equations import Equations
 
 if TYPE_CHECKING:
-    from vehicledyn.kernel.derivatives import Derivatives
+    from vehicledyn.kernel.derivatives import Derivatives, Slopes
     from vehicledyn.multibody.equations.derivation import Derivation
     from vehicledyn.multibody.equations.singular_mass import Resistance
     from vehicledyn.multibody.loops.partition_monitor import PartitionWatch
@@ -69,6 +69,7 @@ class Prepared:
     kernel: Kernel
     derived: Derived
     _derivatives: list[Derivatives] = field(default_factory=list)
+    _slopes: list[Derivatives] = field(default_factory=list)
     _partitioned: list[Prepared] = field(default_factory=list)
     look: dict[str, Any] = field(default_factory=dict)
 
@@ -95,6 +96,17 @@ class Prepared:
         if not self._derivatives:
             self._derivatives.append(Derivatives(self.equations))
         return self._derivatives[0]
+
+    @property
+    def slopes(self) -> Slopes:
+        """Exact Jacobians of rates and unknowns; those of the outputs too where they are made."""
+        from vehicledyn.kernel.derivatives import Derivatives
+
+        refuse_multipliers(self.equations)
+        found = self._derivatives or self._slopes
+        if not found:
+            found.append(Derivatives(self.equations, outputs=False))
+        return found[0]
 
     def with_derivatives(self, derivatives: Derivatives) -> Prepared:
         """Return the same with Jacobians that were made before."""
