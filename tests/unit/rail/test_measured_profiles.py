@@ -13,6 +13,8 @@ from vehicledyn.rail.profiles.open_profile import read_profile
 from vehicledyn.rail.profiles.profile_defects import find_defects
 from vehicledyn.rail.profiles.profile_reading import ProfileReading
 from vehicledyn.rail.profiles.smoothing import proposed_wavelength, slope_noise, smoothed
+from vehicledyn.results.plots.measured_figure import draw_measured
+from vehicledyn.results.tables.contact_table import MeasuredProfile
 
 WHEEL, RAIL = named_profile("S1002", "wheel"), named_profile("60E1", "rail")
 TREAD = np.linspace(-0.037, 0.05, 400)
@@ -128,6 +130,40 @@ def test_noise_that_takes_y_back(tmp_path, spacing):
     profile = read_profile(path, "wheel", ProfileReading(smoothing=4e-3))
     assert profile.height(TREAD) == pytest.approx(WHEEL.height(TREAD), abs=2e-5)
     assert any("y goes back" in note for note in profile.notes)
+
+
+@pytest.mark.parametrize("kind", ["wheel", "rail"])
+@pytest.mark.parametrize("across", [0.0, 1.0])
+@pytest.mark.parametrize(("spacing", "size"), [(1e-4, 5e-5), (2.5e-4, 1e-4), (1e-3, 1e-4)])
+def test_noise_along_y_is_averaged(tmp_path, kind, across, spacing, size):
+    """0.05 mm and more was refused as unsorted, and as outliers where the profile is steep."""
+    truth, clean = {"wheel": (WHEEL, POINTS), "rail": (RAIL, POINTS_OF_RAIL)}[kind]
+    noise = np.random.default_rng(11).normal(0.0, size, clean[spacing].shape) * (1.0, across)
+    path = written(tmp_path, rows(clean[spacing] + noise), f"{kind}.txt")
+    profile = read_profile(path, kind, ProfileReading(smoothing=8e-3))
+    (note,) = [text for text in profile.notes if "averaged to" in text]
+    assert int(note.split()[0]) == len(profile.measured.averaged)
+    places = TREAD if kind == "wheel" else np.linspace(-0.03, 0.03, 301)
+    assert np.std(profile.height(places) - truth.height(places)) < 0.6 * size
+    assert np.diff(profile.measured.points[:, 0]).min() > 0.0
+
+
+def test_what_noise_leaves_no_curve_of_is_refused_with_a_smoothing_that_does(tmp_path):
+    path = written(tmp_path, rows(noisy(POINTS[1e-4], 1e-4)))
+    with pytest.raises(InputError, match="or smooth them: smoothing") as refused:
+        read_profile(path, "wheel")
+    proposed = float(str(refused.value).partition('smoothing "')[2].partition(" mm")[0])
+    profile = read_profile(path, "wheel", ProfileReading(smoothing=1e-3 * proposed))
+    assert np.std(profile.height(TREAD) - WHEEL.height(TREAD)) < 5e-5
+
+
+def test_points_that_are_averaged_are_drawn(tmp_path):
+    path = written(tmp_path, rows(noisy(POINTS[2.5e-4], 1e-4)))
+    made = read_profile(path, "wheel", ProfileReading(smoothing=8e-3)).measured
+    parts = (made.points, made.distance, made.outliers, made.bridges, made.averaged)
+    figure = draw_measured("Noise", {"left_wheel": MeasuredProfile(*parts)})
+    labels = [text.get_text() for text in figure.axes[0].get_legend().get_texts()]
+    assert labels == ["points averaged", "points used"]
 
 
 def test_unsmoothed_noise_is_reported(tmp_path):

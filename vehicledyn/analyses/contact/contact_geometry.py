@@ -191,7 +191,7 @@ def _measured(profiles: Sequence[Profile]) -> dict[str, MeasuredProfile]:
         if given is None or any(profile is other for other in drawn):
             continue
         drawn.append(profile)
-        parts = (given.points, given.distance, given.outliers, given.bridges)
+        parts = (given.points, given.distance, given.outliers, given.bridges, given.averaged)
         found[name] = MeasuredProfile(*parts)
     return found
 

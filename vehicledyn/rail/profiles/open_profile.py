@@ -75,6 +75,7 @@ def _read(path: Path, kind: Kind, reading: ProfileReading, changed: int, size: i
         distance=curve.distance,
         outliers=found.outliers - (0.0, down),
         bridges=found.bridges,
+        averaged=found.averaged - (0.0, down),
     )
     return Profile(path.stem, kind, (shifted,), str(path), (*notes, *said), measured)
 
@@ -89,19 +90,15 @@ def _curve(path: Path, found: Measurement, wavelength: float) -> Smoothed:
     if table.end - table.begin < NARROWEST or not table.begin < 0.0 < table.end:
         raise InputError(
             f"{path}: the curve through the points is usable from y = {1e3 * table.begin:.4g} to "
-            f"{1e3 * table.end:.4g} mm only, as it is steeper than 85 degrees there; smooth the "
-            "points, or mend their defects"
+            f"{1e3 * table.end:.4g} mm only, as it is steeper than 85 degrees there; mend the "
+            f"defects of the points, or smooth them: {_proposal(found.y, found.z)[2]}"
         )
     return curve
 
 
 def _on_smoothing(curve: Smoothed, y: Floats, z: Floats, wavelength: float) -> list[str]:
     """Return what smoothing did, or what it should do."""
-    points = np.column_stack([y, z])
-    scatter = find_scatter(points)
-    spacing = float(np.median(np.linalg.norm(np.diff(points, axis=0), axis=1)))
-    wanted = proposed_wavelength(scatter, spacing)
-    proposal = f'smoothing "{1e3 * wanted:.2g} mm" leaves {_mrad(scatter, spacing, wanted)}'
+    scatter, wanted, proposal = _proposal(y, z)
     if wavelength > 0.0:
         said = (
             f"smoothed over {1e3 * wavelength:g} mm: points lie up to {1e3 * curve.largest:.2g} mm "
@@ -109,7 +106,7 @@ def _on_smoothing(curve: Smoothed, y: Floats, z: Floats, wavelength: float) -> l
         )
         if scatter < _NOISE or wavelength > _NEARLY * wanted:
             return [said]
-        left = _mrad(scatter, spacing, wavelength)
+        left = _mrad(scatter, _spacing(y, z), wavelength)
         return [said, f"slopes, and conicities with them, keep noise of {left}; {proposal}"]
     if scatter < _NOISE:
         return []
@@ -117,6 +114,18 @@ def _on_smoothing(curve: Smoothed, y: Floats, z: Floats, wavelength: float) -> l
         f"points scatter by {1e6 * scatter:.2g} µm and are not smoothed: slopes and curvatures "
         f"hold the noise, and conicities are those of the noise; {proposal}"
     ]
+
+
+def _proposal(y: Floats, z: Floats) -> tuple[float, float, str]:
+    """Return the scatter of points, the wavelength to smooth them over [m], and what it leaves."""
+    scatter, spacing = find_scatter(np.column_stack([y, z])), _spacing(y, z)
+    wanted = proposed_wavelength(scatter, spacing)
+    words = f'smoothing "{1e3 * wanted:.2g} mm" leaves {_mrad(scatter, spacing, wanted)}'
+    return scatter, wanted, words
+
+
+def _spacing(y: Floats, z: Floats) -> float:
+    return float(np.median(np.hypot(np.diff(y), np.diff(z))))
 
 
 def _mrad(scatter: float, spacing: float, wavelength: float) -> str:

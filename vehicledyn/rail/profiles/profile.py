@@ -29,13 +29,15 @@ class Measured:
 
     ``points`` are those that the curve follows, shape (n, 2), ``distance`` how far each lies
     from it along the normal, shape (n,), ``outliers`` those left out, shape (k, 2), ``bridges``
-    the y of both ends of each gap that was bridged, shape (m, 2) [m].
+    the y of both ends of each gap that was bridged, shape (m, 2), ``averaged`` those of the file
+    that a mean stands for, as noise puts them out of order, shape (j, 2) [m].
     """
 
     points: Floats
     distance: Floats
     outliers: Floats
     bridges: Floats
+    averaged: Floats
 
 
 @dataclass(frozen=True)

@@ -32,6 +32,9 @@ _GAP, _OF_SPACING, _OF_NEIGHBOURS = 4e-3, 10.0, 3.0
 _LONGEST, _SPACINGS = 4.5e-3, 3.0
 """Longest run, and in spacings where these are wider: beyond it the profile itself bends."""
 
+_AROUND = 41
+"""Points of which the scatter around one is the median."""
+
 _PASSES = 50
 _TINY = 1e-24
 
@@ -174,15 +177,29 @@ def find_scatter(points: Floats) -> float:
     return float(np.median(np.concatenate(distances))) if distances else 0.0
 
 
+def _scatter_around(points: Floats) -> Floats:
+    """Return the scatter around each point but the ends, shape (n - 2,) [m].
+
+    Noise along y shows across the curve only where the profile is steep.
+    """
+    from scipy.ndimage import median_filter
+
+    distances = _missed(points, 1)[0][:, 0]
+    return np.asarray(median_filter(distances, size=min(_AROUND, len(distances)), mode="reflect"))
+
+
 def _outliers(points: Floats) -> dict[int, float]:
     """Return the clearest outliers that are not beside each other, with their distances."""
-    least = max(_LEAST, _OF_SCATTER * find_scatter(points))
+    scatter = find_scatter(points)
     candidates: list[tuple[float, Places, Floats]] = []
     for part in _parts(points):
+        local = np.maximum(scatter, _scatter_around(points[part]))
         for length in range(1, LONGEST_RUN + 1):
             if len(part) < length + _BESIDE:
                 continue
             distances, fit = _missed(points[part], length)
+            middle = slice(length // 2, length // 2 + len(fit))
+            least = np.maximum(_LEAST, _OF_SCATTER * local[middle])
             limit = np.maximum(least, _OF_FIT * fit)
             beyond = (distances > limit[:, None]).all(axis=1) & _testable(points[part], length)
             for k in np.flatnonzero(beyond):

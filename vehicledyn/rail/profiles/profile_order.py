@@ -1,6 +1,17 @@
-"""Points of a profile in the order of y: noise that goes back, ends that fold, loops."""
+"""Points of a profile in the order of y: noise that goes back, ends that fold, loops.
+
+Noise along y takes points back where they are close to each other, or the profile is steep. How
+far noise may go is estimated from the points, and neighbours out of order are replaced by their
+mean: the increasing sequence closest to the points, found by pooling adjacent violators.
+
+References
+----------
+Robertson, Wright and Dykstra (1988), Order Restricted Statistical Inference, section 1.2.
+"""
 
 from __future__ import annotations
+
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,8 +21,11 @@ from vehicledyn.rail.profiles.profile_pieces import Floats
 from vehicledyn.rail.profiles.profile_points import RawPoints
 
 _SWAPPED = 2  # segments apart: two points in the wrong order, no loop
-_NOISE = 50e-6
-"""Steps back of y up to which they are noise of the measurement [m]."""
+_NOISE, _MOST_NOISE, _OF_NOISE = 50e-6, 2e-3, 8.0
+"""Steps back of y that are always and never noise [m]; between, in standard deviations of y [1]."""
+
+_SECOND = 1.4826 / np.sqrt(6.0)
+"""Standard deviation of noise by the median of the size of its second differences [1]."""
 
 _UPRIGHT = 0.3e-3
 """Width of an end that goes up and down within it, as the back of a flange does [m]."""
@@ -19,13 +33,21 @@ _UPRIGHT = 0.3e-3
 Lines = NDArray[np.int_]
 
 
-def put_in_order(
-    points: RawPoints, y: Floats, z: Floats, lines: Lines
-) -> tuple[Floats, Floats, Lines, list[str]]:
-    """Return points whose y grows, with their lines and what was left out.
+class Ordered(NamedTuple):
+    """Points whose y grows, their lines, the points that means stand for (k, 2), and notes."""
 
-    Upright ends that noise makes fold, and points that noise takes back, are left out; ends that
-    fold back, as under the head of a rail, are cut off.
+    y: Floats
+    z: Floats
+    lines: Lines
+    averaged: Floats
+    notes: list[str]
+
+
+def put_in_order(points: RawPoints, y: Floats, z: Floats, lines: Lines) -> Ordered:
+    """Return points whose y grows, with their lines and what was done.
+
+    Upright ends that noise makes fold are left out; neighbours that noise puts out of order are
+    replaced by their mean; ends that fold back, as under the head of a rail, are cut off.
 
     Raises
     ------
@@ -38,19 +60,15 @@ def put_in_order(
         cut = len(y) - (kept.stop - kept.start)
         notes.append(f"{cut} points of an upright end left out: y goes back and forth there")
     y, z, lines = y[kept], z[kept], lines[kept]
-    forward = _forward(y)
-    if not forward.all():
-        most = 1e6 * float(np.max((np.maximum.accumulate(y) - y)[~forward]))
-        count = int((~forward).sum())
-        notes.append(f"{count} points left out where y goes back, by up to {most:.3g} µm")
-    y, z, lines = y[forward], z[forward], lines[forward]
-    _check_order(points, y, z, lines)
+    noise = _noise(y)
+    y, z, lines, averaged, said = _averaged(y, z, lines, noise)
+    _check_order(points, y, z, lines, noise)
     first, last = _ends(y)
     cut = len(y) - (last + 1 - first)
     if cut:
-        notes.append(f"{cut} points cut off at the ends, where the profile folds back")
+        said.append(f"{cut} points cut off at the ends, where the profile folds back")
     visible = slice(first, last + 1)
-    return y[visible], z[visible], lines[visible], notes
+    return Ordered(y[visible], z[visible], lines[visible], averaged, notes + said)
 
 
 def _without_upright_ends(y: Floats, z: Floats) -> slice:
@@ -73,22 +91,57 @@ def _folds(y: Floats, z: Floats, band: NDArray[np.intp]) -> bool:
     return rise > STEEPEST * _UPRIGHT and bool((steps < 0.0).any() and (steps > 0.0).any())
 
 
-def _forward(y: Floats) -> NDArray[np.bool_]:
-    """Return which points are not taken back by noise, between the smallest and largest y."""
+def _noise(y: Floats) -> float:
+    """Return how far noise may take y back [m]."""
+    if len(y) < 3:
+        return _NOISE
+    deviation = _SECOND * float(np.median(np.abs(np.diff(y, 2))))
+    return float(np.clip(_OF_NOISE * deviation, _NOISE, _MOST_NOISE))
+
+
+def _averaged(y: Floats, z: Floats, lines: Lines, noise: float) -> Ordered:
+    """Return points with neighbours that noise puts out of order replaced by their mean.
+
+    Nothing is replaced where y goes back by more than noise does.
+    """
     first, last = _ends(y)
-    forward = np.ones(len(y), dtype=bool)
-    furthest = y[first]
-    for k in range(first + 1, last):
-        if 0.0 <= furthest - y[k] <= _NOISE:
-            forward[k] = False
-        furthest = max(furthest, y[k])
-    return forward
+    inner = y[first : last + 1]
+    furthest = np.maximum.accumulate(inner)
+    back = (furthest - inner)[1:]
+    none = np.zeros((0, 2))
+    if not len(back) or not 0.0 <= back.max() <= noise or (np.diff(inner) > 0.0).all():
+        return Ordered(y, z, lines, none, [])
+    starts = first + _pools(inner)
+    groups = np.concatenate([np.arange(first), starts, np.arange(last + 1, len(y))])
+    counts = np.diff([*groups, len(y)])
+    means = [np.add.reduceat(values, groups) / counts for values in (y, z)]
+    several = np.repeat(counts > 1, counts)
+    note = (
+        f"{int(several.sum())} points averaged to {int((counts > 1).sum())} where y goes back, by "
+        f"up to {1e6 * float(back.max()):.3g} µm"
+    )
+    averaged = np.column_stack([y, z])[several]
+    return Ordered(means[0], means[1], lines[groups], averaged, [note])
 
 
-def _check_order(points: RawPoints, y: Floats, z: Floats, lines: Lines) -> None:
+def _pools(values: Floats) -> NDArray[np.intp]:
+    """Return where groups of neighbours begin whose means increase, the closest to the values."""
+    sums: list[float] = []
+    counts: list[int] = []
+    for value in values.tolist():
+        sums.append(value)
+        counts.append(1)
+        while len(sums) > 1 and sums[-2] / counts[-2] >= sums[-1] / counts[-1]:
+            total, count = sums.pop(), counts.pop()
+            sums[-1] += total
+            counts[-1] += count
+    return np.concatenate([[0], np.cumsum(counts[:-1])]).astype(np.intp)
+
+
+def _check_order(points: RawPoints, y: Floats, z: Floats, lines: Lines, noise: float) -> None:
     """Refuse a profile that crosses itself, or turns back elsewhere than at its ends."""
-    crossing = _first_crossing(y, z)
-    if crossing is not None and crossing[1] - crossing[0] > _SWAPPED:
+    crossing = _first_crossing(y, z, noise)
+    if crossing is not None:
         message = (
             f"the profile crosses itself: a loop with the part at line {lines[crossing[0]]}; "
             "remove it, or sort the points"
@@ -105,14 +158,15 @@ def _check_order(points: RawPoints, y: Floats, z: Floats, lines: Lines) -> None:
         raise points.refused(int(lines[k]), 1, message)
 
 
-def _first_crossing(y: Floats, z: Floats) -> tuple[int, int] | None:
-    """Return two segments, not neighbours, that cross, or None."""
+def _first_crossing(y: Floats, z: Floats, noise: float) -> tuple[int, int] | None:
+    """Return two segments that cross, with a loop between wider than noise, or None."""
     begin, end = np.column_stack([y[:-1], z[:-1]]), np.column_stack([y[1:], z[1:]])
     low, high = np.minimum(begin[:, 0], end[:, 0]), np.maximum(begin[:, 0], end[:, 0])
     for k in range(len(begin) - 2):
         later = np.flatnonzero((low[k + 2 :] <= high[k]) & (high[k + 2 :] >= low[k])) + k + 2
         for other in later:
-            if _cross(begin[k], end[k], begin[other], end[other]):
+            wide = other - k > _SWAPPED and np.ptp(y[k : other + 2]) > noise
+            if wide and _cross(begin[k], end[k], begin[other], end[other]):
                 return k, int(other)
     return None
 

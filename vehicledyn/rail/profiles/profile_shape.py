@@ -40,13 +40,15 @@ class Measurement:
     """Points of a profile in the axes used here, and what was done with those of the file.
 
     ``y`` and ``z`` of shape (n,), y increasing; ``outliers`` are the points left out, shape
-    (k, 2), ``bridges`` the y of both ends of each bridged gap, shape (m, 2) [m].
+    (k, 2), ``bridges`` the y of both ends of each bridged gap, shape (m, 2), ``averaged`` those
+    of the file that a mean stands for, as noise puts them out of order, shape (j, 2) [m].
     """
 
     y: Floats
     z: Floats
     outliers: Floats
     bridges: Floats
+    averaged: Floats
     notes: list[str]
 
     def turned(self, *, y: float = 1.0, z: float = 1.0, shift: float = 0.0) -> Measurement:
@@ -58,6 +60,7 @@ class Measurement:
             z=z * self.z[way],
             outliers=self.outliers * (y, z) + (shift, 0.0),
             bridges=y * self.bridges + shift,
+            averaged=self.averaged * (y, z) + (shift, 0.0),
         )
 
 
@@ -81,11 +84,14 @@ def in_our_axes(points: RawPoints, kind: Kind, reading: ProfileReading) -> Measu
     if y[-1] < y[0]:
         y, z, lines = y[::-1], z[::-1], lines[::-1]
         notes.append("points run in the direction of falling y")
-    y, z, lines, said = put_in_order(points, y, z, lines)
-    if len(y) < FEWEST:
-        raise points.refused(int(lines[0]), 1, f"{len(y)} usable points; give at least {FEWEST}")
-    notes += [*said, *repaired.notes]
-    found = Measurement(y, z, repaired.outliers, repaired.bridges, notes)
+    order = put_in_order(points, y, z, lines)
+    count = len(order.y)
+    if count < FEWEST:
+        message = f"{count} usable points; give at least {FEWEST}"
+        raise points.refused(int(order.lines[0]), 1, message)
+    notes += [*order.notes, *repaired.notes]
+    mends = (repaired.outliers, repaired.bridges, order.averaged)
+    found = Measurement(order.y, order.z, *mends, notes)
     if kind == "rail":
         return _rail_axes(points, found)
     tape_circle = points.tape_circle if reading.tape_circle is None else reading.tape_circle

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-_BRIDGE = "#e69f00"
+_BRIDGE, _AVERAGED = "#e69f00", "#999999"
 _TITLES = {
     "left_wheel": "Left wheel", "right_wheel": "Right wheel",
     "left_rail": "Left rail", "right_rail": "Right rail",
@@ -23,8 +23,8 @@ _TITLES = {
 def draw_measured(title: str, profiles: dict[str, MeasuredProfile]) -> Figure:
     """Return the figure of what was read: a column of two panels for each profile.
 
-    Above are the points used, those left out as outliers and the bridges of gaps; below is the
-    distance of the points from the curve.
+    Above are the points used, those of the file that means stand for, outliers left out and the
+    bridges of gaps; below is the distance of the points from the curve.
     """
     from matplotlib.figure import Figure
 
@@ -51,6 +51,9 @@ def _draw_points(axes: Axes, profile: MeasuredProfile) -> None:
     bridged = np.zeros(len(y), dtype=bool)
     for ends in profile.bridges:
         bridged |= (y > 1e3 * min(ends)) & (y < 1e3 * max(ends))
+    if len(profile.averaged):
+        noisy = 1e3 * profile.averaged
+        axes.plot(noisy[:, 0], noisy[:, 1], ".", ms=2, color=_AVERAGED, label="points averaged")
     axes.plot(y[~bridged], z[~bridged], ".", ms=2, color=BLUE, label="points used")
     if bridged.any():
         axes.plot(y[bridged], z[bridged], ".", ms=2, color=_BRIDGE, label="bridged gap")

@@ -63,13 +63,15 @@ class MeasuredProfile:
 
     ``points`` are those that the curve follows, shape (n, 2), ``distance`` how far each lies
     from it, shape (n,), ``outliers`` those left out, shape (k, 2), ``bridges`` the lateral
-    coordinates of both ends of each bridged gap, shape (m, 2) [m].
+    coordinates of both ends of each bridged gap, shape (m, 2), ``averaged`` the points of the file
+    that a mean stands for, as noise puts them out of order, shape (j, 2) [m].
     """
 
     points: Any
     distance: Any
     outliers: Any
     bridges: Any
+    averaged: Any
 
 
 _MEASURED = {
@@ -77,6 +79,7 @@ _MEASURED = {
     "distance": ("m", "Distance of the points from the curve"),
     "outliers": ("m", "Lateral coordinate and height of the points left out"),
     "bridges": ("m", "Lateral coordinates of both ends of bridged gaps"),
+    "averaged": ("m", "Lateral coordinate and height of points that a mean stands for"),
 }
 
 COLUMNS = {
@@ -223,9 +226,16 @@ def _write_measured(group: Any, profiles: dict[str, MeasuredProfile]) -> None:
 
 def _read_measured(group: Any) -> dict[str, MeasuredProfile]:
     return {
-        name: MeasuredProfile(**{part: np.asarray(inner[part][()]) for part in _MEASURED})
+        name: MeasuredProfile(**{part: _part(inner, part) for part in _MEASURED})
         for name, inner in group.items()
     }
+
+
+def _part(group: Any, name: str) -> Any:
+    """Return a part of a measured profile; older files know of no points averaged."""
+    if name == "averaged" and name not in group:
+        return np.zeros((0, 2))
+    return np.asarray(group[name][()])
 
 
 _CURVES = {
