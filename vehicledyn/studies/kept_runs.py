@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import json
+import threading
 from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import Any
@@ -32,21 +33,22 @@ class KeptRuns:
     """
 
     def __init__(self, path: Path | None, texts: Iterable[str], *, resume: bool) -> None:
-        self._path = path
+        self._path, self._lock = path, threading.Lock()
         self._known: dict[str, dict[str, Any]] = {}
         if path is not None:
             self._begin(path, json.dumps({"study": _digest(texts)}), resume=resume)
         self.n_known = len(self._known)
 
     def entry(self, run: Any, compute: Callable[[], dict[str, Any]]) -> dict[str, Any]:
-        """Return what a run gave, computed if it is not known."""
+        """Return what a run gave, computed if it is not known; threads may ask at once."""
         key = json.dumps(run)
         if key not in self._known:
             found = compute()
-            self._known[key] = found
-            if self._path is not None:
-                with self._path.open("a", encoding="utf-8") as file:
-                    file.write(json.dumps({_KEY: key, **found}) + "\n")
+            with self._lock:
+                self._known[key] = found
+                if self._path is not None:
+                    with self._path.open("a", encoding="utf-8") as file:
+                        file.write(json.dumps({_KEY: key, **found}) + "\n")
         return self._known[key]
 
     def forget(self) -> None:

@@ -88,6 +88,8 @@ def test_a_stopped_search_goes_on_to_the_same_optimum(tmp_path, monkeypatch):
         ("minimise: {rms(strut.force): 1}", "minimise: body.height_rate", "is a curve"),
         ("minimise:", "minimize:", "unknown key"),
         ("scenarios: run.yaml", "scenarios: none.yaml", "none.yaml"),
+        ("minimise:", "front: {figure: rms(strut.rate)}\nminimise:", "a list at_most or"),
+        ("minimise:", "starts: 0\nminimise:", "above zero"),
     ],
 )
 def test_wrong_studies_are_refused(tmp_path, old, new, match):
@@ -95,6 +97,34 @@ def test_wrong_studies_are_refused(tmp_path, old, new, match):
     assert old in STUDY
     with pytest.raises(InputError, match=match):
         vd.optimise(study(tmp_path, STUDY.replace(old, new)))
+
+
+@pytest.mark.long
+def test_a_front_of_compromises_and_several_starts(tmp_path):
+    """Each compromise keeps its limit and is stationary; no other start does better."""
+    front = "front: {figure: rms(strut.rate), at_most: [0.11 m/s, 0.1 m/s, 0.09 m/s]}\nstarts: 3\n"
+    found = vd.optimise(study(tmp_path, STUDY + front), save_to=tmp_path / "out.h5")
+    alone = vd.optimise(study(tmp_path))
+    assert found["figure_best"].values == pytest.approx(alone["figure_best"].values, rel=1e-4)
+    assert found["front_figure"].values == pytest.approx([0.11, 0.1, 0.09], rel=1e-5)
+    assert (np.diff(found["front_objective"].values) > 0.0).all()
+    assert (found["front_optimality"].values < 1e-4).all()
+    assert sum("start " in note for note in found.notes) == 3
+    from vehicledyn.results.plots.linear_results import linear_figures
+
+    assert [name for name, _ in linear_figures(tmp_path / "out.h5")] == ["convergence", "front"]
+    assert len(found.report.as_dict()["front"]) == 3
+    assert "front: objective" in found.report.as_text()
+
+
+@pytest.mark.long
+def test_a_variable_is_one_of_every_scenario(tmp_path):
+    """Another model that lacks it is refused, not only the first one."""
+    text = STUDY.replace("scenarios: run.yaml", "scenarios: {a: run.yaml, b: double_pendulum}")
+    text = text.replace("rms(strut", "a/rms(strut")
+    text = text.replace("minimise: {", "minimise: {b/rms(upper.angle): 1, ")
+    with pytest.raises(InputError, match="no parameter of 'double_pendulum'"):
+        vd.optimise(study(tmp_path, text))
 
 
 def test_a_failed_run_is_retreated_from():

@@ -31,6 +31,7 @@ def optimise(
     resume: Annotated[
         bool, typer.Option("--resume", help="Go on with a search that was stopped.")
     ] = False,
+    plots: Annotated[Path | None, typer.Option(help="Folder to draw figures into.")] = None,
     overwrite: Overwrite = False,
     as_json: Json = False,
 ) -> None:
@@ -40,6 +41,12 @@ def optimise(
     check_replacing(result, OPTIMUM, overwrite=overwrite, resume=resume)
     changes = read_overrides(overrides or ())
     data = perform(
-        vehicledyn.optimise, path, set=changes, save_to=result, overwrite=True, resume=resume
+        vehicledyn.optimise,
+        path,
+        plots=plots,
+        set=changes,
+        save_to=result,
+        overwrite=True,
+        resume=resume,
     )
-    show(data, as_json=as_json)
+    show(data, as_json=as_json, plots=plots)

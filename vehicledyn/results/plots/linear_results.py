@@ -12,7 +12,11 @@ from vehicledyn.results.plots.contact_figures import contact_figures
 from vehicledyn.results.plots.hunt_figures import hunt_figures
 from vehicledyn.results.plots.linear.bode import bode_figures
 from vehicledyn.results.plots.linear.mode_figures import mode_figures
-from vehicledyn.results.plots.parameter_figures import identification_figures, uncertainty_figures
+from vehicledyn.results.plots.parameter_figures import (
+    identification_figures,
+    optimum_figures,
+    uncertainty_figures,
+)
 from vehicledyn.results.plots.picture_files import save_figures
 from vehicledyn.results.plots.plot_style import STYLE
 from vehicledyn.results.plots.sensitivity_figures import sensitivity_figures
@@ -219,5 +223,7 @@ def linear_figures(path: Path) -> Iterator[tuple[str, Figure]]:
         yield from identification_figures(identification_table.read_identification(path))
     elif format_of(path) == uncertainty_table.FORMAT:
         yield from uncertainty_figures(uncertainty_table.read_uncertainty(path))
-    elif format_of(path) not in (equilibrium_table.FORMAT, optimum_table.FORMAT):
+    elif format_of(path) == optimum_table.FORMAT:
+        yield from optimum_figures(optimum_table.read_course(path))
+    elif format_of(path) != equilibrium_table.FORMAT:
         yield from bode_figures(response_table.read_response(path))

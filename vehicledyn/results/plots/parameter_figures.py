@@ -1,4 +1,4 @@
-"""Figures of studies of parameters: fits of measured signals, scatter of figures and its shares."""
+"""Figures of studies of parameters: fits of signals, scatter of figures, courses of searches."""
 
 from __future__ import annotations
 
@@ -11,6 +11,7 @@ import numpy as np
 from vehicledyn.results.plots.figures import new_figure
 from vehicledyn.results.plots.plot_style import PALETTE, axis_label, plain
 from vehicledyn.results.tables.identification_table import IdentificationTable
+from vehicledyn.results.tables.optimum_table import OptimumCourse
 from vehicledyn.results.tables.uncertainty_table import UncertaintyTable
 
 if TYPE_CHECKING:
@@ -51,6 +52,30 @@ def uncertainty_figures(table: UncertaintyTable) -> Iterator[tuple[str, Figure]]
             yield f"scatter_{_file_name(figure.name)}", drawn
         if np.isfinite(table.shares[row]).all():
             yield f"shares_{_file_name(figure.name)}", _shares(table, row)
+
+
+def optimum_figures(course: OptimumCourse) -> Iterator[tuple[str, Figure]]:
+    """Yield name and figure of a search's convergence, and of its front of compromises."""
+    drawn = new_figure(_HEIGHT)
+    upper, lower = drawn.subplots(2, 1, sharex=True)
+    runs = np.arange(1, len(course.objective) + 1)
+    upper.plot(runs, course.objective, ".-", color=PALETTE[0])
+    lower.plot(runs, course.violation, ".-", color=PALETTE[1])
+    upper.set_ylabel(axis_label("Objective", "1"))
+    lower.set_ylabel(axis_label("Violation", "1"))
+    lower.set_xlabel(axis_label("Run", "1"))
+    for axes in (upper, lower):
+        axes.grid(visible=True)
+    yield "convergence", drawn
+    if course.front_figure is None:
+        return
+    drawn = new_figure(_HEIGHT)
+    axes = drawn.subplots()
+    axes.plot(course.front_value, course.front_objective, "o-", color=PALETTE[0])
+    axes.set_xlabel(axis_label(plain(course.front_figure.name), course.front_figure.unit))
+    axes.set_ylabel(axis_label("Objective", "1"))
+    axes.grid(visible=True)
+    yield "front", drawn
 
 
 def _shares(table: UncertaintyTable, row: int) -> Figure:

@@ -6,6 +6,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+import h5py
+
 from vehicledyn.results.store.linear_file import (
     Quantity,
     new_file,
@@ -20,12 +22,29 @@ FORMAT = "vehicledyn-optimum"
 
 
 @dataclass(frozen=True)
+class FrontPoint:
+    """A best compromise: variables (n,), objective and second figure there, and how it was found.
+
+    ``optimality`` is the largest part of the scaled gradient left, ``violation`` the largest one
+    of a constraint, ``n_runs`` the number of runs.
+    """
+
+    variables: Any
+    objective: float
+    figure: float
+    optimality: float
+    violation: float
+    n_runs: int
+
+
+@dataclass(frozen=True)
 class OptimumTable:
     """An optimum, in SI.
 
     ``variables`` with ``low``, ``high``, ``start`` and ``best`` (n,); ``figures`` with values at
     the start and the optimum ``figure_values`` (2, m) and ``figure_slopes`` (m, n) there; the runs
-    with ``points`` (n_runs, n), ``objective`` and ``violation`` (n_runs,).
+    with ``points`` (n_runs, n), ``objective`` and ``violation`` (n_runs,); ``front`` the best
+    compromises with a second figure.
     """
 
     title: str
@@ -44,6 +63,8 @@ class OptimumTable:
     optimality: float
     n_runs: int
     notes: tuple[str, ...]
+    front: tuple[FrontPoint, ...] = ()
+    front_figure: Quantity | None = None
 
 
 def write_optimum(path: Path, table: OptimumTable) -> None:
@@ -85,7 +106,61 @@ def write_optimum(path: Path, table: OptimumTable) -> None:
         write_numbers(file, "objective", table.objective, (run,), ("1", "Objective of the run"))
         about = ("1", "Largest scaled violation of a constraint")
         write_numbers(file, "violation", table.violation, (run,), about)
+        _write_front(file, table, variables)
         write_texts(file, "notes", table.notes)
+
+
+def _write_front(file: h5py.File, table: OptimumTable, variables: h5py.Dataset) -> None:
+    if table.front_figure is None:
+        return
+    file.attrs["front_figure"] = table.front_figure.name
+    point = file.create_dataset("compromise", data=range(1, len(table.front) + 1))
+    point.attrs["units"], point.attrs["long_name"] = "1", "Number of the compromise"
+    point.make_scale("compromise")
+    for name, unit, words in (
+        ("objective", "1", "Objective of the compromise"),
+        ("figure", table.front_figure.unit, f"{table.front_figure.name} of the compromise"),
+        ("optimality", "1", "Largest part of the scaled gradient left"),
+        ("violation", "1", "Largest scaled violation of a constraint"),
+        ("n_runs", "1", "Runs of the compromise"),
+    ):
+        values = [float(getattr(item, name)) for item in table.front]
+        write_numbers(file, f"front_{name}", values, (point,), (unit, words))
+    values = [item.variables for item in table.front]
+    about = ("as variable", "Variables of the compromise")
+    write_numbers(file, "front_variables", values, (point, variables), about)
+
+
+@dataclass(frozen=True)
+class OptimumCourse:
+    """What figures of an optimum show: the runs, and the front of compromises if there is one.
+
+    ``objective`` and ``violation`` (n_runs,); ``front_objective`` and ``front_value`` (n_points,).
+    """
+
+    objective: Any
+    violation: Any
+    front_figure: Quantity | None
+    front_objective: Any
+    front_value: Any
+
+
+def read_course(path: Path) -> OptimumCourse:
+    """Return the course of a search from its file.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be read or holds something else.
+    """
+    with old_file(path, FORMAT) as file:
+        runs = file["objective"][()], file["violation"][()]
+        if "front_figure" not in file.attrs:
+            return OptimumCourse(*runs, None, (), ())
+        values = file["front_figure"]
+        unit, words = (str(values.attrs[key]) for key in ("units", "long_name"))
+        figure = Quantity(str(file.attrs["front_figure"]), unit, words)
+        return OptimumCourse(*runs, figure, file["front_objective"][()], values[()])
 
 
 def describe_optimum(path: Path) -> dict[str, Any]:

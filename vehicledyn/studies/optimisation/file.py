@@ -14,7 +14,7 @@ from vehicledyn.files.scenario.settings import override_texts
 from vehicledyn.studies.study_form import located
 
 _KEYS = ("title", "scenarios", "set", "variables", "minimise", "constraints")
-_MORE = ("tolerance", "most_runs")
+_MORE = ("tolerance", "most_runs", "starts", "seed", "front")
 _VARIABLE = ("from", "to", "start")
 _LIMITS = ("at_least", "at_most")
 
@@ -39,11 +39,25 @@ class Limit:
 
 
 @dataclass(frozen=True)
+class Front:
+    """A second figure and its limits one after the other, for a front of best compromises."""
+
+    figure: str
+    is_upper: bool
+    values: tuple[Any, ...]
+
+    def limit(self, value: Any) -> Limit:
+        """Return one of its limits."""
+        return Limit(self.figure, *((None, value) if self.is_upper else (value, None)))
+
+
+@dataclass(frozen=True)
 class OptimisationStudy:
     """What is to be optimised.
 
     ``scenarios`` by name; figures are ``SCENARIO/FIGURE``, or the figure alone where there is one
-    scenario. ``weights`` are those of the sum to minimise.
+    scenario. ``weights`` are those of the sum to minimise. ``starts`` is from how many points to
+    search, the first of them the one given; ``seed`` is that of the others.
     """
 
     path: Path
@@ -55,6 +69,16 @@ class OptimisationStudy:
     limits: tuple[Limit, ...]
     tolerance: float
     most_runs: int
+    starts: int = 1
+    seed: int = 1
+    front: Front | None = None
+
+    @property
+    def all_figures(self) -> list[str]:
+        """Names of all figures that the study needs."""
+        others = [limit.figure for limit in self.limits]
+        others += [] if self.front is None else [self.front.figure]
+        return list(dict.fromkeys([*self.weights, *others]))
 
 
 def load_optimisation(path: Path, overrides: Sequence[str] = ()) -> OptimisationStudy:
@@ -98,7 +122,17 @@ def load_optimisation(path: Path, overrides: Sequence[str] = ()) -> Optimisation
         tuple(Limit(name, **limits) for name, limits in (data.get("constraints") or {}).items()),
         float(data.get("tolerance", 1e-8)),
         int(data.get("most_runs", 200)),
+        int(data.get("starts", 1)),
+        int(data.get("seed", 1)),
+        _front(data.get("front")),
     )
+
+
+def _front(given: dict[str, Any] | None) -> Front | None:
+    if given is None:
+        return None
+    is_upper = "at_most" in given
+    return Front(given["figure"], is_upper, tuple(given["at_most" if is_upper else "at_least"]))
 
 
 def _problems(document: Document) -> list[Problem]:
@@ -127,7 +161,22 @@ def _problems(document: Document) -> list[Problem]:
             elif group == "variables" and not {"from", "to"} <= set(item):
                 wrong((group, name), "needs from and to")
     _check_numbers(data, wrong)
+    _check_front(data.get("front"), wrong)
     return found
+
+
+def _check_front(given: Any, wrong: Any) -> None:
+    """Report a front that names no figure, or no list of limits."""
+    if given is None:
+        return
+    sides = [key for key in _LIMITS if isinstance(given, dict) and key in given]
+    form = "expected a mapping with figure, and a list at_most or at_least"
+    if len(sides) != 1 or set(given) != {"figure", sides[0]}:
+        wrong(("front",), form)
+    elif not isinstance(given[sides[0]], list) or not given[sides[0]]:
+        wrong(("front", sides[0]), "expected a list of limits")
+    elif not isinstance(given["figure"], str):
+        wrong(("front", "figure"), "expected the name of a figure")
 
 
 def _check_numbers(data: dict[str, Any], wrong: Any) -> None:
@@ -136,7 +185,7 @@ def _check_numbers(data: dict[str, Any], wrong: Any) -> None:
     numbers = wanted.values() if isinstance(wanted, dict) else []
     if any(isinstance(n, bool) or not isinstance(n, int | float) for n in numbers):
         wrong(("minimise",), "weights are numbers")
-    for key, least in (("tolerance", 0.0), ("most_runs", 1)):
+    for key, least in (("tolerance", 0.0), ("most_runs", 1), ("starts", 1), ("seed", 1)):
         number = data.get(key, least + 1)
         if isinstance(number, bool) or not isinstance(number, int | float) or number < least:
             wrong((key,), "expected a number above zero")

@@ -2,8 +2,12 @@
 
 from __future__ import annotations
 
+import os
+import warnings
 from collections.abc import Sequence
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -17,7 +21,7 @@ from vehicledyn.base.errors import InputError, NumericalError, nearest_name
 from vehicledyn.base.units import to_si
 from vehicledyn.results.store.linear_file import Quantity
 from vehicledyn.studies.kept_runs import KeptRuns
-from vehicledyn.studies.optimisation.file import OptimisationStudy
+from vehicledyn.studies.optimisation.file import Limit, OptimisationStudy
 
 Floats = NDArray[np.float64]
 
@@ -56,8 +60,10 @@ class Problem:
         first = self._parts[0].study.prepared
         e = first.equations
         names = [p.name for p in e.parameters]
-        for variable in study.variables:
-            _check_variable(variable.name, names, e.name)
+        for part in self._parts:
+            own = part.study.prepared.equations
+            for variable in study.variables:
+                _check_variable(variable.name, [p.name for p in own.parameters], own.name)
         places = [names.index(v.name) for v in study.variables]
         self.variables = tuple(
             Quantity(e.parameters[k].name, e.parameters[k].unit, e.parameters[k].description)
@@ -107,12 +113,12 @@ class Problem:
         slopes = {name: np.array(row) for name, row in entry["slopes"].items()}
         return dict(entry["values"]), slopes
 
-    def values(self, point: Floats) -> Values:
-        """Return objective and constraints at a point."""
+    def values(self, point: Floats, further: Sequence[Limit] = ()) -> Values:
+        """Return objective and constraints at a point, with further limits behind those given."""
         figures, slopes = self.evaluate(point)
         weights = self._study.weights
         constraints, rows = [], [np.zeros(len(point))][:0]
-        for name, sign, limit in self.limits():
+        for name, sign, limit in self.limits(further):
             constraints.append(sign * (figures[name] - limit))
             rows.append(sign * slopes[name])
         gradient = sum((w * slopes[name] for name, w in weights.items()), np.zeros(len(point)))
@@ -123,10 +129,10 @@ class Problem:
             np.array(rows).reshape(len(rows), len(point)),
         )
 
-    def limits(self) -> list[tuple[str, float, float]]:
+    def limits(self, further: Sequence[Limit] = ()) -> list[tuple[str, float, float]]:
         """Return the figure, sign and value of each limit: sign (figure - value) >= 0."""
         found = []
-        for limit in self._study.limits:
+        for limit in (*self._study.limits, *further):
             unit = self.units.get(limit.figure, "1")
             for value, sign in ((limit.at_least, 1.0), (limit.at_most, -1.0)):
                 if value is not None:
@@ -134,31 +140,65 @@ class Problem:
                     found.append((limit.figure, sign, number))
         return found
 
+    def idle(self) -> list[str]:
+        """Return the variables that change no figure at the start."""
+        slopes = self.evaluate(self.start)[1]
+        rows = np.array(list(slopes.values()))
+        return [item.name for k, item in enumerate(self.variables) if not rows[:, k].any()]
+
+    def starts(self, number: int, seed: int) -> list[Floats]:
+        """Return points to search from: the one given, and others of a scrambled Sobol sequence."""
+        from scipy.stats import qmc
+
+        if number == 1:
+            return [self.start]
+        sequence = qmc.Sobol(len(self.start), rng=np.random.default_rng(seed))
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", UserWarning)  # numbers that are no power of two serve
+            shares = sequence.random(number - 1)
+        return [self.start, *(self.low + (self.high - self.low) * shares)]
+
     def _new(self, point: Floats) -> dict[str, Any]:
-        values: dict[str, float] = {}
-        slopes: dict[str, list[float]] = {}
-        units: dict[str, str] = {}
+        """Return figures and gradients of all scenarios, computed at once on several cores."""
+        if len(self._parts) == 1:
+            found = [self._part_at(self._parts[0], point)]
+        else:
+            with ThreadPoolExecutor(os.cpu_count()) as pool:
+                found = list(pool.map(partial(self._part_at, point=point), self._parts))
+        whole: dict[str, Any] = {"values": {}, "slopes": {}, "units": {}}
+        for entry in found:
+            if "failure" in entry:
+                return entry
+            for key in whole:
+                whole[key] |= entry[key]
+        return whole
+
+    def _part_at(self, part: _Part, point: Floats) -> dict[str, Any]:
+        """Return figures and gradients of one scenario, or why there are none."""
         names = [item.name for item in self.variables]
-        for part in self._parts:
-            try:
-                study = part.study.moved(dict(zip(names, map(float, point), strict=True)))
-                e, kernel = study.prepared.equations, study.prepared.kernel
-                chosen = directions(e, kernel.parameters, study.start.state, names)
-                motion = study.followed(chosen, _silent)
-            except NumericalError as error:
-                return {"failure": f"{part.study.loaded.title}: {error}"}
-            found = study.figures(part.asked, motion)
-            for name, (slope, quantity) in zip(part.names, found, strict=True):
-                if slope.trouble:
-                    return {"failure": f"'{name}' has no derivative: {slope.trouble}"}
-                values[name], slopes[name] = slope.value, slope.slope.tolist()
-                units[name] = quantity.unit
-        return {"values": values, "slopes": slopes, "units": units}
+        try:
+            study = part.study.moved(dict(zip(names, map(float, point), strict=True)))
+            e, kernel = study.prepared.equations, study.prepared.kernel
+            chosen = directions(e, kernel.parameters, study.start.state, names)
+            motion = study.followed(chosen, _silent)
+        except NumericalError as error:
+            return {"failure": f"{part.study.loaded.title}: {error}"}
+        found = study.figures(part.asked, motion)
+        for name, (slope, _) in zip(part.names, found, strict=True):
+            if slope.trouble:
+                return {"failure": f"'{name}' has no derivative: {slope.trouble}"}
+        return {
+            "values": {n: slope.value for n, (slope, _) in zip(part.names, found, strict=True)},
+            "slopes": {
+                n: slope.slope.tolist() for n, (slope, _) in zip(part.names, found, strict=True)
+            },
+            "units": {n: quantity.unit for n, (_, quantity) in zip(part.names, found, strict=True)},
+        }
 
 
 def _parts(study: OptimisationStudy, progress: Progress) -> list[_Part]:
     wanted_of: dict[str, list[str]] = {name: [] for name in study.scenarios}
-    for figure in dict.fromkeys([*study.weights, *(limit.figure for limit in study.limits)]):
+    for figure in study.all_figures:
         scenario, _, name = figure.rpartition("/")
         if scenario not in wanted_of:
             guess = nearest_name(scenario, wanted_of)

@@ -2,20 +2,31 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import itertools
+import os
+from collections.abc import Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
-from vehicledyn.analyse.optimise import Optimum, optimise
+from vehicledyn.analyse.optimise import Optimum, Values, optimise
 from vehicledyn.analyses.preparation.prepared import Progress
+from vehicledyn.base.errors import NumericalError
 from vehicledyn.base.units import shown
 from vehicledyn.results.store.linear_file import Quantity
-from vehicledyn.results.tables.optimum_table import OptimumTable
+from vehicledyn.results.tables.optimum_table import FrontPoint, OptimumTable
 from vehicledyn.studies.kept_runs import KeptRuns
-from vehicledyn.studies.optimisation.file import OptimisationStudy
+from vehicledyn.studies.optimisation.file import Limit, OptimisationStudy
 from vehicledyn.studies.optimisation.problem import Problem
+
+Floats = NDArray[np.float64]
+
+_KEPT = 1e-5
+"""Scaled violation up to which constraints are kept."""
 
 
 @dataclass(frozen=True)
@@ -50,6 +61,14 @@ class OptimumReport:
                 lines.append(
                     f"  active: {name} {words} {value:g}; relaxing it by 1 gains {weight:.4g}"
                 )
+        if table.front:
+            lines.append(f"  front: objective, {table.front_figure.name}, optimality, runs")
+            lines += [
+                f"    {item.objective:.6g}  {shown(item.figure, table.front_figure.unit)}"
+                f"  {item.optimality:.1g}  {item.n_runs}"
+                + ("" if item.violation <= _KEPT else "  constraints not kept")
+                for item in table.front
+            ]
         return "\n".join([*lines, *table.notes])
 
     def as_dict(self) -> dict[str, Any]:
@@ -78,6 +97,16 @@ class OptimumReport:
                 name
                 for (name, _, _), weight in zip(self.limits, self.multipliers, strict=True)
                 if weight
+            ],
+            "front": [
+                {
+                    "objective": item.objective,
+                    "figure": item.figure,
+                    "optimality": item.optimality,
+                    "kept": item.violation <= _KEPT,
+                    "variables": item.variables.tolist(),
+                }
+                for item in table.front
             ],
             "notes": list(table.notes),
         }
@@ -111,25 +140,92 @@ def run_optimisation(
     problem = Problem(study, runs, progress)
     first, _ = problem.evaluate(problem.start)
     limits = problem.limits()
-    count = 0
+    notes = [f"warning: '{name}' changes no figure at the start" for name in problem.idle()]
+    found, others = _search_all(study, problem, progress)
+    notes += others
+    front = _front(study, problem, found, progress)
+    figures, slopes = problem.evaluate(found.variables)
+    table = _table(study, problem, found, (first, figures), slopes)
+    table = replace(table, front=front, notes=(*notes, *table.notes))
+    return OptimumReport(table, limits, found.multipliers.tolist(), found.at_bound)
 
-    def evaluate(point: Any) -> Any:
-        nonlocal count
-        count += 1
-        found = problem.values(point)
-        progress(f"run {count}: objective {found.objective:.8g}", None)
+
+def _search(
+    study: OptimisationStudy,
+    problem: Problem,
+    start: Floats,
+    progress: Progress,
+    further: Sequence[Limit] = (),
+) -> Optimum:
+    """Return the optimum that a search from a start comes to."""
+    count = itertools.count(1)
+
+    def evaluate(point: Floats) -> Values:
+        found = problem.values(point, further)
+        progress(f"run {next(count)}: objective {found.objective:.8g}", None)
         return found
 
-    found = optimise(
+    return optimise(
         evaluate,
-        start=problem.start,
+        start=start,
         bounds=(problem.low, problem.high),
         tolerance=study.tolerance,
         most_runs=study.most_runs,
     )
-    figures, slopes = problem.evaluate(found.variables)
-    table = _table(study, problem, found, (first, figures), slopes)
-    return OptimumReport(table, limits, found.multipliers.tolist(), found.at_bound)
+
+
+def _search_all(
+    study: OptimisationStudy, problem: Problem, progress: Progress
+) -> tuple[Optimum, list[str]]:
+    """Return the best of the optima from all starts, found at once on several cores, and notes."""
+
+    def search(start: Floats) -> Optimum | str:
+        try:
+            return _search(study, problem, start, progress)
+        except NumericalError as error:
+            return str(error)
+
+    starts = problem.starts(study.starts, study.seed)
+    if len(starts) == 1:
+        return _search(study, problem, problem.start, progress), []
+    with ThreadPoolExecutor(os.cpu_count()) as pool:
+        found = list(pool.map(search, starts))
+    notes = []
+    for number, item in enumerate(found, 1):
+        if isinstance(item, str):
+            notes.append(f"start {number}: no motion: {item}")
+        else:
+            end = f"{item.values.objective:.6g} in {item.n_runs} runs"
+            notes.append(f"start {number}: objective {end}; {item.message}")
+    optima = [item for item in found if isinstance(item, Optimum)]
+    best = min(optima, key=lambda item: (item.violation > _KEPT, item.values.objective))
+    n_runs = sum(item.n_runs for item in optima)
+    history = [row for item in optima for row in item.history]
+    return replace(best, n_runs=n_runs, history=history), notes
+
+
+def _front(
+    study: OptimisationStudy, problem: Problem, best: Optimum, progress: Progress
+) -> tuple[FrontPoint, ...]:
+    """Return the best objective for each limit of the second figure, each from the last one."""
+    if study.front is None:
+        return ()
+    rows, start = [], best.variables
+    for value in study.front.values:
+        found = _search(study, problem, start, progress, (study.front.limit(value),))
+        figures, _ = problem.evaluate(found.variables)
+        start = found.variables
+        rows.append(
+            FrontPoint(
+                found.variables,
+                found.values.objective,
+                figures[study.front.figure],
+                found.optimality,
+                found.violation,
+                found.n_runs,
+            )
+        )
+    return tuple(rows)
 
 
 def _table(
@@ -152,7 +248,7 @@ def _table(
         problem.high,
         problem.start,
         found.variables,
-        tuple(Quantity(name, problem.units.get(name, "1"), "Figure of a run") for name in names),
+        tuple(_about(problem, name) for name in names),
         np.array([[part[name] for name in names] for part in values]),
         np.array([slopes[name] for name in names]),
         np.array(points),
@@ -161,4 +257,9 @@ def _table(
         found.optimality,
         found.n_runs,
         tuple(notes),
+        front_figure=None if study.front is None else _about(problem, study.front.figure),
     )
+
+
+def _about(problem: Problem, name: str) -> Quantity:
+    return Quantity(name, problem.units.get(name, "1"), "Figure of a run")
