@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 
@@ -9,6 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 Floats = NDArray[np.float64]
+
+_FACTOR = re.compile(r"([A-Za-z%°]+)(?:\^(-?\d+))?")
 
 _TIE = 1e-12
 """Part of a channel's range within which two samples far apart are equally extreme."""
@@ -52,6 +55,19 @@ def figure_slope(kind: str, time: Floats, values: Floats, slopes: Floats) -> Fig
     return replace(found, trouble=f"it is not finite at {time[lost[0]] if lost.size else 0.0:g} s")
 
 
+def unit_of(kind: str, unit: str) -> str:
+    """Return the unit of a figure of a channel.
+
+    >>> unit_of("integral", "m"), unit_of("mean_square", "m/s"), unit_of("max", "N")
+    ('m*s', 'm^2/s^2', 'N')
+    """
+    if kind == "integral":
+        return f"{unit}*s"
+    if kind == "mean_square":
+        return _FACTOR.sub(lambda found: f"{found[1]}^{2 * int(found[2] or 1)}", unit)
+    return unit
+
+
 def _extreme(time: Floats, values: Floats, slopes: Floats, ranks: Floats) -> FigureSlope:
     """Return the sample of highest rank; its instant adds nothing, there the rate is zero."""
     place = int(np.argmax(ranks))
@@ -74,6 +90,12 @@ def _mean_square(time: Floats, values: Floats, slopes: Floats) -> FigureSlope:
     return FigureSlope(root, product / (span * root))
 
 
+def _square(time: Floats, values: Floats, slopes: Floats) -> FigureSlope:
+    product = np.asarray(np.trapezoid(2.0 * values[:, None] * slopes, time, axis=0), dtype=float)
+    span = time[-1] - time[0]
+    return FigureSlope(float(np.trapezoid(values**2, time) / span), product / span)
+
+
 def _integral(time: Floats, values: Floats, slopes: Floats) -> FigureSlope:
     sums = np.asarray(np.trapezoid(slopes, time, axis=0), dtype=float)
     return FigureSlope(float(np.trapezoid(values, time)), sums)
@@ -90,6 +112,7 @@ KINDS: dict[str, Callable[[Floats, Floats, Floats], FigureSlope]] = {
     "peak": lambda t, y, dy: _extreme(t, y, dy, np.abs(y)),
     "rms": _mean_square,
     "mean": _mean,
+    "mean_square": _square,
     "integral": _integral,
     "initial": lambda t, y, dy: FigureSlope(float(y[0]), dy[0]),
     "final": lambda t, y, dy: FigureSlope(float(y[-1]), dy[-1]),

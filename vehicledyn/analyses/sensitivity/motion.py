@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vehicledyn.analyse.gradients.adjoint import figure_adjoint
-from vehicledyn.analyse.gradients.key_figures import FigureSlope, figure_slope
+from vehicledyn.analyse.gradients.key_figures import FigureSlope, figure_slope, unit_of
 from vehicledyn.analyse.gradients.motion import MotionSlopes
 from vehicledyn.analyses.preparation.prepared import Progress
 from vehicledyn.analyses.sensitivity.motion_study import MotionStudy
@@ -109,7 +109,7 @@ def _figure_back(
     moved = study.start_slopes(chosen) + chosen.by_state
     slope = found.by_parameter @ chosen.by_parameter + found.by_state @ moved
     about = e.channels[study.channels[0]]
-    unit = f"{about.unit}*s" if kind == "integral" else about.unit
+    unit = unit_of(kind, about.unit)
     trouble = found.figure.trouble
     notes = [*study.notes, f"found by adjoints; {found.n_bytes / 1e6:.1f} MB of steps kept"]
     if trouble:

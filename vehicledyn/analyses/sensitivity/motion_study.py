@@ -10,7 +10,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vehicledyn.analyse.gradients.equilibrium import Balance, start_slopes
-from vehicledyn.analyse.gradients.key_figures import FigureSlope, figure_slope, sampled_slopes
+from vehicledyn.analyse.gradients.key_figures import (
+    FigureSlope,
+    figure_slope,
+    sampled_slopes,
+    unit_of,
+)
 from vehicledyn.analyse.gradients.motion import MotionSlopes, Piece, follow
 from vehicledyn.analyse.gradients.sampled_run import sampled_run
 from vehicledyn.analyses.preparation.prepare import Point, set_speed, start_point
@@ -152,7 +157,7 @@ class MotionStudy:
             slope = figure_slope(
                 kind, motion.times, motion.values[:, place], motion.slopes[:, place]
             )
-            unit = f"{channel.unit}*s" if kind == "integral" else channel.unit
+            unit = unit_of(kind, channel.unit)
             words = f"{kind} of {channel.description}"
             found.append((slope, Quantity(f"{kind}({name})", unit, words)))
         return found

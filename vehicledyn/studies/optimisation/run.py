@@ -61,7 +61,7 @@ class OptimumReport:
                 lines.append(
                     f"  active: {name} {words} {value:g}; relaxing it by 1 gains {weight:.4g}"
                 )
-        if table.front:
+        if table.front and table.front_figure is not None:
             lines.append(f"  front: objective, {table.front_figure.name}, optimality, runs")
             lines += [
                 f"    {item.objective:.6g}  {shown(item.figure, table.front_figure.unit)}"
