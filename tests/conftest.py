@@ -1,6 +1,7 @@
 """What all tests share: they test the package that is installed, and say which one that is."""
 
 import functools
+import gc
 import os
 import re
 import signal
@@ -36,6 +37,13 @@ def pytest_collection_modifyitems(items):
     for item in items:
         if item.path.relative_to(folder).parts[0] in STRATA:
             item.add_marker("long")
+
+
+def pytest_collection_finish():
+    """Search no longer for garbage among modules and tests, and seldom among what tests make."""
+    gc.collect()
+    gc.freeze()
+    gc.set_threshold(20_000, 20, 20)  # as the program does
 
 
 @pytest.hookimpl(optionalhook=True)
