@@ -24,6 +24,7 @@ extensions = [
     "sphinx_parts.docstrings",
     "sphinx_parts.links",
     "sphinx_parts.formulas",
+    "sphinx_parts.python_names",
 ]
 exclude_patterns = ["_build"]
 source_suffix = {".md": "markdown"}
