@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import logging
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, Literal, TypeAlias
@@ -17,6 +17,7 @@ import numpy as np
 from vehicledyn.base.errors import InputError, MissingPartError, NumericalError
 from vehicledyn.codegen.toolchain import cache
 from vehicledyn.codegen.toolchain.compiler import (
+    UNIT_BREAK,
     CompilationError,
     Compiler,
     build_library,
@@ -311,15 +312,24 @@ def _compiled(equations: Equations, compiler: Compiler, tell: Progress) -> Kerne
 
     def build(folder: Path) -> Path:
         from vehicledyn.codegen.passes.kernel_functions import derive_functions, operations_of
-        from vehicledyn.codegen.printers.kernel_source import kernel_source
+        from vehicledyn.codegen.printers.kernel_source import (
+            comes_in_units,
+            kernel_units,
+        )
 
         started = time.perf_counter()
         tell("deriving the equations of the kernel", None)
         functions = derive_functions(equations)
-        source = kernel_source(equations, functions)
-        seconds["generation"] = time.perf_counter() - started
         total = sum(operations_of(functions).values())
         tell(f"compiling {total} operations with {compiler.description}", None)
+
+        def printed() -> Iterator[str]:
+            """Yield the units, and note when the last is there."""
+            yield from kernel_units(equations, functions)
+            seconds["generation"] = time.perf_counter() - started
+
+        in_units = comes_in_units(functions)
+        source = printed() if in_units else UNIT_BREAK.join(printed())
         library = build_library(compiler, source, folder)
         seconds["compilation"] = time.perf_counter() - started - seconds["generation"]
         return library

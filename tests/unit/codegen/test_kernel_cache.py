@@ -1,6 +1,7 @@
 """Finding compilers, keeping what they build, and what happens when either fails."""
 
 import ast
+import ctypes
 import hashlib
 import os
 import shutil
@@ -15,7 +16,7 @@ from solve_examples import oscillator, slider_crank, starts
 
 from vehicledyn.base.errors import MissingPartError
 from vehicledyn.codegen.toolchain import fingerprint
-from vehicledyn.codegen.toolchain.compiler import CompilationError, find_compiler
+from vehicledyn.codegen.toolchain.compiler import CompilationError, build_library, find_compiler
 from vehicledyn.kernel.kernel import compile_kernel
 
 RATES = [0.0, -4.0]
@@ -334,3 +335,40 @@ def test_entries_depend_on_all_modules_that_print_code():
     assert len(printing) > 10
     assert {folder / f"{name.replace('.', '/')}.py" for name in printing} <= read
     assert folder / "runtime" / "steps.c" in read
+
+
+def test_units_are_compiled_while_others_are_made(tmp_path, needs_compiler):
+    """The second unit is made only once the compiler has finished the first."""
+    finished = tmp_path / "kernel_0.o"
+
+    def units():
+        yield "double one(void) { return 1.0; }"
+        for _ in range(1000):
+            if finished.is_file():
+                break
+            time.sleep(0.01)
+        assert finished.is_file()
+        seen = '__attribute__((visibility("default")))'
+        yield f"double one(void);\n{seen} double two(void) {{ return 2.0 * one(); }}"
+
+    library = ctypes.CDLL(str(build_library(find_compiler(), units(), tmp_path)))
+    library.two.restype = ctypes.c_double
+    assert library.two() == 2.0
+
+
+def test_a_unit_that_does_not_compile_is_named(tmp_path, needs_compiler):
+    with pytest.raises(CompilationError, match=r"error: .*nonsense"):
+        build_library(find_compiler(), iter(["int x;", "nonsense y;"]), tmp_path)
+
+
+def test_a_kernel_in_units_is_the_same_to_the_bit(tmp_path, monkeypatch, needs_compiler):
+    equations, found = slider_crank(), []
+    x, guess = starts(equations)
+    for least in (0, 10**9):
+        monkeypatch.setattr("vehicledyn.codegen.printers.kernel_source._LARGE", least)
+        monkeypatch.setenv("VEHICLEDYN_CACHE", str(tmp_path / str(least)))
+        kernel = compile_kernel(equations, backend="compiled")
+        assert not kernel.report.cached
+        z = kernel.solve_unknowns(0.0, x, guess)
+        found.append([*kernel.rates(0.0, x, z), *kernel.outputs(0.0, x, z)])
+    assert found[0] == found[1]

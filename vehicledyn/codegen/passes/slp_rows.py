@@ -27,6 +27,7 @@ from vehicledyn.codegen.ir.instructions import (
     SHARED,
     Instruction,
 )
+from vehicledyn.codegen.passes.neighbourhoods import Neighbourhoods, first_colours
 
 PLACES = 4
 """Places of a row: the doubles of a register of AVX2."""
@@ -122,11 +123,13 @@ class _Finder:
             if needed[index]:
                 for operand in set(item.operands):
                     self._users[operand].append(index)
-        self._neighbours = [
-            (item.operands, kind in _TURNABLE, users)
-            for item, kind, users in zip(values, self._kinds, self._users, strict=True)
-        ]
-        self._colours = [self._first_colours()]
+        self._neighbours = Neighbourhoods(
+            [item.operands for item in values],
+            [kind in _TURNABLE for kind in self._kinds],
+            self._users,
+        )
+        self._last = first_colours([self._look(index) for index in range(len(values))])
+        self._colours: list[list[int]] = [self._last.tolist()]
         self._rows: list[tuple[int, ...]] = []
         self._place: dict[int, tuple[int, int]] = {}
 
@@ -163,32 +166,19 @@ class _Finder:
 
     # -- neighbourhoods ----------------------------------------------------------------------
 
-    def _first_colours(self) -> list[int]:
-        known: dict[object, int] = {}
-        found: list[int] = []
-        for index, item in enumerate(self._values):
-            look: object = (self._kinds[index], self._level[index])
-            if item.operation == INPUT:
-                look = (INPUT, item.source[0])
-            elif item.operation == CONST:
-                look = (CONST, abs(item.number))
-            found.append(known.setdefault(look, len(known)))
-        return found
+    def _look(self, index: int) -> object:
+        """Return what a value looks like by itself."""
+        item = self._values[index]
+        if item.operation == INPUT:
+            return (INPUT, item.source[0])
+        if item.operation == CONST:
+            return (CONST, abs(item.number))
+        return (self._kinds[index], self._level[index])
 
     def _look_further(self) -> None:
         """Colour each value by its own colour and those of its operands and users."""
-        before = self._colours[-1]
-        known: dict[object, int] = {}
-        found = []
-        for own, (given, turnable, users) in zip(before, self._neighbours, strict=True):
-            operands = [before[k] for k in given]
-            if turnable and operands[0] > operands[1]:
-                operands[0], operands[1] = operands[1], operands[0]
-            above = [before[k] for k in users]
-            above.sort()
-            look = (own, *operands, -1, *above)
-            found.append(known.setdefault(look, len(known)))
-        self._colours.append(found)
+        self._last = self._neighbours.further(self._last)
+        self._colours.append(self._last.tolist())
 
     def _alike_to(self, first: int, second: int) -> int:
         """Return how far the neighbourhoods of two values agree."""

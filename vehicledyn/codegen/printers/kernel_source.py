@@ -1,14 +1,22 @@
-"""Assemble the C source of a kernel: printed functions, tables of the blocks and the loop."""
+"""Assemble the C source of a kernel: printed functions, tables of the blocks and the loop.
+
+A large kernel comes in units, so that the compiler works on one while the next is printed.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
 from vehicledyn.codegen.ir.instructions import read_function
 from vehicledyn.codegen.ir.table_rows import ROW
-from vehicledyn.codegen.passes.kernel_functions import COUNTED, KernelFunctions, operations_of
+from vehicledyn.codegen.passes.kernel_functions import (
+    COUNTED,
+    KernelFunctions,
+    operations_in,
+    operations_of,
+)
 from vehicledyn.codegen.passes.signed_constants import Signed, mirrored_constants
 from vehicledyn.codegen.passes.slp_rows import PLACES
 from vehicledyn.codegen.printers.c_printer import print_function
@@ -19,18 +27,31 @@ from vehicledyn.symbolic.equations import Equations
 
 _ARGUMENTS = ("t", "x", "z", "c")
 
+_LARGE = 4_000
+"""Operations of rates and outputs from which each is a unit of its own."""
+
 
 def kernel_source(equations: Equations, functions: KernelFunctions) -> str:
     """Return the complete C source of a kernel for one case, for this processor."""
-    return _source(equations, functions, suitable_lanes())
+    return UNIT_BREAK.join(kernel_units(equations, functions))
+
+
+def kernel_units(equations: Equations, functions: KernelFunctions) -> Iterator[str]:
+    """Yield the same source unit by unit, each once it is printed; only the last knows all."""
+    return _units(equations, functions, suitable_lanes())
+
+
+def comes_in_units(functions: KernelFunctions) -> bool:
+    """Return whether rates and outputs are large enough for units of their own."""
+    return sum(map(operations_in, (functions.rates, functions.outputs))) >= _LARGE
 
 
 def portable_source(equations: Equations, functions: KernelFunctions) -> str:
     """Return the complete C source of a kernel for one case, for any processor."""
-    return _source(equations, functions, 1)
+    return UNIT_BREAK.join(_units(equations, functions, 1))
 
 
-def _source(equations: Equations, functions: KernelFunctions, lanes: int) -> str:
+def _units(equations: Equations, functions: KernelFunctions, lanes: int) -> Iterator[str]:
     events = [
         _events(equations, functions),
         print_function(functions.resets, "resets", _ARGUMENTS, tables=equations.tables),
@@ -40,9 +61,29 @@ def _source(equations: Equations, functions: KernelFunctions, lanes: int) -> str
     in_rows = lanes >= PLACES
     head = [shared_source("real.h"), shared_source("elementary.c")]
     head += [shared_source("fours.h")] if in_rows else []
-    texts = shared_texts(equations, functions, wide, copies if in_rows else None)
-    parts = [*head, *texts, *events, copies.text, shared_source("loop.c")]
-    return UNIT_BREAK.join(["\n".join(parts), *wide_units(wide)])
+    print_one = _printer(equations, wide, copies if in_rows else None, None)
+    apart = lanes > 1 and comes_in_units(functions)
+    texts = []
+    for name, function in (("rates", functions.rates), ("outputs", functions.outputs)):
+        text = print_one(function, name, wide)
+        if not apart:
+            texts.append(text)
+        else:
+            yield "\n".join([*head, text, _AWAY.format(name=name)])
+            texts.append(_FROM_AWAY.format(name=name))
+    yield from wide_units(wide)
+    prepare = print_function(functions.prepare, "prepare", ["p"], tables=equations.tables)
+    texts = [prepare, *texts, *_model_texts(equations, functions, print_one)]
+    yield "\n".join([*head, *texts, *events, copies.text, shared_source("loop.c")])
+
+
+_GIVEN = "const real *t, const real *x, const real *z, const real *c, real *r"
+_AWAY = f"void vd_{{name}}_apart({_GIVEN}) {{{{\n  {{name}}(t, x, z, c, r);\n}}}}\n"
+_FROM_AWAY = (
+    f"void vd_{{name}}_apart({_GIVEN});\n"
+    f"VD_INLINE void {{name}}({_GIVEN}) {{{{\n  vd_{{name}}_apart(t, x, z, c, r);\n}}}}\n"
+)
+"""How a function is given by its unit, and called by the others."""
 
 
 def wide_units(wide: WideFunctions) -> list[str]:
@@ -81,7 +122,22 @@ def shared_texts(
     ``wide`` and ``copies`` are for kernels of one lane, ``mirrored`` for those of several, see
     :func:`vehicledyn.codegen.printers.c_printer.print_function`.
     """
-    tables, waves = equations.tables, enumerate(functions.waves)
+    print_one = _printer(equations, wide, copies, mirrored)
+    return [
+        print_function(functions.prepare, "prepare", ["p"], tables=equations.tables),
+        print_one(functions.rates, "rates", wide),
+        print_one(functions.outputs, "outputs", wide, selectable=mirrored is not None),
+        *_model_texts(equations, functions, print_one),
+    ]
+
+
+def _printer(
+    equations: Equations,
+    wide: WideFunctions | None,
+    copies: Copies | None,
+    mirrored: dict[int, Signed] | None,
+) -> Callable[..., str]:
+    """Return what prints a function of the model."""
 
     def printed(
         function: Any, name: str, wide: WideFunctions | None = None, *, selectable: bool = False
@@ -90,18 +146,22 @@ def shared_texts(
             function,
             name,
             _ARGUMENTS,
-            tables=tables,
+            tables=equations.tables,
             wide=wide,
             copies=copies,
             mirrored=mirrored,
             selectable=selectable,
         )
 
+    return printed
+
+
+def _model_texts(
+    equations: Equations, functions: KernelFunctions, print_one: Callable[..., str]
+) -> list[str]:
+    """Return what follows rates and outputs: blocks, tables and steps."""
     return [
-        print_function(functions.prepare, "prepare", ["p"], tables=tables),
-        printed(functions.rates, "rates", wide),
-        printed(functions.outputs, "outputs", wide, selectable=mirrored is not None),
-        *[printed(wave, f"wave_{k}") for k, wave in waves],
+        *[print_one(wave, f"wave_{k}") for k, wave in enumerate(functions.waves)],
         _tables(equations, functions),
         shared_source("steps.c"),
     ]

@@ -9,6 +9,8 @@ import shlex
 import shutil
 import subprocess
 import sys
+from collections.abc import Iterable
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
@@ -126,10 +128,11 @@ def library_suffix() -> str:
     return ".dll" if sys.platform == "win32" else ".so"
 
 
-def build_library(compiler: Compiler, source: str, folder: Path) -> Path:
+def build_library(compiler: Compiler, source: str | Iterable[str], folder: Path) -> Path:
     """Compile a source text in a folder and return the library's path.
 
-    ``UNIT_BREAK`` parts the text into units that do not see each other's definitions.
+    ``UNIT_BREAK`` parts the text into units that do not see each other's definitions. Units may
+    come one by one too: each is compiled while the next is being made, several at once.
 
     Raises
     ------
@@ -139,16 +142,45 @@ def build_library(compiler: Compiler, source: str, folder: Path) -> Path:
         If the source cannot be written.
     """
     library = folder / f"kernel{library_suffix()}"
-    units = source.split(UNIT_BREAK)
-    paths = [folder / f"kernel{f'_{k}' if k else ''}.c" for k in range(len(units))]
-    for path, unit in zip(paths, units, strict=True):
-        path.write_text(unit, encoding="utf-8")
+    units = source.split(UNIT_BREAK) if isinstance(source, str) else source
+    paths = _compiled_units(compiler, units, folder)
     command = [*compiler.command, *compiler.options, *map(str, paths), "-o", str(library)]
-    limit = _LEAST_LIMIT + _LIMIT_OF_LETTER * len(source)
+    limit = _LEAST_LIMIT + (_LIMIT_OF_LETTER * len(source) if isinstance(source, str) else 0.0)
     _run([*command, "-lm"] if sys.platform != "win32" else command, limit)
     if not library.is_file():
         raise CompilationError(f"{compiler.command[0]} wrote no library")
     return library
+
+
+def _compiled_units(compiler: Compiler, units: Iterable[str], folder: Path) -> list[Path]:
+    """Return the object files of units, or the file of a single one, which needs none."""
+    if isinstance(units, list) and len(units) == 1:
+        path = folder / "kernel.c"
+        path.write_text(units[0], encoding="utf-8")
+        return [path]
+    with ThreadPoolExecutor(_processors()) as at_once:
+        objects = [
+            at_once.submit(_compile_unit, compiler, unit, folder / f"kernel_{k}.c")
+            for k, unit in enumerate(units)
+        ]
+        return [item.result() for item in objects]
+
+
+def _compile_unit(compiler: Compiler, unit: str, path: Path) -> Path:
+    """Return the object file of a unit."""
+    path.write_text(unit, encoding="utf-8")
+    made = path.with_suffix(".o")
+    limit = _LEAST_LIMIT + _LIMIT_OF_LETTER * len(unit)
+    _run([*compiler.command, *compiler.options, "-c", str(path), "-o", str(made)], limit)
+    return made
+
+
+def _processors() -> int:
+    """Return how many processors this process may use."""
+    try:
+        return max(1, len(os.sched_getaffinity(0)))
+    except AttributeError:
+        return os.cpu_count() or 1
 
 
 def _split(named: str) -> tuple[str, ...]:
