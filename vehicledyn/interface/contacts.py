@@ -97,6 +97,7 @@ def contact_geometry(
         gauge=positive("gauge", gauge, "m"),
         gauge_depth=positive("gauge_depth", gauge_depth, "m"),
         inclination=_angle(inclination),
+        inclination_text=inclination.strip() if isinstance(inclination, str) else "",
         back_to_back=positive("back_to_back", back_to_back, "m"),
         flange_back=quantity("flange_back", flange_back, "m"),
         yaw=_yaw(yaw),

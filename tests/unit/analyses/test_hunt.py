@@ -68,6 +68,24 @@ def test_a_range_without_oscillation(tmp_path):
     assert read_hunt(tmp_path / "hunt.h5").eigenvalues.real.max() < 0.0
 
 
+def test_a_range_that_begins_above_the_critical_speed():
+    """The motion grew at all speeds of the range, and nothing said so."""
+    above = study(HuntSettings("speed", 62.5, 63.0, points=8, simulate=False))
+    found = above.table.figures["linear_critical"]
+    assert found == pytest.approx(61.1294, abs=1e-4)
+    assert "grows at speed = 62.5 m/s already" in above.messages[0]
+    assert "begin to grow at 61.13 m/s, below the range" in above.messages[0]
+    assert above.table.cycles
+    assert above.table.locus_values[-1] == 63.0
+
+
+def test_a_range_far_above_the_critical_speed():
+    report = study(HuntSettings("speed", 130.0, 132.0, points=4, simulate=False))
+    assert "the linear critical value is lower" in report.messages[0]
+    assert "oscillations grow at all values of this range" in report.as_text()
+    assert report.table.channels[0].name == "wheelset.lateral"
+
+
 @pytest.mark.parametrize(
     ("error", "status"), [(KeyboardInterrupt, "interrupted"), (None, "partial")]
 )

@@ -43,6 +43,7 @@ def test_options_reach_the_geometry(tmp_path):
     for name, value in expected.items():
         assert told["settings"][name] == pytest.approx(value, rel=1e-12)
         assert table.settings[name] == pytest.approx(value, rel=1e-12)
+    assert table.lean == "1/20"  # as it was written
     assert told["shift"] == pytest.approx([-1e-3, 0.0, 1e-3, 2e-3], abs=1e-15)
     assert table.wheel == "S1002 / cone of slope 0.025"
     assert told["radius_difference"] == pytest.approx(table.radius_difference.tolist(), abs=0.0)

@@ -31,6 +31,12 @@ _PURE = 1e-5
 """Largest real part at a Hopf bifurcation, part of the magnitude."""
 
 
+def growing_oscillations(eigenvalues: Vector) -> int:
+    """Return the number of oscillations that grow, of eigenvalues (n,) [1/s]."""
+    least = _TURNING * float(np.abs(eigenvalues).max(initial=0.0))
+    return int(((eigenvalues.imag > least) & (eigenvalues.real > 0.0)).sum())
+
+
 @dataclass(frozen=True)
 class Balance:
     """An equilibrium at a value of the parameter, with its eigenvalues (n_kept,) [1/s]."""
@@ -43,8 +49,7 @@ class Balance:
     @property
     def growing_pairs(self) -> int:
         """Number of oscillations that grow."""
-        least = _TURNING * float(np.abs(self.eigenvalues).max(initial=0.0))
-        return int(((self.eigenvalues.imag > least) & (self.eigenvalues.real > 0.0)).sum())
+        return growing_oscillations(self.eigenvalues)
 
     @property
     def largest_real_part(self) -> float:

@@ -47,6 +47,7 @@ class ContactRequest:
 
     ``wheels`` and ``rails`` name profile or file of left and right side, ``radii`` are those of
     the tape circles, ``flange_back`` is the distance of a tape circle from the back of its flange.
+    ``inclination_text`` is the slope as it was written, empty where there is only a number.
     """
 
     wheels: tuple[str, str]
@@ -55,6 +56,7 @@ class ContactRequest:
     gauge: float = 1.435
     gauge_depth: float = 0.014
     inclination: float = 0.0
+    inclination_text: str = ""
     back_to_back: float = 1.36
     flange_back: float = 0.07
     yaw: float = 0.0
@@ -178,6 +180,7 @@ def _table(
         outlines=_outlines(wheelset, request),
         notes=(*notes, *_on_bridges(columns, profiles), *lost, *said),
         measured=_measured(profiles),
+        inclination_text=request.inclination_text,
     )
 
 

@@ -7,7 +7,6 @@ from typing import Any
 
 import numpy as np
 
-from vehicledyn.base.slope_text import slope_text
 from vehicledyn.results.tables.contact_table import SIDES, ContactColumns, ContactTable
 
 TOUCHING = 1e-6
@@ -34,7 +33,7 @@ class ContactReport:
         table = self.table
         settings = table.settings
         lines = [
-            f"{table.title}, rails inclined {slope_text(settings['inclination'])}, back to back "
+            f"{table.title}, rails inclined {table.lean}, back to back "
             f"{1e3 * settings['back_to_back']:g} mm, yaw {1e3 * settings['yaw']:g} mrad",
             *table.notes,
             "",

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
+from vehicledyn.analyse.periodic.critical import growing_oscillations
 from vehicledyn.base.units import shown
 from vehicledyn.results.tables.hunt_table import FIGURE_MEANINGS, CycleRow, HuntTable
 
@@ -36,7 +37,7 @@ class HuntReport:
         ]
         lines += [f"  {words:56} {value}" for words, value in known]
         if "linear_critical" not in t.figures and len(t.locus_values):
-            lines.append("  no oscillation begins to grow in this range")
+            lines.append(f"  {self._without_critical()}")
         for number in t.branches:
             lines += ["", *self._branch(number)]
         return "\n".join(lines)
@@ -60,6 +61,12 @@ class HuntReport:
             "cycles": [self._cycle(row) for row in t.cycles],
             "simulated": [vars(row) for row in t.simulated],
         }
+
+    def _without_critical(self) -> str:
+        """Return what is known of the stability of equilibria without a critical value."""
+        if all(growing_oscillations(row) for row in self.table.eigenvalues):
+            return "oscillations grow at all values of this range"
+        return "no oscillation begins to grow in this range"
 
     def _value(self, key: str) -> str:
         value, unit = self.table.figures[key], self.table.figure_unit(key)

@@ -24,6 +24,7 @@ from vehicledyn.analyses.hunting.budget import FEWEST_CYCLES, Budget, budget_of
 from vehicledyn.analyses.hunting.critical_values import far_from, lowest_stable, of_equilibria
 from vehicledyn.analyses.hunting.cycle_rows import CycleRows
 from vehicledyn.analyses.hunting.equilibria import Equilibria
+from vehicledyn.analyses.hunting.lower_range import growing_shape, lower_range
 from vehicledyn.analyses.hunting.parameter_starts import ParameterStarts
 from vehicledyn.analyses.hunting.saving import Saving
 from vehicledyn.analyses.hunting.simulation_check import Check
@@ -192,7 +193,22 @@ class Study:
         if why:
             self._ended("partial", f"{why}; the equilibrium is followed up to there")
         self.hopfs = self.equilibria.hopfs
+        if not self.hopfs and self.balances[0].growing_pairs and not self.equilibria.neutral:
+            self._begin_lower()
         self.divergences = self.equilibria.divergences
+
+    def _begin_lower(self) -> None:
+        """Begin where an oscillation decays that grows at the lowest value already."""
+        unit = self.prepared.equations.parameters[self.model.index].unit
+        below = lower_range(self.equilibria, self.span, unit)
+        self.messages.append(below.words)
+        if below.balances:
+            self.balances[:0] = below.balances
+            self.span = below.balances[0].value, self.span[1]
+            self.hopfs = self.equilibria.hopfs
+        elif not self.settings.channels:
+            shape = growing_shape(self.model, self.balances[0])
+            self.watched = moving_channels(self.prepared, self.model, shape) or self.watched
 
     def _tell_neutral(self) -> None:
         """Say why no cycles are looked for."""

@@ -7,7 +7,6 @@ from pathlib import Path
 
 import numpy as np
 
-from vehicledyn.base.slope_text import slope_text
 from vehicledyn.results.plots.linear_results import describe_linear, linear_figures
 from vehicledyn.results.report.content import Content, KeyFigure, words
 from vehicledyn.results.report.page import Block, Facts, Notes, Section, Table
@@ -220,7 +219,7 @@ def _contacts(table: contact_table.ContactTable) -> Parts:
         for shift, side, before, after in table.jumps
     ]
     jump_head = ("Shift [mm]", "Side", "From [mm]", "To [mm]")
-    settings = [(words(name), _setting(name, value)) for name, value in table.settings.items()]
+    settings = [(words(name), _setting(table, name)) for name in table.settings]
     sections = [Section("Settings", [Facts(settings)]), Section("Equivalent conicity", blocks)]
     if jumps:
         sections.append(Section("Jumps of the contact", [Table(jump_head, jumps, (2, 3))]))
@@ -229,12 +228,13 @@ def _contacts(table: contact_table.ContactTable) -> Parts:
     return figures, sections
 
 
-def _setting(name: str, value: float) -> str:
+def _setting(table: contact_table.ContactTable, name: str) -> str:
     """Return a setting of the contact with its unit."""
+    value = table.settings[name]
     if name == "curvature":
         return reading(value, "1/m")
     if name == "inclination":
-        return slope_text(value)
+        return table.lean
     return reading(value, "rad") if name == "yaw" else f"{1e3 * value:.6g}\u00a0mm"
 
 

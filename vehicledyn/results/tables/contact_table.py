@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from vehicledyn.base.slope_text import slope_text
 from vehicledyn.results.store.consistency import Sizes
 from vehicledyn.results.store.linear_file import (
     new_file,
@@ -127,9 +128,24 @@ class ContactTable:
     outlines: dict[str, Any]
     notes: tuple[str, ...]
     measured: dict[str, MeasuredProfile] = field(default_factory=dict)
+    inclination_text: str = ""
+
+    @property
+    def lean(self) -> str:
+        """The inclination of the rails as it was written, else as railways write it."""
+        return self.inclination_text or slope_text(self.settings["inclination"])
 
 
-_HEAD = {"title", "wheel", "rail", "format", "format_version", "created", "vehicledyn_version"}
+_HEAD = {
+    "title",
+    "inclination_text",
+    "wheel",
+    "rail",
+    "format",
+    "format_version",
+    "created",
+    "vehicledyn_version",
+}
 _BY_SHIFT = {
     "roll": ("rad", "Roll, positive when the left side is up"),
     "height": ("m", "Height of the axle over the rails' highest points"),
@@ -152,6 +168,8 @@ def write_contacts(path: Path, table: ContactTable) -> None:
         If it cannot be written.
     """
     head = {"title": table.title, "wheel": table.wheel, "rail": table.rail}
+    if table.inclination_text:
+        head["inclination_text"] = table.inclination_text
     with new_file(path, FORMAT, head | table.settings) as file:
         shift = _scale(file, "shift", table.shift, "Lateral shift, positive to the left")
         amplitude = _scale(file, "amplitude", table.amplitude, "Amplitude of the lateral motion")
@@ -213,6 +231,7 @@ def read_contacts(path: Path) -> ContactTable:
             outlines=_read_outlines(file["outlines"]),
             notes=tuple(read_texts(file, "notes")),
             measured=_read_measured(file["measured"]) if "measured" in file else {},
+            inclination_text=str(file.attrs.get("inclination_text", "")),
             **arrays,
         )
 
