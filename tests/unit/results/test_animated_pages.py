@@ -221,8 +221,8 @@ def test_looks_as_it_did(browser, page):
 
 
 def run(name, path, *changes):
-    wish = {"backend": "auto", "plots": None, "progress": lambda *_: None}
-    run_scenario(load_scenario(ROOT / "scenarios" / name, changes), output=path, **wish)
+    loaded = load_scenario(ROOT / "scenarios" / name, changes)
+    run_scenario(loaded, output=path, backend="auto", progress=lambda *_: None)
 
 
 def test_the_slalom(browser, tmp_path, needs_compiler):
@@ -266,6 +266,7 @@ def test_a_wheelset_hunts(browser, tmp_path, needs_compiler):
     check_picture(browser, "wheelset_hunting.png")
 
 
+@pytest.mark.long
 def test_the_tram_in_the_curve(browser, tmp_path, needs_compiler):
     """The front bogie is in the arc; the rails below it are bent, the wheels stand on them."""
     run("tram2000_curve.yaml", tmp_path / "tram.h5", "duration=4 s")
