@@ -97,6 +97,17 @@ def test_a_derivative_that_is_not_finite_is_no_derivative():
     assert "finite" in lost["sum"].trouble
 
 
+@pytest.mark.long
+def test_jumps_that_are_no_events_are_reported():
+    """The pin of a Geneva drive enters and leaves its slot: the acceleration jumps."""
+    settings = {"duration": "1 s", "solver": {"kind": "rk4", "step": "1 ms"}}
+    with pytest.warns(vd.AccuracyWarning, match="do not confirm"):
+        vd.sensitivity("geneva_drive", "driver.angle_rate", "motor.*", **settings)
+    before = settings | {"duration": "0.1 s"}
+    smooth = vd.sensitivity("geneva_drive", "driver.angle_rate", "motor.*", **before)
+    assert not any("warning" in note for note in smooth.notes)
+
+
 def test_steps_that_stand_for_another_method_are_judged():
     """Those that suit the start are halved until the motion no longer moves."""
     found = vd.sensitivity("double_pendulum", "upper.angle", "length", **SETTINGS)

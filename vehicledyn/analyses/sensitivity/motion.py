@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -11,6 +12,7 @@ from vehicledyn.analyse.gradients.adjoint import figure_adjoint
 from vehicledyn.analyse.gradients.key_figures import FigureSlope, figure_slope, unit_of
 from vehicledyn.analyse.gradients.motion import MotionSlopes
 from vehicledyn.analyses.preparation.prepared import Progress
+from vehicledyn.analyses.sensitivity.confirmation import unconfirmed, unconfirmed_figure
 from vehicledyn.analyses.sensitivity.motion_study import MotionStudy
 from vehicledyn.analyses.sensitivity.names import Directions, Wanted, directions, wanted
 from vehicledyn.analyses.simulation.prepared_run import prepare_run
@@ -62,7 +64,17 @@ def _figures_ahead(
     chosen = directions(e, kernel.parameters, study.start.state, to)
     motion = study.followed(chosen, progress)
     known = list(study.run_figures(motion)) if _needs_run(of, e) else []
-    return _table(study, chosen, motion, wanted(e, of, known))
+    table = _table(study, chosen, motion, wanted(e, of, known))
+    judged = range(len(study.channels)) if _needs_run(of, e) else _places(study, names)
+    progress("confirming the derivatives by runs", None)
+    return replace(table, notes=(*table.notes, *unconfirmed(study, chosen, motion, judged)))
+
+
+def _places(study: MotionStudy, names: list[str]) -> list[int]:
+    """Return the places of channels among those of a study."""
+    e = study.prepared.equations
+    own = [e.channels[k].name for k in study.channels]
+    return [own.index(name) for name in dict.fromkeys(names)]
 
 
 _BACK_FROM = 64
@@ -108,10 +120,15 @@ def _figure_back(
     )
     moved = study.start_slopes(chosen) + chosen.by_state
     slope = found.by_parameter @ chosen.by_parameter + found.by_state @ moved
+    unsure = unconfirmed_figure(study, chosen, kind, slope)
     about = e.channels[study.channels[0]]
     unit = unit_of(kind, about.unit)
     trouble = found.figure.trouble
-    notes = [*study.notes, f"found by adjoints; {found.n_bytes / 1e6:.1f} MB of steps kept"]
+    notes = [
+        *study.notes,
+        f"found by adjoints; {found.n_bytes / 1e6:.1f} MB of steps kept",
+        *unsure,
+    ]
     if trouble:
         notes.append(f"warning: '{name}' has no derivative: {trouble}")
     return SensitivityTable(

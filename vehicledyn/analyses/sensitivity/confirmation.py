@@ -1,0 +1,138 @@
+"""Whether runs with other parameters confirm derivatives that are exact for the steps of one run.
+
+Where a motion passes a jump of its equations that is no event, such as a pin that enters a slot,
+the steps on both sides keep their places while the jump moves: their derivatives are exact, but
+not those of the motion. Differences of runs are, as far as they are smooth.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vehicledyn.analyse.gradients.key_figures import figure_slope
+from vehicledyn.analyse.gradients.motion import MotionSlopes
+from vehicledyn.analyses.sensitivity.motion_study import MotionStudy
+from vehicledyn.analyses.sensitivity.names import START, Directions
+from vehicledyn.base.errors import NumericalError
+
+Floats = NDArray[np.float64]
+
+_PART = 1e-3
+"""Part of each parameter by which the runs differ."""
+
+_APART, _OFTEN, _USUAL = 0.005, 0.02, 0.9
+"""Part of the usual large difference by which a sample is not confirmed, and of the samples, for a
+warning; a few samples beside events are none. That difference is the quantile of all."""
+
+_LEAST = 1e-11
+"""Smallest effect on a channel that is judged, as a part of its largest value."""
+
+
+def unconfirmed(
+    study: MotionStudy, chosen: Directions, motion: MotionSlopes, channels: Sequence[int]
+) -> list[str]:
+    """Return warnings of channels whose derivatives differences of runs do not confirm.
+
+    All parameters are changed at once, by 0.1 % and 0.05 % to both sides, with random signs.
+
+    Parameters
+    ----------
+    study
+        The scenario.
+    chosen
+        What the derivatives are by; start values and the speed are left out.
+    motion
+        The motion with its derivatives.
+    channels
+        Places among the study's channels that are to be judged.
+    """
+    steps = _steps(chosen)
+    if not any(steps):
+        return []
+    try:
+        differences = [_difference(study, chosen, part * steps) for part in (1.0, 0.5)]
+    except NumericalError as error:
+        return [f"warning: runs with parameters changed by 0.1 % fail: {error}"]
+    if any(item.shape != motion.values.shape for item in differences):
+        return ["warning: runs with parameters changed by 0.1 % end at another time"]
+    wide, near = differences
+    expected = motion.slopes @ steps
+    names = [study.prepared.equations.channels[k].name for k in study.channels]
+    notes = []
+    for place in channels:
+        found = (4.0 * near[:, place] / 0.5 - wide[:, place]) / 3.0
+        largest = float(np.quantile(np.abs(found), _USUAL))
+        if largest <= _LEAST * np.max(np.abs(motion.values[:, place])) or largest <= _LEAST:
+            continue
+        errors = np.abs(found - expected[:, place]) / largest
+        if np.mean(errors > _APART) > _OFTEN:
+            notes.append(
+                f"warning: runs with parameters changed by 0.1 % do not confirm the derivatives of "
+                f"'{names[place]}', by up to {np.max(errors):.0%}: the motion passes jumps of its "
+                "equations that are no events, or is very sensitive; they are those of these steps"
+            )
+    return notes
+
+
+def unconfirmed_figure(
+    study: MotionStudy, chosen: Directions, kind: str, slope: Floats
+) -> list[str]:
+    """Return a warning if differences of runs do not confirm a figure of the first channel.
+
+    Parameters
+    ----------
+    study, chosen
+        As for :func:`unconfirmed`.
+    kind
+        Name of the figure.
+    slope
+        Its derivatives, shape (n_directions,).
+    """
+    steps = _steps(chosen)
+    if not any(steps):
+        return []
+    ends = []
+    try:
+        for part in (1.0, -1.0, 0.5, -0.5):
+            motion = study.moved(_changes(chosen, part * steps)).plain(lambda *_: None)
+            none = np.zeros((len(motion.times), 0))
+            ends.append(figure_slope(kind, motion.times, motion.values[:, 0], none).value)
+    except NumericalError as error:
+        return [f"warning: runs with parameters changed by 0.1 % fail: {error}"]
+    found = (4.0 * (ends[2] - ends[3]) - (ends[0] - ends[1]) / 2.0) / 3.0
+    expected = float(slope @ steps)
+    scale = max(float(np.max(np.abs(slope * steps))), abs(expected), _LEAST * abs(ends[0]))
+    if abs(found - expected) <= _APART * scale:
+        return []
+    return [
+        "warning: runs with parameters changed by 0.1 % do not confirm the derivatives, by "
+        f"{abs(found - expected) / scale:.0%}; they are those of these steps"
+    ]
+
+
+def _steps(chosen: Directions) -> Floats:
+    """Return by how much each quantity is changed, none for start values and the speed."""
+    signs = np.random.default_rng(1).choice([-1.0, 1.0], len(chosen.values))
+    names = [item.name for item in chosen.quantities]
+    moves = np.array([not name.startswith(START) and name != "speed" for name in names])
+    return np.asarray(_PART * signs * chosen.values * moves, dtype=float)
+
+
+def _difference(study: MotionStudy, chosen: Directions, steps: Floats) -> Floats:
+    """Return half the difference of runs to both sides, shape (n_times, n_channels)."""
+    sides = []
+    for sign in (1.0, -1.0):
+        moved = study.moved(_changes(chosen, sign * steps))
+        sides.append(moved.plain(lambda *_: None).values)
+    if sides[0].shape != sides[1].shape:
+        return np.zeros((0, 0))
+    return np.asarray(0.5 * (sides[0] - sides[1]), dtype=float)
+
+
+def _changes(chosen: Directions, steps: Floats) -> dict[str, float]:
+    """Return the values of the quantities that are changed."""
+    rows = zip(chosen.quantities, chosen.values, steps, strict=True)
+    return {item.name: float(value + step) for item, value, step in rows if step}
