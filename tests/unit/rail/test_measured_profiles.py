@@ -75,6 +75,24 @@ def test_wheel_counted_from_the_back_of_its_flange(tmp_path, columns, form, reve
     assert any("tape circle at 70 mm" in note for note in profile.notes)
 
 
+@pytest.mark.parametrize("form", ["{:.4f} {:.4f}", "{:.4f}\t{:.4f}\t0.1", "{:.4f}; {:.4f};"])
+def test_decimal_commas(tmp_path, form):
+    """Windows of some countries writes them, in the header too."""
+    text = HEADER.format("0.5", "", "X,Y,A", "70.0 mm") + rows(FROM_BACK - (5e-4, 0.0), form)
+    path = written(tmp_path, text.replace(".", ","), "w.whl")
+    profile = read_profile(path, "wheel")
+    assert profile.height(TREAD) == pytest.approx(WHEEL.height(TREAD), abs=2e-6)
+    assert "commas mark decimals" in profile.notes
+
+
+def test_points_of_a_head_that_stands_still(tmp_path):
+    repeated = np.repeat(FROM_BACK, [3, *[1] * 300, 2, *[1] * (len(FROM_BACK) - 302)], axis=0)
+    text = HEADER.format("", "", "X,Y", "70") + rows(repeated)
+    profile = read_profile(written(tmp_path, text, "w.whl"), "wheel")
+    assert profile.height(TREAD) == pytest.approx(WHEEL.height(TREAD), abs=2e-6)
+    assert "3 points left out that repeat the one before" in profile.notes
+
+
 def test_columns_that_are_not_there(tmp_path):
     text = HEADER.format("", "", "A,C,X,Y", "70") + rows(FROM_BACK)
     with pytest.raises(InputError, match=r"w\.whl:18:1: 2 numbers, Y is number 4 of a,c,x,y"):

@@ -4,7 +4,8 @@ Lines NAME=VALUE, many of them empty, come before an empty line and the points; 
 with a quotation mark is a comment. ``ColumnDef`` names the columns, often more than there are;
 X and Y are needed. ``WheelDiameterTaperline`` is the distance of the tape circle from the back of
 the flange, where X is zero on wheels. The older layout opens with #MINIWHEELPROF or the like and
-names no columns. A .mpt file holds sections of points in the order of the profile.
+names no columns. A .mpt file holds sections of points in the order of the profile. Commas mark
+decimals where Windows writes them so, and a head that stands still repeats its point.
 
 References
 ----------
@@ -17,10 +18,11 @@ from __future__ import annotations
 import re
 from collections.abc import Sequence
 
-from vehicledyn.rail.profiles.profile_columns import IN_HEADER
+from vehicledyn.rail.profiles.profile_columns import IN_HEADER, cells_of
 from vehicledyn.rail.profiles.profile_points import MILLIMETRE, RawPoints, number_of, take_unit
 
 _SPLIT = re.compile(r"[,;\s]+")
+_LENGTH = re.compile(r"([+-]?[\d.]*(?:,\d+)?(?:[eE][+-]?\d+)?)\s*(?:mm)?")
 _COLUMNS = re.compile(r"[,;\s]+")
 _SECTION = re.compile(r"\[\s*(\w+)\s*\]")
 _NEEDED = {"x", "y"}
@@ -47,7 +49,7 @@ def read_miniprof(file: str, lines: Sequence[str]) -> RawPoints:
         If a line of points has too few numbers, or a number of the header is none.
     """
     points = RawPoints(file, notes=["MiniProf profile"])
-    header = _Header(points)
+    header, rows = _Header(points), _Rows(points)
     inside, sections = not _is_old(lines), 0
     for number, line in enumerate(lines, 1):
         text = line.partition('"')[0].strip()
@@ -60,24 +62,50 @@ def read_miniprof(file: str, lines: Sequence[str]) -> RawPoints:
         elif not line.strip():
             inside = inside or not sections
         elif inside and text:
-            _add_point(points, number, text, header.columns)
+            rows.take(number, text, header.columns)
+    rows.add()
     header.apply()
     if sections > 1:
         points.notes.append(f"{sections} sections of points joined in their order")
     return points
 
 
-def _add_point(points: RawPoints, number: int, text: str, columns: Sequence[str]) -> None:
-    texts = _SPLIT.split(text)
-    if number_of(texts[0]) is None:
-        return
-    place = [columns.index("x"), columns.index("y")] if set(columns) >= _NEEDED else None
-    if place is None:
-        raise points.refused(number, 1, "ColumnDef: names no columns X and Y")
-    if len(texts) <= max(place):
-        message = f"{len(texts)} numbers, Y is number {max(place) + 1} of {','.join(columns)}"
-        raise points.refused(number, 1, message)
-    points.add(number, [texts[k] for k in place])
+class _Rows:
+    """The lines of points, with the columns that are named where they stand."""
+
+    def __init__(self, points: RawPoints) -> None:
+        self.points = points
+        self.rows: list[tuple[int, str]] = []
+        self.columns: list[Sequence[str]] = []
+
+    def take(self, number: int, text: str, columns: Sequence[str]) -> None:
+        """Take a line if it begins with a number."""
+        if number_of(_SPLIT.split(text)[0]) is not None:
+            self.rows.append((number, text))
+            self.columns.append(columns)
+
+    def add(self) -> None:
+        """Add X and Y of all lines, but those that repeat the point before."""
+        named = len(self.columns[0]) if self.columns else 0
+        cells = cells_of(self.points, self.rows, named)
+        repeated, before = 0, [""]
+        for (number, _), texts, columns in zip(self.rows, cells, self.columns, strict=True):
+            chosen = self._chosen(number, texts, columns)
+            repeated += chosen == before
+            if chosen != before:
+                self.points.add(number, chosen)
+            before = chosen
+        if repeated:
+            self.points.notes.append(f"{repeated} points left out that repeat the one before")
+
+    def _chosen(self, number: int, texts: Sequence[str], columns: Sequence[str]) -> list[str]:
+        if not set(columns) >= _NEEDED:
+            raise self.points.refused(number, 1, "ColumnDef: names no columns X and Y")
+        place = [columns.index("x"), columns.index("y")]
+        if len(texts) <= max(place):
+            message = f"{len(texts)} numbers, Y is number {max(place) + 1} of {','.join(columns)}"
+            raise self.points.refused(number, 1, message)
+        return [texts[k] for k in place]
 
 
 class _Header:
@@ -99,7 +127,8 @@ class _Header:
         elif key in ("unit", "units"):
             take_unit(self.points, IN_HEADER.search(value))
         elif key in ("xoffset", "yoffset", _TAPE):
-            number = number_of(value)
+            length = _LENGTH.fullmatch(value)
+            number = number_of(length[1].replace(",", ".")) if length else None
             if number is None:
                 raise self.points.refused(line, 1, f"{key}: '{value}' is not a number")
             self.numbers[key] = number

@@ -46,13 +46,21 @@ def read_columns(file: str, lines: Sequence[str]) -> RawPoints:
             named = len(re.split(r"[,;\t]", text))
             continue
         rows.append((number, body))
-    for (number, _), cells in zip(rows, _cells(points, rows, named), strict=True):
+    for (number, _), cells in zip(rows, cells_of(points, rows, named), strict=True):
         points.add(number, cells)
     return points
 
 
-def _cells(points: RawPoints, rows: Sequence[tuple[int, str]], named: int) -> list[list[str]]:
-    """Return the cells of each row, decimals with points; ``named`` cells has the header."""
+def cells_of(points: RawPoints, rows: Sequence[tuple[int, str]], named: int) -> list[list[str]]:
+    """Return the cells of rows, each a line's number and text, with points as decimal marks.
+
+    ``named`` is how many columns the header names.
+
+    Raises
+    ------
+    InputError
+        If commas can be read as decimal marks and as separators.
+    """
     parted = [_PARTED.split(text) for _, text in rows]
     inner = [[cell.strip(",") for cell in row] for row in parted]
     commas = [any("," in cell for cell in row) for row in inner]
