@@ -15,6 +15,7 @@ from typing import Any, Literal, TypeAlias
 import numpy as np
 
 from vehicledyn.base.errors import InputError, MissingPartError, NumericalError
+from vehicledyn.base.garbage import without_collection
 from vehicledyn.codegen.toolchain import cache
 from vehicledyn.codegen.toolchain.compiler import (
     UNIT_BREAK,
@@ -335,7 +336,8 @@ def _compiled(equations: Equations, compiler: Compiler, tell: Progress) -> Kerne
         return library
 
     key = cache.key_of(fingerprint(equations), generator_fingerprint(), compiler.identity)
-    engine, entry = cache.load(key, build, lambda path: CompiledEngine(equations, path))
+    with without_collection():
+        engine, entry = cache.load(key, build, lambda path: CompiledEngine(equations, path))
     if entry.remark:
         _log.warning(entry.remark)
     tell("compiled" if not entry.found else "found in the cache", 1.0)

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from vehicledyn.base.garbage import without_collection
 from vehicledyn.codegen.ir.table_rows import TableRows
 from vehicledyn.codegen.passes.kernel_functions import derive_functions
 from vehicledyn.codegen.printers.kernel_source import lane_source
@@ -143,5 +144,6 @@ def compile_lanes(equations: Equations, key: str, lanes: int) -> tuple[LaneEngin
         return build_library(compiler, source, folder)
 
     own = cache.key_of(key, f"{lanes} lanes")
-    engine, entry = cache.load(own, build, lambda path: LaneEngine(equations, path))
+    with without_collection():
+        engine, entry = cache.load(own, build, lambda path: LaneEngine(equations, path))
     return engine, entry.remark

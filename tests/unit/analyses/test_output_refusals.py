@@ -66,3 +66,22 @@ def test_known_outputs_are_valid(underived):
     """Patterns of channels pass, and nothing is derived for it."""
     loaded = load_scenario(ROOT / "scenarios/iltis_slalom.yaml", ["output.channels=[chassis.*]"])
     validate_outputs(loaded)
+
+
+def test_channels_found_once_are_not_sought_again(monkeypatch, tmp_path, needs_compiler):
+    """Validating again after a change of the outputs looks at the names only."""
+    monkeypatch.setenv("VEHICLEDYN_CACHE", str(tmp_path / "cache"))
+    path = ROOT / "scenarios/systems/double_pendulum.yaml"
+    validate_outputs(load_scenario(path, ["output.channels=[upper.*]"]))
+    with monkeypatch.context() as patch:
+        patch.setattr("vehicledyn.multibody.equations.channel_outline.outline_channels", None)
+        validate_outputs(load_scenario(path, ["output.channels=[lower.*]"]))
+        with pytest.raises(InputError, match="'nonsense' matches no channel"):
+            validate_outputs(load_scenario(path, ["output.channels=[nonsense]"]))
+        with pytest.raises(TypeError):  # another model is another search
+            validate_outputs(
+                load_scenario(path, ["parameters.length=2 m", "output.channels=[upper.*]"])
+            )
+    for file in (tmp_path / "cache/channels").iterdir():
+        file.write_text(file.read_text().replace("lower", "other"))
+    validate_outputs(load_scenario(path, ["output.channels=[lower.*]"]))  # damaged: sought again

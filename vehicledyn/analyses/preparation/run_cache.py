@@ -3,7 +3,8 @@
 An entry holds the facts of the equations, the key of the compiled kernel and the point that the
 run starts from. Its name is a digest of everything these follow from: the resolved scenario
 with all parameters, the files it names, the program's own files, the version of CasADi and the
-compiler. A missing, old or damaged entry is as good as none.
+compiler. A missing, old or damaged entry is as good as none. The channels that a scenario will have
+are kept likewise, for what validates it.
 """
 
 from __future__ import annotations
@@ -13,8 +14,8 @@ import json
 import logging
 import os
 import tempfile
-from collections.abc import Iterator
-from dataclasses import dataclass
+from collections.abc import Iterator, Sequence
+from dataclasses import asdict, dataclass
 from functools import cache
 from importlib.metadata import version
 from pathlib import Path
@@ -28,6 +29,7 @@ from vehicledyn.base.version import FOLDER, PACKAGE
 from vehicledyn.codegen.toolchain.cache import cache_folder, distrust
 from vehicledyn.codegen.toolchain.compiler import CompilationError, find_compiler
 from vehicledyn.files.scenario import LoadedScenario
+from vehicledyn.symbolic.equations import Channel
 
 MOST_ENTRIES = 200
 """Entries that are kept, the youngest."""
@@ -72,23 +74,48 @@ def key_of_run(loaded: LoadedScenario) -> str | None:
 
 def recall(key: str) -> Memory | None:
     """Return an entry, if there is a whole one that nobody else can have written."""
-    if distrust() or writable_by_others(_path(key)):
-        return None
     try:
-        content = json.loads(read_regular(_path(key), _LARGEST_ENTRY))
-        return Memory(**content) if _checksum(content) == content.pop("checksum") else None
-    except (InputError, OSError, ValueError, KeyError, TypeError, AttributeError):
+        content = _read(_path(key))
+        return None if content is None else Memory(**content)
+    except TypeError:
         return None
 
 
 def remember(key: str, memory: Memory) -> None:
     """Write an entry whole or not at all; a folder that cannot be written is no error."""
+    _write(_path(key), dict(vars(memory)))
+
+
+def recall_channels(key: str) -> list[Channel] | None:
+    """Return the channels that a scenario was found to have, or None."""
+    content = _read(_path(key, "channels"))
+    try:
+        return None if content is None else [Channel(**item) for item in content["channels"]]
+    except (KeyError, TypeError):
+        return None
+
+
+def remember_channels(key: str, channels: Sequence[Channel]) -> None:
+    """Keep the channels that a scenario will have, as :func:`remember` does."""
+    _write(_path(key, "channels"), {"channels": [asdict(channel) for channel in channels]})
+
+
+def _read(path: Path) -> dict[str, Any] | None:
+    """Return what a file holds, if it is whole and nobody else can have written it."""
+    if distrust() or writable_by_others(path):
+        return None
+    try:
+        content = json.loads(read_regular(path, _LARGEST_ENTRY))
+        return content if _checksum(content) == content.pop("checksum") else None
+    except (InputError, OSError, ValueError, KeyError, TypeError, AttributeError):
+        return None
+
+
+def _write(target: Path, content: dict[str, Any]) -> None:
     if distrust():
         return
-    content = dict(vars(memory))
     try:
         text = json.dumps(content | {"checksum": _checksum(content)})
-        target = _path(key)
         target.parent.mkdir(parents=True, exist_ok=True, mode=0o700)
         with tempfile.NamedTemporaryFile(
             "w", dir=target.parent, suffix=".part", delete=False, encoding="utf-8"
@@ -97,11 +124,11 @@ def remember(key: str, memory: Memory) -> None:
         Path(file.name).replace(target)
         _forget_old(target.parent)
     except (OSError, TypeError) as error:
-        _log.debug("the start of the run is not remembered: %s", error)
+        _log.debug("what was prepared is not remembered: %s", error)
 
 
-def _path(key: str) -> Path:
-    return cache_folder() / "runs" / f"{key}.json"
+def _path(key: str, kind: str = "runs") -> Path:
+    return cache_folder() / kind / f"{key}.json"
 
 
 def _checksum(content: dict[str, Any]) -> str:

@@ -5,16 +5,18 @@ from __future__ import annotations
 import fnmatch
 from collections.abc import Sequence
 from contextlib import suppress
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from vehicledyn.analyses.preparation.error_locations import told_with_places, wrong_output
-from vehicledyn.analyses.preparation.prepared import Derived, Prepared
-from vehicledyn.analyses.preparation.runnable import Subject
 from vehicledyn.base.errors import NumericalError, nearest_name, unknown_name
 from vehicledyn.base.interrupts import undisturbed
 from vehicledyn.files.scenario import LoadedScenario
 from vehicledyn.results.labelled.near_names import near
 from vehicledyn.symbolic.equations import Channel
+
+if TYPE_CHECKING:
+    from vehicledyn.analyses.preparation.prepared import Derived, Prepared
+    from vehicledyn.analyses.preparation.runnable import Subject
 
 
 def written_channels(
@@ -37,8 +39,10 @@ def check_run(loaded: LoadedScenario, derived: Derived) -> None:
     _check_solver(loaded, derived)
 
 
-def check_outputs(loaded: LoadedScenario, subject: Subject) -> None:
+def check_outputs(loaded: LoadedScenario, subject: Subject) -> list[Channel]:
     """Refuse channels and figures that a scenario asks for and its subject will not have.
+
+    Returns the channels that it will have; none are sought where it asks for none.
 
     Raises
     ------
@@ -48,26 +52,42 @@ def check_outputs(loaded: LoadedScenario, subject: Subject) -> None:
         If the loops of the subject cannot be assembled.
     """
     if not loaded.asks_for_outputs:
-        return
+        return []
     from vehicledyn.multibody.equations.channel_outline import outline_channels
 
     with undisturbed(), told_with_places(loaded):
         channels = outline_channels(subject.system)
     _wanted(loaded, subject, channels)
+    return channels
 
 
 def validate_outputs(loaded: LoadedScenario) -> None:
     """Refuse channels and figures that a scenario asks for in vain, without running it.
+
+    Channels that were found for the same model, surroundings and start are not sought again.
 
     Raises
     ------
     InputError
         With all of them. Loops that cannot be assembled are left to the run to report.
     """
+    from vehicledyn.analyses.preparation.run_cache import (
+        key_of_run,
+        recall_channels,
+        remember_channels,
+    )
+
+    key = key_of_run(loaded)
+    known = None if key is None else recall_channels(key)
+    if known is not None and loaded.scenario.output.plots is None:
+        _kept_channels(loaded, known)
+        return
     from vehicledyn.analyses.preparation.build_model import build_subject
 
     with suppress(NumericalError), told_with_places(loaded):
-        check_outputs(loaded, build_subject(loaded))
+        channels = check_outputs(loaded, build_subject(loaded))
+        if key is not None and channels:
+            remember_channels(key, channels)
 
 
 def _check_solver(loaded: LoadedScenario, derived: Derived | Prepared) -> None:

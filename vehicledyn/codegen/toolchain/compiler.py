@@ -15,6 +15,8 @@ from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
 
+from vehicledyn.base.processors import cores
+
 UNIT_BREAK = "\n/* ---- another unit ---- */\n"
 """Where one unit of a source ends and another begins."""
 
@@ -158,7 +160,7 @@ def _compiled_units(compiler: Compiler, units: Iterable[str], folder: Path) -> l
         path = folder / "kernel.c"
         path.write_text(units[0], encoding="utf-8")
         return [path]
-    with ThreadPoolExecutor(_processors()) as at_once:
+    with ThreadPoolExecutor(cores()) as at_once:
         objects = [
             at_once.submit(_compile_unit, compiler, unit, folder / f"kernel_{k}.c")
             for k, unit in enumerate(units)
@@ -173,14 +175,6 @@ def _compile_unit(compiler: Compiler, unit: str, path: Path) -> Path:
     limit = _LEAST_LIMIT + _LIMIT_OF_LETTER * len(unit)
     _run([*compiler.command, *compiler.options, "-c", str(path), "-o", str(made)], limit)
     return made
-
-
-def _processors() -> int:
-    """Return how many processors this process may use."""
-    try:
-        return max(1, len(os.sched_getaffinity(0)))
-    except AttributeError:
-        return os.cpu_count() or 1
 
 
 def _split(named: str) -> tuple[str, ...]:
