@@ -13,14 +13,16 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Protocol, TypeVar
 
 import numpy as np
 
 from vehicledyn.base.errors import NumericalError
+from vehicledyn.integrate.constrained.constrained_steps import ConstrainedSteps
 from vehicledyn.integrate.events import Point
 from vehicledyn.integrate.explicit_pair import steepest_state
 from vehicledyn.integrate.fixed_step import steps_per_interval
+from vehicledyn.integrate.newmark_weights import Constraints, Weights
 from vehicledyn.integrate.task import SampleBuffer, Statistics, StepError, Task
 from vehicledyn.kernel.derivatives import Derivatives
 from vehicledyn.kernel.engine import Count, Vector
@@ -34,45 +36,6 @@ _ROUNDING = 1e-10
 """Change that is taken for rounding where it no longer falls."""
 _SHORTEST = 1e-4
 """Part of the step below which halving gives up."""
-
-
-@dataclass(frozen=True)
-class Weights:
-    """Weights of a step: of accelerations and rates at its start, and of Newmark's formulas.
-
-    ``first_order_mass`` is the weight of the auxiliary rate of first-order states at the end.
-    """
-
-    alpha_m: float
-    alpha_f: float
-    beta: float
-    gamma: float
-    first_order_mass: float
-
-    @property
-    def first_order_gamma(self) -> float:
-        """Weight of the new auxiliary rate that makes first-order states of order two."""
-        return self.gamma + self.first_order_mass - 1.0 + self.alpha_m
-
-    @staticmethod
-    def newmark(beta: float, gamma: float) -> Weights:
-        """Return the weights of Newmark's method."""
-        return Weights(0.0, 0.0, beta, gamma, 1.0)
-
-    @staticmethod
-    def hht(spectral_radius: float) -> Weights:
-        """Return those of Hilber, Hughes and Taylor; the radius lies between 1/2 and 1."""
-        alpha_f = (1.0 - spectral_radius) / (1.0 + spectral_radius)
-        return Weights(0.0, alpha_f, 0.25 * (1.0 + alpha_f) ** 2, 0.5 + alpha_f, 1.0)
-
-    @staticmethod
-    def generalised_alpha(spectral_radius: float) -> Weights:
-        """Return those of Chung and Hulbert; the radius lies between 0 and 1."""
-        r = spectral_radius
-        alpha_m, alpha_f = (2.0 * r - 1.0) / (r + 1.0), r / (r + 1.0)
-        excess = alpha_f - alpha_m
-        mass = 0.5 * (3.0 - r) / (1.0 + r)
-        return Weights(alpha_m, alpha_f, 0.25 * (1.0 + excess) ** 2, 0.5 + excess, mass)
 
 
 @dataclass(frozen=True)
@@ -201,7 +164,25 @@ class ImplicitSteps:
         return np.asarray(lu_solve(self._factors, residual, check_finite=False), dtype=float)
 
 
-def run_newmark(task: Task, name: str, weights: Weights, step: float) -> Statistics:
+class _AnyPlace(Protocol):
+    @property
+    def point(self) -> Point: ...
+
+
+P = TypeVar("P", bound=_AnyPlace)
+
+
+class _Steps(Protocol[P]):
+    """Takes steps from place to place, on rates or on residuals with multipliers."""
+
+    def start(self, point: Point) -> P: ...
+
+    def step(self, place: P, end: float) -> P | None: ...
+
+
+def run_newmark(
+    task: Task, name: str, weights: Weights, step: float, constraints: Constraints = "reduced"
+) -> Statistics:
     """Integrate a task with steps of one size, halved where Newton's method does not converge.
 
     Parameters
@@ -214,15 +195,23 @@ def run_newmark(task: Task, name: str, weights: Weights, step: float) -> Statist
         Weights of the method.
     step
         Step size [s]; a whole number of steps must make one sampling interval.
+    constraints
+        "reduced" solves them within the rates; "index3" and "stabilised_index2" take multipliers
+        and the coordinates of all bodies as unknowns of the steps.
 
     Raises
     ------
     NumericalError
         If a step does not converge even in small parts.
     """
+    if constraints == "reduced":
+        return _run(task, name, ImplicitSteps(task, weights), step)
+    return _run(task, name, ConstrainedSteps(task, weights, constraints), step)
+
+
+def _run(task: Task, name: str, steps: _Steps[P], step: float) -> Statistics:
     per_interval = steps_per_interval(step, task.interval)
     buffer = SampleBuffer(task, task.state, task.unknowns)
-    steps = ImplicitSteps(task, weights)
     place = steps.start(Point(task.begin, task.state, task.unknowns))
     last: Point | None = None
     try:
@@ -243,7 +232,7 @@ def run_newmark(task: Task, name: str, weights: Weights, step: float) -> Statist
     return task.statistics(name)
 
 
-def _advance(task: Task, steps: ImplicitSteps, place: _Place, end: float) -> _Place:
+def _advance(task: Task, steps: _Steps[P], place: P, end: float) -> P:
     """Return the place at the end of a step, taken in parts across events and where it must be."""
     whole = part = end - place.point.time
     while place.point.time < end and not task.watch.ended_by:
@@ -266,7 +255,7 @@ def _advance(task: Task, steps: ImplicitSteps, place: _Place, end: float) -> _Pl
     return place
 
 
-def _crossed(task: Task, steps: ImplicitSteps, place: _Place, end: float) -> _Place:
+def _crossed(task: Task, steps: _Steps[P], place: P, end: float) -> P:
     """Return the place from which the motion goes on behind the first event of a step."""
     time, size = place.point.time, end - place.point.time
     trial = _trials(task, steps, place, size)
@@ -276,9 +265,7 @@ def _crossed(task: Task, steps: ImplicitSteps, place: _Place, end: float) -> _Pl
     return steps.start(point)
 
 
-def _trials(
-    task: Task, steps: ImplicitSteps, place: _Place, size: float
-) -> Callable[[float], Point]:
+def _trials(task: Task, steps: _Steps[P], place: P, size: float) -> Callable[[float], Point]:
     def trial(fraction: float) -> Point:
         if fraction <= 0.0:
             return place.point
@@ -290,7 +277,7 @@ def _trials(
     return trial
 
 
-def _stuck(task: Task, place: _Place, size: float) -> StepError:
+def _stuck(task: Task, place: _AnyPlace, size: float) -> StepError:
     time, state, unknowns = place.point
     name = steepest_state(task.kernel, time, state, unknowns)
     iterations = int(task.ledger.counts[Count.EVALUATIONS])

@@ -10,10 +10,12 @@ on its own unknowns and those of earlier blocks only, so each block is a small N
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any, Literal, TypeAlias
 
 if TYPE_CHECKING:
+    from vehicledyn.symbolic.constrained_equations import ConstrainedEquations
     from vehicledyn.symbolic.tables import CurveTable
 
 Expression = Any
@@ -117,7 +119,8 @@ class Equations:
     where its author knows it better than differentiation would, else None. ``tables`` are all
     that the expressions look up; like values of parameters, they are no part of what is
     compiled. ``structure`` holds facts for people (bodies, joints, degrees of freedom), never
-    used in computing.
+    used in computing. ``constrained`` derives the same motion as residuals with multipliers,
+    where its author can.
     """
 
     name: str
@@ -142,6 +145,7 @@ class Equations:
     reset: Expression = None
     tables: tuple[CurveTable, ...] = ()
     structure: dict[str, Any] = field(default_factory=dict)
+    constrained: Callable[[], ConstrainedEquations] | None = field(default=None, compare=False)
 
     @property
     def speeds(self) -> tuple[int, ...]:

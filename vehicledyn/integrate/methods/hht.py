@@ -6,7 +6,8 @@ from typing import TYPE_CHECKING
 
 from vehicledyn.base.parameters import ParameterSet, quantity
 from vehicledyn.base.registry import register
-from vehicledyn.integrate.methods.tolerances import required_step
+from vehicledyn.integrate.methods.tolerances import how_constraints_are_met, required_step
+from vehicledyn.integrate.newmark_weights import Constraints
 
 if TYPE_CHECKING:
     from vehicledyn.integrate.task import Statistics, Task
@@ -26,9 +27,12 @@ class HilberHughesTaylor(ParameterSet):
     spectral_radius: float = quantity(
         "1", "Factor a step leaves of infinitely fast oscillations", default=0.8, ge=0.5, le=1
     )
+    constraints: Constraints = how_constraints_are_met()
 
     def integrate(self, task: Task) -> Statistics:
         """Integrate a task."""
-        from vehicledyn.integrate.newmark_family import Weights, run_newmark
+        from vehicledyn.integrate.newmark_family import run_newmark
+        from vehicledyn.integrate.newmark_weights import Weights
 
-        return run_newmark(task, "hht", Weights.hht(self.spectral_radius), self.step)
+        weights = Weights.hht(self.spectral_radius)
+        return run_newmark(task, "hht", weights, self.step, self.constraints)

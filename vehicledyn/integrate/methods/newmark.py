@@ -6,7 +6,8 @@ from typing import TYPE_CHECKING
 
 from vehicledyn.base.parameters import ParameterSet, quantity
 from vehicledyn.base.registry import register
-from vehicledyn.integrate.methods.tolerances import required_step
+from vehicledyn.integrate.methods.tolerances import how_constraints_are_met, required_step
+from vehicledyn.integrate.newmark_weights import Constraints
 
 if TYPE_CHECKING:
     from vehicledyn.integrate.task import Statistics, Task
@@ -28,9 +29,12 @@ class Newmark(ParameterSet):
     gamma: float = quantity(
         "1", "Weight of the new acceleration in velocities", default=0.5, ge=0.5
     )
+    constraints: Constraints = how_constraints_are_met()
 
     def integrate(self, task: Task) -> Statistics:
         """Integrate a task."""
-        from vehicledyn.integrate.newmark_family import Weights, run_newmark
+        from vehicledyn.integrate.newmark_family import run_newmark
+        from vehicledyn.integrate.newmark_weights import Weights
 
-        return run_newmark(task, "newmark", Weights.newmark(self.beta, self.gamma), self.step)
+        weights = Weights.newmark(self.beta, self.gamma)
+        return run_newmark(task, "newmark", weights, self.step, self.constraints)

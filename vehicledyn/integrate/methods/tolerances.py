@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import Any
 
+from pydantic import Field
+
 from vehicledyn.base.parameters import quantity
 
 SMALLEST_RELATIVE = 3e-14
@@ -34,3 +36,13 @@ def fixed_step() -> Any:
 def required_step() -> Any:
     """Declare the step of an implicit method, which stability does not bound."""
     return quantity("s", "Step size; divides the sampling interval", gt=0)
+
+
+def how_constraints_are_met() -> Any:
+    """Declare how the steps of an implicit method treat constraints."""
+    text = (
+        "How loops close: 'reduced' within the accelerations, 'index3' by multipliers of each "
+        "step, 'stabilised_index2' by these and multipliers of the velocities; the last two need "
+        "a system with 'constraint_method: multipliers', or without loops"
+    )
+    return Field(default="reduced", description=text)

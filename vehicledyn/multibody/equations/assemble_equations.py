@@ -249,12 +249,16 @@ class _Finish:
 
     def __call__(self, expression: Scalar) -> Scalar:
         """Return an expression, its driven coordinates and rates replaced by their motions."""
-        s, moved = self.symbols, self.moved
         if self.projection is not None:
             expression = self.projection.applied(expression)
-        old = [s.coordinates[n] for n in moved] + [s.rates[n] for n in moved]
-        new = [m.position for m in moved.values()] + [m.velocity for m in moved.values()]
-        return ops.substitute(expression, ops.column(old), ops.column(new))
+        return driven_motions(self.symbols, self.moved, expression)
+
+
+def driven_motions(symbols: Symbols, moved: dict[str, Motion], expression: Scalar) -> Scalar:
+    """Return an expression, its driven coordinates and rates replaced by their motions."""
+    old = [symbols.coordinates[n] for n in moved] + [symbols.rates[n] for n in moved]
+    new = [m.position for m in moved.values()] + [m.velocity for m in moved.values()]
+    return ops.substitute(expression, ops.column(old), ops.column(new))
 
 
 def _coordinate(joint: Joint, start: float) -> Variable:

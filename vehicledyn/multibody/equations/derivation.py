@@ -4,13 +4,20 @@ from __future__ import annotations
 
 import logging
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 
 from vehicledyn.base.errors import InputError
-from vehicledyn.multibody.equations.assemble_equations import Roles, collect, roles_of
+from vehicledyn.multibody.equations.assemble_equations import (
+    Roles,
+    collect,
+    driven_motions,
+    roles_of,
+)
 from vehicledyn.multibody.equations.multipliers import Multipliers, Projection, multipliers_of
 from vehicledyn.multibody.equations.outputs import Solved
+from vehicledyn.multibody.equations.residual_form import Unsolved, refuse_unsuitable, residual_form
 from vehicledyn.multibody.equations.singular_mass import Resistance, refuse_idle
 from vehicledyn.multibody.loops.closure import Closure, MultiplierClosure
 from vehicledyn.multibody.loops.loop_closure import AssemblyState, Loops, close
@@ -24,6 +31,7 @@ from vehicledyn.multibody.recursion.body_checks import check_bodies
 from vehicledyn.multibody.recursion.forward_dynamics import Formulation, TreeProblem, solve_tree
 from vehicledyn.multibody.recursion.substructuring import solve_loops
 from vehicledyn.symbolic import ops
+from vehicledyn.symbolic.constrained_equations import ConstrainedEquations
 from vehicledyn.symbolic.equations import Equations
 from vehicledyn.symbolic.ops import Scalar
 from vehicledyn.symbolic.quick_arithmetic import quick_arithmetic
@@ -128,7 +136,7 @@ def solve_motion(
 def equations_of(derivation: Derivation) -> Equations:
     """Return the equations of a solved system, in the order of states and channels."""
     d = derivation
-    return collect(
+    equations = collect(
         d.system,
         d.symbols,
         loops=d.loops,
@@ -138,6 +146,31 @@ def equations_of(derivation: Derivation) -> Equations:
         multipliers=d.multipliers,
         projection=d.projection,
     )
+    return replace(equations, constrained=partial(_constrained, d, equations))
+
+
+@quick_arithmetic()
+def _constrained(derivation: Derivation, equations: Equations) -> ConstrainedEquations:
+    """Return the residuals of a solved system, see :func:`residual_form`."""
+    d = derivation
+    refuse_unsuitable(d.system, equations)
+    motion = _motion(d.system, d.symbols, d.roles, d.loops)
+    given = _given_accelerations(d.symbols, d.roles, motion.loads)
+    names = [equations.states[k].name for k in equations.positions]
+    free = {name: ops.symbol(f"{name}_acceleration") for name in names}
+    problem = _problem(d.system, d.symbols, d.roles, motion, {**given, **free})
+    unsolved = Unsolved(
+        d.system,
+        d.symbols,
+        d.loops,
+        rows=[] if d.multipliers is None else d.multipliers.rows,
+        problem=problem,
+        accelerations=free,
+        given=given,
+        loads=motion.loads,
+        finished=partial(driven_motions, d.symbols, d.moved),
+    )
+    return residual_form(unsolved, equations)
 
 
 @dataclass(frozen=True)

@@ -87,6 +87,11 @@ class Multipliers:
         self._saddle = SaddlePoint(mass, jacobian)
 
     @property
+    def rows(self) -> list[int]:
+        """Rows of the constraints that have multipliers, in their order."""
+        return self._kept
+
+    @property
     def solves_sparsely(self) -> bool:
         """Whether a sparse matrix is factorised at run time, by a call."""
         return not self._saddle.is_unrolled

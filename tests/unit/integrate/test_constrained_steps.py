@@ -1,0 +1,294 @@
+"""Steps on residuals with multipliers: published digits, orders, condition, constraints."""
+
+import math
+
+import casadi as ca
+import numpy as np
+import pytest
+from chain_examples import chain, damped_pendulum
+from scipy.integrate import solve_ivp
+from solve_examples import Samples, build, oscillator, starts, symbols
+
+from vehicledyn.base.errors import InputError
+from vehicledyn.base.registry import find
+from vehicledyn.integrate.constrained.constrained_steps import (
+    ConstrainedSteps,
+    residual_functions,
+)
+from vehicledyn.integrate.events import Point
+from vehicledyn.integrate.newmark_weights import Weights
+from vehicledyn.integrate.simulate import make_task, simulate
+from vehicledyn.kernel.kernel import compile_kernel
+from vehicledyn.multibody import derive
+from vehicledyn.symbolic.constrained_equations import ConstrainedEquations
+
+GRAVITY = 9.81
+METHODS = {
+    "genalpha r=0.9": Weights.generalised_alpha(0.9),
+    "genalpha r=0.8": Weights.generalised_alpha(0.8),
+    "genalpha r=0.5": Weights.generalised_alpha(0.5),
+    "hht a=-0.1": Weights.hht(0.9 / 1.1),
+    "hht a=-1/3": Weights.hht(0.5),
+    "newmark g=0.6 b=0.3025": Weights.newmark(0.3025, 0.6),
+    "newmark g=1/2 b=1/4": Weights.newmark(0.25, 0.5),
+}
+
+PUBLISHED = [
+    (
+        "genalpha r=0.9",
+        0.02,
+        -0.9858967455536,
+        -0.16735473434243,
+        -0.30143960080037,
+        1.786332726893,
+        4.8976507065845,
+    ),
+    (
+        "genalpha r=0.9",
+        0.005,
+        -0.98626727562863,
+        -0.16515707984848,
+        -0.29718742030817,
+        1.7753763835049,
+        4.8593547612428,
+    ),
+    (
+        "genalpha r=0.8",
+        0.01,
+        -0.98618935326209,
+        -0.16562173623201,
+        -0.29808934982823,
+        1.7776932294505,
+        4.8691472038727,
+    ),
+    (
+        "genalpha r=0.5",
+        0.02,
+        -0.98567115376425,
+        -0.16867832296135,
+        -0.30415657167572,
+        1.7913113696272,
+        4.9302708201895,
+    ),
+    (
+        "genalpha r=0.5",
+        0.005,
+        -0.98625496069184,
+        -0.16523060403791,
+        -0.29734409213058,
+        1.7757153703632,
+        4.8608505192118,
+    ),
+    (
+        "hht a=-0.1",
+        0.01,
+        -0.98616786503362,
+        -0.16574963642506,
+        -0.29841553441439,
+        1.7782054435513,
+        4.8716197100175,
+    ),
+    (
+        "hht a=-1/3",
+        0.02,
+        -0.98567115376425,
+        -0.16867832296135,
+        -0.30415657167572,
+        1.7913113696272,
+        4.9302708201895,
+    ),
+    (
+        "hht a=-1/3",
+        0.005,
+        -0.98625496069184,
+        -0.16523060403791,
+        -0.29734409213058,
+        1.7757153703632,
+        4.8608505192118,
+    ),
+    (
+        "newmark g=0.6 b=0.3025",
+        0.01,
+        -0.9831943380662,
+        -0.18256202670482,
+        -0.3228307982415,
+        1.7410278275494,
+        4.9734109139732,
+    ),
+    (
+        "newmark g=1/2 b=1/4",
+        0.02,
+        -0.98590178809022,
+        -0.16732502574485,
+        -0.30131463723046,
+        1.786169782038,
+        5.0843442449086,
+    ),
+    (
+        "newmark g=1/2 b=1/4",
+        0.005,
+        -0.986267579197,
+        -0.16515526702136,
+        -0.29718327448216,
+        1.7753674511475,
+        4.8706049929352,
+    ),
+]
+"""Method, step [s], position, velocity and multiplier after 1 s."""
+
+
+def pendulum():
+    """Mass at (x, y) on a rod of length one, as residuals and, for the outputs, as rates."""
+    t, x, y, u, v, a, b, m = symbols("t", "x", "y", "u", "v", "a", "b", "m")
+    tension = (u**2 + v**2 - GRAVITY * y) / (x**2 + y**2)
+    q, qd = ca.vertcat(x, y), ca.vertcat(u, v)
+    form = ConstrainedEquations(
+        time=t, position=q, velocity=qd, acceleration=ca.vertcat(a, b), multiplier=m,
+        other=ca.SX(0, 1), parameter=ca.SX(0, 1),
+        force=ca.vertcat(a + x * m, b + GRAVITY + y * m), gap=(x**2 + y**2 - 1.0) / 2.0,
+        opening=x * u + y * v, quadratic=u**2 + v**2, jacobian=q.T, other_rate=ca.SX(0, 1),
+        labels=("rod",), positions=(0, 1), velocities=(2, 3), others=(),
+    )  # fmt: skip
+    return build(
+        "pendulum",
+        time=t,
+        states=[(x, 1.0), (y, 0.0), (u, 0.0), (v, 0.0)],
+        rates=[u, v, -x * tension, -y * tension - GRAVITY],
+        parameters=[],
+        outputs=[("energy", 0.5 * (u**2 + v**2) + GRAVITY * y)],
+        positions=(0, 1),
+        velocities=(2, 3),
+        constrained=lambda: form,
+    )
+
+
+@pytest.fixture(scope="module")
+def kernel():
+    return compile_kernel(pendulum(), backend="interpreted")
+
+
+def march(kernel, weights, step, count, constraints="index3"):
+    """Yield the steps and the places from the first on."""
+    state, unknowns = starts(kernel.equations)
+    span = {"start": 0.0, "stop": step * count, "interval": step}
+    task = make_task(kernel, state=state, unknowns=unknowns, sink=Samples(), **span)
+    steps = ConstrainedSteps(task, weights, constraints)
+    place = steps.start(Point(0.0, task.state, task.unknowns))
+    for k in range(1, count + 1):
+        place = steps.step(place, k * step)
+        yield steps, place
+
+
+@pytest.mark.parametrize("row", PUBLISHED)
+def test_published_steps(kernel, row):
+    """Position, velocity and multiplier after 1 s, by an independent program."""
+    method, step, *state, multiplier = row
+    *_, (_, last) = march(kernel, METHODS[method], step, round(1.0 / step))
+    found = [*last.instant.position, *last.instant.velocity]
+    assert found == pytest.approx(state, abs=1e-10)
+    assert last.instant.multiplier == pytest.approx([multiplier], abs=1e-6)
+
+
+@pytest.mark.parametrize("step", [0.02, 0.005, 1e-6])
+@pytest.mark.parametrize("constraints", ["index3", "stabilised_index2"])
+def test_condition_does_not_grow_as_the_step_shrinks(kernel, step, constraints):
+    """Unscaled it grows by the fourth power: 2.3e10 at 5 ms; scaled it is the golden ratio's."""
+    steps, _ = next(march(kernel, METHODS["genalpha r=0.9"], step, 1, constraints))
+    condition = steps.factors.condition()
+    if constraints == "index3":
+        assert condition == pytest.approx(((1.0 + math.sqrt(5.0)) / 2.0) ** 2, rel=1e-5)
+    assert condition < 20.0
+
+
+def four_bar_state(equations, angle, rate):
+    bars = {"upright": (angle, rate), "coupler": (-angle, -rate)}
+    names = [s.name for s in equations.states]
+    return np.array([bars[n.split("_")[0]][n.endswith("_rate")] for n in names])
+
+
+@pytest.fixture(scope="module")
+def four_bar():
+    return compile_kernel(derive(chain(1)), backend="interpreted")
+
+
+def swing(angle, rate, stop):
+    """All uprights turn as one: a pendulum of inertia 5/3 and moment of weight 2 g."""
+    found = solve_ivp(
+        lambda t, y: [y[1], 1.2 * GRAVITY * math.cos(y[0])], (0.0, stop), [angle, rate],
+        rtol=1e-12, atol=1e-12, method="DOP853",
+    )  # fmt: skip
+    return found.y[:, -1]
+
+
+def task_of(kernel, angle, rate):
+    state = four_bar_state(kernel.equations, angle, rate)
+    span = {"start": 0.0, "stop": 1.0, "interval": 0.5}
+    return make_task(kernel, state=state, unknowns=[], sink=Samples(), **span)
+
+
+@pytest.mark.parametrize("constraints", ["index3", "stabilised_index2"])
+@pytest.mark.parametrize(
+    "weights", [Weights.newmark(0.25, 0.5), Weights.hht(0.8), Weights.generalised_alpha(0.8)]
+)
+def test_order_two_in_positions_velocities_and_multipliers(four_bar, weights, constraints):
+    """Against the pendulum that the four-bar is, through whose forces the multipliers follow."""
+    begin, stop = (1.2, 3.0), 0.5
+    task = task_of(four_bar, *begin)
+    steps = ConstrainedSteps(task, weights, constraints)
+    exact = four_bar_state(four_bar.equations, *swing(*begin, stop))
+    exact = steps.start(Point(stop, exact, task.unknowns)).instant
+    errors = []
+    for count in (40, 80):
+        place = steps.start(Point(0.0, task.state, task.unknowns))
+        for k in range(1, count + 1):
+            place = steps.step(place, stop * k / count)
+        fields = ("position", "velocity", "multiplier")
+        pairs = [(getattr(place.instant, f), getattr(exact, f)) for f in fields]
+        errors.append([np.abs(a - b).max() for a, b in pairs])
+    slopes = np.log2(np.divide(*errors))
+    assert slopes == pytest.approx(2.0, abs=0.05)
+
+
+def test_stabilised_steps_keep_positions_and_velocities_on_the_constraints(four_bar):
+    steps = ConstrainedSteps(
+        task_of(four_bar, 1.2, 3.0), Weights.generalised_alpha(0.8), "stabilised_index2"
+    )
+    place = steps.start(Point(0.0, four_bar_state(four_bar.equations, 1.2, 3.0), np.zeros(0)))
+    for k in range(1, 51):
+        place = steps.step(place, 0.01 * k)
+    left = residual_functions(four_bar).residuals(place.instant, four_bar.parameters)
+    assert np.abs(left.gap).max() < 1e-12
+    assert np.abs(left.opening).max() < 1e-9
+
+
+def test_first_order_states_and_events_belong_to_the_steps():
+    """The motion on residuals is that on rates, for a system that needs no multipliers."""
+    system = damped_pendulum()
+    kernel = compile_kernel(derive(system), backend="interpreted")
+    ends = []
+    for constraints in ("reduced", "index3"):
+        samples = Samples()
+        solver = find("solver", "generalised_alpha")(step=0.01, constraints=constraints)
+        state, unknowns = starts(kernel.equations)
+        span = {"start": 0.0, "stop": 0.5, "interval": 0.1}
+        simulate(kernel, solver, state=state, unknowns=unknowns, sink=samples, **span)
+        ends.append(samples.states[-1])
+    assert ends[0] == pytest.approx(ends[1], abs=1e-10)
+    assert abs(ends[0][0] - 0.5) > 0.1
+
+
+def test_equations_without_residuals_are_refused():
+    kernel = compile_kernel(oscillator(), backend="interpreted")
+    solver = find("solver", "hht")(step=0.1, constraints="index3")
+    span = {"start": 0.0, "stop": 1.0, "interval": 0.1}
+    with pytest.raises(InputError, match="must be 'reduced'"):
+        simulate(kernel, solver, state=[1.0, 0.0], unknowns=[], sink=Samples(), **span)
+
+
+def test_loops_closed_by_partitioning_are_refused():
+    kernel = compile_kernel(derive(chain(1, method="partitioning")), backend="interpreted")
+    state, unknowns = starts(kernel.equations)
+    solver = find("solver", "hht")(step=0.1, constraints="index3")
+    span = {"start": 0.0, "stop": 1.0, "interval": 0.1}
+    with pytest.raises(InputError, match="constraint_method: multipliers"):
+        simulate(kernel, solver, state=state, unknowns=unknowns, sink=Samples(), **span)

@@ -1,0 +1,282 @@
+"""Steps of Newmark's family on residuals with multipliers: index 3, and stabilised index 2.
+
+With acceleration-like a, q̇ = v and residuals F(q, v, v̇, λ) = 0, h(q) = 0 a step solves
+
+    (1 - αm) a₁ + αm a₀ = (1 - αf) v̇₁ + αf v̇₀,        v₁ = v₀ + Δt ((1 - γ) a₀ + γ a₁),
+    q₁ = q₀ + Δt v₀ + Δt² ((½ - β) a₀ + β a₁) - Δt B₀ η₁,    B₀ = W J(q₀)ᵀ,
+
+where η is zero in index 3, and found from J v₁ + h_t = 0 in stabilised index 2 (Gear, Gupta,
+Leimkuhler). The unknowns are a₁, λ₁ and η₁; gaps are divided by β Δt² and openings by γ Δt, so that
+the iteration matrix keeps its condition as Δt → 0. W, the inverse of the diagonal of the masses,
+makes η free of units.
+
+Arnold, Brüls (2007), Multibody System Dynamics 18, 185-202; Bottasso, Bauchau, Cardona (2007),
+SIAM Journal on Scientific Computing 29, 397-414 (scaling); Arnold, Brüls, Cardona (2015),
+Numerische Mathematik 129, 149-179 (stabilised index 2).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from vehicledyn.base.errors import InputError, NumericalError
+from vehicledyn.integrate.constrained.iteration_matrix import IterationMatrix, StepFactors, Unknowns
+from vehicledyn.integrate.constrained.residual_functions import (
+    Instant,
+    ResidualFunctions,
+    Residuals,
+)
+from vehicledyn.integrate.events import Point
+from vehicledyn.integrate.newmark_weights import Constraints, Weights
+from vehicledyn.integrate.task import Task
+from vehicledyn.kernel.engine import Count, Vector
+from vehicledyn.kernel.kernel import Kernel
+
+_MOST_ITERATIONS = 12
+_CLOSE = 1e-14
+"""Error of Newton's iteration allowed in each state, for one plus its size."""
+_LEVER = 1e-2
+"""Weight of the relative error of the multipliers beside that of the states."""
+_SLOW = 0.2
+"""Contraction above which the Jacobian is found anew at the next step."""
+_ROUNDING = 1e-8
+"""Change that is taken for rounding where it no longer falls."""
+_COARSE = 1e-3
+"""Rounding of multipliers, as a part of the largest; it grows by 1 / (β Δt²) and at dead points."""
+
+
+@dataclass(frozen=True)
+class ConstrainedPlace:
+    """A point of a motion, with what the step to come needs of it.
+
+    ``auxiliary`` are the acceleration-like a and the rate-like values of further states, ``rates``
+    the true accelerations and rates; ``correction`` is η and ``size`` the step that led here [s].
+    """
+
+    point: Point
+    instant: Instant
+    auxiliary: tuple[Vector, Vector]
+    other_rate: Vector
+    correction: Vector
+    size: float
+
+
+@dataclass(frozen=True)
+class _Known:
+    """What the unknowns of a step change: the state at its start, carried by known terms."""
+
+    time: float
+    size: float
+    position: Vector
+    velocity: Vector
+    acceleration: Vector
+    other: Vector
+    lag: Vector
+    arms: Any
+
+
+class ConstrainedSteps:
+    """Takes steps of any size, keeping Jacobian and factors while Newton's method converges."""
+
+    def __init__(self, task: Task, weights: Weights, constraints: Constraints) -> None:
+        """Take the residuals of the task's equations.
+
+        Raises
+        ------
+        InputError
+            If the equations have none, see :func:`~vehicledyn.multibody.derive`.
+        """
+        self._task, self._weights = task, weights
+        self._functions = residual_functions(task.kernel)
+        self._is_stabilised = constraints == "stabilised_index2"
+        self._matrix = IterationMatrix(self._functions.sizes, self._is_stabilised)
+        self._factors: StepFactors | None = None
+        self._is_stale = True
+
+    @property
+    def factors(self) -> StepFactors | None:
+        """Factors of the latest step."""
+        return self._factors
+
+    @property
+    def _parameters(self) -> Vector:
+        return self._task.kernel.parameters
+
+    def start(self, point: Point) -> ConstrainedPlace:
+        """Return the place from which the motion starts, or starts anew.
+
+        Accelerations and multipliers are those of the constrained motion there.
+        """
+        n, _, m = self._functions.sizes
+        e = self._functions.equations
+        state = point.state
+        q, v, s = (state[list(k)] for k in (e.positions, e.velocities, e.others))
+        still = Instant(point.time, q, v, np.zeros(n), np.zeros(m), s)
+        at = self._evaluated(still)
+        partials = self._functions.partials(still, self._parameters)
+        quadratic = self._functions.quadratic(still, self._parameters)
+        a, multiplier = self._matrix.accelerations(partials, at.force, quadratic)
+        self._is_stale = True
+        instant = still._replace(acceleration=a, multiplier=multiplier)
+        kept = Point(point.time, state.copy(), point.unknowns.copy())
+        auxiliary = a, at.other_rate
+        correction = np.zeros(m if self._is_stabilised else 0)
+        return ConstrainedPlace(kept, instant, auxiliary, at.other_rate, correction, 0.0)
+
+    def step(self, place: ConstrainedPlace, end: float) -> ConstrainedPlace | None:
+        """Return the end of a step, or None where Newton's method does not converge."""
+        was_stale = self._is_stale or self._factors is None
+        found = self._iterate(place, end)
+        if found is None and not was_stale:
+            self._is_stale = True
+            found = self._iterate(place, end)
+        return found
+
+    def _iterate(self, place: ConstrainedPlace, end: float) -> ConstrainedPlace | None:
+        factors = self._prepared(place, end - place.instant.time)
+        known = self._known(place, end, factors.arms)
+        a, r = (x.copy() for x in place.auxiliary)
+        multiplier, eta = place.instant.multiplier.copy(), place.correction.copy()
+        before = np.inf
+        for iteration in range(_MOST_ITERATIONS):
+            instant = self._instant(known, a, r, multiplier, eta)
+            try:
+                at = self._evaluated(instant)
+            except NumericalError:
+                return None
+            self._task.ledger.counts[Count.ITERATIONS] += 1
+            change = factors.solve(self._right(known, at, r))
+            if not np.isfinite(change.a).all():
+                return None
+            a, r = a - change.a, r - change.r
+            multiplier, eta = multiplier - change.multiplier, eta - change.eta
+            moved, forced = self._sizes_of(known, instant, change)
+            size = max(moved, _LEVER * forced)
+            is_rounding = moved < _ROUNDING and forced < _COARSE
+            contraction = size / before if iteration else 0.0
+            if contraction > _SLOW and not is_rounding:
+                self._is_stale = True
+            settled = iteration and size * contraction / max(1.0 - contraction, 1e-3) < _CLOSE
+            if settled or size == 0.0 or (contraction > 0.5 and is_rounding):
+                return self._accepted(known, Unknowns(a, r, multiplier, eta), place)
+            if contraction > 0.9 and iteration > 1:
+                return None
+            before = size
+        return None
+
+    def _accepted(
+        self, known: _Known, found: Unknowns, place: ConstrainedPlace
+    ) -> ConstrainedPlace:
+        a, r, multiplier, eta = found
+        instant = self._instant(known, a, r, multiplier, eta)
+        e, w = self._functions.equations, self._weights
+        state = place.point.state.copy()
+        state[list(e.positions)] = instant.position
+        state[list(e.velocities)] = instant.velocity
+        state[list(e.others)] = instant.other
+        rate = (w.first_order_mass * r + known.lag) / (1.0 - w.alpha_f)
+        point = Point(known.time, state, place.point.unknowns.copy())
+        return ConstrainedPlace(point, instant, (a, r), rate, eta, known.size)
+
+    def _known(self, place: ConstrainedPlace, end: float, arms: Any) -> _Known:
+        """Return what is known of a step: all that its unknowns do not change."""
+        w, at = self._weights, place.instant
+        h = end - at.time
+        a, r = place.auxiliary
+        mass = w.first_order_mass
+        return _Known(
+            end,
+            h,
+            at.position + h * (at.velocity + h * (0.5 - w.beta) * a),
+            at.velocity + h * (1.0 - w.gamma) * a,
+            (w.alpha_m * a - w.alpha_f * at.acceleration) / (1.0 - w.alpha_f),
+            at.other + h * (1.0 - w.first_order_gamma) * r,
+            (1.0 - mass) * r - w.alpha_f * place.other_rate,
+            arms,
+        )
+
+    def _instant(
+        self, known: _Known, a: Vector, r: Vector, multiplier: Vector, eta: Vector
+    ) -> Instant:
+        w, h = self._weights, known.size
+        position = known.position + h**2 * w.beta * a
+        if known.arms is not None:
+            position = position - h * (known.arms @ eta)
+        return Instant(
+            known.time,
+            position,
+            known.velocity + h * w.gamma * a,
+            known.acceleration + (1.0 - w.alpha_m) / (1.0 - w.alpha_f) * a,
+            multiplier,
+            known.other + h * w.first_order_gamma * r,
+        )
+
+    def _right(self, known: _Known, at: Residuals, r: Vector) -> Vector:
+        """Return the scaled residuals of a step."""
+        w, h = self._weights, known.size
+        lag = w.first_order_mass * r + known.lag - (1.0 - w.alpha_f) * at.other_rate
+        parts = [at.force, lag, at.gap / (w.beta * h**2)]
+        if self._is_stabilised:
+            parts.append(at.opening / (w.gamma * h))
+        return np.concatenate(parts)
+
+    def _sizes_of(self, known: _Known, instant: Instant, change: Unknowns) -> tuple[float, float]:
+        """Return the sizes of a change: of the states, and of the multipliers."""
+        w, h = self._weights, known.size
+        moves = [
+            h**2 * w.beta * np.abs(change.a) / (1.0 + np.abs(instant.position)),
+            h * w.gamma * np.abs(change.a) / (1.0 + np.abs(instant.velocity)),
+            h * w.first_order_gamma * np.abs(change.r) / (1.0 + np.abs(instant.other)),
+        ]
+        largest = 1.0 + np.abs(instant.multiplier).max(initial=0.0)
+        forced = np.abs(change.multiplier).max(initial=0.0) / largest
+        return float(max(item.max(initial=0.0) for item in moves)), float(forced)
+
+    def _evaluated(self, instant: Instant) -> Residuals:
+        self._task.ledger.counts[Count.EVALUATIONS] += 1
+        found = self._functions.residuals(instant, self._parameters)
+        if not all(np.isfinite(part).all() for part in found):
+            raise NumericalError("a residual is not a finite number")
+        return found
+
+    def _foreseen(self, place: ConstrainedPlace, size: float) -> Instant:
+        """Return about where a step leads; Jacobians there serve it and its followers best."""
+        known = self._known(place, place.instant.time + size, None)
+        return self._instant(known, *place.auxiliary, place.instant.multiplier, place.correction)
+
+    def _prepared(self, place: ConstrainedPlace, size: float) -> StepFactors:
+        """Return factors, found anew where they are stale or of another step size."""
+        kept = self._factors
+        if kept is not None and not self._is_stale and kept.is_for(size):
+            return kept
+        partials = kept.partials if kept is not None and not self._is_stale else None
+        if partials is None:
+            partials = self._functions.partials(self._foreseen(place, size), self._parameters)
+            self._is_stale = False
+        self._factors = self._matrix.factorised(partials, self._weights, size)
+        return self._factors
+
+
+def residual_functions(kernel: Kernel) -> ResidualFunctions:
+    """Return the residuals of a kernel's equations, derived once for each kernel.
+
+    Raises
+    ------
+    InputError
+        If the equations have no such form.
+    """
+    made: dict[str, Any] = kernel.made
+    if "constrained residuals" not in made:
+        derive: Callable[[], Any] | None = kernel.equations.constrained
+        if derive is None:
+            raise InputError(
+                f"the equations of '{kernel.equations.name}' were not derived from bodies and "
+                "joints; 'constraints' of this method must be 'reduced'"
+            )
+        made["constrained residuals"] = ResidualFunctions(derive())
+    functions: ResidualFunctions = made["constrained residuals"]
+    return functions

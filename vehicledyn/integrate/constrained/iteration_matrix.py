@@ -1,0 +1,193 @@
+"""The scaled iteration matrix of a step on residuals with multipliers, sparsely factorised."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from vehicledyn.base.errors import NumericalError
+from vehicledyn.integrate.constrained.residual_functions import Partials, Sparse
+from vehicledyn.integrate.newmark_weights import Weights
+from vehicledyn.kernel.engine import Vector
+
+
+class Unknowns(NamedTuple):
+    """The unknowns of a step, or changes of them: accelerations, rates, multipliers and η."""
+
+    a: Vector
+    r: Vector
+    multiplier: Vector
+    eta: Vector
+
+
+@dataclass(frozen=True)
+class StepFactors:
+    """Factors of the matrix for steps of one size [s], and the Jacobian they came from.
+
+    ``arms`` are W Jᵀ, None where η is not needed. ``scales`` are the weight of the masses, the
+    mass that makes multipliers and masses of the same size, and what does so for η; ``cuts`` are
+    where kinds of unknowns end.
+    """
+
+    partials: Partials
+    size: float
+    matrix: Any
+    factors: Any
+    arms: Any
+    scales: tuple[float, float, float]
+    cuts: tuple[int, int, int]
+
+    def is_for(self, size: float) -> bool:
+        """Return whether the factors are those of a step size, but for rounding."""
+        return abs(size - self.size) <= 1e-9 * self.size
+
+    def solve(self, residual: Vector) -> Unknowns:
+        """Return the changes that remove a residual of the linearised step."""
+        first, second, third = self.cuts
+        lead, scale, lever = self.scales
+        right = residual.copy()
+        right[:first] /= lead
+        right[second:] *= scale
+        found = self.factors.solve(right) if len(right) else right
+        a, r, multiplier, eta = np.split(found, [first, second, third])
+        return Unknowns(a, r, multiplier * scale * lead, eta * lever)
+
+    def condition(self) -> float:
+        """Return the condition of the scaled matrix in the 2-norm."""
+        return float(np.linalg.cond(self.matrix.toarray()))
+
+
+class IterationMatrix:
+    """Puts the parts of the Jacobian where they belong and factorises the whole."""
+
+    def __init__(self, sizes: tuple[int, int, int], is_stabilised: bool) -> None:
+        """Take the numbers of coordinates, further states and multipliers."""
+        self._sizes, self._is_stabilised = sizes, is_stabilised
+
+    def _arms(self, partials: Partials) -> Any:
+        """Return W Jᵀ, shape (n, m): how η moves the coordinates."""
+        if not self._is_stabilised:
+            return None
+        masses = partials.f_a.matrix().diagonal()
+        turned = partials.jacobian.matrix().T.tocsr()
+        return turned.multiply(1.0 / np.where(masses > 0.0, masses, 1.0)[:, None]).tocsr()
+
+    def factorised(self, partials: Partials, weights: Weights, h: float) -> StepFactors:
+        """Return the factors of the matrix of a step of size h [s].
+
+        Rows are those of forces, further states, gaps and openings; columns those of accelerations,
+        rates, multipliers and η.
+
+        Raises
+        ------
+        NumericalError
+            If the matrix is singular, as constraints depend on each other.
+        """
+        from scipy.sparse import csc_matrix, hstack, vstack
+
+        w, p = weights, partials
+        n, k, m = self._sizes
+        scale = _typical(p.f_a, n)
+        by_a, by_r = h * w.gamma, h * w.first_order_gamma
+        bend = h**2 * w.beta
+        part = 1.0 - w.alpha_f
+        lead = (1.0 - w.alpha_m) / part
+        constraint = p.jacobian.matrix()
+        forces = p.f_a.matrix() + (by_a / lead) * p.f_v.matrix() + (bend / lead) * p.f_q.matrix()
+        rates = -part * (by_a * p.s_v.matrix() + bend * p.s_q.matrix())
+        identity = csc_matrix((np.ones(k), (range(k), range(k))), shape=(k, k))
+        own = w.first_order_mass * identity - part * by_r * p.s_s.matrix()
+        empty = csc_matrix((k, m))
+        rows = [
+            hstack([forces, (by_r / lead) * p.f_s.matrix(), scale * constraint.T]),
+            hstack([rates, own, empty]),
+            hstack([scale * constraint, csc_matrix((m, k + m))]),
+        ]
+        matrix = vstack(rows)
+        arms, lever = self._arms(p), w.beta * h * scale
+        if self._is_stabilised:
+            matrix = self._stabilised(matrix, p, w, (h, scale, lead), lever * arms)
+        matrix = matrix.tocsc()
+        cuts = n, n + k, n + k + m
+        return StepFactors(p, h, matrix, _factors(matrix), arms, (lead, scale, lever), cuts)
+
+    def _stabilised(
+        self,
+        matrix: Any,
+        p: Partials,
+        w: Weights,
+        numbers: tuple[float, float, float],
+        arms: Any,
+    ) -> Any:
+        """Return the matrix with the rows of the openings and the columns of η."""
+        from scipy.sparse import csc_matrix, hstack, vstack
+
+        h, scale, lead = numbers
+        _, k, m = self._sizes
+        opening = p.h_q.matrix()
+        by_a = p.jacobian.matrix() + (w.beta * h / w.gamma) * opening
+        row = hstack([scale * by_a, csc_matrix((m, k + m))])
+        part = 1.0 - w.alpha_f
+        column = vstack(
+            [
+                -h / lead * (p.f_q.matrix() @ arms),
+                part * h * (p.s_q.matrix() @ arms),
+                -scale / (w.beta * h) * (p.jacobian.matrix() @ arms),
+                -scale / w.gamma * (opening @ arms),
+            ]
+        )
+        return hstack([vstack([matrix, row]), column])
+
+    def accelerations(
+        self, partials: Partials, force: Vector, quadratic: Vector
+    ) -> tuple[Vector, Vector]:
+        """Return q̈ and λ of a state: M q̈ + Jᵀ λ = -F, J q̈ = -γ, F being the force at rest.
+
+        Raises
+        ------
+        NumericalError
+            If constraints depend on each other there, or a coordinate moves no mass.
+        """
+        from scipy.sparse import csc_matrix, hstack, vstack
+
+        n, _, m = self._sizes
+        scale = _typical(partials.f_a, n)
+        constraint = scale * partials.jacobian.matrix()
+        matrix = vstack(
+            [
+                hstack([partials.f_a.matrix(), constraint.T]),
+                hstack([constraint, csc_matrix((m, m))]),
+            ]
+        ).tocsc()
+        found = _factors(matrix).solve(-np.concatenate([force, scale * quadratic]))
+        return found[:n], found[n:] * scale
+
+
+class _Nothing:
+    """Stands for the factors of a matrix without rows."""
+
+    def solve(self, right: Vector) -> Vector:
+        return right
+
+
+def _factors(matrix: Any) -> Any:
+    from scipy.sparse.linalg import splu
+
+    if not matrix.shape[0]:
+        return _Nothing()
+    try:
+        return splu(matrix)
+    except RuntimeError:
+        raise NumericalError(
+            "the iteration matrix is singular; constraints depend on each other, or a coordinate "
+            "moves no mass"
+        ) from None
+
+
+def _typical(mass: Sparse, n: int) -> float:
+    """Return the geometric mean of the masses on the diagonal, one where there are none."""
+    diagonal = mass.matrix().diagonal() if n else np.zeros(0)
+    known = diagonal[diagonal > 0.0]
+    return float(np.exp(np.log(known).mean())) if len(known) else 1.0

@@ -1,0 +1,111 @@
+"""Residuals of constrained motion and their sparse Jacobian, as numbers."""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vehicledyn.kernel.engine import Vector
+from vehicledyn.kernel.interpreted import BufferedFunction
+from vehicledyn.symbolic.constrained_equations import ConstrainedEquations
+
+
+class Instant(NamedTuple):
+    """Time [s], coordinates, their rates, accelerations, multipliers and further states."""
+
+    time: float
+    position: Vector
+    velocity: Vector
+    acceleration: Vector
+    multiplier: Vector
+    other: Vector
+
+
+class Residuals(NamedTuple):
+    """What is left of forces, constraints and their rates, and the rates of further states."""
+
+    force: Vector
+    gap: Vector
+    opening: Vector
+    other_rate: Vector
+
+
+class Sparse(NamedTuple):
+    """A sparse matrix by rows and columns of its elements, and their values."""
+
+    rows: NDArray[np.intp]
+    columns: NDArray[np.intp]
+    values: Vector
+    shape: tuple[int, int]
+
+    def matrix(self) -> Any:
+        """Return it in compressed columns."""
+        from scipy.sparse import csc_matrix
+
+        return csc_matrix((self.values, (self.rows, self.columns)), shape=self.shape)
+
+
+class Partials(NamedTuple):
+    """Derivatives, named by what and by which variable: f forces, s other rates, h openings."""
+
+    f_a: Sparse
+    f_v: Sparse
+    f_q: Sparse
+    f_s: Sparse
+    s_v: Sparse
+    s_q: Sparse
+    s_s: Sparse
+    h_q: Sparse
+    jacobian: Sparse
+
+
+class ResidualFunctions:
+    """Evaluates the residuals of a motion and their derivatives, which are exact."""
+
+    def __init__(self, equations: ConstrainedEquations) -> None:
+        """Differentiate the residuals; only elements that are not always zero are kept."""
+        import casadi
+
+        e = self.equations = equations
+        inputs = [e.time, e.position, e.velocity, e.acceleration, e.multiplier, e.other]
+        inputs.append(e.parameter)
+        results = [casadi.densify(x) for x in (e.force, e.gap, e.opening, e.other_rate)]
+        self._residual = BufferedFunction(_function("residual", inputs, results))
+        blocks = [
+            *(casadi.jacobian(e.force, x) for x in (e.acceleration, e.velocity)),
+            *(casadi.jacobian(e.force, x) for x in (e.position, e.other)),
+            *(casadi.jacobian(e.other_rate, x) for x in (e.velocity, e.position, e.other)),
+            casadi.jacobian(e.opening, e.position),
+            casadi.sparsify(e.jacobian),
+        ]
+        self._patterns = []
+        for block in blocks:
+            rows, columns = block.sparsity().get_triplet()
+            self._patterns.append((np.array(rows, int), np.array(columns, int), block.shape))
+        values = [casadi.vertcat(casadi.SX(0, 1), *block.nonzeros()) for block in blocks]
+        self._partials = BufferedFunction(_function("partials", inputs, values))
+        quadratic = [casadi.densify(e.quadratic)]
+        self._quadratic = BufferedFunction(_function("quadratic", inputs, quadratic))
+        self.sizes = e.position.numel(), e.other.numel(), e.multiplier.numel()
+
+    def residuals(self, at: Instant, parameters: Vector) -> Residuals:
+        """Return the residuals at an instant."""
+        return Residuals(*self._residual(*at, parameters))
+
+    def partials(self, at: Instant, parameters: Vector) -> Partials:
+        """Return the derivatives at an instant."""
+        found = self._partials(*at, parameters)
+        pairs = zip(self._patterns, found, strict=True)
+        return Partials(*[Sparse(r, c, value, shape) for (r, c, shape), value in pairs])
+
+    def quadratic(self, at: Instant, parameters: Vector) -> Vector:
+        """Return the accelerations of the constraints where the coordinates have none."""
+        return self._quadratic(*at, parameters)[0]
+
+
+def _function(name: str, inputs: list[Any], results: list[Any]) -> Any:
+    import casadi
+
+    return casadi.Function(name, inputs, results, {"cse": True})

@@ -1,0 +1,52 @@
+"""Weights of Newmark's family of methods, by what is asked of them.
+
+Chung, Hulbert (1993), Journal of Applied Mechanics 60, 371-375; Jansen, Whiting, Hulbert (2000),
+Computer Methods in Applied Mechanics and Engineering 190, 305-319 (first-order states).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal, TypeAlias
+
+Constraints: TypeAlias = Literal["reduced", "index3", "stabilised_index2"]
+"""How a step treats constraints; "reduced" solves them within the rates."""
+
+
+@dataclass(frozen=True)
+class Weights:
+    """Weights of a step: of accelerations and rates at its start, and of Newmark's formulas.
+
+    ``first_order_mass`` is the weight of the auxiliary rate of first-order states at the end.
+    """
+
+    alpha_m: float
+    alpha_f: float
+    beta: float
+    gamma: float
+    first_order_mass: float
+
+    @property
+    def first_order_gamma(self) -> float:
+        """Weight of the new auxiliary rate that makes first-order states of order two."""
+        return self.gamma + self.first_order_mass - 1.0 + self.alpha_m
+
+    @staticmethod
+    def newmark(beta: float, gamma: float) -> Weights:
+        """Return the weights of Newmark's method."""
+        return Weights(0.0, 0.0, beta, gamma, 1.0)
+
+    @staticmethod
+    def hht(spectral_radius: float) -> Weights:
+        """Return those of Hilber, Hughes and Taylor; the radius lies between 1/2 and 1."""
+        alpha_f = (1.0 - spectral_radius) / (1.0 + spectral_radius)
+        return Weights(0.0, alpha_f, 0.25 * (1.0 + alpha_f) ** 2, 0.5 + alpha_f, 1.0)
+
+    @staticmethod
+    def generalised_alpha(spectral_radius: float) -> Weights:
+        """Return those of Chung and Hulbert; the radius lies between 0 and 1."""
+        r = spectral_radius
+        alpha_m, alpha_f = (2.0 * r - 1.0) / (r + 1.0), r / (r + 1.0)
+        excess = alpha_f - alpha_m
+        mass = 0.5 * (3.0 - r) / (1.0 + r)
+        return Weights(alpha_m, alpha_f, 0.25 * (1.0 + excess) ** 2, 0.5 + excess, mass)
