@@ -11,12 +11,15 @@ import numpy as np
 from vehicledyn.analyse.newton import settle, solve_damped
 from vehicledyn.base.errors import NumericalError
 from vehicledyn.kernel.derivatives import Derivatives, Slopes
-from vehicledyn.kernel.engine import Vector
+from vehicledyn.kernel.engine import Ledger, Vector
 from vehicledyn.kernel.kernel import Kernel
 from vehicledyn.symbolic.equations import Equations
 
 _LOOSE = 1e-9
 _NAMED = 4
+_DIFFERENCE = 1e-7
+"""How far a state is moved to see how the rates follow [m or rad, or per s]."""
+
 _LARGEST_TURN = 0.5
 """How far a coordinate may turn at once on the way to an equilibrium [rad]."""
 
@@ -142,7 +145,8 @@ def find_equilibrium(
     limits = [_LARGEST_TURN if equations.states[k].unit == "rad" else np.inf for k in problem.free]
     begin = problem.state[problem.free]
     if settling is not None:
-        begin = settle(problem.evaluate, begin, longest=settling, largest_step=np.array(limits))
+        evaluate = problem.roughly if kernel.backend == "compiled" else problem.evaluate
+        begin = settle(evaluate, begin, longest=settling, largest_step=np.array(limits))
     found = solve_damped(
         problem.evaluate, begin, tolerance=tolerance, largest_step=np.array(limits)
     )
@@ -195,6 +199,23 @@ class _Balance:
         self._base, self._unknowns = part.copy(), unknowns
         self._follow = total.unknowns[:, self.free]
         return rates, jacobian
+
+    def roughly(self, part: Vector) -> tuple[Vector, Vector]:
+        """Return the same with differences for the Jacobian, which compiled code makes at once."""
+        state, unknowns = self.point(part)
+        ledger = Ledger()
+        rates = self.kernel.rates(self.time, state, unknowns)
+        jacobian = np.empty((len(self.balanced), part.size))
+        for column, index in enumerate(self.free):
+            moved, guess = state.copy(), unknowns + _DIFFERENCE * self._follow[:, column]
+            moved[index] += _DIFFERENCE
+            found = self.kernel.evaluate(self.time, moved, guess, ledger)
+            jacobian[:, column] = (found - rates)[self.balanced] / _DIFFERENCE
+            self._follow[:, column] = (guess - unknowns) / _DIFFERENCE
+        if not (np.isfinite(rates).all() and np.isfinite(jacobian).all()):
+            raise NumericalError("the rates are no finite numbers at a trial point")
+        self._base, self._unknowns = part.copy(), unknowns
+        return rates[self.balanced], jacobian
 
     def _derive(self, state: Vector, unknowns: Vector) -> Any:
         return self.derivatives.total(self.time, state, unknowns, self.kernel.parameters)

@@ -18,6 +18,7 @@ from vehicledyn.analyse.linearise import linearise
 from vehicledyn.analyse.modes import eigenmodes
 from vehicledyn.analyse.newton import settle, solve_damped
 from vehicledyn.base.errors import NumericalError
+from vehicledyn.kernel.derivatives import Derivatives
 from vehicledyn.kernel.kernel import compile_kernel
 
 
@@ -93,6 +94,38 @@ def test_newton_does_not_leap_to_a_solution_far_off():
     near = solve_damped(sine, np.array([1.5]), tolerance=1e-12, largest_step=0.5)
     assert leap.solved and abs(leap.point[0]) > 6.0
     assert near.solved and near.point == pytest.approx([0.0], abs=1e-12)
+
+
+def test_compiled_equations_settle_without_exact_slopes(needs_compiler):
+    """Through loops, too: differences lead near the equilibrium, and exact slopes onto it."""
+    equations, asked = slider_crank(), []
+    state, unknowns = starts(equations)
+
+    class Counted(Derivatives):
+        def total(self, *point):
+            asked.append(point)
+            return super().total(*point)
+
+    def found(backend):
+        return find_equilibrium(
+            equations,
+            compile_kernel(equations, backend=backend),
+            time=0.0,
+            state=state,
+            unknowns=unknowns,
+            free=[0],
+            balanced=[1],
+            tolerance=1e-10,
+            derivatives=Counted(equations),
+            settling=1e-3,
+        )
+
+    points = [found("interpreted")]
+    needed = len(asked)
+    points.append(found("compiled"))
+    assert np.abs(points[0].state - points[1].state).max() <= 1e-12
+    assert np.abs(points[0].unknowns - points[1].unknowns).max() <= 1e-12
+    assert len(asked) - needed < needed // 2
 
 
 @pytest.mark.parametrize("height", [0.0, 0.05, 0.4])
