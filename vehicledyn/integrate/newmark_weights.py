@@ -7,7 +7,10 @@ Computer Methods in Applied Mechanics and Engineering 190, 305-319 (first-order 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Literal, TypeAlias
+from typing import TYPE_CHECKING, Literal, TypeAlias
+
+if TYPE_CHECKING:
+    from vehicledyn.kernel.engine import Vector
 
 Constraints: TypeAlias = Literal["reduced", "index3", "stabilised_index2"]
 """How a step treats constraints; "reduced" solves them within the rates."""
@@ -30,6 +33,27 @@ class Weights:
     def first_order_gamma(self) -> float:
         """Weight of the new auxiliary rate that makes first-order states of order two."""
         return self.gamma + self.first_order_mass - 1.0 + self.alpha_m
+
+    def error_of_positions(self, h: float, change: Vector) -> Vector:
+        """Return the local error of positions about, of a step h [s] in which a has changed so.
+
+        The acceleration-like a belongs to the time (αm - αf) h later.
+        """
+        shift = self.alpha_m - self.alpha_f
+        found: Vector = h**2 * (1.0 / 6.0 - 0.5 * shift - self.beta) * change
+        return found
+
+    def error_of_rates(
+        self, h: float, change: Vector, size_before: float, change_before: Vector | None
+    ) -> Vector:
+        """Return the local error of velocities about, from the changes of a in two steps."""
+        shift = self.alpha_m - self.alpha_f
+        found: Vector = h * (0.5 - shift - self.gamma) * change
+        if change_before is not None:
+            missed = (1.0 - self.gamma) * shift**2 + self.gamma * (1.0 + shift) ** 2
+            bend = change - h / size_before * change_before
+            found = found + h * (1.0 / 6.0 - 0.5 * missed) * bend
+        return found
 
     @staticmethod
     def newmark(beta: float, gamma: float) -> Weights:

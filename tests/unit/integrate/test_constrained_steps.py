@@ -9,7 +9,7 @@ from chain_examples import chain, damped_pendulum
 from scipy.integrate import solve_ivp
 from solve_examples import Samples, build, oscillator, starts, symbols
 
-from vehicledyn.base.errors import InputError
+from vehicledyn.base.errors import InputError, NumericalError
 from vehicledyn.base.registry import find
 from vehicledyn.integrate.constrained.constrained_steps import (
     ConstrainedSteps,
@@ -292,3 +292,44 @@ def test_loops_closed_by_partitioning_are_refused():
     span = {"start": 0.0, "stop": 1.0, "interval": 0.1}
     with pytest.raises(InputError, match="constraint_method: multipliers"):
         simulate(kernel, solver, state=state, unknowns=unknowns, sink=Samples(), **span)
+
+
+@pytest.mark.parametrize("constraints", ["reduced", "index3", "stabilised_index2"])
+def test_tolerance_controls_the_error(constraints):
+    """Against the pendulum that the four-bar is; local errors are of order three."""
+    method = "partitioning" if constraints == "reduced" else "multipliers"
+    kernel = compile_kernel(derive(chain(1, method=method)), backend="interpreted")
+    names = [s.name for s in kernel.equations.states]
+    exact = swing(1.2, 3.0, 1.0)
+    found = []
+    for tolerance in (1e-5, 1e-7):
+        samples = Samples()
+        solver = find("solver", "generalised_alpha")(
+            step=0.5, tolerance=tolerance, constraints=constraints
+        )
+        state = four_bar_state(kernel.equations, 1.2, 3.0)
+        unknowns = [-1.2 if "coupler" in u.name else 1.2 for u in kernel.equations.unknowns]
+        span = {"start": 0.0, "stop": 1.0, "interval": 0.5}
+        took = simulate(kernel, solver, state=state, unknowns=unknowns, sink=samples, **span)
+        end = samples.states[-1]
+        angle, rate = (end[names.index(f"upright_0.{n}")] for n in ("angle", "angle_rate"))
+        error = max(abs(angle - exact[0]), abs(rate - exact[1]) / (1.0 + abs(exact[1])))
+        found.append((error / tolerance ** (2.0 / 3.0), took.steps))
+    assert all(0.05 < error < 2.0 for error, _ in found)
+    assert 3.0 < found[1][1] / found[0][1] < 7.0
+
+
+def test_error_that_no_step_meets_is_reported():
+    """A force that grows beyond all bounds in finite time."""
+    t, x, v = symbols("t", "x", "v")
+    rates = [v, ca.fabs(0.53 - t) ** -1.5]
+    states = [(x, 1.0), (v, 0.0)]
+    places = {"positions": (0,), "velocities": (1,)}
+    equations = build(
+        "grows", time=t, states=states, rates=rates, parameters=[], outputs=[("x", x)], **places
+    )
+    kernel = compile_kernel(equations, backend="interpreted")
+    solver = find("solver", "generalised_alpha")(step=0.1, tolerance=1e-4)
+    span = {"start": 0.0, "stop": 1.0, "interval": 0.1}
+    with pytest.raises(NumericalError, match=r"t = 0\.5299.*error stays too large"):
+        simulate(kernel, solver, state=[1.0, 0.0], unknowns=[], sink=Samples(), **span)

@@ -53,8 +53,9 @@ _COARSE = 1e-3
 class ConstrainedPlace:
     """A point of a motion, with what the step to come needs of it.
 
-    ``auxiliary`` are the acceleration-like a and the rate-like values of further states, ``rates``
-    the true accelerations and rates; ``correction`` is η and ``size`` the step that led here [s].
+    ``auxiliary`` are the acceleration-like a and its like for further states, ``other_rate`` the
+    true rates of these. ``correction`` is η, ``size`` the step that led here [s], and ``change``
+    what it added to a, None where the motion starts.
     """
 
     point: Point
@@ -63,6 +64,7 @@ class ConstrainedPlace:
     other_rate: Vector
     correction: Vector
     size: float
+    change: Vector | None = None
 
 
 @dataclass(frozen=True)
@@ -77,6 +79,7 @@ class _Known:
     other: Vector
     lag: Vector
     arms: Any
+    old: tuple[Vector, Vector]
 
 
 class ConstrainedSteps:
@@ -139,7 +142,7 @@ class ConstrainedSteps:
     def _iterate(self, place: ConstrainedPlace, end: float) -> ConstrainedPlace | None:
         factors = self._prepared(place, end - place.instant.time)
         known = self._known(place, end, factors.arms)
-        a, r = (x.copy() for x in place.auxiliary)
+        a, r = known.old
         multiplier, eta = place.instant.multiplier.copy(), place.correction.copy()
         before = np.inf
         for iteration in range(_MOST_ITERATIONS):
@@ -180,13 +183,14 @@ class ConstrainedSteps:
         state[list(e.others)] = instant.other
         rate = (w.first_order_mass * r + known.lag) / (1.0 - w.alpha_f)
         point = Point(known.time, state, place.point.unknowns.copy())
-        return ConstrainedPlace(point, instant, (a, r), rate, eta, known.size)
+        change = a - known.old[0]
+        return ConstrainedPlace(point, instant, (a, r), rate, eta, known.size, change)
 
     def _known(self, place: ConstrainedPlace, end: float, arms: Any) -> _Known:
         """Return what is known of a step: all that its unknowns do not change."""
         w, at = self._weights, place.instant
         h = end - at.time
-        a, r = place.auxiliary
+        a, r = self._carried(place, h)
         mass = w.first_order_mass
         return _Known(
             end,
@@ -197,7 +201,31 @@ class ConstrainedSteps:
             at.other + h * (1.0 - w.first_order_gamma) * r,
             (1.0 - mass) * r - w.alpha_f * place.other_rate,
             arms,
+            (a, r),
         )
+
+    @staticmethod
+    def _carried(place: ConstrainedPlace, h: float) -> tuple[Vector, Vector]:
+        """Return a and its like for a step of size h: they lead or lag by a part of the step."""
+        a, r = place.auxiliary
+        if not place.size or h == place.size:
+            return a, r
+        ratio, at = h / place.size, place.instant.acceleration
+        return at + ratio * (a - at), place.other_rate + ratio * (r - place.other_rate)
+
+    def error(self, before: ConstrainedPlace, after: ConstrainedPlace) -> float:
+        """Return the largest local error of a step about, for one plus the size of each state.
+
+        It is that of coordinates and velocities; further states are not looked at.
+        """
+        if after.change is None:
+            return 0.0
+        w, h, at = self._weights, after.size, after.instant
+        pairs = [
+            (w.error_of_positions(h, after.change), at.position),
+            (w.error_of_rates(h, after.change, before.size, before.change), at.velocity),
+        ]
+        return float(max(np.abs(e / (1.0 + np.abs(x))).max(initial=0.0) for e, x in pairs))
 
     def _instant(
         self, known: _Known, a: Vector, r: Vector, multiplier: Vector, eta: Vector
@@ -246,7 +274,7 @@ class ConstrainedSteps:
     def _foreseen(self, place: ConstrainedPlace, size: float) -> Instant:
         """Return about where a step leads; Jacobians there serve it and its followers best."""
         known = self._known(place, place.instant.time + size, None)
-        return self._instant(known, *place.auxiliary, place.instant.multiplier, place.correction)
+        return self._instant(known, *known.old, place.instant.multiplier, place.correction)
 
     def _prepared(self, place: ConstrainedPlace, size: float) -> StepFactors:
         """Return factors, found anew where they are stale or of another step size."""

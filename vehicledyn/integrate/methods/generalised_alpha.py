@@ -1,4 +1,4 @@
-"""Chung and Hulbert's implicit generalised-alpha method with a fixed step."""
+"""Chung and Hulbert's implicit generalised-alpha method."""
 
 from __future__ import annotations
 
@@ -6,7 +6,11 @@ from typing import TYPE_CHECKING
 
 from vehicledyn.base.parameters import ParameterSet, quantity
 from vehicledyn.base.registry import register
-from vehicledyn.integrate.methods.tolerances import how_constraints_are_met, required_step
+from vehicledyn.integrate.methods.tolerances import (
+    how_constraints_are_met,
+    local_tolerance,
+    required_step,
+)
 from vehicledyn.integrate.newmark_weights import Constraints
 
 if TYPE_CHECKING:
@@ -15,7 +19,7 @@ if TYPE_CHECKING:
 
 @register("solver", "generalised_alpha")
 class GeneralisedAlpha(ParameterSet):
-    """Implicit generalised-alpha method, order 2, fixed step; damps what it cannot resolve.
+    """Implicit generalised-alpha method, order 2; damps what it cannot resolve.
 
     Of all methods of its family with this spectral radius it damps slow motion least.
 
@@ -27,6 +31,7 @@ class GeneralisedAlpha(ParameterSet):
     spectral_radius: float = quantity(
         "1", "Factor a step leaves of infinitely fast oscillations", default=0.8, ge=0, le=1
     )
+    tolerance: float | None = local_tolerance()
     constraints: Constraints = how_constraints_are_met()
 
     def integrate(self, task: Task) -> Statistics:
@@ -35,4 +40,11 @@ class GeneralisedAlpha(ParameterSet):
         from vehicledyn.integrate.newmark_weights import Weights
 
         weights = Weights.generalised_alpha(self.spectral_radius)
-        return run_newmark(task, "generalised_alpha", weights, self.step, self.constraints)
+        return run_newmark(
+            task,
+            "generalised_alpha",
+            weights,
+            self.step,
+            constraints=self.constraints,
+            tolerance=self.tolerance,
+        )

@@ -6,7 +6,11 @@ from typing import TYPE_CHECKING
 
 from vehicledyn.base.parameters import ParameterSet, quantity
 from vehicledyn.base.registry import register
-from vehicledyn.integrate.methods.tolerances import how_constraints_are_met, required_step
+from vehicledyn.integrate.methods.tolerances import (
+    how_constraints_are_met,
+    local_tolerance,
+    required_step,
+)
 from vehicledyn.integrate.newmark_weights import Constraints
 
 if TYPE_CHECKING:
@@ -15,7 +19,7 @@ if TYPE_CHECKING:
 
 @register("solver", "hht")
 class HilberHughesTaylor(ParameterSet):
-    """Implicit HHT method, order 2, fixed step; damps oscillations that the step cannot resolve.
+    """Implicit HHT method, order 2; damps oscillations that the step cannot resolve.
 
     The usual parameter alpha is (r - 1)/(r + 1), of r the spectral radius.
 
@@ -27,6 +31,7 @@ class HilberHughesTaylor(ParameterSet):
     spectral_radius: float = quantity(
         "1", "Factor a step leaves of infinitely fast oscillations", default=0.8, ge=0.5, le=1
     )
+    tolerance: float | None = local_tolerance()
     constraints: Constraints = how_constraints_are_met()
 
     def integrate(self, task: Task) -> Statistics:
@@ -35,4 +40,11 @@ class HilberHughesTaylor(ParameterSet):
         from vehicledyn.integrate.newmark_weights import Weights
 
         weights = Weights.hht(self.spectral_radius)
-        return run_newmark(task, "hht", weights, self.step, self.constraints)
+        return run_newmark(
+            task,
+            "hht",
+            weights,
+            self.step,
+            constraints=self.constraints,
+            tolerance=self.tolerance,
+        )

@@ -1,4 +1,4 @@
-"""Newmark's implicit method with a fixed step."""
+"""Newmark's implicit method, with a step of one size or controlled by the error."""
 
 from __future__ import annotations
 
@@ -6,7 +6,11 @@ from typing import TYPE_CHECKING
 
 from vehicledyn.base.parameters import ParameterSet, quantity
 from vehicledyn.base.registry import register
-from vehicledyn.integrate.methods.tolerances import how_constraints_are_met, required_step
+from vehicledyn.integrate.methods.tolerances import (
+    how_constraints_are_met,
+    local_tolerance,
+    required_step,
+)
 from vehicledyn.integrate.newmark_weights import Constraints
 
 if TYPE_CHECKING:
@@ -15,7 +19,7 @@ if TYPE_CHECKING:
 
 @register("solver", "newmark")
 class Newmark(ParameterSet):
-    """Newmark's implicit method, fixed step; order 2 with gamma = 1/2, else order 1.
+    """Newmark's implicit method; order 2 with gamma = 1/2, else order 1.
 
     With beta = 1/4 and gamma = 1/2 it is the trapezoidal rule: stable with any step where the
     model is linear, and without numerical damping.
@@ -29,6 +33,7 @@ class Newmark(ParameterSet):
     gamma: float = quantity(
         "1", "Weight of the new acceleration in velocities", default=0.5, ge=0.5
     )
+    tolerance: float | None = local_tolerance()
     constraints: Constraints = how_constraints_are_met()
 
     def integrate(self, task: Task) -> Statistics:
@@ -37,4 +42,11 @@ class Newmark(ParameterSet):
         from vehicledyn.integrate.newmark_weights import Weights
 
         weights = Weights.newmark(self.beta, self.gamma)
-        return run_newmark(task, "newmark", weights, self.step, self.constraints)
+        return run_newmark(
+            task,
+            "newmark",
+            weights,
+            self.step,
+            constraints=self.constraints,
+            tolerance=self.tolerance,
+        )

@@ -46,3 +46,12 @@ def how_constraints_are_met() -> Any:
         "a system with 'constraint_method: multipliers', or without loops"
     )
     return Field(default="reduced", description=text)
+
+
+def local_tolerance() -> Any:
+    """Declare the local error that shortens the steps of an implicit method."""
+    text = (
+        "Local error allowed for each state, for one plus its size; halves steps from 'step' on; "
+        "steps of one size if left out"
+    )
+    return quantity("1", text, default=None, ge=SMALLEST_RELATIVE, lt=1)
