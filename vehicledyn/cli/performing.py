@@ -86,12 +86,12 @@ def show(
 
 def _draw_tables(data: LabelledData, folder: Path) -> None:
     """Draw the standard figures of eigenmodes, responses, cycles or contacts into a folder."""
-    from vehicledyn.results.plots.linear_results import linear_figures
     from vehicledyn.results.plots.picture_files import save_figures
+    from vehicledyn.results.plots.table_results import table_figures
 
     with show_progress() as progress:
         progress("drawing", None)
-        save_figures(linear_figures(data.path), folder, ("png", "svg"))
+        save_figures(table_figures(data.path), folder, ("png", "svg"))
 
 
 def _draw(data: LabelledData, folder: Path, *, quiet: bool) -> tuple[list[str], int]:

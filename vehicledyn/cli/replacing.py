@@ -73,7 +73,7 @@ def is_same(one: Path | None, other: Path) -> bool:
 
 def _reason(output: Path, kind: str, facts: dict[str, str]) -> str:
     """Return why a file is kept, empty if it may be replaced."""
-    from vehicledyn.results.compare.linear_compare import KINDS
+    from vehicledyn.results.compare.table_compare import KINDS
 
     found = facts.get("format", "")
     if not found:

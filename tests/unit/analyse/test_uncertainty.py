@@ -33,7 +33,7 @@ def test_sobol_indices_of_ishigami():
     assert total[0] == pytest.approx(expected, abs=0.01)
 
 
-def test_linear_figures_of_normal_parameters_are_exact():
+def test_table_figures_of_normal_parameters_are_exact():
     """Variances add, and so do their shares."""
     slopes = np.array([[2.0, -3.0], [0.0, 1.0]])
     laws = [normal(1.0, 0.5), normal(2.0, 0.1)]

@@ -13,7 +13,7 @@ from vehicledyn.analyses.hunting.start import HuntSettings
 from vehicledyn.analyses.preparation.sources import laws_that_bend
 from vehicledyn.base.errors import InputError, NumericalError
 from vehicledyn.files.scenario import load_model
-from vehicledyn.results.plots.linear_results import draw_linear
+from vehicledyn.results.labelled.requested import save_standard
 from vehicledyn.results.tables.hunt_table import read_hunt
 
 pytestmark = pytest.mark.long
@@ -110,7 +110,7 @@ def test_what_was_found_is_kept(tmp_path, monkeypatch, error, status):
     settings = HuntSettings("speed", 50.0, 70.0, points=8, simulate=False)
     report = study(settings, tmp_path=tmp_path)
     assert report.status == status
-    draw_linear(tmp_path / "hunt.h5", tmp_path / "plots")
+    save_standard({"": tmp_path / "hunt.h5"}, tmp_path / "plots")
     kept = read_hunt(tmp_path / "hunt.h5")
     assert kept.status == status and len(kept.cycles) == 6
     assert "kept" in kept.message or "lost near speed" in kept.message
@@ -350,7 +350,7 @@ def test_a_branch_leads_off_where_cycles_cease_to_be_their_own_image(tmp_path):
         "push", -0.01, 0.05, points=20, simulate=False, channels=("small.angle",)
     )
     report = study(settings, load_model(str(path)), tmp_path)
-    draw_linear(tmp_path / "hunt.h5", tmp_path / "plots")
+    save_standard({"": tmp_path / "hunt.h5"}, tmp_path / "plots")
     (point,) = (row for row in report.table.cycles if row.kind == "branch_point")
     assert point.branch == 1 and point.value == pytest.approx(0.025, rel=0.02)
     rows = report.table.branch(2)

@@ -10,7 +10,7 @@ from vehicledyn.base.errors import InputError
 from vehicledyn.cli.commands.linear import cases_of
 from vehicledyn.cli.options import speeds_in_si
 from vehicledyn.files.scenario import load_model, load_scenario
-from vehicledyn.results.plots.linear_results import draw_linear
+from vehicledyn.results.labelled.requested import save_standard
 from vehicledyn.results.tables.mode_table import read_modes, write_modes
 
 
@@ -125,7 +125,7 @@ def test_several_variants_are_cases(system, tmp_path):
     text = CHAIN.replace("FIRST", "1").replace("LAST", "5") + WALLS
     variants = [(f"mass={m} kg", system(text, f"mass={m} kg")) for m in (2, 8)]
     write_modes(tmp_path / "modes.h5", modes_of(variants).table)
-    draw_linear(tmp_path / "modes.h5", tmp_path / "figures")
+    save_standard({"": tmp_path / "modes.h5"}, tmp_path / "figures")
     modes = read_modes(tmp_path / "modes.h5")
     assert [case.label for case in modes.cases] == ["mass=2 kg", "mass=8 kg"]
     ratio = modes.cases[0].frequency / modes.cases[1].frequency

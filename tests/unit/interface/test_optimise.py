@@ -110,9 +110,9 @@ def test_a_front_of_compromises_and_several_starts(tmp_path):
     assert (np.diff(found["front_objective"].values) > 0.0).all()
     assert (found["front_optimality"].values < 1e-4).all()
     assert sum("start " in note for note in found.notes) == 3
-    from vehicledyn.results.plots.linear_results import linear_figures
+    from vehicledyn.results.plots.table_results import table_figures
 
-    assert [name for name, _ in linear_figures(tmp_path / "out.h5")] == ["convergence", "front"]
+    assert [name for name, _ in table_figures(tmp_path / "out.h5")] == ["convergence", "front"]
     assert len(found.report.as_dict()["front"]) == 3
     assert "front: objective" in found.report.as_text()
 

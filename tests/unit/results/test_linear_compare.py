@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from vehicledyn.cli import main
-from vehicledyn.results.compare.linear_compare import _numbers, compare_linear
+from vehicledyn.results.compare.table_compare import _numbers, compare_tables
 from vehicledyn.results.compare.tolerances import Tolerances
 from vehicledyn.results.store.linear_file import Quantity
 from vehicledyn.results.tables.hunt_table import CycleRow, HuntTable, SimulatedRow, write_hunt
@@ -43,7 +43,7 @@ def reference(tmp_path):
 
 def compared(path, reference, table, relative=1e-6, **more):
     write_hunt(path, table)
-    return compare_linear(path, reference, tolerances=Tolerances(relative), **more)
+    return compare_tables(path, reference, tolerances=Tolerances(relative), **more)
 
 
 def test_equal_studies(reference, tmp_path):

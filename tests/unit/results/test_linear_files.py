@@ -7,10 +7,12 @@ import numpy as np
 import pytest
 
 from vehicledyn.base.errors import InputError
+from vehicledyn.results.labelled.data import LabelledData
+from vehicledyn.results.labelled.requested import save_requested, save_standard
 from vehicledyn.results.plots.linear.bode import bode_figures
 from vehicledyn.results.plots.linear.mode_figures import mode_figures
-from vehicledyn.results.plots.linear_results import describe_linear, draw_linear, is_linear
 from vehicledyn.results.plots.picture_files import save_figures
+from vehicledyn.results.plots.table_results import describe_table, holds_table
 from vehicledyn.results.store.linear_file import Quantity
 from vehicledyn.results.tables import mode_table
 from vehicledyn.results.tables.mode_table import ModeCase, ModeTable, read_modes, write_modes
@@ -105,7 +107,7 @@ def test_other_files_are_refused(tmp_path):
     with pytest.raises(InputError, match="holds no vehicledyn-response data"):
         read_response(path)
     (tmp_path / "text.h5").write_text("no")
-    assert not is_linear(tmp_path / "text.h5")
+    assert not holds_table(tmp_path / "text.h5")
     with pytest.raises(InputError, match="its format is 'unknown'"):
         read_modes(tmp_path / "text.h5")
     with h5py.File(path, "a") as file:
@@ -117,17 +119,20 @@ def test_other_files_are_refused(tmp_path):
 def test_figures_and_descriptions(tmp_path):
     write_modes(tmp_path / "m.h5", modes())
     write_response(tmp_path / "r.h5", response())
-    drawn = draw_linear(tmp_path / "m.h5", tmp_path / "p", None, ("png",))
+    drawn = save_standard({"": tmp_path / "m.h5"}, tmp_path / "p", formats=("png",))
     assert [p.name for p in drawn] == [
         "root_locus.png", "mode_shapes_case_1_page_1.png", "mode_shapes_case_2_page_1.png",
     ]  # fmt: skip
-    drawn = draw_linear(tmp_path / "r.h5", tmp_path / "p", ["bode_b"], ("svg",))
+    responses = LabelledData(tmp_path / "r.h5")
+    drawn = save_requested({"": responses}, tmp_path / "p", patterns=["bode_b"], formats=("svg",))
     assert [p.name for p in drawn] == ["bode_b.svg"]
-    with pytest.raises(InputError, match="no figure named 'bode_c'; did you mean 'bode_b'"):
-        draw_linear(tmp_path / "r.h5", tmp_path / "p", ["bode_c"], ("svg",))
-    text = describe_linear(tmp_path / "r.h5").as_text()
+    with pytest.raises(
+        InputError, match="no channel or figure named 'bode_c'; did you mean"
+    ):
+        save_requested({"": responses}, tmp_path / "p", patterns=["bode_c"], formats=("svg",))
+    text = describe_table(tmp_path / "r.h5").as_text()
     assert "9 frequencies from 0.1 to 10 Hz" in text and "a.y" in text
-    told = describe_linear(tmp_path / "m.h5").as_dict()
+    told = describe_table(tmp_path / "m.h5").as_dict()
     assert told["cases"] == ["spring=0 N/m", "5 m/s, spring=5 N/m"]
 
 

@@ -203,14 +203,14 @@ def _joined(paths: Sequence[Path]) -> str:
 def info(result: ResultFile, as_json: Json = False) -> None:
     """Show what a result file holds."""
     from vehicledyn.results.info import describe_result
-    from vehicledyn.results.plots.linear_results import describe_linear, is_linear
+    from vehicledyn.results.plots.table_results import describe_table, holds_table
     from vehicledyn.results.store.study_reader import is_study_file
     from vehicledyn.results.study_info import describe_study
 
     if is_study_file(result):
         emit_report(describe_study(result), as_json=as_json)
     else:
-        report = describe_linear(result) if is_linear(result) else describe_result(result)
+        report = describe_table(result) if holds_table(result) else describe_result(result)
         emit_report(report, as_json=as_json)
 
 

@@ -10,7 +10,7 @@ from vehicledyn.base.errors import InputError
 from vehicledyn.results.animation.page import page_of
 from vehicledyn.results.animation.scene import AnimatedScene, scene_of
 from vehicledyn.results.hdf5.page_file import check_page, write_page
-from vehicledyn.results.plots.linear_results import is_linear
+from vehicledyn.results.plots.table_results import holds_table
 from vehicledyn.results.store.animation_section import Span
 from vehicledyn.results.store.reader import open_result
 from vehicledyn.results.store.study_reader import is_study_file
@@ -112,7 +112,7 @@ def _refuse_others(path: Path) -> None:
             f"{path}: holds the cases of a study, none of them in motion; run one of its cases "
             "with 'vehicledyn run' and animate that"
         )
-    if is_linear(path):
+    if holds_table(path):
         raise InputError(
             f"{path}: holds no motion but a table; draw it with 'vehicledyn plot', or animate the "
             "result of 'vehicledyn run'"

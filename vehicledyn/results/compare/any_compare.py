@@ -6,11 +6,11 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from vehicledyn.results.compare.comparison import Comparison
-from vehicledyn.results.compare.linear_compare import compare_linear, other_kinds
 from vehicledyn.results.compare.run_compare import compare_files
 from vehicledyn.results.compare.study_compare import compare_studies
+from vehicledyn.results.compare.table_compare import compare_tables, other_kinds
 from vehicledyn.results.compare.tolerances import Tolerances
-from vehicledyn.results.plots.linear_results import is_linear
+from vehicledyn.results.plots.table_results import holds_table
 from vehicledyn.results.store.study_reader import is_study_file
 
 
@@ -30,8 +30,8 @@ def compare_results(
     Parameters are those of :func:`vehicledyn.results.compare.run_compare.compare_files`; unusable
     files are reported in the comparison, not raised.
     """
-    if is_linear(reference) or other_kinds(result, reference):
-        compare = compare_linear
+    if holds_table(reference) or other_kinds(result, reference):
+        compare = compare_tables
     elif is_study_file(reference):
         compare = compare_studies
     else:

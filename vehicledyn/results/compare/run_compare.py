@@ -170,19 +170,24 @@ def _chosen(reference: Result, patterns: Sequence[str] | None) -> list[str]:
 
 def _compare_channel(name: str, pair: _Pair, tolerances: Tolerances) -> ChannelComparison:
     computed, wanted = pair.result.channel(name), pair.reference.channel(name)
+    undefined = _undefined_in_both(pair, computed.values, wanted.values)
     obstacle = (
         _unit_difference(computed, wanted)
-        or _not_finite(computed, "the result", pair.result.time)
-        or _not_finite(wanted, "the reference", pair.reference.time)
+        or _not_finite(computed.values, undefined, "the result", pair.result.time)
+        or _not_finite(wanted.values, undefined, "the reference", pair.reference.time)
     )
     if obstacle:
         return ChannelComparison(name, wanted.unit, passed=False, message=obstacle)
+    if undefined is not None and undefined.all():
+        return ChannelComparison(name, wanted.unit, passed=True)
     time, values = pair.reference.time, computed.values
     if pair.interpolated:
         values = np.interp(time, pair.result.time, values)
     differences = np.abs(values - wanted.values)
+    if undefined is not None:
+        differences[undefined] = 0.0
     at = int(np.argmax(differences))
-    tolerance = tolerances.of(name, wanted.values)
+    tolerance = tolerances.of(name, wanted.values[np.isfinite(wanted.values)])
     return ChannelComparison(
         name,
         wanted.unit,
@@ -201,9 +206,26 @@ def _unit_difference(computed: Series, wanted: Series) -> str:
     return f"unit is {computed.unit}, in the reference {wanted.unit}"
 
 
-def _not_finite(series: Series, place: str, time: Floats) -> str:
-    bad = np.flatnonzero(~np.isfinite(series.values))
-    return f"{series.values[bad[0]]} in {place} at t = {time[bad[0]]:.9g} s" if bad.size else ""
+def _undefined_in_both(pair: _Pair, computed: Floats, wanted: Floats) -> NDArray[np.bool_] | None:
+    """Return where a quantity is undefined (NaN) in both files, which agree there; else None.
+
+    Of positions only: a motion ratio has no value where the wheel does not move. A motion that is
+    no number has failed, in both files too.
+    """
+    if pair.interpolated or pair.reference.is_timed:
+        return None
+    undefined: NDArray[np.bool_] = np.isnan(computed) & np.isnan(wanted)
+    return undefined
+
+
+def _not_finite(
+    values: Floats, undefined: NDArray[np.bool_] | None, place: str, time: Floats
+) -> str:
+    wrong = ~np.isfinite(values)
+    if undefined is not None:
+        wrong &= ~undefined
+    bad = np.flatnonzero(wrong)
+    return f"{values[bad[0]]} in {place} at t = {time[bad[0]]:.9g} s" if bad.size else ""
 
 
 def _missing(name: str, result: Result, reference: Result) -> ChannelComparison:

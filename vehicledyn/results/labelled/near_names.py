@@ -20,7 +20,8 @@ def unknown_array(name: str, known: Iterable[str], figures: Sequence[str] = ()) 
     """
     names = list(dict.fromkeys(known))
     if len(names) <= FEW:
-        return unknown_name("channel" if not figures else "channel or figure", name, names)
+        kind = "channel or figure" if figures else "channel"
+        return unknown_name(kind, name, [*names, *figures])
     text = f"no channel{' or figure' if figures else ''} matches '{name[:80]}'; {near(name, names)}"
     return f"{text}; figures: {', '.join(figures)}" if figures else text
 

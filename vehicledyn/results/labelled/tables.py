@@ -28,6 +28,7 @@ from vehicledyn.results.tables import (
     optimum_table,
     response_table,
     sensitivity_table,
+    tyre_table,
     uncertainty_table,
 )
 
@@ -43,6 +44,7 @@ KINDS = {
     optimum_table.FORMAT: "optimum",
     identification_table.FORMAT: "identification",
     uncertainty_table.FORMAT: "uncertainty",
+    tyre_table.FORMAT: "tyre",
 }
 """What the formats of these files are called."""
 

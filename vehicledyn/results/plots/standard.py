@@ -12,11 +12,11 @@ from typing import TYPE_CHECKING
 
 from vehicledyn.base.errors import InputError
 from vehicledyn.results.plots.arrangement import arranged
-from vehicledyn.results.plots.linear_results import is_linear, linear_figures
 from vehicledyn.results.plots.overlay import overlaid
 from vehicledyn.results.plots.plot_description import Plot, TimePlot
 from vehicledyn.results.plots.run_plots import plots_of
 from vehicledyn.results.plots.studies.study_plots import NAMES, study_figures
+from vehicledyn.results.plots.table_results import holds_table, table_figures
 from vehicledyn.results.store.linear_file import format_of
 from vehicledyn.results.store.reader import Result, open_result
 from vehicledyn.results.store.study_reader import is_study_file, open_study
@@ -42,8 +42,8 @@ def standard_figures(
     if is_study_file(path):
         with open_study(path) as study:
             yield from _chosen(study_figures(study), names)
-    elif is_linear(path):
-        yield from _chosen(linear_figures(path), names)
+    elif holds_table(path):
+        yield from _chosen(table_figures(path), names)
     else:
         with open_result(path) as result:
             for plot in plots_of(result) if len(result.time) else ():
@@ -61,8 +61,8 @@ def figure_names(path: Path) -> list[str]:
     """
     if is_study_file(path):
         return list(NAMES)
-    if is_linear(path):
-        return [name for name, _ in linear_figures(path)]
+    if holds_table(path):
+        return [name for name, _ in table_figures(path)]
     with open_result(path, 2) as result:
         return [plot.name for plot in plots_of(result)]
 
@@ -118,7 +118,7 @@ def figure_sets(
         listed = " and ".join(str(path) for path in results.values())
         raise InputError(f"{listed}: results of different kinds cannot share a figure")
     first = next(iter(results.values()))
-    if is_study_file(first) or is_linear(first):
+    if is_study_file(first) or holds_table(first):
         found = {label: dict(standard_figures(path, names)) for label, path in results.items()}
         for name in next(iter(found.values())):
             yield name, {label: each[name] for label, each in found.items() if name in each}

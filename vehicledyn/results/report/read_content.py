@@ -21,7 +21,7 @@ def read_content(path: Path) -> Content:
         If there is no such file, or it is not of this program, damaged, or of a newer version.
     """
     from vehicledyn.results.hdf5.opening import is_open_for_writing
-    from vehicledyn.results.plots.linear_results import is_linear
+    from vehicledyn.results.plots.table_results import holds_table
     from vehicledyn.results.store.study_reader import is_study_file
 
     is_open_for_writing(path)  # says what is not there or not HDF5
@@ -29,11 +29,11 @@ def read_content(path: Path) -> Content:
         from vehicledyn.results.report.study_content import study_content
 
         return study_content(path)
-    if is_linear(path):
-        from vehicledyn.results.report.linear_content import linear_content
+    if holds_table(path):
+        from vehicledyn.results.report.table_content import table_content
 
         _refuse_giants(path)
-        return linear_content(path)
+        return table_content(path)
     from vehicledyn.results.report.run_content import run_content
 
     return run_content(path)

@@ -7,9 +7,19 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from vehicledyn.base.files.whole_file import whole_file
 from vehicledyn.results.hdf5.output import write_failed
-from vehicledyn.results.store.linear_file import new_file, write_numbers, write_texts
+from vehicledyn.results.store.linear_file import (
+    Quantity,
+    new_file,
+    old_file,
+    read_texts,
+    write_numbers,
+    write_texts,
+)
+from vehicledyn.results.tables.key_figures import read_key_figures, write_key_figures
 
 FORMAT = "vehicledyn-cam"
 
@@ -57,9 +67,38 @@ def write_cam(path: Path, table: CamTable) -> None:
         raise write_failed(path, error) from error
 
 
+def read_cam(path: Path) -> CamTable:
+    """Read a table from a result file.
+
+    Raises
+    ------
+    InputError
+        If there is no such file, or it is damaged or of another format.
+    """
+    with old_file(path, FORMAT) as file:
+        figures = {
+            quantity.name: (value, quantity.unit, quantity.description)
+            for quantity, value in read_key_figures(file)
+        }
+        columns = {
+            name: CamColumn(
+                str(data.attrs["units"]), str(data.attrs["long_name"]), np.asarray(data[()])
+            )
+            for name, data in file.items()
+            if name != "angle" and data.shape == file["angle"].shape and data.dtype.kind == "f"
+        }
+        return CamTable(
+            str(file.attrs["title"]),
+            str(file.attrs["model"]),
+            file["angle"][()],
+            columns,
+            figures,
+            tuple(read_texts(file, "notes")),
+        )
+
+
 def _write_hdf5(path: Path, table: CamTable) -> None:
     head: dict[str, Any] = {"title": table.title, "model": table.follower}
-    head |= {name: value for name, (value, _, _) in table.figures.items()}
     with new_file(path, FORMAT, head) as file:
         write_numbers(file, "angle", table.angle, (), ("rad", "Angle of the cam"))
         scale = file["angle"]
@@ -67,6 +106,13 @@ def _write_hdf5(path: Path, table: CamTable) -> None:
         for name, column in table.columns.items():
             words = (column.unit, column.description)
             write_numbers(file, name, column.values, (scale,), words)
+        write_key_figures(
+            file,
+            (
+                (Quantity(name, unit, meaning), value)
+                for name, (value, unit, meaning) in table.figures.items()
+            ),
+        )
         write_texts(file, "notes", table.notes)
 
 

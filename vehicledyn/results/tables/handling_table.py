@@ -11,10 +11,12 @@ import numpy as np
 from vehicledyn.results.store.linear_file import (
     Quantity,
     new_file,
+    old_file,
+    read_texts,
     write_numbers,
-    write_quantities,
     write_texts,
 )
+from vehicledyn.results.tables.key_figures import read_key_figures, write_key_figures
 
 FORMAT = "vehicledyn-handling"
 
@@ -87,8 +89,32 @@ def write_handling(path: Path, table: HandlingTable) -> None:
             for name, column in columns.items():
                 told = (column.unit, column.description)
                 write_numbers(file, f"{sheet}.{name}", column.values, (scale,), told)
-        names = tuple(Quantity(f.key, f.unit, f.description) for f in table.figures)
-        scale = write_quantities(file, "figure", names)
-        values = np.array([figure.value for figure in table.figures])
-        write_numbers(file, "figure_value", values, (scale,), ("", "Value of the key figure"))
+        write_key_figures(
+            file, ((Quantity(f.key, f.unit, f.description), f.value) for f in table.figures)
+        )
         write_texts(file, "notes", table.notes)
+
+
+def read_handling(path: Path) -> HandlingTable:
+    """Read a table from a file.
+
+    Raises
+    ------
+    InputError
+        If there is no such file, or it is damaged or of another format.
+    """
+    sheets: dict[str, Sheet] = {}
+    with old_file(path, FORMAT) as file:
+        for place in file:
+            sheet, _, name = place.partition(".")
+            if not name or name == "point":
+                continue
+            told = {key: str(file[place].attrs[key]) for key in ("units", "long_name")}
+            column = Column(told["units"], told["long_name"], file[place][()])
+            sheets.setdefault(sheet, {})[name] = column
+        figures = [
+            KeyFigure(*quantity.name.split(".", 1), value, quantity.unit, quantity.description)
+            for quantity, value in read_key_figures(file)
+        ]
+        title, model = str(file.attrs["title"]), str(file.attrs["model"])
+        return HandlingTable(title, model, sheets, figures, tuple(read_texts(file, "notes")))

@@ -6,11 +6,13 @@ import csv
 from dataclasses import dataclass
 from pathlib import Path
 
+import h5py
 import numpy as np
 from numpy.typing import NDArray
 
 from vehicledyn.base.files.whole_file import whole_file
 from vehicledyn.results.hdf5.output import write_failed
+from vehicledyn.results.store.linear_file import new_file, old_file, write_numbers
 
 Array = NDArray[np.float64]
 
@@ -27,8 +29,8 @@ COLUMNS = {
 }
 """Columns with their units and meanings, slips first."""
 
-FORMAT = "vehicledyn tyre"
-FORMAT_VERSION = 1
+FORMAT = "vehicledyn-tyre"
+_TYRE = "tyre_"
 
 
 @dataclass(frozen=True)
@@ -61,9 +63,12 @@ def write_tyre(tables: list[TyreTable], path: Path) -> None:
     InputError
         If the file cannot be written.
     """
+    if path.suffix == ".h5":
+        _write_hdf5(tables, path)
+        return
     try:
         with whole_file(path) as place:
-            (_write_hdf5 if path.suffix == ".h5" else _write_csv)(tables, place)
+            _write_csv(tables, place)
     except OSError as error:
         raise write_failed(path, error) from error
 
@@ -79,16 +84,34 @@ def _write_csv(tables: list[TyreTable], place: Path) -> None:
                     writer.writerow([table.title, sweep, *(f"{value:.9g}" for value in row)])
 
 
-def _write_hdf5(tables: list[TyreTable], place: Path) -> None:
-    import h5py
+def read_tyres(path: Path) -> list[TyreTable]:
+    """Read tables from a result file.
 
-    with h5py.File(place, "w") as file:
-        file.attrs["format"], file.attrs["format_version"] = FORMAT, FORMAT_VERSION
+    Raises
+    ------
+    InputError
+        If there is no such file, or it is damaged or of another format.
+    """
+    with old_file(path, FORMAT) as file:
+        return [
+            TyreTable(
+                str(group.attrs["title"]),
+                {
+                    sweep: {name: inner[name][()] for name in COLUMNS}
+                    for sweep, inner in group.items()
+                },
+            )
+            for group in file.values()
+            if isinstance(group, h5py.Group)
+        ]
+
+
+def _write_hdf5(tables: list[TyreTable], path: Path) -> None:
+    head = {"title": ", ".join(table.title for table in tables)}
+    with new_file(path, FORMAT, head) as file:
         for number, table in enumerate(tables, start=1):
-            group = file.create_group(f"tyre_{number}")
-            group.attrs["title"] = table.title
+            file.create_group(f"{_TYRE}{number}").attrs["title"] = table.title
             for sweep, columns in table.sweeps.items():
-                inner = group.create_group(sweep)
-                for name, (unit, text) in COLUMNS.items():
-                    data = inner.create_dataset(name, data=columns[name])
-                    data.attrs["unit"], data.attrs["description"] = unit, text
+                for name, words in COLUMNS.items():
+                    place = f"{_TYRE}{number}/{sweep}/{name}"
+                    write_numbers(file, place, columns[name], (), words)

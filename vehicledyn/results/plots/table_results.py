@@ -1,14 +1,15 @@
-"""What files of modes, responses and contact geometry hold: describe them, draw them again."""
+"""What the files of tables hold: describe them, draw them again."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from vehicledyn.base.errors import InputError, unknown_name
+from vehicledyn.results.plots.cams.cam_figures import cam_figures
 from vehicledyn.results.plots.contact_figures import contact_figures
+from vehicledyn.results.plots.handling.test_figures import handling_figures
 from vehicledyn.results.plots.hunt_figures import hunt_figures
 from vehicledyn.results.plots.linear.bode import bode_figures
 from vehicledyn.results.plots.linear.mode_figures import mode_figures
@@ -17,40 +18,38 @@ from vehicledyn.results.plots.parameter_figures import (
     optimum_figures,
     uncertainty_figures,
 )
-from vehicledyn.results.plots.picture_files import save_figures
-from vehicledyn.results.plots.plot_style import STYLE
 from vehicledyn.results.plots.sensitivity_figures import sensitivity_figures
+from vehicledyn.results.plots.tyres.tyre_figures import tyre_figures
 from vehicledyn.results.store.linear_file import format_of
 from vehicledyn.results.tables import (
+    cam_table,
     contact_table,
     equilibrium_table,
+    handling_table,
     hunt_table,
     identification_table,
     mode_table,
     optimum_table,
     response_table,
     sensitivity_table,
+    tyre_table,
     uncertainty_table,
 )
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-FORMATS = (
-    mode_table.FORMAT,
-    response_table.FORMAT,
-    contact_table.FORMAT,
-    hunt_table.FORMAT,
-    equilibrium_table.FORMAT,
-    sensitivity_table.FORMAT,
-    optimum_table.FORMAT,
-    identification_table.FORMAT,
-    uncertainty_table.FORMAT,
-)
+
+@dataclass(frozen=True)
+class TableKind:
+    """What is said of a kind of file, ``facts`` by name, and what is drawn of it."""
+
+    facts: Callable[[Path], dict[str, Any]]
+    figures: Callable[[Path], Iterator[tuple[str, Figure]]]
 
 
 @dataclass(frozen=True)
-class LinearDescription:
+class TableDescription:
     """Facts of a file by name, for people and programs."""
 
     path: str
@@ -69,28 +68,19 @@ class LinearDescription:
         return "\n".join([self.path, *rows])
 
 
-def is_linear(path: Path) -> bool:
-    """Return whether a file holds eigenmodes, frequency responses or contact geometry."""
-    return format_of(path) in FORMATS
+def holds_table(path: Path) -> bool:
+    """Return whether a file holds the table of an analysis, neither a run nor a sweep."""
+    return format_of(path) in TABLES
 
 
-def describe_linear(path: Path) -> LinearDescription:
-    """Return what a file of eigenmodes, frequency responses or contact geometry holds."""
-    facts: dict[str, Callable[[Path], dict[str, Any]]] = {
-        contact_table.FORMAT: _contact_facts,
-        mode_table.FORMAT: _mode_facts,
-        optimum_table.FORMAT: optimum_table.describe_optimum,
-        identification_table.FORMAT: identification_table.describe_identification,
-        uncertainty_table.FORMAT: uncertainty_table.describe_uncertainty,
-        sensitivity_table.FORMAT: lambda p: _sensitivity_facts(
-            sensitivity_table.read_sensitivity(p)
-        ),
-        hunt_table.FORMAT: lambda p: _hunt_facts(hunt_table.read_hunt(p)),
-        equilibrium_table.FORMAT: lambda p: _equilibrium_facts(
-            equilibrium_table.read_equilibrium(p)
-        ),
-    }
-    return LinearDescription(str(path), facts.get(format_of(path), _response_facts)(path))
+def describe_table(path: Path) -> TableDescription:
+    """Return what the file of a table holds."""
+    return TableDescription(str(path), TABLES[format_of(path)].facts(path))
+
+
+def table_figures(path: Path) -> Iterator[tuple[str, Figure]]:
+    """Yield name and figure of all there is to draw of the file of a table."""
+    return TABLES[format_of(path)].figures(path)
 
 
 def _mode_facts(path: Path) -> dict[str, Any]:
@@ -183,47 +173,80 @@ def _hunt_facts(table: hunt_table.HuntTable) -> dict[str, Any]:
     }
 
 
-def draw_linear(
-    path: Path,
-    folder: Path,
-    names: Sequence[str] | None = None,
-    formats: Sequence[str] = ("png", "svg"),
-) -> list[Path]:
-    """Draw the figures of such a file, all or those of some names; return where they are.
-
-    Raises
-    ------
-    InputError
-        If the file cannot be read, a name is unknown or a picture cannot be written.
-    """
-    import matplotlib
-
-    with matplotlib.rc_context(STYLE):
-        figures = dict(linear_figures(path))
-    for name in names or ():
-        if name not in figures:
-            raise InputError(f"{path}: {unknown_name('figure', name, figures)}")
-    if not figures:
-        raise InputError(f"{path}: holds numbers only, there is nothing to draw")
-    chosen = [(name, figures[name]) for name in names or figures]
-    return save_figures(chosen, folder, formats)
+def _handling_facts(path: Path) -> dict[str, Any]:
+    table = handling_table.read_handling(path)
+    return {
+        "holds": "handling of a road vehicle",
+        "title": table.title,
+        "model": table.model,
+        "curves": [name.replace("_", " ") for name in table.sheets],
+        **{figure.key: f"{figure.value:.6g} {figure.unit}".strip() for figure in table.figures},
+        "notes": list(table.notes),
+    }
 
 
-def linear_figures(path: Path) -> Iterator[tuple[str, Figure]]:
-    """Yield name and figure of all there is to draw of such a file."""
-    if format_of(path) == mode_table.FORMAT:
-        yield from mode_figures(mode_table.read_modes(path))
-    elif format_of(path) == hunt_table.FORMAT:
-        yield from hunt_figures(hunt_table.read_hunt(path))
-    elif format_of(path) == contact_table.FORMAT:
-        yield from contact_figures(contact_table.read_contacts(path))
-    elif format_of(path) == sensitivity_table.FORMAT:
-        yield from sensitivity_figures(sensitivity_table.read_sensitivity(path))
-    elif format_of(path) == identification_table.FORMAT:
-        yield from identification_figures(identification_table.read_identification(path))
-    elif format_of(path) == uncertainty_table.FORMAT:
-        yield from uncertainty_figures(uncertainty_table.read_uncertainty(path))
-    elif format_of(path) == optimum_table.FORMAT:
-        yield from optimum_figures(optimum_table.read_course(path))
-    elif format_of(path) != equilibrium_table.FORMAT:
-        yield from bode_figures(response_table.read_response(path))
+def _cam_facts(path: Path) -> dict[str, Any]:
+    table = cam_table.read_cam(path)
+    told = {name: f"{value:.6g} {unit}" for name, (value, unit, _) in table.figures.items()}
+    return {
+        "holds": "a cam over a turn",
+        "title": table.title,
+        "follower": table.follower,
+        "angles": len(table.angle),
+        "columns": [f"{name} [{column.unit}]" for name, column in table.columns.items()],
+        **told,
+        "notes": list(table.notes),
+    }
+
+
+def _tyre_facts(path: Path) -> dict[str, Any]:
+    tables = tyre_table.read_tyres(path)
+    return {
+        "holds": "forces of tyres",
+        "title": ", ".join(table.title for table in tables),
+        "loads": [f"{load:g} N" for load in tables[0].loads],
+        "curves": list(tables[0].sweeps),
+    }
+
+
+def _of(read: Callable[[Path], Any], do: Callable[[Any], Any]) -> Callable[[Path], Any]:
+    """Return a function of a file that does something with what is read from it."""
+    return lambda path: do(read(path))
+
+
+TABLES = {
+    mode_table.FORMAT: TableKind(_mode_facts, _of(mode_table.read_modes, mode_figures)),
+    response_table.FORMAT: TableKind(
+        _response_facts, _of(response_table.read_response, bode_figures)
+    ),
+    contact_table.FORMAT: TableKind(
+        _contact_facts, _of(contact_table.read_contacts, contact_figures)
+    ),
+    hunt_table.FORMAT: TableKind(
+        _of(hunt_table.read_hunt, _hunt_facts), _of(hunt_table.read_hunt, hunt_figures)
+    ),
+    equilibrium_table.FORMAT: TableKind(
+        _of(equilibrium_table.read_equilibrium, _equilibrium_facts), lambda _: iter(())
+    ),
+    sensitivity_table.FORMAT: TableKind(
+        _of(sensitivity_table.read_sensitivity, _sensitivity_facts),
+        _of(sensitivity_table.read_sensitivity, sensitivity_figures),
+    ),
+    optimum_table.FORMAT: TableKind(
+        optimum_table.describe_optimum, _of(optimum_table.read_course, optimum_figures)
+    ),
+    identification_table.FORMAT: TableKind(
+        identification_table.describe_identification,
+        _of(identification_table.read_identification, identification_figures),
+    ),
+    uncertainty_table.FORMAT: TableKind(
+        uncertainty_table.describe_uncertainty,
+        _of(uncertainty_table.read_uncertainty, uncertainty_figures),
+    ),
+    handling_table.FORMAT: TableKind(
+        _handling_facts, lambda path: handling_figures([handling_table.read_handling(path)])
+    ),
+    cam_table.FORMAT: TableKind(_cam_facts, _of(cam_table.read_cam, cam_figures)),
+    tyre_table.FORMAT: TableKind(_tyre_facts, _of(tyre_table.read_tyres, tyre_figures)),
+}
+"""What is said and drawn of the files of tables, by their format."""

@@ -1,26 +1,29 @@
-"""What a page shows of eigenmodes, frequency responses, contact geometry and hunting studies."""
+"""What a page shows of the files of tables."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
 import numpy as np
 
-from vehicledyn.results.plots.linear_results import describe_linear, linear_figures
+from vehicledyn.results.plots.table_results import describe_table, table_figures
 from vehicledyn.results.report.content import Content, KeyFigure, words
 from vehicledyn.results.report.page import Block, Facts, Notes, Section, Table
 from vehicledyn.results.report.texts import number, reading
 from vehicledyn.results.store.linear_file import format_of
 from vehicledyn.results.tables import (
+    cam_table,
     contact_table,
     equilibrium_table,
+    handling_table,
     hunt_table,
     identification_table,
     mode_table,
     optimum_table,
     response_table,
     sensitivity_table,
+    tyre_table,
     uncertainty_table,
 )
 from vehicledyn.results.tables.response_table import ratio_unit
@@ -32,33 +35,13 @@ _ROUNDING = 1e-9
 """Damping ratios up to this are rounding errors of zero."""
 
 
-def linear_content(path: Path) -> Content:
+def table_content(path: Path) -> Content:
     """Return what a page shows of such a file."""
-    facts = describe_linear(path).facts
+    facts = describe_table(path).facts
     kind = format_of(path)
-    state = ""
-    if kind == mode_table.FORMAT:
-        what, key_figures, sections = "Eigenmodes", *_modes(mode_table.read_modes(path))
-    elif kind == response_table.FORMAT:
-        what, key_figures, sections = "Responses", *_responses(response_table.read_response(path))
-    elif kind == contact_table.FORMAT:
-        what, key_figures, sections = "Contact", *_contacts(contact_table.read_contacts(path))
-    elif kind == equilibrium_table.FORMAT:
-        balance = equilibrium_table.read_equilibrium(path)
-        what, key_figures, sections = "Equilibrium", *_equilibrium(balance)
-    elif kind == optimum_table.FORMAT:
-        what, key_figures, sections = "Optimum", [], []
-    elif kind == identification_table.FORMAT:
-        what, key_figures, sections = "Identification", [], []
-    elif kind == uncertainty_table.FORMAT:
-        what, key_figures, sections = "Uncertainty", [], []
-    elif kind == sensitivity_table.FORMAT:
-        slopes = sensitivity_table.read_sensitivity(path)
-        what, key_figures, sections = "Sensitivities", *_sensitivities(slopes)
-    else:
-        table = hunt_table.read_hunt(path)
-        what, key_figures, sections = "Limit cycles", *_cycles(table)
-        state = "" if table.status == "ok" else f"{table.status}: {table.message}"
+    what, parts = _KINDS[kind]
+    key_figures, sections = parts(path)
+    state = _state(hunt_table.read_hunt(path)) if kind == hunt_table.FORMAT else ""
     rows = [
         (words(name), ", ".join(map(str, value)) if isinstance(value, list) else str(value))
         for name, value in facts.items()
@@ -71,12 +54,35 @@ def linear_content(path: Path) -> Content:
         state=state,
         facts=[row for row in rows if row[1]],
         key_figures=key_figures,
-        figures=lambda: linear_figures(path),
+        figures=lambda: table_figures(path),
         details=lambda: sections,
     )
 
 
 Parts = tuple[Sequence[KeyFigure], Sequence[Section]]
+
+
+def _state(table: hunt_table.HuntTable) -> str:
+    return "" if table.status == "ok" else f"{table.status}: {table.message}"
+
+
+def _no_parts(_: Path) -> Parts:
+    return [], []
+
+
+def _handling(path: Path) -> Parts:
+    table = handling_table.read_handling(path)
+    found = [KeyFigure(f.key, f.value, f.unit, words(f.description)) for f in table.figures]
+    return found, [Section("Notes", [Notes(table.notes)])] if table.notes else []
+
+
+def _cam(path: Path) -> Parts:
+    table = cam_table.read_cam(path)
+    found = [
+        KeyFigure(name, value, unit, words(meaning))
+        for name, (value, unit, meaning) in table.figures.items()
+    ]
+    return found, [Section("Notes", [Notes(table.notes)])] if table.notes else []
 
 
 def _equilibrium(table: equilibrium_table.EquilibriumTable) -> Parts:
@@ -272,3 +278,29 @@ def _cycles(table: hunt_table.HuntTable) -> Parts:
     if table.message:
         sections.append(Section("Messages", [Notes([table.message])]))
     return figures, sections
+
+
+_KINDS: dict[str, tuple[str, Callable[[Path], Parts]]] = {
+    mode_table.FORMAT: ("Eigenmodes", lambda path: _modes(mode_table.read_modes(path))),
+    response_table.FORMAT: (
+        "Responses",
+        lambda path: _responses(response_table.read_response(path)),
+    ),
+    contact_table.FORMAT: ("Contact", lambda path: _contacts(contact_table.read_contacts(path))),
+    equilibrium_table.FORMAT: (
+        "Equilibrium",
+        lambda path: _equilibrium(equilibrium_table.read_equilibrium(path)),
+    ),
+    optimum_table.FORMAT: ("Optimum", _no_parts),
+    identification_table.FORMAT: ("Identification", _no_parts),
+    uncertainty_table.FORMAT: ("Uncertainty", _no_parts),
+    sensitivity_table.FORMAT: (
+        "Sensitivities",
+        lambda path: _sensitivities(sensitivity_table.read_sensitivity(path)),
+    ),
+    hunt_table.FORMAT: ("Limit cycles", lambda path: _cycles(hunt_table.read_hunt(path))),
+    handling_table.FORMAT: ("Handling", _handling),
+    cam_table.FORMAT: ("Cam", _cam),
+    tyre_table.FORMAT: ("Tyres", _no_parts),
+}
+"""Heading of the page, and what gives its key figures and sections, by format."""

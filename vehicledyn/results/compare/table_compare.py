@@ -21,14 +21,17 @@ from vehicledyn.results.compare.tolerances import Tolerances
 from vehicledyn.results.store.dimensions import is_bare
 from vehicledyn.results.store.linear_file import format_of, old_file
 from vehicledyn.results.tables import (
+    cam_table,
     contact_table,
     equilibrium_table,
+    handling_table,
     hunt_table,
     identification_table,
     mode_table,
     optimum_table,
     response_table,
     sensitivity_table,
+    tyre_table,
     uncertainty_table,
 )
 
@@ -42,6 +45,9 @@ KINDS = {
     optimum_table.FORMAT: "an optimum",
     identification_table.FORMAT: "identified parameters",
     uncertainty_table.FORMAT: "an uncertainty study",
+    handling_table.FORMAT: "handling of a road vehicle",
+    cam_table.FORMAT: "a cam",
+    tyre_table.FORMAT: "forces of tyres",
     "vehicledyn-result": "a run",
     "vehicledyn-study": "a sweep",
 }
@@ -64,7 +70,7 @@ def other_kinds(result: Path, reference: Path) -> str:
     )
 
 
-def compare_linear(
+def compare_tables(
     result: Path,
     reference: Path,
     *,

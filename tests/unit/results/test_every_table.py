@@ -1,0 +1,86 @@
+"""Every kind of table file is described, drawn, reported, compared and exported."""
+
+import importlib
+import pkgutil
+
+import numpy as np
+import pytest
+
+from vehicledyn.results import tables
+from vehicledyn.results.compare.any_compare import compare_results
+from vehicledyn.results.compare.table_compare import KINDS as COMPARED
+from vehicledyn.results.labelled.data import LabelledData
+from vehicledyn.results.labelled.tables import KINDS as LABELLED
+from vehicledyn.results.plots.table_results import TABLES, describe_table, table_figures
+from vehicledyn.results.report.table_content import table_content
+from vehicledyn.results.tables.cam_table import CamColumn, CamTable, read_cam, write_cam
+from vehicledyn.results.tables.handling_table import (
+    Column,
+    HandlingTable,
+    KeyFigure,
+    read_handling,
+    write_handling,
+)
+from vehicledyn.results.tables.tyre_table import COLUMNS, TyreTable, read_tyres, write_tyre
+
+FORMATS = {
+    module.FORMAT
+    for found in pkgutil.iter_modules(tables.__path__)
+    if hasattr(module := importlib.import_module(f"{tables.__name__}.{found.name}"), "FORMAT")
+}
+
+
+@pytest.mark.parametrize("known", [TABLES, COMPARED, LABELLED], ids=["drawn", "compared", "read"])
+def test_every_format_is_known(known):
+    assert FORMATS
+    assert set(known) >= FORMATS
+
+
+def handling(path):
+    speed = Column("m/s^2", "Lateral acceleration", np.linspace(0.5, 4.0, 5))
+    angle = Column("rad", "Angle", np.linspace(0.01, 0.1, 5))
+    names = (
+        "steering_angle", "understeer_angle", "sideslip_angle", "roll_angle", "yaw_rate",
+        "smallest_wheel_load", "drive_torque",
+    )  # fmt: skip
+    sheet = {"lateral_acceleration": speed, **dict.fromkeys(names, angle)}
+    figure = KeyFigure("steady", "understeer.gradient", 2e-3, "rad*s^2/m", "Understeer gradient")
+    write_handling(path, HandlingTable("T", "car", {"constant_speed": sheet}, [figure], ("n",)))
+    table = read_handling(path)
+    assert (table.title, table.model, table.notes) == ("T", "car", ("n",))
+    assert table.figures == [figure]
+    assert table.sheets["constant_speed"]["yaw_rate"].values == pytest.approx(angle.values)
+
+
+def cam(path):
+    angle = np.linspace(0.0, 6.28, 9)
+    names = ("lift", "pitch_x", "pitch_y", "profile_x", "profile_y", "pressure_angle", "curvature")
+    columns = {name: CamColumn("m", name, 0.01 * np.cos(angle)) for name in names}
+    figures = {"largest_pressure_angle": (0.3, "rad", "Largest pressure angle")}
+    write_cam(path, CamTable("C", "radial roller", angle, columns, figures))
+    table = read_cam(path)
+    assert table.figures == figures
+    assert set(table.columns) == set(names)
+    assert table.columns["lift"].unit == "m"
+
+
+def tyre(path):
+    ones = np.ones(3)
+    sweep = {name: np.array([0.1, 0.2, 0.3]) for name in COLUMNS} | {"load": 4e3 * ones}
+    sweeps = dict.fromkeys(("longitudinal", "lateral", "cambered", "combined"), sweep)
+    write_tyre([TyreTable("A", sweeps), TyreTable("B", sweeps)], path)
+    first, second = read_tyres(path)
+    assert (first.title, second.title) == ("A", "B")
+    assert first.loads == [4e3]
+
+
+@pytest.mark.parametrize("write", [handling, cam, tyre])
+def test_a_file_is_understood_by_every_command(tmp_path, write):
+    path = tmp_path / "table.h5"
+    write(path)
+    assert describe_table(path).facts["holds"] in describe_table(path).as_text()
+    assert dict(table_figures(path))
+    content = table_content(path)
+    assert content.title and content.what
+    assert LabelledData(path).kind in LABELLED.values()
+    assert compare_results(path, path).verdict == "equal"
