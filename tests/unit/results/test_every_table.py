@@ -54,7 +54,17 @@ def handling(path):
 
 def cam(path):
     angle = np.linspace(0.0, 6.28, 9)
-    names = ("lift", "pitch_x", "pitch_y", "profile_x", "profile_y", "pressure_angle", "curvature")
+    names = (
+        "lift",
+        "pitch_x",
+        "pitch_y",
+        "profile_x",
+        "profile_y",
+        "pressure_angle",
+        "curvature",
+        "pitch_radius",
+        "profile_radius",
+    )
     columns = {name: CamColumn("m", name, 0.01 * np.cos(angle)) for name in names}
     figures = {"largest_pressure_angle": (0.3, "rad", "Largest pressure angle")}
     write_cam(path, CamTable("C", "radial roller", angle, columns, figures))

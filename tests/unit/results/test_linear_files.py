@@ -126,9 +126,7 @@ def test_figures_and_descriptions(tmp_path):
     responses = LabelledData(tmp_path / "r.h5")
     drawn = save_requested({"": responses}, tmp_path / "p", patterns=["bode_b"], formats=("svg",))
     assert [p.name for p in drawn] == ["bode_b.svg"]
-    with pytest.raises(
-        InputError, match="no channel or figure named 'bode_c'; did you mean"
-    ):
+    with pytest.raises(InputError, match="no channel or figure named 'bode_c'; did you mean"):
         save_requested({"": responses}, tmp_path / "p", patterns=["bode_c"], formats=("svg",))
     text = describe_table(tmp_path / "r.h5").as_text()
     assert "9 frequencies from 0.1 to 10 Hz" in text and "a.y" in text

@@ -72,7 +72,10 @@ def _no_parts(_: Path) -> Parts:
 
 def _handling(path: Path) -> Parts:
     table = handling_table.read_handling(path)
-    found = [KeyFigure(f.key, f.value, f.unit, words(f.description)) for f in table.figures]
+    found = [
+        KeyFigure(f.key, f.value, f.unit, f"{words(f.test)}: {f.description}")
+        for f in table.figures
+    ]
     return found, [Section("Notes", [Notes(table.notes)])] if table.notes else []
 
 

@@ -99,6 +99,7 @@ def read_cam(path: Path) -> CamTable:
 
 def _write_hdf5(path: Path, table: CamTable) -> None:
     head: dict[str, Any] = {"title": table.title, "model": table.follower}
+    head |= {name: value for name, (value, _, _) in table.figures.items()}
     with new_file(path, FORMAT, head) as file:
         write_numbers(file, "angle", table.angle, (), ("rad", "Angle of the cam"))
         scale = file["angle"]

@@ -112,9 +112,11 @@ def read_handling(path: Path) -> HandlingTable:
             told = {key: str(file[place].attrs[key]) for key in ("units", "long_name")}
             column = Column(told["units"], told["long_name"], file[place][()])
             sheets.setdefault(sheet, {})[name] = column
-        figures = [
-            KeyFigure(*quantity.name.split(".", 1), value, quantity.unit, quantity.description)
-            for quantity, value in read_key_figures(file)
-        ]
+        figures = [_figure(quantity, value) for quantity, value in read_key_figures(file)]
         title, model = str(file.attrs["title"]), str(file.attrs["model"])
         return HandlingTable(title, model, sheets, figures, tuple(read_texts(file, "notes")))
+
+
+def _figure(quantity: Quantity, value: float) -> KeyFigure:
+    test, _, name = quantity.name.partition(".")
+    return KeyFigure(test, name, value, quantity.unit, quantity.description)
