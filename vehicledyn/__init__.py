@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from vehicledyn.interface.handling import handling, steady
     from vehicledyn.interface.hunting import hunt
     from vehicledyn.interface.identification import identify, identify_study
-    from vehicledyn.interface.linear import equilibrium, modes, response
+    from vehicledyn.interface.linear import equilibrium, linearise, modes, response
     from vehicledyn.interface.loading import load
     from vehicledyn.interface.mechanism import inverse, kinematics, rig
     from vehicledyn.interface.optimisation import optimise
@@ -78,6 +78,7 @@ __all__ = [
     "identify_study",
     "inverse",
     "kinematics",
+    "linearise",
     "load",
     "load_plugin",
     "modes",
@@ -111,6 +112,7 @@ _HOMES = {
     "vehicledyn.interface.identification": ("identify", "identify_study"),
     "vehicledyn.interface.linear": (
         "equilibrium",
+        "linearise",
         "modes",
         "response",
     ),

@@ -68,6 +68,7 @@ HOMES = {
     "files": ("compare", "plot", "info", "assess"),
     "analyses": ("models", "equilibrium"),
     "linear": ("eig", "response"),
+    "linearise": ("linearise",),
     "exports": ("export",),
     "export_data": ("export-data",),
     "paths": ("kinematics", "inverse", "rig"),

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from pathlib import Path
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 from vehicledyn.files.scenario.settings import Settings, override_texts
 from vehicledyn.interface.quantities import positive, speed_in_si, speeds_in_si, texts
@@ -12,6 +12,9 @@ from vehicledyn.interface.running import Progress, reporter, result_place
 from vehicledyn.interface.targets import Source, read_target
 from vehicledyn.kernel.kernel import Backend
 from vehicledyn.results.labelled.data import LabelledData
+
+if TYPE_CHECKING:
+    from vehicledyn.analyses.linear.linear_model import LinearModel
 
 
 def equilibrium(
@@ -199,3 +202,54 @@ def response(
         )
         write_response(place.path, report.table)
         return place.value(report)
+
+
+def linearise(
+    model: Source,
+    inputs: str | Iterable[str],
+    outputs: str | Iterable[str],
+    *,
+    order: int | None = None,
+    speed: float | str | None = None,
+    set: Settings | None = None,
+    progress: Progress = False,
+    **settings: Any,
+) -> LinearModel:
+    """Return a model linearised about its reference motion, in state space.
+
+    Parameters
+    ----------
+    model
+        Path or name of a scenario or model, a System, or what :func:`vehicledyn.load` returned.
+    inputs, outputs
+        Names as for :func:`vehicledyn.response`.
+    order
+        States to keep, by balanced truncation; all if None.
+    speed
+        Speed such as "20 m/s", or a number [m/s]; the scenario's if None.
+    set, settings, progress
+        As for :func:`vehicledyn.simulate`.
+
+    Returns
+    -------
+    LinearModel
+        ``system`` with ``a``, ``b``, ``c``, ``d`` in SI, names of ``states``, ``inputs`` and
+        ``outputs``; ``save(path)`` as .mat or .npz, ``to_control()``, ``as_text()``.
+
+    Raises
+    ------
+    InputError
+        If the model, a name or the order cannot be used.
+    NumericalError
+        If there is no such reference motion.
+    """
+    from vehicledyn.analyses.linear.linear_model import find_linear_model
+
+    return find_linear_model(
+        read_target(model, override_texts(set, settings)),
+        inputs=texts("inputs", inputs),
+        outputs=texts("outputs", outputs),
+        speed=None if speed is None else speed_in_si(speed),
+        order=order,
+        progress=reporter(progress),
+    )

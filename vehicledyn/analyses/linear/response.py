@@ -89,7 +89,7 @@ def find_response(
     model = linearise_with_inputs(
         target, inputs=inputs, speed=speed, progress=progress, outputs=outputs
     )
-    chosen = _rows(model.prepared, outputs)
+    chosen = chosen_rows(model.prepared, outputs)
     progress("computing the response", None)
     system = transfer_system(model, chosen)
     channels = model.prepared.equations.channels
@@ -137,7 +137,7 @@ def linearise_with_inputs(
     def check(derived: Derived) -> None:
         if speed:
             refuse_idle_speed(derived)
-        _rows(derived, outputs)
+        chosen_rows(derived, outputs)
 
     prepared = prepare(
         target,
@@ -232,7 +232,14 @@ def _check_moving(excited: Excited, speed: float) -> None:
             )
 
 
-def _rows(prepared: Derived | Prepared, outputs: Sequence[str]) -> list[int]:
+def chosen_rows(prepared: Derived | Prepared, outputs: Sequence[str]) -> list[int]:
+    """Return the numbers of channels by name.
+
+    Raises
+    ------
+    InputError
+        If there is none of a name.
+    """
     names = {channel.name: k for k, channel in enumerate(prepared.equations.channels)}
     for name in outputs:
         if name not in names:
