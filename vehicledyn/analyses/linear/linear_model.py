@@ -90,9 +90,9 @@ class LinearModel:
         items = self._items()
         try:
             if place.suffix == ".npz":
+                arrays: dict[str, Any] = {key: np.asarray(v) for key, v in items.items()}
                 with place.open("wb") as file:
-                    arrays: dict[str, Any] = {key: np.asarray(v) for key, v in items.items()}
-                np.savez(file, **arrays)
+                    np.savez(file, **arrays)
             else:
                 from scipy.io import savemat
 
