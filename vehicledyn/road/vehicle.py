@@ -44,6 +44,14 @@ class Corner:
 
 
 @dataclass(frozen=True)
+class Pedal:
+    """A pedal: its switch from 0 to 1, and the torque of all wheels at full pedal [N m]."""
+
+    switch: str
+    torque: Scalar
+
+
+@dataclass(frozen=True)
 class RoadVehicle:
     """A road vehicle: its system and the names others need.
 
@@ -56,6 +64,7 @@ class RoadVehicle:
     numbers. ``drive`` is the coordinate that a drive turns; empty where it turns all wheels.
     ``steering_ratio`` is the steering-wheel angle over that of the front wheels; 1 where the model
     has no steering wheel, and steering angles are then those of the front wheels.
+    ``brake`` is the pedal of the car's own brakes, if it has any.
     """
 
     system: System
@@ -71,6 +80,7 @@ class RoadVehicle:
     surface: RoadSurface
     drive: str = ""
     steering_ratio: Scalar = 1.0
+    brake: Pedal | None = None
 
     def worth(self, expression: Scalar) -> float:
         """Return what an expression of the vehicle's parameters is worth."""
@@ -80,6 +90,11 @@ class RoadVehicle:
         symbols = ops.column([entry.symbol for entry in entries])
         number = ops.numeric([symbols], ops.column([expression]))
         return float(number([entry.value for entry in entries]).ravel()[0])
+
+    def with_pedal_moved_by(self, part: Part) -> RoadVehicle:
+        """Return the vehicle with a part in place of the switch of the same name."""
+        parts = tuple(part if p.name == part.name else p for p in self.system.parts)
+        return replace(self, system=replace(self.system, parts=parts))
 
     def with_parts(self, *parts: Part) -> RoadVehicle:
         """Return the vehicle with more parts in its system."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from vehicledyn.base.errors import InputError
+from vehicledyn.base.errors import InputError, unknown_name
 from vehicledyn.base.parameters import ParameterSet
 from vehicledyn.files.building.force_parts import built, force_parts
 from vehicledyn.files.building.rail_parts import rail_wheel_parts, track_frames
@@ -17,7 +17,7 @@ from vehicledyn.files.system.cuts import CutSet
 from vehicledyn.files.system.events import switch
 from vehicledyn.files.system.joints import JointSet
 from vehicledyn.files.system.read import SystemModel
-from vehicledyn.files.system.sets import BodySet
+from vehicledyn.files.system.sets import BodySet, PedalSet
 from vehicledyn.files.system.shapes import ShapeSet
 from vehicledyn.multibody.elements.drawn_shapes import DrawnShapes
 from vehicledyn.multibody.elements.motion_sensors import Accelerometer, BodySensor
@@ -25,7 +25,7 @@ from vehicledyn.multibody.model.bodies import Body, Joint, Turn
 from vehicledyn.multibody.model.constraints import Constraint
 from vehicledyn.multibody.model.parts import Part
 from vehicledyn.multibody.model.system import System
-from vehicledyn.road.vehicle import Corner, RoadVehicle
+from vehicledyn.road.vehicle import Corner, Pedal, RoadVehicle
 
 
 def build_system(model: SystemModel, choice: RoadChoice | None = None) -> System:
@@ -88,7 +88,19 @@ def build_vehicle(model: SystemModel, choice: RoadChoice) -> RoadVehicle:
         surface=surface_numbers(values),  # type: ignore[arg-type]
         drive=v.drive or "",
         steering_ratio=values.value(v.steering_ratio),
+        brake=_pedal(values, v.brake),
     )
+
+
+def _pedal(values: Values, given: PedalSet | None) -> Pedal | None:
+    """Return the pedal that a file describes."""
+    if given is None:
+        return None
+    known = values.model.file.switches
+    if given.switch not in known:
+        words = unknown_name("switch", given.switch, known)
+        raise InputError(f"{values.model.path}: vehicle.brake.switch: {words}")
+    return Pedal(given.switch, values.value(given.torque))
 
 
 def _corners(front: float, rear: float, side: float) -> tuple[tuple[float, float], ...]:

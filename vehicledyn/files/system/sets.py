@@ -133,6 +133,13 @@ class OutlineSet(SystemSet):
     half_width: Scalar = measured("m", "Half of the width", above=0.0)
 
 
+class PedalSet(SystemSet):
+    """A pedal: the switch that tells how far it is pressed, and what it does fully pressed."""
+
+    switch: str = Field(description="Switch from 0 to 1, moved by manoeuvres and drivers")
+    torque: Scalar = measured("N*m", "Torque of all wheels together at full pedal", above=0.0)
+
+
 class VehicleSet(SystemSet):
     """What manoeuvres need to know of a road vehicle, and what they may move."""
 
@@ -153,6 +160,9 @@ class VehicleSet(SystemSet):
         "Coordinate that a drive turns, such as that of a propeller shaft; left out, a drive turns "
         "all wheels from the chassis",
         default=None,
+    )
+    brake: PedalSet | None = Field(
+        default=None, description="Brake pedal; left out, manoeuvres brake the wheels themselves"
     )
 
 

@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from vehicledyn.results.store.layout import SummaryEntry
     from vehicledyn.road.standards.signals import Signals
     from vehicledyn.road.vehicle import RoadVehicle
+    from vehicledyn.symbolic.ops import Scalar
 
 PREFIX = "test"
 
@@ -97,6 +98,7 @@ class DrivingTest(RoadManoeuvre):
 
     def with_pedals(self, vehicle: RoadVehicle) -> RoadVehicle:
         """Return the vehicle with pedals, wind and the sensor of the steering, not yet steered."""
+        from vehicledyn.road.manoeuvres.foot import Foot
         from vehicledyn.road.manoeuvres.pedals import Pedals
         from vehicledyn.road.manoeuvres.side_wind import SideWind
         from vehicledyn.road.manoeuvres.steering_angle import SteeringAngle
@@ -131,6 +133,10 @@ class DrivingTest(RoadManoeuvre):
         wind = SideWind("wind", vehicle.chassis, force, ahead)
         if not vehicle.free_wheels:
             return vehicle.with_parts(wind, sensor)
+        own = vehicle.brake
+        if own is not None:
+            foot = Foot(own.switch, lambda time: brake(time) / own.torque)
+            vehicle = vehicle.with_pedal_moved_by(foot)
         pedals = Pedals(
             "drive",
             vehicle.chassis,
@@ -138,7 +144,7 @@ class DrivingTest(RoadManoeuvre):
             lambda time: vehicle.speed + change(time),
             throttle,
             torque,
-            brake,
+            brake if own is None else _nothing,
             share,
             *gains,
             vehicle.drive,
@@ -167,3 +173,7 @@ class DrivingTest(RoadManoeuvre):
     ) -> Iterator[SummaryEntry]:
         """Yield the quantities of the test's standard."""
         yield from ()
+
+
+def _nothing(_: Scalar) -> Scalar:
+    return 0.0
