@@ -25,8 +25,8 @@ import numpy as np
 import vehicledyn.catalogue  # noqa: F401
 from vehicledyn.analyses import run_scenario
 from vehicledyn.analyses.simulation.judgement import judged_by
+from vehicledyn.analyses.simulation.partitions.repartitioning import simulate_watched
 from vehicledyn.analyses.simulation.prepared_run import prepare_run
-from vehicledyn.analyses.simulation.repartitioning import simulate_watched
 from vehicledyn.base.errors import NumericalError
 from vehicledyn.base.registry import find
 from vehicledyn.files.scenario import load_scenario
@@ -71,7 +71,7 @@ FURTHER = ("systems/curving_wheelset", "manchester_irregular_track", "bas2000_cu
 """Scenarios whose cost is measured too, but whose truth takes too long for the campaign."""
 WATCHES = (
     "vehicledyn.integrate.fixed_step._watch_of",
-    "vehicledyn.analyses.simulation.repartitioning._Pieces.accuracy_watch",
+    "vehicledyn.analyses.simulation.partitions.repartitioning._Pieces.accuracy_watch",
 )
 """Where the watch comes into a run."""
 BAD, GOOD = 0.05, 0.01

@@ -17,8 +17,8 @@ from pathlib import Path
 import numpy as np
 
 import vehicledyn.catalogue  # noqa: F401
+from vehicledyn.analyses.simulation.partitions.repartitioning import simulate_watched
 from vehicledyn.analyses.simulation.prepared_run import prepare_run
-from vehicledyn.analyses.simulation.repartitioning import simulate_watched
 from vehicledyn.files.scenario import load_scenario
 
 SCENARIOS = Path(__file__).resolve().parents[1] / "scenarios"

@@ -15,7 +15,7 @@ from pathlib import Path
 import numpy as np
 
 import vehicledyn.catalogue  # noqa: F401
-from vehicledyn.analyses.simulation.repartitioning import simulate_watched
+from vehicledyn.analyses.simulation.partitions.repartitioning import simulate_watched
 from vehicledyn.base.registry import find
 from vehicledyn.kernel.kernel import compile_kernel
 from vehicledyn.multibody import derive

@@ -14,7 +14,7 @@ from scipy.integrate import solve_ivp
 
 import vehicledyn.catalogue  # noqa: F401
 from vehicledyn.analyses.preparation.prepare import prepare, start_point
-from vehicledyn.analyses.simulation.repartitioning import simulate_watched
+from vehicledyn.analyses.simulation.partitions.repartitioning import simulate_watched
 from vehicledyn.base.registry import find
 from vehicledyn.codegen.toolchain.compiler import suitable_lanes
 from vehicledyn.files.scenario import load_scenario

@@ -6,7 +6,7 @@ import vehicledyn.files.system
 import vehicledyn.integrate
 import vehicledyn.rail
 import vehicledyn.road
-import vehicledyn.road.manoeuvres
+import vehicledyn.road.manoeuvres.kinds
 import vehicledyn.vehicles  # noqa: F401
 from vehicledyn.base.plugins import load_installed
 from vehicledyn.base.registry import families, find, kinds

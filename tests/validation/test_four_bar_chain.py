@@ -8,7 +8,7 @@ from scipy.integrate import solve_ivp
 
 import vehicledyn.catalogue  # noqa: F401
 from vehicledyn.analyses.preparation.prepare import prepare, start_point
-from vehicledyn.analyses.simulation.repartitioning import simulate_watched
+from vehicledyn.analyses.simulation.partitions.repartitioning import simulate_watched
 from vehicledyn.files.scenario import load_scenario
 
 SCENARIO = Path(__file__).parents[2] / "scenarios" / "systems" / "four_bar_chain.yaml"

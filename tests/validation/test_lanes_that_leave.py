@@ -8,7 +8,7 @@ from nets import net
 from test_closed_forms import start_values
 from test_partitions import L, R, rk4, slider_crank
 
-from vehicledyn.analyses.simulation.repartitioning import simulate_watched
+from vehicledyn.analyses.simulation.partitions.repartitioning import simulate_watched
 from vehicledyn.codegen.toolchain.compiler import CompilationError, find_compiler, suitable_lanes
 from vehicledyn.integrate.batch import Cases, make_batch, run_batch
 from vehicledyn.integrate.single_case import SingleCase

@@ -14,8 +14,8 @@ import vehicledyn.catalogue  # noqa: F401
 from vehicledyn.analyses.linear.eigenmodes import find_modes
 from vehicledyn.analyses.preparation.prepare import equilibrium_point, prepare
 from vehicledyn.analyses.preparation.start_rates import start_rates
-from vehicledyn.analyses.simulation import partition_changes, rederived
-from vehicledyn.analyses.simulation.repartitioning import simulate_watched
+from vehicledyn.analyses.simulation.partitions import partition_changes, rederived
+from vehicledyn.analyses.simulation.partitions.repartitioning import simulate_watched
 from vehicledyn.base.errors import NumericalError
 from vehicledyn.base.registry import find
 from vehicledyn.files.scenario import load_model

@@ -9,7 +9,7 @@ from test_closed_forms import REFERENCE, four_bars, start_values
 from test_rolling import GRAVITY, sloping_skate
 
 from vehicledyn.analyses.preparation.rate_determinacy import rates_watched
-from vehicledyn.analyses.simulation.repartitioning import simulate_watched
+from vehicledyn.analyses.simulation.partitions.repartitioning import simulate_watched
 from vehicledyn.base.errors import NumericalError
 from vehicledyn.base.registry import find
 from vehicledyn.integrate.batch import Cases, make_batch, run_batch

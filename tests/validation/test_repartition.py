@@ -134,7 +134,9 @@ def test_a_weld_of_a_hinged_loop_is_that_loop():
 
 @pytest.mark.parametrize("solver", [partial(rk4, 2.5e-4), partial(dop853, 1e-11)])
 def test_the_coordinate_that_has_changed_its_role_is_named(solver, caplog):
-    with caplog.at_level("INFO", logger="vehicledyn.analyses.simulation.partition_changes"):
+    with caplog.at_level(
+        "INFO", logger="vehicledyn.analyses.simulation.partitions.partition_changes"
+    ):
         motion = Motion(double_loop(), solver(), 1.2, 0.01)
     told = [r.getMessage() for r in caplog.records if "no longer dependent" in r.getMessage()]
     changes = [name for name, _ in motion.changes if name == "partition.changed"]

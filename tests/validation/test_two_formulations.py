@@ -9,7 +9,7 @@ import pytest
 
 import vehicledyn.catalogue  # noqa: F401
 from vehicledyn.analyses.preparation.prepare import nominal_point, prepare
-from vehicledyn.analyses.simulation.repartitioning import simulate_watched
+from vehicledyn.analyses.simulation.partitions.repartitioning import simulate_watched
 from vehicledyn.base.registry import find
 from vehicledyn.files.scenario import load_model
 

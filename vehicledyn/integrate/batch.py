@@ -165,9 +165,8 @@ def run_batch(
     single
         Whether samples are kept as float32, which halves the memory.
     runner
-        Integrates cases whose loops fail or come near to singular configurations, such as
-        :func:`vehicledyn.analyses.simulation.repartitioning.simulate_watched`, which changes the
-        dependent coordinates.
+        Integrates cases whose loops fail or come near to singular configurations and changes
+        their dependent coordinates.
     rates
         Says how well constraints without loops determine the dependent rates, where a model has
         such; cases in which they become weak are left to the runner as well.

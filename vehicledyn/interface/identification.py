@@ -15,9 +15,9 @@ from vehicledyn.files.scenario.settings import Settings, override_texts
 from vehicledyn.interface.running import Progress, reporter, result_place
 from vehicledyn.interface.targets import Source, read_scenario
 from vehicledyn.results.labelled.data import LabelledData
-from vehicledyn.studies.experiments import Measured
-from vehicledyn.studies.identification import IdentificationReport, channel_unit
-from vehicledyn.studies.identification import identify as find
+from vehicledyn.studies.identification.experiments import Measured
+from vehicledyn.studies.identification.identify import IdentificationReport, channel_unit
+from vehicledyn.studies.identification.identify import identify as find
 
 
 def identify(
@@ -107,7 +107,7 @@ def identify_study(
         If a run fails at the start.
     """
     from vehicledyn.results.tables.identification_table import write_identification
-    from vehicledyn.studies.identification_study import run_identification_study
+    from vehicledyn.studies.identification.study import run_identification_study
 
     kept = None if save_to is None else Path(f"{save_to}.runs.jsonl")
     with result_place(save_to, may_exist=overwrite or resume) as place:

@@ -19,7 +19,7 @@ from vehicledyn.analyses.preparation.rate_determinacy import rates_watched
 from vehicledyn.analyses.preparation.runnable import Subject
 from vehicledyn.analyses.simulation.chosen_step import leaves_step, with_step
 from vehicledyn.analyses.simulation.judgement import judged_by
-from vehicledyn.analyses.simulation.repartitioning import simulate_watched
+from vehicledyn.analyses.simulation.partitions.repartitioning import simulate_watched
 from vehicledyn.base.errors import InputError, VehicledynError, nearest_name
 from vehicledyn.codegen.toolchain.fingerprint import fingerprint
 from vehicledyn.files.scenario.load import LoadedScenario

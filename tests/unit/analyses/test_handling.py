@@ -14,10 +14,10 @@ from vehicledyn.base.errors import InputError, NumericalError
 from vehicledyn.interface.targets import read_target
 from vehicledyn.road.manoeuvres import frequency_test
 from vehicledyn.road.manoeuvres.driving_test import DrivingTest
-from vehicledyn.road.manoeuvres.fishhook import Fishhook
-from vehicledyn.road.manoeuvres.pulse_steer import PulseSteer
-from vehicledyn.road.manoeuvres.step_steer import StepSteer
-from vehicledyn.road.manoeuvres.swept_sine import SweptSine
+from vehicledyn.road.manoeuvres.kinds.fishhook import Fishhook
+from vehicledyn.road.manoeuvres.kinds.pulse_steer import PulseSteer
+from vehicledyn.road.manoeuvres.kinds.step_steer import StepSteer
+from vehicledyn.road.manoeuvres.kinds.swept_sine import SweptSine
 from vehicledyn.road.standards.frequency_response import transient_response
 
 pytestmark = pytest.mark.long

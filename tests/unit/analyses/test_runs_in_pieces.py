@@ -2,7 +2,7 @@
 
 import pytest
 
-from vehicledyn.analyses.simulation.repartitioning import simulate_watched
+from vehicledyn.analyses.simulation.partitions.repartitioning import simulate_watched
 from vehicledyn.base.errors import NumericalError
 from vehicledyn.integrate.accuracy.watch import AccuracyWatch
 from vehicledyn.integrate.judged_quantities import Judged

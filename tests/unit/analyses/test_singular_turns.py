@@ -6,7 +6,7 @@ import pytest
 
 import vehicledyn.catalogue  # noqa: F401
 from vehicledyn.analyses import run_scenario
-from vehicledyn.analyses.simulation.singular_turns import SingularTurns, Watched
+from vehicledyn.analyses.simulation.partitions.singular_turns import SingularTurns, Watched
 from vehicledyn.files.scenario import load_scenario
 
 BRICK = """\

@@ -10,7 +10,7 @@ from vehicledyn.analyses.preparation import energy_figures
 from vehicledyn.road.drivers.driver import Driver
 from vehicledyn.road.manoeuvres import channel_recorder, key_figures
 from vehicledyn.road.manoeuvres.channel_recorder import Recording
-from vehicledyn.road.manoeuvres.slalom import Slalom
+from vehicledyn.road.manoeuvres.kinds.slalom import Slalom
 
 COUNT = 1000
 TIME = np.sort(np.append(np.linspace(0.0, 5.0, COUNT - 2), [1.3, 1.3]))  # an event's two samples

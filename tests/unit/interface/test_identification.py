@@ -7,7 +7,7 @@ import vehicledyn as vd
 from vehicledyn.analyse.identify import estimate
 from vehicledyn.base.errors import InputError
 from vehicledyn.interface.targets import read_scenario
-from vehicledyn.studies.identification import Measured, identify
+from vehicledyn.studies.identification.identify import Measured, identify
 
 
 def test_intervals_hold_the_truth_as_often_as_they_say():

@@ -12,9 +12,9 @@ from vehicledyn.analyses.handling.tested_car import TestedCar
 from vehicledyn.kernel.kernel import Backend
 from vehicledyn.results.tables.handling_table import KeyFigure
 from vehicledyn.road.drivers.macadam import MacAdam
-from vehicledyn.road.manoeuvres.double_lane_change import DoubleLaneChange
+from vehicledyn.road.manoeuvres.kinds.double_lane_change import DoubleLaneChange
+from vehicledyn.road.manoeuvres.kinds.obstacle_avoidance import ObstacleAvoidance
 from vehicledyn.road.manoeuvres.lane_change_test import LaneChangeTest
-from vehicledyn.road.manoeuvres.obstacle_avoidance import ObstacleAvoidance
 from vehicledyn.road.standards.steering_shares import STANDARD_GRAVITY
 
 SPEEDS = {

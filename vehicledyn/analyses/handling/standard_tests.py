@@ -14,21 +14,21 @@ from vehicledyn.analyses.handling.test_run import DrivenTest, drive, figures_of,
 from vehicledyn.analyses.handling.tested_car import CarPoint
 from vehicledyn.base.errors import InputError, NumericalError
 from vehicledyn.results.tables.handling_table import TRUTH, KeyFigure, Sheet
-from vehicledyn.road.manoeuvres.braking_in_turn import BrakingInTurn
-from vehicledyn.road.manoeuvres.crosswind import Crosswind
 from vehicledyn.road.manoeuvres.driving_test import DrivingTest
-from vehicledyn.road.manoeuvres.fishhook import Fishhook
 from vehicledyn.road.manoeuvres.frequency_test import FREQUENCIES
-from vehicledyn.road.manoeuvres.j_turn import JTurn
-from vehicledyn.road.manoeuvres.pulse_steer import PulseSteer
+from vehicledyn.road.manoeuvres.kinds.braking_in_turn import BrakingInTurn
+from vehicledyn.road.manoeuvres.kinds.crosswind import Crosswind
+from vehicledyn.road.manoeuvres.kinds.fishhook import Fishhook
+from vehicledyn.road.manoeuvres.kinds.j_turn import JTurn
+from vehicledyn.road.manoeuvres.kinds.pulse_steer import PulseSteer
+from vehicledyn.road.manoeuvres.kinds.single_sine import SingleSine
+from vehicledyn.road.manoeuvres.kinds.slowly_increasing_steer import SlowlyIncreasingSteer
+from vehicledyn.road.manoeuvres.kinds.step_steer import StepSteer
+from vehicledyn.road.manoeuvres.kinds.straight_braking import StraightBraking
+from vehicledyn.road.manoeuvres.kinds.swept_sine import SweptSine
+from vehicledyn.road.manoeuvres.kinds.weave import Weave
 from vehicledyn.road.manoeuvres.sine_dwell_test import SineDwellTest
-from vehicledyn.road.manoeuvres.single_sine import SingleSine
-from vehicledyn.road.manoeuvres.slowly_increasing_steer import SlowlyIncreasingSteer
 from vehicledyn.road.manoeuvres.speed_control import SpeedControl
-from vehicledyn.road.manoeuvres.step_steer import StepSteer
-from vehicledyn.road.manoeuvres.straight_braking import StraightBraking
-from vehicledyn.road.manoeuvres.swept_sine import SweptSine
-from vehicledyn.road.manoeuvres.weave import Weave
 from vehicledyn.road.standards.frequency_response import transient_response
 from vehicledyn.road.standards.steering_shares import angle_at_third_g
 

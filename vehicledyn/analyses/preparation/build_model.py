@@ -14,8 +14,8 @@ from vehicledyn.files.scenario.sets import Scenario
 from vehicledyn.files.scenario.target import Target
 from vehicledyn.rail.track.track_set import TrackChoice
 from vehicledyn.road.limits import limited
+from vehicledyn.road.manoeuvres.kinds.straight import Straight
 from vehicledyn.road.manoeuvres.manoeuvre import RoadManoeuvre
-from vehicledyn.road.manoeuvres.straight import Straight
 from vehicledyn.road.surfaces.surface import RoadSurface
 from vehicledyn.road.tyres.tyre import Tyre
 from vehicledyn.road.vehicle import RoadVehicle

@@ -22,7 +22,7 @@ from vehicledyn.analyses.preparation.prepare import Point, set_speed, start_poin
 from vehicledyn.analyses.preparation.prepared import Prepared, Progress
 from vehicledyn.analyses.sensitivity.names import START, Directions, Wanted
 from vehicledyn.analyses.sensitivity.pieces import Pieces
-from vehicledyn.analyses.simulation.partition_course import PartitionCourse, RunCourse
+from vehicledyn.analyses.simulation.partitions.partition_course import PartitionCourse, RunCourse
 from vehicledyn.analyses.simulation.prepared_run import prepare_run
 from vehicledyn.analyses.simulation.wanted_outputs import needed_channels
 from vehicledyn.base.errors import InputError, nearest_name

@@ -27,12 +27,12 @@ from vehicledyn.analyses.simulation.judgement import judged_by
 from vehicledyn.analyses.simulation.kinked_drives import kinked_drives
 from vehicledyn.analyses.simulation.mended_profiles import mended_profiles
 from vehicledyn.analyses.simulation.moved_starts import moved_starts
+from vehicledyn.analyses.simulation.partitions.repartitioning import simulate_watched
+from vehicledyn.analyses.simulation.partitions.singular_turns import SingularTurns
 from vehicledyn.analyses.simulation.prepared_run import prepare_run
-from vehicledyn.analyses.simulation.repartitioning import simulate_watched
 from vehicledyn.analyses.simulation.restart import SINGULAR_ANGLES, Restart, open_restart
 from vehicledyn.analyses.simulation.run_outcome import RunOutcome, shown_entry
 from vehicledyn.analyses.simulation.run_recording import RunRecording
-from vehicledyn.analyses.simulation.singular_turns import SingularTurns
 from vehicledyn.analyses.simulation.standing_wheels import standing_wheels
 from vehicledyn.analyses.simulation.track_positions import track_place
 from vehicledyn.analyses.simulation.wanted_outputs import (

@@ -1,5 +1,1 @@
-"""Manoeuvres and drivers: what a vehicle is asked to do, each a module that registers itself."""
-
-from vehicledyn.base.registry import discover
-
-discover(__name__, __path__)
+"""What manoeuvres are made of: signals, paths, pedals, key figures and figures."""

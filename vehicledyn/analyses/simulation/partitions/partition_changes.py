@@ -12,15 +12,15 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from vehicledyn.analyses.simulation.rederived import derived_at, state_in, values_of
-from vehicledyn.analyses.simulation.run_plan import Point, RunPlan
-from vehicledyn.analyses.simulation.singularity_crossing import Sample
-from vehicledyn.analyses.simulation.singularity_monitor import (
+from vehicledyn.analyses.simulation.partitions.rederived import derived_at, state_in, values_of
+from vehicledyn.analyses.simulation.partitions.singularity_crossing import Sample
+from vehicledyn.analyses.simulation.partitions.singularity_monitor import (
     FINE_LEVERAGE,
     LEVERAGE,
     Degrading,
     PivotLog,
 )
+from vehicledyn.analyses.simulation.run_plan import Point, RunPlan
 from vehicledyn.base.errors import NumericalError
 from vehicledyn.integrate.task import Statistics
 from vehicledyn.kernel.kernel import Kernel, compile_kernel

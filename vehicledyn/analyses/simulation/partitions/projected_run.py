@@ -18,9 +18,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vehicledyn.analyses.preparation.projection import projected
-from vehicledyn.analyses.simulation.rederived import values_of
+from vehicledyn.analyses.simulation.partitions.rederived import values_of
+from vehicledyn.analyses.simulation.partitions.singularity_crossing import Sample
 from vehicledyn.analyses.simulation.run_plan import Point, RunPlan
-from vehicledyn.analyses.simulation.singularity_crossing import Sample
 from vehicledyn.base.errors import NumericalError
 from vehicledyn.integrate.accuracy.watched_run import DivergenceError
 from vehicledyn.integrate.task import Statistics, joined

@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 
 from vehicledyn.analyses.preparation.projection import projected
 from vehicledyn.analyses.simulation.chosen_step import leaves_step
-from vehicledyn.analyses.simulation.partitioned_run import PartitionedRun
-from vehicledyn.analyses.simulation.projected_run import ProjectedRun, projected_plan
+from vehicledyn.analyses.simulation.partitions.partitioned_run import PartitionedRun
+from vehicledyn.analyses.simulation.partitions.projected_run import ProjectedRun, projected_plan
 from vehicledyn.analyses.simulation.run_plan import RunPlan
 from vehicledyn.analyses.simulation.sample_delivery import Delivery
 from vehicledyn.integrate.accuracy.proposed_step import proposed_step

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from vehicledyn.analyses.simulation.partitioned_run import PartitionedRun
-from vehicledyn.analyses.simulation.repartitioning import may_change, steps_per_look
+from vehicledyn.analyses.simulation.partitions.partitioned_run import PartitionedRun
+from vehicledyn.analyses.simulation.partitions.repartitioning import may_change, steps_per_look
 from vehicledyn.analyses.simulation.run_plan import RunPlan
 from vehicledyn.analyses.simulation.sample_delivery import Delivery
 from vehicledyn.base.errors import NumericalError

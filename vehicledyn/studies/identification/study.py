@@ -12,11 +12,15 @@ from vehicledyn.analyses.preparation.prepared import Progress
 from vehicledyn.base.errors import InputError, nearest_name
 from vehicledyn.base.units import to_si
 from vehicledyn.files.scenario import LoadedScenario
-from vehicledyn.studies.experiments import Experiment, Measured
-from vehicledyn.studies.identification import IdentificationReport, channel_unit, identify_from
-from vehicledyn.studies.identified import KEYS
+from vehicledyn.studies.identification.experiments import Experiment, Measured
+from vehicledyn.studies.identification.identified import KEYS
+from vehicledyn.studies.identification.identify import (
+    IdentificationReport,
+    channel_unit,
+    identify_from,
+)
+from vehicledyn.studies.identification.measured_data import Signal, read_signals
 from vehicledyn.studies.kept_runs import KeptRuns
-from vehicledyn.studies.measured_data import Signal, read_signals
 from vehicledyn.studies.study_form import StudyForm
 
 _REQUIRED = ("experiments", "parameters")

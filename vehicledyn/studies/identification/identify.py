@@ -17,8 +17,8 @@ from vehicledyn.base.units import shown
 from vehicledyn.files.scenario import LoadedScenario
 from vehicledyn.results.store.linear_file import Quantity
 from vehicledyn.results.tables.identification_table import IdentificationTable
-from vehicledyn.studies.experiments import Experiment, Fitting, Measured
-from vehicledyn.studies.identified import Unknowns
+from vehicledyn.studies.identification.experiments import Experiment, Fitting, Measured
+from vehicledyn.studies.identification.identified import Unknowns
 from vehicledyn.studies.kept_runs import KeptRuns
 
 Floats = NDArray[np.float64]

@@ -4,7 +4,8 @@ The determinants of the loops' blocks show at the samples how well the dependent
 determined. Where one goes to zero there are two cases. If other coordinates would do better, the
 run stops at a sample, derives the equations again with the present configuration as the start,
 and goes on from the same state. If none would, the configuration itself is singular, and the
-run passes it in one step, see :mod:`vehicledyn.analyses.simulation.singularity_crossing`.
+run passes it in one step, see
+:mod:`vehicledyn.analyses.simulation.partitions.singularity_crossing`.
 """
 
 from __future__ import annotations
@@ -18,23 +19,23 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from vehicledyn.analyses.simulation.partition_changes import (
+from vehicledyn.analyses.simulation.partitions.partition_changes import (
     PartitionChanges,
     RestartPoint,
     lasts_no_longer,
 )
-from vehicledyn.analyses.simulation.projected_run import ProjectedRun, projected_plan
-from vehicledyn.analyses.simulation.rederived import derived_at, state_in, values_of
-from vehicledyn.analyses.simulation.run_plan import Point, RunPlan
-from vehicledyn.analyses.simulation.singularity_crossing import Sample
-from vehicledyn.analyses.simulation.singularity_monitor import (
+from vehicledyn.analyses.simulation.partitions.projected_run import ProjectedRun, projected_plan
+from vehicledyn.analyses.simulation.partitions.rederived import derived_at, state_in, values_of
+from vehicledyn.analyses.simulation.partitions.singularity_crossing import Sample
+from vehicledyn.analyses.simulation.partitions.singularity_monitor import (
     WIDE_ZONE,
     ZONE,
     Crossing,
     Degrading,
     PivotLog,
 )
-from vehicledyn.analyses.simulation.singularity_passing import SingularityPassing
+from vehicledyn.analyses.simulation.partitions.singularity_passing import SingularityPassing
+from vehicledyn.analyses.simulation.run_plan import Point, RunPlan
 from vehicledyn.base.errors import InputError, NumericalError
 from vehicledyn.integrate.accuracy.watched_run import DivergenceError
 from vehicledyn.integrate.course import Course

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from vehicledyn.analyses.simulation.singularity_crossing import Sample
+from vehicledyn.analyses.simulation.partitions.singularity_crossing import Sample
 from vehicledyn.kernel.kernel import Backend, Kernel, compile_kernel
 from vehicledyn.symbolic.equations import Equations
 

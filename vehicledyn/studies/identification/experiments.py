@@ -17,7 +17,7 @@ from vehicledyn.results.store.linear_file import Quantity
 from vehicledyn.studies.kept_runs import KeptRuns
 
 if TYPE_CHECKING:
-    from vehicledyn.studies.identified import Unknowns
+    from vehicledyn.studies.identification.identified import Unknowns
 
 Floats = NDArray[np.float64]
 

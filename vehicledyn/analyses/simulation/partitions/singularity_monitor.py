@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from vehicledyn.analyses.simulation.singularity_crossing import Sample
+from vehicledyn.analyses.simulation.partitions.singularity_crossing import Sample
 from vehicledyn.kernel.engine import WEAK_PIVOT
 
 if TYPE_CHECKING:

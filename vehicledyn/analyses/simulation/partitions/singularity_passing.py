@@ -4,13 +4,16 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from vehicledyn.analyses.simulation.partition_changes import PartitionChanges, RestartPoint
-from vehicledyn.analyses.simulation.singularity_crossing import (
+from vehicledyn.analyses.simulation.partitions.partition_changes import (
+    PartitionChanges,
+    RestartPoint,
+)
+from vehicledyn.analyses.simulation.partitions.singularity_crossing import (
     FINE_TOLERANCE,
     TOLERANCE,
     Passage,
 )
-from vehicledyn.analyses.simulation.singularity_monitor import LEVERAGE, Crossing
+from vehicledyn.analyses.simulation.partitions.singularity_monitor import LEVERAGE, Crossing
 from vehicledyn.base.errors import NumericalError
 
 

@@ -1,0 +1,1 @@
+"""Runs whose dependent coordinates change: where, when, and what is derived anew."""

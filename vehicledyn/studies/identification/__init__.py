@@ -1,0 +1,1 @@
+"""Identification: parameters from measured channels, of one experiment or of several."""
