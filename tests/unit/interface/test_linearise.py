@@ -49,7 +49,9 @@ def test_control_is_optional(model):
         with pytest.raises(MissingPartError, match="pip install control"):
             model.to_control()
         return
-    assert model.to_control().output_labels == OUTPUTS
+    found = model.to_control()
+    assert found.output_labels == [name.replace(".", "_") for name in OUTPUTS]
+    assert (model.system.a == found.A).all()
 
 
 def test_wrong_names_and_orders_are_refused():

@@ -118,6 +118,23 @@ def test_a_front_of_compromises_and_several_starts(tmp_path):
 
 
 @pytest.mark.long
+def test_gradients_that_runs_do_not_confirm_are_reported(tmp_path):
+    """The pin of a Geneva drive enters its slot, a jump that is no event."""
+    scenario = "model: geneva_drive\nduration: 1 s\nsolver: {kind: rk4, step: 1 ms}\n"
+    scenario += "output: {interval: 5 ms}\n"
+    (tmp_path / "run.yaml").write_text(f"title: Geneva\n{scenario}", encoding="utf-8")
+    path = tmp_path / "study.yaml"
+    path.write_text(
+        "scenarios: run.yaml\nmost_runs: 2\nminimise: mean(driver.angle_rate)\n"
+        "variables: {motor.torque: {from: 1 N*m, to: 2 N*m}, "
+        "motor.slope: {from: 0.01 N*m*s/rad, to: 0.1 N*m*s/rad}}\n",
+        encoding="utf-8",
+    )
+    with pytest.warns(vd.AccuracyWarning, match="do not confirm"):
+        vd.optimise(path)
+
+
+@pytest.mark.long
 def test_a_variable_is_one_of_every_scenario(tmp_path):
     """Another model that lacks it is refused, not only the first one."""
     text = STUDY.replace("scenarios: run.yaml", "scenarios: {a: run.yaml, b: double_pendulum}")

@@ -105,6 +105,8 @@ class LinearModel:
     def to_control(self) -> Any:
         """Return a ``control.StateSpace`` with the names of states, inputs and outputs.
 
+        Their dots become underscores, as python-control allows no dots in names.
+
         Raises
         ------
         MissingPartError
@@ -122,10 +124,14 @@ class LinearModel:
             s.b,
             s.c,
             s.d,
-            states=list(self.states),
-            inputs=[item.name for item in self.inputs],
-            outputs=[item.name for item in self.outputs],
+            states=_without_dots(self.states),
+            inputs=_without_dots([item.name for item in self.inputs]),
+            outputs=_without_dots([item.name for item in self.outputs]),
         )
+
+
+def _without_dots(names: Sequence[str]) -> list[str]:
+    return [name.replace(".", "_") for name in names]
 
 
 def _plain(value: Any) -> Any:

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vehicledyn.analyses.preparation.prepared import Progress
+from vehicledyn.analyses.sensitivity.confirmation import unconfirmed
 from vehicledyn.analyses.sensitivity.motion_study import MotionStudy
 from vehicledyn.analyses.sensitivity.names import directions
 from vehicledyn.base.errors import InputError, NumericalError
@@ -109,6 +110,15 @@ class Fitting:
         missed = [(own - s.values) / s.noise for own, s in zip(values, signals, strict=True)]
         rows = [slope / s.noise for slope, s in zip(slopes, signals, strict=True)]
         return np.concatenate(missed), np.vstack(rows)
+
+    def unconfirmed(self, unknowns: Unknowns, point: Floats) -> list[str]:
+        """Return warnings of derivatives that differences of runs do not confirm."""
+        own = self.study.moved(dict(zip(unknowns.names, map(float, point), strict=True)))
+        e, parameters = own.prepared.equations, own.prepared.kernel.parameters
+        chosen = directions(e, parameters, own.start.state, unknowns.names)
+        names = [e.channels[k].name for k in own.channels]
+        judged = dict.fromkeys(names.index(item.channel) for item in self.experiment.measured)
+        return unconfirmed(own, chosen, own.followed(chosen, self.progress), list(judged))
 
     def missed_between_samples(self, unknowns: Unknowns, point: Floats) -> float:
         """Return what straight lines between the run's samples miss, in deviations of the noise.

@@ -238,7 +238,7 @@ def _notes(
                 f"warning: straight lines between samples of {item.experiment.loaded.title} miss "
                 f"up to {missed:.2g} of the noise; give it a smaller output.interval"
             )
-        notes += item.study.notes
+        notes += [*item.study.notes, *item.unconfirmed(unknowns, found.values)]
     if known.n_known:
         notes.append(f"{known.n_known} runs were known from before")
     return list(dict.fromkeys(notes))

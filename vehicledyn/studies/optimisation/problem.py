@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from vehicledyn.analyse.optimise import Values
 from vehicledyn.analyses.preparation.prepared import Progress
+from vehicledyn.analyses.sensitivity.confirmation import unconfirmed
 from vehicledyn.analyses.sensitivity.motion_study import MotionStudy
 from vehicledyn.analyses.sensitivity.names import Wanted, directions, wanted
 from vehicledyn.base.errors import InputError, NumericalError, nearest_name
@@ -145,6 +146,22 @@ class Problem:
         slopes = self.evaluate(self.start)[1]
         rows = np.array(list(slopes.values()))
         return [item.name for k, item in enumerate(self.variables) if not rows[:, k].any()]
+
+    def unconfirmed(self) -> list[str]:
+        """Return warnings of derivatives at the start that differences of runs do not confirm."""
+        names, notes = [item.name for item in self.variables], []
+        for part in self._parts:
+            point = dict(zip(names, map(float, self.start), strict=True))
+            study = part.study.moved(point)
+            e, kernel = study.prepared.equations, study.prepared.kernel
+            chosen = directions(e, kernel.parameters, study.start.state, names)
+            motion = study.followed(chosen, _silent)
+            own = {e.channels[k].name: place for place, k in enumerate(study.channels)}
+            judged = (
+                range(len(own)) if part.asked.others else [own[c] for _, c in part.asked.figures]
+            )
+            notes += unconfirmed(study, chosen, motion, list(dict.fromkeys(judged)))
+        return notes
 
     def starts(self, number: int, seed: int) -> list[Floats]:
         """Return points to search from: the one given, and others of a scrambled Sobol sequence."""

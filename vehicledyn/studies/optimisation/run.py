@@ -141,6 +141,7 @@ def run_optimisation(
     first, _ = problem.evaluate(problem.start)
     limits = problem.limits()
     notes = [f"warning: '{name}' changes no figure at the start" for name in problem.idle()]
+    notes += problem.unconfirmed()
     found, others = _search_all(study, problem, progress)
     notes += others
     front = _front(study, problem, found, progress)
