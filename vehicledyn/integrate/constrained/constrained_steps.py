@@ -39,9 +39,11 @@ from vehicledyn.kernel.kernel import Kernel
 _MOST_ITERATIONS = 12
 _CLOSE = 1e-14
 """Error of Newton's iteration allowed in each state, for one plus its size."""
+_CLOSE_FORCES = 1e-9
+"""Error of Newton's iteration allowed in the multipliers, as a part of the largest."""
 _LEVER = 1e-2
 """Weight of the relative error of the multipliers beside that of the states."""
-_SLOW = 0.2
+_SLOW = 0.05
 """Contraction above which the Jacobian is found anew at the next step."""
 _ROUNDING = 1e-8
 """Change that is taken for rounding where it no longer falls."""
@@ -142,7 +144,7 @@ class ConstrainedSteps:
     def _iterate(self, place: ConstrainedPlace, end: float) -> ConstrainedPlace | None:
         factors = self._prepared(place, end - place.instant.time)
         known = self._known(place, end, factors.arms)
-        a, r = known.old
+        a, r = self._guessed(place, known), known.old[1]
         multiplier, eta = place.instant.multiplier.copy(), place.correction.copy()
         before = np.inf
         for iteration in range(_MOST_ITERATIONS):
@@ -163,7 +165,8 @@ class ConstrainedSteps:
             contraction = size / before if iteration else 0.0
             if contraction > _SLOW and not is_rounding:
                 self._is_stale = True
-            settled = iteration and size * contraction / max(1.0 - contraction, 1e-3) < _CLOSE
+            left = contraction / max(1.0 - contraction, 1e-3)
+            settled = iteration and moved * left < _CLOSE and forced * left < _CLOSE_FORCES
             if settled or size == 0.0 or (contraction > 0.5 and is_rounding):
                 return self._accepted(known, Unknowns(a, r, multiplier, eta), place)
             if contraction > 0.9 and iteration > 1:
@@ -203,6 +206,13 @@ class ConstrainedSteps:
             arms,
             (a, r),
         )
+
+    @staticmethod
+    def _guessed(place: ConstrainedPlace, known: _Known) -> Vector:
+        """Return a at the end of a step if it changes as it did in the step before."""
+        if place.change is None:
+            return known.old[0]
+        return known.old[0] + known.size / place.size * place.change
 
     @staticmethod
     def _carried(place: ConstrainedPlace, h: float) -> tuple[Vector, Vector]:
@@ -274,7 +284,8 @@ class ConstrainedSteps:
     def _foreseen(self, place: ConstrainedPlace, size: float) -> Instant:
         """Return about where a step leads; Jacobians there serve it and its followers best."""
         known = self._known(place, place.instant.time + size, None)
-        return self._instant(known, *known.old, place.instant.multiplier, place.correction)
+        a = self._guessed(place, known)
+        return self._instant(known, a, known.old[1], place.instant.multiplier, place.correction)
 
     def _prepared(self, place: ConstrainedPlace, size: float) -> StepFactors:
         """Return factors, found anew where they are stale or of another step size."""

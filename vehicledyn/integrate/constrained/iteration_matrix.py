@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from vehicledyn.base.errors import NumericalError
 from vehicledyn.integrate.constrained.residual_functions import Partials, Sparse
@@ -59,12 +60,54 @@ class StepFactors:
         return float(np.linalg.cond(self.matrix.toarray()))
 
 
+@dataclass(frozen=True)
+class _Layout:
+    """Where the elements of the parts of a matrix stand in its compressed columns.
+
+    ``place`` numbers the kept elements; ``rows`` and ``starts`` are those of compressed columns.
+    """
+
+    place: NDArray[np.intp]
+    rows: NDArray[np.intp]
+    starts: NDArray[np.intp]
+    size: int
+
+    @classmethod
+    def of(cls, p: Partials, sizes: tuple[int, int, int]) -> _Layout:
+        """Return the layout of forces, further states and gaps by a, r and multipliers."""
+        n, k, m = sizes
+        own = np.arange(n, n + k)
+        constraint = p.jacobian.rows + n + k, p.jacobian.columns
+        parts = [
+            *((x.rows, x.columns) for x in (p.f_a, p.f_v, p.f_q)),
+            (p.f_s.rows, p.f_s.columns + n),
+            *((x.rows + n, x.columns) for x in (p.s_v, p.s_q)),
+            (p.s_s.rows + n, p.s_s.columns + n),
+            (own, own),
+            constraint[::-1],
+            constraint,
+        ]
+        size = n + k + m
+        keys = np.concatenate([columns * size + rows for rows, columns in parts])
+        kept, place = np.unique(keys, return_inverse=True)
+        columns, rows = np.divmod(kept, max(size, 1))
+        return cls(place, rows, np.searchsorted(columns, np.arange(size + 1)), size)
+
+    def matrix(self, values: list[Vector]) -> Any:
+        """Return the matrix whose parts have these values, in the order of :meth:`of`."""
+        from scipy.sparse import csc_matrix
+
+        data = np.bincount(self.place, np.concatenate(values), len(self.rows))
+        return csc_matrix((data, self.rows, self.starts), shape=(self.size, self.size))
+
+
 class IterationMatrix:
     """Puts the parts of the Jacobian where they belong and factorises the whole."""
 
     def __init__(self, sizes: tuple[int, int, int], is_stabilised: bool) -> None:
         """Take the numbers of coordinates, further states and multipliers."""
         self._sizes, self._is_stabilised = sizes, is_stabilised
+        self._layout: _Layout | None = None
 
     def _arms(self, partials: Partials) -> Any:
         """Return W Jᵀ, shape (n, m): how η moves the coordinates."""
@@ -85,31 +128,31 @@ class IterationMatrix:
         NumericalError
             If the matrix is singular, as constraints depend on each other.
         """
-        from scipy.sparse import csc_matrix, hstack, vstack
-
         w, p = weights, partials
         n, k, m = self._sizes
         scale = _typical(p.f_a, n)
-        by_a, by_r = h * w.gamma, h * w.first_order_gamma
-        bend = h**2 * w.beta
+        by_a, by_r, bend = h * w.gamma, h * w.first_order_gamma, h**2 * w.beta
         part = 1.0 - w.alpha_f
         lead = (1.0 - w.alpha_m) / part
-        constraint = p.jacobian.matrix()
-        forces = p.f_a.matrix() + (by_a / lead) * p.f_v.matrix() + (bend / lead) * p.f_q.matrix()
-        rates = -part * (by_a * p.s_v.matrix() + bend * p.s_q.matrix())
-        identity = csc_matrix((np.ones(k), (range(k), range(k))), shape=(k, k))
-        own = w.first_order_mass * identity - part * by_r * p.s_s.matrix()
-        empty = csc_matrix((k, m))
-        rows = [
-            hstack([forces, (by_r / lead) * p.f_s.matrix(), scale * constraint.T]),
-            hstack([rates, own, empty]),
-            hstack([scale * constraint, csc_matrix((m, k + m))]),
-        ]
-        matrix = vstack(rows)
+        if self._layout is None:
+            self._layout = _Layout.of(p, self._sizes)
+        matrix = self._layout.matrix(
+            [
+                p.f_a.values,
+                (by_a / lead) * p.f_v.values,
+                (bend / lead) * p.f_q.values,
+                (by_r / lead) * p.f_s.values,
+                -part * by_a * p.s_v.values,
+                -part * bend * p.s_q.values,
+                -part * by_r * p.s_s.values,
+                np.full(k, w.first_order_mass),
+                scale * p.jacobian.values,
+                scale * p.jacobian.values,
+            ]
+        )
         arms, lever = self._arms(p), w.beta * h * scale
         if self._is_stabilised:
-            matrix = self._stabilised(matrix, p, w, (h, scale, lead), lever * arms)
-        matrix = matrix.tocsc()
+            matrix = self._stabilised(matrix, p, w, (h, scale, lead), lever * arms).tocsc()
         cuts = n, n + k, n + k + m
         return StepFactors(p, h, matrix, _factors(matrix), arms, (lead, scale, lever), cuts)
 
