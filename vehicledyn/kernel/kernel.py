@@ -313,10 +313,7 @@ def _compiled(equations: Equations, compiler: Compiler, tell: Progress) -> Kerne
 
     def build(folder: Path) -> Path:
         from vehicledyn.codegen.passes.kernel_functions import derive_functions, operations_of
-        from vehicledyn.codegen.printers.kernel_source import (
-            comes_in_units,
-            kernel_units,
-        )
+        from vehicledyn.codegen.printers.kernel_source import comes_in_units, kernel_units
 
         started = time.perf_counter()
         tell("deriving the equations of the kernel", None)

@@ -69,6 +69,12 @@ def test_quick_verbs_load_nothing_heavy(tmp_path, verb):
     assert f"exit code {2 if verb == 'validate' else 0}" in said
 
 
+def test_help_reads_no_scenarios():
+    """What reads files loads with the command that needs it."""
+    said = heavy_loaded_by("--help", heavy=(*HEAVY, "vehicledyn.files", "ruamel"))
+    assert said.endswith("exit code 0\nloaded []\n")
+
+
 def test_validating_rails_loads_nothing_heavy():
     names = ("rail_wheelset", "radial_wheelset", "testset_wheelset")
     files = [str(SCENARIOS / f"{name}.yaml") for name in names]

@@ -12,7 +12,6 @@ from vehicledyn.cli.finding import find_file
 from vehicledyn.cli.options import Json, Overrides
 from vehicledyn.cli.performing import perform, show
 from vehicledyn.cli.replacing import OPTIMUM, Overwrite, check_replacing
-from vehicledyn.files.scenario.overrides import read_overrides
 
 
 def add_verbs(app: typer.Typer) -> None:
@@ -36,6 +35,8 @@ def optimise(
     as_json: Json = False,
 ) -> None:
     """Find the values of parameters that make figures of runs best, with exact gradients."""
+    from vehicledyn.files.scenario.overrides import read_overrides
+
     path = find_file(study, "study")
     result = output or Path(f"{study.stem}.h5")
     check_replacing(result, OPTIMUM, overwrite=overwrite, resume=resume)

@@ -12,7 +12,6 @@ from vehicledyn.cli.finding import find_file
 from vehicledyn.cli.options import Json, Overrides
 from vehicledyn.cli.performing import perform, show
 from vehicledyn.cli.replacing import UNCERTAINTY, Overwrite, check_replacing
-from vehicledyn.files.scenario.overrides import read_overrides
 
 
 def add_verbs(app: typer.Typer) -> None:
@@ -36,6 +35,8 @@ def uncertainty(
     as_json: Json = False,
 ) -> None:
     """Find how figures scatter whose parameters have distributions."""
+    from vehicledyn.files.scenario.overrides import read_overrides
+
     path = find_file(study, "study")
     result = output or Path(f"{study.stem}.h5")
     check_replacing(result, UNCERTAINTY, overwrite=overwrite, resume=resume)
