@@ -45,7 +45,7 @@ class Corner:
 
 @dataclass(frozen=True)
 class Pedal:
-    """A pedal: its switch from 0 to 1, and the torque of all wheels at full pedal [N m]."""
+    """A pedal: its switch from 0 to 1, and the torque of brakes or drive at full pedal [N m]."""
 
     switch: str
     torque: Scalar
@@ -64,7 +64,7 @@ class RoadVehicle:
     numbers. ``drive`` is the coordinate that a drive turns; empty where it turns all wheels.
     ``steering_ratio`` is the steering-wheel angle over that of the front wheels; 1 where the model
     has no steering wheel, and steering angles are then those of the front wheels.
-    ``brake`` is the pedal of the car's own brakes, if it has any.
+    ``throttle`` and ``brake`` are the pedals of the car's own engine and brakes, if it has any.
     """
 
     system: System
@@ -80,6 +80,7 @@ class RoadVehicle:
     surface: RoadSurface
     drive: str = ""
     steering_ratio: Scalar = 1.0
+    throttle: Pedal | None = None
     brake: Pedal | None = None
 
     def worth(self, expression: Scalar) -> float:

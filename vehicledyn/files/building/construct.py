@@ -88,18 +88,19 @@ def build_vehicle(model: SystemModel, choice: RoadChoice) -> RoadVehicle:
         surface=surface_numbers(values),  # type: ignore[arg-type]
         drive=v.drive or "",
         steering_ratio=values.value(v.steering_ratio),
-        brake=_pedal(values, v.brake),
+        throttle=_pedal(values, "throttle", v.throttle),
+        brake=_pedal(values, "brake", v.brake),
     )
 
 
-def _pedal(values: Values, given: PedalSet | None) -> Pedal | None:
+def _pedal(values: Values, name: str, given: PedalSet | None) -> Pedal | None:
     """Return the pedal that a file describes."""
     if given is None:
         return None
     known = values.model.file.switches
     if given.switch not in known:
         words = unknown_name("switch", given.switch, known)
-        raise InputError(f"{values.model.path}: vehicle.brake.switch: {words}")
+        raise InputError(f"{values.model.path}: vehicle.{name}.switch: {words}")
     return Pedal(given.switch, values.value(given.torque))
 
 

@@ -134,10 +134,12 @@ class OutlineSet(SystemSet):
 
 
 class PedalSet(SystemSet):
-    """A pedal: the switch that tells how far it is pressed, and what it does fully pressed."""
+    """A pedal: the switch that says how far it is pressed, and the torque when it is fully."""
 
     switch: str = Field(description="Switch from 0 to 1, moved by manoeuvres and drivers")
-    torque: Scalar = measured("N*m", "Torque of all wheels together at full pedal", above=0.0)
+    torque: Scalar = measured(
+        "N*m", "Torque at full pedal: of the brakes together, or of the drive", above=0.0
+    )
 
 
 class VehicleSet(SystemSet):
@@ -160,6 +162,9 @@ class VehicleSet(SystemSet):
         "Coordinate that a drive turns, such as that of a propeller shaft; left out, a drive turns "
         "all wheels from the chassis",
         default=None,
+    )
+    throttle: PedalSet | None = Field(
+        default=None, description="Accelerator; left out, tests apply torque to the drive itself"
     )
     brake: PedalSet | None = Field(
         default=None, description="Brake pedal; left out, manoeuvres brake the wheels themselves"

@@ -135,7 +135,7 @@ class DrivingTest(RoadManoeuvre):
             return vehicle.with_parts(wind, sensor)
         own = vehicle.brake
         if own is not None:
-            foot = Foot(own.switch, lambda time: brake(time) / own.torque)
+            foot = Foot(own.switch, lambda seen: brake(seen.time) / own.torque)
             vehicle = vehicle.with_pedal_moved_by(foot)
         pedals = Pedals(
             "drive",
@@ -148,7 +148,12 @@ class DrivingTest(RoadManoeuvre):
             share,
             *gains,
             vehicle.drive,
+            vehicle.throttle is not None,
         )
+        pedal = vehicle.throttle
+        if pedal is not None:
+            foot = Foot(pedal.switch, lambda seen: pedals.wanted(seen) / pedal.torque)
+            vehicle = vehicle.with_pedal_moved_by(foot)
         return vehicle.with_parts(pedals, wind, sensor)
 
     def channels(self, vehicle: RoadVehicle) -> list[str]:

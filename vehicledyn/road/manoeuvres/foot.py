@@ -19,10 +19,10 @@ LAG = 0.02
 class Foot(BasePart):
     """A pedal from 0 to 1 in place of the switch of its name.
 
-    p' = (max(0, min(1, u(t))) - p) / τ with the wanted pedal u and τ = 0.02 s.
+    p' = (max(0, min(1, u)) - p) / τ with the wanted pedal u and τ = 0.02 s.
     """
 
-    wanted: Callable[[Scalar], Scalar]
+    wanted: Callable[[Situation], Scalar]
 
     def states(self) -> tuple[Variable, ...]:
         """Return how far the pedal is pressed."""
@@ -30,5 +30,5 @@ class Foot(BasePart):
 
     def loads(self, situation: Situation) -> Loads:
         """Return the rate of the pedal."""
-        wanted = ops.minimum(ops.maximum(self.wanted(situation.time), 0.0), 1.0)
+        wanted = ops.minimum(ops.maximum(self.wanted(situation), 0.0), 1.0)
         return Loads(rates={VALUE: (wanted - situation.states[VALUE]) / LAG})

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from vehicledyn.multibody.model.parts import BasePart, Loads, Output, Situation, Wrench
 from vehicledyn.road.vehicle import Corner
@@ -23,7 +23,8 @@ class Pedals(BasePart):
 
     T = g (K_p (v_0 - v) + K_i ∫ g (v_0 - v) dt + T_0), with the throttle's share g, the target v_0
     and a torque T_0 of time; it acts on the coordinate ``shaft`` where there is one, else equally
-    on all wheels. Each wheel is braked by M tanh(ω / 2 rad/s), M its part of the brake torque.
+    on all wheels; it acts nowhere with ``by_throttle``, where a foot turns it into a pedal.
+    Each wheel is braked by M tanh(ω / 2 rad/s), M its part of the brake torque.
     """
 
     chassis: str
@@ -36,6 +37,7 @@ class Pedals(BasePart):
     proportional_gain: Scalar
     integral_gain: Scalar
     shaft: str = ""
+    by_throttle: bool = False
 
     def states(self) -> tuple[Variable, ...]:
         """Return the integral of the speed error."""
@@ -46,6 +48,8 @@ class Pedals(BasePart):
         gate = self.throttle(situation.time)
         rates = {"speed_error_integral": gate * self._error(situation)}
         forces = {corner.spin: self._brake(situation, corner) for corner in self.corners}
+        if self.by_throttle:
+            return Loads(joint_forces=forces, rates=rates)
         if self.shaft:
             forces[self.shaft] = self._drive(situation)
             return Loads(joint_forces=forces, rates=rates)
@@ -61,6 +65,10 @@ class Pedals(BasePart):
             Output(drive, self._drive(situation)),
             Output(brake, ops.scalar(self.brake(situation.time))),
         )
+
+    def wanted(self, situation: Situation) -> Scalar:
+        """Return the drive torque that is wanted, as another part sees it [N m]."""
+        return self._drive(replace(situation, states=situation.all_states[self.name]))
 
     def _brake(self, situation: Situation, corner: Corner) -> Scalar:
         """Return the torque of a brake whose caliper is on the wheel's carrier [N m]."""
