@@ -6,6 +6,7 @@ from collections import Counter, defaultdict
 from dataclasses import dataclass, field
 
 import harness
+import mechanism_cases
 import result_cases
 import resume_cases
 import road_file_cases
@@ -28,6 +29,11 @@ KINDS = {
     "cases": table_cases.cases_table,
     "result": result_cases.result,
     "resumed": resume_cases.resumed,
+    "cam": mechanism_cases.cam,
+    "ground": mechanism_cases.ground,
+    "driven": mechanism_cases.driven,
+    "beam": mechanism_cases.beam,
+    "gradient_study": mechanism_cases.gradient_study,
 }
 TOLD = 200  # cases after which a long campaign says how far it is
 WEIGHTS = {"scenario": 3, "system": 3, "option": 2, "result": 4}

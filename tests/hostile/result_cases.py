@@ -60,7 +60,8 @@ def result(rng, name):
     png = ["--format", "png"]
     commands = [["info", file], ["info", file, "--json"], ["plot", file, *png], ["report", file],
                 ["compare", file, "whole.h5"], ["compare", "whole.h5", file], ["animate", file],
-                ["assess", file], ["report", "whole.h5", "--against", file]]  # fmt: skip
+                ["assess", file], ["export-data", file, "-o", "out.csv"],
+                ["report", "whole.h5", "--against", file]]  # fmt: skip
     if file == "study.h5":
         commands += [["sweep", "study.yaml", "-o", file, "--resume", "--workers", "1", "-q",
                       "--backend", "interpreted"]] * 3  # fmt: skip
@@ -70,7 +71,7 @@ def result(rng, name):
         given = yaml_cases.around(given | {"study.yaml": yaml_cases.STUDY.encode()})
     stem = file.removesuffix(".h5")
     outputs = (f"{stem}_plots", f"{stem}_report.html", f"{stem}_animation.html",
-               "whole_report.html")  # fmt: skip
+               "whole_report.html", "out.csv")  # fmt: skip
     return Case(name, given, command, outputs)
 
 

@@ -2,7 +2,9 @@
 
 import io
 import json
+import re
 
+import mechanism_cases
 import numpy as np
 import pytest
 import result_cases
@@ -361,3 +363,41 @@ def test_a_study_whose_checksums_are_not_in_the_file():
     outcome = run(Case("resumed", yaml_cases.around(files), words, ("study.h5",)))
     assert outcome.code == 2, outcome
     assert "is damaged (cases/crc is not in the file)" in outcome.text
+
+
+WAVY = "angle [deg], radius [mm]\n" + "".join(
+    f"{k}, {30 + k // 15 % 4}\n" for k in range(0, 360, 15)
+)
+
+
+@pytest.mark.parametrize(
+    ("points", "words"),
+    [
+        (WAVY, "the follower bridges parts of the cam"),
+        (WAVY.replace("15, 31\n", "15, 39\n"), "bridges parts of the cam|no smooth curve passes"),
+    ],
+)
+def test_measured_cams_that_are_hollow(points, words):
+    files = {"cam.yaml": mechanism_cases.OUTLINE.encode(), "measured.csv": points.encode()}
+    profile = ["--profile", "out.dxf", "--tolerance", "10 um"]
+    outcome = run(Case("cam", files, ["cam", "cam.yaml", *profile]))
+    assert (outcome.code, outcome.faults) == (2, []), outcome
+    assert re.search(words, outcome.text)
+
+
+@pytest.mark.parametrize("radius", ["-1e308 m", "1e100 m"])
+def test_beams_as_thick_as_numbers_go(radius):
+    text = mechanism_cases.BEAM.replace("SECTION", f"{{shape: circle, radius: {radius}}}")
+    case = Case("beam", {"beam.yaml": text.encode()}, ["validate", "beam.yaml"])
+    refused(case, "elements.rod: beam 'rod': its numbers are too large")
+
+
+def test_heads_of_measured_channels_have_dots_and_units():
+    """A head such as "upper.angle [rad]" was no column."""
+    files = yaml_cases.around({
+        "study.yaml": mechanism_cases.STUDIES["identify"].encode(),
+        "measured.csv": mechanism_cases.MEASURED.replace("[rad]", "[kg]").encode(),
+    })  # fmt: skip
+    refused(
+        Case("identify", files, ["identify", "study.yaml", "-o", "out.h5"]), "unit 'kg' does not"
+    )

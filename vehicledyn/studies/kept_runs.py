@@ -11,7 +11,7 @@ from typing import Any
 
 from vehicledyn.base.errors import InputError
 
-_KEY = "run"
+_KEY, _FOUND, _SUM = "run", "found", "checksum"
 
 
 class KeptRuns:
@@ -35,8 +35,9 @@ class KeptRuns:
     def __init__(self, path: Path | None, texts: Iterable[str], *, resume: bool) -> None:
         self._path, self._lock = path, threading.Lock()
         self._known: dict[str, dict[str, Any]] = {}
-        if path is not None:
-            self._begin(path, json.dumps({"study": _digest(texts)}), resume=resume)
+        self._head, self._begun = json.dumps({"study": _digest(texts)}), False
+        if path is not None and resume:
+            self._recall(path)
         self.n_known = len(self._known)
 
     def entry(self, run: Any, compute: Callable[[], dict[str, Any]]) -> dict[str, Any]:
@@ -47,8 +48,7 @@ class KeptRuns:
             with self._lock:
                 self._known[key] = found
                 if self._path is not None:
-                    with self._path.open("a", encoding="utf-8") as file:
-                        file.write(json.dumps({_KEY: key, **found}) + "\n")
+                    self._keep(self._path, key, found)
         return self._known[key]
 
     def forget(self) -> None:
@@ -56,17 +56,28 @@ class KeptRuns:
         if self._path is not None:
             self._path.unlink(missing_ok=True)
 
-    def _begin(self, path: Path, head: str, *, resume: bool) -> None:
+    def _keep(self, path: Path, key: str, found: dict[str, Any]) -> None:
+        """Add a run to the file, which begins with the first one."""
+        line = json.dumps({_KEY: key, _SUM: _digest([key, json.dumps(found)]), _FOUND: found})
         try:
-            if resume and path.is_file():
-                self._read(path, head)
-                return
-            path.write_text(head + "\n", encoding="utf-8")
+            if not self._begun:
+                path.write_text(f"{self._head}\n", encoding="utf-8")
+                self._begun = True
+            with path.open("a", encoding="utf-8") as file:
+                file.write(f"{line}\n")
+        except OSError as error:
+            raise InputError(f"{path}: cannot be written: {error.strerror}") from None
+
+    def _recall(self, path: Path) -> None:
+        try:
+            if path.is_file():
+                self._read(path, self._head)
+                self._begun = True
         except OSError as error:
             raise InputError(f"{path}: cannot be used: {error.strerror}") from None
 
     def _read(self, path: Path, head: str) -> None:
-        """Read what is known; a line that was cut short is computed again."""
+        """Read what is known; a line that is damaged or was cut short is computed again."""
         text = path.read_text(encoding="utf-8", errors="replace")
         lines = text.splitlines()
         if lines[:1] != [head]:
@@ -74,8 +85,10 @@ class KeptRuns:
         for line in lines[1:]:
             try:
                 entry = json.loads(line)
-                self._known[entry.pop(_KEY)] = entry
-            except (ValueError, KeyError, AttributeError, TypeError):
+                key, found = entry[_KEY], entry[_FOUND]
+                if entry[_SUM] == _digest([key, json.dumps(found)]):
+                    self._known[key] = found
+            except (ValueError, KeyError, TypeError, RecursionError):
                 continue
         if not text.endswith("\n"):
             with path.open("a", encoding="utf-8") as file:

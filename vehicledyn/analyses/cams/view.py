@@ -20,6 +20,8 @@ from vehicledyn.results.tables.cam_table import CamColumn, CamTable, write_cam
 
 Array = NDArray[np.float64]
 _FEWEST, _MOST = 360, 360_000
+_STALLED, _STALLS = 0.9, 2
+"""Part of the distance that is left after a doubling, and how often, where it stays."""
 
 
 @dataclass(frozen=True)
@@ -206,10 +208,19 @@ def drawing_of(cam: CamFile, tolerance: float) -> list[Path2 | Circle2]:
     Raises
     ------
     InputError
-        If the profile would need more points than any machine takes.
+        If the profile would need more points than any machine takes, or jumps, as where a flat
+        follower bridges hollow parts of an outline.
     """
-    count = _FEWEST
-    while _sagitta(cam, count) > tolerance:
+    count, stalled, before = _FEWEST, 0, math.inf
+    while (distance := _sagitta(cam, count)) > tolerance:
+        stalled = stalled + 1 if distance > _STALLED * before else 0
+        if stalled == _STALLS:
+            raise InputError(
+                f"chords of the profile stay {1e6 * distance:.3g} um from it however many there "
+                "are: the follower bridges parts of the cam that it does not touch; take a "
+                "follower that reaches them, or another outline"
+            )
+        before = distance
         count *= 2
         if count > _MOST:
             raise InputError(

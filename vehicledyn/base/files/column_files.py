@@ -18,7 +18,7 @@ from vehicledyn.base.problems import START, Mark, Problem, refusal
 from vehicledyn.base.units import parse_unit
 
 LARGEST_FILE = 50_000_000
-_HEAD = re.compile(r"\s*([A-Za-z_]\w*)\s*(?:[\[(]\s*([^\])]*?)\s*[\])])?\s*")
+_HEAD = re.compile(r"\s*([A-Za-z_]\w*(?:\.\w+)*)\s*(?:[\[(]\s*([^\])]*?)\s*[\])])?\s*")
 _MOST_TOLD = 20
 
 

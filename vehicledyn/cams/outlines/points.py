@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import math
+import warnings
 from functools import cached_property
 from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 from pydantic import Field, PrivateAttr
 
 from vehicledyn.base.parameters import quantity
@@ -82,14 +84,22 @@ class MeasuredPoints(Outline):
         radii[-1] = radii[0]
         found = self.model_copy()
         smooth = len(angles) * self.tolerance**2
-        found._spline = splrep(angles, radii, k=5, s=smooth, per=1)
+        with warnings.catch_warnings():
+            warnings.simplefilter("error", RuntimeWarning)
+            try:
+                found._spline = splrep(angles, radii, k=5, s=smooth, per=1)
+            except RuntimeWarning:
+                raise ValueError(
+                    f"{self.file}: no smooth curve passes the points within "
+                    f"{1e6 * self.tolerance:g} um; give another tolerance, or 0 for a curve "
+                    "through all of them"
+                ) from None
         return found
 
     def support(self, angle: Array) -> Support:
         """Return the touching lines, by Newton steps from the furthest of many points."""
-        places = self._curve(self._grid).place
         c, s = np.cos(angle), np.sin(angle)
-        psi = self._grid[np.argmax(np.outer(c, places[0]) + np.outer(s, places[1]), axis=1)]
+        psi = self._grid[_furthest(self._curve(self._grid).place, angle)]
         for _ in range(_STEPS):
             curve = self._curve(psi)
             slope = c * curve.first[0] + s * curve.first[1]
@@ -201,3 +211,19 @@ class MeasuredPoints(Outline):
             return np.asarray(y)
         side = -follower.pressure_sign()
         return np.asarray(np.arctan2(side * y, follower.pivot - x))  # type: ignore[attr-defined]
+
+
+def _furthest(places: Array, angle: Array) -> NDArray[np.intp]:
+    """Return the numbers of the places, shape (2, n), that lie furthest in directions [rad].
+
+    A corner of the convex hull does so between the normals of the edges that meet there.
+    """
+    from scipy.spatial import ConvexHull
+
+    corners = ConvexHull(places.T).vertices  # counterclockwise
+    edge = np.roll(places[:, corners], -1, axis=1) - places[:, corners]
+    normals = np.arctan2(-edge[0], edge[1])
+    order = np.argsort(normals)
+    wrapped = np.arctan2(np.sin(angle), np.cos(angle))
+    before = order[np.searchsorted(normals[order], wrapped) - 1]
+    return np.asarray(corners[(before + 1) % len(corners)])

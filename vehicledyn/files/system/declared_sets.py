@@ -161,9 +161,10 @@ def element_of(item: DeclaredSet, name: str, value: Values, coordinates: Sequenc
     named = {"name": name} if any(f.name == "name" for f in fields(item.made_from)) else {}
     try:
         return item.made_from(**named, **own)
-    except InputError as error:
+    except (InputError, OverflowError) as error:
         head = f"{item.kind} '{name}': " if name else ""
-        raise InputError(f"{head}{error}") from None
+        words = "its numbers are too large" if isinstance(error, OverflowError) else error
+        raise InputError(f"{head}{words}") from None
 
 
 def _function_of(
