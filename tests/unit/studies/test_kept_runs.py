@@ -24,7 +24,8 @@ def test_runs_are_recalled_and_damaged_ones_computed_again(tmp_path):
     for number in range(3):
         first.entry([number], lambda number=number: {"value": 1.5 * number, "2": [0.1, None]})
     lines = path.read_text(encoding="utf-8").splitlines()
-    assert lines[2] != (broken := lines[2].replace("1.5", "1.6"))
+    broken = lines[2].replace("1.5", "1.6")
+    assert broken != lines[2]
     path.write_text("\n".join([lines[0], lines[1], broken, lines[3][:-9]]), encoding="utf-8")
     again = kept(path)
     assert again.n_known == 1
