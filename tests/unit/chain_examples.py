@@ -38,15 +38,26 @@ def rod(name, parent, at, angle, **more):
     return Body(name, parent, at, (joint,), mass=1.0, com=(0.5, 0.0, 0.0), inertia=inertia)
 
 
-def chain(count, *, method="multipliers", stiffness=0.0, damping=0.0):
-    """Uprights of 1 m and 1 kg, joined by couplers like them; all uprights turn as one."""
+def chain(count, *, method="multipliers", stiffness=0.0, damping=0.0, last=1.0):
+    """Uprights of 1 m and 1 kg, joined by couplers like them; all uprights turn as one.
+
+    With another length ``last`` of the last upright they do not.
+    """
     up, tip = 0.5 * np.pi, (1.0, 0.0, 0.0)
     bodies = [rod("upright_0", GROUND, (0.0, 0.0, 0.0), up, start_rate=1.0, role="independent")]
     cuts = []
     for k in range(count):
         bodies.append(rod(f"coupler_{k}", f"upright_{k}", tip, -up))
         bodies.append(rod(f"upright_{k + 1}", GROUND, (k + 1.0, 0.0, 0.0), up))
-        cuts.append(BallCut(f"cut_{k}", f"coupler_{k}", tip, f"upright_{k + 1}", tip))
+        cuts.append(
+            BallCut(
+                f"cut_{k}",
+                f"coupler_{k}",
+                tip,
+                f"upright_{k + 1}",
+                (last if k == count - 1 else 1.0, 0.0, 0.0),
+            )
+        )
     rests = {j.name: float(j.start) for body in bodies for j in body.joints}
     parts = (Springs(rests, stiffness, damping),) if stiffness else ()
     return System(

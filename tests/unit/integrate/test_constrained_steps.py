@@ -9,6 +9,7 @@ from chain_examples import chain, damped_pendulum
 from scipy.integrate import solve_ivp
 from solve_examples import Samples, build, oscillator, starts, symbols
 
+from vehicledyn.analyses.preparation.projection import projected
 from vehicledyn.base.errors import InputError, NumericalError
 from vehicledyn.base.registry import find
 from vehicledyn.integrate.constrained.constrained_steps import (
@@ -315,8 +316,30 @@ def test_tolerance_controls_the_error(constraints):
         angle, rate = (end[names.index(f"upright_0.{n}")] for n in ("angle", "angle_rate"))
         error = max(abs(angle - exact[0]), abs(rate - exact[1]) / (1.0 + abs(exact[1])))
         found.append((error / tolerance ** (2.0 / 3.0), took.steps))
-    assert all(0.05 < error < 2.0 for error, _ in found)
+    # Steps of index 3 follow the error of the positions alone, which is smaller.
+    most = 5.0 if constraints == "index3" else 2.0
+    assert all(0.05 < error < most for error, _ in found)
     assert 3.0 < found[1][1] / found[0][1] < 7.0
+
+
+@pytest.mark.parametrize("constraints", ["index3", "stabilised_index2"])
+def test_steps_that_change_size_do_not_shrink_to_nothing(constraints):
+    """Velocities of index 3 miss the constraints, which shows in a where the step changes."""
+    kernel = compile_kernel(derive(chain(1, last=0.8)), backend="interpreted")
+    e = kernel.equations
+    state = np.array(starts(e)[0])
+    state[e.velocities[0]] = 6.0
+    state = projected(kernel, state, kernel.outputs(0.0, state, np.zeros(0)))
+    samples = Samples()
+    solver = find("solver", "generalised_alpha")(step=0.05, tolerance=1e-6, constraints=constraints)
+    span = {"start": 0.0, "stop": 1.1, "interval": 0.05}
+    took = simulate(kernel, solver, state=state, unknowns=[], sink=samples, **span)
+    names = [c.name for c in e.channels]
+    columns = [names.index(f"energy.{kind}") for kind in ("kinetic", "gravity")]
+    energy = samples.outputs[:, columns].sum(axis=1)
+    assert np.ptp(samples.outputs[:, columns[0]]) > 0.5
+    assert energy == pytest.approx(energy[0], abs=0.05)
+    assert took.steps < 1500
 
 
 def test_error_that_no_step_meets_is_reported():
