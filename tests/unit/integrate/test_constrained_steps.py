@@ -262,6 +262,27 @@ def test_stabilised_steps_keep_positions_and_velocities_on_the_constraints(four_
     assert np.abs(left.opening).max() < 1e-9
 
 
+@pytest.mark.long
+@pytest.mark.parametrize("constraints", ["index3", "stabilised_index2"])
+def test_undamped_newmark_keeps_the_energy_of_a_four_bar(four_bar, constraints):
+    """It swings about its lowest place for 100 s; the energy stays in a band and does not drift."""
+    task = task_of(four_bar, 0.5 * math.pi, 3.0)
+    steps = ConstrainedSteps(task, Weights.newmark(0.25, 0.5), constraints)
+    place = steps.start(Point(0.0, task.state, task.unknowns))
+    names = [s.name for s in four_bar.equations.states]
+    columns = [names.index(f"upright_0.{n}") for n in ("angle", "angle_rate")]
+    energies = []
+    for k in range(1, 5001):
+        place = steps.step(place, 0.02 * k)
+        angle, rate = place.point.state[columns]
+        energies.append(0.5 * 5.0 / 3.0 * rate**2 - 2.0 * GRAVITY * math.sin(angle))
+    bands = np.array(energies).reshape(5, -1)
+    width = np.ptp(bands)
+    assert width < 2e-3 * 7.5
+    assert np.ptp(bands.max(axis=1)) < 0.02 * width
+    assert np.ptp(bands.min(axis=1)) < 0.02 * width
+
+
 def test_first_order_states_and_events_belong_to_the_steps():
     """The motion on residuals is that on rates, for a system that needs no multipliers."""
     system = damped_pendulum()
