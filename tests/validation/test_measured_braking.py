@@ -2,7 +2,8 @@
 
 Masses are published; tyres and brakes are estimated. One number is fitted, the friction: 1.22. The
 brake torque on the bus reaches 16 kN m, some 60 % more than such a car's mass and measured
-deceleration need, so it is taken for what the driver asks for; the pedal follows its first 0.75 s by a straight line. The engine's drag is left out.
+deceleration need, so it is taken for what the driver asks for; the pedal follows its first 0.75 s
+by a straight line. The engine's drag is left out.
 """
 
 from pathlib import Path
