@@ -37,6 +37,8 @@ MANOEUVRES = {
     "fishhook": "{kind: fishhook, angle: 8 deg, begin: 0}",
     "j_turn": "{kind: j_turn, angle: 8 deg, begin: 0}",
     "obstacle_avoidance": "{kind: obstacle_avoidance, begin: -11 m, release_at: 0, driver: DRIVER}",
+    "open_loop": "{kind: open_loop, times: [0 s, 0.1 s], angles: [0 deg, 3 deg], "
+    "brake_torques: [0 N*m, 900 N*m]}",
     "pulse_steer": "{kind: pulse_steer, amplitude: 2 deg, width: 0.1 s, begin: 0}",
     "single_sine": "{kind: single_sine, amplitude: 2 deg, frequency: 8 Hz, begin: 0}",
     "slowly_increasing_steer": "{kind: slowly_increasing_steer, angle: 9 deg, begin: 0}",

@@ -1,0 +1,58 @@
+"""Open loop: steering, drive and brakes by tables of time that the scenario holds."""
+
+from __future__ import annotations
+
+from pydantic import model_validator
+
+from vehicledyn.base.parameters import quantity
+from vehicledyn.base.registry import register
+from vehicledyn.road.manoeuvres.driving_test import DrivingTest
+from vehicledyn.road.manoeuvres.steering_signal import SteeringSignal
+from vehicledyn.road.manoeuvres.time_table import KNOTS, TimeTable
+
+_LISTS = ("angles", "drive_torques", "brake_torques")
+
+
+@register("manoeuvre", "open_loop")
+class OpenLoop(DrivingTest):
+    """Steer, drive and brake by lists of values at the same times, with straight lines between.
+
+    A list that is left out is zero. Torques act as in the standards' tests: a car with pedals of
+    its own has them pressed by torque over that of the full pedal. With a speed control the drive
+    torque is added to what it wants.
+    """
+
+    times: tuple[float, ...] = quantity("s", f"Times, growing, {KNOTS} at most")
+    angles: tuple[float, ...] = quantity("rad", "Steering-wheel angles to the left", default=())
+    drive_torques: tuple[float, ...] = quantity("N*m", "Drive torques", default=())
+    brake_torques: tuple[float, ...] = quantity(
+        "N*m", "Brake torques of all wheels together", default=()
+    )
+
+    @model_validator(mode="after")
+    def _fit_together(self) -> OpenLoop:
+        """Refuse lists of other lengths and times that do not grow."""
+        for name in _LISTS:
+            if len(getattr(self, name)) not in (0, len(self.times)):
+                count = f"{len(getattr(self, name))} values and {len(self.times)} times"
+                raise ValueError(f"{name}: {count}; give as many")
+        if not 0 < len(self.times) <= KNOTS:
+            raise ValueError(f"times: takes 1 to {KNOTS} times, not {len(self.times)}")
+        if any(b <= a for a, b in zip(self.times, self.times[1:], strict=False)):
+            raise ValueError("times: must grow; sort the table")
+        return self
+
+    def steering(self) -> SteeringSignal:
+        """Return the steering by the table."""
+        return SteeringSignal(knots=self._table(self.angles))
+
+    def drive_torque(self) -> TimeTable:
+        """Return the drive torque by the table."""
+        return self._table(self.drive_torques)
+
+    def brake_torque(self) -> TimeTable:
+        """Return the brake torque by the table."""
+        return self._table(self.brake_torques)
+
+    def _table(self, values: tuple[float, ...]) -> TimeTable:
+        return TimeTable(self.times, values) if values else TimeTable()
