@@ -16,6 +16,7 @@ from pathlib import Path
 import numpy as np
 from damage import SCENARIO, STUDY, SYSTEMS
 from harness import call
+from mechanism_cases import CAM, STUDIES
 
 LOST = 1.0  # s
 SLOW = 2.5  # how much slower a busy machine may be
@@ -56,6 +57,8 @@ VICTIMS = [
         ["kinematics", str(SYSTEMS / "four_bar.yaml"), "--drive",
          "crank.angle=-60 deg:300 deg:400", "--no-plots", "-o", "k.h5"], "k.h5",
     ),
+    Victim("optimise", ["optimise", "best.yaml", "-o", "o.h5"], "o.h5", ["--resume"]),
+    Victim("cam", ["cam", "cam.yaml", "-o", "c.h5"], "c.h5"),
 ]  # fmt: skip
 
 
@@ -69,6 +72,10 @@ class Campaign:
         texts = {
             "short.yaml": SCENARIO,
             "long.yaml": SCENARIO.replace("3 s", "300 s"),
+            "best.yaml": STUDIES["optimise"]
+            .replace("scenarios/systems/double_pendulum.yaml", "short.yaml")
+            .replace("duration: 20 ms", "duration: 1 s"),
+            "cam.yaml": CAM,
             "study.yaml": STUDY.replace("number: 24", "number: 400").replace("0.2 s", "2 s"),
         }
         for name, text in texts.items():
@@ -108,9 +115,9 @@ class Campaign:
 
     def _faults(self, victim, folder, at):
         path = folder / victim.output
-        before = {"long.yaml", "short.yaml", "study.yaml", "short.h5", "double_pendulum.yaml"}
+        before = {p.name for p in self._folder.iterdir() if p.is_file()}
         others = {p.name for p in folder.iterdir() if not p.name.startswith(".")} - before
-        extra = {victim.output, f"{victim.output}.checkpoint"}
+        extra = {victim.output + end for end in ("", ".checkpoint", ".runs.jsonl")}
         if others - extra:
             yield f"leaves {sorted(others - extra)}"
         if not path.exists():
@@ -157,7 +164,7 @@ class Campaign:
 
     def _gone_on(self, victim, folder):
         path = folder / victim.output
-        if not path.exists():
+        if not path.exists() and victim.name != "optimise":
             return
         from vehicledyn.results.store.reader import open_result
 
@@ -170,7 +177,7 @@ class Campaign:
             yield f"cannot be continued: exit code {code}"
             return
         shutil.copy(self._whole[victim.name], folder / "whole.h5")
-        if victim.name == "hunt":
+        if victim.name in ("hunt", "optimise"):
             return
         with contextlib.suppress(FileNotFoundError):
             code = start(folder, ["compare", path.name, "whole.h5"]).wait()
