@@ -15,7 +15,8 @@ _BROUGHT = {"pydantic": "pydantic_core"}
 def _declared():
     project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
     extras = project["optional-dependencies"]
-    lines = [*project["dependencies"], *extras["cluster"], *extras["xarray"], *extras["parquet"]]
+    own = ("cluster", "xarray", "parquet", "control")
+    lines = [*project["dependencies"], *(line for extra in own for line in extras[extra])]
     names = {re.match(r"[\w.-]+", line).group() for line in lines}
     return {_IMPORTED_AS.get(name, name) for name in names} | {
         _BROUGHT[n] for n in names & {*_BROUGHT}
