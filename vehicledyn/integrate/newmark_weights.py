@@ -9,8 +9,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Literal, TypeAlias
 
+from vehicledyn.base.errors import InputError
+
 if TYPE_CHECKING:
     from vehicledyn.kernel.engine import Vector
+    from vehicledyn.symbolic.equations import Equations
 
 Constraints: TypeAlias = Literal["reduced", "index3", "stabilised_index2"]
 """How a step treats constraints; "reduced" solves them within the rates."""
@@ -74,3 +77,15 @@ class Weights:
         excess = alpha_f - alpha_m
         mass = 0.5 * (3.0 - r) / (1.0 + r)
         return Weights(alpha_m, alpha_f, 0.25 * (1.0 + excess) ** 2, 0.5 + excess, mass)
+
+
+def refuse_constraints(equations: Equations, constraints: Constraints) -> None:
+    """Raise InputError if equations have no residuals with multipliers though these are wanted."""
+    if constraints == "reduced":
+        return
+    if equations.constrained is None:
+        raise InputError(
+            f"the equations of '{equations.name}' were not derived from bodies and joints; "
+            "'constraints' of this method must be 'reduced'"
+        )
+    equations.constrained()

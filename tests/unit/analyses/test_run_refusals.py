@@ -24,6 +24,9 @@ output: {interval: 10 ms}
 """
 
 
+SYSTEMS = Path(__file__).parents[3] / "systems"
+
+
 @pytest.fixture
 def scenario(tmp_path):
     path = tmp_path / "short.yaml"
@@ -44,6 +47,17 @@ def test_solver_that_cannot_treat_the_model_leaves_an_older_result(scenario, tmp
     with pytest.raises(InputError, match="cannot treat the loops"):
         run(scenario, output, cvodes)
     assert output.read_bytes() == before
+
+
+def test_constraints_that_a_method_cannot_hold_leave_no_file(tmp_path):
+    (tmp_path / "loop.yaml").write_text(
+        f"title: A loop closed by partitioning\nmodel: {SYSTEMS / 'four_bar.yaml'}\n"
+        "duration: 0.1 s\nsolver: {kind: hht, step: 10 ms, constraints: index3}\n"
+        "output: {interval: 10 ms}\n"
+    )
+    with pytest.raises(InputError, match="take 'constraint_method: multipliers'"):
+        run(tmp_path / "loop.yaml", tmp_path / "loop.h5")
+    assert not (tmp_path / "loop.h5").exists()
 
 
 @pytest.mark.parametrize("key", ["road", "tyres", "wheel_spin"])

@@ -15,6 +15,7 @@ from vehicledyn.integrate.newmark_weights import Constraints
 
 if TYPE_CHECKING:
     from vehicledyn.integrate.task import Statistics, Task
+    from vehicledyn.symbolic.equations import Equations
 
 
 @register("solver", "newmark")
@@ -35,6 +36,12 @@ class Newmark(ParameterSet):
     )
     tolerance: float | None = local_tolerance()
     constraints: Constraints = how_constraints_are_met()
+
+    def check(self, equations: Equations) -> None:
+        """Raise InputError if ``constraints`` cannot hold what the equations have."""
+        from vehicledyn.integrate.newmark_weights import refuse_constraints
+
+        refuse_constraints(equations, self.constraints)
 
     def integrate(self, task: Task) -> Statistics:
         """Integrate a task."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import logging
 from dataclasses import dataclass, replace
-from functools import partial
+from functools import cache, partial
 
 import numpy as np
 
@@ -146,7 +146,7 @@ def equations_of(derivation: Derivation) -> Equations:
         multipliers=d.multipliers,
         projection=d.projection,
     )
-    return replace(equations, constrained=partial(_constrained, d, equations))
+    return replace(equations, constrained=cache(partial(_constrained, d, equations)))
 
 
 @quick_arithmetic()
