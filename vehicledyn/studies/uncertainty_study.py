@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -10,6 +11,7 @@ import numpy as np
 
 from vehicledyn.analyses.preparation.prepared import Progress
 from vehicledyn.base.errors import InputError
+from vehicledyn.files.scenario import LoadedScenario
 from vehicledyn.results.tables.uncertainty_table import UncertaintyTable
 from vehicledyn.studies.kept_runs import KeptRuns
 from vehicledyn.studies.study_form import StudyForm
@@ -17,6 +19,20 @@ from vehicledyn.studies.uncertainty import METHODS, UncertaintyReport, find_unce
 
 _REQUIRED = ("scenario", "of", "parameters")
 _OPTIONAL = ("title", "set", "method", "number", "seed", "limits")
+
+
+@dataclass(frozen=True)
+class UncertaintyStudy:
+    """A scenario, its figures and scattering parameters; ``texts`` tell this study from others."""
+
+    loaded: LoadedScenario
+    of: list[str]
+    parameters: dict[str, Any]
+    method: str
+    number: int
+    seed: int
+    limits: dict[str, Any]
+    texts: tuple[str, ...]
 
 
 def run_uncertainty_study(
@@ -49,6 +65,33 @@ def run_uncertainty_study(
     NumericalError
         If a run fails.
     """
+    study = load_uncertainty(path, overrides)
+    runs = KeptRuns(kept, study.texts, resume=resume)
+    try:
+        found = find_uncertainty(
+            study.loaded,
+            study.of,
+            study.parameters,
+            method=study.method,
+            number=study.number,
+            seed=study.seed,
+            limits=study.limits,
+            progress=progress,
+            runs=runs,
+        )
+    except InputError as error:
+        raise InputError(f"{path}: {error}") from None
+    return found, runs
+
+
+def load_uncertainty(path: Path, overrides: Sequence[str] = ()) -> UncertaintyStudy:
+    """Read and check a study file and its scenario.
+
+    Raises
+    ------
+    InputError
+        If anything in it is wrong; all problems of its form are listed.
+    """
     form = StudyForm.read(path, required=_REQUIRED, optional=_OPTIONAL)
     of, method = _figures(form), form.data.get("method", "first_order")
     if method not in METHODS:
@@ -62,23 +105,8 @@ def run_uncertainty_study(
                 form.wrong((group, name), "expected a mapping")
     form.refuse()
     loaded = form.scenario(("scenario",), form.data["scenario"], form.data.get("set"), overrides)
-    texts = [form.document.text, loaded.text, repr(loaded.overrides)]
-    runs = KeptRuns(kept, texts, resume=resume)
-    try:
-        found = find_uncertainty(
-            loaded,
-            of,
-            parameters,
-            method=method,
-            number=number,
-            seed=seed,
-            limits=limits,
-            progress=progress,
-            runs=runs,
-        )
-    except InputError as error:
-        raise InputError(f"{path}: {error}") from None
-    return found, runs
+    texts = (form.document.text, loaded.text, repr(loaded.overrides))
+    return UncertaintyStudy(loaded, of, parameters, method, number, seed, limits, texts)
 
 
 def _figures(form: StudyForm) -> list[str]:

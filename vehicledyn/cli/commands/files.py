@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -50,7 +50,9 @@ def _read_as(data: Any, path: Path, overrides: list[str]) -> None:
     from vehicledyn.files.scenario import is_system_file, load_model, load_scenario
     from vehicledyn.studies import is_study
 
-    if is_study(data):
+    if load := _parameter_study(data):
+        load(path, overrides)
+    elif is_study(data):
         from vehicledyn.studies import load_study
 
         load_study(path, overrides)
@@ -70,6 +72,24 @@ def _read_as(data: Any, path: Path, overrides: list[str]) -> None:
             from vehicledyn.analyses.simulation.wanted_outputs import validate_outputs
 
             validate_outputs(loaded)
+
+
+def _parameter_study(data: Any) -> Callable[[Path, list[str]], object] | None:
+    """Return what reads a study of parameters, by the key that only its kind has."""
+    keys = set(data) if isinstance(data, dict) and "model" not in data else set()
+    if "minimise" in keys:
+        from vehicledyn.studies.optimisation.file import load_optimisation
+
+        return load_optimisation
+    if "experiments" in keys:
+        from vehicledyn.studies.identification.study import load_identification
+
+        return load_identification
+    if {"scenario", "of"} <= keys:
+        from vehicledyn.studies.uncertainty_study import load_uncertainty
+
+        return load_uncertainty
+    return None
 
 
 def _is_track(data: Any) -> bool:

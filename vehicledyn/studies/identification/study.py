@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -27,6 +28,18 @@ _REQUIRED = ("experiments", "parameters")
 _OPTIONAL = ("title", "hold_out")
 _EXPERIMENT = ("scenario", "set", "data", "time", "signals")
 _SIGNAL = ("column", "unit", "noise", "lag")
+
+
+@dataclass(frozen=True)
+class IdentificationStudy:
+    """Experiments and unknown parameters; ``texts`` tell this study from others."""
+
+    title: str
+    experiments: list[Experiment]
+    parameters: dict[str, Any]
+    held_out: list[str]
+    notes: list[str]
+    texts: list[str]
 
 
 def run_identification_study(
@@ -59,6 +72,31 @@ def run_identification_study(
     NumericalError
         If a run fails at the start.
     """
+    study = load_identification(path, overrides)
+    runs = KeptRuns(kept, study.texts, resume=resume)
+    try:
+        found = identify_from(
+            study.title,
+            study.experiments,
+            study.parameters,
+            progress=progress,
+            held_out=study.held_out,
+            runs=runs,
+            remarks=study.notes,
+        )
+    except InputError as error:
+        raise InputError(f"{path}: {error}") from None
+    return found, runs
+
+
+def load_identification(path: Path, overrides: Sequence[str] = ()) -> IdentificationStudy:
+    """Read and check a study file, its scenarios and its data.
+
+    Raises
+    ------
+    InputError
+        If anything in the study or its data is wrong; all problems of its form are listed.
+    """
     form = StudyForm.read(path, required=_REQUIRED, optional=_OPTIONAL)
     given = dict(form.entries(("experiments",), _EXPERIMENT, ("scenario", "data", "signals")))
     for name in given:
@@ -75,20 +113,8 @@ def run_identification_study(
         experiments.append(Experiment(name, loaded, measured))
         texts += [loaded.text, repr(loaded.overrides), repr([m.values.tobytes() for m in measured])]
         notes += lost
-    runs = KeptRuns(kept, texts, resume=resume)
-    try:
-        found = identify_from(
-            str(form.data.get("title", path.stem)),
-            experiments,
-            parameters,
-            progress=progress,
-            held_out=held_out,
-            runs=runs,
-            remarks=notes,
-        )
-    except InputError as error:
-        raise InputError(f"{path}: {error}") from None
-    return found, runs
+    title = str(form.data.get("title", path.stem))
+    return IdentificationStudy(title, experiments, parameters, held_out, notes, texts)
 
 
 def _held_out(form: StudyForm, known: dict[str, Any]) -> list[str]:

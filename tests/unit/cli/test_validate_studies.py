@@ -1,0 +1,65 @@
+"""``validate`` reads each kind of study with what runs it."""
+
+import numpy as np
+import pytest
+import typer
+
+from vehicledyn.cli.verbs import validate
+
+SCENARIO = """\
+title: A quarter car on a shaker
+model: quarter_car
+duration: 0.5 s
+solver: {kind: rk4, step: 5 ms}
+output: {interval: 10 ms}
+"""
+STUDIES = {
+    "identify": """\
+title: Strut of a quarter car
+experiments:
+  first:
+    scenario: run.yaml
+    data: first.csv
+    signals: {body.height: {column: height, noise: 1 mm}}
+parameters:
+  body.stiffness: {from: 5 kN/m, to: 60 kN/m}
+""",
+    "uncertainty": """\
+title: Comfort of a quarter car
+scenario: run.yaml
+of: max(body.height)
+parameters:
+  body.stiffness: {kind: normal, mean: 18 kN/m, deviation: 500 N/m}
+""",
+    "optimise": """\
+title: A soft strut
+scenarios: {bump: run.yaml}
+variables:
+  body.stiffness: {from: 5 kN/m, to: 60 kN/m}
+minimise: rms(body.height)
+""",
+}
+
+
+@pytest.fixture
+def folder(tmp_path):
+    (tmp_path / "run.yaml").write_text(SCENARIO)
+    rows = (f"{t:.3f}, {np.sin(t):.6f}" for t in np.linspace(0.0, 0.5, 11))
+    (tmp_path / "first.csv").write_text("time [s], height [mm]\n" + "\n".join(rows) + "\n")
+    return tmp_path
+
+
+@pytest.mark.parametrize("kind", STUDIES)
+def test_a_good_study_is_ok_and_an_unknown_key_is_named(folder, kind, capsys):
+    path = folder / "study.yaml"
+    path.write_text(STUDIES[kind])
+    with pytest.raises(typer.Exit) as ended:
+        validate([path])
+    assert (ended.value.exit_code, capsys.readouterr().out) == (0, f"{path}: ok\n")
+    path.write_text(STUDIES[kind] + "colour: blue\n")
+    with pytest.raises(typer.Exit) as ended:
+        validate([path])
+    text = capsys.readouterr().err
+    assert ended.value.exit_code == 2
+    assert "colour" in text and "unknown key" in text and f"{path}:" in text
+    assert "model" not in text
