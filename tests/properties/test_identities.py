@@ -19,6 +19,7 @@ from vehicledyn.multibody.recursion.mass_matrix import mass_matrix
 from vehicledyn.multibody.recursion.newton_euler import inverse_dynamics
 from vehicledyn.symbolic import ops, rotations
 from vehicledyn.symbolic.equations import Channel
+from vehicledyn.symbolic.sparse_rows import rows_of
 
 SEEDS = range(6)
 IDENTITY = 1e-10
@@ -366,7 +367,7 @@ def test_the_order_of_the_blocks_is_the_order_of_solution():
     for make in CLOSED:
         for seed in range(4):
             e = derived(make, seed).equations
-            pattern = ops.rows_of(ops.jacobian(e.residual, e.algebraic))
+            pattern = rows_of(ops.jacobian(e.residual, e.algebraic))
             for block in e.blocks:
                 for row in pattern[block.start : block.stop]:
                     assert max(row) < block.stop

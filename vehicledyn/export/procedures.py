@@ -9,6 +9,7 @@ from vehicledyn.multibody.equations.equation_terms import Entries, Ingredients, 
 from vehicledyn.symbolic import ops
 from vehicledyn.symbolic.equations import Equations
 from vehicledyn.symbolic.ops import Scalar
+from vehicledyn.symbolic.sparse_rows import rows_of
 
 
 @dataclass(frozen=True)
@@ -133,7 +134,7 @@ def _of_the_states(g: Ingredients) -> tuple[Procedure, ...]:
     size = len(e.unknowns)
     jacobian = {
         (i, j): value
-        for i, row in enumerate(ops.rows_of(ops.jacobian(e.residual, e.algebraic)))
+        for i, row in enumerate(rows_of(ops.jacobian(e.residual, e.algebraic)))
         for j, value in row.items()
     }
     return (

@@ -14,6 +14,7 @@ from typing import Any
 from vehicledyn.symbolic import ops
 from vehicledyn.symbolic.elimination import Rows
 from vehicledyn.symbolic.ops import Scalar
+from vehicledyn.symbolic.sparse_rows import matrix_of
 
 MOST_UNROLLED = 5_000
 """Products of a factorisation up to which it is unrolled; a net of 8 by 8 points has as many."""
@@ -83,7 +84,7 @@ class SaddlePoint:
 
         n, count = self._n, self._size - self._n
         rows = [{j - n: -v for j, v in row.items()} for row in self._matrix[n:]]
-        matrix = casadi.SX(ops.matrix_of(rows, count))
+        matrix = casadi.SX(matrix_of(rows, count))
         entries = casadi.reshape(matrix.nz[:], matrix.nnz(), 1)
         found = -_solver(matrix.sparsity())(entries, ops.column(side))
         return [found[k] for k in range(count)]

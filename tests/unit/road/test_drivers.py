@@ -12,6 +12,7 @@ from vehicledyn.road.drivers.pure_pursuit import PurePursuit
 from vehicledyn.road.drivers.stanley import Stanley
 from vehicledyn.symbolic import ops
 from vehicledyn.symbolic.parameters import ParameterTable
+from vehicledyn.symbolic.sparse_rows import matrix_of
 
 WHEELBASE, FRONT = 2.6, 1.2
 HANDS = {"lag_frequency": 20.0, "lag_damping": 0.8, "rack_stop": 0.1}
@@ -76,7 +77,7 @@ def test_stanley_brings_a_rolling_car_to_its_path_as_its_equation_says():
     car = vehicle()
     part = driver.part(car, lambda x: 0.0 * x)
     x, y, heading = (ops.symbol(name) for name in "xyh")
-    rotation = ops.matrix_of([{0: ops.cos(heading)}, {0: ops.sin(heading)}, {}], 1)
+    rotation = matrix_of([{0: ops.cos(heading)}, {0: ops.sin(heading)}, {}], 1)
     place = SimpleNamespace(
         kinematics=SimpleNamespace(
             position=lambda _: (x, y, 0.0), velocity=lambda _: (speed, 0.0, 0.0),

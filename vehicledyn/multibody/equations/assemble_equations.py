@@ -26,6 +26,7 @@ from vehicledyn.symbolic.equations import (
     with_tables,
 )
 from vehicledyn.symbolic.ops import Scalar
+from vehicledyn.symbolic.sparse_rows import matrix_of, rows_of
 
 LOOP_TOLERANCE = 1e-12
 """Residual at which a loop counts as closed [m]; a hundredth of what users are promised."""
@@ -231,11 +232,11 @@ def _slopes(
     width = len(unknowns)
     first = width - len(implicit)
     by_force = ops.jacobian(ops.column(implicit), ops.column(unknowns[first:]))
-    forces = [{first + k: v for k, v in row.items()} for row in ops.rows_of(by_force)]
+    forces = [{first + k: v for k, v in row.items()} for row in rows_of(by_force)]
     return ops.stacked(
-        ops.matrix_of(rows, width),
+        matrix_of(rows, width),
         ops.jacobian(ops.column(contact), ops.column(unknowns)),
-        ops.matrix_of(forces, width),
+        matrix_of(forces, width),
     )
 
 

@@ -28,6 +28,7 @@ from vehicledyn.multibody.recursion.mass_matrix import mass_matrix
 from vehicledyn.symbolic import ops
 from vehicledyn.symbolic.elimination import Rows, solve_symmetric
 from vehicledyn.symbolic.ops import Scalar
+from vehicledyn.symbolic.sparse_rows import rows_of
 
 
 @dataclass(frozen=True)
@@ -143,7 +144,7 @@ class Impacts:
         s = self._symbols
         function = ops.scalar(event.expression)
         slopes = s.by_speeds(ops.jacobian(function, s.coordinate_column))
-        (gradient,) = ops.rows_of(slopes) or ({},)
+        (gradient,) = rows_of(slopes) or ({},)
         if not gradient or ops.depends_on(function, s.rate_column):
             raise InputError(
                 f"event '{name}' has a restitution, so its function must be one of coordinates "

@@ -16,6 +16,7 @@ from vehicledyn.symbolic import ops
 from vehicledyn.symbolic.constrained_equations import ConstrainedEquations
 from vehicledyn.symbolic.equations import Equations
 from vehicledyn.symbolic.ops import Scalar
+from vehicledyn.symbolic.sparse_rows import matrix_of
 
 
 @dataclass(frozen=True)
@@ -86,7 +87,7 @@ def residual_form(unsolved: Unsolved, equations: Equations) -> ConstrainedEquati
         gap=finished(ops.column([u.loops.constraints[row].residual.expression for row in u.rows])),
         opening=finished(ops.column([_opening(u, row) for row in u.rows])),
         quadratic=finished(ops.column([_quadratic(u, row) for row in u.rows])),
-        jacobian=finished(ops.matrix_of(jacobian, len(names))),
+        jacobian=finished(matrix_of(jacobian, len(names))),
         other_rate=finished(ops.column([u.loads[part].rates[name] for part, name in others])),
         labels=tuple(u.loops.constraints[row].label for row in u.rows),
         positions=equations.positions,

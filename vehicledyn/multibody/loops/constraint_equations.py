@@ -21,6 +21,7 @@ from vehicledyn.multibody.model.system import System
 from vehicledyn.symbolic import frames, ops
 from vehicledyn.symbolic.elimination import Rows
 from vehicledyn.symbolic.ops import Scalar
+from vehicledyn.symbolic.sparse_rows import matrix_of, rows_of
 
 Array = NDArray[np.float64]
 
@@ -130,7 +131,7 @@ class Gaps:
     @cached_property
     def structure(self) -> list[set[int]]:
         """Columns of the structural nonzeros of each row."""
-        return [set(row) for row in ops.rows_of(self._jacobian)]
+        return [set(row) for row in rows_of(self._jacobian)]
 
     def residual(self, time: float, q: Array) -> Array:
         """Return the holonomic residuals, shape (n_holonomic,)."""
@@ -162,7 +163,7 @@ class Gaps:
             first = ops.stacked(first, self._speed)
         second = ops.derivative(first, q, qd) + ops.derivative(first, s.time, 1.0)
         quadratic = [m.quadratic for m in self._moving] + _scalars(second)
-        return Derivatives(ops.rows_of(self._jacobian), self._rates(), quadratic)
+        return Derivatives(rows_of(self._jacobian), self._rates(), quadratic)
 
     @property
     def _moving(self) -> list[MovingResidual]:
@@ -171,7 +172,7 @@ class Gaps:
     def _cut_jacobian(self) -> Scalar:
         place = {joint.name: k for k, joint in enumerate(self._symbols.joints)}
         rows = [{place[n]: v for n, v in m.slopes.items()} for m in self._moving]
-        return ops.matrix_of(rows, len(place))
+        return matrix_of(rows, len(place))
 
     def _rates(self) -> list[Scalar]:
         rate = ops.derivative(self._h, self._symbols.time, 1.0)

@@ -5,8 +5,7 @@ from __future__ import annotations
 import contextlib
 import json
 from pathlib import Path
-from types import TracebackType
-from typing import TYPE_CHECKING, Any, Self
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -76,7 +75,7 @@ def open_result(path: str | Path, most: int | None = None) -> Result:
         raise
 
 
-class Result:
+class Result(contextlib.AbstractContextManager["Result"]):
     """An open result file. Metadata are read at once, values when asked for.
 
     Attributes
@@ -347,15 +346,7 @@ class Result:
         """Close the file; closing twice does nothing."""
         self._file.close()
 
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         self.close()
 
     def _reading(self) -> contextlib.AbstractContextManager[None]:

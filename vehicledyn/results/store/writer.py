@@ -7,7 +7,7 @@ import time
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from types import TracebackType
-from typing import Any, Self
+from typing import Any
 
 import h5py
 import numpy as np
@@ -52,7 +52,7 @@ FLUSH_INTERVAL = 0.5  # s of wall time
 Floats = NDArray[np.float64]
 
 
-class ResultWriter:
+class ResultWriter(contextlib.AbstractContextManager["ResultWriter"]):
     """Writes one result file; use it in a ``with`` statement.
 
     The file appears under its name at once, with status ``running``, and replaces an older
@@ -258,9 +258,6 @@ class ResultWriter:
         self._finish(change)
         if self._full is not None:
             raise self._full
-
-    def __enter__(self) -> Self:
-        return self
 
     def __exit__(
         self,
