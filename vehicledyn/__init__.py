@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     from vehicledyn.interface.cams import cam
     from vehicledyn.interface.comparing import compare
     from vehicledyn.interface.contacts import contact_geometry
+    from vehicledyn.interface.documents import export, models, report
     from vehicledyn.interface.handling import handling, steady
     from vehicledyn.interface.hunting import hunt
     from vehicledyn.interface.identification import identify, identify_study
@@ -38,6 +39,7 @@ if TYPE_CHECKING:
     from vehicledyn.interface.simulation import simulate
     from vehicledyn.interface.studies import sweep
     from vehicledyn.interface.uncertainties import uncertainty, uncertainty_study
+    from vehicledyn.interface.views import track, tyre
     from vehicledyn.multibody.model.bodies import Body, Joint, Turn
     from vehicledyn.multibody.model.cuts import BallCut, BodyCut, RodCut
     from vehicledyn.multibody.model.ground import GROUND
@@ -72,6 +74,7 @@ __all__ = [
     "compare",
     "contact_geometry",
     "equilibrium",
+    "export",
     "handling",
     "hunt",
     "identify",
@@ -81,15 +84,19 @@ __all__ = [
     "linearise",
     "load",
     "load_plugin",
+    "models",
     "modes",
     "open_result",
     "optimise",
+    "report",
     "response",
     "rig",
     "sensitivity",
     "simulate",
     "steady",
     "sweep",
+    "track",
+    "tyre",
     "uncertainty",
     "uncertainty_study",
 ]
@@ -107,6 +114,7 @@ _HOMES = {
     "vehicledyn.interface.cams": ("cam",),
     "vehicledyn.interface.comparing": ("compare",),
     "vehicledyn.interface.contacts": ("contact_geometry",),
+    "vehicledyn.interface.documents": ("export", "models", "report"),
     "vehicledyn.interface.handling": ("handling", "steady"),
     "vehicledyn.interface.hunting": ("hunt",),
     "vehicledyn.interface.identification": ("identify", "identify_study"),
@@ -128,6 +136,7 @@ _HOMES = {
     "vehicledyn.interface.sensitivities": ("sensitivity",),
     "vehicledyn.interface.simulation": ("simulate",),
     "vehicledyn.interface.uncertainties": ("uncertainty", "uncertainty_study"),
+    "vehicledyn.interface.views": ("track", "tyre"),
     "vehicledyn.multibody.model.bodies": ("Body", "Joint", "Turn"),
     "vehicledyn.multibody.model.cuts": ("BallCut", "BodyCut", "RodCut"),
     "vehicledyn.multibody.model.ground": ("GROUND",),

@@ -21,6 +21,12 @@ from vehicledyn.results.tables.handling_table import (
     read_handling,
     write_handling,
 )
+from vehicledyn.results.tables.track_table import (
+    TrackColumn,
+    TrackTable,
+    read_track_table,
+    write_track,
+)
 from vehicledyn.results.tables.tyre_table import COLUMNS, TyreTable, read_tyres, write_tyre
 
 FORMATS = {
@@ -84,7 +90,21 @@ def tyre(path):
     assert first.loads == [4e3]
 
 
-@pytest.mark.parametrize("write", [handling, cam, tyre])
+RAILS = tuple(f"{side}_{way}" for side in ("left", "right") for way in ("lateral", "vertical"))
+
+
+def track(path):
+    columns = {
+        name: TrackColumn("m", np.linspace(0.0, 1.0, 4), name)
+        for name in ("s", "x", "y", "z", "heading", "curvature", "cant", "gradient", *RAILS)
+    }
+    write_track(TrackTable("T", ("a curve",), columns), path)
+    table = read_track_table(path)
+    assert (table.title, table.facts, list(table.columns)) == ("T", ("a curve",), list(columns))
+    assert table["x"] == pytest.approx(columns["x"].values, abs=0.0)
+
+
+@pytest.mark.parametrize("write", [handling, cam, tyre, track])
 def test_a_file_is_understood_by_every_command(tmp_path, write):
     path = tmp_path / "table.h5"
     write(path)

@@ -22,7 +22,6 @@ from vehicledyn.cli.performing import perform, show
 from vehicledyn.cli.replacing import EQUILIBRIUM, Overwrite, check_replacing
 from vehicledyn.cli.terminal import emit, emit_report, show_progress, to_json
 from vehicledyn.library import Kind
-from vehicledyn.library import entries as library_entries
 
 if TYPE_CHECKING:
     from vehicledyn.files.scenario import LoadedModel, LoadedScenario
@@ -39,10 +38,7 @@ def add_verbs(app: typer.Typer) -> None:
 @models.command("list")
 def list_models(as_json: Json = False) -> None:
     """List the models."""
-    from vehicledyn.catalogue import first_lines
-
-    systems = {entry.name: entry.sentence() for entry in library_entries("system")}
-    entries = dict(sorted({**systems, **first_lines("model")}.items()))
+    entries = vehicledyn.models()
     if as_json:
         emit(to_json(entries))
     else:

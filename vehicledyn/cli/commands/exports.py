@@ -8,6 +8,7 @@ from typing import Annotated
 
 import typer
 
+import vehicledyn
 from vehicledyn.cli.commands.analyses import read_target
 from vehicledyn.cli.options import Json, Overrides, Target
 from vehicledyn.cli.terminal import emit_report, listen, show_progress
@@ -41,9 +42,7 @@ def export(
 ) -> None:
     """Write the equations as C, Python or MATLAB functions, as an FMU or for CUDA."""
     loaded = read_target(target, overrides)
-    from vehicledyn.analyses.models.exporting import export_target
-
     listen(quiet=False, verbose=False)
     with show_progress() as progress:
-        report = export_target(loaded, kind=to.value, path=output, progress=progress)
+        report = vehicledyn.export(loaded, to.value, output, progress=progress)
     emit_report(report, as_json=as_json)

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+import vehicledyn
 from vehicledyn.base.errors import InputError
 from vehicledyn.cli.options import Quiet
 from vehicledyn.cli.terminal import emit, show_progress, tell
@@ -58,21 +59,19 @@ def report(
         raise InputError("report: name a result file or a folder of them, or give --validation")
     if each and not source.is_dir():
         raise InputError(f"--each: {source} is no folder")
-    from vehicledyn.results.report import write_report
-
     with show_progress(quiet=quiet) as progress:
         if each:
             _write_each(source, progress)
-        page = write_report(source, output, against=against, progress=progress)
+        page = vehicledyn.report(source, output, against=against, progress=progress)
     emit(str(page))
 
 
 def _write_each(folder: Path, progress: Progress) -> None:
     """Write the page of every result of a folder; what cannot be read is reported and left out."""
-    from vehicledyn.results.report import results_in, write_report
+    from vehicledyn.results.report import results_in
 
     for path in results_in(folder):
         try:
-            write_report(path, progress=progress)
+            vehicledyn.report(path, progress=progress)
         except InputError as error:
             tell(str(error))

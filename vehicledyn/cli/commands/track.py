@@ -32,7 +32,7 @@ def track(
         str | None, typer.Option(help='Speed such as "80 km/h", to report what cant curves lack.')
     ] = None,
     output: Annotated[
-        Path | None, typer.Option("--output", "-o", help="Table (CSV) to write.")
+        Path | None, typer.Option("--output", "-o", help="Table to write: CSV, or a result (.h5).")
     ] = None,
     plots: Annotated[Path | None, typer.Option(help="Folder of the pictures.")] = None,
     as_json: Json = False,

@@ -31,6 +31,7 @@ from vehicledyn.results.tables import (
     optimum_table,
     response_table,
     sensitivity_table,
+    track_table,
     tyre_table,
     uncertainty_table,
 )
@@ -48,6 +49,7 @@ KINDS = {
     handling_table.FORMAT: "handling of a road vehicle",
     cam_table.FORMAT: "a cam",
     tyre_table.FORMAT: "forces of tyres",
+    track_table.FORMAT: "a railway track",
     "vehicledyn-result": "a run",
     "vehicledyn-study": "a sweep",
 }

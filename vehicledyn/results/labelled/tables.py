@@ -28,6 +28,7 @@ from vehicledyn.results.tables import (
     optimum_table,
     response_table,
     sensitivity_table,
+    track_table,
     tyre_table,
     uncertainty_table,
 )
@@ -45,6 +46,7 @@ KINDS = {
     identification_table.FORMAT: "identification",
     uncertainty_table.FORMAT: "uncertainty",
     tyre_table.FORMAT: "tyre",
+    track_table.FORMAT: "track",
 }
 """What the formats of these files are called."""
 

@@ -19,6 +19,7 @@ from vehicledyn.results.plots.parameter_figures import (
     uncertainty_figures,
 )
 from vehicledyn.results.plots.sensitivity_figures import sensitivity_figures
+from vehicledyn.results.plots.track_figures import track_figures
 from vehicledyn.results.plots.tyres.tyre_figures import tyre_figures
 from vehicledyn.results.store.linear_file import format_of
 from vehicledyn.results.tables import (
@@ -32,6 +33,7 @@ from vehicledyn.results.tables import (
     optimum_table,
     response_table,
     sensitivity_table,
+    track_table,
     tyre_table,
     uncertainty_table,
 )
@@ -209,6 +211,17 @@ def _tyre_facts(path: Path) -> dict[str, Any]:
     }
 
 
+def _track_facts(path: Path) -> dict[str, Any]:
+    table = track_table.read_track_table(path)
+    return {
+        "holds": "a railway track along its chainage",
+        "title": table.title,
+        "track": list(table.facts),
+        "places": len(table["s"]),
+        "columns": table.heads(),
+    }
+
+
 def _of(read: Callable[[Path], Any], do: Callable[[Any], Any]) -> Callable[[Path], Any]:
     """Return a function of a file that does something with what is read from it."""
     return lambda path: do(read(path))
@@ -248,5 +261,6 @@ TABLES = {
     ),
     cam_table.FORMAT: TableKind(_cam_facts, _of(cam_table.read_cam, cam_figures)),
     tyre_table.FORMAT: TableKind(_tyre_facts, _of(tyre_table.read_tyres, tyre_figures)),
+    track_table.FORMAT: TableKind(_track_facts, _of(track_table.read_track_table, track_figures)),
 }
 """What is said and drawn of the files of tables, by their format."""

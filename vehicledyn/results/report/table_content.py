@@ -23,6 +23,7 @@ from vehicledyn.results.tables import (
     optimum_table,
     response_table,
     sensitivity_table,
+    track_table,
     tyre_table,
     uncertainty_table,
 )
@@ -305,5 +306,6 @@ _KINDS: dict[str, tuple[str, Callable[[Path], Parts]]] = {
     handling_table.FORMAT: ("Handling", _handling),
     cam_table.FORMAT: ("Cam", _cam),
     tyre_table.FORMAT: ("Tyres", _no_parts),
+    track_table.FORMAT: ("Track", _no_parts),
 }
 """Heading of the page, and what gives its key figures and sections, by format."""

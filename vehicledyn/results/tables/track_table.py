@@ -7,11 +7,21 @@ from collections.abc import Iterable
 from dataclasses import dataclass, field
 from pathlib import Path
 
+import h5py
 import numpy as np
 from numpy.typing import NDArray
 
 from vehicledyn.base.files.whole_file import whole_file
 from vehicledyn.results.hdf5.output import write_failed
+from vehicledyn.results.store.linear_file import (
+    new_file,
+    old_file,
+    read_texts,
+    write_numbers,
+    write_texts,
+)
+
+FORMAT = "vehicledyn-track"
 
 Array = NDArray[np.float64]
 
@@ -50,13 +60,16 @@ class TrackTable:
 
 
 def write_track(table: TrackTable, path: Path) -> None:
-    """Write a table as CSV, with the units in its heads.
+    """Write a table as HDF5 if the name ends in .h5, else as CSV with units in its heads.
 
     Raises
     ------
     InputError
         If the file cannot be written.
     """
+    if path.suffix == ".h5":
+        _write_hdf5(table, path)
+        return
     try:
         with whole_file(path) as place, place.open("w", encoding="utf-8", newline="") as stream:
             for line in (table.title, *table.facts):
@@ -66,3 +79,35 @@ def write_track(table: TrackTable, path: Path) -> None:
             writer.writerows([f"{value:.9g}" for value in row] for row in table.rows())
     except OSError as error:
         raise write_failed(path, error) from error
+
+
+def read_track_table(path: Path) -> TrackTable:
+    """Read a table from a result file.
+
+    Raises
+    ------
+    InputError
+        If there is no such file, or it is damaged or of another format.
+    """
+    with old_file(path, FORMAT) as file:
+        names = read_texts(file, "columns")
+        columns = {
+            name: TrackColumn(
+                str(file[name].attrs["units"]), file[name][()], str(file[name].attrs["long_name"])
+            )
+            for name in names
+        }
+        return TrackTable(str(file.attrs["title"]), tuple(read_texts(file, "facts")), columns)
+
+
+def _write_hdf5(table: TrackTable, path: Path) -> None:
+    with new_file(path, FORMAT, {"title": table.title}) as file:
+        scale: tuple[h5py.Dataset, ...] = ()
+        for name, column in table.columns.items():
+            words = (column.unit, column.description)
+            write_numbers(file, name, column.values, scale, words)
+            if not scale:
+                file[name].make_scale(name)
+                scale = (file[name],)
+        write_texts(file, "columns", list(table.columns))
+        write_texts(file, "facts", table.facts)
