@@ -27,7 +27,7 @@ def test_table_and_key_figures(tmp_path):
         lateral = file["tyre_1/lateral"]
         row = np.argmin(np.abs(lateral["slip_angle"][:] - math.radians(4.0)))
         assert lateral["lateral_force"][row] == pytest.approx(-3858.21376, abs=1e-3)
-        assert lateral["lateral_force"].attrs["unit"] == "N"
+        assert lateral["lateral_force"].attrs["units"] == "N"
         assert set(file) == {"tyre_1", "tyre_2"}
     view_tyre(PAC, output=tmp_path / "t.csv")
     with (tmp_path / "t.csv").open() as stream:

@@ -10,6 +10,8 @@ from vehicledyn.analyses.preparation.prepare import prepare, reference_point
 from vehicledyn.base.registry import kinds
 from vehicledyn.files.scenario import load_model
 
+pytestmark = pytest.mark.long
+
 WHEELSET = Path(__file__).parents[3] / "systems" / "rail_wheelset.yaml"
 WRITTEN = {
     "elastic": "{kind: elastic, youngs_modulus: 210 GPa, poissons_ratio: 0.28, damping: 2 s/m}",

@@ -19,6 +19,8 @@ from vehicledyn.results.store.animation_section import Pictures, Span
 from vehicledyn.results.store.animation_stage import Stage
 from vehicledyn.results.store.reader import open_result
 
+pytestmark = pytest.mark.long  # in a browser
+
 ROOT = Path(__file__).parents[3]
 PICTURES = Path(__file__).parent / "pictures"
 STATE = "animation.state()"
@@ -266,7 +268,6 @@ def test_a_wheelset_hunts(browser, tmp_path, needs_compiler):
     check_picture(browser, "wheelset_hunting.png")
 
 
-@pytest.mark.long
 def test_the_tram_in_the_curve(browser, tmp_path, needs_compiler):
     """The front bogie is in the arc; the rails below it are bent, the wheels stand on them."""
     run("tram2000_curve.yaml", tmp_path / "tram.h5", "duration=4 s")
