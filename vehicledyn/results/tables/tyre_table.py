@@ -112,6 +112,10 @@ def _write_hdf5(tables: list[TyreTable], path: Path) -> None:
         for number, table in enumerate(tables, start=1):
             file.create_group(f"{_TYRE}{number}").attrs["title"] = table.title
             for sweep, columns in table.sweeps.items():
+                place = f"{_TYRE}{number}/{sweep}"
+                points = np.arange(len(columns["load"]))
+                write_numbers(file, f"{place}/point", points, (), ("1", "Points of the sweep"))
+                scale = file[f"{place}/point"]
+                scale.make_scale(f"{place}/point")
                 for name, words in COLUMNS.items():
-                    place = f"{_TYRE}{number}/{sweep}/{name}"
-                    write_numbers(file, place, columns[name], (), words)
+                    write_numbers(file, f"{place}/{name}", columns[name], (scale,), words)
