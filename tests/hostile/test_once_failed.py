@@ -3,6 +3,7 @@
 import io
 import json
 import re
+from pathlib import Path
 
 import mechanism_cases
 import numpy as np
@@ -401,3 +402,11 @@ def test_heads_of_measured_channels_have_dots_and_units():
     refused(
         Case("identify", files, ["identify", "study.yaml", "-o", "out.h5"]), "unit 'kg' does not"
     )
+
+
+def test_damaged_lists_of_scales_do_not_crash_hdf5():
+    """HDF5's own functions for dimension scales read beyond their memory on this file."""
+    content = (Path(__file__).parent / "once_failed" / "damaged_scales.h5").read_bytes()
+    case = Case("scales", {"modes.h5": content}, ["export-data", "modes.h5", "-o", "o.csv"])
+    for _ in range(3):
+        refused(case, "modes.h5: is damaged (Unable to synchronously open object")

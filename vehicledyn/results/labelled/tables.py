@@ -12,6 +12,7 @@ import h5py
 import numpy as np
 
 from vehicledyn.base.errors import InputError
+from vehicledyn.results.hdf5.seal import DamagedError
 from vehicledyn.results.labelled.array import LabelledArray
 from vehicledyn.results.labelled.source import Head, Source
 from vehicledyn.results.store.dimensions import is_bare
@@ -53,6 +54,7 @@ KINDS = {
 _HEAD = ("title", "model", "status", "message", "format", "format_version")
 _CASE = re.compile(r"case_(\d+)\.")
 _REAL, _IMAGINARY = "_real", "_imag"
+_SCALES = "DIMENSION_LIST"
 _ABOUT_NAMES = ("_units", "_long_name")
 
 
@@ -165,12 +167,10 @@ def _labels(name: str, dataset: h5py.Dataset) -> tuple[tuple[str, ...], dict[str
     if dataset.is_scale:
         return (name,), {}
     dims, coords = [], {}
-    for axis in range(dataset.ndim):
-        scales = list(dataset.dims[axis].values())
-        if not scales:
+    for axis, scale in enumerate(_scales(dataset)):
+        if scale is None:
             dims.append(name if dataset.ndim == 1 else f"{name}_axis_{axis}")
             continue
-        scale = scales[0]
         label = scale.name.strip("/").replace("/", ".")
         dims.append(label)
         words = {key: str(scale.attrs.get(key, "")) for key in ("units", "long_name")}
@@ -179,6 +179,22 @@ def _labels(name: str, dataset: h5py.Dataset) -> tuple[tuple[str, ...], dict[str
             continue
         coords[label] = LabelledArray(label, values, (label,), words["units"], words["long_name"])
     return tuple(dims), coords
+
+
+def _scales(dataset: h5py.Dataset) -> list[h5py.Dataset | None]:
+    """Return the first scale of each dimension, None for those without one.
+
+    The list is read as any attribute: HDF5's own functions for scales crash on damaged ones.
+    """
+    if _SCALES not in dataset.attrs:
+        return [None] * dataset.ndim
+    lists = dataset.attrs[_SCALES]
+    if len(lists) != dataset.ndim:
+        raise DamagedError(f"{dataset.name} names the scales of {len(lists)} dimensions")
+    scales = [dataset.file[found[0]] if len(found) else None for found in lists]
+    if any(not isinstance(scale, h5py.Dataset | None) for scale in scales):
+        raise DamagedError(f"a scale of {dataset.name} is no data set")
+    return scales
 
 
 def _by_name(path: Path) -> dict[str, LabelledArray]:
