@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from vehicledyn.interface.cams import cam
     from vehicledyn.interface.comparing import compare
     from vehicledyn.interface.contacts import contact_geometry
-    from vehicledyn.interface.documents import export, models, report
+    from vehicledyn.interface.documents import models, report, write_equations
     from vehicledyn.interface.handling import handling, steady
     from vehicledyn.interface.hunting import hunt
     from vehicledyn.interface.identification import identify, identify_study
@@ -74,7 +74,6 @@ __all__ = [
     "compare",
     "contact_geometry",
     "equilibrium",
-    "export",
     "handling",
     "hunt",
     "identify",
@@ -99,6 +98,7 @@ __all__ = [
     "tyre",
     "uncertainty",
     "uncertainty_study",
+    "write_equations",
 ]
 
 _HOMES = {
@@ -114,7 +114,7 @@ _HOMES = {
     "vehicledyn.interface.cams": ("cam",),
     "vehicledyn.interface.comparing": ("compare",),
     "vehicledyn.interface.contacts": ("contact_geometry",),
-    "vehicledyn.interface.documents": ("export", "models", "report"),
+    "vehicledyn.interface.documents": ("models", "report", "write_equations"),
     "vehicledyn.interface.handling": ("handling", "steady"),
     "vehicledyn.interface.hunting": ("hunt",),
     "vehicledyn.interface.identification": ("identify", "identify_study"),

@@ -49,7 +49,7 @@ def report(
     return write_report(source, page, against=other, progress=reporter(progress))
 
 
-def export(
+def write_equations(
     model: Source,
     to: Literal["c", "python", "matlab", "fmu", "cuda"],
     output: str | Path | None = None,

@@ -8,6 +8,8 @@ import vehicledyn.catalogue  # noqa: F401
 from vehicledyn.analyses.linear.equilibrium import find_equilibrium
 from vehicledyn.files.scenario.load import load_scenario
 
+pytestmark = pytest.mark.long
+
 CAR = Path(__file__).parents[3] / "scenarios" / "systems" / "small_car.yaml"
 GRAVITY, BODY, AXLE = 9.81, 900.0, 50.0
 FRONT, REAR = 1.1, -1.4

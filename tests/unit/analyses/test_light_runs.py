@@ -6,6 +6,8 @@ from pathlib import Path
 
 import pytest
 
+pytestmark = pytest.mark.long
+
 SCENARIOS = Path(__file__).parents[3] / "scenarios"
 HEAVY = ("scipy", "pandas", "matplotlib")
 SCRIPT = """

@@ -8,6 +8,8 @@ import pytest
 
 import vehicledyn as vd
 
+pytestmark = pytest.mark.long
+
 SYSTEMS = Path(__file__).parents[3] / "systems"
 
 COMPLIANT = """

@@ -6,6 +6,8 @@ from pathlib import Path
 
 import pytest
 
+pytestmark = pytest.mark.long
+
 SCRIPT = Path(__file__).parents[3] / "benchmarks" / "accuracy_watch.py"
 LIGHT = ("systems/quarter_car", "systems/double_spring_mass", "systems/jeep_suspension")
 

@@ -16,6 +16,8 @@ from vehicledyn.rail.profiles.named_profiles import named_profile
 from vehicledyn.results.plots.contact_figures import contact_figures
 from vehicledyn.results.tables.contact_table import read_contacts, write_contacts
 
+pytestmark = pytest.mark.long
+
 
 def quiet(*_):
     """Show no progress."""

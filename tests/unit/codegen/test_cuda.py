@@ -21,6 +21,8 @@ from vehicledyn.integrate.batch import make_batch, run_batch
 from vehicledyn.integrate.methods.rk4 import RungeKutta4
 from vehicledyn.kernel.kernel import compile_kernel
 
+pytestmark = pytest.mark.long
+
 ON_THE_PROCESSOR = """
 #include <cmath>
 #include <cstring>

@@ -14,6 +14,8 @@ from vehicledyn.kernel.kernel import compile_kernel
 from vehicledyn.symbolic import ops
 from vehicledyn.symbolic.shared import shared
 
+pytestmark = pytest.mark.long
+
 
 def long_pull(values):
     """The same, of so many operations that it is printed in pieces."""

@@ -11,6 +11,8 @@ import vehicledyn as vd
 import vehicledyn.catalogue
 from vehicledyn.base import plugins, registry
 
+pytestmark = pytest.mark.long
+
 SPRING = '''\
 """A tyre of the user's own."""
 

@@ -45,6 +45,6 @@ def test_models_name_every_system():
 
 
 def test_export(tmp_path):
-    done = vd.export("double_pendulum", "python", tmp_path / "pendulum.py")
+    done = vd.write_equations("double_pendulum", "python", tmp_path / "pendulum.py")
     assert (tmp_path / "pendulum.py").is_file()
     assert done.as_text()

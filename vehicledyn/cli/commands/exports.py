@@ -44,5 +44,5 @@ def export(
     loaded = read_target(target, overrides)
     listen(quiet=False, verbose=False)
     with show_progress() as progress:
-        report = vehicledyn.export(loaded, to.value, output, progress=progress)
+        report = vehicledyn.write_equations(loaded, to.value, output, progress=progress)
     emit_report(report, as_json=as_json)
