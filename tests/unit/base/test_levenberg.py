@@ -97,3 +97,14 @@ def test_problems_of_the_collection_by_more_garbow_and_hillstrom(
     found, left = least_squares(residual, jacobian, np.array(start), is_solved=small, scaled=True)
     assert found == pytest.approx(solution, rel=1e-6)
     assert np.abs(left).max() < 1e-12
+
+
+def test_residuals_whose_squares_overflow_end_without_a_warning():
+    found, left = least_squares(
+        lambda q: np.array([q[0] - 7e307, 3e200 * q[0]]),
+        lambda q: np.array([[1.0], [3e200]]),
+        np.array([1.0]),
+        is_solved=small,
+    )
+    assert np.isfinite(found).all()
+    assert np.isfinite(left).all()

@@ -14,6 +14,7 @@ _FIRST, _LEAST, _MOST = 1e-6, 1e-12, 1e8
 _TENTH = 0.1
 
 
+@np.errstate(over="ignore", invalid="ignore")  # a residual that overflows is no better
 def least_squares(
     residual: Callable[[Array], Array],
     jacobian: Callable[[Array], Array],
