@@ -1,6 +1,8 @@
 """Ways to spoil values, texts and bytes, each drawn from a random generator with a fixed seed."""
 
+import json
 import math
+import sys
 
 
 class Raw(str):
@@ -254,13 +256,20 @@ def spoil_bytes(content, rng):
 
 
 def dump(item):
-    """Return plain data as YAML in one line."""
-    import json
+    """Return plain data as YAML in one line, however deep it is nested."""
+    limit = sys.getrecursionlimit()
+    sys.setrecursionlimit(100_000)
+    try:
+        return _dump(item)
+    finally:
+        sys.setrecursionlimit(limit)
 
+
+def _dump(item):
     if isinstance(item, dict):
-        return "{" + ", ".join(f"{json.dumps(str(k))}: {dump(v)}" for k, v in item.items()) + "}"
+        return "{" + ", ".join(f"{json.dumps(str(k))}: {_dump(v)}" for k, v in item.items()) + "}"
     if isinstance(item, list):
-        return "[" + ", ".join(map(dump, item)) + "]"
+        return "[" + ", ".join(map(_dump, item)) + "]"
     if isinstance(item, Raw):
         return str(item)
     if isinstance(item, float) and not math.isfinite(item):

@@ -190,3 +190,14 @@ def _borders(mode):
         zone = float(mode.rpartition("_")[2])
         return Borders(smooth_start=zone, smooth_end=zone)
     return Borders(offset_u=0.05, offset_v=-0.02) if mode.startswith("keep") else Borders()
+
+
+def test_missing_heights_may_be_signalling_nan(tmp_path):
+    """A NaN without its quiet bit, as other makers' arithmetic leaves them."""
+    heights = HEIGHTS.copy()
+    heights[3, 2] = np.nan
+    content = crg(heights, code="KRBI")
+    quiet, signalling = (bytes.fromhex(text) for text in ("7fc00000", "7f800001"))
+    assert quiet in content
+    path = written(tmp_path, content.replace(quiet, signalling))
+    assert np.isnan(CrgRoad.read(path, modifiers={}).height(3.0, -0.5))

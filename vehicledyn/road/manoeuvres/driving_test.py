@@ -164,14 +164,17 @@ class DrivingTest(RoadManoeuvre):
         return list(dict.fromkeys([*own, *super().channels(vehicle)]))
 
     def summarise(self, recording: Recording, vehicle: RoadVehicle) -> list[SummaryEntry]:
-        """Return the quantities of the test's standard and the general key figures."""
+        """Return the quantities of the test's standard and the general key figures.
+
+        A single sample has no quantities.
+        """
         from vehicledyn.road.standards.signals import Signals
 
+        general = super().summarise(recording, vehicle)
+        if recording.count < 2:
+            return general
         signals = Signals.of(recording.time[:], recording.channels, vehicle.chassis)
-        return [
-            *self.quantities(signals, recording, vehicle),
-            *super().summarise(recording, vehicle),
-        ]
+        return [*self.quantities(signals, recording, vehicle), *general]
 
     def quantities(
         self, signals: Signals, recording: Recording, vehicle: RoadVehicle

@@ -55,7 +55,8 @@ def _binary(data: bytes, header: Header, rows: int | None) -> Array:
     _require(found, rows, header)
     whole = found if rows is None else rows
     numbers = np.frombuffer(data, kind, whole * count).reshape(whole, count)
-    return numbers.astype(float)
+    with np.errstate(invalid="ignore"):  # missing values may be signalling NaN
+        return numbers.astype(float)
 
 
 def _require(found: int, rows: int | None, header: Header) -> None:

@@ -28,7 +28,12 @@ class StepResponse:
 
 
 def half_of_step(time: Floats, steering: Floats) -> float:
-    """Return the reference time of a step: when the steering angle is half of its final value."""
+    """Return the reference time of a step: when the steering angle is half of its final value.
+
+    NaN where the final value is zero.
+    """
+    if steering[-1] == 0.0:
+        return float("nan")
     return first_crossing(time, steering / steering[-1], 0.5)
 
 

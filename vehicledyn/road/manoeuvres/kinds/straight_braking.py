@@ -70,7 +70,7 @@ class StraightBraking(DrivingTest):
             yield from entry(
                 "stopping_distance", stop, "m", "Way from the begin of braking to rest"
             )
-        if braked.speed.min() <= 0.1 * first:
+        if first > _STOPPED and braked.speed.min() <= 0.1 * first:
             ways = np.interp([-0.8 * first, -0.1 * first], falling, way)
             mean = (0.8**2 - 0.1**2) * first**2 / (2.0 * (ways[1] - ways[0]))
             words = "Mean fully developed deceleration, between 80 % and 10 % of the speed"
