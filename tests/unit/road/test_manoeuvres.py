@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from manoeuvre_examples import DRIVERS, MANOEUVRES, SLALOM, written
+from manoeuvre_examples import DEFAULTS, DRIVERS, MANOEUVRES, SLALOM, written
 
 import vehicledyn.catalogue  # noqa: F401
 from vehicledyn.analyses import run_scenario
@@ -18,6 +18,8 @@ RELAXATIONS = {
     "of_tyre": "{kind: of_tyre}",
 }
 TYRES = {"of_tyre": "{file: passenger_R0394_mf61.tir}"}
+
+
 def drive(folder, **changes):
     path, output = folder / "run.yaml", folder / "run.h5"
     path.write_text(written(**changes))
