@@ -36,6 +36,7 @@ BRUSH = {
     "friction": 0.9,
     "camber_stiffness": "2 kN/rad",
 }
+DUGOFF = {"longitudinal_stiffness": "80 kN", "cornering_stiffness": "60 kN/rad", "friction": 0.9}
 TMEASY = {
     "nominal_load": "3 kN",
     "longitudinal": {
@@ -69,6 +70,7 @@ EXAMPLES = {
     "magic_formula_61": MF61,
     "file": MF61,
     "brush": BRUSH,
+    "dugoff": DUGOFF,
     "tmeasy": TMEASY,
     "magic_formula_1989": MF89,
 }
@@ -276,6 +278,19 @@ def test_linear_is_linear_to_half_the_friction_and_saturates():
 def test_linear_names_what_is_missing():
     with pytest.raises(ValueError, match="friction"):
         Linear(**{k: v for k, v in LINEAR.items() if k != "friction"})
+
+
+@pytest.mark.parametrize(("slip", "angle"), [(0.01, 0.0), (0.0, 0.05), (-0.04, 0.03), (0.3, 0.4)])
+def test_dugoff_is_the_sum_over_bristles_under_uniform_pressure(slip, angle):
+    load, stiffness, length = 4e3, 80e3, 0.12
+    law = find("tyre", "dugoff")(**DUGOFF | {"cornering_stiffness": "80 kN/rad"})
+    sx, sy = slip / (1.0 + slip), math.tan(angle) / (1.0 + slip)
+    size = math.hypot(sx, sy)
+    x = (np.arange(200_000) + 0.5) * length / 200_000
+    shear = np.minimum(2.0 * stiffness / length**2 * size * x, 0.9 * load / length)
+    force = shear.mean() * length
+    wanted = (force * sx / size, -force * sy / size, 0.0)
+    assert vector(law, load, slip, angle, 0.0) == pytest.approx(wanted, rel=1e-8, abs=1e-6)
 
 
 PUBLISHED = {  # load, angle [deg], F_y, M_z; F_x at κ = 0.1 and -0.1: two public programs agree
