@@ -23,6 +23,7 @@ EXAMPLES = {
     "carter": {},
     "fastsim": {"strips": 6, "elements": 6},
     "fastsim_1982": {"strips": 6, "elements": 6},
+    "haines_ollerton": {},
     "johnson_vermeulen": {},
     "linear": {},
     "linear_smooth": {},
@@ -207,6 +208,26 @@ def test_cubic_of_shen_hedrick_elkins():
         found = vector("shen_hedrick_elkins", *felt)[:2]
         assert found == pytest.approx(limit * bent / rho / limit * np.array([x, y]), rel=1e-9)
     assert vector("shen_hedrick_elkins", 0.02, 0, 0)[0] == pytest.approx(-limit, rel=1e-12)
+
+
+def test_haines_ollerton_is_the_sum_of_its_strips():
+    """Tractions μ p₀/a (√(a_y² - x²) - √(a'² - (x - d)²)), the second where the strip sticks."""
+    limit = FRICTION * LOAD
+
+    def strip(y, depth):
+        half = math.sqrt(1.0 - y * y)
+        stuck = max(half - depth, 0.0)
+        return 0.5 * math.pi * (half**2 - stuck**2)
+
+    for depth in (0.05, 0.4, 0.9, 1.0):
+        kink = math.sqrt(1.0 - depth**2)
+        parts = [
+            quad(strip, *ends, args=(depth,), epsrel=1e-12)[0] for ends in ((0, kink), (kink, 1))
+        ]
+        wanted = limit * 2.0 * sum(parts) / (2.0 * math.pi / 3.0)
+        slope = float(kalker_forces(contact(1e-3, 0, 0)).longitudinal) / 1e-3
+        xi = 0.75 * math.pi * depth * limit / slope
+        assert vector("haines_ollerton", xi, 0, 0)[0] == pytest.approx(wanted, rel=1e-9)
 
 
 def test_carter_on_a_contact_that_is_long_across():
