@@ -10,6 +10,7 @@ import numpy as np
 
 from vehicledyn.base.errors import NumericalError
 from vehicledyn.integrate.dop853 import Dop853, Tolerances
+from vehicledyn.integrate.embedded_pair import EmbeddedPair
 from vehicledyn.integrate.events import Point
 from vehicledyn.integrate.task import SampleBuffer, Statistics, Task
 from vehicledyn.kernel.engine import Vector
@@ -28,9 +29,14 @@ _PAST = 4
 
 
 def run_explicit(
-    task: Task, name: str, scheme: str, *, relative_tolerance: float, absolute_tolerance: float
+    task: Task,
+    name: str,
+    scheme: str | EmbeddedPair,
+    *,
+    relative_tolerance: float,
+    absolute_tolerance: float,
 ) -> Statistics:
-    """Integrate a task with an explicit pair: our own DOP853, or another of SciPy.
+    """Integrate a task with an explicit pair: our own DOP853, one of SciPy, or given coefficients.
 
     Parameters
     ----------
@@ -39,7 +45,7 @@ def run_explicit(
     name
         Name of the method for the statistics.
     scheme
-        "DOP853", or the name of a class in ``scipy.integrate``.
+        "DOP853", the name of a class in ``scipy.integrate``, or the coefficients of a pair.
     relative_tolerance, absolute_tolerance
         Tolerances of the local error of each state.
     """
@@ -49,9 +55,7 @@ def run_explicit(
         if scheme == "DOP853":
             tolerances = Tolerances(relative_tolerance, absolute_tolerance)
             return Dop853(rates, point.time, point.state, stop, tolerances=tolerances)
-        import scipy.integrate  # takes a good part of a second, so only where it is needed
-
-        return getattr(scipy.integrate, scheme)(
+        return _solver_class(scheme)(
             rates,
             point.time,
             point.state,
@@ -87,6 +91,15 @@ def run_explicit(
     if last is not None and task.watch.ended_by:
         task.deliver_point(last)
     return task.statistics(name)
+
+
+def _solver_class(scheme: str | EmbeddedPair) -> Any:
+    """Return the class of SciPy's solvers for a scheme."""
+    if isinstance(scheme, EmbeddedPair):
+        return scheme.solver_class()
+    import scipy.integrate  # takes a good part of a second, so only where it is needed
+
+    return getattr(scipy.integrate, scheme)
 
 
 class _Rates:
