@@ -129,6 +129,7 @@ def test_adaptive_methods_follow_their_tolerance(backend, solver):
     [
         ("dop853", 8, 0.3),
         ("rk45", 5, 0.3),
+        ("tsit5", 5, 0.3),
         ("rk23", 3, 0.3),
         ("rosenbrock", 5, 0.3),
         # Of variable order up to five, changed along the way: only the trend is sure.
