@@ -2,10 +2,11 @@
 
 import numpy as np
 import pytest
+from joint_examples import described
 from system_texts import Motion, equations, problems
 
 import vehicledyn.catalogue
-from vehicledyn.base.registry import kinds
+from vehicledyn.base.registry import find, kinds
 from vehicledyn.files.system.kinds import load_kinds
 from vehicledyn.symbolic import ops, rotations
 
@@ -14,26 +15,29 @@ load_kinds()
 
 MASS = "mass: 2 kg, inertia: [0.3, 0.4, 0.5]"
 TRACK = "track: {kind: straight, gauge: 1 m, inclination: 0, rail: 60E1}\n"
+OF_ONE_COORDINATE = [kind for kind in kinds("joint_type") if not find("joint_type", kind).elements]
+"""Joints whose example is the one that stands in ``joint_examples``."""
 JOINTS = {
-    **{kind: f"{{kind: {kind}, name: q}}" for kind in ("T1", "T2", "T3", "R1", "R2", "R3")},
+    **{
+        kind: f"{{{', '.join(f'{k}: {v}' for k, v in described(kind, name='q').items())}}}"
+        for kind in OF_ONE_COORDINATE
+    },
     "turn": "{kind: turn, axis: 3, angle: 90 deg}, R2 q",
     "spherical": "{kind: spherical, sequence: [1, 2, 3]}",
     "free": "free",
     "universal": "{kind: universal, axes: [3, 1]}",
     "cylindrical": "{kind: cylindrical, axis: 3}",
     "planar": "{kind: planar, normal: 2}",
-    "screw": "{kind: screw, axis: 3, lead: 5 mm}",
     "spherical_quaternion": "{kind: spherical_quaternion, start_rate: [0, 1 rad/s, 20 deg/s]}",
     "track_frame": "{kind: track_frame, position: 3 m/s * time}, R1 q",
 }
 COORDINATES = {
-    **{key: ["q"] for key in ("T1", "T2", "T3", "R1", "R2", "R3", "turn", "track_frame")},
+    **{key: ["q"] for key in (*OF_ONE_COORDINATE, "turn", "track_frame")},
     "spherical": ["roll", "pitch", "yaw"],
     "free": ["x", "y", "z", "yaw", "pitch", "roll"],
     "universal": ["yaw", "roll"],
     "cylindrical": ["z", "yaw"],
     "planar": ["x", "z", "pitch"],
-    "screw": ["angle"],
     "spherical_quaternion": [],
 }
 

@@ -102,7 +102,7 @@ class TypedJointSet(JointSet):
     def mirrored(self, axis: int) -> Self:
         """Return the joint with its start turned round where the motion is, handed settings too."""
         (coordinate,) = self.coordinates("")
-        names = [n for n, f in settings_of(self.kind).items() if f.metadata.get("is_handed")]
+        names = list(coordinate.type.handed_settings(axis))
         if coordinate.is_turned_by_mirror(axis):
             names += ["start", "start_rate"]
         return self.model_copy(update={name: getattr(self, name).negated() for name in names})

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
-from dataclasses import MISSING, dataclass, field, fields
+from dataclasses import MISSING, dataclass, field, fields, is_dataclass
 from typing import Any, ClassVar
 
 from vehicledyn.base.errors import InputError, unknown_name
@@ -154,6 +154,11 @@ class JointType(ABC):
     def is_turned_by_mirror(self, axis: int) -> bool:
         """Return whether the mirror image across ``axis`` moves with the opposite sign."""
 
+    def handed_settings(self, axis: int) -> tuple[str, ...]:
+        """Return the settings of which the mirror image across ``axis`` has the opposite."""
+        own = fields(self) if is_dataclass(self) else ()
+        return tuple(item.name for item in own if item.metadata.get("is_handed"))
+
 
 def setting(unit: str, description: str, *, is_handed: bool = False) -> Any:
     """Declare a number of a joint type, a field of its dataclass that may be a symbol.
@@ -165,7 +170,7 @@ def setting(unit: str, description: str, *, is_handed: bool = False) -> Any:
     description
         Meaning, one phrase.
     is_handed
-        Whether the mirror image of the joint has the opposite number.
+        Whether any mirror image of the joint has the opposite number.
     """
     return field(metadata={"unit": unit, "description": description, "is_handed": is_handed})
 
