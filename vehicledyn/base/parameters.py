@@ -112,7 +112,7 @@ class ParameterSet(BaseModel):
         try:
             return handler(data)
         except ValidationError as error:
-            raise reword(error, cls, {n: field_unit(cls, n) for n in cls.model_fields}) from None
+            raise _reworded(error, cls) from None
 
 
 def _read_quantity(value: Any, unit: str) -> Any:
@@ -176,9 +176,15 @@ def read_part(family: str, value: Any) -> Any:
     if not isinstance(value, dict):
         text = f"expected a mapping with 'kind', found {describe(value)}"
         raise complain(family, [Complaint((), text, value)])
-    return _part_class(family, value).model_validate(
-        {key: item for key, item in value.items() if key != "kind"}
-    )
+    entry = _part_class(family, value)
+    try:
+        return entry.model_validate({key: item for key, item in value.items() if key != "kind"})
+    except ValidationError as error:  # checks of the whole set are not yet in our words
+        raise _reworded(error, entry) from None
+
+
+def _reworded(error: ValidationError, entry: type[ParameterSet]) -> ValidationError:
+    return reword(error, entry, {n: field_unit(entry, n) for n in entry.model_fields})
 
 
 _FILE = "file"

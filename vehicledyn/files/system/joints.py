@@ -8,9 +8,10 @@ from dataclasses import Field as SettingField
 from dataclasses import dataclass, field, fields, is_dataclass
 from typing import Any, Literal, Self
 
-from pydantic import Field, ValidationInfo, field_validator
+from pydantic import Field, ValidationInfo, field_validator, model_validator
 
 from vehicledyn import multibody
+from vehicledyn.base.errors import InputError
 from vehicledyn.base.registry import find, register
 from vehicledyn.files.expressions.expressions import Expression, read_expression, zero
 from vehicledyn.files.expressions.fields import Scalar, Scalars, SystemSet, measured
@@ -90,6 +91,14 @@ class TypedJointSet(JointSet):
     start_rate: Scalar = measured("{length}/s", "Its rate at the start", default=zero())
     role: Role = Field(default="auto", description=_ROLE)
     description: str = Field(default="", description="What the coordinate is, for people")
+
+    @model_validator(mode="after")
+    def _settings_go_together(self) -> Self:
+        try:
+            joint_type(self.kind, {name: getattr(self, name) for name in settings_of(self.kind)})
+        except InputError as error:
+            raise ValueError(str(error)) from None
+        return self
 
     def coordinates(self, body: str) -> list[Coordinate]:
         """Return the one coordinate."""
