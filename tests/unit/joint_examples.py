@@ -7,7 +7,11 @@ from vehicledyn.multibody import GROUND, Body, Joint, ParameterTable, System, Tu
 from vehicledyn.multibody.joints.joint_type import FAMILY
 from vehicledyn.symbolic import rotations
 
-SETTINGS = {"screw": {"axis": 2, "lead": 0.7}, "spherical_quaternion": {"element": 4}}
+SETTINGS = {
+    "rolling": {"axis": 2, "normal": 3, "radius": 0.4},
+    "screw": {"axis": 2, "lead": 0.7},
+    "spherical_quaternion": {"element": 4},
+}
 """Settings of the types that need some."""
 
 RIGID = {"mass": 2.0, "com": (0.2, -0.1, 0.3), "inertia": (0.6, 0.5, 0.7, 0.05, -0.02, 0.03)}

@@ -8,7 +8,7 @@ from joint_examples import SETTINGS, joint, train
 
 from vehicledyn.base import registry
 from vehicledyn.base.errors import InputError
-from vehicledyn.base.registry import kinds
+from vehicledyn.base.registry import find, kinds
 from vehicledyn.multibody import (
     GROUND,
     Body,
@@ -17,6 +17,7 @@ from vehicledyn.multibody import (
     ParameterTable,
     ReactionSensor,
     System,
+    Turn,
     derive,
 )
 from vehicledyn.multibody.elements.coordinate_forces import CoordinateForce
@@ -103,6 +104,34 @@ def test_forces_of_a_prescribed_motion_give_that_motion(kind):
     assert [found.states[k].name for k in found.positions] == list(inverse.coordinates)
     state = np.concatenate([position, rate])
     assert rates(found, state)[3:] == pytest.approx(wanted, rel=1e-10, abs=1e-10)
+
+
+def test_cylinder_rolls_down_a_slope():
+    """By the energy, m r² + J is what the weight on the slope, m g r sin β, turns."""
+    slope, radius, mass, spin = 0.3, 0.4, 2.0, 0.05
+    roll = Joint("rolling", "c.q", settings={"axis": 2, "normal": 3, "radius": radius})
+    turns = (Turn(rotations.turn(2, slope)), roll)
+    cylinder = Body("c", GROUND, joints=turns, mass=mass, inertia=(1.0, spin, 1.0, 0, 0, 0))
+    found = derive(System("s", ParameterTable(), (cylinder,)))
+    wanted = mass * GRAVITY * radius * np.sin(slope) / (mass * radius**2 + spin)
+    assert rates(found, [0.7, 3.0]) == pytest.approx([3.0, wanted], rel=1e-13)
+
+
+def test_nothing_rolls_about_the_normal_of_its_plane():
+    with pytest.raises(InputError, match="the normal is the axis, 2"):
+        _ = Joint("rolling", "c.q", settings={"axis": 2, "normal": 2, "radius": 1.0}).type
+
+
+@pytest.mark.parametrize("mirror", [1, 2, 3])
+@pytest.mark.parametrize(("axis", "normal"), [(2, 3), (1, 3), (3, 1)])
+def test_mirror_image_of_a_roller_travels_as_the_image_of_the_roller(mirror, axis, normal):
+    of = find("joint_type", "rolling")(axis=axis, normal=normal, radius=0.4)
+    turned = -1.0 if of.is_turned_by_mirror(mirror) else 1.0
+    side = -1.0 if of.handed_settings(mirror) else 1.0
+    image = find("joint_type", "rolling")(axis=axis, normal=normal, radius=0.4 * side)
+    wanted = ops.numeric([], of.displacement(0.3))()[:, 0]
+    wanted[mirror - 1] *= -1.0
+    assert ops.numeric([], image.displacement(0.3 * turned))()[:, 0] == pytest.approx(wanted)
 
 
 LEAD, MASS, SPIN, GRAVITY = 0.02, 3.0, 0.004, 9.81
