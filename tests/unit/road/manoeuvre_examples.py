@@ -19,6 +19,7 @@ MANOEUVRES = {
     "acceleration": "{kind: acceleration, torque: 900 N*m, begin: 0}",
     "braking_in_turn": "{kind: braking_in_turn, angle: 3 deg, begin: 0, brake_at: 0.1 s, "
     "torque: 900 N*m}",
+    "coast_down": "{kind: coast_down, release_at: 0}",
     "constant_steer": "{kind: constant_steer, angle: 3 deg, begin: 0, accelerate_at: 0.1 s, "
     "last_speed_change: 1 m/s, speed_control: CONTROL}",
     "crosswind": "{kind: crosswind, force: 900 N, ahead: 0.2 m, begin: 0}",

@@ -1,5 +1,7 @@
 """Every manoeuvre, driver and relaxation of the catalogue, in a short run of the Iltis."""
 
+from dataclasses import fields
+
 import numpy as np
 import pytest
 from manoeuvre_examples import DEFAULTS, DRIVERS, MANOEUVRES, SLALOM, written
@@ -9,10 +11,11 @@ from vehicledyn.analyses import run_scenario
 from vehicledyn.base.registry import find, kinds
 from vehicledyn.files.scenario import load_scenario
 from vehicledyn.results.store.reader import open_result
+from vehicledyn.road.standards.signals import Signals
 
 pytestmark = pytest.mark.long
 
-UNSTEERED = {"straight", "acceleration", "straight_braking", "crosswind"}
+UNSTEERED = {"straight", "coast_down", "acceleration", "straight_braking", "crosswind"}
 RELAXATIONS = {
     "first_order": "{kind: first_order, longitudinal: 0.2 m, lateral: 0.4 m}",
     "of_tyre": "{kind: of_tyre}",
@@ -51,6 +54,22 @@ def test_manoeuvre_runs_and_says_what_it_writes(tmp_path, kind):
         assert {plot["name"] for plot in result.plots} >= {"path", "steering", "yaw"}
         turned = abs(result.channel("steering.rack").values).max()
         assert (turned > 1e-4) == (kind not in UNSTEERED)
+
+
+def test_coast_down_finds_the_resistance_that_slows_a_car():
+    """v = √(d₀/d₂) tan(φ₀ - √(d₀ d₂) t) is the solution of v' = -d₀ - d₂ v²."""
+    rolling, air, time = 0.12, 4e-4, np.arange(0.0, 60.0, 0.1)
+    root = np.sqrt(rolling * air)
+    angle = np.arctan(30.0 * np.sqrt(air / rolling))
+    speed = np.sqrt(rolling / air) * np.tan(angle - root * np.maximum(time - 0.6, 0.0))
+    names = [field.name for field in fields(Signals)]
+    seen = Signals(**dict.fromkeys(names, 0.0 * time) | {"time": time, "forward_speed": speed})
+    entries = find("manoeuvre", "coast_down")().quantities(seen, None, None)
+    found = {entry.name: entry.value for entry in entries}
+    assert found["rolling_deceleration"] == pytest.approx(rolling, rel=1e-5)
+    assert found["air_deceleration"] == pytest.approx(air, rel=1e-5)
+    way = np.log(np.cos(angle - root * 59.3) / np.cos(angle)) / air
+    assert found["rolled_distance"] == pytest.approx(way, rel=1e-5)
 
 
 @pytest.mark.parametrize("kind", kinds("driver"))

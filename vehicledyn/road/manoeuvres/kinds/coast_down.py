@@ -1,0 +1,70 @@
+"""Coast-down: the throttle is released on a straight road, and resistance slows the car down."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import TYPE_CHECKING, Any
+
+from vehicledyn.base.parameters import quantity
+from vehicledyn.base.registry import register
+from vehicledyn.road.manoeuvres import figures
+from vehicledyn.road.manoeuvres.channel_recorder import Recording
+from vehicledyn.road.manoeuvres.driving_test import DrivingTest
+from vehicledyn.road.manoeuvres.time_table import TimeTable
+from vehicledyn.road.standards.entries import entry
+
+if TYPE_CHECKING:
+    from vehicledyn.results.store.layout import SummaryEntry
+    from vehicledyn.road.standards.signals import Signals
+    from vehicledyn.road.vehicle import RoadVehicle
+
+FEWEST_SAMPLES = 3
+
+
+@register("manoeuvre", "coast_down")
+class CoastDown(DrivingTest):
+    """Release the throttle on a straight road, the steering wheel held straight, and roll.
+
+    The summary has the deceleration d = d_0 + d_2 v² that fits the speed best, d_0 from rolling
+    and d_2 from the air, and how far and how long the car rolled.
+
+    References
+    ----------
+    ISO 10521-1, Road vehicles - Road load - Determination under reference atmospheric conditions;
+    the polynomial without its linear term.
+    """
+
+    release_at: float = quantity("s", "When the throttle is released", default=0.5, ge=0)
+
+    def throttle(self) -> TimeTable:
+        """Return the throttle, which is released."""
+        return TimeTable((self.release_at, self.release_at + 0.1), (1.0, 0.0))
+
+    def plots(self, vehicle: RoadVehicle) -> list[dict[str, Any]]:
+        """Return the standard figures with the answers over one another."""
+        return [figures.answers("Coast-down"), *figures.standard(vehicle)]
+
+    def quantities(
+        self, signals: Signals, recording: Recording, vehicle: RoadVehicle
+    ) -> Iterator[SummaryEntry]:
+        """Yield the coefficients of the deceleration, way and time."""
+        import numpy as np
+
+        rolled = signals.between(self.release_at + 0.1, float(signals.time[-1]))
+        if len(rolled.time) < FEWEST_SAMPLES:
+            return
+        time, speed = rolled.time - rolled.time[0], rolled.forward_speed
+
+        def grown(rate: Any) -> Any:
+            return np.concatenate([[0.0], np.cumsum(np.diff(time) * 0.5 * (rate[1:] + rate[:-1]))])
+
+        # Integrated over time, since the slope of samples is rough.
+        columns = np.column_stack([time, grown(speed * speed)])
+        scale = np.abs(columns).max(axis=0)
+        found = np.linalg.lstsq(columns / scale, speed[0] - speed, rcond=None)[0] / scale
+        words = "Deceleration d_0 + d_2 v²: its constant part, from rolling"
+        yield from entry("rolling_deceleration", float(found[0]), "m/s^2", words)
+        words = "Deceleration d_0 + d_2 v²: its coefficient d_2, from the air"
+        yield from entry("air_deceleration", float(found[1]), "1/m", words)
+        yield from entry("rolled_distance", float(grown(speed)[-1]), "m", "Way without drive")
+        yield from entry("rolled_time", float(time[-1]), "s", "Time without drive")
