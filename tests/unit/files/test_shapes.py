@@ -77,7 +77,7 @@ def test_shapes_of_an_assembly_move_with_it(tmp_path):
     ("old", "new", "message"),
     [
         ("body: left_arm\n", "body: left_arn\n", r"left_side\.body: .*'left_arm'"),
-        ("z: [0 m, 0 m, 1 m]", "z: [0 m, 0 m]", "x has 3 corners and z 2"),
+        ("z: [0 m, 0 m, 1 m]", "z: [0 m, 0 m]", r"left_side: x has 3 corners and z 2"),
         ("kind: cylinder", "kind: cylnder", "did you mean 'cylinder'"),
         ("radius: 10 mm", "radius: 10 kg", "in kg, a quantity in m"),
         ("radius: 10 mm", "radius: -1 mm", "above 0|more than 0|greater than 0"),
