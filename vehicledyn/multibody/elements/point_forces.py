@@ -59,13 +59,13 @@ class Link(BasePart):
 
     def shapes(self) -> tuple[Shape, ...]:
         """Return a spring between the points, or along the direction, where B is."""
-        coil = _coil(self.name, self.a, self.b)
+        coil = coil_between(self.name, self.a, self.b)
         return (coil if self.direction is None else replace(coil, direction=tuple(self.direction)),)
 
-    def _geometry(self, situation: Situation) -> tuple[_Line, Scalar, Scalar]:
+    def _geometry(self, situation: Situation) -> tuple[LineOfAction, Scalar, Scalar]:
         kinematics = situation.kinematics
         if self.direction is None:
-            line = _Line.between(kinematics, self.a, self.b)
+            line = LineOfAction.between(kinematics, self.a, self.b)
             return line, line.length, line.rate
         body_a, body_b = self.a.body, self.b.body
         pair = kinematics.between(body_a, body_b)
@@ -76,14 +76,14 @@ class Link(BasePart):
         length = ops.dot(axis, ops.vector(*self.a.point) - foot)
         direction = -(rotation_a @ axis)
         # Both forces act at B's point, so that the pair has no moment.
-        line = _Line(
+        line = LineOfAction(
             kinematics, Attachment(body_a, _items(foot)), self.b, direction, length, rotation_a
         )
         return line, length, kinematics.time_derivative(length)
 
 
 @dataclass(frozen=True)
-class _Line:
+class LineOfAction:
     """Two points, the unit vector from A to B in the axes of the common ancestor."""
 
     kinematics: Kinematics
@@ -94,7 +94,7 @@ class _Line:
     rotation_a: Mat
 
     @classmethod
-    def between(cls, kinematics: Kinematics, a: Attachment, b: Attachment) -> _Line:
+    def between(cls, kinematics: Kinematics, a: Attachment, b: Attachment) -> LineOfAction:
         """Return the straight line between two attachments."""
         pair = kinematics.between(a.body, b.body)
         reach = pair.position(b.body, b.point) - pair.position(a.body, a.point)
@@ -132,7 +132,8 @@ def _link_outputs(name: str, length: Scalar, rate: Scalar, law: ForceLaw) -> tup
     )
 
 
-def _coil(name: str, a: Attachment, b: Attachment) -> Coil:
+def coil_between(name: str, a: Attachment, b: Attachment) -> Coil:
+    """Return the spring that is drawn between two attachments."""
     return Coil(name, Anchor(a.body, tuple(a.point)), Anchor(b.body, tuple(b.point)))
 
 
