@@ -13,6 +13,11 @@ ELEMENTS = {
         "body: b, length: 1 m, stiffness: {mass_per_length: 1 kg/m, z: 9 N*m^2}, modes: {z: 2}",
         lambda s: (0.0, 0.0, 0.0),
     ),
+    "bouc_wen": (
+        "a: {body: ground, point: [-1.7 m, 0, 0]}, b: b, yield_force: 9 N, yield_length: 1 mm, "
+        "damping: 2 N*s/m, stiffness: 5 N/m, free_length: 1.5 m",
+        lambda s: (2.0 * 4.0 - 5.0 * 0.5, 0.0, 0.0),
+    ),
     "bushing": (
         "a: ground, b: {body: b, point: [0, 0, 0.1]}, stiffness: [20 N/m, 0, 0], damping: [0, "
         "3 N*s/m, 0]",
