@@ -156,8 +156,9 @@ class JointType(ABC):
 
     def handed_settings(self, axis: int) -> tuple[str, ...]:
         """Return the settings of which the mirror image across ``axis`` has the opposite."""
-        own = fields(self) if is_dataclass(self) else ()
-        return tuple(item.name for item in own if item.metadata.get("is_handed"))
+        if not is_dataclass(self):
+            return ()
+        return tuple(item.name for item in fields(self) if item.metadata.get("is_handed"))
 
 
 def setting(unit: str, description: str, *, is_handed: bool = False) -> Any:
