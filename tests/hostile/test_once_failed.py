@@ -410,3 +410,13 @@ def test_damaged_lists_of_scales_do_not_crash_hdf5():
     case = Case("scales", {"modes.h5": content}, ["export-data", "modes.h5", "-o", "o.csv"])
     for _ in range(3):
         refused(case, "modes.h5: is damaged (Unable to synchronously open object")
+
+
+@pytest.mark.parametrize("figure", ["linear_critical", "linear_critical_frequency"])
+def test_critical_speeds_at_the_end_of_all_numbers(figure):
+    def change(file):
+        file.attrs[f"figure_{figure}"] = 1e308
+
+    outcome = run(Case(figure, {"hunt.h5": changed("hunt.h5", change)}, ["plot", "hunt.h5"],
+                       outputs=("hunt_plots",)))  # fmt: skip
+    assert (outcome.code, outcome.faults) == (0, []), outcome

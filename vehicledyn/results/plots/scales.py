@@ -9,6 +9,7 @@ import numpy as np
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.axis import Axis
+    from numpy.typing import NDArray
 
 ROUNDING = 1e-9
 """Extent that counts as none, as part of the values' size, at least of 1 in the unit shown."""
@@ -19,6 +20,22 @@ _LARGEST = 1e300
 _SHOWN_AS = {"rad": "deg", "rad/s": "deg/s", "rad/s^2": "deg/s^2"}
 _SMALL_AS, _SMALL = {"m": "mm", "m/s": "mm/s"}, 0.1
 _LARGE_AS, _LARGE = {"N": "kN", "N*m": "kN*m", "Pa": "MPa"}, 2e4
+
+
+MOST_IN_DECADES = 1e100
+"""Values beyond it, or closer to zero than its inverse, leave a logarithmic scale no margin."""
+
+
+def in_decades(values: Any) -> NDArray[np.float64]:
+    """Return values for a logarithmic scale, NaN where they are beyond any, as in damaged files.
+
+    >>> in_decades([1.0, 1e308, 0.0]).tolist()
+    [1.0, nan, nan]
+    """
+    given = np.asarray(values, dtype=float)
+    size = np.abs(given)
+    drawable = (size >= 1.0 / MOST_IN_DECADES) & (size <= MOST_IN_DECADES)
+    return np.where(drawable, given, np.nan)
 
 
 def leave_out_unbounded(axes: Axes) -> None:

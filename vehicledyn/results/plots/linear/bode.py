@@ -10,6 +10,7 @@ import numpy as np
 
 from vehicledyn.results.plots.figures import new_figure
 from vehicledyn.results.plots.plot_style import LINE_STYLES, PALETTE, axis_label, plain
+from vehicledyn.results.plots.scales import in_decades
 from vehicledyn.results.tables.response_table import ResponseTable, ratio_unit
 
 if TYPE_CHECKING:
@@ -39,8 +40,7 @@ def _figure(table: ResponseTable, output: int, inputs: list[int]) -> Figure:
             "linestyle": LINE_STYLES[number % len(LINE_STYLES)],
             "label": plain(table.inputs[i].name),
         }
-        size = np.where(magnitudes[:, i, output] > 0.0, magnitudes[:, i, output], np.nan)
-        upper.plot(table.frequency, size, **style)
+        upper.plot(table.frequency, in_decades(magnitudes[:, i, output]), **style)
         lower.plot(table.frequency, phases[:, i, output], **style)
     target, unit = table.outputs[output], table.inputs[inputs[0]].unit
     if np.isfinite(magnitudes[:, inputs, output]).any() and magnitudes[:, inputs, output].any():

@@ -17,7 +17,7 @@ from vehicledyn.results.plots.plot_style import (
     in_words,
     plain,
 )
-from vehicledyn.results.plots.scales import plain_ticks
+from vehicledyn.results.plots.scales import MOST_IN_DECADES, in_decades, plain_ticks
 from vehicledyn.results.tables.hunt_table import HuntTable
 
 if TYPE_CHECKING:
@@ -47,6 +47,8 @@ def locus_figure(table: HuntTable) -> Figure:
     figure = new_figure(_HEIGHT)
     panels = figure.subplots(3, 1, sharex=True)
     roots = np.asarray(table.eigenvalues)
+    beyond = np.maximum(np.abs(roots.real), np.abs(roots.imag)) > MOST_IN_DECADES
+    roots = np.where(beyond, np.nan, roots)
     values = np.broadcast_to(np.asarray(table.locus_values)[:, None], roots.shape)
     hertz = np.abs(roots.imag) / (2.0 * np.pi)
     size = np.abs(roots)
@@ -56,17 +58,18 @@ def locus_figure(table: HuntTable) -> Figure:
     _dots(panels[0], values, 100.0 * damping, seen, grows)
     _dots(panels[1], values, hertz, seen, grows)
     _dots(panels[2], values, roots.real, np.ones_like(seen), grows)
+    _mark_bifurcations(panels, table)
     if seen.any():
         low = min(-_LEAST_SPAN, 1.15 * float(damping[seen].min()))
         panels[0].set_ylim(100.0 * low, 100.0 * MOST_DAMPING)
         panels[1].set_yscale("log")
         plain_ticks(panels[1].yaxis)
     panels[2].set_yscale("symlog", linthresh=_LINEAR_UP_TO)
-    if roots.size:
-        low, high = (float(pick(roots.real)) for pick in (np.min, np.max))
+    known = roots.real[~np.isnan(roots.real)]
+    if known.size:
+        low, high = (float(pick(known)) for pick in (np.min, np.max))
         panels[2].set_ylim(min(2.0 * low, -_LINEAR_UP_TO), max(2.0 * high, _LINEAR_UP_TO))
     plain_ticks(panels[2].yaxis)
-    _mark_bifurcations(panels, table)
     for axes, label, unit in zip(
         panels, ("Damping ratio", "Frequency", "Real part"), ("%", "Hz", "1/s"), strict=True
     ):
@@ -81,18 +84,19 @@ def locus_figure(table: HuntTable) -> Figure:
 
 def _mark_bifurcations(panels: Sequence[Axes], table: HuntTable) -> None:
     """Mark where an oscillation begins or ceases to grow: damping and real part are zero."""
+    first, last = (pick(table.locus_values, initial=0.0) for pick in (np.min, np.max))
     for name in HOPF:
         value, hertz = (table.figures.get(key) for key in (name, f"{name}_frequency"))
-        if value is None:
+        if value is None or not first <= value <= last:
             continue
-        heights = (0.0, np.nan if hertz is None else hertz, 0.0)
+        heights = (0.0, float(in_decades(np.nan if hertz is None else hertz)), 0.0)
         text = f"Hopf bifurcation, {value:.5g} {table.parameter.unit}"
         text += "" if hertz is None else f", {hertz:.4g} Hz"
         for number, (axes, height) in enumerate(zip(panels, heights, strict=True)):
             axes.axvline(value, color="0.4", linewidth=0.8, linestyle="--")
             label = None if number else plain(text)
             axes.plot([value], [height], "D", color=BLACK, markersize=5.0, label=label)
-    if any(name in table.figures for name in HOPF):
+    if panels[0].get_legend_handles_labels()[1]:
         panels[0].legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=2)
 
 
