@@ -6,7 +6,11 @@ from pathlib import Path
 from setuptools import setup
 from setuptools.command.build_py import build_py
 
-LIBRARY = {"scenarios": "*.yaml", "systems": "*.yaml", "profiles": "*.csv"}
+LIBRARY = {
+    "scenarios": ("*.yaml", "*.asc"),
+    "systems": ("*.yaml",),
+    "profiles": ("*.csv",),
+}
 
 
 class BuildWithLibrary(build_py):
@@ -20,10 +24,10 @@ class BuildWithLibrary(build_py):
         super().run()
         if self.editable_mode:
             return
-        for folder, pattern in LIBRARY.items():
+        for folder, patterns in LIBRARY.items():
             target = Path(self.build_lib, "vehicledyn", "library", folder)
             shutil.rmtree(target, ignore_errors=True)
-            for file in sorted(Path(folder).rglob(pattern)):
+            for file in sorted(f for pattern in patterns for f in Path(folder).rglob(pattern)):
                 place = target / file.relative_to(folder)
                 place.parent.mkdir(parents=True, exist_ok=True)
                 shutil.copyfile(file, place)

@@ -20,7 +20,7 @@ ROOT = Path(__file__).resolve().parents[1]
 SCENARIOS = ROOT / "scenarios"
 PAGE = ROOT / "docs" / "gallery.md"
 FIGURES = ROOT / "docs" / "figures"
-_STRETCHED = ("small_car", "assembled_car", "car_of_parts", "iltis_slalom")
+_STRETCHED = ("small_car", "assembled_car", "car_of_parts", "iltis_slalom", "off_road_truck_rough")
 """Whose paths are long: not true to scale."""
 SIZE, DOTS = (4.2, 2.5), 100
 _SMALL = 0.1
@@ -86,6 +86,17 @@ PICTURES = {
     "double_pendulum": _path("tip.x", "tip.z", "Tip: z"),
     "double_spring_mass": Picture(("upper.height", "lower.height"), "mm", "Height"),
     "cam_follower": Picture(("contact.gap",), "mm", "Gap between cam and follower"),
+    "off_road_truck_rough": Picture(("truck.chassis.z",), "m", "Height z", "truck.chassis.x"),
+    "off_road_truck_sand": Picture(
+        tuple(f"truck.{axle}_axle.wheel_left.sinkage" for axle in ("front", "rear")),
+        "mm",
+        "Sinkage of the left wheels",
+    ),
+    "off_road_truck_slope": Picture(
+        tuple(f"truck.{axle}_axle.wheel_left.tyre.normal_force" for axle in ("front", "rear")),
+        "kN",
+        "Load of the left wheels",
+    ),
     "omni_cart": _path("cart.x", "cart.y", "Cart, seen from above: y"),
     "mecanum_cart": Picture(
         tuple(f"wheel_{k}.spin_rate" for k in ("00", "01")), "rad/s", "Speed of the front wheels"
@@ -164,10 +175,11 @@ def page() -> str:
 def _entry(path: Path) -> str:
     from ruamel.yaml import YAML
 
-    title = YAML(typ="safe").load(path.read_text(encoding="utf-8"))["title"]
+    scenario = YAML(typ="safe").load(path.read_text(encoding="utf-8"))
+    title = scenario["title"]
     links = f"[scenario](../{path.relative_to(ROOT).as_posix()})"
     if path.parent != SCENARIOS:
-        links = f"[system](../systems/{path.name}), {links}"
+        links = f"[system](../systems/{Path(scenario['model']).name}), {links}"
     return f"**{title}** ({links})\n\n![{title}](figures/{path.stem}.png)\n"
 
 

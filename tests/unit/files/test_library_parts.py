@@ -123,3 +123,13 @@ def test_the_gearbox_changes_up_and_passes_the_torque_on(tmp_path):
         assert engine[place] == pytest.approx(ratio * propeller[place], rel=2e-3)
         rates = [np.gradient(x, 0.01)[place] for x in (engine, propeller)]
         assert 7.3 * rates[1] == pytest.approx(ratio * (torque[place] - 0.2 * rates[0]), rel=2e-2)
+
+
+def test_the_transfer_case_shares_alike_and_its_clutch_slows_the_faster_shaft():
+    """The input turns at the mean; a sliding clutch of torque T gives J a_f = T = -J a_r."""
+    part = Part("transfer_case", clutch={"torque": "60 N*m"})
+    found = part.at(front_propeller__angle_rate=30.0, rear_propeller__angle_rate=34.0)
+    assert found["input.angle_rate"] == pytest.approx(32.0, rel=1e-12)
+    rates = [found[f"d.{name}_propeller.angle_rate"] for name in ("front", "rear")]
+    wanted = 60.0 / part.parameters["flywheel.inertia"]
+    assert rates == pytest.approx([wanted, -wanted], rel=1e-12)
