@@ -66,6 +66,16 @@ class BicubicGrid:
         rows = np.column_stack([numbers, np.zeros_like(numbers)])
         return CurveTable(f"{self.name}: lines", 0.0, 1.0, rows)
 
+    def steepest(self) -> tuple[float, float, float]:
+        """Return the largest slope between neighbouring nodes, and the place halfway, x and y."""
+        along, across = (np.abs(np.diff(self.values, axis=axis)) for axis in (0, 1))
+        axis = int(across.max() > along.max())
+        rises = across if axis else along
+        place = np.array(np.unravel_index(int(np.argmax(rises)), rises.shape), dtype=float)
+        place[axis] += 0.5
+        x, y = np.array([self.x, self.y]) + self.step * place
+        return float(rises.max()) / self.step, float(x), float(y)
+
     def value(self, x: Any, y: Any) -> Any:
         """Return the height at a place."""
         place, lines, share, _, _ = self._place(x, y)

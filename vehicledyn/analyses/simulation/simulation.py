@@ -34,6 +34,7 @@ from vehicledyn.analyses.simulation.restart import SINGULAR_ANGLES, Restart, ope
 from vehicledyn.analyses.simulation.run_outcome import RunOutcome, shown_entry
 from vehicledyn.analyses.simulation.run_recording import RunRecording
 from vehicledyn.analyses.simulation.standing_wheels import standing_wheels
+from vehicledyn.analyses.simulation.steep_roads import steep_roads
 from vehicledyn.analyses.simulation.track_positions import track_place
 from vehicledyn.analyses.simulation.wanted_outputs import (
     check_run,
@@ -120,6 +121,7 @@ def run_scenario(
     notes.extend(standing_wheels(prepared, start))
     notes.extend(kinked_drives(prepared.subject, loaded.scenario.duration))
     notes.extend(mended_profiles(loaded))
+    notes.extend(steep_roads(loaded))
     turns = SingularTurns.of(prepared.subject.system, prepared.equations)
     needed = needed_channels(prepared)
     run = _Run(loaded, prepared, kept, needed, described, recorder, notes, turns, solver)

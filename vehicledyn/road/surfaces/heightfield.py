@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 from vehicledyn.base.parameters import quantity
 from vehicledyn.base.registry import register
 from vehicledyn.road.surfaces.file_surface import FileSurface
+from vehicledyn.road.surfaces.surface import SteepPlace
 from vehicledyn.symbolic.ops import Scalar
 
 if TYPE_CHECKING:
@@ -35,6 +36,11 @@ class Heightfield(FileSurface):
         """Return the slopes along x and y [1]."""
         along, across = self.ground().slopes(x - self.x, y - self.y)
         return self.scale * along, self.scale * across
+
+    def steepest(self) -> SteepPlace:
+        """Return the steepest place between neighbouring nodes."""
+        slope, x, y = self.ground().steepest()
+        return SteepPlace(abs(self.scale) * slope, x + self.x, y + self.y)
 
     @classmethod
     def read(cls, path: Path, *settings: object) -> BicubicGrid:

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, ClassVar
 from vehicledyn.base.parameters import quantity
 from vehicledyn.base.registry import register
 from vehicledyn.road.surfaces.file_surface import FileSurface
+from vehicledyn.road.surfaces.surface import SteepPlace
 from vehicledyn.symbolic.ops import Scalar
 
 if TYPE_CHECKING:
@@ -38,6 +39,11 @@ class Mesh(FileSurface):
         """Return the slopes along x and y [1]."""
         along, across = self.ground().slopes(x - self.x, y - self.y)
         return along, across
+
+    def steepest(self) -> SteepPlace:
+        """Return the steepest place between neighbouring nodes."""
+        slope, x, y = self.ground().steepest()
+        return SteepPlace(slope, x + self.x, y + self.y)
 
     def settings(self) -> tuple[float]:
         """Return the distance of the nodes [m]."""

@@ -11,6 +11,7 @@ from vehicledyn.base.parameters import quantity
 from vehicledyn.base.problems import Problem, refusal
 from vehicledyn.base.registry import register
 from vehicledyn.road.surfaces.file_surface import FileSurface
+from vehicledyn.road.surfaces.surface import SteepPlace
 from vehicledyn.symbolic.ops import Scalar
 
 if TYPE_CHECKING:
@@ -48,6 +49,16 @@ class ProfileRoad(FileSurface):
     def gradient(self, x: Scalar, y: Scalar) -> tuple[Scalar, Scalar]:
         """Return the slope along x [1]; the slope along y is zero."""
         return self.ground().slope(x - self.start), 0.0
+
+    def steepest(self) -> SteepPlace:
+        """Return the steepest place of the curve, which is equal across the road."""
+        import numpy as np
+
+        table: CurveTable = self.ground()
+        halves = table.start + 0.5 * table.step * np.arange(2 * len(table.coefficients) + 1)
+        slopes = np.abs(table.slope(halves))
+        at = int(np.argmax(slopes))
+        return SteepPlace(float(slopes[at]), float(halves[at]) + self.start, 0.0)
 
     @classmethod
     def read(cls, path: Path, *settings: object) -> CurveTable:

@@ -4,13 +4,21 @@ from __future__ import annotations
 
 from abc import abstractmethod
 from pathlib import Path
-from typing import ClassVar
+from typing import ClassVar, NamedTuple
 
 from vehicledyn.base.parameters import ParameterSet, part
 from vehicledyn.road.patches.patch import FrictionPatch, friction_at
 from vehicledyn.road.soils.soil import Soil
 from vehicledyn.symbolic import ops
 from vehicledyn.symbolic.ops import Scalar, Vec
+
+
+class SteepPlace(NamedTuple):
+    """A slope, without sign [1], and the place that has it in world axes [m]."""
+
+    slope: float
+    x: float
+    y: float
 
 
 class RoadSurface(ParameterSet):
@@ -41,6 +49,10 @@ class RoadSurface(ParameterSet):
     @abstractmethod
     def gradient(self, x: Scalar, y: Scalar) -> tuple[Scalar, Scalar]:
         """Return the slopes ∂z/∂x and ∂z/∂y [1] at a place [m, m] of the world."""
+
+    def steepest(self) -> SteepPlace | None:
+        """Return the steepest place of ground that comes from a file; None for other ground."""
+        return None
 
     def friction(self, x: Scalar, y: Scalar) -> Scalar:
         """Return the friction at a place over that of the tyres' own road [1]."""
