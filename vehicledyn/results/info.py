@@ -121,7 +121,7 @@ def describe_result(path: str | Path) -> ResultDescription:
     InputError
         If the file cannot be read as a result.
     """
-    with open_result(path) as result:
+    with open_result(path, 2) as result:
         return ResultDescription(
             path=str(path),
             title=result.title,

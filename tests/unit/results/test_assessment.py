@@ -11,6 +11,8 @@ from scipy import signal
 from vehicledyn.base.errors import InputError
 from vehicledyn.results.assessment.assess import assess
 from vehicledyn.results.assessment.comfort import assess_comfort, mean_comfort
+from vehicledyn.results.assessment.even_samples import LazyChannels, even_samples
+from vehicledyn.results.assessment.filters import butterworth, filtered, high_pass
 from vehicledyn.results.assessment.report import assess_result
 from vehicledyn.results.assessment.running_behaviour import assess_acceleration
 from vehicledyn.results.assessment.running_safety import (
@@ -21,15 +23,8 @@ from vehicledyn.results.assessment.running_safety import (
     static_samples,
     track_shift_limit,
 )
-from vehicledyn.results.assessment.signals import (
-    LazyChannels,
-    block_rms,
-    butterworth,
-    even_samples,
-    filtered,
-    high_pass,
-    sliding_mean,
-)
+from vehicledyn.results.assessment.signal import signal_of
+from vehicledyn.results.assessment.sliding import block_rms, sliding_mean
 from vehicledyn.results.assessment.summary import summarise_assessment
 from vehicledyn.results.assessment.wear import assess_wear
 from vehicledyn.results.assessment.weighting import (
@@ -150,17 +145,22 @@ def test_sliding_mean_of_a_sine_in_distance():
     """The mean over L of sin(ks) is sinc(kL/2) times the sine in the middle."""
     distance = np.linspace(0.0, 40.0, 4001)
     wave = 2.0 * np.pi / 7.0
-    found = sliding_mean(distance, np.sin(wave * distance), window=2.0, every=0.5)
-    assert found.place == pytest.approx(np.arange(1.0, 39.01, 0.5))
-    expected = np.sin(wave) / wave * np.sin(wave * found.place)
-    assert found.mean == pytest.approx(expected, abs=1e-5)
+    found = sliding_mean(
+        *map(signal_of, (distance, np.sin(wave * distance))), window=2.0, every=0.5
+    )
+    places = np.arange(1.0, 39.01, 0.5)
+    assert [found.place(k) for k in range(found.mean.count)] == pytest.approx(places)
+    expected = np.sin(wave) / wave * np.sin(wave * places)
+    assert found.mean.part(0, 77) == pytest.approx(expected, abs=1e-5)
 
 
 def test_sliding_mean_is_exact_between_uneven_samples_and_passes_a_stop():
     distance = np.array([0.0, 0.7, 0.7, 2.9, 5.0])
-    found = sliding_mean(distance, 3.0 * distance, window=2.0, every=0.5)
-    assert found.mean == pytest.approx(3.0 * found.place)
-    assert not len(sliding_mean(distance[:3], distance[:3], window=2.0, every=0.5).mean)
+    found = sliding_mean(*map(signal_of, (distance, 3.0 * distance)), window=2.0, every=0.5)
+    assert found.mean.part(0, 9) == pytest.approx(3.0 * np.arange(1.0, 4.01, 0.5))
+    assert found.mean.count == 7
+    short = signal_of(distance[:3])
+    assert not sliding_mean(short, short, window=2.0, every=0.5).mean.count
 
 
 def test_mean_comfort_of_sines():
@@ -185,7 +185,7 @@ def test_mean_comfort_takes_the_95th_percentile():
 
 def test_rms_of_windows():
     values = np.concatenate([np.full(1000, 2.0), np.full(1000, -3.0), np.full(500, 9.0)])
-    assert block_rms(values, STEP, 5.0) == pytest.approx([2.0, 3.0])
+    assert block_rms(signal_of(values), STEP, 5.0) == pytest.approx([2.0, 3.0])
 
 
 @pytest.mark.parametrize(("direction", "factor"), [("lateral", 0.737), ("vertical", 0.588)])
@@ -217,7 +217,7 @@ def test_forces_of_a_wheel_are_percentiles_of_slow_signals():
     """Slow ramps pass the filter: percentiles of evenly spread values are known."""
     ramp = TIME / TIME[-1]
     values = {"w.left.Q": 4e4 + 2e4 * ramp, "w.left.Y": 1e4 * ramp}
-    samples, distance = even_samples(TIME, values), 15.0 * TIME
+    samples, distance = even_samples(TIME, values), signal_of(15.0 * TIME)
     wheel = assess_wheel("w.left", samples, distance, 5e4)
     assert wheel.vertical_quasi_static == pytest.approx(5e4, rel=1e-4)
     assert wheel.guiding_quasi_static == pytest.approx(5e3, rel=1e-3)
@@ -241,23 +241,25 @@ def test_forces_near_20_hz_lose_3_db():
 
 def test_extremes_keep_their_sign():
     samples = even_samples(TIME, {"w.left.Y": -1e4 * TIME / TIME[-1]})
-    axle = assess_axle("w", samples, 15.0 * TIME, 5e4, ("w.left",))
+    axle = assess_axle("w", samples, signal_of(15.0 * TIME), 5e4, ("w.left",))
     assert axle.track_shift == pytest.approx(-0.9985e4, rel=1e-3)
 
 
 def test_static_loads_are_those_on_straight_track():
     """A wheel of 20 kN carries 30 kN in the curve that takes nine tenths of the run."""
     bent = 0.1 * TIME[-1] < TIME
-    samples = even_samples(TIME, {"w.left.Q": np.where(bent, 3e4, 2e4)})
+    values = {"w.left.Q": np.where(bent, 3e4, 2e4)}
+    samples = even_samples(TIME, values)
     curvature = np.where(bent, 0.05, 0.0)
 
     def load(samples, curvature):
+        curvature = None if curvature is None else signal_of(curvature)
         return static_load(samples, ("w.left",), static_samples(samples, "w", curvature))
 
     assert load(samples, curvature) == 2e4
     assert load(samples, None) == 3e4
     assert load(samples, np.full_like(TIME, 0.05)) == 3e4
-    assert load(even_samples(TIME, samples.channels, begin=0.5 * TIME[-1]), curvature) == 2e4
+    assert load(even_samples(TIME, values, begin=0.5 * TIME[-1]), curvature) == 2e4
 
 
 def test_each_axle_takes_its_static_load_where_itself_is_on_straight_and_level_track():
@@ -301,7 +303,7 @@ def test_limits():
 def test_wear_over_the_distance():
     """Tγ = 2 s over 100 m: 10 kJ, half of them mean, parts of 10 m in the middle of each."""
     distance = np.linspace(0.0, 100.0, 333)
-    wear = assess_wear("w", distance, 2.0 * distance)
+    wear = assess_wear("w", signal_of(distance), signal_of(2.0 * distance))
     assert (wear.work, wear.mean, wear.largest) == pytest.approx((1e4, 100.0, 200.0))
     assert wear.parts == pytest.approx(np.arange(10.0, 200.0, 20.0))
 

@@ -5,8 +5,9 @@ import pytest
 
 from vehicledyn.results.assessment.assess import assess
 from vehicledyn.results.assessment.curve_transitions import SEATED, STANDING, find_transitions
+from vehicledyn.results.assessment.even_samples import even_samples
 from vehicledyn.results.assessment.running_safety import track_shift_limit
-from vehicledyn.results.assessment.signals import even_samples
+from vehicledyn.results.assessment.signal import signal_of
 from vehicledyn.results.assessment.stability import assess_stability, band
 from vehicledyn.results.assessment.summary import summarise_assessment
 
@@ -46,7 +47,9 @@ def test_instability_of_a_growing_oscillation():
     total = amplitude * np.sin(2.0 * np.pi * 5.5 * TIME) + 8e3
     total += 2e3 * np.sin(2.0 * np.pi * 0.3 * TIME) + 2e3 * np.sin(2.0 * np.pi * 19.0 * TIME)
     values = {"w.left.Y": 0.5 * total, "w.right.Y": 0.5 * total}
-    found = assess_stability("w", even_samples(TIME, values), WAY, 6e4, ("w.left", "w.right"))
+    found = assess_stability(
+        "w", even_samples(TIME, values), signal_of(WAY), 6e4, ("w.left", "w.right")
+    )
     last, first = amplitude[-1], amplitude[-1] - 1e3
     rms = np.sqrt((last**2 + last * first + first**2) / 6.0)
     gain = abs(band(5.5)(np.array([5.5])))[0]
@@ -101,7 +104,7 @@ def test_transitions_enter_curves_or_change_their_side():
     """Into a curve to the left, over into one to the right, out of it, and into it by a jump."""
     curvature = ramp(5.0, 8.0, 0.0, 2e-3) + ramp(15.0, 20.0, 0.0, -4e-3)
     curvature = curvature + ramp(25.0, 28.0, 0.0, 2e-3) + np.where(TIME > 33.0, 1e-3, 0.0)
-    found = find_transitions(TIME, curvature, WAY)
+    found = find_transitions(*map(signal_of, (TIME, curvature, WAY)))
     spans = [(t.begin, t.end) for t in found]
     assert spans[0] == pytest.approx((5.0, 8.0), abs=2 * STEP)
     assert spans[1] == pytest.approx((15.0, 20.0), abs=2 * STEP)

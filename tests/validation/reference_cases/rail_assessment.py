@@ -11,8 +11,10 @@ from reference_cases.comparison import Group, deviation, figure
 from reference_cases.tables import read_columns
 from vehicledyn.results.assessment.comfort import assess_comfort
 from vehicledyn.results.assessment.curve_transitions import assess_transitions, find_transitions
+from vehicledyn.results.assessment.even_samples import even_samples
+from vehicledyn.results.assessment.filters import butterworth, filtered
 from vehicledyn.results.assessment.running_safety import assess_axle, assess_wheel
-from vehicledyn.results.assessment.signals import butterworth, even_samples, filtered
+from vehicledyn.results.assessment.signal import signal_of
 from vehicledyn.results.assessment.stability import assess_stability, band
 from vehicledyn.results.assessment.weighting import (
     VERTICAL,
@@ -124,7 +126,7 @@ def _track_shift():
     speed, wave = 20.0, 2.0 * np.pi / 13.7
     guiding = 1e4 * np.sin(wave * speed * TIME)
     values = {"w.left.Y": guiding, "w.left.Q": np.full_like(TIME, 5e4)}
-    samples, distance = even_samples(TIME, values), speed * TIME
+    samples, distance = even_samples(TIME, values), signal_of(speed * TIME)
     axle = assess_axle("w", samples, distance, 5e4, ("w.left",))
     wheel = assess_wheel("w.left", samples, distance, 5e4)
     # A sine is below its 99.85 % percentile in that part of its period.
@@ -147,7 +149,8 @@ def _instability():
     way, frequency = 20.0 * TIME, 5.5
     guiding = 5.0 * way * np.sin(2.0 * np.pi * frequency * TIME)
     values = {f"w.{side}.Y": guiding for side in ("left", "right")}
-    found = assess_stability("w", even_samples(TIME, values), way, 5e4, ("w.left", "w.right"))
+    samples, wheels = even_samples(TIME, values), ("w.left", "w.right")
+    found = assess_stability("w", samples, signal_of(way), 5e4, wheels)
     last, first = 10.0 * way[-1], 10.0 * (way[-1] - 100.0)
     rms = math.sqrt((last**2 + last * first + first**2) / 6.0)
     gain = abs(band(frequency)(np.array([frequency])))[0]
@@ -166,7 +169,7 @@ def _transition():
     largest = 1.2
     part = np.clip((TIME - 100.0) / 4.0, 0.0, 1.0)
     values = {"floor.lateral": largest * part, "floor.roll_rate": 0.0 * part}
-    transitions = find_transitions(TIME, 1e-3 * part, 30.0 * TIME)
+    transitions = find_transitions(*map(signal_of, (TIME, 1e-3 * part, 30.0 * TIME)))
     (found,) = assess_transitions("floor", even_samples(TIME, values), transitions)
     return figure(
         "closed form",

@@ -251,12 +251,13 @@ def _assessment(recording: Recording) -> list[SummaryEntry]:
     """Return the worst figures of running safety, comfort and wear of a vehicle on rails."""
     from vehicledyn.results.assessment.subjects import find_subjects
 
-    if not find_subjects(recording.units).axles or len(recording.time) < 2:
+    if not find_subjects(recording.units).axles or recording.count < 2:
         return []
     from vehicledyn.results.assessment.assess import assess
     from vehicledyn.results.assessment.summary import summarise_assessment
 
-    return summarise_assessment(assess(recording.time, recording.channels, recording.units))
+    columns = {name: recording.column(name) for name in recording.channels}
+    return summarise_assessment(assess(recording.column("time"), columns, recording.units))
 
 
 def _figure(name: str, title: str, label: str, channels: list[Channel]) -> dict[str, Any]:

@@ -99,7 +99,7 @@ def read_scenes(
     scenes = []
     for index, path in enumerate(paths):
         _refuse_others(path)
-        with open_result(path) as result:
+        with open_result(path, 2) as result:
             wanted = channels if index == 0 else ()
             scenes.append(scene_of(result, span, patterns=wanted, plots=plots))
     return scenes

@@ -125,7 +125,7 @@ def scene_of(
         words = f"holds no pictures to animate{between} ({result.state_of_run})"
         raise InputError(f"{result.path}: {words}")
     pictures = replace(found.pictures, quaternion=continuous(found.pictures.quaternion))
-    rows = np.clip(np.searchsorted(result.time, pictures.time), 0, len(result.time) - 1)
+    rows = np.clip(result.column("time").first_from(pictures.time), 0, result.samples - 1)
     panels = _panels(result, rows)
     cones = result.scene.get("cones")
     return AnimatedScene(

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -21,6 +21,7 @@ from vehicledyn.results.assessment.curve_transitions import (
     assess_transitions,
     find_transitions,
 )
+from vehicledyn.results.assessment.even_samples import LazyChannels, Samples, even_samples
 from vehicledyn.results.assessment.running_behaviour import (
     DIRECTIONS as ASIDE_AND_UP,
 )
@@ -38,7 +39,7 @@ from vehicledyn.results.assessment.running_safety import (
     static_samples,
 )
 from vehicledyn.results.assessment.running_safety import WINDOW as WAY
-from vehicledyn.results.assessment.signals import Floats, LazyChannels, Samples, even_samples
+from vehicledyn.results.assessment.signal import BLOCK, Floats, Signal, signal_of, stored
 from vehicledyn.results.assessment.stability import WINDOW as STRETCH
 from vehicledyn.results.assessment.stability import AxleStability, assess_stability
 from vehicledyn.results.assessment.subjects import Subjects, find_subjects
@@ -79,7 +80,7 @@ class Assessment:
 
 
 def assess(
-    time: Floats,
+    time: Any,
     channels: Mapping[str, Any],
     units: Mapping[str, str],
     *,
@@ -91,9 +92,9 @@ def assess(
     Parameters
     ----------
     time
-        Not falling, shape (n,) [s].
+        Not falling, an array of n values [s] or what slices like one, as datasets of files do.
     channels
-        Values by name, or datasets of a file, shape (n,), SI; one is read at a time.
+        The like by name, SI; a block of one is read at a time.
     units
         SI units by name.
     begin, end
@@ -106,15 +107,15 @@ def assess(
     """
     subjects = find_subjects({name: units[name] for name in channels})
     whole = LazyChannels(
-        [name for name in channels if np.isfinite(channels[name]).all()], channels.__getitem__
+        [name for name in channels if _is_finite(channels[name])], channels.__getitem__
     )
     samples = even_samples(time, whole, begin=begin, end=end)
-    section = samples.time[samples.kept]
-    found = Assessment(float(section[0]), float(section[-1]), samples.rate)
+    section = samples.time.section(samples.kept)
+    found = Assessment(section.at(0), section.at(-1), samples.rate)
     for name in sorted(set(subjects.channels(channels)) - set(whole)):
         found.remarks.append(f"{name} holds values that are not finite; what needs it is left out")
     distance = _distance(subjects, samples)
-    found.way = None if distance is None else float(distance[-1] - distance[0])
+    found.way = None if distance is None else distance.at(-1) - distance.at(0)
     _assess_wear(found, subjects, samples, distance)
     if samples.rate < SLOWEST_RATE * (1.0 - _ROUNDING):
         found.remarks.append(
@@ -135,7 +136,11 @@ def assess(
     return found
 
 
-def _distance(subjects: Subjects, samples: Samples) -> Floats | None:
+def _is_finite(column: Any) -> bool:
+    return all(bool(np.isfinite(block).all()) for block in signal_of(column).blocks())
+
+
+def _distance(subjects: Subjects, samples: Samples) -> Signal | None:
     """Return the way from the start of the run at the section's samples; None if unknown.
 
     All bodies of a vehicle go the same way; coordinates relative to another body hardly move. So
@@ -143,25 +148,45 @@ def _distance(subjects: Subjects, samples: Samples) -> Floats | None:
     """
     known = [name for name in subjects.ways if name in samples.channels]
     along = [name for name in known if name.endswith(".track_position")]
-    lengths = {name: _steps(samples, name).sum() for name in along or known}
+    lengths = {
+        name: sum(float(part.sum()) for part in _steps(samples, name, _moved))
+        for name in along or known
+    }
     speeds = [name for name in subjects.speeds if name in samples.channels]
     if lengths:
-        farthest = _steps(samples, max(lengths, key=lambda name: lengths[name]))
+        farthest = _steps(samples, max(lengths, key=lambda name: lengths[name]), _moved)
     elif speeds:
-        speed = samples.channels[speeds[0]]
-        farthest = samples.step * np.abs(0.5 * (speed[:-1] + speed[1:]))
+        step = samples.step
+        farthest = _steps(
+            samples, speeds[0], lambda speed: step * np.abs(0.5 * (speed[:-1] + speed[1:]))
+        )
     else:
         return None
-    return np.concatenate([[0.0], np.cumsum(farthest)])[samples.kept]
+    return stored(_sums(farthest)).section(samples.kept)
 
 
-def _steps(samples: Samples, name: str) -> Floats:
-    """Return how far a channel goes from sample to sample."""
-    return np.asarray(np.abs(np.diff(samples.channels[name])))
+def _moved(way: Floats) -> Floats:
+    return np.asarray(np.abs(np.diff(way)))
+
+
+def _steps(samples: Samples, name: str, length: Callable[[Floats], Floats]) -> Iterator[Floats]:
+    """Yield how far it is from sample to sample, block by block."""
+    channel = samples.channels[name]
+    for start in range(0, channel.count - 1, BLOCK):
+        yield length(channel.part(start, start + BLOCK + 1))
+
+
+def _sums(steps: Iterator[Floats]) -> Iterator[Floats]:
+    """Yield 0 and the sums of the steps so far, block by block."""
+    last = np.zeros(1)
+    for number, part in enumerate(steps):
+        whole = np.cumsum(np.concatenate([last, part]))
+        yield whole[1:] if number else whole
+        last = whole[-1:]
 
 
 def _assess_safety(
-    found: Assessment, subjects: Subjects, samples: Samples, distance: Floats | None
+    found: Assessment, subjects: Subjects, samples: Samples, distance: Signal | None
 ) -> None:
     if subjects.axles and distance is None:
         found.remarks.append(
@@ -210,9 +235,9 @@ def _assess_safety(
         )
 
 
-def _bends(samples: Samples, axle: str, curvature: Floats | None) -> bool:
+def _bends(samples: Samples, axle: str, curvature: Signal | None) -> bool:
     bend = samples.channels.get(f"{axle}.curvature", curvature)
-    return bend is not None and bool(np.any(bend))
+    return bend is not None and any(bool(np.any(block)) for block in bend.blocks())
 
 
 def _assess_ride(found: Assessment, subjects: Subjects, samples: Samples) -> None:
@@ -238,12 +263,12 @@ def _assess_ride(found: Assessment, subjects: Subjects, samples: Samples) -> Non
 
 
 def _assess_transitions(
-    found: Assessment, subjects: Subjects, samples: Samples, distance: Floats | None
+    found: Assessment, subjects: Subjects, samples: Samples, distance: Signal | None
 ) -> None:
     known = [name for name in subjects.bends if name in samples.channels]
     if not known or distance is None or not subjects.sensors:
         return
-    section = samples.time[samples.kept]
+    section = samples.time.section(samples.kept)
     transitions = find_transitions(section, samples.section(known[0]), distance)
     if not transitions:
         return
@@ -283,7 +308,7 @@ def _comfort_remarks(comfort: list[Comfort], samples: Samples) -> Iterator[str]:
 
 
 def _assess_wear(
-    found: Assessment, subjects: Subjects, samples: Samples, distance: Floats | None
+    found: Assessment, subjects: Subjects, samples: Samples, distance: Signal | None
 ) -> None:
     worn = [wheel for wheel in subjects.worn if _has(samples, wheel, "wear_number")]
     if distance is None or not found.way:

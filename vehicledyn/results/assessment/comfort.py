@@ -8,7 +8,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from vehicledyn.results.assessment.signals import Floats, Samples, block_rms, filtered
+from vehicledyn.results.assessment.even_samples import Samples
+from vehicledyn.results.assessment.filters import filtered_section
+from vehicledyn.results.assessment.signal import Floats
+from vehicledyn.results.assessment.sliding import block_rms
 from vehicledyn.results.assessment.weighting import LATERAL, VERTICAL, W_B, W_D, Sperling
 
 DIRECTIONS = ("longitudinal", "lateral", "vertical")
@@ -44,7 +47,9 @@ def assess_comfort(name: str, samples: Samples) -> Comfort:
     known = {d: f"{name}.{d}" for d in DIRECTIONS if f"{name}.{d}" in samples.channels}
     continuous = {
         direction: block_rms(
-            filtered(samples.channels[channel], samples.step, _WEIGHTINGS[direction])[samples.kept],
+            filtered_section(
+                samples.channels[channel], samples.step, _WEIGHTINGS[direction], samples.kept
+            ),
             samples.step,
             WINDOW,
         )
@@ -84,5 +89,7 @@ def ride_index(samples: Samples, channel: str, factor: float) -> float:
     Garg, Dukkipati (1984), Dynamics of Railway Vehicle Systems; the factor of the root mean
     square in m/s² is there rounded to 4.42 = (100 √2)^0.3.
     """
-    weighted = filtered(samples.channels[channel], samples.step, Sperling(factor))[samples.kept]
-    return float((2e4 * np.mean(weighted**2)) ** 0.15)
+    weighted = filtered_section(
+        samples.channels[channel], samples.step, Sperling(factor), samples.kept
+    )
+    return float((2e4 * weighted.mean_square()) ** 0.15)

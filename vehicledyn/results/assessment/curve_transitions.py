@@ -22,15 +22,11 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-from vehicledyn.results.assessment.signals import (
-    Floats,
-    Samples,
-    butterworth,
-    filtered,
-    integral_between,
-)
+from vehicledyn.results.assessment.even_samples import Samples
+from vehicledyn.results.assessment.filters import butterworth, filtered_section
+from vehicledyn.results.assessment.signal import BLOCK, Floats, Signal
+from vehicledyn.results.assessment.sliding import integral_between
 
 SHORTEST = 2.0
 """Duration of a transition that the standard asks for [s]."""
@@ -87,7 +83,7 @@ class TransitionComfort:
     seated: float
 
 
-def find_transitions(time: Floats, curvature: Floats, distance: Floats) -> list[Transition]:
+def find_transitions(time: Signal, curvature: Signal, distance: Signal) -> list[Transition]:
     """Return where a vehicle enters curves; what the samples do not hold whole is left out.
 
     Parameters
@@ -99,15 +95,17 @@ def find_transitions(time: Floats, curvature: Floats, distance: Floats) -> list[
     distance
         Way along the track, not falling, shape (n,) [m].
     """
-    largest = float(np.abs(curvature).max())
-    changes = np.abs(np.diff(curvature)) > _STEEPNESS * largest * np.diff(distance)
+    largest = max(curvature.highest()[1], -curvature.smallest())
     found: list[Transition] = []
-    for first, last in _runs(changes & (largest > 0.0), round(_GAP / (time[1] - time[0]))):
-        if first == 0 or last == len(time) - 1:
+    if largest <= 0.0:
+        return found
+    changes = _changes(curvature, distance, _STEEPNESS * largest)
+    for first, last in _runs(changes, round(_GAP / (time.at(1) - time.at(0)))):
+        if first == 0 or last == time.count - 1:
             continue
-        before, after = float(curvature[first]), float(curvature[last])
+        before, after = curvature.at(first), curvature.at(last)
         if abs(after) > abs(before) or before * after < 0.0:
-            found.append(Transition(float(time[first]), float(time[last])))
+            found.append(Transition(time.at(first), time.at(last)))
     return found
 
 
@@ -120,23 +118,21 @@ def assess_transitions(
     """
     low_pass = butterworth(_CUT_OFF, _ORDER)
     lateral, roll = (
-        filtered(samples.channels[f"{name}.{word}"], samples.step, low_pass)
+        filtered_section(
+            samples.channels[f"{name}.{word}"], samples.step, low_pass, slice(0, samples.time.count)
+        )
         for word in ("lateral", "roll_rate")
     )
-    time, half = samples.time, 0.5 * _MEAN
+    half, run_begin, run_end = 0.5 * _MEAN, samples.time.at(0), samples.time.at(-1)
     for transition in transitions:
         begin, end = transition.begin, transition.end
-        if begin - _BEFORE - _MEAN < time[0] or end + _AFTER + half > time[-1]:
+        if begin - _BEFORE - _MEAN < run_begin or end + _AFTER + half > run_end:
             continue
-        acceleration = np.abs(_means(time, lateral, _span(begin, end + _AFTER, samples.step)))
-        middle = _span(begin - _BEFORE, end, samples.step)
-        change = _means(time, lateral, middle + half) - _means(time, lateral, middle - half)
-        rate = np.abs(_means(time, roll, _span(begin, end, samples.step)))
-        worst = (
-            float(acceleration.max()),
-            float(np.abs(change).max()) / _MEAN,
-            float(rate.max()),
-        )
+        step = samples.step
+        acceleration = _largest_mean(samples, lateral, _span(begin, end + _AFTER, step), [0.0])
+        change = _largest_mean(samples, lateral, _span(begin - _BEFORE, end, step), [half, -half])
+        rate = _largest_mean(samples, roll, _span(begin, end, step), [0.0])
+        worst = (acceleration, change / _MEAN, rate)
         yield TransitionComfort(
             name, begin, end, *worst, STANDING.disturbed(*worst), SEATED.disturbed(*worst)
         )
@@ -146,16 +142,42 @@ def _span(begin: float, end: float, step: float) -> Floats:
     return np.linspace(begin, end, max(2, 1 + round((end - begin) / step)))
 
 
+def _largest_mean(samples: Samples, values: Signal, middles: Floats, shifts: list[float]) -> float:
+    """Return the largest mean over 1 s about instants, or difference of two shifted ones."""
+    largest, start = 0.0, samples.time.at(0)
+    for part in np.array_split(middles, -(-len(middles) // BLOCK)):
+        reach = max(shifts) + _MEAN
+        first = max(int((part[0] - reach - start) / samples.step) - 2, 0)
+        last = int((part[-1] + reach - start) / samples.step) + 3
+        time, own = samples.time.part(first, last), values.part(first, last)
+        means = [_means(time, own, part + shift) for shift in shifts]
+        difference = means[0] - means[1] if means[1:] else means[0]
+        largest = max(largest, float(np.abs(difference).max()))
+    return largest
+
+
 def _means(time: Floats, values: Floats, middles: Floats) -> Floats:
     """Return means over 1 s about instants, shape (n,)."""
     ahead = integral_between(time, values, middles + 0.5 * _MEAN)
     return np.asarray((ahead - integral_between(time, values, middles - 0.5 * _MEAN)) / _MEAN)
 
 
-def _runs(changes: NDArray[np.bool_], gap: int) -> Iterator[tuple[int, int]]:
+def _changes(curvature: Signal, distance: Signal, steepest: float) -> Iterator[int]:
+    """Yield the steps between samples in which the curvature changes, in their order."""
+    for start in range(0, curvature.count - 1, BLOCK):
+        stop = start + BLOCK + 1
+        apart = np.abs(np.diff(curvature.part(start, stop)))
+        changes = apart > steepest * np.diff(distance.part(start, stop))
+        yield from (start + np.flatnonzero(changes)).tolist()
+
+
+def _runs(steps: Iterator[int], gap: int) -> Iterator[tuple[int, int]]:
     """Yield first and last sample of runs of changing steps; shorter gaps do not part them."""
-    steps = np.flatnonzero(changes)
-    if not len(steps):
-        return
-    for part in np.split(steps, 1 + np.flatnonzero(np.diff(steps) > gap + 1)):
-        yield int(part[0]), int(part[-1]) + 1
+    first = last = -1
+    for step in steps:
+        if last >= 0 and step - last > gap + 1:
+            yield first, last + 1
+            first = step
+        first, last = (step if first < 0 else first), step
+    if last >= 0:
+        yield first, last + 1

@@ -10,7 +10,6 @@ from typing import Any
 from vehicledyn.base.errors import InputError
 from vehicledyn.results.assessment.assess import Assessment, assess
 from vehicledyn.results.assessment.comfort import DIRECTIONS, Comfort
-from vehicledyn.results.assessment.signals import LazyChannels
 from vehicledyn.results.assessment.subjects import find_subjects
 from vehicledyn.results.store.reader import open_result
 
@@ -73,7 +72,7 @@ def assess_result(
     InputError
         If the file cannot be read, has nothing to assess, or no samples in the section.
     """
-    with open_result(path) as result:
+    with open_result(path, 2) as result:
         if not result.is_timed:
             raise InputError(f"{path}: has nothing to assess: its samples are not taken in time")
         units = result.units
@@ -83,13 +82,18 @@ def assess_result(
                 f"{path}: has nothing to assess: neither forces of wheels on rails, such as "
                 "'front.left.Q', nor an accelerometer; keep them with output.channels"
             )
-        channels = LazyChannels(subjects.channels(units), lambda name: result.channel(name).values)
         return AssessmentReport(
             path=str(path),
             title=result.title,
             state_of_run=result.state_of_run,
             whole=result.is_whole,
-            assessment=assess(result.time, channels, units, begin=begin, end=end),
+            assessment=assess(
+                result.column("time"),
+                {name: result.column(name) for name in subjects.channels(units)},
+                units,
+                begin=begin,
+                end=end,
+            ),
         )
 
 

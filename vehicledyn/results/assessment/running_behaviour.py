@@ -12,14 +12,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from vehicledyn.results.assessment.running_safety import CUT_OFF, HIGH, LOW, ORDER
-from vehicledyn.results.assessment.signals import (
-    Floats,
-    Samples,
-    butterworth,
-    filtered,
-    high_pass,
-)
+from vehicledyn.results.assessment.even_samples import Samples
+from vehicledyn.results.assessment.filters import butterworth, filtered_section, high_pass
+from vehicledyn.results.assessment.running_safety import CUT_OFF, ORDER, extreme_of
+from vehicledyn.results.assessment.signal import Floats
 
 BAND = (0.4, 10.0)
 """Band-pass filter, -3 dB [Hz]; each side has 24 dB an octave."""
@@ -44,15 +40,14 @@ class BodyAcceleration:
 def assess_acceleration(name: str, direction: str, samples: Samples) -> BodyAcceleration:
     """Return the running behaviour at an accelerometer with the channel "name.direction"."""
     values = samples.channels[f"{name}.{direction}"]
-    inside = filtered(values, samples.step, _band)[samples.kept]
-    slow = filtered(values, samples.step, butterworth(CUT_OFF, ORDER))[samples.kept]
-    low, high = np.percentile(inside, [LOW, HIGH])
+    inside = filtered_section(values, samples.step, _band, samples.kept)
+    slow = filtered_section(values, samples.step, butterworth(CUT_OFF, ORDER), samples.kept)
     return BodyAcceleration(
         name=name,
         direction=direction,
-        largest=float(low if abs(low) > abs(high) else high),
-        rms=float(np.sqrt(np.mean(inside**2))),
-        quasi_static=float(np.median(slow)),
+        largest=extreme_of(inside),
+        rms=float(np.sqrt(inside.mean_square())),
+        quasi_static=slow.median(),
     )
 
 

@@ -16,16 +16,12 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from vehicledyn.base.errors import InputError
-from vehicledyn.results.assessment.signals import (
-    Floats,
-    Samples,
-    butterworth,
-    filtered,
-    sliding_mean,
-)
+from vehicledyn.results.assessment.even_samples import Samples
+from vehicledyn.results.assessment.filters import butterworth, filtered_section
+from vehicledyn.results.assessment.signal import Floats, Signal, combined, stored
+from vehicledyn.results.assessment.sliding import sliding_mean
 
 CUT_OFF, ORDER = 20.0, 4
 """Low-pass filter: cut-off frequency [Hz] and order, 24 dB an octave."""
@@ -123,10 +119,8 @@ def track_shift_limit(static: float, factor: float = 1.0) -> float:
     return factor * (1e4 + 2.0 * static / 3.0)
 
 
-def static_samples(
-    samples: Samples, axle: str, curvature: Floats | None
-) -> NDArray[np.bool_] | None:
-    """Return which samples of a run show an axle's static load, None if too few do.
+def static_samples(samples: Samples, axle: str, curvature: Signal | None) -> Signal | None:
+    """Return 1 for each sample of a run that shows an axle's static load; None if too few do.
 
     They are those in which the axle itself is on straight, level track, be they outside the
     section: in curves and on ramps the load of a wheel is another.
@@ -143,14 +137,15 @@ def static_samples(
     bend = samples.channels.get(f"{axle}.curvature", curvature)
     if bend is None:
         return None
-    even = np.abs(bend) < _STRAIGHT
+    even = combined(lambda values: 1.0 * (np.abs(values) < _STRAIGHT), bend)
     cant = samples.channels.get(f"{axle}.cant")
     if cant is not None:
-        even &= np.abs(cant) < _LEVEL
-    return even if np.count_nonzero(even) * samples.step >= _LONG_ENOUGH else None
+        even = combined(lambda known, values: known * (np.abs(values) < _LEVEL), even, cant)
+    count = sum(int(np.count_nonzero(block)) for block in even.blocks())
+    return even if count * samples.step >= _LONG_ENOUGH else None
 
 
-def static_load(samples: Samples, wheels: tuple[str, ...], even: NDArray[np.bool_] | None) -> float:
+def static_load(samples: Samples, wheels: tuple[str, ...], even: Signal | None) -> float:
     """Return the static load Q₀ of each wheel of an axle: the mean of their median loads [N].
 
     Parameters
@@ -160,14 +155,20 @@ def static_load(samples: Samples, wheels: tuple[str, ...], even: NDArray[np.bool
     wheels
         Those of the axle.
     even
-        Samples to take, shape as the run's time; those of the section if absent.
+        Other than 0 for samples to take, one a time of the run; those of the section if absent.
     """
-    kept = samples.kept if even is None else even
-    return float(np.mean([np.median(samples.channels[f"{wheel}.Q"][kept]) for wheel in wheels]))
+    return float(np.mean([_chosen(samples, f"{wheel}.Q", even).median() for wheel in wheels]))
+
+
+def _chosen(samples: Samples, name: str, even: Signal | None) -> Signal:
+    if even is None:
+        return samples.section(name)
+    pairs = zip(samples.channels[name].blocks(), even.blocks(), strict=True)
+    return stored(values[taken != 0.0] for values, taken in pairs)
 
 
 def assess_wheel(
-    name: str, samples: Samples, distance: Floats | None, static: float
+    name: str, samples: Samples, distance: Signal | None, static: float
 ) -> WheelSafety:
     """Return the figures of a wheel with channels "name.Y" and "name.Q".
 
@@ -183,43 +184,52 @@ def assess_wheel(
         Static load Q₀ [N].
     """
     guiding, vertical = (_smooth(samples, f"{name}.{force}") for force in ("Y", "Q"))
-    guiding = -guiding if name.endswith(".right") else guiding
-    has_load = vertical > _LIFTED * static
-    smallest = float(vertical.min())
+    guiding = combined(np.negative, guiding) if name.endswith(".right") else guiding
+    has_load = sum(int(np.count_nonzero(q > _LIFTED * static)) for q in vertical.blocks())
+    median, largest = vertical.percentiles(50.0, HIGH)
+    smallest = vertical.smallest()
     ratio = None
-    if distance is not None and has_load.all():
-        ratio = _extreme(distance, guiding / vertical)
+    if distance is not None and has_load == vertical.count:
+        ratio = _extreme(distance, combined(np.divide, guiding, vertical))
     return WheelSafety(
         name=name,
         static=static,
-        guiding_quasi_static=float(np.median(guiding)),
-        vertical_quasi_static=float(np.median(vertical)),
-        vertical_largest=float(np.percentile(vertical, HIGH)),
+        guiding_quasi_static=guiding.median(),
+        vertical_quasi_static=median,
+        vertical_largest=largest,
         vertical_smallest=smallest,
         unloading=1.0 - smallest / static,
-        lifted=1.0 - float(np.mean(has_load)),
+        lifted=1.0 - has_load / vertical.count,
         derailment=ratio,
     )
 
 
 def assess_axle(
-    name: str, samples: Samples, distance: Floats, static: float, wheels: tuple[str, ...]
+    name: str, samples: Samples, distance: Signal, static: float, wheels: tuple[str, ...]
 ) -> AxleSafety | None:
     """Return the sum of the guiding forces of an axle's wheels; None if the way is too short."""
-    total = np.sum([_smooth(samples, f"{wheel}.Y") for wheel in wheels], axis=0)
+    total = combined(total_of, *(_smooth(samples, f"{wheel}.Y") for wheel in wheels))
     extreme = _extreme(distance, total)
     return None if extreme is None else AxleSafety(name, extreme, track_shift_limit(static))
 
 
-def _smooth(samples: Samples, channel: str) -> Floats:
+def total_of(*parts: Floats) -> Floats:
+    """Return the sum of the values of several channels."""
+    return np.asarray(np.sum(parts, axis=0))
+
+
+def extreme_of(values: Signal) -> float:
+    """Return the percentile, low or high, of larger magnitude."""
+    low, high = values.percentiles(LOW, HIGH)
+    return low if abs(low) > abs(high) else high
+
+
+def _smooth(samples: Samples, channel: str) -> Signal:
     low_pass = butterworth(CUT_OFF, ORDER)
-    return filtered(samples.channels[channel], samples.step, low_pass)[samples.kept]
+    return filtered_section(samples.channels[channel], samples.step, low_pass, samples.kept)
 
 
-def _extreme(distance: Floats, values: Floats) -> float | None:
-    """Return the percentile of larger magnitude of the sliding means."""
+def _extreme(distance: Signal, values: Signal) -> float | None:
+    """Return the extreme of the sliding means, None without any."""
     means = sliding_mean(distance, values, window=WINDOW, every=EVERY).mean
-    if not len(means):
-        return None
-    low, high = np.percentile(means, [LOW, HIGH])
-    return float(low if abs(low) > abs(high) else high)
+    return extreme_of(means) if means.count else None

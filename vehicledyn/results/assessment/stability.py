@@ -17,16 +17,16 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from vehicledyn.results.assessment.running_safety import track_shift_limit
-from vehicledyn.results.assessment.signals import (
-    Floats,
+from vehicledyn.results.assessment.even_samples import Samples
+from vehicledyn.results.assessment.filters import (
     Response,
-    Samples,
     butterworth,
-    filtered,
+    filtered_section,
     high_pass,
-    sliding_mean,
 )
+from vehicledyn.results.assessment.running_safety import total_of, track_shift_limit
+from vehicledyn.results.assessment.signal import BLOCK, Floats, Signal, combined
+from vehicledyn.results.assessment.sliding import sliding_mean
 
 WINDOW, EVERY = 100.0, 10.0
 """Sliding root mean square: length and step [m]."""
@@ -57,7 +57,7 @@ class AxleStability:
 
 
 def assess_stability(
-    name: str, samples: Samples, distance: Floats, static: float, wheels: tuple[str, ...]
+    name: str, samples: Samples, distance: Signal, static: float, wheels: tuple[str, ...]
 ) -> AxleStability | None:
     """Return the stability of an axle; None if the way is shorter than the window.
 
@@ -74,16 +74,16 @@ def assess_stability(
     wheels
         Its wheels; "name.Y" are their guiding forces.
     """
-    total = np.sum([samples.channels[f"{wheel}.Y"] for wheel in wheels], axis=0)
-    frequency = strongest(total[samples.kept], samples.step)
-    inside = filtered(total, samples.step, band(frequency))[samples.kept]
-    means = sliding_mean(distance, inside**2, window=WINDOW, every=EVERY)
-    if not len(means.mean):
+    total = combined(total_of, *(samples.channels[f"{wheel}.Y"] for wheel in wheels))
+    frequency = strongest(total.section(samples.kept), samples.step)
+    inside = filtered_section(total, samples.step, band(frequency), samples.kept)
+    means = sliding_mean(distance, combined(np.square, inside), window=WINDOW, every=EVERY)
+    if not means.mean.count:
         return None
-    worst = int(np.argmax(means.mean))
-    rms = float(np.sqrt(max(means.mean[worst], 0.0)))
+    worst, largest = means.mean.highest()
+    rms = float(np.sqrt(max(largest, 0.0)))
     limit = 0.5 * track_shift_limit(static)
-    return AxleStability(name, rms, limit, frequency, float(means.place[worst]))
+    return AxleStability(name, rms, limit, frequency, means.place(worst))
 
 
 def band(frequency: float) -> Response:
@@ -97,14 +97,20 @@ def band(frequency: float) -> Response:
     return response
 
 
-def strongest(values: Floats, step: float) -> float:
+def strongest(values: Signal, step: float) -> float:
     """Return the frequency at which a signal oscillates most, in steps of 0.05 Hz at most.
 
-    The spectrum is that of the signal less its mean behind a window of Hann.
+    The spectrum is that of the signal less its mean behind a window of Hann. Signals longer than
+    a block are cut into equal pieces, whose squared spectra add up.
     """
-    bell = 0.5 - 0.5 * np.cos(2.0 * np.pi * (np.arange(len(values)) + 0.5) / len(values))
-    length = max(len(values), round(1.0 / (_FINEST * step)))
-    spectrum = np.abs(np.fft.rfft((values - np.mean(values)) * bell, length))
+    pieces = -(-values.count // BLOCK)
+    size = values.count // pieces
+    length = max(size, round(1.0 / (_FINEST * step)))
+    bell = 0.5 - 0.5 * np.cos(2.0 * np.pi * (np.arange(size) + 0.5) / size)
     frequency = np.asarray(np.fft.rfftfreq(length, step))
     inside = (frequency >= FREQUENCIES[0]) & (frequency <= FREQUENCIES[1])
-    return float(frequency[inside][np.argmax(spectrum[inside])])
+    power = np.zeros(np.count_nonzero(inside))
+    for start in range(0, pieces * size, size):
+        piece = values.part(start, start + size)
+        power += np.abs(np.fft.rfft((piece - np.mean(piece)) * bell, length)[inside]) ** 2
+    return float(frequency[inside][np.argmax(power)])

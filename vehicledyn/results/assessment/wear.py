@@ -9,7 +9,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from vehicledyn.results.assessment.signals import Floats, integral_between
+from vehicledyn.results.assessment.signal import Floats, Signal, signal_of
+from vehicledyn.results.assessment.sliding import integrals
 
 PARTS = 10
 """Equal parts of the distance for which a mean is reported."""
@@ -26,7 +27,7 @@ class WheelWear:
     work: float
 
 
-def assess_wear(name: str, distance: Floats, wear_number: Floats) -> WheelWear:
+def assess_wear(name: str, distance: Signal, wear_number: Signal) -> WheelWear:
     """Return the wear of a wheel; ``work`` is the integral of Tγ over the distance [J].
 
     Parameters
@@ -38,13 +39,14 @@ def assess_wear(name: str, distance: Floats, wear_number: Floats) -> WheelWear:
     wear_number
         Tγ there, shape (n,) [N].
     """
-    edges = np.linspace(distance[0], distance[-1], PARTS + 1)
-    work = integral_between(distance, wear_number, edges)
-    way = float(distance[-1] - distance[0])
+    begin, end = distance.at(0), distance.at(-1)
+    edges = signal_of(np.linspace(begin, end, PARTS + 1))
+    work = np.concatenate(list(integrals(distance, wear_number, edges)))
+    way = end - begin
     return WheelWear(
         name=name,
         mean=float(work[-1]) / way,
-        largest=float(wear_number.max()),
+        largest=wear_number.highest()[1],
         parts=np.diff(work) * PARTS / way,
         work=float(work[-1]),
     )

@@ -25,7 +25,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from vehicledyn.results.assessment.signals import Floats
+from vehicledyn.results.assessment.signal import Floats
 
 LATERAL, VERTICAL = 0.737, 0.588
 """Factors of Sperling's weighting [1]."""

@@ -7,7 +7,7 @@ format, holds an incomplete run or no channels, or a pattern that matches nothin
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from fnmatch import fnmatchcase
 from pathlib import Path
 from typing import NamedTuple
@@ -17,13 +17,19 @@ from numpy.typing import NDArray
 
 from vehicledyn.base.errors import InputError, nearest_name
 from vehicledyn.results.compare.comparison import ChannelComparison, Comparison
-from vehicledyn.results.compare.sampling_grids import grid_difference, range_difference
+from vehicledyn.results.compare.sampling_grids import (
+    Resampling,
+    grid_difference,
+    range_difference,
+)
 from vehicledyn.results.compare.setting_notes import setting_notes
 from vehicledyn.results.compare.tolerances import Tolerances
+from vehicledyn.results.store.decimation import PORTION
 from vehicledyn.results.store.reader import Result, open_result
-from vehicledyn.results.store.values import Series
 
 Floats = NDArray[np.float64]
+_ENDS = 2
+"""Times to keep in memory: all else is read block by block."""
 
 
 def compare_files(
@@ -68,7 +74,7 @@ def compare_files(
     try:
         for path in (result, reference):
             try:
-                opened.append(open_result(path))
+                opened.append(open_result(path, _ENDS))
             except InputError as error:
                 problems.append(str(error))
         for file in opened:
@@ -110,8 +116,8 @@ def _compare(
     missing = [name for name in chosen if name not in result.channels]
     if allow_missing and len(missing) == len(chosen):
         raise InputError(f"{result.path}: has none of the channels to compare")
-    short = range_difference(result.time, reference.time)
-    other_grid = grid_difference(result.time, reference.time)
+    times = (result.column("time"), reference.column("time"))
+    short, other_grid = range_difference(*times), grid_difference(*times)
     difference = _other_ending(result, reference) or short or ("" if interpolate else other_grid)
     compared: list[ChannelComparison] = []
     for name in chosen:
@@ -145,8 +151,6 @@ def _unusable(file: Result) -> list[str]:
         return [f"{file.path}: holds no channels"]
     if not len(file.time):
         return [f"{file.path}: holds no samples"]
-    if not np.all(np.isfinite(file.time)) or np.any(np.diff(file.time) < 0.0):
-        return [f"{file.path}: its times do not rise; the file is damaged"]
     return []
 
 
@@ -169,53 +173,101 @@ def _chosen(reference: Result, patterns: Sequence[str] | None) -> list[str]:
 
 
 def _compare_channel(name: str, pair: _Pair, tolerances: Tolerances) -> ChannelComparison:
-    computed, wanted = pair.result.channel(name), pair.reference.channel(name)
-    undefined = _undefined_in_both(pair, computed.values, wanted.values)
-    obstacle = (
-        _unit_difference(computed, wanted)
-        or _not_finite(computed.values, undefined, "the result", pair.result.time)
-        or _not_finite(wanted.values, undefined, "the reference", pair.reference.time)
+    units = [file.facts(name)[0] for file in (pair.result, pair.reference)]
+    if units[0] != units[1]:
+        message = f"unit is {units[0]}, in the reference {units[1]}"
+        return ChannelComparison(name, units[1], passed=False, message=message)
+    worst = _Worst()
+    for block in _blocks(name, pair):
+        worst.see(block, is_path=not pair.reference.is_timed and not pair.interpolated)
+    wrong = (
+        worst.wrong_result
+        or worst.wrong_reference
+        or (_first_not_finite(name, pair.result) if pair.interpolated else "")
     )
-    if obstacle:
-        return ChannelComparison(name, wanted.unit, passed=False, message=obstacle)
-    if undefined is not None and undefined.all():
-        return ChannelComparison(name, wanted.unit, passed=True)
-    time, values = pair.reference.time, computed.values
-    if pair.interpolated:
-        values = np.interp(time, pair.result.time, values)
-    differences = np.abs(values - wanted.values)
-    if undefined is not None:
-        differences[undefined] = 0.0
-    at = int(np.argmax(differences))
-    tolerance = tolerances.of(name, wanted.values[np.isfinite(wanted.values)])
+    if wrong:
+        return ChannelComparison(name, units[1], passed=False, message=wrong)
+    if not worst.seen:
+        return ChannelComparison(name, units[1], passed=True)
+    tolerance = tolerances.of(name, np.array(worst.ends))
     return ChannelComparison(
         name,
-        wanted.unit,
-        passed=bool(differences[at] <= tolerance < np.inf),
-        difference=float(differences[at]),
+        units[1],
+        passed=bool(worst.difference <= tolerance < np.inf),
+        difference=worst.difference,
         tolerance=tolerance,
-        value=float(values[at]),
-        reference=float(wanted.values[at]),
-        time=float(time[at]),
+        value=worst.value,
+        reference=worst.reference,
+        time=worst.time,
     )
 
 
-def _unit_difference(computed: Series, wanted: Series) -> str:
-    if computed.unit == wanted.unit:
-        return ""
-    return f"unit is {computed.unit}, in the reference {wanted.unit}"
+class _Block(NamedTuple):
+    """Some samples of a channel in both files."""
+
+    times: Floats
+    computed: Floats
+    wanted: Floats
 
 
-def _undefined_in_both(pair: _Pair, computed: Floats, wanted: Floats) -> NDArray[np.bool_] | None:
-    """Return where a quantity is undefined (NaN) in both files, which agree there; else None.
+def _blocks(name: str, pair: _Pair) -> Iterator[_Block]:
+    """Yield the samples of the reference, and the result at their times, block by block."""
+    times, wanted = pair.reference.column("time"), pair.reference.column(name)
+    computed = pair.result.column(name)
+    at = Resampling(pair.result.column("time")) if pair.interpolated else None
+    for start in range(0, len(times), PORTION):
+        part = slice(start, start + PORTION)
+        instants = times[part]
+        values = computed[part] if at is None else at.values(computed, instants)
+        yield _Block(instants, values, wanted[part])
 
-    Of positions only: a motion ratio has no value where the wheel does not move. A motion that is
-    no number has failed, in both files too.
-    """
-    if pair.interpolated or pair.reference.is_timed:
-        return None
-    undefined: NDArray[np.bool_] = np.isnan(computed) & np.isnan(wanted)
-    return undefined
+
+def _first_not_finite(name: str, result: Result) -> str:
+    """Return where a result that is interpolated holds what is no number, empty for nowhere."""
+    times, column = result.column("time"), result.column(name)
+    for start in range(0, len(times), PORTION):
+        part = slice(start, start + PORTION)
+        if wrong := _not_finite(column[part], None, "the result", times[part]):
+            return wrong
+    return ""
+
+
+class _Worst:
+    """What comparing block by block has found so far."""
+
+    def __init__(self) -> None:
+        self.wrong_result = self.wrong_reference = ""
+        self.seen, self.difference = False, -1.0
+        self.value = self.reference = self.time = 0.0
+        self.ends = (np.inf, -np.inf)
+
+    def see(self, block: _Block, *, is_path: bool) -> None:
+        """Take a block into account; ``is_path`` says that NaN in both files agree.
+
+        Of positions only: a motion ratio has no value where the wheel does not move. A motion that
+        is no number has failed, in both files too.
+        """
+        times, computed, wanted = block
+        undefined = np.isnan(computed) & np.isnan(wanted) if is_path else None
+        self.wrong_result = self.wrong_result or _not_finite(
+            computed, undefined, "the result", times
+        )
+        self.wrong_reference = self.wrong_reference or _not_finite(
+            wanted, undefined, "the reference", times
+        )
+        known = slice(None) if undefined is None else ~undefined
+        if self.wrong_result or self.wrong_reference or not wanted[known].size:
+            return
+        self.seen = True
+        low, high = float(wanted[known].min()), float(wanted[known].max())
+        self.ends = (min(self.ends[0], low), max(self.ends[1], high))
+        differences = np.abs(computed - wanted)
+        if undefined is not None:
+            differences[undefined] = 0.0
+        at = int(np.argmax(differences))
+        if differences[at] > self.difference:
+            self.difference, self.time = float(differences[at]), float(times[at])
+            self.value, self.reference = float(computed[at]), float(wanted[at])
 
 
 def _not_finite(
@@ -231,5 +283,5 @@ def _not_finite(
 def _missing(name: str, result: Result, reference: Result) -> ChannelComparison:
     guess = nearest_name(name, result.channels)
     hint = f"; the nearest it has is '{guess}'" if guess else ""
-    unit = reference.channel(name).unit
+    unit = reference.facts(name)[0]
     return ChannelComparison(name, unit, passed=False, message=f"missing from the result{hint}")

@@ -14,6 +14,9 @@ from vehicledyn.results.store.reader import Result, open_result
 
 __all__ = ["default_plots", "draw_described", "draw_plots", "plots_of"]
 
+MOST_SAMPLES = 50_000
+"""Samples that a figure shows; of longer runs it shows the envelope."""
+
 
 def draw_plots(
     path: str | Path,
@@ -41,7 +44,7 @@ def draw_plots(
         to draw, or a picture cannot be written.
     """
     check_formats(formats)
-    with open_result(path) as result:
+    with open_result(path, MOST_SAMPLES) as result:
         if not len(result.time):
             raise InputError(f"{path}: holds no samples to plot ({result.state_of_run})")
         chosen = _chosen(result, names)
@@ -50,7 +53,7 @@ def draw_plots(
 
 def draw_described(path: Path, folder: Path) -> list[Path]:
     """Draw the plots that a result file describes; none if it has fewer than two samples."""
-    with open_result(path) as result:
+    with open_result(path, MOST_SAMPLES) as result:
         found = read_plots(result.plots, result.path) if len(result.time) > 1 else ()
         return _draw_all(result, found, folder, ("png", "svg")) if found else []
 

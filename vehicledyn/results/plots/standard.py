@@ -14,7 +14,7 @@ from vehicledyn.base.errors import InputError
 from vehicledyn.results.plots.arrangement import arranged
 from vehicledyn.results.plots.overlay import overlaid
 from vehicledyn.results.plots.plot_description import Plot, TimePlot
-from vehicledyn.results.plots.run_plots import plots_of
+from vehicledyn.results.plots.run_plots import MOST_SAMPLES, plots_of
 from vehicledyn.results.plots.studies.study_plots import NAMES, study_figures
 from vehicledyn.results.plots.table_results import holds_table, table_figures
 from vehicledyn.results.store.linear_file import format_of
@@ -45,7 +45,7 @@ def standard_figures(
     elif holds_table(path):
         yield from _chosen(table_figures(path), names)
     else:
-        with open_result(path) as result:
+        with open_result(path, MOST_SAMPLES) as result:
             for plot in plots_of(result) if len(result.time) else ():
                 if names is None or plot.name in names:
                     yield plot.name, draw_figure(result, plot)
@@ -92,7 +92,7 @@ def _file_name(name: str, label: str) -> str:
 
 
 def figure_sets(
-    results: Mapping[str, Path], names: Collection[str] | None = None, most: int | None = None
+    results: Mapping[str, Path], names: Collection[str] | None = None, most: int = MOST_SAMPLES
 ) -> Iterator[tuple[str, dict[str, Figure]]]:
     """Yield the name of each standard figure and the figures of all results that have it, by label.
 
@@ -106,7 +106,7 @@ def figure_sets(
     names
         Names of figures, all if None.
     most
-        Samples of a run to draw, of more the envelope; all if None.
+        Samples of a run to draw, of more the envelope.
 
     Raises
     ------

@@ -52,10 +52,13 @@ class Thinning:
 
 
 def thinned(length: int, most: int | None) -> Thinning:
-    """Return how to show at most so many samples of a column, all of them if None."""
+    """Return how to show at most so many samples of a column, all of them if None.
+
+    Of the longest columns a few more are shown, as no more than a portion is in memory at once.
+    """
     if most is None or length <= most:
         return Thinning(length)
-    return Thinning(length, -(-2 * length // most))
+    return Thinning(length, min(-(-2 * length // most), PORTION))
 
 
 def portions(dataset: h5py.Dataset, length: int, block: int = 1) -> Iterator[Floats]:

@@ -24,8 +24,9 @@ from vehicledyn.results.store.animation_section import (
     read_animation,
     read_rows,
 )
+from vehicledyn.results.store.column import Column
 from vehicledyn.results.store.consistency import require_stored
-from vehicledyn.results.store.decimation import ColumnRange, column_range, thinned
+from vehicledyn.results.store.decimation import ColumnRange, column_range, portions, thinned
 from vehicledyn.results.store.history import History, read_events, read_history
 from vehicledyn.results.store.layout import (
     ENDED,
@@ -123,7 +124,7 @@ class Result(contextlib.AbstractContextManager["Result"]):
             self.time = self._thinning.times(file["time"])
             self.is_timed = str(file["time"].attrs.get("units", "s")) == "s"
             check_lengths(path, file, self.channels, closed=closed)
-            check_times(path, self.time, closed=closed)
+            check_times(path, portions(file["time"], self.samples), closed=closed)
         if self.status not in STATUSES:
             raise InputError(f"{path}: status '{self.status}' is unknown; the file is damaged")
 
@@ -169,6 +170,14 @@ class Result(contextlib.AbstractContextManager["Result"]):
             self._check_sums(name)
             values = self._thinning.values(dataset) if rows is None else read_rows(dataset, rows)
         return Series(name, values, *self.facts(name))
+
+    def column(self, name: str) -> Column:
+        """Return a channel, or "time", with all samples of the file, read in slices."""
+        if name != "time":
+            self.require(name)
+        with self._reading():
+            self._check_sums(name)
+            return Column(self._file[dataset_path(name)], self.samples, self._reading)
 
     def facts(self, name: str) -> tuple[str, str, str]:
         """Return unit, meaning and frame of a channel."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 
 import h5py
@@ -38,17 +38,20 @@ def check_lengths(path: Path, file: h5py.File, names: Sequence[str], *, closed: 
             )
 
 
-def check_times(path: Path, time: NDArray[np.float64], *, closed: bool) -> None:
-    """Refuse times [s] that are no numbers or, in a closed file, fall."""
-    wrong = ~np.isfinite(time)
-    if closed:
-        wrong[1:] |= time[1:] < time[:-1]
-    if wrong.any():
-        place = int(np.argmax(wrong))
-        raise InputError(
-            f"{path}: is damaged: its time number {place + 1} is {time[place]:.6g}, which does "
-            "not follow the one before; run it again"
-        )
+def check_times(path: Path, blocks: Iterable[NDArray[np.float64]], *, closed: bool) -> None:
+    """Refuse times [s], block by block, that are no numbers or, in a closed file, fall."""
+    start, last = 0, -np.inf
+    for time in blocks:
+        wrong = ~np.isfinite(time)
+        if closed:
+            wrong |= time < np.concatenate([[last], time[:-1]])
+        if wrong.any():
+            place = int(np.argmax(wrong))
+            raise InputError(
+                f"{path}: is damaged: its time number {start + place + 1} is {time[place]:.6g}, "
+                "which does not follow the one before; run it again"
+            )
+        start, last = start + len(time), float(time[-1])
 
 
 def refuse_promises(path: Path, file: h5py.File, names: Sequence[str]) -> None:

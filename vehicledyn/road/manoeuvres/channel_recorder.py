@@ -58,8 +58,28 @@ class Recording:
         values = {name: self.channels[name][start:stop] for name in names}
         return Rows(self.time[start:stop], values)
 
+    def column(self, name: str) -> RecordedColumn:
+        """Return a channel, or "time", to be read in slices."""
+        return RecordedColumn(self, name)
+
     def blocks(self, names: Iterable[str]) -> Iterator[Rows]:
         """Yield some channels block by block, so that memory stays bounded in long runs."""
         wanted = list(names)
         for start in range(0, self.count, BLOCK):
             yield self.rows(wanted, start, min(start + BLOCK, self.count))
+
+
+class RecordedColumn:
+    """A channel of a recording, or "time", of which slices are read."""
+
+    def __init__(self, recording: Recording, name: str) -> None:
+        self._recording, self._name = recording, name
+
+    def __len__(self) -> int:
+        return self._recording.count
+
+    def __getitem__(self, part: slice) -> NDArray[np.float64]:
+        start, stop, _ = part.indices(len(self))
+        if self._name == "time":
+            return self._recording.rows((), start, stop).time
+        return self._recording.rows((self._name,), start, stop).channels[self._name]
