@@ -108,7 +108,7 @@ def even_samples(
     if not steps.even:
         count = int(np.floor((steps.last - steps.first) / step + _UNEVEN)) + 1
         first = steps.first
-        instants = Signal(count, lambda a, b: first + step * np.arange(a, b))
+        instants = Signal(count, lambda a, b: np.asarray(first + step * np.arange(a, b)))
     kept = _between(instants, step, begin, end)
     if kept.stop - kept.start < 2:
         span = f"{steps.first:.6g} to {steps.last:.6g} s" if known.count else "no samples"

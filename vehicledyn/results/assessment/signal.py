@@ -112,7 +112,7 @@ def stored(blocks: Iterable[Floats]) -> Signal:
 
 
 def _write(number: int, values: Floats) -> int:
-    data = memoryview(np.ascontiguousarray(values, dtype=float)).cast("B")
+    data = memoryview(np.asarray(values, dtype=float).tobytes())
     while data:
         data = data[os.write(number, data) :]
     return len(values)

@@ -57,7 +57,7 @@ def sliding_mean(distance: Signal, values: Signal, *, window: float, every: floa
 
 def even_places(begin: float, every: float, count: int) -> Signal:
     """Return places at even steps as a signal."""
-    return Signal(count, lambda a, b: begin + every * np.arange(a, b))
+    return Signal(count, lambda a, b: np.asarray(begin + every * np.arange(a, b)))
 
 
 def integrals(places: Signal, values: Signal, wanted: Signal) -> Iterator[Floats]:
