@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from vehicledyn.base.units import shown
+from vehicledyn.road.surfaces.surface import RoadSurface
 
 if TYPE_CHECKING:
     from vehicledyn.files.scenario import LoadedScenario
@@ -16,7 +17,9 @@ STEEPEST = 1.0
 def steep_roads(loaded: LoadedScenario) -> list[str]:
     """Return a sentence where the road of a scenario has an edge."""
     road = loaded.scenario.road
-    place = None if road is None else road.placed(loaded.path.parent).steepest()
+    if not isinstance(road, RoadSurface):
+        return []
+    place = road.placed(loaded.path.parent).steepest()
     if place is None or place.slope <= STEEPEST:
         return []
     return [
