@@ -128,6 +128,7 @@ PICTURES = {
     "slider_crank_flexible": Picture(("bending_1",), "mm", "Bending of the rod"),
     "slider_crank_two_angles": Picture(("guide.multiplier",), "N", "Normal force of the guide"),
     "assembled_car": Picture(("chassis.y",), "m", "Place y", "chassis.x"),
+    "car_and_caravan": Picture(("caravan.body.yaw",), "deg", "Articulation angle"),
     "car_of_parts": Picture(("chassis.y",), "m", "Place y", "chassis.x"),
     "coach_of_two_bogies": Picture(("car.y", "bogie_1.wheelset_1.y"), "mm", "Place y"),
     "double_wishbone_axle": Picture(("chassis.height",), "mm", "Height of the chassis"),

@@ -13,6 +13,7 @@ VEHICLES = sorted(SCENARIOS.glob("*.yaml"))
 SYSTEMS = sorted((SCENARIOS / "systems").glob("*.yaml"))
 OF_SEVERAL_FILES = (  # whose results keep the texts of all files
     "assembled_car",
+    "car_and_caravan",
     "car_of_parts",
     "coach_of_two_bogies",
     "off_road_truck_rough",
