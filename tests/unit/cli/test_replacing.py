@@ -9,6 +9,12 @@ from vehicledyn.cli.replacing import HUNT, MODES, RUN, STUDY, check_replacing
 from vehicledyn.cli.terminal import is_quiet, set_quiet
 
 
+@pytest.fixture(autouse=True)
+def aloud():
+    """Another test of the same process may have called a verb with --quiet."""
+    set_quiet(False)
+
+
 @pytest.fixture
 def result(tmp_path):
     def write(kind, status="ok"):

@@ -85,8 +85,8 @@ class TestedCar:
 
     @property
     def title(self) -> str:
-        """Name of the model."""
-        return self.target.model_name
+        """Title of the model."""
+        return self.target.title
 
     @cached_property
     def steering_ratio(self) -> float:

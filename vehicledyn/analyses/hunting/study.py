@@ -97,15 +97,12 @@ class Study:
         span = span_of(parameters[index].unit, settings)
         progress("finding the equilibrium", None)
         model, start = first_balance(prepared, index, span[0], target)
-        title = prepared.equations.name
-        if target.choices is not None:
-            title = target.choices.title
         starts = ParameterStarts(prepared, target, settings.parameter)
         return Study(
             prepared,
             settings,
             model,
-            title,
+            target.title,
             watched_channels(prepared, settings.channels, model),
             progress,
             span,

@@ -142,9 +142,8 @@ def _empty_table(prepared: Prepared, target: Target) -> ModeTable:
     """Return a table without cases."""
     e = prepared.equations
     names = {channel.name for channel in e.channels}
-    title = e.name if target.choices is None else target.choices.title
     return ModeTable(
-        title,
+        target.title,
         e.name,
         tuple(Quantity(s.name, s.unit, s.description) for s in varied_states(e)),
         tuple(Quantity(c.name, c.unit, c.description) for c in e.channels),

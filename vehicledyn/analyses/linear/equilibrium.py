@@ -37,6 +37,7 @@ class Row:
 class EquilibriumReport:
     """Coordinates and forces of a vehicle in the nominal position and in equilibrium."""
 
+    title: str
     model: str
     speed: float
     kind: str
@@ -92,7 +93,7 @@ class EquilibriumReport:
             tuple(Quantity(r.name, r.unit, r.description) for r in rows) for rows in self._rows
         ]
         verdict = self.stability.verdict
-        head = (f"{self.kind.capitalize()} equilibrium", self.model, self.kind)
+        head = (f"{self.kind.capitalize()} equilibrium: {self.title}", self.model, self.kind)
         return EquilibriumTable(
             *head, self.speed, self.residual, verdict, names[0], values[0], names[1], values[1]
         )
@@ -150,7 +151,14 @@ def find_equilibrium(
     coordinates, forces = _tables(prepared, nominal, balanced)
     told = 0.0 if is_still else wanted
     return EquilibriumReport(
-        prepared.equations.name, told, kind, point.residual, coordinates, forces, stability
+        target.title,
+        prepared.equations.name,
+        told,
+        kind,
+        point.residual,
+        coordinates,
+        forces,
+        stability,
     )
 
 

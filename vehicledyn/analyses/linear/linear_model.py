@@ -206,7 +206,7 @@ def find_linear_model(
     e = model.prepared.equations
     channels = [e.channels[k] for k in rows]
     return LinearModel(
-        e.name if target.choices is None else target.choices.title,
+        target.title,
         system,
         tuple(names),
         tuple(_derived(i, order) for i, order in zip(model.inputs, orders, strict=True)),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
 
@@ -72,14 +73,12 @@ class ModesReport:
         }
 
     def _lines(self, entry: ModesAtSpeed, case: ModeCase) -> str:
-        zeros = sum(1 for m in entry.modes if abs(m.eigenvalue) < NEAR_ZERO)
-        verdict = f"{len(entry.unstable)} unstable" if entry.unstable else "all others stable"
         place = self.model
         if entry.speed or (self.has_speed and not entry.setting):
             place += f" at {shown(entry.speed, 'm/s')}"
         if entry.setting:
             place += f", {entry.setting}"
-        head = [f"{place}: {zeros} zeros, {verdict}"]
+        head = [f"{place}: {', '.join(_counts(entry))}"]
         if entry.remark:
             head.append(entry.remark)
         rows = [self._line(m, case, k) for k, m in enumerate(entry.modes)]
@@ -136,3 +135,16 @@ def _polar(value: complex) -> str:
     if abs(abs(phase) - 180.0) < 0.5:
         return f"-{size:.3g}"
     return f"{size:.3g}∠{phase:.0f}°"
+
+
+def _counts(entry: ModesAtSpeed) -> Iterator[str]:
+    """Yield how many modes are zero, undamped and unstable, and whether all others decay."""
+    moving = [m for m in entry.modes if abs(m.eigenvalue) >= NEAR_ZERO]
+    undamped = sum(1 for m in moving if abs(m.eigenvalue.real) <= STABLE)
+    yield f"{len(entry.modes) - len(moving)} zeros"
+    if undamped:
+        yield f"{undamped} undamped"
+    if entry.unstable:
+        yield f"{len(entry.unstable)} unstable"
+    elif undamped < len(moving) or not undamped:
+        yield "all others stable"

@@ -94,7 +94,7 @@ def find_response(
     system = transfer_system(model, chosen)
     channels = model.prepared.equations.channels
     table = ResponseTable(
-        title=_title(target, model),
+        title=target.title,
         model=model.prepared.equations.name,
         speed=model.speed,
         frequency=grid.frequencies(),
@@ -247,11 +247,6 @@ def chosen_rows(prepared: Derived | Prepared, outputs: Sequence[str]) -> list[in
                 f"{given('outputs', name)}: there is no such channel{hint(name, list(names))}"
             )
     return [names[name] for name in dict.fromkeys(outputs)]
-
-
-def _title(target: Target, model: Linearised) -> str:
-    title = "" if target.choices is None else target.choices.title
-    return title or model.prepared.equations.name
 
 
 def _report(

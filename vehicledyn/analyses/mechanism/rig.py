@@ -213,7 +213,7 @@ def _write(
     channels, table = [channels[k] for k in known], table[:, known]
     status = "failed" if failure else "ok"
     header = ResultHeader(
-        title=f"Rig test '{name}' of {target.model_name}",
+        title=f"Rig test '{name}' of {target.title}",
         model=target.model_name,
         plots=figures(channels, table, [corner.name for corner in bench.corners]),
         axis=Axis("1", "Number of the place"),

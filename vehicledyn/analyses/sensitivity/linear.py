@@ -129,9 +129,8 @@ def find_linear_sensitivity(
             values.append(value)
             rows.append(slope)
     chosen = directions(e, model.point.parameters, model.point.state, to)
-    title = e.name if target.choices is None else target.choices.title
     return SensitivityTable(
-        title,
+        target.title,
         e.name,
         chosen.quantities,
         chosen.values,

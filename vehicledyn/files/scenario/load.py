@@ -61,7 +61,7 @@ class LoadedScenario(Target):
     @property
     def title(self) -> str:
         """Title of its runs: that of the file, and what was changed."""
-        return changed_title(self.scenario.title, self.overrides)
+        return changed_title(self.scenario.title or self.model_name, self.overrides)
 
     @property
     def choices(self) -> Scenario:
@@ -211,6 +211,11 @@ class LoadedModel(Target):
     def choices(self) -> None:
         """None: nothing is chosen."""
         return
+
+    @property
+    def title(self) -> str:
+        """Its name and what was changed."""
+        return changed_title(self.file_stem, self.overrides)
 
     @property
     def model_name(self) -> str:

@@ -36,9 +36,9 @@ class Target(ABC):
         """What the scenario chooses, None for a model by itself."""
 
     @property
+    @abstractmethod
     def title(self) -> str:
-        """Title of its runs; the name of a model by itself."""
-        return self.model_name
+        """Title of what is computed of it, which holds what was changed."""
 
     @property
     @abstractmethod
