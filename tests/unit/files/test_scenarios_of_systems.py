@@ -171,7 +171,7 @@ def test_the_equilibrium_of_pendulums_is_the_near_one_and_at_rest(write):
 def test_modes_of_a_system_tell_no_speed(write):
     model = load_model(str(write(system=HANGING).parent / "sub" / "system.yaml"))
     found = find_modes(model, speeds=[], backend="interpreted", progress=lambda *_: None)
-    assert found.as_text().startswith("system: 2 zeros, all others stable\n")
+    assert found.as_text().startswith("system: 2 zeros, 2 undamped\n")
 
 
 def test_a_system_in_place_of_a_scenario_says_what_to_write(write):
