@@ -142,6 +142,7 @@ PICTURES = {
         tuple(f"handle.omega_{axis}" for axis in "xyz"), "rad/s", "Angular velocity"
     ),
     "testset_wheelset": Picture(("wheelset.lateral",), "mm", "Lateral shift"),
+    "tractor_semitrailer": Picture(("tractor.yaw", "trailer.yaw"), "deg", "Yaw, articulation"),
     "tricycle": _path("frame.x", "frame.y", "Rear axle: y"),
     "upright_disk": _path("fork.x", "fork.y", "Disk: y"),
     "wheelset_limit_cycle": Picture(("wheelset.lateral",), "mm", "Lateral shift"),

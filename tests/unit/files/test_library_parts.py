@@ -133,3 +133,30 @@ def test_the_transfer_case_shares_alike_and_its_clutch_slows_the_faster_shaft():
     rates = [found[f"d.{name}_propeller.angle_rate"] for name in ("front", "rear")]
     wanted = 60.0 / part.parameters["flywheel.inertia"]
     assert rates == pytest.approx([wanted, -wanted], rel=1e-12)
+
+
+@pytest.mark.parametrize("travel", [-0.05, 0.0, 0.04])
+def test_the_air_spring_carries_its_load_along_a_polytrope(travel):
+    """F = A (p (V/(V - A s))^n - p_a) carries F/m - g of the body, s its way down to the axle."""
+    part = Part("air_spring_axle")
+    p = part.parameters
+    found = part.at(chassis__height=0.0, beam__travel=travel)
+    area, volume = p["air.area"], p["air.volume"]
+    pressure = p["air.load"] / area + p["air.ambient"]
+    grown = (volume / (volume - area * travel)) ** p["air.exponent"]
+    force = area * (pressure * grown - p["air.ambient"])
+    upwards = 2.0 * force / p["sprung.mass"] - 9.81
+    assert found["d.chassis.height_rate"] == pytest.approx(upwards, rel=1e-9)
+
+
+def test_the_trailing_arm_feels_its_wheel_load_by_the_torsion_bar():
+    """With the arm level the bar's torque on it is load times length; turned, k more an angle."""
+    part = Part("trailing_arm_axle")
+    p = part.parameters
+    names = ("left_torsion_bar.force", "left_torsion_bar.torque")
+    torques = []
+    for angle in (0.0, 0.02):
+        found = part.at(left_arm__angle=angle)
+        torques.append(next(abs(found[name]) for name in names if name in found))
+    assert torques[0] == pytest.approx(p["torsion_bar.load"] * p["arm.length"], rel=1e-12)
+    assert torques[1] - torques[0] == pytest.approx(p["torsion_bar.stiffness"] * 0.02, rel=1e-9)
