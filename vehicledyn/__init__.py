@@ -32,6 +32,7 @@ if TYPE_CHECKING:
     from vehicledyn.interface.identification import identify, identify_study
     from vehicledyn.interface.linear import equilibrium, linearise, modes, response
     from vehicledyn.interface.loading import load
+    from vehicledyn.interface.manoeuvres import optimise_manoeuvre
     from vehicledyn.interface.mechanism import inverse, kinematics, rig
     from vehicledyn.interface.optimisation import optimise
     from vehicledyn.interface.plugins import load_plugin
@@ -87,6 +88,7 @@ __all__ = [
     "modes",
     "open_result",
     "optimise",
+    "optimise_manoeuvre",
     "report",
     "response",
     "rig",
@@ -131,6 +133,7 @@ _HOMES = {
     ),
     "vehicledyn.interface.studies": ("sweep",),
     "vehicledyn.interface.loading": ("load",),
+    "vehicledyn.interface.manoeuvres": ("optimise_manoeuvre",),
     "vehicledyn.interface.optimisation": ("optimise",),
     "vehicledyn.interface.plugins": ("load_plugin",),
     "vehicledyn.interface.sensitivities": ("sensitivity",),

@@ -20,7 +20,7 @@ Overwrite = Annotated[
 RUN, STUDY, HUNT = "vehicledyn-result", "vehicledyn-study", "vehicledyn-hunt"
 HANDLING = "vehicledyn-handling"
 MODES, RESPONSE, PROFILES = "vehicledyn-modes", "vehicledyn-response", "vehicledyn-profiles"
-OPTIMUM = "vehicledyn-optimum"
+OPTIMUM, MANOEUVRE = "vehicledyn-optimum", "vehicledyn-manoeuvre"
 IDENTIFICATION, UNCERTAINTY = "vehicledyn-identification", "vehicledyn-uncertainty"
 EQUILIBRIUM, SENSITIVITY = "vehicledyn-equilibrium", "vehicledyn-sensitivity"
 

@@ -77,6 +77,7 @@ HOMES = {
     "hunt": ("hunt",),
     "sensitivity": ("sensitivity",),
     "optimise": ("optimise",),
+    "optimise_manoeuvre": ("optimise-manoeuvre",),
     "identify": ("identify",),
     "uncertainty": ("uncertainty",),
     "report": ("report",),

@@ -76,7 +76,13 @@ def _read_as(data: Any, path: Path, overrides: list[str]) -> None:
 
 def _parameter_study(data: Any) -> Callable[[Path, list[str]], object] | None:
     """Return what reads a study of parameters, by the key that only its kind has."""
-    keys = set(data) if isinstance(data, dict) and "model" not in data else set()
+    keys = set(data) if isinstance(data, dict) else set()
+    if "model" in keys and "controls" not in keys:
+        return None
+    if {"minimise", "controls"} <= keys:
+        from vehicledyn.studies.manoeuvre_optimisation.file import load_manoeuvre
+
+        return load_manoeuvre
     if "minimise" in keys:
         from vehicledyn.studies.optimisation.file import load_optimisation
 

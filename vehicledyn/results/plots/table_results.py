@@ -13,6 +13,7 @@ from vehicledyn.results.plots.handling.test_figures import handling_figures
 from vehicledyn.results.plots.hunt_figures import hunt_figures
 from vehicledyn.results.plots.linear.bode import bode_figures
 from vehicledyn.results.plots.linear.mode_figures import mode_figures
+from vehicledyn.results.plots.manoeuvre_figures import manoeuvre_figures
 from vehicledyn.results.plots.parameter_figures import (
     identification_figures,
     optimum_figures,
@@ -29,6 +30,7 @@ from vehicledyn.results.tables import (
     handling_table,
     hunt_table,
     identification_table,
+    manoeuvre_table,
     mode_table,
     optimum_table,
     response_table,
@@ -247,6 +249,10 @@ TABLES = {
     ),
     optimum_table.FORMAT: TableKind(
         optimum_table.describe_optimum, _of(optimum_table.read_course, optimum_figures)
+    ),
+    manoeuvre_table.FORMAT: TableKind(
+        _of(manoeuvre_table.read_manoeuvre, manoeuvre_table.describe_manoeuvre),
+        _of(manoeuvre_table.read_manoeuvre, manoeuvre_figures),
     ),
     identification_table.FORMAT: TableKind(
         identification_table.describe_identification,

@@ -19,6 +19,7 @@ from vehicledyn.results.tables import (
     handling_table,
     hunt_table,
     identification_table,
+    manoeuvre_table,
     mode_table,
     optimum_table,
     response_table,
@@ -296,6 +297,7 @@ _KINDS: dict[str, tuple[str, Callable[[Path], Parts]]] = {
         lambda path: _equilibrium(equilibrium_table.read_equilibrium(path)),
     ),
     optimum_table.FORMAT: ("Optimum", _no_parts),
+    manoeuvre_table.FORMAT: ("Optimal manoeuvre", _no_parts),
     identification_table.FORMAT: ("Identification", _no_parts),
     uncertainty_table.FORMAT: ("Uncertainty", _no_parts),
     sensitivity_table.FORMAT: (

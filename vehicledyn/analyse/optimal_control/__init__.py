@@ -1,0 +1,1 @@
+"""Optimal control by direct collocation on a model's own equations."""

@@ -1,0 +1,169 @@
+"""Solve an optimal-control problem by an interior-point method, and refine its mesh."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vehicledyn.analyse.optimal_control.problem import ControlProblem
+from vehicledyn.analyse.optimal_control.trajectory import Trajectory
+from vehicledyn.analyse.optimal_control.transcription import Program
+
+Floats = NDArray[np.float64]
+
+_ENDS = {
+    "Solve_Succeeded": "",
+    "Solved_To_Acceptable_Level": "",
+    "Infeasible_Problem_Detected": "the constraints cannot all be kept near the best point found",
+    "Maximum_Iterations_Exceeded": "it took the most iterations allowed",
+    "Restoration_Failed": "it found no way back to points that keep the constraints",
+    "Diverging_Iterates": "the motion grew beyond all bounds; bound states that may run away",
+    "Invalid_Number_Detected": "the model gave no finite number",
+}
+
+
+@dataclass(frozen=True)
+class Solution:
+    """A trajectory, its objective, and how the search ended; ``failure`` is empty if well.
+
+    ``violation`` is the largest scaled one of a constraint, ``iterations`` those of all meshes.
+    """
+
+    trajectory: Trajectory
+    objective: float
+    iterations: int
+    violation: float
+    failure: str
+
+
+Watch = Callable[[int, float, float, Callable[[], Trajectory]], None]
+"""Called after each iteration with its number, objective, violation and its trajectory."""
+
+
+def solve_on_mesh(
+    problem: ControlProblem,
+    guess: Trajectory,
+    scales: Floats,
+    *,
+    tolerance: float,
+    most_iterations: int,
+    is_warm: bool,
+    watch: Watch,
+) -> Solution:
+    """Return the optimum on the mesh of a guess.
+
+    Parameters
+    ----------
+    problem
+        What is to be optimised.
+    guess
+        Where to begin.
+    scales
+        Sizes of the states, shape (n_x,).
+    tolerance
+        Scaled first-order optimality to reach.
+    most_iterations
+        Iterations at most.
+    is_warm
+        Whether the guess is nearly an optimum already.
+    watch
+        Called after each iteration.
+    """
+    import casadi
+
+    program = Program(problem, guess.mesh, scales)
+    constraints = program.constraints
+    seen = _observer(program, watch, constraints.numel())
+    options: dict[str, Any] = {
+        "ipopt.print_level": 0,
+        "print_time": False,
+        "ipopt.sb": "yes",
+        "ipopt.max_iter": most_iterations,
+        "ipopt.tol": tolerance,
+        "ipopt.acceptable_tol": 1e2 * tolerance,
+        "ipopt.mu_strategy": "adaptive",
+        "ipopt.linear_solver": "mumps",
+        "error_on_fail": False,
+        "iteration_callback": seen,
+        "iteration_callback_ignore_errors": False,
+    }
+    if is_warm:
+        options |= {"ipopt.mu_strategy": "monotone", "ipopt.mu_init": 1e-4}
+    nlp = {"x": program.variables, "f": program.objective, "g": constraints}
+    solver = casadi.nlpsol("optimum", "ipopt", nlp, options)
+    low, high = program.bounds()
+    row_low, row_high = program.row_bounds
+    start = np.clip(program.layout.of(guess), low, high)
+    found = solver(x0=start, lbx=low, ubx=high, lbg=row_low, ubg=row_high)
+    if seen.error is not None:
+        raise seen.error
+    stats = solver.stats()
+    status = str(stats["return_status"])
+    rows = np.array(found["g"]).ravel()
+    violation = float(np.maximum(row_low - rows, rows - row_high).max(initial=0.0))
+    failure = _ENDS.get(status, status.replace("_", " ").lower())
+    return Solution(
+        program.layout.trajectory(np.array(found["x"]), guess.mesh),
+        float(found["f"]),
+        int(stats["iter_count"]),
+        violation,
+        failure,
+    )
+
+
+def _observer(program: Program, watch: Watch, n_rows: int) -> Any:
+    """Return what IPOPT calls after each iteration."""
+    import casadi
+
+    row_low, row_high = program.row_bounds
+
+    class Observer(casadi.Callback):  # type: ignore[misc]
+        """Report the iterations of a search."""
+
+        def __init__(self) -> None:
+            casadi.Callback.__init__(self)
+            self.count, self.error = 0, None
+            self.construct("observer", {})
+
+        def get_n_in(self) -> int:
+            return int(casadi.nlpsol_n_out())
+
+        def get_n_out(self) -> int:
+            return 1
+
+        def get_name_in(self, index: int) -> str:
+            return str(casadi.nlpsol_out(index))
+
+        def get_sparsity_in(self, index: int) -> Any:
+            sizes = {
+                "f": 1,
+                "x": program.layout.size,
+                "lam_x": program.layout.size,
+                "g": n_rows,
+                "lam_g": n_rows,
+            }
+            return casadi.Sparsity.dense(sizes.get(casadi.nlpsol_out(index), 0), 1)
+
+        def eval(self, arguments: Any) -> list[int]:
+            named = dict(zip(casadi.nlpsol_out(), arguments, strict=True))
+            rows = np.array(named["g"]).ravel()
+            violation = float(np.maximum(row_low - rows, rows - row_high).max(initial=0.0))
+            variables = np.array(named["x"])
+            try:
+                watch(
+                    self.count,
+                    float(named["f"]),
+                    violation,
+                    lambda: program.layout.trajectory(variables, program.mesh),
+                )
+            except (Exception, KeyboardInterrupt) as error:  # crosses C++ code
+                self.error = error
+                return [1]
+            self.count += 1
+            return [0]
+
+    return Observer()

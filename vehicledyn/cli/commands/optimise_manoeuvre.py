@@ -1,0 +1,53 @@
+"""The verb "optimise-manoeuvre": the best controls over time."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+import vehicledyn
+from vehicledyn.cli.finding import find_file
+from vehicledyn.cli.options import Json, Overrides
+from vehicledyn.cli.performing import perform, show
+from vehicledyn.cli.replacing import MANOEUVRE, Overwrite, check_replacing
+
+
+def add_verbs(app: typer.Typer) -> None:
+    """Add the verb of this module to the command line."""
+    app.command("optimise-manoeuvre")(optimise_manoeuvre)
+
+
+def optimise_manoeuvre(
+    study: Annotated[Path, typer.Argument(metavar="STUDY", help="Study of an optimal manoeuvre.")],
+    *,
+    output: Annotated[
+        Path | None,
+        typer.Option("--output", "-o", help="Result file; the study's name with .h5 if absent."),
+    ] = None,
+    overrides: Overrides = None,
+    resume: Annotated[
+        bool, typer.Option("--resume", help="Go on with a search that was stopped.")
+    ] = False,
+    plots: Annotated[Path | None, typer.Option(help="Folder to draw figures into.")] = None,
+    overwrite: Overwrite = False,
+    as_json: Json = False,
+) -> None:
+    """Find the controls over time that make a motion quickest or cheapest, by collocation."""
+    from vehicledyn.files.scenario.overrides import read_overrides
+
+    path = find_file(study, "study")
+    result = output or Path(f"{study.stem}.h5")
+    check_replacing(result, MANOEUVRE, overwrite=overwrite, resume=resume)
+    changes = read_overrides(overrides or ())
+    data = perform(
+        vehicledyn.optimise_manoeuvre,
+        path,
+        plots=plots,
+        set=changes,
+        save_to=result,
+        overwrite=True,
+        resume=resume,
+    )
+    show(data, as_json=as_json, plots=plots)

@@ -1,0 +1,167 @@
+"""An optimal manoeuvre with its controls, as a result file."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from vehicledyn.results.store.linear_file import (
+    Quantity,
+    new_file,
+    old_file,
+    read_quantities,
+    read_texts,
+    write_numbers,
+    write_quantities,
+    write_texts,
+)
+
+FORMAT = "vehicledyn-manoeuvre"
+
+
+@dataclass(frozen=True)
+class ManoeuvreTable:
+    """An optimal manoeuvre, in SI.
+
+    ``time`` (n,); ``states``, ``controls`` and ``channels`` with values over time (n, count),
+    ``simulated`` the states of a run under the same controls, ``state_errors`` their largest
+    difference over the range; ``path`` (n, 4): distance, offset, and the offsets of the right and
+    left side of the corridor, no columns without a path; ``history`` (n_iterations, 2): objective
+    and violation; ``mesh_errors`` those of the meshes one after the other. ``status`` is "ok" or
+    "failed".
+    """
+
+    title: str
+    model: str
+    status: str
+    message: str
+    objective: float
+    duration: float
+    violation: float
+    simulation_error: float
+    n_intervals: int
+    time: Any
+    states: tuple[Quantity, ...]
+    state_values: Any
+    simulated: Any
+    state_errors: Any
+    controls: tuple[Quantity, ...]
+    control_values: Any
+    channels: tuple[Quantity, ...]
+    channel_values: Any
+    path: Any
+    history: Any
+    mesh_errors: Any
+    notes: tuple[str, ...]
+
+
+_HEAD = ("title", "model", "status", "message", "objective", "duration", "violation")
+_PATH = ("distance", "offset", "right_side", "left_side")
+
+
+def write_manoeuvre(path: Path, table: ManoeuvreTable) -> None:
+    """Write an optimal manoeuvre to a file.
+
+    Raises
+    ------
+    InputError
+        If it cannot be written.
+    """
+    head = {name: getattr(table, name) for name in (*_HEAD, "simulation_error")}
+    head["intervals"] = table.n_intervals
+    with new_file(path, FORMAT, head) as file:
+        time = _scale(file, "time", table.time, ("s", "Time"))
+        states = write_quantities(file, "state", table.states)
+        about = ("as state", "States of the optimal motion")
+        write_numbers(file, "state_value", table.state_values, (time, states), about)
+        about = ("as state", "States of a run under the optimal controls")
+        write_numbers(file, "state_simulated", table.simulated, (time, states), about)
+        about = ("1", "Largest difference of the two over the range of the state")
+        write_numbers(file, "state_error", table.state_errors, (states,), about)
+        controls = write_quantities(file, "control", table.controls)
+        about = ("as control", "Optimal controls")
+        write_numbers(file, "control_value", table.control_values, (time, controls), about)
+        if table.channels:
+            channels = write_quantities(file, "channel", table.channels)
+            about = ("as channel", "Channels of the optimal motion")
+            write_numbers(file, "channel_value", table.channel_values, (time, channels), about)
+        for k in range(np.shape(table.path)[1]):
+            name = _PATH[k]
+            about = ("m", f"Path: {name.replace('_', ' ')}")
+            write_numbers(file, f"path_{name}", table.path[:, k], (time,), about)
+        history = np.asarray(table.history, dtype=float).reshape(-1, 2)
+        steps = np.arange(1, len(history) + 1)
+        iteration = _scale(file, "iteration", steps, ("1", "Iteration of the search"))
+        for name, column in zip(("objective", "violation"), history.T, strict=True):
+            about = ("1", f"{name.capitalize()} of the iteration")
+            write_numbers(file, f"iteration_{name}", column, (iteration,), about)
+        meshes = np.arange(1, len(table.mesh_errors) + 1)
+        mesh = _scale(file, "mesh", meshes, ("1", "Number of the mesh"))
+        about = ("1", "Largest error of an interval over the range of the state")
+        write_numbers(file, "mesh_error", table.mesh_errors, (mesh,), about)
+        write_texts(file, "notes", table.notes)
+
+
+def _scale(file: Any, name: str, values: Any, words: tuple[str, str]) -> Any:
+    scale = file.create_dataset(name, data=np.asarray(values, dtype=float))
+    scale.attrs["units"], scale.attrs["long_name"] = words
+    scale.make_scale(name)
+    return scale
+
+
+def read_manoeuvre(path: Path) -> ManoeuvreTable:
+    """Return an optimal manoeuvre from its file.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be read or holds something else.
+    """
+    with old_file(path, FORMAT) as file:
+        head = {name: file.attrs[name] for name in (*_HEAD, "simulation_error")}
+        words = {name: str(head[name]) for name in _HEAD[:4]}
+        numbers = {name: float(head[name]) for name in (*_HEAD[4:], "simulation_error")}
+        time = file["time"][()]
+        has_channels = "channel" in file
+        track = [file[f"path_{n}"][()] for n in _PATH if f"path_{n}" in file]
+        return ManoeuvreTable(
+            **words,
+            **numbers,
+            n_intervals=int(file.attrs["intervals"]),
+            time=time,
+            states=read_quantities(file, "state"),
+            state_values=file["state_value"][()],
+            simulated=file["state_simulated"][()],
+            state_errors=file["state_error"][()],
+            controls=read_quantities(file, "control"),
+            control_values=file["control_value"][()],
+            channels=read_quantities(file, "channel") if has_channels else (),
+            channel_values=file["channel_value"][()] if has_channels else np.zeros((len(time), 0)),
+            path=np.column_stack(track) if track else np.zeros((len(time), 0)),
+            history=np.column_stack(
+                [file["iteration_objective"][()], file["iteration_violation"][()]]
+            ),
+            mesh_errors=file["mesh_error"][()],
+            notes=tuple(read_texts(file, "notes")),
+        )
+
+
+def describe_manoeuvre(table: ManoeuvreTable) -> dict[str, Any]:
+    """Return what a file of an optimal manoeuvre holds."""
+    return {
+        "holds": "an optimal manoeuvre",
+        "title": table.title,
+        "model": table.model,
+        "status": f"{table.status} {table.message}".strip(),
+        "duration": f"{table.duration:.6g} s",
+        "objective": f"{table.objective:.6g}",
+        "simulated": f"differs by {table.simulation_error:.2g} of the range at most",
+        "intervals": table.n_intervals,
+        "controls": [f"{item.name} [{item.unit}]" for item in table.controls],
+        "states": len(table.states),
+        "channels": [f"{item.name} [{item.unit}]" for item in table.channels],
+        "notes": list(table.notes),
+    }

@@ -1,0 +1,1 @@
+"""Optimal manoeuvres: controls over time that make a motion quickest or cheapest."""

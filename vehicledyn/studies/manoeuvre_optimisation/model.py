@@ -1,0 +1,281 @@
+"""The model of a study of an optimal manoeuvre, with its controls, as an optimal-control problem."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vehicledyn.analyse.optimal_control.problem import (
+    BEND,
+    POINTS,
+    RAMP,
+    Control,
+    ControlProblem,
+    Path,
+)
+from vehicledyn.analyses.linear.input_names import ModelInput
+from vehicledyn.analyses.linear.linear_inputs import Excited
+from vehicledyn.analyses.preparation.own_speed import at_speed
+from vehicledyn.analyses.preparation.prepare import Point, prepare, start_point
+from vehicledyn.analyses.preparation.prepared import Prepared, Progress
+from vehicledyn.analyses.preparation.runnable import Subject
+from vehicledyn.base.argument_names import PythonNaming, arguments_named
+from vehicledyn.base.errors import InputError, errors_of
+from vehicledyn.base.units import to_si
+from vehicledyn.studies.manoeuvre_optimisation.file import ControlText, ManoeuvreStudy
+from vehicledyn.studies.manoeuvre_optimisation.names import Names, bounds_of
+from vehicledyn.symbolic import ops
+
+Floats = NDArray[np.float64]
+_FREE = (-np.inf, np.inf)
+
+
+@dataclass(frozen=True)
+class _InStudy(PythonNaming):
+    """Names an input as the study has it."""
+
+    control: str
+
+    def given(self, name: str, value: Any) -> str:
+        """Return the key of the input with its value."""
+        return f"controls.{self.control}.input: {value}"
+
+
+@dataclass(frozen=True)
+class PreparedManoeuvre:
+    """A study with its compiled model, the point it starts from and the problem to solve."""
+
+    study: ManoeuvreStudy
+    prepared: Prepared
+    point: Point
+    problem: ControlProblem
+    speed: float
+
+
+def prepare_manoeuvre(study: ManoeuvreStudy, progress: Progress) -> PreparedManoeuvre:
+    """Return a study ready to be solved.
+
+    Raises
+    ------
+    InputError
+        If a control, a name or a bound means nothing in the model.
+    NumericalError
+        If the model has no such start.
+    """
+    target, speed = at_speed(study.target, study.speed)
+    scenario = target.choices
+    wanted = speed if speed is not None else (scenario.speed or 0.0 if scenario else 0.0)
+    taken: list[Excited] = []
+
+    def excite(subject: Subject) -> Subject:
+        excited = Excited(subject)
+        for control in study.controls:
+            with arguments_named(_InStudy(control.name)):
+                for name in control.inputs:
+                    excited.add(name)
+        taken.append(excited)
+        return excited.subject
+
+    with errors_of(study.path):
+        prepared = prepare(
+            target, backend="auto", progress=progress, change=excite, varies_states=True,
+            evaluations=1e5,
+        )  # fmt: skip
+        progress("finding the start", None)
+        point = start_point(prepared, wanted, scenario.start if scenario else None)
+        problem = _problem(study, prepared, point, taken[0].inputs)
+    return PreparedManoeuvre(study, prepared, point, problem, wanted)
+
+
+def _problem(
+    study: ManoeuvreStudy, prepared: Prepared, point: Point, inputs: list[ModelInput]
+) -> ControlProblem:
+    e = prepared.equations
+    waiting = list(inputs)
+    controls = []
+    for text in study.controls:
+        own = [waiting.pop(0) for _ in text.inputs]
+        controls.append(_control(text, own, prepared, study))
+    names = Names(e, tuple(controls), study.track is not None)
+    for group, given in (("start", study.start), ("end", study.end), ("limits", study.limits)):
+        for name in given:
+            what, _ = names.find(name)
+            if group == "start" and what.kind not in ("state", "control", "path"):
+                raise InputError(f"start.{name}: only states, controls and the path start so")
+    growth = _growth(study, names)
+    start, end, bounds = _state_bounds(study, names, point, growth)
+    powers = [p for t, c in zip(study.controls, range(len(controls)), strict=True)
+              for p in _powers(t, c, names)]  # fmt: skip
+    terms = [t for n, weight in study.terms.items() for t in names.term(n, weight, powers)]
+    limits = [names.bounded(n, v) for n, v in study.limits.items()]
+    final = [names.bounded(n, v) for n, v in study.end.items()]
+    _refuse_offset_start(study)
+    return ControlProblem(
+        e,
+        _without(prepared, inputs),
+        tuple(controls),
+        duration_bounds(study)[:2],
+        start,
+        end,
+        bounds,
+        tuple(item for item in limits if item.what.kind != "state"),
+        tuple(item for item in final if item.what.kind not in ("state", "control")),
+        tuple(terms),
+        growth,
+        _path(study, names, prepared),
+        bounds_of("path.distance", study.start.get("path.distance", "free"), "m"),
+    )
+
+
+def _without(prepared: Prepared, inputs: list[ModelInput]) -> Floats:
+    """Return the parameters, those zero that a control gives the value itself."""
+    values = prepared.kernel.parameters
+    index = {p.name: k for k, p in enumerate(prepared.equations.parameters)}
+    for item in inputs:
+        if item.is_parameter:
+            values[index[item.parts[0].parameters[0]]] = 0.0
+    return values
+
+
+def duration_bounds(study: ManoeuvreStudy) -> tuple[float, float, float]:
+    """Return the bounds of the final time and where to begin [s].
+
+    Raises
+    ------
+    InputError
+        If they are no times above zero.
+    """
+    given = study.duration
+    with errors_of(study.path):
+        low, high = bounds_of("duration", _only_bounds(given), "s")
+        guess = given.get("guess") if isinstance(given, dict) else None
+        begin = to_si(guess, "s") if guess is not None else 0.5 * (low + min(high, 1e6))
+        if not 0.0 < low <= begin <= high:
+            raise InputError(f"duration: needs 0 < from <= guess <= to, not {low:g} s to {high:g} s")
+    return low, high, begin
+
+
+def _only_bounds(given: Any) -> Any:
+    return {k: v for k, v in given.items() if k != "guess"} if isinstance(given, dict) else given
+
+
+def _control(
+    text: ControlText, inputs: list[ModelInput], prepared: Prepared, study: ManoeuvreStudy
+) -> Control:
+    """Return a control with the parameters it enters."""
+    e, entries = prepared.equations, list[tuple[int, int, float]]()
+    index = {p.name: k for k, p in enumerate(e.parameters)}
+    units = {item.unit for item in inputs}
+    if len(units) != 1:
+        raise InputError(f"controls.{text.name}: its inputs have different units: {sorted(units)}")
+    moves = False
+    for item, factor in zip(inputs, text.inputs.values(), strict=True):
+        for part in item.parts:
+            if part.wheel:
+                raise InputError(f"controls.{text.name}: a road is no control")
+            gain = factor * _number(prepared, part.gain)
+            moves = moves or len(part.parameters) > 1
+            for order, name in enumerate(part.parameters):
+                entries.append((index[name], order, gain))
+    (unit,) = units
+    bounds = {"from": text.low, "to": text.high}
+    low, high = bounds_of(f"controls.{text.name}", bounds, unit)
+    if not np.isfinite([low, high]).all():
+        raise InputError(f"controls.{text.name}: needs finite bounds")
+    rate = _most(text.name, "rate", text.rate, f"{unit}/s")
+    bend = _most(text.name, "acceleration", text.acceleration, f"{unit}/s^2")
+    if not moves and np.isfinite(bend):
+        raise InputError(f"controls.{text.name}: only controls that move a coordinate have one")
+    edges = []
+    for group in (study.start, study.end):
+        usual: Any = 0.0 if moves and group is study.start and not study.periodic else "free"
+        edges.append(bounds_of(text.name, group.get(text.name, usual), unit))
+        if max(low, edges[-1][0]) > min(high, edges[-1][1]):
+            raise InputError(f"{text.name}: its start or end is outside the bounds of the control")
+    order = BEND if moves else RAMP if np.isfinite(rate) else POINTS
+    if order == POINTS and text.name in {**study.start, **study.end}:
+        raise InputError(f"{text.name}: only controls with a rate have a value at start and end")
+    return Control(text.name, unit, order, tuple(entries), low, high, rate, bend, *edges)
+
+
+def _most(name: str, key: str, given: Any, unit: str) -> float:
+    if given is None:
+        return float("inf")
+    try:
+        value = to_si(given, unit)
+    except InputError as error:
+        raise InputError(f"controls.{name}.{key}: {error}") from None
+    if value <= 0.0:
+        raise InputError(f"controls.{name}.{key}: must be above zero")
+    return value
+
+
+def _number(prepared: Prepared, gain: Any) -> float:
+    entries = prepared.subject.system.table.entries
+    symbols = ops.column([entry.symbol for entry in entries])
+    value = ops.numeric([symbols], ops.column([ops.scalar(gain)]))
+    return float(np.ravel(value(prepared.kernel.parameters))[0])
+
+
+def _powers(text: ControlText, control: int, names: Names) -> list[tuple[Any, ...]]:
+    """Return the powers of a control's forces on coordinates that are states."""
+    found = []
+    for name, factor in text.inputs.items():
+        rate = f"{name.removeprefix('force:')}_rate"
+        if name.startswith("force:") and rate in names.states:
+            found.append(("power", control, names.states[rate], factor))
+    return found
+
+
+def _growth(study: ManoeuvreStudy, names: Names) -> dict[int, float]:
+    growth = {}
+    for pattern, given in study.periodic.items():
+        for index in names.matching(pattern):
+            unit = names.equations.states[index].unit
+            growth[index] = bounds_of(f"periodic.{pattern}", given, unit)[0]
+    return growth
+
+
+def _state_bounds(
+    study: ManoeuvreStudy, names: Names, point: Point, growth: dict[int, float]
+) -> tuple[Floats, Floats, Floats]:
+    """Return the bounds of the states at the start, the end and between, each (n_x, 2)."""
+    n = len(names.equations.states)
+    start = np.column_stack([point.state, point.state])
+    start[list(growth)] = _FREE
+    end, bounds = np.tile(_FREE, (n, 1)), np.tile(_FREE, (n, 1))
+    for table, group in ((start, study.start), (end, study.end), (bounds, study.limits)):
+        for name, given in group.items():
+            if name in names.states:
+                index = names.states[name]
+                table[index] = bounds_of(name, given, names.equations.states[index].unit)
+    for table, what in ((start, "start"), (end, "end")):
+        low, high = np.maximum(table[:, 0], bounds[:, 0]), np.minimum(table[:, 1], bounds[:, 1])
+        for index in np.flatnonzero(low > high):
+            name = names.equations.states[index].name
+            raise InputError(f"{what}.{name}: is outside its limits")
+    return start, end, bounds
+
+
+def _refuse_offset_start(study: ManoeuvreStudy) -> None:
+    given = study.start.get("path.offset")
+    if given is not None:
+        raise InputError("start.path.offset: give the states that follow the path instead")
+
+
+def _path(study: ManoeuvreStudy, names: Names, prepared: Prepared) -> Path | None:
+    table = study.track
+    if table is None:
+        return None
+    body = prepared.subject.ports.body
+    place = table.place or ((f"{body}.x", f"{body}.y") if body else ())
+    if not place:
+        raise InputError("path.place: name the two states that follow the path")
+    for name in place:
+        if name not in names.states:
+            raise InputError(f"path.place: '{name}' is no state; known: {', '.join(names.states)}")
+    x, y = (names.states[name] for name in place)
+    return Path(table.distance, table.x, table.y, table.right, table.left, (x, y))

@@ -1,0 +1,199 @@
+"""Paths of optimal manoeuvres: straight lines, arcs, files of places, OpenCRG roads, with gates."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vehicledyn.base.errors import InputError
+from vehicledyn.base.files.column_files import Column, read_columns
+from vehicledyn.base.units import to_si
+from vehicledyn.studies.study_form import StudyForm
+
+Floats = NDArray[np.float64]
+
+_KINDS = ("straight", "arc", "file", "opencrg")
+_KEYS = (*_KINDS, "closed", "right", "left", "gates", "place")
+_COLUMNS = {
+    "x": Column("m", required=True),
+    "y": Column("m", required=True),
+    "right": Column("m"),
+    "left": Column("m"),
+}
+_ROWS = 240
+"""Rows of the table of a path."""
+
+_BEYOND = 0.2
+"""Part of an open path that it is continued by at both ends, where a search may look."""
+
+
+@dataclass(frozen=True)
+class PathTable:
+    """A path by its distance [m], with x, y and the corridor's offsets to both sides [m].
+
+    ``length`` is that of the path itself, which the table exceeds at both ends; ``place`` names
+    the states that follow it, empty for those of the vehicle.
+    """
+
+    distance: Floats
+    x: Floats
+    y: Floats
+    right: Floats
+    left: Floats
+    length: float
+    closed: bool
+    place: tuple[str, ...]
+
+
+def read_path(form: StudyForm, given: Any) -> PathTable | None:
+    """Return the path of a study; problems are noted in the form, and None returned."""
+    if not form.check(("path",), given, _KEYS):
+        return None
+    found = [kind for kind in _KINDS if kind in given]
+    if len(found) != 1:
+        form.wrong(("path",), f"expected one of {', '.join(_KINDS)}")
+        return None
+    kind = found[0]
+    place = given.get("place", [])
+    if not isinstance(place, list) or len(place) not in (0, 2):
+        form.wrong(("path", "place"), "expected the states x and y that follow the path")
+        return None
+    try:
+        line = _LINES[kind](form, given[kind], bool(given.get("closed", False)))
+        return _with_corridor(form, given, *line, tuple(map(str, place)))
+    except InputError as error:
+        form.wrong(("path", kind), str(error))
+        return None
+
+
+def _straight(form: StudyForm, given: Any, _: bool) -> tuple[Floats, ...]:
+    form.check(("path", "straight"), given, ("length",))
+    length = _positive(given, "length")
+    s = _distances(length)
+    return s, s, np.zeros_like(s), np.array([length, 0.0]), np.zeros((0, 3))
+
+
+def _arc(form: StudyForm, given: Any, closed: bool) -> tuple[Floats, ...]:
+    form.check(("path", "arc"), given, ("radius", "angle"))
+    radius = to_si(given.get("radius"), "m")
+    angle = 2.0 * np.pi if closed else to_si(given.get("angle"), "rad")
+    if not radius or angle <= 0.0:
+        raise InputError("the radius must not be zero and the angle must be above zero")
+    length = abs(radius) * angle
+    s = _distances(length)
+    turned = s / radius
+    x, y = radius * np.sin(turned), radius * (1.0 - np.cos(turned))
+    return s, x, y, np.array([length, float(closed)]), np.zeros((0, 3))
+
+
+def _file(form: StudyForm, given: Any, closed: bool) -> tuple[Floats, ...]:
+    path = form.path.parent / str(given)
+    columns = read_columns(path, _COLUMNS)
+    x, y = (np.array(columns.numbers[name]) for name in ("x", "y"))
+    sides = np.array([columns.numbers.get(n, [np.nan] * len(x)) for n in ("right", "left")])
+    return _through(path, x, y, sides, closed)
+
+
+def _opencrg(form: StudyForm, given: Any, closed: bool) -> tuple[Floats, ...]:
+    from vehicledyn.road.opencrg.road import CrgRoad
+
+    path = form.path.parent / str(given)
+    road = CrgRoad.read(path)
+    u = np.linspace(road.line.start, road.line.stop, _ROWS)
+    x, y = road.place(u, np.zeros_like(u))
+    sides = np.array([[-road.edges[0]] * _ROWS, [road.edges[1]] * _ROWS])
+    return _through(path, x, y, sides, closed)
+
+
+_LINES = {"straight": _straight, "arc": _arc, "file": _file, "opencrg": _opencrg}
+
+
+def _through(path: Path, x: Any, y: Any, sides: Any, closed: bool) -> tuple[Floats, ...]:
+    """Return a smooth path through places, resampled by its length."""
+    from scipy.interpolate import CubicSpline
+
+    places = np.column_stack([x, y])
+    if closed and np.hypot(*(places[0] - places[-1])) > 1e-9:
+        places, sides = np.vstack([places, places[:1]]), np.hstack([sides, sides[:, :1]])
+    steps = np.hypot(*np.diff(places, axis=0).T)
+    if len(places) < 4 or (steps <= 0.0).any():
+        raise InputError(f"{path.name}: needs four places or more, none of them twice")
+    chord = np.concatenate([[0.0], np.cumsum(steps)])
+    if closed:
+        places[-1] = places[0]
+    curve = CubicSpline(chord, places, bc_type="periodic" if closed else "natural")
+    fine = np.linspace(0.0, chord[-1], 40 * len(chord))
+    speed = np.hypot(*curve(fine, 1).T)
+    along = np.concatenate([[0.0], np.cumsum(0.5 * (speed[1:] + speed[:-1]) * np.diff(fine))])
+    length = float(along[-1])
+    s = _distances(length)
+    inside = np.clip(s, 0.0, length)
+    if closed:
+        inside = np.mod(s, length)
+    at = np.interp(inside, along, fine)
+    xy = curve(at) + (0.0 if closed else (s - inside)[:, None] * _direction(curve(at, 1)))
+    rows = np.column_stack([np.interp(chord, fine, along), -sides[0], sides[1]])
+    return s, xy[:, 0], xy[:, 1], np.array([length, float(closed)]), rows
+
+
+def _direction(slopes: Floats) -> Floats:
+    return slopes / np.hypot(slopes[:, 0], slopes[:, 1])[:, None]
+
+
+def _distances(length: float) -> Floats:
+    return np.linspace(-_BEYOND * length, (1.0 + _BEYOND) * length, _ROWS)
+
+
+def _positive(given: Any, key: str) -> float:
+    value = to_si(given.get(key) if isinstance(given, dict) else None, "m")
+    if value <= 0.0:
+        raise InputError(f"{key} must be above zero")
+    return value
+
+
+def _with_corridor(
+    form: StudyForm,
+    given: dict[str, Any],
+    s: Floats,
+    x: Floats,
+    y: Floats,
+    about: Floats,
+    own: Floats,
+    place: tuple[str, ...],
+) -> PathTable:
+    """Return a path with its corridor: of its file, of a width, or of gates."""
+    from scipy.interpolate import PchipInterpolator
+
+    length, closed = float(about[0]), bool(about[1])
+    right, left = (to_si(given.get(key, 1e3), "m") for key in ("right", "left"))
+    rows = np.where(np.isnan(own), np.array([0.0, -right, left]), own)
+    if "gates" in given:
+        rows = _gates(form, given["gates"], length)
+    if not len(rows):
+        rows = np.array([[0.0, -right, left], [length, -right, left]])
+    if (rows[:, 1] >= rows[:, 2]).any():
+        form.wrong(("path",), "the corridor has no width: its right side is left of its left one")
+    if len(rows) == 1:
+        rows = np.vstack([rows, rows + [[1.0, 0.0, 0.0]]])
+    at = np.clip(np.mod(s, length) if closed else s, rows[0, 0], rows[-1, 0])
+    sides = PchipInterpolator(rows[:, 0], rows[:, 1:])(at)
+    return PathTable(s, x, y, -sides[:, 0], sides[:, 1], length, closed, place)
+
+
+def _gates(form: StudyForm, given: Any, length: float) -> Floats:
+    """Return rows of distance and the offsets between which a motion must pass."""
+    rows = []
+    for k, item in enumerate(given if isinstance(given, list) else []):
+        if not isinstance(item, dict) or set(item) != {"at", "from", "to"}:
+            form.wrong(("path", "gates", k), "expected a mapping with at, from, to")
+            continue
+        rows.append([to_si(item[key], "m") for key in ("at", "from", "to")])
+    table = np.array(rows, dtype=float).reshape(-1, 3)
+    if not len(table) or (np.diff(table[:, 0]) <= 0.0).any():
+        form.wrong(("path", "gates"), "expected gates in the order of their growing 'at'")
+        return np.zeros((0, 3))
+    return table

@@ -1,0 +1,273 @@
+"""Find an optimal manoeuvre on finer and finer meshes, and check it by simulation."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vehicledyn.analyse.optimal_control.simulated import ControlledRun, relative_errors
+from vehicledyn.analyse.optimal_control.solve import Solution, solve_on_mesh
+from vehicledyn.analyse.optimal_control.trajectory import DEGREE, Trajectory, radau_points
+from vehicledyn.analyses.preparation.prepared import Progress
+from vehicledyn.base.units import shown
+from vehicledyn.results.store.linear_file import Quantity
+from vehicledyn.results.tables.manoeuvre_table import ManoeuvreTable
+from vehicledyn.studies.manoeuvre_optimisation.file import ManoeuvreStudy
+from vehicledyn.studies.manoeuvre_optimisation.guess import first_guess, state_scales
+from vehicledyn.studies.manoeuvre_optimisation.kept_iterate import KeptIterate
+from vehicledyn.studies.manoeuvre_optimisation.model import PreparedManoeuvre, prepare_manoeuvre
+from vehicledyn.symbolic.equations import Channel
+
+Floats = NDArray[np.float64]
+
+_TOO_FAR = 0.01
+"""Part of a state's range by which the simulation may miss the optimum before it is warned of."""
+
+
+@dataclass(frozen=True)
+class ManoeuvreReport:
+    """An optimal manoeuvre for people and programs."""
+
+    table: ManoeuvreTable
+
+    @property
+    def messages(self) -> tuple[str, ...]:
+        """Remarks."""
+        return self.table.notes
+
+    def as_text(self) -> str:
+        """Return duration, objective, extremes of the controls and how far the check agrees."""
+        table = self.table
+        lines = [f"{table.title}: {table.message or 'optimal'}"]
+        lines.append(f"  duration {shown(table.duration, 's')}, objective {table.objective:.6g}")
+        count = f"{len(table.history)} iterations on {len(table.mesh_errors)} meshes"
+        lines.append(f"  {count}, the last of {table.n_intervals} intervals")
+        for item, values in zip(table.controls, np.asarray(table.control_values).T, strict=True):
+            low, high = (shown(float(v), item.unit) for v in (values.min(), values.max()))
+            lines.append(f"  {item.name}: {low} to {high}")
+        worst = table.states[int(np.argmax(table.state_errors))].name if table.states else ""
+        lines.append(
+            f"  simulated under these controls it differs by {table.simulation_error:.2g} of the "
+            f"range at most ({worst})"
+        )
+        return "\n".join([*lines, *table.notes])
+
+    def as_dict(self) -> dict[str, Any]:
+        """Return everything but the curves as plain data, in SI."""
+        table = self.table
+        ends = zip(table.states, table.state_values[-1], strict=True)
+        return {
+            "title": table.title,
+            "status": table.status,
+            "message": table.message,
+            "duration": table.duration,
+            "objective": table.objective,
+            "violation": table.violation,
+            "iterations": len(table.history),
+            "intervals": table.n_intervals,
+            "simulation_error": table.simulation_error,
+            "mesh_errors": np.asarray(table.mesh_errors).tolist(),
+            "final": {item.name: float(value) for item, value in ends},
+            "notes": list(table.notes),
+        }
+
+
+def run_manoeuvre(
+    study: ManoeuvreStudy, *, kept: Path | None, resume: bool, progress: Progress
+) -> ManoeuvreReport:
+    """Return the optimal manoeuvre of a study; its status is "failed" where none was found.
+
+    Parameters
+    ----------
+    study
+        The validated study.
+    kept
+        File for the iterate, so that a search that was killed can go on from it; None for none.
+    resume
+        Whether to begin with the iterate that is there.
+    progress
+        Called with what is going on.
+
+    Raises
+    ------
+    InputError
+        If the study means nothing in its model, or the iterate is that of another study.
+    NumericalError
+        If the model has no start.
+    """
+    manoeuvre = prepare_manoeuvre(study, progress)
+    start = first_guess(manoeuvre)
+    store = KeptIterate(kept, [study.text, study.target.text, repr(study.target.overrides)])
+    known = store.recall() if resume else None
+    search = _Search(manoeuvre, state_scales(start), store, progress)
+    solution = search.run(known or start, is_warm=known is not None)
+    notes = ["went on from the iterate that was kept"] if known is not None else []
+    return ManoeuvreReport(search.table(solution, notes))
+
+
+class _Search:
+    """A search over meshes, with what is recorded of it."""
+
+    def __init__(
+        self,
+        manoeuvre: PreparedManoeuvre,
+        scales: Floats,
+        store: KeptIterate,
+        progress: Progress,
+    ) -> None:
+        self.manoeuvre, self.scales = manoeuvre, scales
+        self.store, self.progress = store, progress
+        self.history: list[tuple[float, float]] = []
+        self.mesh_errors: list[float] = []
+        self.units = [s.unit for s in manoeuvre.problem.equations.states]
+
+    def run(self, guess: Trajectory, *, is_warm: bool) -> Solution:
+        """Return the solution on the last mesh, or the first that failed."""
+        study, problem = self.manoeuvre.study, self.manoeuvre.problem
+        for level in range(study.refinements + 1):
+            self.progress(f"optimising on {guess.n_intervals} intervals", None)
+            solution = solve_on_mesh(
+                problem,
+                guess,
+                self.scales,
+                tolerance=study.tolerance,
+                most_iterations=study.most_iterations,
+                is_warm=is_warm or level > 0,
+                watch=self._watch,
+            )
+            if solution.failure:
+                return solution
+            errors = self._interval_errors(solution.trajectory)
+            self.mesh_errors.append(float(errors.max(initial=0.0)))
+            split = errors > study.accuracy
+            if not split.any() or level == study.refinements:
+                break
+            guess = solution.trajectory.refined(problem.controls, split)
+        return solution
+
+    def _watch(self, number: int, objective: float, violation: float, at: Any) -> None:
+        self.history.append((objective, violation))
+        self.progress(f"iteration {number}: objective {objective:.6g}, off by {violation:.1e}", None)
+        self.store.keep(at)
+
+    def _run_of(self, trajectory: Trajectory) -> ControlledRun:
+        study, problem = self.manoeuvre.study, self.manoeuvre.problem
+        return ControlledRun(problem, self.manoeuvre.prepared.kernel, trajectory, study.step)
+
+    def _interval_errors(self, trajectory: Trajectory) -> Floats:
+        """Return the error of each interval over the range of the states, shape (n,)."""
+        defects = np.abs(self._run_of(trajectory).defects())
+        ranges = np.ptp(trajectory.all_states, axis=0)
+        largest = {
+            unit: max(r for r, u in zip(ranges, self.units, strict=True) if u == unit)
+            for unit in self.units
+        }
+        floor = np.array([1e-3 * largest[unit] for unit in self.units])
+        return np.asarray((defects / np.maximum(np.maximum(ranges, floor), 1e-12)).max(axis=1))
+
+    def table(self, solution: Solution, notes: list[str]) -> ManoeuvreTable:
+        """Return all that was found, with the check by simulation."""
+        trajectory, problem = solution.trajectory, self.manoeuvre.problem
+        self.progress("simulating the controls", None)
+        simulated = self._run_of(trajectory).free()
+        states, e = trajectory.all_states, problem.equations
+        errors = relative_errors(states, simulated, self.units)
+        error = float(errors.max(initial=0.0))
+        if not np.isfinite(error):
+            notes.append("warning: the simulation under the optimal controls failed")
+        elif error > _TOO_FAR and not solution.failure:
+            notes.append(
+                f"warning: the simulation under the optimal controls misses the motion by "
+                f"{100.0 * error:.2g} % of a state's range; refine the mesh, or the motion is "
+                "unstable without feedback"
+            )
+        study = self.manoeuvre.study
+        if solution.failure:
+            error_now = self.mesh_errors[-1] if self.mesh_errors else np.nan
+            self.mesh_errors.append(error_now)
+        elif self.mesh_errors and self.mesh_errors[-1] > study.accuracy:
+            notes.append(
+                f"warning: the mesh is coarser than the accuracy asks for: {self.mesh_errors[-1]:.2g}"
+                f" instead of {study.accuracy:g}; allow more refinements or intervals"
+            )
+        return ManoeuvreTable(
+            study.title,
+            e.name,
+            "failed" if solution.failure else "ok",
+            solution.failure,
+            solution.objective,
+            trajectory.duration,
+            solution.violation,
+            error,
+            trajectory.n_intervals,
+            trajectory.times,
+            tuple(_about(item) for item in e.states),
+            states,
+            simulated,
+            errors,
+            tuple(Quantity(c.name, c.unit, "Control") for c in problem.controls),
+            self._controls(trajectory),
+            *self._channels(trajectory),
+            self._path(trajectory),
+            np.array(self.history).reshape(-1, 2),
+            np.array(self.mesh_errors),
+            tuple(notes),
+        )
+
+    def _controls(self, trajectory: Trajectory) -> Floats:
+        controls = self.manoeuvre.problem.controls
+        rows = [trajectory.control(controls, 0, 0.0)[0]]
+        rows += [
+            trajectory.control(controls, k, part)[0]
+            for k in range(trajectory.n_intervals)
+            for part in radau_points()
+        ]
+        return np.array(rows).reshape(len(rows), len(controls))
+
+    def _channels(self, trajectory: Trajectory) -> tuple[tuple[Quantity, ...], Floats]:
+        """Return the channels of the motion that are finite, over time."""
+        problem = self.manoeuvre.problem
+        kernel = self.manoeuvre.prepared.kernel.with_parameters(problem.parameters)
+        states, rows = trajectory.all_states, []
+        unknowns = trajectory.unknowns.reshape(trajectory.n_intervals * DEGREE, -1) if trajectory.unknowns.size else np.zeros((len(states) - 1, 0))
+        first = [(0, 0.0)]
+        places = first + [(k, p) for k in range(trajectory.n_intervals) for p in radau_points()]
+        for row, ((k, part), time) in enumerate(zip(places, trajectory.times, strict=True)):
+            numbers = problem.parameters.copy()
+            values = trajectory.control(problem.controls, k, part)
+            for j, control in enumerate(problem.controls):
+                for index, order, factor in control.entries:
+                    numbers[index] += factor * values[order, j]
+            kernel.set_parameters(numbers)
+            rows.append(kernel.outputs(time, states[row], unknowns[max(row - 1, 0)]))
+        table = np.array(rows).reshape(len(rows), -1)
+        channels: tuple[Channel, ...] = problem.equations.channels
+        states_of = {s.name for s in problem.equations.states}
+        kept = [
+            k
+            for k, c in enumerate(channels)
+            if c.name not in states_of and np.isfinite(table[:, k]).all()
+        ]
+        return tuple(_about(channels[k]) for k in kept), table[:, kept]
+
+    def _path(self, trajectory: Trajectory) -> Floats:
+        path = self.manoeuvre.problem.path
+        if path is None:
+            return np.zeros((1 + trajectory.n_intervals * DEGREE, 0))
+        from vehicledyn.analyse.optimal_control.point_function import path_functions
+
+        seen, sides = path_functions(path)
+        rows = []
+        for state, s in zip(trajectory.all_states, trajectory.all_distances, strict=True):
+            offset = float(seen(s, *(state[k] for k in path.place))[1])
+            right, left = np.array(sides(s)).ravel()
+            rows.append([s, offset, -right, left])
+        return np.array(rows)
+
+
+def _about(item: Any) -> Quantity:
+    return Quantity(item.name, item.unit, item.description)
