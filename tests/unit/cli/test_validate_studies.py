@@ -31,6 +31,13 @@ of: max(body.height)
 parameters:
   body.stiffness: {kind: normal, mean: 18 kN/m, deviation: 500 N/m}
 """,
+    "optimise-manoeuvre": """\
+title: A push
+model: quarter_car
+controls: {push: {input: "force:body.height", from: -4 N, to: 4 N}}
+minimise: time
+duration: 1 s
+""",
     "optimise": """\
 title: A soft strut
 scenarios: {bump: run.yaml}
@@ -62,4 +69,4 @@ def test_a_good_study_is_ok_and_an_unknown_key_is_named(folder, kind, capsys):
     text = capsys.readouterr().err
     assert ended.value.exit_code == 2
     assert "colour" in text and "unknown key" in text and f"{path}:" in text
-    assert "model" not in text
+    assert "solver" not in text

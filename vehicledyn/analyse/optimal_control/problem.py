@@ -107,3 +107,11 @@ class ControlProblem:
     growth: dict[int, float] = field(default_factory=dict)
     path: Path | None = None
     path_start: tuple[float, float] = (-np.inf, np.inf)
+
+    def parameters_with(self, values: Floats) -> Floats:
+        """Return the model's parameters under values of the controls and derivatives, (3, n_u)."""
+        numbers = self.parameters.copy()
+        for k, control in enumerate(self.controls):
+            for index, order, factor in control.entries:
+                numbers[index] += factor * values[order, k]
+        return numbers

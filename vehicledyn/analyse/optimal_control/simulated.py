@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -47,8 +48,10 @@ class ControlledRun:
         unknowns = self._trajectory.unknowns[0, 0].copy()
         try:
             for k in range(self._trajectory.n_intervals):
-                for j, (states, unknowns) in enumerate(self._interval(k, state, unknowns)):
-                    found[1 + k * DEGREE + j] = state = states
+                points = list(self._interval(k, state, unknowns))
+                begin = 1 + k * DEGREE
+                found[begin : begin + DEGREE] = [x for x, _ in points]
+                state, unknowns = points[-1]
         except NumericalError:
             pass
         return found
@@ -70,50 +73,60 @@ class ControlledRun:
     def _size(self) -> int:
         return int(self._trajectory.first.size)
 
-    def _interval(self, k: int, state: Floats, unknowns: Floats):  # type: ignore[no-untyped-def]
+    def _interval(
+        self, interval: int, state: Floats, unknowns: Floats
+    ) -> Iterator[tuple[Floats, Floats]]:
         """Yield states and unknowns at the collocation points of an interval."""
         t = self._trajectory
-        begin, length = t.duration * t.mesh[k], t.duration * (t.mesh[k + 1] - t.mesh[k])
-        x, z, part = state.copy(), unknowns.copy(), 0.0
+        length = t.duration * (t.mesh[interval + 1] - t.mesh[interval])
+        x, z, before = state.copy(), unknowns.copy(), 0.0
         for point in radau_points():
-            count = max(math.ceil((point - part) * length / self._step), 1)
-            size = (point - part) / count
-            for _ in range(count):
-                x, z = self._advance(k, begin, length, part, size, x, z)
-                part += size
-            part = float(point)
+            count = max(math.ceil((point - before) * length / self._step), 1)
+            size = (point - before) / count
+            for number in range(count):
+                x, z = self._advance((interval, before + number * size), size, x, z)
+            before = float(point)
             yield x, z
 
-    def _advance(self, k, begin, length, part, size, x, z):  # type: ignore[no-untyped-def]
-        h = size * length
-        a, z = self._rates(k, begin, length, part, x, z)
-        b, z = self._rates(k, begin, length, part + 0.5 * size, x + 0.5 * h * a, z)
-        c, z = self._rates(k, begin, length, part + 0.5 * size, x + 0.5 * h * b, z)
-        d, z = self._rates(k, begin, length, part + size, x + h * c, z)
+    def _advance(
+        self, place: tuple[int, float], size: float, x: Floats, z: Floats
+    ) -> tuple[Floats, Floats]:
+        """Return states and unknowns a step later; places are an interval and a part of it."""
+        t, (k, part) = self._trajectory, place
+        h = size * t.duration * (t.mesh[k + 1] - t.mesh[k])
+        a, z = self._rates(place, x, z)
+        b, z = self._rates((k, part + 0.5 * size), x + 0.5 * h * a, z)
+        c, z = self._rates((k, part + 0.5 * size), x + 0.5 * h * b, z)
+        d, z = self._rates((k, part + size), x + h * c, z)
         following = x + h / 6.0 * (a + 2.0 * b + 2.0 * c + d)
         if not np.isfinite(following).all():
             raise NumericalError("the run left the finite numbers")
         return following, z
 
-    def _rates(self, k, begin, length, part, x, z):  # type: ignore[no-untyped-def]
-        values = self._trajectory.control(self._problem.controls, k, part)
-        numbers = self._problem.parameters.copy()
-        for j, control in enumerate(self._problem.controls):
-            for index, order, factor in control.entries:
-                numbers[index] += factor * values[order, j]
-        self._kernel.set_parameters(numbers)
+    def _rates(self, place: tuple[int, float], x: Floats, z: Floats) -> tuple[Floats, Floats]:
+        t, (k, part) = self._trajectory, place
+        time = t.duration * (t.mesh[k] + part * (t.mesh[k + 1] - t.mesh[k]))
+        values = t.control(self._problem.controls, k, part)
+        self._kernel.set_parameters(self._problem.parameters_with(values))
         z = z.copy()
-        return self._kernel.evaluate(begin + part * length, x, z, Ledger()), z
+        return self._kernel.evaluate(time, x, z, Ledger()), z
 
 
-def relative_errors(states: Floats, others: Floats, units: list[str]) -> Floats:
-    """Return the largest difference of each state over its range, shape (n_x,).
+def state_ranges(states: Floats, units: Sequence[str]) -> Floats:
+    """Return the range of each state of a motion (n_times, n_x), shape (n_x,).
 
     A range is at least a thousandth of the largest one of the same unit, so that what hardly moves
     is not measured by itself.
     """
     ranges = np.ptp(states, axis=0)
-    largest = {unit: max(r for r, u in zip(ranges, units, strict=True) if u == unit) for unit in units}
+    largest: dict[str, float] = {}
+    for unit, value in zip(units, ranges, strict=True):
+        largest[unit] = max(largest.get(unit, 0.0), float(value))
     floor = np.array([1e-3 * largest[unit] for unit in units])
-    missed = np.abs(others - states).max(axis=0)
-    return np.where(missed == 0.0, 0.0, missed / np.maximum(np.maximum(ranges, floor), 1e-300))
+    return np.maximum(np.maximum(ranges, floor), 1e-12)
+
+
+def relative_errors(states: Floats, others: Floats, units: Sequence[str]) -> Floats:
+    """Return the largest difference of each state over its range, shape (n_x,)."""
+    missed = np.abs(others - states).max(axis=0, initial=0.0)
+    return np.asarray(missed / state_ranges(states, units))

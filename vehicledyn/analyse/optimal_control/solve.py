@@ -86,6 +86,7 @@ def solve_on_mesh(
         "ipopt.tol": tolerance,
         "ipopt.acceptable_tol": 1e2 * tolerance,
         "ipopt.mu_strategy": "adaptive",
+        "ipopt.theta_max_fact": 1.0,  # else steps may leave the motion far behind
         "ipopt.linear_solver": "mumps",
         "error_on_fail": False,
         "iteration_callback": seen,

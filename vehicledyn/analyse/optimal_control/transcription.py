@@ -127,7 +127,9 @@ class Layout:
         found, begin = {}, 0
         for name, (shape, scale) in self.parts.items():
             size, rows = int(np.prod(shape)), shape[-1]
-            block = casadi.reshape(variables[begin : begin + size], rows, size // rows if rows else 0)
+            block = casadi.reshape(
+                variables[begin : begin + size], rows, size // rows if rows else 0
+            )
             scales = np.broadcast_to(scale, rows).astype(float)
             found[name] = casadi.repmat(casadi.DM(scales), 1, block.shape[1]) * block
             begin += size
@@ -185,9 +187,7 @@ class Program:
                     rates[:, k] = 0.0
                 elif c.start[0] == c.start[1]:
                     rates[0, k] = 0.0
-            bend = np.array(
-                [sign * c.acceleration if c.order == BEND else 0.0 for c in p.controls]
-            )
+            bend = np.array([sign * c.acceleration if c.order == BEND else 0.0 for c in p.controls])
             found.append(
                 self.layout.pack(
                     duration=p.duration[side],
@@ -199,7 +199,9 @@ class Program:
                     values=values,
                     rates=rates,
                     accelerations=bend,
-                    inner=[edge[1][k] if c.order == POINTS else 0.0 for k, c in enumerate(p.controls)],
+                    inner=[
+                        edge[1][k] if c.order == POINTS else 0.0 for k, c in enumerate(p.controls)
+                    ],
                 )
             )
         return found[0], found[1]

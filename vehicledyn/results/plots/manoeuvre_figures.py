@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from typing import TYPE_CHECKING
+from collections.abc import Iterator, Sequence
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from vehicledyn.results.plots.figures import new_figure
 from vehicledyn.results.plots.plot_style import PALETTE, axis_label, plain
+from vehicledyn.results.store.linear_file import Quantity
 from vehicledyn.results.tables.manoeuvre_table import ManoeuvreTable
 
 if TYPE_CHECKING:
@@ -20,7 +21,10 @@ _MOST = 6
 
 def manoeuvre_figures(table: ManoeuvreTable) -> Iterator[tuple[str, Figure]]:
     """Yield name and figure of controls, of the states that move most, of path and convergence."""
-    yield "controls", _rows(table, [(q, [v]) for q, v in _pairs(table.controls, table.control_values)])
+    yield (
+        "controls",
+        _rows(table, [(q, [v]) for q, v in _pairs(table.controls, table.control_values)]),
+    )
     moving = np.argsort(-np.ptp(table.state_values, axis=0), kind="stable")[:_MOST]
     rows = [
         (table.states[k], [table.state_values[:, k], table.simulated[:, k]]) for k in sorted(moving)
@@ -33,11 +37,11 @@ def manoeuvre_figures(table: ManoeuvreTable) -> Iterator[tuple[str, Figure]]:
         yield "convergence", _convergence(table)
 
 
-def _pairs(quantities, values):  # type: ignore[no-untyped-def]
+def _pairs(quantities: Sequence[Quantity], values: Any) -> Iterator[tuple[Quantity, Any]]:
     return zip(quantities, np.asarray(values).T, strict=True)
 
 
-def _rows(table, rows):  # type: ignore[no-untyped-def]
+def _rows(table: ManoeuvreTable, rows: Sequence[tuple[Quantity, list[Any]]]) -> Figure:
     """Draw quantities over time below each other; the second curve is dashed."""
     drawn = new_figure(max(_HEIGHT, 1.5 * len(rows)))
     axes = np.atleast_1d(drawn.subplots(len(rows), 1, sharex=True))

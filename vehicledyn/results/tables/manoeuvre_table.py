@@ -121,15 +121,14 @@ def read_manoeuvre(path: Path) -> ManoeuvreTable:
         If the file cannot be read or holds something else.
     """
     with old_file(path, FORMAT) as file:
-        head = {name: file.attrs[name] for name in (*_HEAD, "simulation_error")}
-        words = {name: str(head[name]) for name in _HEAD[:4]}
-        numbers = {name: float(head[name]) for name in (*_HEAD[4:], "simulation_error")}
+        words = {name: str(file.attrs[name]) for name in _HEAD[:4]}
+        numbers = {name: float(file.attrs[name]) for name in (*_HEAD[4:], "simulation_error")}
+        head: dict[str, Any] = words | numbers
         time = file["time"][()]
         has_channels = "channel" in file
         track = [file[f"path_{n}"][()] for n in _PATH if f"path_{n}" in file]
         return ManoeuvreTable(
-            **words,
-            **numbers,
+            **head,
             n_intervals=int(file.attrs["intervals"]),
             time=time,
             states=read_quantities(file, "state"),

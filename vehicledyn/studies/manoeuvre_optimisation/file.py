@@ -10,7 +10,7 @@ from typing import Any
 from vehicledyn.base.errors import InputError
 from vehicledyn.base.registry import kinds
 from vehicledyn.base.units import to_si
-from vehicledyn.files.scenario import load_model, load_scenario
+from vehicledyn.files.scenario import load_model
 from vehicledyn.files.scenario.settings import override_texts
 from vehicledyn.files.scenario.target import Target
 from vehicledyn.library import locate
@@ -153,7 +153,9 @@ def _controls(form: StudyForm) -> tuple[ControlText, ...]:
         if isinstance(inputs, list):
             inputs = {str(entry): 1.0 for entry in inputs}
         factors = list(inputs.values()) if isinstance(inputs, dict) else []
-        if not factors or any(isinstance(f, bool) or not isinstance(f, int | float) for f in factors):
+        if not factors or any(
+            isinstance(f, bool) or not isinstance(f, int | float) for f in factors
+        ):
             form.wrong(("controls", name, "input"), "expected an input, or inputs with factors")
             continue
         bounds = (item["from"], item["to"], item.get("rate"), item.get("acceleration"))

@@ -101,7 +101,7 @@ def _distances(manoeuvre: PreparedManoeuvre) -> tuple[float, float] | None:
 def _follow(manoeuvre: PreparedManoeuvre, states: Floats, distance: Floats, speed: float) -> None:
     """Put the places of a motion on its path, with the heading and rates of the vehicle."""
     path, prepared = manoeuvre.problem.path, manoeuvre.prepared
-    assert path is not None  # noqa: S101
+    assert path is not None
     x, y = path.place
     at = [np.interp(distance, path.distance, v) for v in (path.x, path.y)]
     ways = [np.gradient(v, path.distance) for v in (path.x, path.y)]
@@ -127,12 +127,16 @@ def _check_start(problem: ControlProblem, state: Floats, distance: float) -> Non
     from vehicledyn.analyse.optimal_control.point_function import path_functions
 
     path = problem.path
-    assert path is not None  # noqa: S101
+    assert path is not None
     if not (problem.start[list(path.place), 0] == problem.start[list(path.place), 1]).all():
         return
     seen, sides = path_functions(path)
     x, y = (float(state[k]) for k in path.place)
-    near = np.argmin(np.hypot(path.x - x, path.y - y)) if problem.path_start[0] != problem.path_start[1] else None
+    near = (
+        np.argmin(np.hypot(path.x - x, path.y - y))
+        if problem.path_start[0] != problem.path_start[1]
+        else None
+    )
     at = distance if near is None else float(path.distance[near])
     gap, offset = (float(v) for v in seen(at, x, y))
     right, left = np.array(sides(at)).ravel()

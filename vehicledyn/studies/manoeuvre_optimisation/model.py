@@ -1,4 +1,4 @@
-"""The model of a study of an optimal manoeuvre, with its controls, as an optimal-control problem."""
+"""The model of a study of an optimal manoeuvre, with its controls, as a problem to solve."""
 
 from __future__ import annotations
 
@@ -154,7 +154,9 @@ def duration_bounds(study: ManoeuvreStudy) -> tuple[float, float, float]:
         guess = given.get("guess") if isinstance(given, dict) else None
         begin = to_si(guess, "s") if guess is not None else 0.5 * (low + min(high, 1e6))
         if not 0.0 < low <= begin <= high:
-            raise InputError(f"duration: needs 0 < from <= guess <= to, not {low:g} s to {high:g} s")
+            raise InputError(
+                f"duration: needs 0 < from <= guess <= to, not {low:g} s to {high:g} s"
+            )
     return low, high, begin
 
 

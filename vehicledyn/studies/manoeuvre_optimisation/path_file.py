@@ -16,6 +16,9 @@ from vehicledyn.studies.study_form import StudyForm
 
 Floats = NDArray[np.float64]
 
+Line = tuple[Floats, Floats, Floats, Floats, Floats]
+"""Distance, x, y; length and whether closed; rows of distance and offsets of the corridor."""
+
 _KINDS = ("straight", "arc", "file", "opencrg")
 _KEYS = (*_KINDS, "closed", "right", "left", "gates", "place")
 _COLUMNS = {
@@ -64,20 +67,20 @@ def read_path(form: StudyForm, given: Any) -> PathTable | None:
         return None
     try:
         line = _LINES[kind](form, given[kind], bool(given.get("closed", False)))
-        return _with_corridor(form, given, *line, tuple(map(str, place)))
+        return _with_corridor(form, given, line, tuple(map(str, place)))
     except InputError as error:
         form.wrong(("path", kind), str(error))
         return None
 
 
-def _straight(form: StudyForm, given: Any, _: bool) -> tuple[Floats, ...]:
+def _straight(form: StudyForm, given: Any, _: bool) -> Line:
     form.check(("path", "straight"), given, ("length",))
     length = _positive(given, "length")
     s = _distances(length)
     return s, s, np.zeros_like(s), np.array([length, 0.0]), np.zeros((0, 3))
 
 
-def _arc(form: StudyForm, given: Any, closed: bool) -> tuple[Floats, ...]:
+def _arc(form: StudyForm, given: Any, closed: bool) -> Line:
     form.check(("path", "arc"), given, ("radius", "angle"))
     radius = to_si(given.get("radius"), "m")
     angle = 2.0 * np.pi if closed else to_si(given.get("angle"), "rad")
@@ -90,7 +93,7 @@ def _arc(form: StudyForm, given: Any, closed: bool) -> tuple[Floats, ...]:
     return s, x, y, np.array([length, float(closed)]), np.zeros((0, 3))
 
 
-def _file(form: StudyForm, given: Any, closed: bool) -> tuple[Floats, ...]:
+def _file(form: StudyForm, given: Any, closed: bool) -> Line:
     path = form.path.parent / str(given)
     columns = read_columns(path, _COLUMNS)
     x, y = (np.array(columns.numbers[name]) for name in ("x", "y"))
@@ -98,7 +101,7 @@ def _file(form: StudyForm, given: Any, closed: bool) -> tuple[Floats, ...]:
     return _through(path, x, y, sides, closed)
 
 
-def _opencrg(form: StudyForm, given: Any, closed: bool) -> tuple[Floats, ...]:
+def _opencrg(form: StudyForm, given: Any, closed: bool) -> Line:
     from vehicledyn.road.opencrg.road import CrgRoad
 
     path = form.path.parent / str(given)
@@ -112,7 +115,7 @@ def _opencrg(form: StudyForm, given: Any, closed: bool) -> tuple[Floats, ...]:
 _LINES = {"straight": _straight, "arc": _arc, "file": _file, "opencrg": _opencrg}
 
 
-def _through(path: Path, x: Any, y: Any, sides: Any, closed: bool) -> tuple[Floats, ...]:
+def _through(path: Path, x: Any, y: Any, sides: Any, closed: bool) -> Line:
     """Return a smooth path through places, resampled by its length."""
     from scipy.interpolate import CubicSpline
 
@@ -156,18 +159,12 @@ def _positive(given: Any, key: str) -> float:
 
 
 def _with_corridor(
-    form: StudyForm,
-    given: dict[str, Any],
-    s: Floats,
-    x: Floats,
-    y: Floats,
-    about: Floats,
-    own: Floats,
-    place: tuple[str, ...],
+    form: StudyForm, given: dict[str, Any], line: Line, place: tuple[str, ...]
 ) -> PathTable:
     """Return a path with its corridor: of its file, of a width, or of gates."""
     from scipy.interpolate import PchipInterpolator
 
+    s, x, y, about, own = line
     length, closed = float(about[0]), bool(about[1])
     right, left = (to_si(given.get(key, 1e3), "m") for key in ("right", "left"))
     rows = np.where(np.isnan(own), np.array([0.0, -right, left]), own)
@@ -178,7 +175,7 @@ def _with_corridor(
     if (rows[:, 1] >= rows[:, 2]).any():
         form.wrong(("path",), "the corridor has no width: its right side is left of its left one")
     if len(rows) == 1:
-        rows = np.vstack([rows, rows + [[1.0, 0.0, 0.0]]])
+        rows = np.vstack([rows, rows + np.array([[1.0, 0.0, 0.0]])])
     at = np.clip(np.mod(s, length) if closed else s, rows[0, 0], rows[-1, 0])
     sides = PchipInterpolator(rows[:, 0], rows[:, 1:])(at)
     return PathTable(s, x, y, -sides[:, 0], sides[:, 1], length, closed, place)

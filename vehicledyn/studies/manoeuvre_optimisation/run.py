@@ -9,7 +9,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from vehicledyn.analyse.optimal_control.simulated import ControlledRun, relative_errors
+from vehicledyn.analyse.optimal_control.simulated import (
+    ControlledRun,
+    relative_errors,
+    state_ranges,
+)
 from vehicledyn.analyse.optimal_control.solve import Solution, solve_on_mesh
 from vehicledyn.analyse.optimal_control.trajectory import DEGREE, Trajectory, radau_points
 from vehicledyn.analyses.preparation.prepared import Progress
@@ -151,7 +155,9 @@ class _Search:
 
     def _watch(self, number: int, objective: float, violation: float, at: Any) -> None:
         self.history.append((objective, violation))
-        self.progress(f"iteration {number}: objective {objective:.6g}, off by {violation:.1e}", None)
+        self.progress(
+            f"iteration {number}: objective {objective:.6g}, off by {violation:.1e}", None
+        )
         self.store.keep(at)
 
     def _run_of(self, trajectory: Trajectory) -> ControlledRun:
@@ -161,13 +167,8 @@ class _Search:
     def _interval_errors(self, trajectory: Trajectory) -> Floats:
         """Return the error of each interval over the range of the states, shape (n,)."""
         defects = np.abs(self._run_of(trajectory).defects())
-        ranges = np.ptp(trajectory.all_states, axis=0)
-        largest = {
-            unit: max(r for r, u in zip(ranges, self.units, strict=True) if u == unit)
-            for unit in self.units
-        }
-        floor = np.array([1e-3 * largest[unit] for unit in self.units])
-        return np.asarray((defects / np.maximum(np.maximum(ranges, floor), 1e-12)).max(axis=1))
+        ranges = state_ranges(trajectory.all_states, self.units)
+        return np.asarray((defects / ranges).max(axis=1, initial=0.0))
 
     def table(self, solution: Solution, notes: list[str]) -> ManoeuvreTable:
         """Return all that was found, with the check by simulation."""
@@ -191,8 +192,8 @@ class _Search:
             self.mesh_errors.append(error_now)
         elif self.mesh_errors and self.mesh_errors[-1] > study.accuracy:
             notes.append(
-                f"warning: the mesh is coarser than the accuracy asks for: {self.mesh_errors[-1]:.2g}"
-                f" instead of {study.accuracy:g}; allow more refinements or intervals"
+                f"warning: an interval misses its end by {self.mesh_errors[-1]:.2g} of a state's "
+                f"range where {study.accuracy:g} is asked for; allow more refinements or intervals"
             )
         return ManoeuvreTable(
             study.title,
@@ -233,16 +234,16 @@ class _Search:
         problem = self.manoeuvre.problem
         kernel = self.manoeuvre.prepared.kernel.with_parameters(problem.parameters)
         states, rows = trajectory.all_states, []
-        unknowns = trajectory.unknowns.reshape(trajectory.n_intervals * DEGREE, -1) if trajectory.unknowns.size else np.zeros((len(states) - 1, 0))
+        unknowns = (
+            trajectory.unknowns.reshape(trajectory.n_intervals * DEGREE, -1)
+            if trajectory.unknowns.size
+            else np.zeros((len(states) - 1, 0))
+        )
         first = [(0, 0.0)]
         places = first + [(k, p) for k in range(trajectory.n_intervals) for p in radau_points()]
         for row, ((k, part), time) in enumerate(zip(places, trajectory.times, strict=True)):
-            numbers = problem.parameters.copy()
             values = trajectory.control(problem.controls, k, part)
-            for j, control in enumerate(problem.controls):
-                for index, order, factor in control.entries:
-                    numbers[index] += factor * values[order, j]
-            kernel.set_parameters(numbers)
+            kernel.set_parameters(problem.parameters_with(values))
             rows.append(kernel.outputs(time, states[row], unknowns[max(row - 1, 0)]))
         table = np.array(rows).reshape(len(rows), -1)
         channels: tuple[Channel, ...] = problem.equations.channels

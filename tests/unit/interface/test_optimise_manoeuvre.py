@@ -1,0 +1,201 @@
+"""Optimal manoeuvres against closed forms, and what is refused."""
+
+import math
+
+import numpy as np
+import pytest
+
+import vehicledyn as vd
+from vehicledyn.base.errors import InputError, NumericalError
+
+CART = """\
+title: A mass on a line
+bodies:
+  cart: {joints: [{kind: T1, name: place}], mass: 2 kg}
+"""
+PLANE = """\
+title: A mass on a plane
+bodies:
+  mass: {joints: [{kind: T1, name: x}, {kind: T2, name: y}], mass: 1 kg}
+"""
+PUSH = """\
+title: From rest to rest
+model: cart.yaml
+controls:
+  push: {input: force:cart.place, from: -4 N, to: 4 N}
+minimise: time
+duration: {from: 0.5 s, to: 10 s}
+end: {cart.place: 1 m, cart.place_rate: 0}
+intervals: 10
+"""
+ROUND = """\
+title: Round a closed circle
+model: plane.yaml
+controls:
+  fx: {input: force:mass.x, from: -12 N, to: 12 N}
+  fy: {input: force:mass.y, from: -12 N, to: 12 N}
+minimise: time
+duration: {from: 5 s, to: 60 s, guess: 25 s}
+start: {path.distance: 0}
+end: {path.distance: 314.1592653589793 m}
+periodic: {mass.x: 0, mass.y: 0, mass.x_rate: 0, mass.y_rate: 0}
+path: {arc: {radius: 50 m}, closed: true, right: 0 m, left: 1 m, place: [mass.x, mass.y]}
+limits: {"norm(fx, fy)": {to: 9.81 N}}
+intervals: 24
+accuracy: 1e-3
+"""
+
+
+GATES = "{at: 2 m, from: 0, to: 1 m}, {at: 1 m, from: 0, to: 1 m}"
+
+
+def study(folder, text):
+    """Write a study and its models; return the study's path."""
+    (folder / "cart.yaml").write_text(CART, encoding="utf-8")
+    (folder / "plane.yaml").write_text(PLANE, encoding="utf-8")
+    path = folder / "study.yaml"
+    path.write_text(text, encoding="utf-8")
+    return path
+
+
+def test_the_quickest_way_is_bang_bang(tmp_path):
+    """With ±F on a mass the way d takes 2 sqrt(d m / F), half of it braking."""
+    found = vd.optimise_manoeuvre(study(tmp_path, PUSH))
+    assert found.kind == "manoeuvre"
+    assert found.attributes["duration"] == pytest.approx(2.0 * math.sqrt(0.5), rel=1e-7)
+    force = found["control_value"].values[:, 0]
+    part = found["time"].values / found.attributes["duration"]
+    assert force[part < 0.49] == pytest.approx(4.0, abs=1e-5)
+    assert force[part > 0.51] == pytest.approx(-4.0, abs=1e-5)
+    assert found.attributes["simulation_error"] < 1e-8
+
+
+def test_the_least_effort_is_a_straight_line(tmp_path):
+    """∫u² for a way d from rest to rest in T is 12 m² d² / T³, with a linear force."""
+    text = PUSH.replace("minimise: time", "minimise: {integral_of_square(push): 1}")
+    text = text.replace("duration: {from: 0.5 s, to: 10 s}", "duration: 3 s")
+    found = vd.optimise_manoeuvre(study(tmp_path, text.replace("to: 4 N", "to: 4 N, rate: 9 N/s")))
+    assert found.attributes["objective"] == pytest.approx(12.0 * 4.0 / 27.0, rel=1e-8)
+    force, time = found["control_value"].values[:, 0], found["time"].values
+    assert force == pytest.approx(12.0 / 9.0 - 24.0 / 27.0 * time, abs=1e-5)
+
+
+@pytest.mark.long
+def test_the_energy_between_rests_is_that_lost(tmp_path):
+    """Without friction the work of the force between two rests is zero, at a limit of the rate."""
+    text = PUSH.replace("minimise: time", "minimise: {energy: 1, effort: 1e-3, time: 1}")
+    limited = text + "limits: {cart.place_rate: {to: 0.5 m/s}}\n"
+    found = vd.optimise_manoeuvre(study(tmp_path, limited))
+    rate = found["state_value"].values[:, 1]
+    assert rate.max() == pytest.approx(0.5, abs=1e-5)
+    # 0.25 s to 0.5 m/s and from it at 2 m/s², the rest of the way at that speed
+    assert found.attributes["duration"] == pytest.approx(2.25, rel=2e-3)
+
+
+@pytest.mark.long
+def test_a_friction_circle_round_a_circle(tmp_path):
+    """The inner side of the corridor, at v² / r = the force over the mass, is quickest."""
+    found = vd.optimise_manoeuvre(study(tmp_path, ROUND))
+    assert found.attributes["duration"] == pytest.approx(
+        2 * math.pi * math.sqrt(49 / 9.81), rel=1e-5
+    )
+    assert found["path_offset"].values == pytest.approx(1.0, abs=1e-3)
+    first, last = found["state_value"].values[[0, -1]]
+    assert last == pytest.approx(first, abs=1e-6)
+    assert found.attributes["simulation_error"] < 1e-4
+
+
+@pytest.mark.long
+def test_a_moved_coordinate_is_a_control(tmp_path):
+    """A trolley's place is driven; its load swings, and rests at the end as it should."""
+    (tmp_path / "crane.yaml").write_text(
+        "title: A crane\nbodies:\n"
+        "  trolley: {joints: [{kind: T1, name: place, role: driven}], mass: 1 kg}\n"
+        "  load: {parent: trolley, joints: [{kind: R2, name: angle}], mass: 1 kg, "
+        "com: [0, 0, -1 m]}\n",
+        encoding="utf-8",
+    )
+    text = """\
+title: Move a load
+model: crane.yaml
+controls:
+  place: {input: trolley.place, from: -0.1 m, to: 1 m, rate: 1 m/s, acceleration: 2 m/s^2}
+minimise: time
+duration: {from: 1 s, to: 5 s}
+end: {place: 1 m, load.angle: 0, load.angle_rate: 0}
+intervals: 16
+refinements: 1
+"""
+    found = vd.optimise_manoeuvre(study(tmp_path, text))
+    assert found["control_value"].values[-1, 0] == pytest.approx(1.0, abs=1e-6)
+    assert np.abs(found["state_simulated"].values[-1]).max() < 1e-3
+    assert found.attributes["duration"] > 2.0 * math.sqrt(0.5)  # the trolley alone
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "match"),
+    [
+        ("force:cart.place", "force:cart.plaice", "controls.push.input.*did you mean 'cart.place'"),
+        ("from: -4 N, to: 4 N", "from: 4 N, to: -4 N", "bounds are crossed"),
+        ("from: -4 N, to: 4 N", "from: -4 m, to: 4 N", "wrong unit"),
+        ("minimise: time", "minimise: fun", "'fun' is unknown"),
+        ("minimise: time", "minimise: final(cart.plaice)", "did you mean 'cart.place'"),
+        ("{cart.place: 1 m,", "{cart.plaice: 1 m,", "did you mean"),
+        ("from: 0.5 s, to: 10 s", "from: 5 s, to: 1 s", "crossed"),
+        ("intervals: 10", "intervals: 1", "at least 2"),
+        ("intervals: 10", "colour: 10", "unknown key"),
+        ("intervals: 10", "limits: {cart.place: {from: 2 m}}", "start.cart.place: is outside"),
+        ("model: cart.yaml", "model: cart.yaml\nscenario: other.yaml", "either a model or"),
+        ("cart.place_rate: 0}", "cart.place_rate: 0, push: 0}", "only controls with a rate"),
+        ("intervals: 10", "periodic: [nothing]", "no state named 'nothing'"),
+    ],
+)  # fmt: skip
+def test_what_means_nothing_is_refused(tmp_path, old, new, match):
+    with pytest.raises(InputError, match=match):
+        vd.optimise_manoeuvre(study(tmp_path, PUSH.replace(old, new)))
+
+
+@pytest.mark.parametrize(
+    ("new", "match"),
+    [
+        ("path: {straight: {length: -1 m}", "above zero"),
+        ("path: {straight: {length: 9 m}, right: -2 m, left: 1 m", "no width"),
+        ("path: {straight: {length: 9 m}, right: -2 m, left: 3 m", "outside the corridor"),
+        ("path: {file: nothing.csv", "nothing.csv"),
+        (f"path: {{straight: {{length: 9 m}}, gates: [{GATES}]", "order"),
+    ],
+)  # fmt: skip
+def test_paths_that_cannot_be_followed_are_refused(tmp_path, new, match):
+    text = ROUND[: ROUND.index("start:")] + new + ", place: [mass.x, mass.y]}\n"
+    with pytest.raises(InputError, match=match):
+        vd.optimise_manoeuvre(study(tmp_path, text))
+
+
+def test_what_cannot_be_done_in_time_fails_and_is_kept(tmp_path):
+    """One metre in half a second is too much for the force; the last point stays in the file."""
+    path = study(tmp_path, PUSH.replace("to: 10 s", "to: 1 s"))
+    with pytest.raises(NumericalError, match=r"no optimum was found.*holds the last point"):
+        vd.optimise_manoeuvre(path, save_to=tmp_path / "out.h5")
+    kept = vd.open_result(tmp_path / "out.h5")
+    assert (kept.status, kept.is_whole) == ("failed", False)
+    assert "cannot all be kept" in kept.status_message
+
+
+def test_a_stopped_search_goes_on_from_its_last_iterate(tmp_path):
+    path, out = study(tmp_path, PUSH), tmp_path / "out.h5"
+
+    def stop(text, _):
+        if text.startswith("iteration 5"):
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        vd.optimise_manoeuvre(path, save_to=out, progress=stop)
+    kept = tmp_path / "out.h5.iterate.npz"
+    assert kept.is_file()
+    found = vd.optimise_manoeuvre(path, save_to=out, resume=True)
+    assert found.attributes["duration"] == pytest.approx(2.0 * math.sqrt(0.5), rel=1e-7)
+    assert any("went on" in note for note in found.notes)
+    assert not kept.exists()
+    kept.write_bytes(b"nothing")
+    with pytest.raises(InputError, match="damaged"):
+        vd.optimise_manoeuvre(path, save_to=out, resume=True)
