@@ -70,6 +70,7 @@ def test_the_quickest_way_is_bang_bang(tmp_path):
     assert found.attributes["simulation_error"] < 1e-8
 
 
+@pytest.mark.long
 def test_the_least_effort_is_a_straight_line(tmp_path):
     """∫u² for a way d from rest to rest in T is 12 m² d² / T³, with a linear force."""
     text = PUSH.replace("minimise: time", "minimise: {integral_of_square(push): 1}")

@@ -123,7 +123,7 @@ def state_ranges(states: Floats, units: Sequence[str]) -> Floats:
     for unit, value in zip(units, ranges, strict=True):
         largest[unit] = max(largest.get(unit, 0.0), float(value))
     floor = np.array([1e-3 * largest[unit] for unit in units])
-    return np.maximum(np.maximum(ranges, floor), 1e-12)
+    return np.asarray(np.maximum(np.maximum(ranges, floor), 1e-12))
 
 
 def relative_errors(states: Floats, others: Floats, units: Sequence[str]) -> Floats:

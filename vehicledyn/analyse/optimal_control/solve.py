@@ -122,12 +122,13 @@ def _observer(program: Program, watch: Watch, n_rows: int) -> Any:
 
     row_low, row_high = program.row_bounds
 
-    class Observer(casadi.Callback):  # type: ignore[misc]
+    class Observer(casadi.Callback):
         """Report the iterations of a search."""
 
         def __init__(self) -> None:
             casadi.Callback.__init__(self)
-            self.count, self.error = 0, None
+            self.count = 0
+            self.error: BaseException | None = None
             self.construct("observer", {})
 
         def get_n_in(self) -> int:

@@ -319,11 +319,11 @@ class Program:
             gained = parts["states"][index, -1] - parts["first"][index] - growth
             self.rows.add(gained / scale[index])
         if p.growth:
-            for j, item in enumerate(p.controls):
-                if item.order != POINTS:
-                    self.rows.add((parts["values"][j, -1] - parts["values"][j, 0]) / item.size)
-                if item.order == BEND:
-                    self.rows.add((parts["rates"][j, -1] - parts["rates"][j, 0]) / item.size)
+            for j, control in enumerate(p.controls):
+                if control.order != POINTS:
+                    self.rows.add((parts["values"][j, -1] - parts["values"][j, 0]) / control.size)
+                if control.order == BEND:
+                    self.rows.add((parts["rates"][j, -1] - parts["rates"][j, 0]) / control.size)
         if p.path is not None and not set(p.path.place) <= set(p.growth):
             # the start of a periodic motion is where its end is, which is on the path already
             seen, _ = path_functions(p.path)

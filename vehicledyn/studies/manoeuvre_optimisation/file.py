@@ -110,7 +110,9 @@ def load_manoeuvre(path: Path, overrides: Sequence[str] = ()) -> ManoeuvreStudy:
         controls,
         terms,
         data["duration"],
-        *(dict(data.get(key) or {}) for key in ("start", "end", "limits")),
+        _mapping(data, "start"),
+        _mapping(data, "end"),
+        _mapping(data, "limits"),
         track,
         _periodic(data.get("periodic")),
         int(numbers["intervals"]),
@@ -120,6 +122,10 @@ def load_manoeuvre(path: Path, overrides: Sequence[str] = ()) -> ManoeuvreStudy:
         int(numbers["most_iterations"]),
         float(step or 1e-3),
     )
+
+
+def _mapping(data: dict[str, Any], key: str) -> dict[str, Any]:
+    return dict(data.get(key) or {})
 
 
 def _target(form: StudyForm, overrides: Sequence[str]) -> Target:
@@ -152,7 +158,8 @@ def _controls(form: StudyForm) -> tuple[ControlText, ...]:
         inputs = {given: 1.0} if isinstance(given, str) else given
         if isinstance(inputs, list):
             inputs = {str(entry): 1.0 for entry in inputs}
-        factors = list(inputs.values()) if isinstance(inputs, dict) else []
+        inputs = inputs if isinstance(inputs, dict) else {}
+        factors = list(inputs.values())
         if not factors or any(
             isinstance(f, bool) or not isinstance(f, int | float) for f in factors
         ):
@@ -180,11 +187,11 @@ def _check_ranges(form: StudyForm) -> None:
     if isinstance(duration, dict):
         form.check(("duration",), duration, _RANGE)
     for group in ("start", "end", "limits"):
-        items = form.data.get(group)
-        if items is not None and not isinstance(items, dict):
+        items = form.data.get(group) or {}
+        if not isinstance(items, dict):
             form.wrong((group,), "expected a mapping of names to values")
             form.refuse()
-        for name, item in (items or {}).items():
+        for name, item in items.items():
             if isinstance(item, dict):
                 form.check((group, name), item, ("from", "to"))
             elif group == "limits":

@@ -60,7 +60,7 @@ def first_guess(manoeuvre: PreparedManoeuvre) -> Trajectory:
 
 def state_scales(guess: Trajectory) -> Floats:
     """Return by what states are divided, shape (n_x,): their size in the guess, at least one."""
-    return np.maximum(np.abs(guess.all_states).max(axis=0, initial=0.0), 1.0)
+    return np.asarray(np.maximum(np.abs(guess.all_states).max(axis=0, initial=0.0), 1.0))
 
 
 def _middle(bounds: Floats, usual: float) -> float:

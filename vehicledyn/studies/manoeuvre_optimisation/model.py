@@ -256,8 +256,8 @@ def _state_bounds(
                 table[index] = bounds_of(name, given, names.equations.states[index].unit)
     for table, what in ((start, "start"), (end, "end")):
         low, high = np.maximum(table[:, 0], bounds[:, 0]), np.minimum(table[:, 1], bounds[:, 1])
-        for index in np.flatnonzero(low > high):
-            name = names.equations.states[index].name
+        for outside in np.flatnonzero(low > high):
+            name = names.equations.states[int(outside)].name
             raise InputError(f"{what}.{name}: is outside its limits")
     return start, end, bounds
 

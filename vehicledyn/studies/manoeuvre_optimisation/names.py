@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import fnmatch
 import re
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -48,7 +49,7 @@ class Names:
             return Expression(name, "square", parts=tuple(p for p, _ in parts)), parts[0][1]
         if name in PATH and self.has_path:
             return Expression(name, "path", PATH[name]), "m"
-        groups = {
+        groups: dict[str, Sequence[Any]] = {
             "control": self.controls,
             "state": self.equations.states,
             "unknown": self.equations.unknowns,
