@@ -84,12 +84,17 @@ def test_a_stopped_search_goes_on_to_the_same_optimum(tmp_path, monkeypatch):
         ("start: 50 kN/m", "start: 90 kN/m", "outside its bounds"),
         ("from: 5 kN/m", "from: 5 kg", "kg"),
         ("rms(strut.rate)", "rms(strut.rat)", "did you mean 'strut.rate'"),
-        ("at_most", "most", "at_least, at_most"),
+        ("at_most", "most", "did you mean .at_most"),
         ("minimise: {rms(strut.force): 1}", "minimise: body.height_rate", "is a curve"),
         ("minimise:", "minimize:", "unknown key"),
         ("scenarios: run.yaml", "scenarios: none.yaml", "none.yaml"),
         ("minimise:", "front: {figure: rms(strut.rate)}\nminimise:", "a list at_most or"),
-        ("minimise:", "starts: 0\nminimise:", "above zero"),
+        ("minimise:", "starts: 0\nminimise:", "a whole number of at least 1"),
+        (
+            "minimise: {rms(strut.force): 1}",
+            "minimise: [rms(strut.force)]",
+            "expected a figure, or weights",
+        ),
     ],
 )
 def test_wrong_studies_are_refused(tmp_path, old, new, match):

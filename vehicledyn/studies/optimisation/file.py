@@ -2,19 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from vehicledyn.base.problems import START, Problem, refusal
-from vehicledyn.base.yaml import Document, read_yaml
-from vehicledyn.files.scenario import LoadedScenario, load_scenario
-from vehicledyn.files.scenario.settings import override_texts
-from vehicledyn.studies.study_form import located
+from vehicledyn.files.scenario import LoadedScenario
+from vehicledyn.studies.study_form import StudyForm
 
-_KEYS = ("title", "scenarios", "set", "variables", "minimise", "constraints")
-_MORE = ("tolerance", "most_runs", "starts", "seed", "front")
+_REQUIRED = ("scenarios", "variables", "minimise")
+_OPTIONAL = (
+    "title", "set", "constraints", "tolerance", "most_runs", "starts", "seed", "front",
+)  # fmt: skip
 _VARIABLE = ("from", "to", "start")
 _LIMITS = ("at_least", "at_most")
 
@@ -96,103 +95,82 @@ def load_optimisation(path: Path, overrides: Sequence[str] = ()) -> Optimisation
     InputError
         If anything is wrong; all problems of the file are listed, those of a scenario alone.
     """
-    document = read_yaml(path)
-    problems = [*document.problems, *_problems(document)]
-    if problems:
-        raise refusal(problems, document.name)
-    data = document.data
-    given = data["scenarios"]
-    places = {"": given} if isinstance(given, str) else given
-    changes = [*override_texts(data.get("set") or {}, {}), *overrides]
+    form = StudyForm.read(path, required=_REQUIRED, optional=_OPTIONAL)
+    variables = tuple(
+        Variable(name.removeprefix("parameters."), v["from"], v["to"], v.get("start"))
+        for name, v in form.entries(("variables",), _VARIABLE, needed=("from", "to"))
+    )
+    weights, front = _weights(form), _front(form)
+    limits = tuple(Limit(n, v.get("at_least"), v.get("at_most")) for n, v in _limits(form))
+    tolerance = form.number("tolerance", 1e-8, least=0.0)
+    most_runs, starts, seed = (
+        int(form.number(key, default, least=1, whole=True))
+        for key, default in (("most_runs", 200), ("starts", 1), ("seed", 1))
+    )
+    given = form.data.get("scenarios")
+    if not isinstance(given, str | dict):
+        form.wrong(("scenarios",), "expected a path, or paths by name")
+    form.refuse()
+    places = {"": given} if isinstance(given, str) else dict(given or {})
+    changes = form.data.get("set")
     scenarios = {
-        name: load_scenario(located(path, place), changes) for name, place in places.items()
+        str(name): form.scenario(("scenarios", name), place, changes, overrides)
+        for name, place in places.items()
     }
-    wanted = data["minimise"]
-    weights = {wanted: 1.0} if isinstance(wanted, str) else dict(wanted)
     return OptimisationStudy(
         path,
-        document.text,
-        str(data.get("title", path.stem)),
+        form.document.text,
+        str(form.data.get("title", path.stem)),
         scenarios,
-        tuple(
-            Variable(name.removeprefix("parameters."), v["from"], v["to"], v.get("start"))
-            for name, v in data["variables"].items()
-        ),
-        {name: float(weight) for name, weight in weights.items()},
-        tuple(Limit(name, **limits) for name, limits in (data.get("constraints") or {}).items()),
-        float(data.get("tolerance", 1e-8)),
-        int(data.get("most_runs", 200)),
-        int(data.get("starts", 1)),
-        int(data.get("seed", 1)),
-        _front(data.get("front")),
+        variables,
+        weights,
+        limits,
+        tolerance,
+        most_runs,
+        starts,
+        seed,
+        front,
     )
 
 
-def _front(given: dict[str, Any] | None) -> Front | None:
+def _weights(form: StudyForm) -> dict[str, float]:
+    """Return the weights of the figures to minimise."""
+    wanted = form.data.get("minimise")
+    if isinstance(wanted, str):
+        return {wanted: 1.0}
+    if not isinstance(wanted, dict):
+        form.wrong(("minimise",), "expected a figure, or weights of figures")
+        return {}
+    weights = {}
+    for name, weight in wanted.items():
+        if isinstance(weight, bool) or not isinstance(weight, int | float):
+            form.wrong(("minimise", name), "expected a number, the weight of the figure")
+        else:
+            weights[str(name)] = float(weight)
+    return weights
+
+
+def _limits(form: StudyForm) -> Iterator[tuple[str, dict[str, Any]]]:
+    """Yield the limits of figures by name."""
+    for name, item in form.entries(("constraints",), _LIMITS):
+        if item:
+            yield name, item
+        else:
+            form.wrong(("constraints", name), f"needs {' or '.join(_LIMITS)}")
+
+
+def _front(form: StudyForm) -> Front | None:
+    """Return the second figure of a front; nothing where none is wanted or it is wrong."""
+    given = form.data.get("front")
     if given is None:
         return None
-    is_upper = "at_most" in given
-    return Front(given["figure"], is_upper, tuple(given["at_most" if is_upper else "at_least"]))
-
-
-def _problems(document: Document) -> list[Problem]:
-    """Return all that is wrong with the form of a study."""
-    data, found = document.data, list[Problem]()
-
-    def wrong(place: tuple[Any, ...], words: str) -> None:
-        mark = document.values.get(place) or document.keys.get(place) or START
-        found.append(Problem(document.name, mark, ".".join(map(str, place)) or "file", words))
-
-    if not isinstance(data, dict):
-        wrong((), "a study is a mapping with scenarios, variables and minimise")
-        return found
-    for key in data:
-        if key not in (*_KEYS, *_MORE):
-            wrong((key,), f"unknown key. Known: {', '.join((*_KEYS, *_MORE))}")
-    for key in ("scenarios", "variables", "minimise"):
-        if not data.get(key):
-            wrong((key,), "missing")
-    if not isinstance(data.get("scenarios", ""), str | dict):
-        wrong(("scenarios",), "expected a path, or paths by name")
-    for group, keys in (("variables", _VARIABLE), ("constraints", _LIMITS)):
-        for name, item in _mapping(data.get(group), group, wrong).items():
-            if not isinstance(item, dict) or not item or set(item) - set(keys):
-                wrong((group, name), f"expected a mapping with {', '.join(keys)}")
-            elif group == "variables" and not {"from", "to"} <= set(item):
-                wrong((group, name), "needs from and to")
-    _check_numbers(data, wrong)
-    _check_front(data.get("front"), wrong)
-    return found
-
-
-def _check_front(given: Any, wrong: Any) -> None:
-    """Report a front that names no figure, or no list of limits."""
-    if given is None:
-        return
     sides = [key for key in _LIMITS if isinstance(given, dict) and key in given]
-    form = "expected a mapping with figure, and a list at_most or at_least"
     if len(sides) != 1 or set(given) != {"figure", sides[0]}:
-        wrong(("front",), form)
+        form.wrong(("front",), "expected a mapping with figure, and a list at_most or at_least")
     elif not isinstance(given[sides[0]], list) or not given[sides[0]]:
-        wrong(("front", sides[0]), "expected a list of limits")
+        form.wrong(("front", sides[0]), "expected a list of limits")
     elif not isinstance(given["figure"], str):
-        wrong(("front", "figure"), "expected the name of a figure")
-
-
-def _check_numbers(data: dict[str, Any], wrong: Any) -> None:
-    """Report weights and settings that are no numbers."""
-    wanted = data.get("minimise")
-    numbers = wanted.values() if isinstance(wanted, dict) else []
-    if any(isinstance(n, bool) or not isinstance(n, int | float) for n in numbers):
-        wrong(("minimise",), "weights are numbers")
-    for key, least in (("tolerance", 0.0), ("most_runs", 1), ("starts", 1), ("seed", 1)):
-        number = data.get(key, least + 1)
-        if isinstance(number, bool) or not isinstance(number, int | float) or number < least:
-            wrong((key,), "expected a number above zero")
-
-
-def _mapping(item: Any, name: str, wrong: Any) -> dict[str, Any]:
-    if item is None or isinstance(item, dict):
-        return item or {}
-    wrong((name,), "expected a mapping")
-    return {}
+        form.wrong(("front", "figure"), "expected the name of a figure")
+    else:
+        return Front(given["figure"], sides[0] == "at_most", tuple(given[sides[0]]))
+    return None
