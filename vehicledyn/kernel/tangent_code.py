@@ -97,12 +97,10 @@ class TangentCode:
     def __init__(
         self, equations: Equations, channels: Sequence[int], *, back: bool = False
     ) -> None:
-        """Derive and compile, or find in the cache; with ``back`` for adjoints as well.
+        """Derive; with ``back`` for adjoints as well.
 
-        Raises
-        ------
-        MissingPartError
-            If no C compiler works.
+        It is compiled, or found in the cache, when it is first called, which raises a
+        MissingPartError where no C compiler works: what is wrong with an input comes first.
         """
         self.equations, self.channels, self.back = equations, tuple(channels), back
         functions = derive_functions(equations)
@@ -112,15 +110,15 @@ class TangentCode:
         self.n_values: int = self.observed.function.numel_out(0)
         self.lanes = tangent_lanes()
         self._tables = TableRows(equations.tables)
-        self._library = self._compiled(functions)
-        self._n_copies = int(_I.in_dll(self._library, "vd_copies").value)
+        self._functions = functions
         self._n_inverse = sum((b.stop - b.start) ** 2 for b in equations.blocks)
 
     def _observed(self, functions: Any) -> list[Any]:
         rows = list(self.channels)
         return [lambda *p: functions.outputs(*p)[rows], functions.events, functions.resets]
 
-    def _compiled(self, functions: Any) -> ctypes.CDLL:
+    @cached_property
+    def _library(self) -> ctypes.CDLL:
         try:
             compiler = find_compiler()
         except CompilationError as error:
@@ -130,7 +128,7 @@ class TangentCode:
 
         def build(folder: Path) -> Path:
             text = tangent_source(
-                self.equations, functions, self.stage, self.observed, back=self.back
+                self.equations, self._functions, self.stage, self.observed, back=self.back
             )
             return build_library(compiler, text, folder)
 
@@ -149,6 +147,9 @@ class TangentCode:
         )
         return cache.load(cache.key_of(fingerprint(self.equations), *parts), build, opened)[0]
 
+    def _n_copies(self) -> int:
+        return int(_I.in_dll(self._library, "vd_copies").value)
+
     @property
     def n_constants(self) -> int:
         """Number of constants."""
@@ -158,7 +159,7 @@ class TangentCode:
         """Return what depends on the parameters alone."""
         given = self._tables.after(np.ascontiguousarray(parameters, dtype=float))
         n = self._prepare.numel_out(0)
-        found = np.concatenate([self._tables.after(np.zeros(n)), np.zeros(self._n_copies)])
+        found = np.concatenate([self._tables.after(np.zeros(n)), np.zeros(self._n_copies())])
         self._library.vd_prepare(given.ctypes.data, found.ctypes.data)
         return found
 
