@@ -11,6 +11,7 @@ from pathlib import Path
 import pytest
 
 import vehicledyn
+from vehicledyn.base.errors import MissingPartError
 from vehicledyn.codegen.toolchain.compiler import CompilationError, find_compiler
 
 if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
@@ -71,9 +72,28 @@ def pytest_report_header():
     return f"vehicledyn: {vehicledyn.__version__} in {Path(vehicledyn.__file__).parent}"
 
 
-@pytest.fixture(scope="session")
-def needs_compiler():
+@functools.cache
+def no_compiler():
+    """Return why nothing can be compiled here, empty where it can."""
     try:
         find_compiler()
     except CompilationError as error:
-        pytest.skip(str(error))
+        return str(error)
+    return ""
+
+
+@pytest.fixture(scope="session")
+def needs_compiler():
+    if no_compiler():
+        pytest.skip(no_compiler())
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_runtest_call(item):
+    """Skip, where nothing can be compiled, what stops because it has to be."""
+    try:
+        return (yield)
+    except MissingPartError as error:
+        if no_compiler() and no_compiler() in str(error):
+            pytest.skip(str(error))
+        raise

@@ -162,10 +162,19 @@ def sobol(
     """
     from scipy.stats import sobol_indices
 
+    def figures(points: Floats) -> Floats:
+        # SciPy drops dimensions of length one, and fails for one figure of one parameter.
+        found = function(points.T).T
+        return np.concatenate([found, found[:1]])
+
     found = sobol_indices(
-        func=lambda points: function(points.T).T,
+        func=figures,
         n=number,
         dists=[law.law for law in laws],
         rng=np.random.default_rng(seed),
     )
-    return np.atleast_2d(found.first_order), np.atleast_2d(found.total_order)
+    first, total = (
+        np.reshape(indices, (-1, len(laws)))[:-1]
+        for indices in (found.first_order, found.total_order)
+    )
+    return first, total

@@ -10,6 +10,7 @@ import hashlib
 import importlib.util
 import os
 import sys
+import threading
 import traceback
 import zlib
 from collections.abc import Iterator
@@ -30,6 +31,8 @@ MODULE_PREFIX = "vehicledyn_plugin_"
 
 _LARGEST = 10_000_000
 _loaded: dict[Path, list[tuple[str, str]]] = {}
+_loading = threading.RLock()
+"""Held while a file is run, so that threads that ask for it run it once."""
 
 
 def load_plugin(path: str | Path) -> list[tuple[str, str]]:
@@ -43,7 +46,11 @@ def load_plugin(path: str | Path) -> list[tuple[str, str]]:
         If there is no such file, it fails, or it registers a name that is taken; the message
         names file and line.
     """
-    place = Path(path).resolve()
+    with _loading:
+        return _loaded_once(path, Path(path).resolve())
+
+
+def _loaded_once(path: str | Path, place: Path) -> list[tuple[str, str]]:
     if place in _loaded:
         return _loaded[place]
     if place.suffix != ".py":

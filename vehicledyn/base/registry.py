@@ -10,6 +10,7 @@ import importlib
 import pkgutil
 import re
 import sys
+import threading
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -20,6 +21,9 @@ from vehicledyn.base.version import PACKAGE
 
 _catalogues: dict[str, dict[str, type[Any] | str | Callable[[], type[Any]]]] = {}
 """Class of each entry by family and name, or the module that will register it, or its maker."""
+
+_publishing = threading.Lock()
+"""Held while a made class is entered, never while foreign code runs, which imports and waits."""
 
 _WRITTEN = re.compile(r'^@register\("(\w+)", "(\w+)"\)', re.MULTILINE)
 
@@ -37,12 +41,16 @@ def register(family: str, name: str) -> Callable[[type[T]], type[T]]:
         holder = _holder(catalogue.get(name))
         if holder not in ("", entry.__module__) or _is_another(catalogue.get(name), entry):
             raise ValueError(f"{family} '{name}' is registered twice; {_place(holder)} has it")
-        entry.family = family  # type: ignore[attr-defined]
-        entry.kind = name  # type: ignore[attr-defined]
-        catalogue[name] = entry
-        return entry
+        return _entered(family, name, entry)
 
     return enter
+
+
+def _entered(family: str, name: str, entry: type[T]) -> type[T]:
+    entry.family = family  # type: ignore[attr-defined]
+    entry.kind = name  # type: ignore[attr-defined]
+    _catalogues[family][name] = entry
+    return entry
 
 
 def _holder(known: type[Any] | str | Callable[[], type[Any]] | None) -> str:
@@ -78,15 +86,15 @@ def _foreign_entries() -> set[tuple[str, str]]:
     """Return the entries that are not this package's own."""
     return {
         (family, name)
-        for family, catalogue in _catalogues.items()
-        for name, entry in catalogue.items()
+        for family, catalogue in list(_catalogues.items())
+        for name, entry in list(catalogue.items())
         if _holder(entry).partition(".")[0] != PACKAGE
     }
 
 
 def announce(family: str, name: str, make: Callable[[], type[Any]]) -> None:
-    """Enter a class that is made when it is first asked for."""
-    _catalogues.setdefault(family, {})[name] = make
+    """Enter a class that is made when it is first asked for, unless the name is taken."""
+    _catalogues.setdefault(family, {}).setdefault(name, make)
 
 
 def families() -> tuple[str, ...]:
@@ -113,12 +121,18 @@ def find(family: str, name: str) -> type[Any]:
         importlib.import_module(found)
         found = catalogue[name]
     if found is not None and not isinstance(found, type | str):
-        made = found()
-        del catalogue[name]
-        found = register(family, name)(made)
+        found = _published(family, name, found, found())
     if not isinstance(found, type):
         raise InputError(unknown_name(family, name, kinds(family)))
     return found
+
+
+def _published(family: str, name: str, maker: Any, made: type[Any]) -> Any:
+    """Enter a class in the place of its maker; return that of another thread, were it first."""
+    catalogue = _catalogues[family]
+    with _publishing:
+        is_first = catalogue[name] is maker
+        return _entered(family, name, made) if is_first else catalogue[name]
 
 
 def discover(package: str, path: Iterable[str]) -> None:

@@ -16,6 +16,20 @@ from vehicledyn.analyse.uncertainty import (
 )
 
 
+@pytest.mark.parametrize("figures", [1, 2])
+@pytest.mark.parametrize("parameters", [1, 2])
+def test_sobol_indices_of_few_figures_and_parameters(figures, parameters):
+    """Figure k is the (k + 1)-fold sum of parameters alike: each has an equal share of it."""
+
+    def sums(points):
+        return np.outer(points.sum(axis=1), np.arange(1.0, figures + 1.0))
+
+    found = sobol(sums, [uniform(0.0, 1.0)] * parameters, 256, 1)
+    for indices in found:
+        assert indices.shape == (figures, parameters)
+        assert indices == pytest.approx(1.0 / parameters, abs=0.02)
+
+
 def test_sobol_indices_of_ishigami():
     """a = 7, b = 0.1: Ishigami and Homma (1990)."""
     a, b = 7.0, 0.1

@@ -187,6 +187,7 @@ output: {interval: 20 ms, channels: [tip.z], precision: single, figures: false}
     assert np.abs(tips[0] - tips[2]).max() > 1e-4  # first order is less exact
 
 
+@pytest.mark.usefixtures("needs_compiler")  # interpreted cases are judged while they run
 def test_failed_cases_are_told_and_kept(tmp_path):
     quarter = PENDULUM.with_name("quarter_car.yaml")
     text = f"""\
