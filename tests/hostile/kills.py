@@ -10,6 +10,7 @@ import signal
 import sys
 import tempfile
 import time
+import zipfile
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -19,17 +20,20 @@ from harness import call
 from mechanism_cases import CAM, STUDIES
 
 LOST = 1.0  # s
+SAME = (".c", ".h", ".csv", ".json", ".dxf", ".yaml")
+"""Files that are the same whenever they are written."""
 SLOW = 2.5  # how much slower a busy machine may be
 
 
 @dataclass(frozen=True)
 class Victim:
-    """A command, the file it writes, and how it goes on with what a kill left."""
+    """A command, the file it writes, how it goes on with what a kill left, further files."""
 
     name: str
     command: list
     output: str
     go_on: list = field(default_factory=list)
+    beside: tuple = ()
 
 
 VICTIMS = [
@@ -59,6 +63,31 @@ VICTIMS = [
     ),
     Victim("optimise", ["optimise", "best.yaml", "-o", "o.h5"], "o.h5", ["--resume"]),
     Victim("cam", ["cam", "cam.yaml", "-o", "c.h5"], "c.h5"),
+    Victim("drawn cam", ["cam", "cam.yaml", "--profile", "c.dxf"], "c.dxf"),
+    Victim("identify", ["identify", "known.yaml", "-o", "i.h5"], "i.h5", ["--resume"]),
+    Victim("uncertainty", ["uncertainty", "scatter.yaml", "-o", "u.h5"], "u.h5", ["--resume"]),
+    Victim(
+        "sensitivity",
+        ["sensitivity", "short.yaml", "--of", "max(lower.angle)", "-o", "d.h5"], "d.h5",
+    ),
+    Victim("steady", ["steady", "small_car", "--speed", "90 km/h", "-o", "t.h5"], "t.h5"),
+    Victim("steady page", ["steady", "small_car", "--report", "t.html"], "t.html"),
+    Victim(
+        "rig", ["rig", "wishbone_arms_axle", "--test", "parallel", "--no-plots", "-o", "x.h5"],
+        "x.h5",
+    ),
+    Victim(
+        "handling", ["handling", "small_car", "-o", "y.h5", "--report", "y.html"], "y.h5",
+        beside=("y.html",),
+    ),
+    Victim(
+        "export C", ["export", "double_pendulum.yaml", "--to", "c", "-o", "e.c"], "e.c",
+        beside=("e.h",),
+    ),
+    Victim("export FMU", ["export", "short.yaml", "--to", "fmu", "-o", "fmus"], "fmus"),
+    Victim("table", ["export-data", "short.h5", "-o", "e.csv"], "e.csv"),
+    Victim("schema", ["schema", "-o", "e.json"], "e.json"),
+    Victim("init", ["init", "project"], "project"),
 ]  # fmt: skip
 
 
@@ -69,7 +98,16 @@ class Campaign:
         self._folder, self._random = Path(folder), np.random.default_rng(seed)
         self._seconds, self._whole = {}, {}
         shutil.copy(SYSTEMS / "double_pendulum.yaml", self._folder)
+        measured = "\n".join(f"{k / 100},{0.1 * k % 0.7}" for k in range(100))
         texts = {
+            "measured.csv": f"time [s],upper.angle [rad]\n{measured}\n",
+            "known.yaml": STUDIES["identify"]
+            .replace("scenarios/systems/double_pendulum.yaml", "short.yaml")
+            .replace("duration: 20 ms", "duration: 1 s"),
+            "scatter.yaml": STUDIES["uncertainty"]
+            .replace("scenarios/systems/double_pendulum.yaml", "short.yaml")
+            .replace("duration: 20 ms", "duration: 2 s")
+            .replace("number: 4", "number: 64"),
             "short.yaml": SCENARIO,
             "long.yaml": SCENARIO.replace("3 s", "300 s"),
             "best.yaml": STUDIES["optimise"]
@@ -118,21 +156,27 @@ class Campaign:
         before = {p.name for p in self._folder.iterdir() if p.is_file()}
         others = {p.name for p in folder.iterdir() if not p.name.startswith(".")} - before
         extra = {victim.output + end for end in ("", ".checkpoint", ".runs.jsonl")}
+        extra |= set(victim.beside)
         if others - extra:
             yield f"leaves {sorted(others - extra)}"
-        if not path.exists():
-            return
-        for file in [path] if path.is_file() else path.iterdir():
-            if file.name.startswith("."):
-                continue
-            if file.stat().st_size == 0:
-                yield f"{file.name} is empty"
-            elif (
-                file.suffix == ".html" and not file.read_text("utf-8").rstrip().endswith("html>")
-            ) or (file.suffix == ".png" and not file.read_bytes().endswith(b"IEND\xaeB`\x82")):
-                yield f"{file.name} is cut off"
-        if path.suffix == ".h5":
+        files = [path] if path.is_file() else list(path.rglob("*"))
+        for file in [*files, *(folder / name for name in victim.beside)]:
+            if file.is_file() and not file.name.startswith("."):
+                yield from self._cut_off(file, self._whole[victim.name].parent, folder)
+        if path.is_file() and path.suffix == ".h5":
             yield from self._faults_of_result(victim, path, at)
+
+    def _cut_off(self, file, whole, folder):
+        known = whole / file.relative_to(folder)
+        if file.stat().st_size == 0:
+            yield f"{file.name} is empty"
+        elif (
+            (file.suffix == ".html" and not file.read_text("utf-8").rstrip().endswith("html>"))
+            or (file.suffix == ".png" and not file.read_bytes().endswith(b"IEND\xaeB`\x82"))
+            or (file.suffix == ".fmu" and not zipfile.is_zipfile(file))
+            or (file.suffix in SAME and file.read_bytes() != known.read_bytes())
+        ):
+            yield f"{file.name} is cut off"
 
     def _faults_of_result(self, victim, path, at):
         from vehicledyn.base.errors import InputError
@@ -164,7 +208,8 @@ class Campaign:
 
     def _gone_on(self, victim, folder):
         path = folder / victim.output
-        if not path.exists() and victim.name != "optimise":
+        kept = folder / f"{victim.output}.runs.jsonl"
+        if not path.exists() and not kept.exists():
             return
         from vehicledyn.results.store.reader import open_result
 
@@ -177,7 +222,7 @@ class Campaign:
             yield f"cannot be continued: exit code {code}"
             return
         shutil.copy(self._whole[victim.name], folder / "whole.h5")
-        if victim.name in ("hunt", "optimise"):
+        if victim.name in ("hunt", "optimise", "identify", "uncertainty"):
             return
         with contextlib.suppress(FileNotFoundError):
             code = start(folder, ["compare", path.name, "whole.h5"]).wait()

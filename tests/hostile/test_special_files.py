@@ -6,6 +6,7 @@ from pathlib import Path
 
 import pytest
 from harness import Case, run
+from mechanism_cases import MEASURED, OUTLINE, STUDIES
 
 from vehicledyn.base.files.limits import (
     UnreadableFileError,
@@ -37,6 +38,8 @@ LAYOUT = b"kind: layout_table\nfile: bad.csv\nrail: 60E1\ngauge: 1435 mm\ninclin
 RECORD = RAIL.replace(b"bad.csv", b"60E1") + (
     b"irregularities: {kind: record, file: bad.csv, fade: 1 m}\n"
 )
+OPTIMISE = STUDIES["optimise"].replace("scenarios/systems/double_pendulum", "bad")
+IDENTIFY = STUDIES["identify"].replace("scenarios/systems/double_pendulum.yaml", "a.yaml")
 PLACES = {
     "scenario": ({}, ["run", "bad.yaml"], "bad.yaml"),
     "validated": ({}, ["validate", "bad.yaml"], "bad.yaml"),
@@ -88,6 +91,66 @@ PLACES = {
     "compare": ({}, ["compare", "bad.h5", "bad.h5"], "bad.h5"),
 }
 
+FURTHER = {
+    "OpenCRG road": (
+        {"a.yaml": RAMP.replace(b"kind: flat", b"kind: opencrg\n  file: bad.crg")},
+        ["run", "a.yaml"],
+        "bad.crg",
+    ),
+    "grid of heights": (
+        {"a.yaml": RAMP.replace(b"kind: flat", b"kind: heightfield\n  file: bad.asc")},
+        ["run", "a.yaml"],
+        "bad.asc",
+    ),
+    "mesh": (
+        {"a.yaml": RAMP.replace(b"kind: flat", b"kind: mesh\n  file: bad.obj\n  cell: 1 m")},
+        ["run", "a.yaml"],
+        "bad.obj",
+    ),
+    "tyre": ({}, ["tyre", "bad.tir"], "bad.tir"),
+    "plugin": ({"a.yaml": RAMP}, ["--plugin", "bad.py", "run", "a.yaml"], "bad.py"),
+    "cam": ({}, ["cam", "bad.yaml"], "bad.yaml"),
+    "outline of a cam": (
+        {"c.yaml": OUTLINE.replace("measured", "bad").encode()},
+        ["cam", "c.yaml"],
+        "bad.csv",
+    ),
+    "optimisation": ({}, ["optimise", "bad.yaml"], "bad.yaml"),
+    "uncertainty": ({}, ["uncertainty", "bad.yaml"], "bad.yaml"),
+    "measured data": (
+        SYSTEM | {"s.yaml": IDENTIFY.replace("measured", "bad").encode()},
+        ["identify", "s.yaml"],
+        "bad.csv",
+    ),
+    "runs to go on with": (
+        SYSTEM | {"s.yaml": IDENTIFY.encode(), "measured.csv": MEASURED.encode()},
+        ["identify", "s.yaml", "-o", "out.h5", "--resume"],
+        "out.h5.runs.jsonl",
+    ),
+    "scenario of an optimisation": (
+        {
+            "s.yaml": STUDIES["optimise"]
+            .replace("scenarios/systems/double_pendulum", "bad")
+            .encode()
+        },
+        ["optimise", "s.yaml"],
+        "bad.yaml",
+    ),
+    "runs to keep": (
+        SYSTEM | {"s.yaml": IDENTIFY.encode(), "measured.csv": MEASURED.encode()},
+        ["identify", "s.yaml", "-o", "out.h5"],
+        "out.h5.runs.jsonl",
+    ),
+    "restart": (SYSTEM, ["run", "a.yaml", "--restart", "bad.h5"], "bad.h5"),
+    "second car": ({}, ["steady", "small_car", "--against", "bad.yaml"], "bad.yaml"),
+    "assembly": (
+        {"a.yaml": b"title: Two\nbodies: {}\nassemblies: {front: {file: bad.yaml}}\n"},
+        ["eig", "a.yaml"],
+        "bad.yaml",
+    ),
+}
+"""Places that are tried with a FIFO and one other kind in turn."""
+
 
 def a_fifo(path):
     os.mkfifo(path)
@@ -126,11 +189,22 @@ KINDS = [
 ]
 
 
-@pytest.mark.parametrize(("make", "word"), KINDS, ids=lambda x: getattr(x, "__name__", ""))
-@pytest.mark.parametrize("place", PLACES)
+ALL = [(place, *kind) for place in PLACES for kind in KINDS]
+ALL += [
+    (place, *KINDS[kind])
+    for number, place in enumerate(FURTHER)
+    for kind in (0, 1 + number % (len(KINDS) - 1))
+]
+
+
+@pytest.mark.parametrize(
+    ("place", "make", "word"), ALL, ids=[f"{place}-{make.__name__}" for place, make, _ in ALL]
+)
 def test_refused_by_name(place, make, word):
-    files, command, name = PLACES[place]
+    files, command, name = (PLACES | FURTHER)[place]
     outcome = run(Case(place, files | {name: make}, command))
+    if place == "runs to keep" and make is a_giant:
+        return  # it is replaced
     if place == "report" and make is a_folder:
         assert outcome.faults == []  # a folder of results is what report may get
         return

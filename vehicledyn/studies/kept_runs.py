@@ -10,7 +10,9 @@ from pathlib import Path
 from typing import Any
 
 from vehicledyn.base.errors import InputError
+from vehicledyn.base.files.limits import check_regular, read_regular
 
+_LARGEST = 2_000_000_000
 _KEY, _FOUND, _SUM = "run", "found", "checksum"
 
 
@@ -36,8 +38,11 @@ class KeptRuns:
         self._path, self._lock = path, threading.Lock()
         self._known: dict[str, dict[str, Any]] = {}
         self._head, self._begun = json.dumps({"study": _digest(texts)}), False
-        if path is not None and resume:
-            self._recall(path)
+        if path is not None and path.exists():
+            check_regular(path)
+            if resume:
+                self._read(path, self._head)
+                self._begun = True
         self.n_known = len(self._known)
 
     def entry(self, run: Any, compute: Callable[[], dict[str, Any]]) -> dict[str, Any]:
@@ -59,26 +64,21 @@ class KeptRuns:
     def _keep(self, path: Path, key: str, found: dict[str, Any]) -> None:
         """Add a run to the file, which begins with the first one."""
         line = json.dumps({_KEY: key, _SUM: _digest([key, json.dumps(found)]), _FOUND: found})
+        if not self._begun:
+            self._write(path, f"{self._head}\n", "w")
+            self._begun = True
+        self._write(path, f"{line}\n", "a")
+
+    def _write(self, path: Path, text: str, mode: str) -> None:
         try:
-            if not self._begun:
-                path.write_text(f"{self._head}\n", encoding="utf-8")
-                self._begun = True
-            with path.open("a", encoding="utf-8") as file:
-                file.write(f"{line}\n")
+            with path.open(mode, encoding="utf-8") as file:
+                file.write(text)
         except OSError as error:
             raise InputError(f"{path}: cannot be written: {error.strerror}") from None
 
-    def _recall(self, path: Path) -> None:
-        try:
-            if path.is_file():
-                self._read(path, self._head)
-                self._begun = True
-        except OSError as error:
-            raise InputError(f"{path}: cannot be used: {error.strerror}") from None
-
     def _read(self, path: Path, head: str) -> None:
         """Read what is known; a line that is damaged or was cut short is computed again."""
-        text = path.read_text(encoding="utf-8", errors="replace")
+        text = read_regular(path, _LARGEST).decode(errors="replace")
         lines = text.splitlines()
         if lines[:1] != [head]:
             raise InputError(f"{path}: holds runs of another study; start anew without resuming")
@@ -91,8 +91,7 @@ class KeptRuns:
             except (ValueError, KeyError, TypeError, RecursionError):
                 continue
         if not text.endswith("\n"):
-            with path.open("a", encoding="utf-8") as file:
-                file.write("\n")
+            self._write(path, "\n", "a")
 
 
 def _digest(texts: Iterable[str]) -> str:

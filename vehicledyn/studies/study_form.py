@@ -128,7 +128,7 @@ class StudyForm:
 def located(path: Path, place: str) -> Path:
     """Return a scenario's path: beside the study, or of the library."""
     beside = path.parent / place
-    if beside.is_file():
+    if beside.exists() and not beside.is_dir():
         return beside
     from vehicledyn.library import locate
 

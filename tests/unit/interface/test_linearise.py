@@ -1,5 +1,7 @@
 """Linearised models in state space, from Python and as files."""
 
+import errno
+
 import numpy as np
 import pytest
 
@@ -39,6 +41,25 @@ def test_files_hold_matrices_and_names(model, tmp_path):
     assert list(matlab["output_units"]) == ["m", "N"]
     with pytest.raises(InputError, match=r"\.mat or \.npz"):
         model.save(tmp_path / "model.txt")
+
+
+@pytest.mark.parametrize(
+    ("name", "writer"), [("model.npz", "numpy.savez"), ("model.mat", "scipy.io.savemat")]
+)
+def test_a_disk_that_fills_up_leaves_the_file_that_was_there(
+    model, tmp_path, monkeypatch, name, writer
+):
+    def write_half(file, *_, **__):
+        file.write(b"half")
+        raise OSError(errno.ENOSPC, "No space left on device")
+
+    path = tmp_path / name
+    path.write_bytes(b"whole")
+    monkeypatch.setattr(writer, write_half)
+    with pytest.raises(InputError, match="No space left on device"):
+        model.save(path)
+    assert [place.name for place in tmp_path.iterdir()] == [name]
+    assert path.read_bytes() == b"whole"
 
 
 def test_control_is_optional(model):

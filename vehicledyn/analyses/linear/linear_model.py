@@ -14,6 +14,7 @@ from vehicledyn.analyses.linear.input_names import ModelInput
 from vehicledyn.analyses.linear.response import chosen_rows, linearise_with_inputs, transfer_system
 from vehicledyn.analyses.preparation.prepared import Progress
 from vehicledyn.base.errors import InputError, MissingPartError
+from vehicledyn.base.files.whole_file import whole_file
 from vehicledyn.files.scenario.target import Target
 from vehicledyn.results.store.linear_file import Quantity
 
@@ -89,17 +90,17 @@ class LinearModel:
             raise InputError(f"{place}: expected a file that ends in {' or '.join(_SUFFIXES)}")
         items = self._items()
         try:
-            if place.suffix == ".npz":
-                arrays: dict[str, Any] = {key: np.asarray(v) for key, v in items.items()}
-                with place.open("wb") as file:
+            with whole_file(place) as scratch, scratch.open("wb") as file:
+                if place.suffix == ".npz":
+                    arrays: dict[str, Any] = {key: np.asarray(v) for key, v in items.items()}
                     np.savez(file, **arrays)
-            else:
-                from scipy.io import savemat
+                else:
+                    from scipy.io import savemat
 
-                texts = {k: np.array(v, dtype=object) for k, v in items.items() if _is_texts(v)}
-                savemat(place, items | texts)
+                    texts = {k: np.array(v, dtype=object) for k, v in items.items() if _is_texts(v)}
+                    savemat(file, items | texts)
         except OSError as error:
-            raise InputError(f"{place}: cannot be written: {error.strerror}") from None
+            raise InputError(f"{place}: cannot be written: {error.strerror or error}") from None
         return place
 
     def to_control(self) -> Any:

@@ -11,6 +11,7 @@ import numpy as np
 
 from vehicledyn.analyses.preparation.prepared import Progress
 from vehicledyn.base.errors import InputError, nearest_name
+from vehicledyn.base.files.limits import UnreadableFileError, check_regular
 from vehicledyn.base.units import to_si
 from vehicledyn.files.scenario import LoadedScenario
 from vehicledyn.studies.identification.experiments import Experiment, Measured
@@ -146,8 +147,12 @@ def _measured(
         column = str(entry.get("column", channel))
         signals.append(Signal(channel, column, unit, entry.get("unit"), noise, lag))
     data = path.parent / str(item["data"])
-    if not data.is_file():
-        raise InputError(f"{where}.data: there is no file '{item['data']}' beside the study")
+    try:
+        check_regular(data)
+    except UnreadableFileError as error:
+        raise InputError(
+            f"{where}.data: '{item['data']}' beside the study: {error.words}"
+        ) from None
     found, notes = [], []
     for signal, (times, values) in zip(
         signals, read_signals(data, str(item.get("time", "time")), signals), strict=True
