@@ -53,8 +53,9 @@ def load_plugin(path: str | Path) -> list[tuple[str, str]]:
 def _loaded_once(path: str | Path, place: Path) -> list[tuple[str, str]]:
     if place in _loaded:
         return _loaded[place]
-    read_regular(Path(path), _LARGEST)
-    if place.suffix != ".py":
+    if Path(path).suffix == ".py":
+        read_regular(Path(path), _LARGEST)
+    if {Path(path).suffix, place.suffix} != {".py"}:
         raise InputError(f"{path}: a plugin is a Python file, my_tyre.py for example")
     name = f"{MODULE_PREFIX}{place.stem}_{zlib.crc32(str(place).encode()):08x}"
     specification = importlib.util.spec_from_file_location(name, place)
