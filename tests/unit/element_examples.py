@@ -19,23 +19,23 @@ ELEMENTS = {
         lambda s: (2.0 * 4.0 - 5.0 * 0.5, 0.0, 0.0),
     ),
     "bushing": (
-        "a: ground, b: {body: b, point: [0, 0, 0.1]}, stiffness: [20 N/m, 0, 0], damping: [0, "
+        "a: ground, b: {body: b, point: [0, 0, 0.1 m]}, stiffness: [20 N/m, 0, 0], damping: [0, "
         "3 N*s/m, 0]",
         lambda s: (-20.0 * s["b.x"], -3.0 * s["b.y_rate"], 0.0),
     ),
     "cam_contact": (
-        f"{CAM} centre: [0, 0, -0.37], stiffness: 1e3, exponent: 1",
+        f"{CAM} centre: [0, 0, -0.37 m], stiffness: 1e3, exponent: 1",
         lambda s: tuple(1e3 * (0.5 - APART) * n / APART for n in (0.3, 0.0, 0.38)),
     ),
     "cam_impact": (
-        f"{CAM} centre: [0, 0, -0.6], touching: false",
+        f"{CAM} centre: [0, 0, -0.6 m], touching: false",
         lambda s: (0.0, 0.0, 0.0),
     ),
     # On the circle of radius 0.5 m about (0, -0.5), at 5 m/s.
-    "cam_joint": (f"{CAM} centre: [0, 0, -0.49]", lambda s: (-60.0, 0.0, None)),
+    "cam_joint": (f"{CAM} centre: [0, 0, -0.49 m]", lambda s: (-60.0, 0.0, None)),
     # Far above the ground; the rollers turn with the hub and weigh nothing to speak of.
     "roller_wheel": (
-        "hub: b, axis: 2, radius: 0.1, rollers: 8, roller_angle: 45.0, roller_radius: 0.02, "
+        "hub: b, axis: 2, radius: 0.1 m, rollers: 8, roller_angle: 45.0, roller_radius: 0.02, "
         "roller_mass: 1e-14 kg, centre: [0, 0, 1 m], stiffness: 1e5 N/m, friction: 0.5",
         lambda s: (0.0, 0.0, 0.0),
     ),
@@ -55,10 +55,13 @@ ELEMENTS = {
         lambda s: (3.0, 0.0, 0.0),
     ),
     "friction_coupling": (
-        "coordinate: b.x, limit: 6, stiffness: 1e3, damping: 0.5",
+        "coordinate: b.x, limit: 6 N*m, stiffness: 1e3 N*m/rad, damping: 0.5 N*m*s/rad",
         lambda s: (2.0, 0.0, 0.0),
     ),
-    "half_shaft": ("shaft: b, wheel: b, stiffness: 900, damping: 4", lambda s: (0.0, 0.0, 0.0)),
+    "half_shaft": (
+        "shaft: b, wheel: b, stiffness: 900 N*m/rad, damping: 4 N*m*s/rad",
+        lambda s: (0.0, 0.0, 0.0),
+    ),
     "hydraulic_lash": (
         "a: {body: ground, point: [0.3 m, 0, -1 m]}, b: b, area: 1 mm^2, volume: 1 mm^3, length: "
         "0.9 m, bulk_modulus: 1 GPa, leakage: 0, check_valve: 0, stiffness: 5 N/m, preload: 2 N",

@@ -21,7 +21,7 @@ def run(folder, text, duration, solver=EVENTS, backend="interpreted"):
 BALL = """
 title: A ball
 bodies:
-  ball: {joints: [T1 x, T3 z], mass: 2 kg, inertia: [0.1, 0.1, 0.1]}
+  ball: {joints: [T1 x, T3 z], mass: 2 kg, inertia: [0.1 kg*m^2, 0.1 kg*m^2, 0.1 kg*m^2]}
 elements:
   ground: {kind: body_impact, body_a: ground, body_b: ball, plane: {}, ball: {radius: 0.1 m},
     touching: false, restitution: 0.8}
@@ -67,7 +67,8 @@ def test_balls_collide(tmp_path):
 SLOPE = """
 title: A ball on a slope
 bodies:
-  ball: {joints: [T1 x, T3 z, R2 spin], mass: 2 kg, inertia: [0.008, 0.008, 0.008]}
+  ball: {joints: [T1 x, T3 z, R2 spin], mass: 2 kg, inertia: [0.008 kg*m^2, 0.008 kg*m^2,
+        0.008 kg*m^2]}
 elements:
   slope: {kind: body_impact, body_a: ground, body_b: ball, plane: {normal: [0.6, 0, 0.8]},
     ball: {radius: 0.1 m}, friction: FRICTION, creep_speed: 1e-4 m/s}
@@ -119,8 +120,8 @@ bodies:
   a: {joints: [T3 z], mass: 1 kg}
 elements:
   rest: {kind: body_contact, body_a: ground, body_b: a, stiffness: 1e4, exponent: 1,
-    capsule: {centre: [-1, 0, 0], far_centre: [1, 0, 0], radius: 0.1 m},
-    ball: {centre: [0.2, -1, 0], far_centre: [0.2, 1, 0], radius: 0.2 m}}
+    capsule: {centre: [-1 m, 0, 0], far_centre: [1 m, 0, 0], radius: 0.1 m},
+    ball: {centre: [0.2 m, -1 m, 0], far_centre: [0.2 m, 1 m, 0], radius: 0.2 m}}
 initial: {a.z: 0.29 m}
 """
 

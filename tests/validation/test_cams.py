@@ -86,7 +86,7 @@ DISC = """
 title: A flat follower on an eccentric disc
 gravity: [0, 0, 0]
 bodies:
-  disc: {{joints: [R2 angle], mass: 1 kg, inertia: [1, 1, 1]}}
+  disc: {{joints: [R2 angle], mass: 1 kg, inertia: [1 kg*m^2, 1 kg*m^2, 1 kg*m^2]}}
   tappet: {{joints: [{{kind: T3, name: height, role: {role}}}], mass: 0.5 kg}}
 drives:
   motor: {{coordinate: disc.angle, law: {{kind: constant_rate, rate: {speed} rad/s}}}}
@@ -227,7 +227,7 @@ GUIDED = """
 title: A follower that never leaves its cam
 gravity: [0, 0, 0]
 bodies:
-  cam: {{joints: [R3 angle], mass: 1 kg, inertia: [1, 1, 1]}}
+  cam: {{joints: [R3 angle], mass: 1 kg, inertia: [1 kg*m^2, 1 kg*m^2, 1 kg*m^2]}}
   follower: {follower}
 drives:
   motor: {{coordinate: cam.angle, law: {{kind: constant_rate, rate: 100 rad/s}}}}
@@ -263,7 +263,7 @@ def guided(name):
         # The arm lies along -x of the follower's body at psi = 0; psi turns it clockwise.
         follower = (
             "{at: [80 mm, 0, 0], joints: [{kind: R3, name: place, role: dependent}], mass: 1 kg, "
-            "inertia: [0.01, 0.01, 0.01]}"
+            "inertia: [0.01 kg*m^2, 0.01 kg*m^2, 0.01 kg*m^2]}"
         )
         point = "[-70 mm, 0, 0]" if "roller" in name else "[-50 mm, -5 mm, 0]"
         if "flat" in name:
@@ -324,8 +324,9 @@ GENEVA = """
 title: A Geneva drive
 gravity: [0, 0, 0]
 bodies:
-  driver: {joints: [R2 angle], mass: 1 kg, inertia: [1, 1, 1]}
-  wheel: {joints: [{kind: R2, name: angle, role: dependent}], mass: 1 kg, inertia: [0.1, 0.1, 0.1]}
+  driver: {joints: [R2 angle], mass: 1 kg, inertia: [1 kg*m^2, 1 kg*m^2, 1 kg*m^2]}
+  wheel: {joints: [{kind: R2, name: angle, role: dependent}], mass: 1 kg, inertia: [0.1 kg*m^2,
+        0.1 kg*m^2, 0.1 kg*m^2]}
 drives:
   motor: {coordinate: driver.angle, law: {kind: constant_rate, rate: 10 rad/s}}
 constraints:

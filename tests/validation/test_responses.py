@@ -191,7 +191,8 @@ WHEELED = """
 title: One wheel carries a load over a road
 bodies:
   load: {at: [0, 0, 0.3 m], joints: [T3 height], mass: 200 kg}
-  wheel: {parent: load, joints: [R2 spin], mass: 10 kg, inertia: [1, 1, 1], spins_about: 2}
+  wheel: {parent: load, joints: [R2 spin], mass: 10 kg, inertia: [1 kg*m^2, 1 kg*m^2, 1 kg*m^2],
+        spins_about: 2}
 wheels:
   corner:
     body: wheel

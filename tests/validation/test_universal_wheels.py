@@ -145,7 +145,9 @@ def test_rollers_as_bodies_move_a_cart_as_their_average(tmp_path):
     text = cart("kiwi").replace("com: [0.0 m, 0, 0]", "com: [0, 0, 0]")
     text = text.replace("name: y, role: independent}", "name: y}\n      - {kind: T3, name: z}")
     text = text.replace("gravity: [0, 0, 0]", "").replace("mass: 1 kg", "mass: 0.1 kg")
-    text = text.replace("inertia: [0, 0.01, 0]", "inertia: [0.01, 0.01, 0.01]")
+    text = text.replace(
+        "inertia: [0, 0.01 kg*m^2, 0]", "inertia: [0.01 kg*m^2, 0.01 kg*m^2, 0.01 kg*m^2]"
+    )
     head = text[: text.index("constraints:")]
     u, v, turn, radius = 0.5, 0.25, 0.5, 0.05
     angles = [math.radians(a) for a in (90, 210, 330)]
@@ -153,8 +155,8 @@ def test_rollers_as_bodies_move_a_cart_as_their_average(tmp_path):
     elements, motors = "elements:\n", "forces:\n"
     for k, rate in enumerate(rates, 1):
         elements += (
-            f"  e{k}: {{kind: roller_wheel, hub: w{k}, axis: 2, radius: 0.05, rollers: 6, "
-            "roller_angle: 90.0, roller_radius: 0.012, roller_mass: 0.05 kg, stiffness: 2e5 N/m, "
+            f"  e{k}: {{kind: roller_wheel, hub: w{k}, axis: 2, radius: 0.05 m, rollers: 6, "
+            "roller_angle: 90.0, roller_radius: 0.012 m, roller_mass: 0.05 kg, stiffness: 2e5 N/m, "
             "dissipation: 1 s/m, friction: 0.6, creep_speed: 0.02 m/s}\n"
         )
         motors += (

@@ -12,7 +12,7 @@ parameters:
   wheel: {centre: [0 mm, 750 mm, 300 mm], radius: 300 mm}
   seat: {lower: [0 mm, 500 mm, 280 mm], upper: [0 mm, 450 mm, 700 mm]}
 bodies:
-  arm: {at: pivot, joints: [R1 angle], mass: 30 kg, inertia: [1, 1, 1]}
+  arm: {at: pivot, joints: [R1 angle], mass: 30 kg, inertia: [1 kg*m^2, 1 kg*m^2, 1 kg*m^2]}
 links:
   spring:
     a: {body: ground, point: seat.upper}

@@ -212,9 +212,9 @@ def test_sensors_of_forces_are_left_out(tmp_path):
 HOIST = """
 title: A load hangs on a drum
 bodies:
-  drum: {joints: [R2 angle], mass: 20 kg, inertia: [0.4, 0.4, 0.4]}
+  drum: {joints: [R2 angle], mass: 20 kg, inertia: [0.4 kg*m^2, 0.4 kg*m^2, 0.4 kg*m^2]}
   load: {joints: [{kind: T3, name: height, start: -1 m}], mass: 50 kg}
-  arm: {joints: [R2 swing], mass: 1 kg, inertia: [1, 1, 1]}
+  arm: {joints: [R2 swing], mass: 1 kg, inertia: [1 kg*m^2, 1 kg*m^2, 1 kg*m^2]}
 constraints:
   rope: {kind: rack, sliding: load.height, turning: drum.angle, radius: 0.2 m, offset: -1 m}
 cuts:

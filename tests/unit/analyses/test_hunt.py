@@ -24,7 +24,7 @@ title: A balance wheel, stable at rest, that swings on once it is pushed
 parameters: {push: 0.1 N*m*s/rad^3, loss: 0.04 N*m*s/rad, limit: 0.02 N*m*s/rad^5}
 gravity: [0, 0, 0]
 bodies:
-  wheel: {joints: [R3 angle], mass: 1 kg, inertia: [1, 1, 1]}
+  wheel: {joints: [R3 angle], mass: 1 kg, inertia: [1 kg*m^2, 1 kg*m^2, 1 kg*m^2]}
 forces:
   spring: {coordinate: wheel.angle, force: -1 N*m/rad * position}
   air: {coordinate: wheel.angle, force: "-(loss - push * position**2 + limit * position**4) * rate"}
@@ -157,7 +157,7 @@ title: A balance wheel whose small swings and large ones are joined beyond the r
 parameters: {push: 0.01 N*m*s/rad, scale: 1 rad}
 gravity: [0, 0, 0]
 bodies:
-  wheel: {joints: [R3 angle], mass: 1 kg, inertia: [1, 1, 1]}
+  wheel: {joints: [R3 angle], mass: 1 kg, inertia: [1 kg*m^2, 1 kg*m^2, 1 kg*m^2]}
 forces:
   spring: {coordinate: wheel.angle, force: -1 N*m/rad * position}
   air:
@@ -230,8 +230,9 @@ title: A balance wheel, and on it a small one that swings by itself
 parameters: {push: 0.01 N*m*s/rad, scale: 1 rad}
 gravity: [0, 0, 0]
 bodies:
-  wheel: {joints: [R3 angle], mass: 1 kg, inertia: [1, 1, 1]}
-  small: {parent: wheel, joints: [R3 angle], mass: 1 kg, inertia: [0.1, 0.1, 0.1]}
+  wheel: {joints: [R3 angle], mass: 1 kg, inertia: [1 kg*m^2, 1 kg*m^2, 1 kg*m^2]}
+  small: {parent: wheel, joints: [R3 angle], mass: 1 kg, inertia: [0.1 kg*m^2, 0.1 kg*m^2,
+        0.1 kg*m^2]}
 forces:
   spring: {coordinate: wheel.angle, force: -1 N*m/rad * position}
   air: {coordinate: wheel.angle, force: "(push - 0.1 N*m*s/rad * (position / scale)**2) * rate"}
@@ -326,8 +327,8 @@ title: A balance wheel that swings more or less, beside which a small one begins
 parameters: {push: 0.01 N*m*s/rad, scale: 1 rad, second: 1 s}
 gravity: [0, 0, 0]
 bodies:
-  wheel: {joints: [R3 angle], mass: 1 kg, inertia: [1, 1, 1]}
-  small: {joints: [R3 angle], mass: 1 kg, inertia: [1, 1, 1]}
+  wheel: {joints: [R3 angle], mass: 1 kg, inertia: [1 kg*m^2, 1 kg*m^2, 1 kg*m^2]}
+  small: {joints: [R3 angle], mass: 1 kg, inertia: [1 kg*m^2, 1 kg*m^2, 1 kg*m^2]}
 forces:
   spring: {coordinate: wheel.angle, force: -1 N*m/rad * position}
   air: {coordinate: wheel.angle, force: "(push - 0.1 N*m*s/rad * (position / scale)**2) * rate"}
@@ -404,7 +405,7 @@ title: A balance wheel whose air resists as soon as it swings by more than a mil
 parameters: {push: 0.01 N*m*s/rad, resistance: 0.05 N*m*s/rad, small: 1e-6 rad, scale: 1 rad}
 gravity: [0, 0, 0]
 bodies:
-  wheel: {joints: [R3 angle], mass: 1 kg, inertia: [1, 1, 1]}
+  wheel: {joints: [R3 angle], mass: 1 kg, inertia: [1 kg*m^2, 1 kg*m^2, 1 kg*m^2]}
 forces:
   spring: {coordinate: wheel.angle, force: -1 N*m/rad * position}
   air:
@@ -430,8 +431,8 @@ title: Two balance wheels, of which the second begins to swing later
 parameters: {push: 0.01 N*m*s/rad, delay: 0.02 N*m*s/rad, scale: 1 rad}
 gravity: [0, 0, 0]
 bodies:
-  first: {joints: [R3 angle], mass: 1 kg, inertia: [1, 1, 1]}
-  second: {joints: [R3 angle], mass: 1 kg, inertia: [1, 1, 1]}
+  first: {joints: [R3 angle], mass: 1 kg, inertia: [1 kg*m^2, 1 kg*m^2, 1 kg*m^2]}
+  second: {joints: [R3 angle], mass: 1 kg, inertia: [1 kg*m^2, 1 kg*m^2, 1 kg*m^2]}
 forces:
   spring: {coordinate: first.angle, force: -1 N*m/rad * position}
   hair: {coordinate: second.angle, force: -2 N*m/rad * position}

@@ -27,7 +27,7 @@ CART = """\
 title: A cart with a pendulum, pushed along a floor that {law}
 parameters: {{push: 3 m/s, aside: 0.1 rad}}
 bodies:
-  cart: {{joints: [T1 way], mass: 2 kg, inertia: [1, 1, 1]}}
+  cart: {{joints: [T1 way], mass: 2 kg, inertia: [1 kg*m^2, 1 kg*m^2, 1 kg*m^2]}}
   bob: {{parent: cart, joints: [R2 swing], mass: 1 kg, com: [0, 0, -1 m]}}
 forces:
   floor: {{coordinate: cart.way, force: "{force}"}}

@@ -20,7 +20,7 @@ bodies:
   crank:
     joints: [{kind: R2, name: angle, role: independent}]
     mass: 1 kg
-    inertia: [0, 0.02, 0.02]
+    inertia: [0, 0.02 kg*m^2, 0.02 kg*m^2]
   slider: {joints: [{kind: T3, name: height, start: 0.8 m}], mass: mass}
 cuts:
   rod: {kind: rod, a: {body: crank, point: [radius, 0, 0]}, b: slider, length: rod}

@@ -94,7 +94,7 @@ bodies:
   crank:
     joints: [{kind: R2, name: angle, role: independent, start: -90 deg}]
     mass: 1 kg
-    inertia: [0.01, 0.01, 0.01]
+    inertia: [0.01 kg*m^2, 0.01 kg*m^2, 0.01 kg*m^2]
   coupler: {parent: crank, at: [radius, 0, 0], joints: [{kind: R2, name: angle, start: 110 deg}]}
   slider: {joints: [{kind: T1, name: x, start: 0.28 m}], mass: 2 kg}
 cuts:

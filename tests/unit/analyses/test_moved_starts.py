@@ -14,7 +14,7 @@ bodies:
   disk:
     joints: [T1 x, T2 y, T3 z, R3 yaw, R1 lean, R2 spin]
     mass: 1 kg
-    inertia: [0.06, 0.12, 0.06]
+    inertia: [0.06 kg*m^2, 0.12 kg*m^2, 0.06 kg*m^2]
 constraints:
   contact: {kind: rolling_wheel, body: disk, axis: 2, radius: 0.5 m}
 """

@@ -11,7 +11,8 @@ SYSTEM = """\
 title: A mass whose frequency is a speed over a radius, and that starts with that speed
 parameters: {speed: 3 m/s, radius: 1 m, mass: 2 kg, stiffness: mass * (speed / radius)**2}
 bodies:
-  mass: {joints: [{kind: T1, name: x, start_rate: speed}], mass: mass, inertia: [1, 1, 1]}
+  mass: {joints: [{kind: T1, name: x, start_rate: speed}], mass: mass, inertia: [1 kg*m^2,
+        1 kg*m^2, 1 kg*m^2]}
 springs:
   spring: {coordinate: mass.x, law: {kind: spring_damper, stiffness: stiffness}}
 """

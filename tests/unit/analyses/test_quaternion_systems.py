@@ -12,14 +12,15 @@ TURNS = "{kind: spherical, sequence: [3, 2, 1]}"
 PLATE = """
 title: A plate that hangs on a ball joint and carries a pendulum
 bodies:
-  plate: {{joints: [{joint}], mass: 2 kg, com: [0.1, 0, -0.5], inertia: [0.2, 0.3, 0.25]}}
+  plate: {{joints: [{joint}], mass: 2 kg, com: [0.1 m, 0, -0.5 m], inertia: [0.2 kg*m^2,
+        0.3 kg*m^2, 0.25 kg*m^2]}}
   arm:
     parent: plate
-    at: [0, 0, -1]
+    at: [0, 0, -1 m]
     joints: [R2 angle]
     mass: 0.5 kg
-    com: [0, 0, -0.4]
-    inertia: [0.05, 0.05, 0.02]
+    com: [0, 0, -0.4 m]
+    inertia: [0.05 kg*m^2, 0.05 kg*m^2, 0.02 kg*m^2]
 """
 
 

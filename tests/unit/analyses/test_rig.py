@@ -22,7 +22,7 @@ bodies:
     at: [0.1 m, 0.7 m, 0.3 m]
     joints: [free]
     mass: 20 kg
-    inertia: [0.5, 0.6, 0.5]
+    inertia: [0.5 kg*m^2, 0.6 kg*m^2, 0.5 kg*m^2]
 bushings:
   block:
     a: {body: chassis, point: [0.05 m, 0.5 m, 0.35 m]}

@@ -16,7 +16,7 @@ bodies:
     parent: ground
     joints: [{kind: JOINT}]
     mass: 2 kg
-    inertia: [0.01, 0.02, 0.03, 0, 0, 0]
+    inertia: [0.01 kg*m^2, 0.02 kg*m^2, 0.03 kg*m^2, 0, 0, 0]
 """
 RUN = """\
 title: It turns over

@@ -23,9 +23,9 @@ ARM = "title: t\nbodies:\n  a: {joints: [R2 q], mass: 1 kg, com: [0, 0, 1 m]}\n"
 BARS = """\
 title: t
 bodies:
-  crank: {joints: [R2 q], mass: 1 kg, com: [0.1, 0, 0]}
-  coupler: {parent: crank, at: [0.3 m, 0, 0], joints: [R2 q], mass: 1 kg, com: [0.1, 0, 0]}
-  rocker: {at: [0.8 m, 0, 0], joints: [R2 q], mass: 1 kg, com: [0.1, 0, 0]}
+  crank: {joints: [R2 q], mass: 1 kg, com: [0.1 m, 0, 0]}
+  coupler: {parent: crank, at: [0.3 m, 0, 0], joints: [R2 q], mass: 1 kg, com: [0.1 m, 0, 0]}
+  rocker: {at: [0.8 m, 0, 0], joints: [R2 q], mass: 1 kg, com: [0.1 m, 0, 0]}
 cuts:
   pin:
     kind: ball
@@ -34,7 +34,7 @@ cuts:
 """
 START = "initial: {crank.q: -60 deg, coupler.q: 35 deg, rocker.q: -80 deg}\n"
 TURNS = "title: t\nbodies:\n  a:\n    joints: [R3 a, R2 b, R3 c]\n    mass: 1 kg\n"
-TURNS += "    inertia: [1, 1, 1]\n"
+TURNS += "    inertia: [1 kg*m^2, 1 kg*m^2, 1 kg*m^2]\n"
 RAMP = "law: {kind: ramp, last: 1 rad, duration: 1 s}"
 
 
@@ -82,7 +82,8 @@ def call(monkeypatch, capsys, tmp_path):
          "constraints: {hold: {kind: expression, zero: a.q}}\n", 2,
          "system.yaml:5:15: constraints.hold: ",
          "'a.q' is driven, but the constraints 'hold' leave it no freedom"),
-        (BARS + START[:-2] + ", crank.q_rate: 1, coupler.q_rate: 5, rocker.q_rate: 7}\n", 2,
+        (BARS + START[:-2] + ", crank.q_rate: 1 rad/s, coupler.q_rate: 5 rad/s, "
+         "rocker.q_rate: 7 rad/s}\n", 2,
          "system.yaml:11:67: initial.crank.q_rate: ", "'rocker.q' is given 401.1 deg/s"),
         (ARM + "sensors:\n  s: {kind: point, body: a}\n  s.x: {kind: expression, value: a.q, "
          "unit: rad}\n", 2, "system.yaml:6:3: sensors.s.x: ", "two parts give a channel"),
@@ -146,7 +147,7 @@ def test_unknown_names_of_the_output_have_their_lines(call, tmp_path, scenario, 
 
 
 def test_a_failed_run_tells_what_hardly_resists(tmp_path):
-    (tmp_path / "system.yaml").write_text(TURNS + "initial: {a.b: 0.5}\n")
+    (tmp_path / "system.yaml").write_text(TURNS + "initial: {a.b: 0.5 rad}\n")
     path = tmp_path / "scenario.yaml"
     path.write_text(SCENARIO)
     prepared = prepare(load_scenario(path), backend="interpreted", progress=lambda *_: None)

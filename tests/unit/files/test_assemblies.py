@@ -34,13 +34,13 @@ bodies:
     joints: [R1 roll, R2 angle]
     mass: mass
     com: [half, 0.01 m, 0]
-    inertia: [0.01, 0.02, 0.03]
+    inertia: [0.01 kg*m^2, 0.02 kg*m^2, 0.03 kg*m^2]
 springs:
-  stand: {coordinate: stand.height, law: {kind: spring_damper, stiffness: 1e4}}
+  stand: {coordinate: stand.height, law: {kind: spring_damper, stiffness: 1e4 N/m}}
   arm:
     coordinate: arm.angle
     law: {kind: spring_damper, stiffness: spring.stiffness, damping: spring.damping}
-  roll: {coordinate: arm.roll, law: {kind: spring_damper, stiffness: 30}}
+  roll: {coordinate: arm.roll, law: {kind: spring_damper, stiffness: 30 N*m/rad}}
 initial: {arm.angle: 5 deg, stand.height: 1 mm}
 sensors:
   tip: {kind: point, body: arm, point: [length, 0, 0]}
@@ -50,7 +50,7 @@ CART = """
 title: A cart with an arm on either side
 parameters: {mass: 5 kg, reach: 0.8 m}
 bodies:
-  cart: {joints: [T1 x, R3 yaw], mass: mass, inertia: [1, 1, 1]}
+  cart: {joints: [T1 x, R3 yaw], mass: mass, inertia: [1 kg*m^2, 1 kg*m^2, 1 kg*m^2]}
 mirror:
   - plane: y
     names: {left: right}
@@ -69,7 +69,7 @@ parameters:
   mass: 5 kg
   reach: 0.8 m
 bodies:
-  cart: {joints: [T1 x, R3 yaw], mass: mass, inertia: [1, 1, 1]}
+  cart: {joints: [T1 x, R3 yaw], mass: mass, inertia: [1 kg*m^2, 1 kg*m^2, 1 kg*m^2]}
 mirror:
   - plane: y
     names: {left: right}
@@ -83,12 +83,12 @@ mirror:
         joints: [{kind: turn, axis: 3, angle: 10 deg}, R1 roll, R2 angle]
         mass: 2 kg
         com: [reach / 2, 0.01 m, 0]
-        inertia: [0.01, 0.02, 0.03]
+        inertia: [0.01 kg*m^2, 0.02 kg*m^2, 0.03 kg*m^2]
     springs:
       left_spring:
         coordinate: left_arm.angle
         law: {kind: spring_damper, stiffness: 50 N*m/rad, damping: 1 N*m*s/rad}
-      left_roll: {coordinate: left_arm.roll, law: {kind: spring_damper, stiffness: 30}}
+      left_roll: {coordinate: left_arm.roll, law: {kind: spring_damper, stiffness: 30 N*m/rad}}
     sensors:
       left_tip: {kind: point, body: left_arm, point: [reach, 0, 0]}
     initial: {left_arm.angle: 5 deg}
@@ -289,13 +289,13 @@ def test_coordinates_are_connected(tmp_path):
 title: A brake
 connections: {shaft: {coordinate: shaft.angle, description: Angle of what it brakes}}
 rig: {bodies: [shaft]}
-bodies: {shaft: {joints: [R2 angle], inertia: [1, 1, 1], mass: 1 kg}}
+bodies: {shaft: {joints: [R2 angle], inertia: [1 kg*m^2, 1 kg*m^2, 1 kg*m^2], mass: 1 kg}}
 forces: {brake: {coordinate: shaft.angle, force: -2 N*m*s/rad * shaft.angle_rate}}
 """,
     )
     text = """
 title: A wheel
-bodies: {wheel: {joints: [R2 turn], inertia: [4, 4, 4], mass: 1 kg}}
+bodies: {wheel: {joints: [R2 turn], inertia: [4 kg*m^2, 4 kg*m^2, 4 kg*m^2], mass: 1 kg}}
 assemblies: {brake: {file: brake.yaml, connect: {shaft: wheel.turn}}}
 """
     found = Motion(equations(tmp_path, text)).at(wheel__turn_rate=3.0)
@@ -468,9 +468,10 @@ parameters: {speed: 3 m/s}
 road: {kind: flat}
 bodies:
   hub: {joints: [T1 x, T3 z], mass: 10 kg}
-  wheel: {parent: hub, joints: [R2 spin], mass: 5 kg, inertia: [1, 1, 1], spins_about: 2}
+  wheel: {parent: hub, joints: [R2 spin], mass: 5 kg, inertia: [1 kg*m^2, 1 kg*m^2, 1 kg*m^2],
+        spins_about: 2}
 wheels:
-  wheel: {body: wheel, radius: 0.3 m, stiffness: 2e5, tyre: {kind: magic_formula_1987}}
+  wheel: {body: wheel, radius: 0.3 m, stiffness: 2e5 N/m, tyre: {kind: magic_formula_1987}}
 """
     assert complaints(written(tmp_path, "wheel.yaml", text)) == [
         "wheel.yaml:3:21: parameters.speed: 'speed' is the forward speed of what has wheels; take "

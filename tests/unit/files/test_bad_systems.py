@@ -17,7 +17,7 @@ ARM = "title: t\nbodies:\n  a: {joints: [R2 q], mass: 1 kg, com: [0, 0, 1 m]}\n"
         ("  b: {parent: a, joints: [R2 q]}\n  c: {parent: b, at: [0, 0, 1 m]}\n",
          ["4:6: bodies.b: has no mass and nothing with mass hangs on it: nothing resists 'b.q'; "
           "give it a mass, or drive or drop the coordinate"]),
-        ("  b: {parent: b, joints: [R2 q], mass: 1 kg, com: [0, 0, 1]}\n",
+        ("  b: {parent: b, joints: [R2 q], mass: 1 kg, com: [0, 0, 1 m]}\n",
          ["4:15: bodies.b.parent: the bodies hang on each other: b -> b"]),
         ("  b: {joints: R2 q, mass: 1 kg}\n",
          ["4:15: bodies.b.joints: expected a list of joints, such as [R2 angle], found 'R2 q'"]),
@@ -63,7 +63,7 @@ def test_each_mistake_has_its_line(tmp_path, more, told):
 @pytest.mark.parametrize(
     "more",
     [
-        "  b: {parent: a, at: [0, 0, 1], joints: [R2 q]}\n  c: {parent: b, mass: 1 kg, "
+        "  b: {parent: a, at: [0, 0, 1 m], joints: [R2 q]}\n  c: {parent: b, mass: 1 kg, "
         "com: [0, 0, 1 m]}\n",
         "  b: {joints: [R2 q]}\nconstraints: {c: {kind: gears, driving: a.q, driven: b.q, "
         "ratio: 2}}\n",

@@ -6,7 +6,7 @@ from system_texts import Motion, equations, problems
 ARM = """\
 title: An arm
 parameters: {length: 2 m}
-bodies: {hub: {joints: [R3 turn], mass: 1 kg, inertia: [1, 1, 1]}}
+bodies: {hub: {joints: [R3 turn], mass: 1 kg, inertia: [1 kg*m^2, 1 kg*m^2, 1 kg*m^2]}}
 elements:
   bar: {kind: flexible_bar, body: hub, length: length, mass_per_length: 1 kg/m,
         bending_stiffness: 9 N*m^2, modes: 1, frames: [0.5, 1]}

@@ -9,8 +9,9 @@ SYSTEM = """
 title: Two bodies in space
 gravity: [0, 0, 0]
 bodies:
-  one: {joints: [free], mass: 2 kg, inertia: [0.3, 0.4, 0.5]}
-  two: {joints: [free], mass: 3 kg, com: [0.1 m, 0, 0], inertia: [0.6, 0.5, 0.4]}
+  one: {joints: [free], mass: 2 kg, inertia: [0.3 kg*m^2, 0.4 kg*m^2, 0.5 kg*m^2]}
+  two: {joints: [free], mass: 3 kg, com: [0.1 m, 0, 0], inertia: [0.6 kg*m^2, 0.5 kg*m^2,
+        0.4 kg*m^2]}
 bushings:
   block:
     a: {body: one, point: [0.2 m, -0.1 m, 0.3 m]}

@@ -13,7 +13,7 @@ parameters: {limit: 80 N*m}
 bodies:
   one: {joints: [R2 angle], mass: 5 kg, inertia: [0, 0.4 kg*m^2, 0]}
   two: {joints: [R2 angle], mass: 5 kg, inertia: [0, 0.7 kg*m^2, 0]}
-  knee: {at: [1 m, 0, 0], joints: [R3 steer], mass: 10 kg, inertia: [1, 1, 1]}
+  knee: {at: [1 m, 0, 0], joints: [R3 steer], mass: 10 kg, inertia: [1 kg*m^2, 1 kg*m^2, 1 kg*m^2]}
   wheel:
     parent: knee
     joints: [R2 spin]

@@ -19,7 +19,7 @@ WORTH = [
     ("-1.5e3", -1500.0, "1"),
     ("2 kg m^2", 2.0, "kg*m^2"),
     ("radius / 2 + 30 mm", 0.08, "m"),
-    ("1000 N/m * (radius - 0.3)", -200.0, "N"),
+    ("1000 N/m * (radius - 0.3 m)", -200.0, "N"),
     ("radius**2 * mass", 0.02, "kg*m^2"),
     ("sqrt(radius * radius)", 0.1, "m"),
     ("norm(hinge)", math.sqrt(14.0), "m"),

@@ -13,7 +13,7 @@ parameters: {length: 0.5 m}
 bodies:
   cart: {joints: [T1 x], mass: 2 kg}
   rod: {parent: cart, at: [0, 0, 0.1 m], joints: [R2 a], mass: 1 kg, com: [0, 0, -length],
-        inertia: [0.02, 0.02, 0]}
+        inertia: [0.02 kg*m^2, 0.02 kg*m^2, 0]}
   bead: {joints: [T1 x, T2 y], mass: 0.1 kg}
 constraints:
   rope: {kind: expression, points: {tip: bead}, zero: "norm(tip - [0, 0, 1 m]) - 2 m"}
@@ -75,8 +75,8 @@ def test_multipliers_have_the_unit_that_their_expressions_give_them(tmp_path):
 )
 def test_units_of_other_multipliers(zero, unit, tmp_path):
     text = (
-        "title: t\nbodies: {bead: {joints: [{kind: T1, name: x, start: 1}, "
-        "{kind: T2, name: y, start: 1}], mass: 1}}\n"
+        "title: t\nbodies: {bead: {joints: [{kind: T1, name: x, start: 1 m}, "
+        "{kind: T2, name: y, start: 1 m}], mass: 1 kg}}\n"
         f"constraints: {{wire: {{kind: expression, zero: {zero}}}}}\n"
     )
     (channel,) = (c for c in equations(tmp_path, text).channels if c.name == "wire.multiplier")

@@ -1,5 +1,7 @@
 """Every kind of joint, law, cut, constraint and sensor that a system file may name."""
 
+import re
+
 import numpy as np
 import pytest
 from element_examples import ELEMENTS
@@ -14,7 +16,7 @@ from vehicledyn.symbolic import ops, rotations
 assert vehicledyn.catalogue
 load_kinds()
 
-MASS = "mass: 2 kg, inertia: [0.3, 0.4, 0.5]"
+MASS = "mass: 2 kg, inertia: [0.3 kg*m^2, 0.4 kg*m^2, 0.5 kg*m^2]"
 TRACK = "track: {kind: straight, gauge: 1 m, inclination: 0, rail: 60E1}\n"
 OF_ONE_COORDINATE = [kind for kind in kinds("joint_type") if not find("joint_type", kind).elements]
 """Joints whose example is the one that stands in ``joint_examples``."""
@@ -81,7 +83,7 @@ def test_joint(kind, tmp_path):
 
 def test_fixed_turn_turns_the_axis_of_the_joint_after_it(tmp_path):
     text = f"title: t\nbodies: {{b: {{joints: [{JOINTS['turn']}], {MASS}}}}}\n"
-    text += "sensors: {p: {kind: point, body: b, point: [0, 0, 1]}}\n"
+    text += "sensors: {p: {kind: point, body: b, point: [0, 0, 1 m]}}\n"
     seen = Motion(equations(tmp_path, text)).at(b__q=0.3)
     assert [seen[f"p.{axis}"] for axis in "xyz"] == pytest.approx(
         [0.0, np.sin(0.3), np.cos(0.3)], abs=1e-15
@@ -93,7 +95,8 @@ def test_screw_advances_by_its_lead_and_its_mirror_image_is_left_handed(tmp_path
         "title: t\nparameters: {lead: 8 mm}\n"
         "sensors: {l: {kind: point, body: jack_left}, r: {kind: point, body: jack_right}}\n"
         "mirror:\n- plane: y\n  names: {left: right}\n  bodies:\n"
-        "    jack_left: {at: [0, 1, 0], mass: 1 kg, inertia: [1, 1, 1], joints: "
+        "    jack_left: {at: [0, 1 m, 0], mass: 1 kg, inertia: [1 kg*m^2, 1 kg*m^2, "
+        "1 kg*m^2], joints: "
         "[{kind: screw, axis: 3, lead: lead, name: turn, start: 90 deg}]}\n"
     )
     e = equations(tmp_path, text)
@@ -113,7 +116,8 @@ def test_screw_advances_by_its_lead_and_its_mirror_image_is_left_handed(tmp_path
 
 LAWS = {
     "spring_damper": (
-        "{kind: spring_damper, stiffness: 30 N/m, damping: 4 N*s/m, free_length: 2, preload: 5 N}",
+        "{kind: spring_damper, stiffness: 30 N/m, damping: 4 N*s/m, free_length: 2 m, "
+        "preload: 5 N}",
         lambda z, v: 5.0 + 30.0 * (z - 2.0) + 4.0 * v,
     ),
     "constant": ("{kind: constant, amount: 7 N}", lambda z, v: 7.0),
@@ -123,7 +127,7 @@ LAWS = {
         lambda z, v: 3.0 * (z - 1.0) + 2.0 * (z - 1.0) ** 3 + 4.0 * v**2,
     ),
     "table": (
-        "{kind: table, lengths: [1, 2, 3 m], forces: [0, 10 N, 40 N], damping: 2 N*s/m}",
+        "{kind: table, lengths: [1 m, 2 m, 3 m], forces: [0, 10 N, 40 N], damping: 2 N*s/m}",
         lambda z, v: (10.0 * (z - 1.0) if z < 2.0 else 10.0 + 30.0 * (z - 2.0)) + 2.0 * v,
     ),
     "expression": (
@@ -149,7 +153,8 @@ def test_force_law(kind, tmp_path):
 def test_spring_on_a_coordinate_pulls_it_back(kind, tmp_path):
     text, law = LAWS[kind]
     turning = text.replace("N/m^3", "N*m").replace("N/m", "N*m").replace("N*s/m", "N*m*s")
-    turning = turning.replace("N*s^2/m^2", "N*m*s^2").replace("1 m}", "1}").replace("3 m]", "3]")
+    turning = turning.replace("N*s^2/m^2", "N*m*s^2")
+    turning = re.sub(r"(\d) m([,\]}])", r"\1 rad\2", turning)
     turning = turning.replace(" N,", " N*m,").replace(" N}", " N*m}").replace(" N]", " N*m]")
     turning = turning.replace("3 N * length/1 m", "3 N*m * length")
     system = (
@@ -201,11 +206,12 @@ def test_time_law_and_its_rate(kind, tmp_path):
 FOUR_BAR = """\
 title: t
 bodies:
-  crank: {joints: [R2 angle], mass: 1 kg, inertia: [0.1, 0.1, 0.1]}
-  rocker: {at: [4 m, 0, 0], joints: [R2 angle], mass: 1 kg, inertia: [0.1, 0.1, 0.1]}
-  coupler: {parent: crank, at: [0, 0, 1 m], joints: [{kind: R2, name: angle, start: 1}],
-            mass: 1 kg, inertia: [0.1, 0.1, 0.1]}
-initial: {crank.angle: 0.2, rocker.angle: 0.1}
+  crank: {joints: [R2 angle], mass: 1 kg, inertia: [0.1 kg*m^2, 0.1 kg*m^2, 0.1 kg*m^2]}
+  rocker: {at: [4 m, 0, 0], joints: [R2 angle], mass: 1 kg, inertia: [0.1 kg*m^2, 0.1 kg*m^2,
+        0.1 kg*m^2]}
+  coupler: {parent: crank, at: [0, 0, 1 m], joints: [{kind: R2, name: angle, start: 1 rad}],
+            mass: 1 kg, inertia: [0.1 kg*m^2, 0.1 kg*m^2, 0.1 kg*m^2]}
+initial: {crank.angle: 0.2 rad, rocker.angle: 0.1 rad}
 cuts:
 """
 CUTS = {
@@ -240,12 +246,18 @@ def test_cut(kind, tmp_path):
     assert gap == pytest.approx(2.5 if kind == "rod" else 0.0, abs=1e-11)
 
 
-TWO = "title: t\nbodies:\n  a: {joints: [R3 q], mass: 2 kg, inertia: [0.3, 0.4, 0.5]}\n"
-TURNING = TWO + "  b: {joints: [R3 q], mass: 2 kg, inertia: [0.3, 0.4, 0.5]}\n"
-SLIDING = TWO + "  b: {joints: [T3 q], mass: 2 kg, inertia: [0.3, 0.4, 0.5]}\n"
-PLANE = "title: t\nbodies: {b: {joints: [T1 x, T2 y, R3 yaw], mass: 2 kg, inertia: [1, 1, 1]}}\n"
+TWO = (
+    "title: t\nbodies:\n  a: {joints: [R3 q], mass: 2 kg, inertia: [0.3 kg*m^2, "
+    "0.4 kg*m^2, 0.5 kg*m^2]}\n"
+)
+TURNING = TWO + "  b: {joints: [R3 q], mass: 2 kg, inertia: [0.3 kg*m^2, 0.4 kg*m^2, 0.5 kg*m^2]}\n"
+SLIDING = TWO + "  b: {joints: [T3 q], mass: 2 kg, inertia: [0.3 kg*m^2, 0.4 kg*m^2, 0.5 kg*m^2]}\n"
+PLANE = (
+    "title: t\nbodies: {b: {joints: [T1 x, T2 y, R3 yaw], mass: 2 kg, "
+    "inertia: [1 kg*m^2, 1 kg*m^2, 1 kg*m^2]}}\n"
+)
 DISK = "title: t\nbodies: {b: {joints: [{kind: free, sequence: [3, 1, 2]}], mass: 2 kg, "
-DISK += "inertia: [1, 2, 1], spins_about: 2}}\ninitial: {b.z: 0.5 m}\n"
+DISK += "inertia: [1 kg*m^2, 2 kg*m^2, 1 kg*m^2], spins_about: 2}}\ninitial: {b.z: 0.5 m}\n"
 CONSTRAINTS = {
     "screw": (SLIDING, "sliding: b.q, turning: a.q, pitch: 10 mm", "b.q", 0.01 / (2 * np.pi)),
     "rack": (SLIDING, "sliding: b.q, turning: a.q, radius: 0.2 m", "b.q", 0.2),
@@ -313,16 +325,17 @@ FREE = f"title: t\nbodies: {{b: {{joints: [free], {MASS}}}}}\n"
 STATE = {"x": 0.1, "y": -0.2, "z": 0.3, "yaw": 0.4, "pitch": -0.5, "roll": 0.6}
 RATES = {f"{name}_rate": 1.0 - 0.3 * k for k, name in enumerate(STATE)}
 SENSORS = {
-    "point": "body: b, point: [0.1, 0.2, 0.3]",
+    "point": "body: b, point: [0.1 m, 0.2 m, 0.3 m]",
     "rates": "body: b",
     "angles": "body: b, sequence: [1, 2, 3]",
     "body": "body: b",
-    "accelerometer": "body: b, point: [0.1, 0, 0]",
-    "floor": "body: b, point: [0.1, 0, 0]",
+    "accelerometer": "body: b, point: [0.1 m, 0, 0]",
+    "floor": "body: b, point: [0.1 m, 0, 0]",
     "expression": "value: 'b.x * b.y_rate + time * 1 m^2/s^2', unit: m^2/s",
-    "wheel_angles": "body: b, centre: [0, 0.1, 0], axis: [0, -1, 0], radius: 0.3, side: right, "
-    "steering_axis: {lower: {body: b, point: [0, 0, -0.1]}, upper: {body: b, point: [0, 0, 0.1]}}",
-    "reaction": "body: b, point: [0.1, 0, 0], axes: parent",
+    "wheel_angles": "body: b, centre: [0, 0.1 m, 0], axis: [0, -1, 0], radius: 0.3 m, side: right, "
+    "steering_axis: {lower: {body: b, point: [0, 0, -0.1 m]}, upper: {body: b, point: [0, "
+    "0, 0.1 m]}}",
+    "reaction": "body: b, point: [0.1 m, 0, 0], axes: parent",
     "constraint_force": "constraint: k, body: b}}\n"
     "constraints: {k: {kind: knife_edge, body: b, across: [0, 1, 0]",
 }

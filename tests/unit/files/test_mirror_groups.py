@@ -12,7 +12,7 @@ SYSTEMS = Path(__file__).parents[3] / "systems"
 ARMS = """
 title: Two arms, and what acts on them, in two mirror groups
 bodies:
-  frame: {joints: [T3 height, R1 roll], mass: 300 kg, inertia: [60, 100, 100]}
+  frame: {joints: [T3 height, R1 roll], mass: 300 kg, inertia: [60 kg*m^2, 100 kg*m^2, 100 kg*m^2]}
 mirror:
   - plane: y
     names: {left: right}
@@ -33,7 +33,7 @@ mirror:
         joints: [R1 swing, R2 lift]
         mass: 10 kg
         com: [0.1 m, 0.2 m, 0]
-        inertia: [1, 1, 1]
+        inertia: [1 kg*m^2, 1 kg*m^2, 1 kg*m^2]
 """
 
 

@@ -37,14 +37,14 @@ INDEPENDENT = {
     joints: [{kind: R2, name: spin}]
     spins_about: 2
     mass: 1 kg
-    inertia: [0.1, 0.1, 0.1]
+    inertia: [0.1 kg*m^2, 0.1 kg*m^2, 0.1 kg*m^2]
   wheel_right:
     parent: wheelset
     at: [0 m, -tape_circle, 0 m]
     joints: [{kind: R2, name: spin}]
     spins_about: 2
     mass: 1 kg
-    inertia: [0.1, 0.1, 0.1]
+    inertia: [0.1 kg*m^2, 0.1 kg*m^2, 0.1 kg*m^2]
 springs:""",
     "  wheels: {body: wheelset, wheels: [left, right], radius: radius, tape_circle: tape_circle, "
     "profile: 'cone:1/20'}": """\

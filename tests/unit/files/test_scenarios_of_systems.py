@@ -20,9 +20,9 @@ SYSTEM = """\
 title: A slider-crank
 parameters: {radius: 0.1 m, rod: 0.3 m}
 bodies:
-  crank: {joints: [R2 angle], mass: 1 kg, inertia: [0.1, 0.1, 0.1]}
+  crank: {joints: [R2 angle], mass: 1 kg, inertia: [0.1 kg*m^2, 0.1 kg*m^2, 0.1 kg*m^2]}
   rod: {parent: crank, at: [radius, 0, 0], joints: [R2 angle], mass: 1 kg, com: [rod / 2, 0, 0],
-        inertia: [0, 0.01, 0.01]}
+        inertia: [0, 0.01 kg*m^2, 0.01 kg*m^2]}
   slider: {joints: [{kind: T1, name: x, role: independent}], mass: 1 kg}
 cuts: {pin: {kind: ball, a: {body: rod, point: [rod, 0, 0]}, b: slider}}
 initial: {slider.x: 0.3 m, crank.angle: 70 deg, rod.angle: -90 deg}
@@ -151,9 +151,9 @@ title: A double pendulum on a cart
 bodies:
   cart: {joints: [T1 x], mass: 2 kg}
   upper: {parent: cart, joints: [R2 angle], mass: 1 kg, com: [0, 0, -0.3 m],
-          inertia: [0.03, 0.03, 0]}
+          inertia: [0.03 kg*m^2, 0.03 kg*m^2, 0]}
   lower: {parent: upper, at: [0, 0, -0.6 m], joints: [R2 angle], mass: 1 kg, com: [0, 0, -0.3 m],
-          inertia: [0.03, 0.03, 0]}
+          inertia: [0.03 kg*m^2, 0.03 kg*m^2, 0]}
 sensors: {hook: {kind: reaction, body: upper, axes: world, shows: [force]}}
 initial: {upper.angle: 60 deg, lower.angle: 40 deg, upper.angle_rate: 5 rad/s}
 """

@@ -14,12 +14,13 @@ SYSTEM = """
 title: Shapes
 parameters: {length: 2 m}
 bodies:
-  car: {joints: [T1 x], mass: 100 kg, inertia: [1, 1, 1]}
+  car: {joints: [T1 x], mass: 100 kg, inertia: [1 kg*m^2, 1 kg*m^2, 1 kg*m^2]}
 mirror:
   - plane: PLANE
     names: {left: right}
     bodies:
-      left_arm: {parent: car, joints: [R1 angle], mass: 1 kg, inertia: [1, 1, 1]}
+      left_arm: {parent: car, joints: [R1 angle], mass: 1 kg, inertia: [1 kg*m^2, 1 kg*m^2,
+            1 kg*m^2]}
     shapes:
       left_side:
         kind: extrusion
@@ -64,7 +65,10 @@ def test_mirror_images(tmp_path, plane, at, corner, end):
 
 
 def test_shapes_of_an_assembly_move_with_it(tmp_path):
-    part = "title: t\nbodies:\n  arm: {joints: [R1 q], mass: 1 kg, inertia: [1, 1, 1]}\nshapes:\n"
+    part = (
+        "title: t\nbodies:\n  arm: {joints: [R1 q], mass: 1 kg, inertia: [1 kg*m^2, "
+        "1 kg*m^2, 1 kg*m^2]}\nshapes:\n"
+    )
     part += "  rod: {kind: sphere, body: arm, at: [1 m, 0, 0], radius: 1 cm}\n"
     (tmp_path / "part.yaml").write_text(part, encoding="utf-8")
     whole = "title: t\nassemblies: {front: {file: part.yaml}}\n"

@@ -128,7 +128,8 @@ title: A cart with a pendulum runs against a stop
 parameters: {cart: 2 kg, bob: 1 kg, length: 0.4 m}
 bodies:
   cart: {joints: [{kind: T1, name: x, start: -0.1 m, start_rate: 1 m/s}], mass: cart}
-  rod: {parent: cart, joints: [{kind: R2, name: a, start: 0.5, start_rate: 0.4}], mass: bob,
+  rod: {parent: cart, joints: [{kind: R2, name: a, start: 0.5 rad, start_rate: 0.4 rad/s}],
+        mass: bob,
         com: [0, 0, -length]}
 events:
   stop: {when: cart.x, direction: rising, reset: {cart.x_rate: -0.5 * cart.x_rate}}
@@ -224,12 +225,14 @@ mirror:
 LOOP = """
 title: A four-bar whose crank runs against a stop
 bodies:
-  crank: {joints: [{kind: R3, name: a, start: 1.3, role: independent, start_rate: 2}], mass: 1 kg,
-          com: [0.25 m, 0, 0], inertia: [0.01, 0.02, 0.02]}
-  rod: {parent: crank, at: [0.5 m, 0, 0], joints: [{kind: R3, name: b, start: -1.0}], mass: 2 kg,
-        com: [0.4 m, 0, 0], inertia: [0.01, 0.1, 0.1]}
-  rocker: {at: [0.9 m, 0.1 m, 0], joints: [{kind: R3, name: c, start: 1.7}], mass: 1 kg,
-           com: [0.3 m, 0, 0], inertia: [0.01, 0.05, 0.05]}
+  crank: {joints: [{kind: R3, name: a, start: 1.3 rad, role: independent, start_rate: 2 rad/s}],
+        mass: 1 kg,
+          com: [0.25 m, 0, 0], inertia: [0.01 kg*m^2, 0.02 kg*m^2, 0.02 kg*m^2]}
+  rod: {parent: crank, at: [0.5 m, 0, 0], joints: [{kind: R3, name: b, start: -1.0 rad}],
+        mass: 2 kg,
+        com: [0.4 m, 0, 0], inertia: [0.01 kg*m^2, 0.1 kg*m^2, 0.1 kg*m^2]}
+  rocker: {at: [0.9 m, 0.1 m, 0], joints: [{kind: R3, name: c, start: 1.7 rad}], mass: 1 kg,
+           com: [0.3 m, 0, 0], inertia: [0.01 kg*m^2, 0.05 kg*m^2, 0.05 kg*m^2]}
 cuts:
   pin: {kind: ball, a: {body: rod, point: [0.8 m, 0, 0]}, b: {body: rocker, point: [0.6 m, 0, 0]}}
 events:

@@ -28,7 +28,7 @@ bodies:
   rider:
     joints: [{kind: track_frame, position: speed * time + 5 m}, T2, {kind: T3, start: 1 m}, R1]
     mass: mass
-    inertia: [500, 800, 900]
+    inertia: [500 kg*m^2, 800 kg*m^2, 900 kg*m^2]
 springs:
   lateral:
     coordinate: rider.y
@@ -36,7 +36,8 @@ springs:
   vertical:
     coordinate: rider.z
     law: {kind: spring_damper, stiffness: stiffness, damping: 20 kN*s/m, free_length: 1.05 m}
-  roll: {coordinate: rider.roll, law: {kind: spring_damper, stiffness: 5e5, damping: 2e4}}
+  roll: {coordinate: rider.roll, law: {kind: spring_damper, stiffness: 5e5 N*m/rad,
+        damping: 2e4 N*m*s/rad}}
 track: {kind: straight, gauge: 1435 mm, inclination: 1/40, rail: 60E1}
 """
 RIDE = """\

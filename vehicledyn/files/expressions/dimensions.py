@@ -9,7 +9,7 @@ from fractions import Fraction
 from functools import lru_cache
 from typing import Any
 
-from vehicledyn.base.units import parse_unit
+from vehicledyn.base.units import missing_unit, parse_unit
 from vehicledyn.files.expressions.algebra import Algebra, ExpressionError, Quantity
 
 Powers = tuple[Fraction, Fraction, Fraction, Fraction]
@@ -26,8 +26,8 @@ _BASE = ("m", "kg", "s", "rad")
 class Measure:
     """Powers of metre, kilogram, second and radian.
 
-    ``bare`` holds the value of a number written without unit, which in a sum takes the other
-    side's unit and in a product is a pure number. ``exact`` says that nothing was calculated,
+    ``bare`` holds the value of a number written without unit: zero goes with everything, any
+    other is a pure number. ``exact`` says that nothing was calculated,
     so that a frequency and an angular velocity are distinguished; elsewhere radians come and go.
     """
 
@@ -56,10 +56,10 @@ class Measure:
         return "/".join(["*".join(above) or "1", *below])
 
     def fits(self, unit: str) -> bool:
-        """Return whether a quantity in this unit is meant, a bare number always."""
+        """Return whether a quantity in this unit is meant, zero always."""
         wanted = measure_of(unit)
         if self.bare is not None:
-            return True
+            return self.bare == 0.0 or not any(wanted.powers)
         m, kg, s = self.lengths
         is_rate = m == kg == 0 and s != 0
         if self.exact and is_rate:
@@ -69,6 +69,16 @@ class Measure:
     def replaces(self, other: Measure) -> bool:
         """Return whether a quantity can take the place of one measured so."""
         return self.fits(other.unit) or (not other.exact and self.lengths == other.lengths)
+
+
+def misfit(measure: Measure, unit: str) -> str:
+    """Return what to say of a quantity that does not fit where this unit is needed."""
+    needed = "a pure number" if unit == "1" else f"a quantity in {unit}"
+    if measure.bare is not None and measure.exact:
+        return missing_unit(measure.bare, unit)
+    if measure.is_pure and not any(measure.powers):
+        return f"this is a pure number, {needed} is needed here; write numbers with their unit"
+    return f"this is in {measure.unit}, {needed} is needed here"
 
 
 @lru_cache(maxsize=256)
@@ -102,10 +112,11 @@ def _number(quantity: Quantity) -> Measure:
 
 def _same(a: Measure, b: Measure) -> Measure:
     """Return the measure of a sum."""
-    if a.bare is not None:
-        return Measure(b.powers, b.bare, b.exact)
-    if b.bare is not None:
-        return a
+    for number, other in ((a, b), (b, a)):
+        if number.bare is not None and (number.bare == 0.0 or other.is_pure):
+            return Measure(other.powers, other.bare, other.exact)
+        if number.bare is not None and number.exact:
+            raise ExpressionError(missing_unit(number.bare, other.unit))
     if a.lengths != b.lengths:
         raise ExpressionError(f"a quantity in {a.unit} and one in {b.unit} do not go together")
     return a if a.powers == b.powers else Measure(a.powers)
@@ -113,7 +124,7 @@ def _same(a: Measure, b: Measure) -> Measure:
 
 def _sum(a: Measure, b: Measure, sign: float) -> Measure:
     if a.bare is not None and b.bare is not None:
-        return Measure(b.powers, a.bare + sign * b.bare, b.exact)
+        return Measure(b.powers, a.bare + sign * b.bare)
     return _same(a, b)
 
 

@@ -12,7 +12,7 @@ from vehicledyn.base.errors import InputError
 from vehicledyn.base.problems import Place, dotted
 from vehicledyn.base.units import describe, parse_unit
 from vehicledyn.files.expressions.algebra import FUNCTIONS, NUMBERS, ExpressionError
-from vehicledyn.files.expressions.dimensions import MEASURES, Measure
+from vehicledyn.files.expressions.dimensions import MEASURES, Measure, misfit
 from vehicledyn.files.expressions.expressions import Expression, read_expression
 
 _NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")
@@ -200,9 +200,17 @@ def _check_unit(measure: Any) -> None:
 def _settled(measure: Any) -> Any:
     """Return the measure of a named quantity: no longer bare, exact if nothing was calculated.
 
-    Bare components of a vector take the unit that others have.
+    Zeros among the components of a vector take the unit that others have.
+
+    Raises
+    ------
+    ExpressionError
+        If another number without unit stands beside components with one.
     """
     if isinstance(measure, tuple):
         known = next((m for m in measure if m.bare is None), measure[0])
+        for part in measure:
+            if part.bare is not None and known.bare is None and not part.fits(known.unit):
+                raise ExpressionError(misfit(part, known.unit))
         return tuple(_settled(known if m.bare is not None else m) for m in measure)
     return Measure(measure.powers, exact=measure.exact)

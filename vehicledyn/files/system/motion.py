@@ -9,7 +9,6 @@ from pydantic import ValidationError
 from vehicledyn.base.errors import unknown_name
 from vehicledyn.base.parameters import read_part
 from vehicledyn.base.problems import Place
-from vehicledyn.base.units import is_pure, missing_unit
 from vehicledyn.files.expressions.algebra import ExpressionError
 from vehicledyn.files.expressions.dimensions import MEASURES
 from vehicledyn.files.expressions.parameters import Parameters
@@ -77,12 +76,5 @@ def _wrong_units(
         except ExpressionError as error:
             problems.append(str(error))
             continue
-        wrong = unfit(found, item.unit, is_vector=item.is_vector) or _lacks_unit(found, item.unit)
-        problems += [wrong] if wrong else []
+        problems += [words for _, words in unfit(found, item.unit, is_vector=item.is_vector)]
     return problems
-
-
-def _lacks_unit(found: Any, unit: str) -> str:
-    """Return what to say of a number that needs a unit and has none, "" of anything else."""
-    bare = getattr(found, "bare", None)
-    return missing_unit(bare, unit) if bare and unit and not is_pure(unit) else ""

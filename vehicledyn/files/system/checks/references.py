@@ -10,7 +10,7 @@ from vehicledyn.base.errors import unknown_name
 from vehicledyn.base.parameters import ParameterSet
 from vehicledyn.base.problems import Place
 from vehicledyn.files.expressions.algebra import NUMBERS, ExpressionError
-from vehicledyn.files.expressions.dimensions import MEASURES, Measure, measure_of
+from vehicledyn.files.expressions.dimensions import MEASURES, measure_of, misfit
 from vehicledyn.files.expressions.expressions import Expression
 from vehicledyn.files.expressions.parameters import Parameters, is_name
 from vehicledyn.files.system.checks.inertia import inertia_problems
@@ -208,28 +208,32 @@ def _expression(item: Found, known: _Known) -> Problems:
     except ExpressionError as error:
         yield item.place, str(error)
         return
-    wrong = unfit(found, item.unit, is_vector=item.is_vector)
-    if wrong:
-        yield item.place, wrong
-    elif not extra:
+    wrong = list(unfit(found, item.unit, is_vector=item.is_vector))
+    is_list = item.expression.root.function == "vector"
+    for component, words in wrong if is_list else wrong[:1]:
+        yield (*item.place, *component) if is_list else item.place, words
+    if not wrong and not extra:
         yield from _bounds(item, known)
 
 
-def unfit(measure: Any, unit: str, *, is_vector: bool) -> str:
-    """Return what is wrong with what an expression is measured in, or nothing."""
+def unfit(measure: Any, unit: str, *, is_vector: bool) -> Iterator[tuple[tuple[int, ...], str]]:
+    """Yield what is wrong with what an expression is measured in, with the number of a component.
+
+    Parameters
+    ----------
+    measure
+        What it is measured in; of a vector a tuple.
+    unit
+        SI unit that is needed, empty for any.
+    is_vector
+        Whether a vector is needed.
+    """
     if isinstance(measure, tuple) != is_vector:
-        return f"expected {'a vector' if is_vector else 'one number'}"
-    for part in measure if is_vector else (measure,):
+        yield (), f"expected {'a vector' if is_vector else 'one number'}"
+        return
+    for k, part in enumerate(measure if is_vector else (measure,)):
         if unit and not part.fits(unit):
-            return _wrong_unit(part, unit)
-    return ""
-
-
-def _wrong_unit(measure: Measure, unit: str) -> str:
-    needed = "a pure number" if unit == "1" else f"a quantity in {unit}"
-    if measure.is_pure and not any(measure.powers):
-        return f"this is a pure number, {needed} is needed here; write numbers with their unit"
-    return f"this is in {measure.unit}, {needed} is needed here"
+            yield (k,) if is_vector else (), misfit(part, unit)
 
 
 def _bounds(item: Found, known: _Known) -> Problems:
