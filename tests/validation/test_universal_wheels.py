@@ -26,7 +26,7 @@ bodies:
       - {{kind: R3, name: yaw, role: independent}}
     mass: {mass} kg
     com: [{ahead} m, 0, 0]
-    inertia: [{inertia}, {inertia}, {inertia}]
+    inertia: [{inertia} kg*m^2, {inertia} kg*m^2, {inertia} kg*m^2]
 """
 WHEEL = """
   w{k}:
@@ -34,9 +34,9 @@ WHEEL = """
     at: [{x!r} m, {y!r} m, {radius} m]
     joints: [{{kind: turn, axis: 3, angle: {turn!r} rad}}, R2 spin]
     mass: 1 kg
-    inertia: [0, {spin}, 0]
+    inertia: [0, {spin} kg*m^2, 0]
 """
-ROLLS = "  c{k}: {{kind: universal_wheel, body: w{k}, axis: 2, radius: {radius}, "
+ROLLS = "  c{k}: {{kind: universal_wheel, body: w{k}, axis: 2, radius: {radius} m, "
 ROLLS += "roller_angle: {angle} deg}}\n"
 
 

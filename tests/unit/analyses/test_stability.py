@@ -54,7 +54,7 @@ def test_a_pendulum_above_and_below(tmp_path, start, verdict):
     file = tmp_path / "pendulum.yaml"
     file.write_text(
         f"title: A pendulum\nbodies:\n  bob:\n    parent: ground\n"
-        f"    joints: [{{kind: R2, name: angle, start: {start}}}]\n    mass: 2 kg\n"
+        f"    joints: [{{kind: R2, name: angle, start: {start} rad}}]\n    mass: 2 kg\n"
         "    com: [0, 0, -0.5 m]\n    inertia: [0.01 kg*m^2, 0.01 kg*m^2, 0.01 kg*m^2, 0, 0, 0]\n"
     )
     found = find_equilibrium(

@@ -161,7 +161,7 @@ def test_a_scenario_tells_what_is_wrong_with_the_files_of_its_track(tmp_path):
     (tmp_path / "segments.csv").write_text(SEGMENTS.replace("clothoid, 60", "clothoid, sixty"))
     (tmp_path / "track.yaml").write_text(OWN_FILE.replace("1435 mm", "1435"))
     (tmp_path / "rider.yaml").write_text(
-        "title: t\nbodies: {b: {joints: [{kind: track_frame, position: 0 m}, T2], mass: 1}}\n"
+        "title: t\nbodies: {b: {joints: [{kind: track_frame, position: 0 m}, T2], mass: 1 kg}}\n"
     )
     path = tmp_path / "ride.yaml"
     rest = "model: rider.yaml\nduration: 1 s\nsolver: {kind: rk4, step: 1 ms}\n"
