@@ -57,7 +57,8 @@ def test_a_profile_beside_the_file_is_found(tmp_path):
     assert read_part("track", RAILS).track(tmp_path).rail == "60E1"
 
 
-PENDULUM = "title: A rod\nbodies: {rod: {joints: [R2 a], mass: 1 kg, inertia: [1, 1, 0]}}\n"
+PENDULUM = "title: A rod\nbodies: {rod: {joints: [R2 a], mass: 1 kg, "
+PENDULUM += "inertia: [1 kg*m^2, 1 kg*m^2, 0]}}\n"
 LAYOUT = """\
 title: A curve
 model: pendulum.yaml
