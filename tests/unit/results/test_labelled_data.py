@@ -92,7 +92,10 @@ def test_tables_and_arrays(results, kind):
     assert data._repr_html_().count("<tr>") >= len(data)
 
 
-def test_csv_has_names_and_units(results, tmp_path):
+@pytest.mark.parametrize("rows", [7, 10_000])
+def test_csv_has_names_and_units(results, tmp_path, monkeypatch, rows):
+    """However many rows are made at once."""
+    monkeypatch.setattr("vehicledyn.results.labelled.export._ROWS", rows)
     path = results["run"].export(tmp_path / "a.csv", "body.*")
     with path.open(newline="") as file:
         names, units, *rows = csv.reader(file)

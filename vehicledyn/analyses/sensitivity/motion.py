@@ -151,7 +151,8 @@ def _needs_run(of: list[str], equations: Any) -> bool:
 def _named_channels(loaded: LoadedScenario, of: list[str], progress: Progress) -> list[str]:
     """Return the channels that names ask for."""
     prepared, _ = prepare_run(loaded, backend="auto", progress=progress)
-    known = [name for name in of if name not in {c.name for c in prepared.equations.channels}]
+    channels = {c.name for c in prepared.equations.channels}
+    known = [name for name in of if name not in channels and "(" not in name]
     found = wanted(prepared.equations, of, known)
     return [*found.curves, *[channel for _, channel in found.figures]]
 

@@ -20,6 +20,9 @@ from vehicledyn.results.labelled.labels import Labelled, LabelledSet
 _LONGEST_NAME = 63
 """Letters of a name in MATLAB."""
 
+_ROWS = 10_000
+"""Rows of a CSV file that are made into numbers of Python's at once."""
+
 _NO_LETTER = re.compile(r"\W")
 
 
@@ -87,9 +90,10 @@ def _write_csv(path: Path, columns: Sequence[Column], data: LabelledSet) -> None
         writer = csv.writer(file, lineterminator="\n")
         writer.writerow([name for name, *_ in columns])
         writer.writerow([unit for _, _, unit, _ in columns])
-        writer.writerows(
-            zip(*(np.asarray(values).tolist() for _, values, *_ in columns), strict=True)
-        )
+        arrays = [np.asarray(values) for _, values, *_ in columns]
+        for start in range(0, max(map(len, arrays)), _ROWS):
+            parts = (array[start : start + _ROWS].tolist() for array in arrays)
+            writer.writerows(zip(*parts, strict=True))
 
 
 def _write_mat(path: Path, columns: Sequence[Column], data: LabelledSet) -> None:
