@@ -96,6 +96,20 @@ constraints:
   max(lower.angle): {{at_most: 100 rad}}
 most_runs: 4
 """,
+    "optimise-manoeuvre": f"""\
+title: Swing
+scenario: {PENDULUM}
+controls:
+  motor: {{input: force:upper.angle, from: -5 N*m, to: 5 N*m, rate: 60 N*m/s}}
+minimise: {{time: 1, effort: 0.1, final(upper.angle): 1}}
+duration: {{from: 0.1 s, to: 1 s, guess: 0.2 s}}
+start: {{upper.angle: {{from: 0.4 rad, to: 30 deg}}}}
+end: {{upper.angle: 0.6 rad}}
+limits: {{upper.angle_rate: {{to: 40 rad/s}}}}
+intervals: 4
+refinements: 0
+most_iterations: 4
+""",
     "identify": f"""\
 title: Length of a pendulum
 experiments:

@@ -12,6 +12,7 @@ from vehicledyn.base.argument_names import argument
 from vehicledyn.base.errors import InputError
 from vehicledyn.base.units import to_si
 from vehicledyn.files.scenario.settings import Settings, override_texts
+from vehicledyn.interface.found_systems import only_model, write_found_system
 from vehicledyn.interface.running import Progress, reporter, result_place
 from vehicledyn.interface.targets import Source, read_scenario
 from vehicledyn.results.labelled.data import LabelledData
@@ -77,6 +78,7 @@ def identify_study(
     save_to: str | Path | None = None,
     overwrite: bool = False,
     resume: bool = False,
+    system_file: str | Path | None = None,
     progress: Progress = False,
     **settings: Any,
 ) -> LabelledData:
@@ -92,6 +94,8 @@ def identify_study(
         As for :func:`vehicledyn.simulate`.
     resume
         Whether to go on with a study that was stopped; its runs are kept beside ``save_to``.
+    system_file
+        Where to write the system with the values found, as a system file; None for nowhere.
 
     Returns
     -------
@@ -107,8 +111,15 @@ def identify_study(
         If a run fails at the start.
     """
     from vehicledyn.results.tables.identification_table import write_identification
-    from vehicledyn.studies.identification.study import run_identification_study
+    from vehicledyn.studies.identification.study import (
+        load_identification,
+        run_identification_study,
+    )
 
+    model = None
+    if system_file is not None:
+        found = load_identification(Path(study), override_texts(set, settings))
+        model = only_model([item.loaded for item in found.experiments], system_file)
     kept = None if save_to is None else Path(f"{save_to}.runs.jsonl")
     with result_place(save_to, may_exist=overwrite or resume) as place:
         report, runs = run_identification_study(
@@ -119,5 +130,7 @@ def identify_study(
             progress=reporter(progress),
         )
         write_identification(place.path, report.table)
+        if model is not None and system_file is not None:
+            write_found_system(system_file, model, report.as_dict()["set"])
         runs.forget()
         return place.value(report)

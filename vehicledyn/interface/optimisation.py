@@ -7,6 +7,7 @@ from typing import Any
 
 import vehicledyn.catalogue  # noqa: F401
 from vehicledyn.files.scenario.settings import Settings, override_texts
+from vehicledyn.interface.found_systems import only_model, write_found_system
 from vehicledyn.interface.running import Progress, reporter, result_place
 from vehicledyn.library import locate
 from vehicledyn.results.labelled.data import LabelledData
@@ -19,6 +20,7 @@ def optimise(
     save_to: str | Path | None = None,
     overwrite: bool = False,
     resume: bool = False,
+    system_file: str | Path | None = None,
     progress: Progress = False,
     **settings: Any,
 ) -> LabelledData:
@@ -34,6 +36,8 @@ def optimise(
         As for :func:`vehicledyn.simulate`.
     resume
         Whether to go on with a search that was stopped; its runs are kept beside ``save_to``.
+    system_file
+        Where to write the system with the values found, as a system file; None for nowhere.
 
     Returns
     -------
@@ -53,10 +57,13 @@ def optimise(
     from vehicledyn.studies.optimisation.run import run_optimisation
 
     loaded = load_optimisation(locate(str(study), ("study",)), override_texts(set, settings))
+    model = None if system_file is None else only_model(loaded.scenarios.values(), system_file)
     kept = None if save_to is None else Path(f"{save_to}.runs.jsonl")
     with result_place(save_to, may_exist=overwrite or resume) as place:
         report = run_optimisation(loaded, kept=kept, resume=resume, progress=reporter(progress))
         write_optimum(place.path, report.table)
+        if model is not None and system_file is not None:
+            write_found_system(system_file, model, report.as_dict()["set"])
         if kept is not None:
             kept.unlink(missing_ok=True)
         return place.value(report)

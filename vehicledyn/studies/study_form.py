@@ -125,10 +125,18 @@ class StudyForm:
         return load_scenario(located(self.path, given), texts)
 
 
+def is_there(path: Path) -> bool:
+    """Return whether there is a file of a name, which may be too long for one."""
+    try:
+        return path.exists() and not path.is_dir()
+    except OSError:
+        return False
+
+
 def located(path: Path, place: str) -> Path:
     """Return a scenario's path: beside the study, or of the library."""
     beside = path.parent / place
-    if beside.exists() and not beside.is_dir():
+    if is_there(beside):
         return beside
     from vehicledyn.library import locate
 

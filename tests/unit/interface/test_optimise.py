@@ -166,3 +166,16 @@ def test_a_failed_run_is_retreated_from():
     )
     assert found.variables == pytest.approx([1.9], abs=1e-5)
     assert json.dumps(found.failures) == json.dumps(["flies off"] * len(found.failures))
+
+
+def test_the_system_found_is_written_as_a_file(tmp_path):
+    """It has the optimum's parameters, and runs as the optimum did."""
+    path = study(tmp_path, STUDY.replace("constraints:", "most_runs: 3\nconstraints:"))
+    found = vd.optimise(path, system_file=tmp_path / "best.yaml")
+    motion = vd.simulate(tmp_path / "run.yaml", set={"model": str(tmp_path / "best.yaml")})
+    force, time = motion["strut.force"].values, motion["time"].values
+    assert np.sqrt(np.trapezoid(force**2, time) / time[-1]) == pytest.approx(
+        found["figure_best"].values[0], rel=1e-3
+    )
+    with pytest.raises(InputError, match="exists"):
+        vd.optimise(path, system_file=tmp_path / "best.yaml")

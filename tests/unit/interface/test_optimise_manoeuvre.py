@@ -172,6 +172,16 @@ def test_paths_that_cannot_be_followed_are_refused(tmp_path, new, match):
         vd.optimise_manoeuvre(study(tmp_path, text))
 
 
+@pytest.mark.parametrize("length", [252, 5000])
+def test_names_too_long_for_files_are_refused(tmp_path, length):
+    name = length * "x"
+    for given in (name, study(tmp_path, PUSH.replace("cart.yaml", name))):
+        with pytest.raises(InputError, match="is not a file"):
+            vd.optimise_manoeuvre(given)
+    with pytest.raises(InputError, match="is not a file"):
+        vd.simulate(name)
+
+
 def test_what_cannot_be_done_in_time_fails_and_is_kept(tmp_path):
     """One metre in half a second is too much for the force; the last point stays in the file."""
     path = study(tmp_path, PUSH.replace("to: 10 s", "to: 1 s"))

@@ -30,6 +30,10 @@ def optimise(
     resume: Annotated[
         bool, typer.Option("--resume", help="Go on with a search that was stopped.")
     ] = False,
+    system: Annotated[
+        Path | None,
+        typer.Option(metavar="FILE.yaml", help="System file to write with the values found."),
+    ] = None,
     plots: Annotated[Path | None, typer.Option(help="Folder to draw figures into.")] = None,
     overwrite: Overwrite = False,
     as_json: Json = False,
@@ -49,5 +53,6 @@ def optimise(
         save_to=result,
         overwrite=True,
         resume=resume,
+        system_file=system,
     )
     show(data, as_json=as_json, plots=plots)

@@ -15,7 +15,7 @@ from vehicledyn.files.scenario.settings import override_texts
 from vehicledyn.files.scenario.target import Target
 from vehicledyn.library import locate
 from vehicledyn.studies.manoeuvre_optimisation.path_file import PathTable, read_path
-from vehicledyn.studies.study_form import StudyForm
+from vehicledyn.studies.study_form import StudyForm, is_there
 
 _REQUIRED = ("controls", "minimise", "duration")
 _OPTIONAL = ("title", "model", "scenario", "speed", "set", "start", "end", "limits", "path")
@@ -42,7 +42,7 @@ class ManoeuvreStudy:
 
     ``start``, ``end`` and ``limits`` map names to a value, to "free" or to a mapping with from and
     to; ``terms`` of the objective to weights; ``periodic`` names or patterns of states to what
-    they gain in a cycle. ``step`` is that of the check [s].
+    they gain in a cycle. ``step`` is that of the check [s], None for what is usual.
     """
 
     path: Path
@@ -63,7 +63,7 @@ class ManoeuvreStudy:
     accuracy: float
     tolerance: float
     most_iterations: int
-    step: float
+    step: float | None
 
 
 def load_manoeuvre(path: Path, overrides: Sequence[str] = ()) -> ManoeuvreStudy:
@@ -93,7 +93,7 @@ def load_manoeuvre(path: Path, overrides: Sequence[str] = ()) -> ManoeuvreStudy:
         "tolerance": form.number("tolerance", 1e-8, least=0.0),
         "most_iterations": form.number("most_iterations", 500, least=1, whole=True),
     }
-    step, speed = _quantity(form, "step", "s", 1e-3), _quantity(form, "speed", "m/s", None)
+    step, speed = _quantity(form, "step", "s", None), _quantity(form, "speed", "m/s", None)
     if step is not None and step <= 0.0:
         form.wrong(("step",), "must be above zero")
     if ("model" in data) == ("scenario" in data):
@@ -120,7 +120,7 @@ def load_manoeuvre(path: Path, overrides: Sequence[str] = ()) -> ManoeuvreStudy:
         numbers["accuracy"],
         numbers["tolerance"],
         int(numbers["most_iterations"]),
-        float(step or 1e-3),
+        step,
     )
 
 
@@ -144,7 +144,7 @@ def _target(form: StudyForm, overrides: Sequence[str]) -> Target:
     if key == "scenario":
         return form.scenario((key,), given, changes, overrides)
     for place in (folder / given, folder / f"{given}.yaml"):
-        if place.is_file():
+        if is_there(place):
             return load_model(str(place), texts)
     if given in kinds("model"):
         return load_model(given, texts)
@@ -173,7 +173,8 @@ def _controls(form: StudyForm) -> tuple[ControlText, ...]:
 def _terms(form: StudyForm) -> dict[str, float]:
     given = form.data.get("minimise")
     terms = {given: 1.0} if isinstance(given, str) else given
-    numbers = list(terms.values()) if isinstance(terms, dict) else []
+    terms = terms if isinstance(terms, dict) else {}
+    numbers = list(terms.values())
     if not numbers or any(isinstance(n, bool) or not isinstance(n, int | float) for n in numbers):
         if given not in (None, {}, ""):
             form.wrong(("minimise",), "expected a term, or terms with weights that are numbers")

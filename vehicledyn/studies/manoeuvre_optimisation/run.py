@@ -28,6 +28,9 @@ from vehicledyn.symbolic.equations import Channel
 
 Floats = NDArray[np.float64]
 
+_STEPS, _LONGEST_STEP = 2000, 5e-3
+"""Steps of the check's simulation at least, and its longest step [s], where none is given."""
+
 _TOO_FAR = 0.01
 """Part of a state's range by which the simulation may miss the optimum before it is warned of."""
 
@@ -161,8 +164,16 @@ class _Search:
         self.store.keep(at)
 
     def _run_of(self, trajectory: Trajectory) -> ControlledRun:
-        study, problem = self.manoeuvre.study, self.manoeuvre.problem
-        return ControlledRun(problem, self.manoeuvre.prepared.kernel, trajectory, study.step)
+        kernel, step = self.manoeuvre.prepared.kernel, self._step(trajectory)
+        return ControlledRun(self.manoeuvre.problem, kernel, trajectory, step)
+
+    def _step(self, trajectory: Trajectory) -> float:
+        """Return the step of simulations: given, that of the scenario, or a small part [s]."""
+        if self.manoeuvre.study.step is not None:
+            return self.manoeuvre.study.step
+        choices = self.manoeuvre.study.target.choices
+        own = None if choices is None else getattr(choices.solver, "step", None)
+        return float(own or min(trajectory.duration / _STEPS, _LONGEST_STEP))
 
     def _interval_errors(self, trajectory: Trajectory) -> Floats:
         """Return the error of each interval over the range of the states, shape (n,)."""
