@@ -366,6 +366,12 @@ BAD = {
     ),
     "taken": ("reach: 0.8 m", "reach: 0.8 m, left: 1", "the name is taken: parameters 'left'"),
     "parameter": ("length: reach", "lenght: reach", "did you mean 'length'?"),
+    "no unit": (
+        "length: reach",
+        "length: 0.8",
+        "bad.yaml:13:30: mirror[0].assemblies.left.parameters.length: 0.8 has no unit; "
+        "write '0.8 m'",
+    ),
     "unit": (
         "length: reach",
         "length: mass",

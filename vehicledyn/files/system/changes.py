@@ -9,7 +9,7 @@ from typing import Any
 
 from vehicledyn.base.errors import nearest_name
 from vehicledyn.base.problems import Place
-from vehicledyn.base.units import describe
+from vehicledyn.base.units import describe, is_pure, missing_unit
 from vehicledyn.files.expressions.fields import flattened
 from vehicledyn.files.expressions.parameters import Parameters, is_long, read_parameters
 
@@ -19,9 +19,13 @@ _VECTOR = 3
 
 @dataclass
 class Changes:
-    """Places that a scenario gave, what is wrong with them, and the parameters as they were."""
+    """Places that a scenario gave, what is wrong with them, and the parameters as they were.
+
+    ``needs_units`` notes numbers without unit; of scenarios others look at those.
+    """
 
     before: Parameters
+    needs_units: bool = False
     given: set[Place] = field(default_factory=set)
     problems: list[tuple[Place, str]] = field(default_factory=list)
 
@@ -111,6 +115,8 @@ def _with_unit(value: Any, place: Place, changes: Changes) -> Any:
     is_bare = isinstance(value, int | float) and not isinstance(value, bool)
     if old is None or old.unit == "1" or not is_bare:
         return value
+    if changes.needs_units and value and not is_pure(old.unit):
+        changes.problems.append((place, missing_unit(value, old.unit)))
     return f"{value!r} {old.unit}" if old.exact else f"1 * {value!r} {old.unit}"
 
 

@@ -156,7 +156,7 @@ def take_parameters(
     known = frozenset(part.parameters.declared)
     renaming = Renaming(name, {}, {}, known)
     own = _without(_prefixed(part.raw, renaming), part.file.rig.get("parameters", ()))
-    found = changes.Changes(part.parameters)
+    found = changes.Changes(part.parameters, needs_units=True)
     given = entry.get("parameters")
     if isinstance(given, dict):
         changes.merge(own, given, ("parameters",), found)
