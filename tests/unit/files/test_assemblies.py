@@ -369,7 +369,7 @@ BAD = {
     "no unit": (
         "length: reach",
         "length: 0.8",
-        "bad.yaml:13:30: mirror[0].assemblies.left.parameters.length: 0.8 has no unit; "
+        "bad.yaml:13:22: mirror[0].assemblies.left.parameters.length: 0.8 has no unit; "
         "write '0.8 m'",
     ),
     "unit": (
