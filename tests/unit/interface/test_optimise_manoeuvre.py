@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 import pytest
+from crg_files import crg
 
 import vehicledyn as vd
 from vehicledyn.base.errors import InputError, NumericalError
@@ -210,3 +211,33 @@ def test_a_stopped_search_goes_on_from_its_last_iterate(tmp_path):
     kept.write_bytes(b"nothing")
     with pytest.raises(InputError, match="damaged"):
         vd.optimise_manoeuvre(path, save_to=out, resume=True)
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("kind", ["file", "opencrg"])
+def test_paths_of_files(tmp_path, kind):
+    """A straight of 9 m in a file, 1 m wide to both sides: it ends as far left as may be."""
+    if kind == "file":
+        rows = "".join(f"{k}, 0, 1, 1\n" for k in range(10))
+        (tmp_path / "road.csv").write_text("x [m], y [m], right [m], left [m]\n" + rows)
+        path = "file: road.csv"
+    else:
+        (tmp_path / "road.crg").write_bytes(crg(np.zeros((10, 5))))
+        path = "opencrg: road.crg"
+    text = f"""\
+title: Keep to the left
+model: plane.yaml
+controls:
+  fx: {{input: force:mass.x, from: -12 N, to: 12 N}}
+  fy: {{input: force:mass.y, from: -12 N, to: 12 N}}
+minimise: {{effort: 1, final(mass.y): -100}}
+duration: 3 s
+end: {{path.distance: 8 m}}
+path: {{{path}, place: [mass.x, mass.y]}}
+intervals: 6
+"""
+    found = vd.optimise_manoeuvre(study(tmp_path, text))
+    left = found["path_left_side"].values[-1]
+    assert left == pytest.approx(1.0, abs=1e-9)
+    assert found["path_offset"].values[-1] == pytest.approx(left, abs=1e-6)
+    assert found["path_distance"].values[-1] == pytest.approx(8.0, abs=1e-6)
