@@ -1,6 +1,6 @@
 """Vectors of different axes do not join silently while parts write their equations."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import casadi as ca
 import numpy as np
@@ -8,10 +8,11 @@ import pytest
 
 from vehicledyn.base.errors import InputError
 from vehicledyn.multibody import GROUND, Body, Joint, ParameterTable, System, derive
+from vehicledyn.multibody.model.constraints import UserConstraint
 from vehicledyn.multibody.model.parts import BasePart, Loads, Output, Situation, Wrench
 from vehicledyn.symbolic import labels, ops
 from vehicledyn.symbolic.equations import Channel
-from vehicledyn.symbolic.frames import WORLD, FrameError, axes_label
+from vehicledyn.symbolic.frames import WORLD, FrameError, axes_label, axes_of
 from vehicledyn.symbolic.labels import in_axes, turning
 
 UP = ops.vector(0.0, 0.0, 1.0)
@@ -151,3 +152,33 @@ def test_labels_follow_operations():
     ):
         with pytest.raises(FrameError):
             wrong()
+
+
+@dataclass(frozen=True)
+class Listener(BasePart):
+    """Notes the axes of all vectors that a part may ask for."""
+
+    heard: dict
+
+    def outputs(self, situation: Situation) -> tuple[Output, ...]:
+        kinematics, forces = situation.kinematics, situation.forces
+        for name in ("position", "velocity", "acceleration"):
+            self.heard[name] = getattr(kinematics, name)("rod")
+        for name in ("angular_velocity", "angular_acceleration"):
+            self.heard[f"own {name}"] = getattr(kinematics, name)("rod")
+        if forces is not None:
+            self.heard["gravity"] = forces.gravity
+            for name, wrench in (("reaction", forces.reaction("rod")),
+                                 ("exerted", forces.exerted("held", "rod"))):  # fmt: skip
+                self.heard[f"own {name} force"] = wrench.force
+                self.heard[f"own {name} torque"] = wrench.torque
+        return ()
+
+
+def test_every_vector_that_a_part_is_given_knows_its_axes():
+    heard = {}
+    held = UserConstraint("held", lambda geometry: geometry.position("rod", (1.0, 0.0, 0.0))[2])
+    derive(replace(system(Listener("listener", heard)), constraints=(held,)))
+    assert len(heard) == 10
+    for name, vector in heard.items():
+        assert axes_label(vector) == (axes_of("rod") if name.startswith("own") else WORLD), name

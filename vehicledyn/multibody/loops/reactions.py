@@ -17,12 +17,14 @@ from vehicledyn.multibody.loops.loop_closure import Loops
 from vehicledyn.multibody.loops.redundancy import NEGLIGIBLE
 from vehicledyn.multibody.model.ground import GROUND
 from vehicledyn.multibody.model.joint_wrench import JointWrench
-from vehicledyn.multibody.model.kinematics import Kinematics
+from vehicledyn.multibody.model.kinematics import Kinematics, body_axes
 from vehicledyn.multibody.model.parts import Wrench
 from vehicledyn.multibody.model.symbols import Symbols
 from vehicledyn.multibody.model.system import System
 from vehicledyn.multibody.recursion.newton_euler import inverse_dynamics
 from vehicledyn.symbolic import ops
+from vehicledyn.symbolic.frames import WORLD
+from vehicledyn.symbolic.labels import in_axes, unlabelled
 from vehicledyn.symbolic.ops import Scalar, Vec
 
 
@@ -79,7 +81,7 @@ class SolvedForces:
         """
         if body == GROUND:
             raise InputError("no joint carries the ground; name another body")
-        return self._carried[self._link(body)]
+        return _in_axes_of(body, self._carried[self._link(body)])
 
     def exerted(self, constraint: str, body: str) -> JointWrench:
         """Return the force and torque that a cut or constraint exerts on a body.
@@ -110,7 +112,7 @@ class SolvedForces:
                     torque = torque + self._unknown[row] * wrench.torque
         if body not in touched:
             raise InputError(_acts_elsewhere(constraint, body, touched))
-        return JointWrench(force, torque)
+        return _in_axes_of(body, JointWrench(force, torque))
 
     def multiplier(self, constraint: str, channel: str) -> Scalar:
         """Return the multiplier of one row of a cut or constraint, as solved [N or N m].
@@ -185,12 +187,12 @@ class SolvedForces:
             acting += [
                 Wrench(w.body, multiplier * w.force, multiplier * w.torque) for w in action.wrenches
             ]
-        return inverse_dynamics(self._kinematics, acting, self.gravity)[1]
+        return inverse_dynamics(self._kinematics, acting, unlabelled(self.gravity))[1]
 
     @property
     def gravity(self) -> Vec:
         """Acceleration of free fall, world axes [m/s²]."""
-        return ops.vector(*self._system.gravity)
+        return in_axes(ops.vector(*self._system.gravity), WORLD)
 
     def _link(self, body: str) -> int:
         known = self._kinematics.tree.body_link
@@ -204,3 +206,11 @@ def _acts_elsewhere(constraint: str, body: str, touched: set[str]) -> str:
         return f"'{constraint}' acts on coordinates, not on bodies; its own channels show its force"
     listed = ", ".join(f"'{name}'" for name in sorted(touched))
     return f"'{constraint}' does not act on body '{body}'; it acts on {listed}"
+
+
+def _in_axes_of(body: str, wrench: JointWrench) -> JointWrench:
+    """Return a wrench labelled with the axes of the body that it is given in."""
+    axes = body_axes(body)
+    return JointWrench(
+        in_axes(unlabelled(wrench.force), axes), in_axes(unlabelled(wrench.torque), axes)
+    )
