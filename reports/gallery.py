@@ -86,6 +86,7 @@ PICTURES = {
     "double_pendulum": _path("tip.x", "tip.z", "Tip: z"),
     "double_spring_mass": Picture(("upper.height", "lower.height"), "mm", "Height"),
     "cam_follower": Picture(("contact.gap",), "mm", "Gap between cam and follower"),
+    "motorcycle": Picture(("frame.roll", "fork.steer"), "deg", "Angle"),
     "off_road_truck_rough": Picture(("truck.chassis.z",), "m", "Height z", "truck.chassis.x"),
     "off_road_truck_sand": Picture(
         tuple(f"truck.{axle}_axle.wheel_left.sinkage" for axle in ("front", "rear")),

@@ -56,6 +56,7 @@ def wheel_parts(values: Values) -> list[Part]:
             damping=values.value(wheel.damping),
             contact=values.choice.contact,
             relaxation=relaxed,  # type: ignore[arg-type]
+            slips_at=wheel.slips_at,
         )
         parts.append(part)
         if not values.choice.free_wheels:

@@ -123,6 +123,10 @@ class WheelSet(SystemSet):
     side: Literal["left", "right"] | None = Field(
         default=None, description="Side of the vehicle it is on"
     )
+    slips_at: Literal["centre", "contact"] = Field(
+        default="centre",
+        description="Point whose side slip the tyre feels; for motorcycles contact",
+    )
 
 
 class OutlineSet(SystemSet):

@@ -100,6 +100,9 @@ class RoadWheel(BasePart):
         Speeds at which steady slip is regularised; no effect with relaxation.
     ground_rate
         Speed at which the ground under the wheel rises, as a shaker does [m/s].
+    slips_at
+        "centre" where the side slip is that of the wheel centre; "contact" where it is that of the
+        contact point, which the rate of camber moves too.
     """
 
     body: str
@@ -113,6 +116,7 @@ class RoadWheel(BasePart):
     relaxation: Relaxation | TyreRelaxation | None = None
     floors: SlipFloors = field(default_factory=SlipFloors)
     ground_rate: Scalar = 0.0
+    slips_at: str = "centre"
 
     def states(self) -> tuple[Variable, ...]:
         """Return the deflections of the contact patch, if slip is transient."""
@@ -299,10 +303,19 @@ class RoadWheel(BasePart):
         velocity = self._velocity(situation)
         return WheelMotion(
             longitudinal=ops.dot(velocity, contact.longitudinal),
-            lateral=ops.dot(velocity, contact.lateral),
+            lateral=ops.dot(velocity, contact.lateral) + self._by_camber_rate(situation, contact),
             spin=situation.kinematics.angular_velocity(self.body)[1],
             rolling_radius=self._rolling_radius(situation, contact),
         )
+
+    def _by_camber_rate(self, situation: Situation, contact: Contact) -> Scalar:
+        """Return the lateral velocity of the contact point over that of the centre [m/s]."""
+        if self.slips_at == "centre":
+            return 0.0
+        rates = situation.kinematics.angular_velocity(self.body)
+        turning = situation.kinematics.rotation(self.body) @ ops.vector(rates[0], 0.0, rates[2])
+        down = contact.position - situation.kinematics.position(self.body)
+        return ops.dot(ops.cross(turning, down), contact.lateral)
 
     def _rolling_radius(self, situation: Situation, contact: Contact) -> Scalar:
         """Return the radius at which the wheel rolls [m]; in soil that of its deflected rim."""
