@@ -228,8 +228,8 @@ def as_plain(value: Any) -> Any:
     return [as_plain(item) for item in value] if isinstance(value, list | tuple) else value
 
 
-def units_of(value: ParameterSet, prefix: str = "") -> dict[str, str]:
-    """Return the unit of every quantity of a set and its inner sets, by dotted name."""
+def units_of(value: Any, prefix: str = "") -> dict[str, str]:
+    """Return the unit of every quantity of a set or list and its inner sets, by dotted name."""
     return dict(_units(value, prefix))
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -11,7 +12,7 @@ from pydantic import ValidationError
 
 from vehicledyn.base.errors import InputError, unknown_name
 from vehicledyn.base.files.limits import UnreadableFileError, check_regular
-from vehicledyn.base.parameters import as_plain, units_of
+from vehicledyn.base.parameters import as_plain, field_unit, units_of
 from vehicledyn.base.problems import START, Place, Problem, refusal
 from vehicledyn.base.registry import find, kinds
 from vehicledyn.base.units import describe
@@ -169,15 +170,17 @@ def examine_scenario(
     if scenario is not None:
         told = [*beside(scenario, path.parent), *_motion_beside(scenario, path.parent)]
         problems += [sources.problem(place, words) for place, words in told]
+    units = _units_of_sections(data) if scenario is None else units_of(scenario)
+    if written is not None:
+        units |= {f"parameters.{name}": unit for name, unit in written.units.items()}
+    if not any(change.in_si for change in changes):  # the others were read before these
+        start = {} if written is None else _start_units(written)
+        places = {problem[:3] for problem in problems}
+        bare = bare_numbers(data, {**units, **start}, sources)
+        problems += [problem for problem in bare if problem[:3] not in places]
     if problems or scenario is None or written is None:
         return None, problems
     resolved = as_plain(scenario) | written.described
-    units = units_of(scenario)
-    units |= {f"parameters.{name}": unit for name, unit in written.units.items()}
-    if not any(change.in_si for change in changes):  # the others were read before these
-        problems = bare_numbers(data, {**units, **_start_units(written)}, sources)
-        if problems:
-            return None, problems
     return (
         LoadedScenario(
             path,
@@ -367,6 +370,21 @@ def _unless_told(told: list[Problem], new: list[Problem]) -> list[Problem]:
     """Return the new problems but for those at a place where one is reported already."""
     places = {(problem.mark, problem.field) for problem in told if problem.mark is not None}
     return [problem for problem in new if (problem.mark, problem.field) not in places]
+
+
+def _units_of_sections(data: dict[str, Any]) -> dict[str, str]:
+    """Return the units of the sections that can be read where others cannot, by dotted name."""
+    units: dict[str, str] = {}
+    for name in Scenario.model_fields:
+        unit = field_unit(Scenario, name)
+        if unit is not None:
+            units[name] = unit
+        elif name in data:
+            blank = Scenario.model_construct()
+            with contextlib.suppress(ValidationError):
+                Scenario.__pydantic_validator__.validate_assignment(blank, name, data[name])
+                units |= units_of(getattr(blank, name), f"{name}.")
+    return units
 
 
 def _read_scenario(data: dict[str, Any], sources: Sources) -> tuple[Scenario | None, list[Problem]]:
