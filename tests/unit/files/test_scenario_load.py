@@ -367,7 +367,9 @@ def test_starts_and_motions_need_their_unit(tmp_path, section, words):
 
 def test_numbers_without_units_are_reported_beside_what_else_is_wrong(write):
     found = problems(write(("duration: 12 s", "duration: -1")), ["speed=3", "road.kind=flatt"])
-    assert ["duration", "road.kind", "speed"] == sorted(
-        re.sub(r"^[\d:]+ ", "", line).partition(":")[0] for line in found
-    )
+    assert sorted(re.sub(r"^[\d:]+ ", "", line).partition(":")[0] for line in found) == [
+        "duration",
+        "road.kind",
+        "speed",
+    ]
     assert any("3 has no unit; write '3 m/s'" in line for line in found)

@@ -375,12 +375,13 @@ def _unless_told(told: list[Problem], new: list[Problem]) -> list[Problem]:
 def _units_of_sections(data: dict[str, Any]) -> dict[str, str]:
     """Return the units of the sections that can be read where others cannot, by dotted name."""
     units: dict[str, str] = {}
+    nothing: dict[str, Any] = {}
     for name in Scenario.model_fields:
         unit = field_unit(Scenario, name)
         if unit is not None:
             units[name] = unit
         elif name in data:
-            blank = Scenario.model_construct()
+            blank = Scenario.model_construct(**nothing)
             with contextlib.suppress(ValidationError):
                 Scenario.__pydantic_validator__.validate_assignment(blank, name, data[name])
                 units |= units_of(getattr(blank, name), f"{name}.")
