@@ -420,3 +420,13 @@ def test_critical_speeds_at_the_end_of_all_numbers(figure):
     outcome = run(Case(figure, {"hunt.h5": changed("hunt.h5", change)}, ["plot", "hunt.h5"],
                        outputs=("hunt_plots",)))  # fmt: skip
     assert (outcome.code, outcome.faults) == (0, []), outcome
+
+
+def test_lengths_whose_squares_overflow_leave_no_warning():
+    name = "systems/parallelogram.yaml"
+    text = yaml_cases.system_texts()[name].replace(
+        "at: [crank.length, 0, 0]", "at: [0, 0, 1e200 m]"
+    )
+    command = ["run", "scenarios/systems/parallelogram.yaml", "-o", "out.h5", *SHORT, "-q"]
+    files = yaml_cases.around({name: text.encode()})
+    refused(Case("lengths", files, command), "contradictory constraints")

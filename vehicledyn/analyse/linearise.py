@@ -13,6 +13,9 @@ from vehicledyn.kernel.derivatives import Derivatives
 from vehicledyn.kernel.engine import Vector
 from vehicledyn.symbolic.equations import Equations
 
+LARGEST = 1e100
+"""Derivative beyond which products of two overflow in the search for eigenvalues."""
+
 
 @dataclass(frozen=True)
 class Linearisation:
@@ -60,16 +63,18 @@ def linearise(
     Raises
     ------
     NumericalError
-        If the loops are singular or the derivatives no finite numbers there.
+        If the loops are singular, or derivatives there are no finite numbers or beyond LARGEST.
     """
     derivatives = derivatives or Derivatives(equations)
     point = [np.asarray(item, dtype=float) for item in (state, unknowns, parameters)]
     total = derivatives.total(time, *point)
-    if not np.isfinite(total.rates).all():
-        row, column = np.argwhere(~np.isfinite(total.rates))[0]
+    too_large = ~(np.abs(total.rates) <= LARGEST)
+    if too_large.any():
+        row, column = np.argwhere(too_large)[0]
         raise NumericalError(
             f"the derivative of the rate of '{equations.states[row].name}' by "
-            f"'{equations.states[column].name}' is no finite number at t = {time:.9g} s"
+            f"'{equations.states[column].name}' is {total.rates[row, column]:.3g} at "
+            f"t = {time:.9g} s, too large to compute with; check parameters and start values"
         )
     matrix, outputs, inputs = total.rates, total.outputs, total.rates_by_parameter
     if equations.attitudes:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cache
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,7 +16,7 @@ DEGREE = 3
 """Radau points of an interval."""
 
 
-@cache
+@lru_cache(maxsize=1)
 def radau_points() -> Floats:
     """Return the points of an interval from 0 to 1, without its beginning, shape (DEGREE,)."""
     import casadi

@@ -173,8 +173,10 @@ def _usual_rank(place: LoopAssembly, q: Array, rows: list[int], columns: list[in
 def _rank(slopes: Array) -> int:
     if not slopes.size or not np.isfinite(slopes).all():
         return 0
-    lengths = np.linalg.norm(slopes, axis=1, keepdims=True)
-    sizes = np.linalg.svd(slopes / np.where(lengths > RANK_TOLERANCE, lengths, np.inf))[1]
+    largest = np.abs(slopes).max(axis=1, keepdims=True)
+    rows = slopes / np.where(largest > RANK_TOLERANCE, largest, np.inf)  # squares do not overflow
+    rows /= np.maximum(np.linalg.norm(rows, axis=1, keepdims=True), RANK_TOLERANCE)
+    sizes = np.linalg.svd(rows)[1]
     return int(np.sum(sizes > RANK_TOLERANCE))
 
 
