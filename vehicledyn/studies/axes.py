@@ -7,11 +7,23 @@ from array import array
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, Literal
 
+from vehicledyn.base.units import is_pure
+
 if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
 Kind = Literal["grid", "list", "latin_hypercube", "random"]
+
+
+def quantity_text(number: float, unit: str) -> str | float:
+    """Return a value in SI as files write it, to the last bit; a pure number is itself.
+
+    >>> quantity_text(0.1, "rad/s"), quantity_text(2.0, "1")
+    ('0.1 rad/s', 2.0)
+    """
+    value = float(number)
+    return value if is_pure(unit) else f"{value!r} {unit}"
 
 
 @dataclass(frozen=True)
@@ -38,7 +50,7 @@ class Axis:
 
     def value(self, number: float) -> Any:
         """Return what the scenario is given for a value in SI or the number of a choice."""
-        return self.choices[int(number)] if self.choices else float(number)
+        return self.choices[int(number)] if self.choices else quantity_text(number, self.unit)
 
     def between(self, part: NDArray[np.float64]) -> NDArray[np.float64]:
         """Return the values at parts of the range between 0 and 1."""

@@ -25,7 +25,7 @@ from vehicledyn.files.scenario.bare_numbers import bare_numbers
 from vehicledyn.files.scenario.load import LoadedScenario
 from vehicledyn.files.scenario.overrides import Change, apply_change, read_override
 from vehicledyn.files.scenario.sources import Sources
-from vehicledyn.studies.axes import Axis, Design
+from vehicledyn.studies.axes import Axis, Design, quantity_text
 from vehicledyn.studies.columns import Written, read_columns
 from vehicledyn.studies.recipe import Recipe
 from vehicledyn.studies.sets import Grid, Study
@@ -202,7 +202,7 @@ class _Reading:
             self.problems += self._wrong_values(column, unit)
             return None
         for number in {_lowest(values), _highest(values)}:
-            self._try(column, number, values[number], recipe, in_si=True)
+            self._try(column, number, quantity_text(values[number], unit), recipe)
         if not column.is_range:
             return Axis(column.key, unit, values)
         low, high = values
@@ -251,11 +251,11 @@ class _Reading:
         return Axis(column.key, "", array("d", (places[t] for t in texts)), choices)
 
     def _try(
-        self, column: Written, number: int, value: Any, recipe: Recipe, *, in_si: bool = False
+        self, column: Written, number: int, value: Any, recipe: Recipe
     ) -> LoadedScenario | None:
         """Return the scenario with one value of a key, None and a problem if it is refused."""
         origin = str(column.problem(self.sources, number, ""))
-        change = Change(column.key, value, origin, in_si=in_si)
+        change = Change(column.key, value, origin)
         loaded, problems = recipe.examine([change])
         self.problems += [p for p in problems if p not in self.problems]
         return loaded

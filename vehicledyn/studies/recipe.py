@@ -37,7 +37,7 @@ class Recipe:
             If there is something wrong with it; ``name`` stands before each problem.
         """
         found = [
-            Change(axis.key, axis.value(value), f"{name}: {axis.key}", in_si=True)
+            Change(axis.key, axis.value(value), f"{name}: {axis.key}")
             for axis, value in zip(self.axes, values, strict=True)
         ]
         loaded, problems = self.examine(found)

@@ -173,11 +173,10 @@ def examine_scenario(
     units = _units_of_sections(data) if scenario is None else units_of(scenario)
     if written is not None:
         units |= {f"parameters.{name}": unit for name, unit in written.units.items()}
-    if not any(change.in_si for change in changes):  # the others were read before these
-        start = {} if written is None else _start_units(written)
-        places = {problem[:3] for problem in problems}
-        bare = bare_numbers(data, {**units, **start}, sources)
-        problems += [problem for problem in bare if problem[:3] not in places]
+    start = {} if written is None else _start_units(written)
+    places = {problem[:3] for problem in problems}
+    bare = bare_numbers(data, {**units, **start}, sources)
+    problems += [problem for problem in bare if problem[:3] not in places]
     if problems or scenario is None or written is None:
         return None, problems
     resolved = as_plain(scenario) | written.described

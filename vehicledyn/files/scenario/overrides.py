@@ -20,15 +20,11 @@ _COMPONENTS = {"x": 0, "y": 1, "z": 2}
 
 
 class Change(NamedTuple):
-    """A value that a dotted key takes, and where it came from, for messages.
-
-    ``in_si`` says that the value was calculated, so that its numbers need no unit.
-    """
+    """A value that a dotted key takes, and where it came from, for messages."""
 
     key: str
     value: Any
     origin: str
-    in_si: bool = False
 
 
 def apply_override(
