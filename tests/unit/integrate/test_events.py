@@ -26,6 +26,8 @@ from vehicledyn.base.errors import NumericalError
 from vehicledyn.base.registry import kinds
 from vehicledyn.kernel.kernel import compile_kernel
 
+pytestmark = pytest.mark.long
+
 METHODS = [kind for kind in kinds("solver") if kind not in ("newmark", "hht")]
 """All but two that share every line with `generalised_alpha` beside their weights."""
 EXACT = [kind for kind in METHODS if kind not in ("symplectic_euler", "rkc", *IMPLICIT)]

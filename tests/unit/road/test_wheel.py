@@ -26,6 +26,8 @@ from vehicledyn.road.wheel.soft_ground import direction_of_travel, soil_forces
 from vehicledyn.symbolic import ops
 from vehicledyn.symbolic.parameters import ParameterTable
 
+pytestmark = pytest.mark.long
+
 MASS, RADIUS, STIFFNESS, SPIN_INERTIA, GRAVITY = 390.0, 0.364, 460e3, 1.9, 9.81
 LOADED = RADIUS - MASS * GRAVITY / STIFFNESS
 RELAXED = Relaxation(longitudinal=0.2, lateral=0.4)

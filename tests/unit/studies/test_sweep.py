@@ -18,6 +18,8 @@ from vehicledyn.results.store.study_reader import open_study
 from vehicledyn.results.store.study_writer import StudyWriter, pending
 from vehicledyn.studies import sweep
 
+pytestmark = pytest.mark.long
+
 EXACTLY = Tolerances(0.0, 0.0)
 SLALOM = PENDULUM.parents[1] / "iltis_slalom.yaml"
 
