@@ -89,7 +89,7 @@ def test_page_names_every_kind():
 
 
 def test_a_file_without_a_track_is_refused(told, tmp_path):
-    (tmp_path / "none.yaml").write_text("title: t\nbodies: {b: {joints: [T1 x], mass: 1}}\n")
+    (tmp_path / "none.yaml").write_text("title: t\nbodies: {b: {joints: [T1 x], mass: 1 kg}}\n")
     done = subprocess.run(
         [Path(sys.executable).parent / "vehicledyn", "track", "none.yaml"],
         cwd=tmp_path, check=False, capture_output=True, text=True, timeout=60,

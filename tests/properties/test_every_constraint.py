@@ -260,6 +260,7 @@ def test_every_kind_was_there():
     # tests/unit/multibody/test_quaternion_joint.py, Geneva drives in tests/validation/test_cams.py.
     elsewhere = {
         "geneva",
+        "rolling",  # tests/unit/multibody/test_joint_types.py
         "universal_wheel",  # tests/validation/test_universal_wheels.py
         "spherical_quaternion",
         "track_frame",

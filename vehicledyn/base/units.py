@@ -155,9 +155,16 @@ def missing_unit(value: object, unit: str) -> str:
     >>> missing_unit(72, "m/s")
     "72 has no unit; write '72 m/s' or '72 km/h'"
     """
-    number = value.strip() if isinstance(value, str) else f"{value:.12g}"
+    number = value.strip() if isinstance(value, str) else _shown_number(value)
     other = f" or '{number} {_OFTEN[unit]}'" if unit in _OFTEN else ""
     return f"{number} has no unit; write '{number} {unit}'{other}"
+
+
+def _shown_number(value: object) -> str:
+    try:
+        return f"{value:.12g}"
+    except OverflowError:
+        return str(value)
 
 
 def is_pure(unit: str) -> bool:

@@ -133,7 +133,9 @@ def catalogue_definitions(
         for entry in entries:
             name = references[entry, "validation"]["$ref"].rpartition("/")[2]
             made[f"{family}.{entry.kind}"] = _with_kind(definitions[name], entry.kind)
-        choices = [{"$ref": f"#/$defs/{family}.{entry.kind}"} for entry in entries]
+            if getattr(entry, "versions", ()):  # a file tells its kind
+                made[f"{family}.of_file"] = definitions[name]
+        choices = [{"$ref": f"#/$defs/{name}"} for name in made if name.startswith(f"{family}.")]
         made[family] = {"oneOf": choices} if choices else {"not": {}}
     return made
 
