@@ -1,7 +1,10 @@
 """Spoilt result files of every kind, and what shows or reads them."""
 
+import fcntl
 import functools
 import io
+import os
+import pickle
 import tempfile
 from pathlib import Path
 
@@ -37,7 +40,22 @@ SEEDS = {
 
 @functools.cache
 def seeds():
-    """Return whole results of every kind by name, computed by the program itself."""
+    """Return whole results of every kind by name, computed by the program itself.
+
+    Processes of one check share them in the folder CHECKED_RESULTS: the first computes them.
+    """
+    shared = os.environ.get("CHECKED_RESULTS")
+    if not shared:
+        return _computed_seeds()
+    place = Path(shared) / "seeds_of_damage.pickle"
+    with open(place.with_suffix(".lock"), "w") as lock:  # noqa: PTH123
+        fcntl.flock(lock, fcntl.LOCK_EX)
+        if not place.is_file():
+            place.write_bytes(pickle.dumps(_computed_seeds()))
+        return pickle.loads(place.read_bytes())
+
+
+def _computed_seeds():
     found = {}
     with tempfile.TemporaryDirectory(prefix="hostile-seeds-") as name:
         folder = Path(name)

@@ -48,13 +48,11 @@ def test_simulation_and_eigenvalues_agree_on_damping_and_critical_speed():
 
 
 def test_the_stabiliser_damps_beyond_the_critical_speed():
-    (without, _), (held, _) = (
-        driven(
-            SPEEDS[1],
-            caravan__stabiliser__torque=torque,
-            manoeuvre__free_after="0.2 s",
-            duration="5 s",
-        )
-        for torque in ("0 N*m", "250 N*m")
+    """Without it the damping is negative there, see above."""
+    held, _ = driven(
+        SPEEDS[1],
+        caravan__stabiliser__torque="250 N*m",
+        manoeuvre__free_after="0.2 s",
+        duration="5 s",
     )
-    assert held > 0.0 > without
+    assert held > 0.0
