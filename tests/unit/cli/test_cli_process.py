@@ -12,6 +12,8 @@ import typer
 
 from vehicledyn.cli.verbs import HOMES, command_line
 
+pytestmark = pytest.mark.long
+
 HEAVY = ("casadi", "h5py", "matplotlib", "numpy", "pandas", "rich", "scipy")
 SCENARIOS = Path(__file__).parents[3] / "scenarios" / "systems"
 STANDING = """\

@@ -10,6 +10,8 @@ from vehicledyn.base.registry import find
 from vehicledyn.integrate.simulate import simulate
 from vehicledyn.kernel.kernel import compile_kernel
 
+pytestmark = pytest.mark.long
+
 G = 9.81
 FINE = {"relative_tolerance": 1e-11, "absolute_tolerance": 1e-11}
 METHODS = {

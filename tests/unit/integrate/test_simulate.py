@@ -29,6 +29,8 @@ from vehicledyn.integrate.simulate import simulate
 from vehicledyn.kernel.kernel import compile_kernel
 from vehicledyn.symbolic.equations import Block
 
+pytestmark = pytest.mark.long
+
 ADAPTIVE = [kind for kind in kinds("solver") if "step" not in find("solver", kind).model_fields]
 
 
