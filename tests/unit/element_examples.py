@@ -86,6 +86,12 @@ ELEMENTS = {
         "coordinate: b.x, law: {kind: spring_damper, stiffness: 5 N/m, damping: 2 N*s/m}",
         lambda s: (-5.0 * s["b.x"] - 2.0 * s["b.x_rate"], 0.0, 0.0),
     ),
+    # The pump is twice as fast as the turbine, x the first and y, at rest, the second.
+    "torque_converter": (
+        "pump: b.x, turbine: b.y, ratio: 0, speed_ratios: [0, 1], torque_ratios: [1, 1], "
+        "capacities: [2, 0]",
+        lambda s: (-2.0 * s["b.x_rate"] * abs(s["b.x_rate"]), 0.0, 0.0),
+    ),
     "wrench": ("body: b, force: [2 N, 0, 3 N/s * time]", lambda s: (2.0, 0.0, 6.0)),
 }
 """Fields of a kind, and the force on the body b, free to slide and 0.3 m along x, at rest else but

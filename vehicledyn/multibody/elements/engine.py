@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass
 
 from vehicledyn.base.errors import InputError
 from vehicledyn.base.registry import register
+from vehicledyn.multibody.elements.straight_lines import straight_lines
 from vehicledyn.multibody.model.declaration import choice, coordinate_name, function
 from vehicledyn.multibody.model.parts import BasePart, Loads, Output, Situation
 from vehicledyn.symbolic import ops
@@ -73,16 +74,5 @@ class Engine(BasePart):
     def _torque(self, situation: Situation) -> Scalar:
         throttle = ops.minimum(ops.maximum(self.throttle(situation), 0.0), 1.0)
         speed = situation.kinematics.rate(self.coordinate)
-        drag = _line(self.speeds, self.drag_torques, speed) if self.drag_torques else 0.0
-        return drag + throttle * (_line(self.speeds, self.full_torques, speed) - drag)
-
-
-def _line(x: Sequence[float], y: Sequence[float], at: Scalar) -> Scalar:
-    """Return straight lines between points, constant beyond them."""
-    inside = ops.minimum(ops.maximum(at, x[0]), x[-1])
-    slopes = [(y[k + 1] - y[k]) / (x[k + 1] - x[k]) for k in range(len(x) - 1)]
-    total = y[0] + slopes[0] * (inside - x[0])
-    for k in range(1, len(slopes)):
-        if slopes[k] != slopes[k - 1]:
-            total = total + (slopes[k] - slopes[k - 1]) * ops.maximum(inside - x[k], 0.0)
-    return total
+        drag = straight_lines(self.speeds, self.drag_torques, speed) if self.drag_torques else 0.0
+        return drag + throttle * (straight_lines(self.speeds, self.full_torques, speed) - drag)

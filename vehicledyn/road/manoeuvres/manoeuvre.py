@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, ClassVar
 
 from pydantic import Field
 
@@ -25,6 +25,9 @@ class RoadManoeuvre(ParameterSet):
     speed_control: SpeedControl | None = Field(
         default=None, description="Controller that holds the speed; free wheels only"
     )
+
+    coordinate_fields: ClassVar[tuple[str, ...]] = ()
+    """Fields that name a coordinate of the vehicle; checked where the scenario is read."""
 
     def problems(self, *, free_wheels: bool) -> list[str]:
         """Return what in the manoeuvre does not go with the vehicle, one sentence each."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, ClassVar
 
 from pydantic import Field
 
@@ -34,6 +34,8 @@ class TrailerSway(DrivingTest):
     ----------
     ISO 9815, Road vehicles - Passenger-car and trailer combinations - Lateral stability test.
     """
+
+    coordinate_fields: ClassVar[tuple[str, ...]] = ("articulation",)
 
     amplitude: float = quantity("rad", "Largest steering-wheel angle")
     width: float = quantity("s", "How long the pulse lasts", default=0.3, gt=0)
