@@ -16,6 +16,7 @@ from ruamel.yaml.error import MarkedYAMLError, YAMLStreamError
 from ruamel.yaml.nodes import MappingNode, Node, ScalarNode, SequenceNode
 from ruamel.yaml.reader import ReaderError
 
+from vehicledyn.base.bounded_cache import BoundedCache
 from vehicledyn.base.files.limits import UnreadableFileError, read_regular
 from vehicledyn.base.problems import START, Mark, Place, Problem, dotted, refusal
 
@@ -23,7 +24,9 @@ LARGEST_FILE = 5_000_000
 """Bytes of the largest file that is read; tables belong in CSV or HDF5."""
 
 _LARGEST_COUNT = 100_000
+_LARGEST_KEPT, _MOST_KEPT = 100_000, 64
 _MOST_SHOWN = 40
+_LONGEST_KEY = 1000
 _NO_TEXT = re.compile("[\x00\ud800-\udfff]")
 _OTHER_VERSION = re.compile(r"%YAML\s+(?!1\.2\b)")
 _KNOWN_TAGS = {"null", "bool", "int", "float", "str", "map", "seq"}
@@ -45,6 +48,10 @@ class Document:
     keys: dict[Place, Mark] = field(default_factory=dict)
     problems: list[Problem] = field(default_factory=list)
 
+
+_parsed: BoundedCache[tuple[str, str], Document] = BoundedCache(_MOST_KEPT)
+_large: BoundedCache[tuple[str, str], Document] = BoundedCache(1)
+"""The last text that is too long to keep many such, as a run reads its model several times."""
 
 _remembered: ContextVar[dict[str, Document] | None] = ContextVar("remembered", default=None)
 
@@ -89,11 +96,26 @@ def copied(data: Any) -> Any:
 def parse_yaml(text: str, name: str) -> Document:
     """Return the content of YAML text; ``name`` says in messages where it came from.
 
+    A text that is read again costs a copy: variants of a model read the same files many times.
+
     Raises
     ------
     InputError
         If the text is no YAML.
     """
+    known = _large if len(text) > _LARGEST_KEPT else _parsed
+    kept = known.get((name, text), lambda: _parse(text, name))
+    return replace(
+        kept,
+        data=copied(kept.data),
+        values=dict(kept.values),
+        keys=dict(kept.keys),
+        problems=list(kept.problems),
+    )
+
+
+def _parse(text: str, name: str) -> Document:
+    """Return the content of YAML text."""
     if _OTHER_VERSION.match(text):
         raise _syntax("only YAML 1.2 is read; take the %YAML line away", name, START)
     document = Document(name, text)
@@ -169,6 +191,10 @@ class _Builder:
                 self._note(_mark(key_node), place, "a key must be a text")
                 continue
             key = str(key_node.value)
+            if len(key) > _LONGEST_KEY:
+                words = f"a key of {len(key)} characters; keys are names, of {_LONGEST_KEY} at most"
+                self._note(_mark(key_node), place, words)
+                continue
             inner = (*place, key)
             if key in content:
                 first = self.document.keys[inner]

@@ -1,6 +1,7 @@
 """Caches that stay bounded, and modules whose caches grow with their use."""
 
 import ast
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import vehicledyn
@@ -40,6 +41,17 @@ def test_values_used_last_are_kept():
 
     assert [value(key) for key in "abacab"] == ["A", "B", "A", "C", "A", "B"]
     assert made == ["a", "b", "c", "b"]  # c pushed b out, since a was used after it
+    assert len(cache) == 2
+
+
+def test_threads_share_a_cache():
+    cache = BoundedCache(2)
+
+    def ask(number):
+        return all(cache.get(k % 5, lambda k=k: k % 5) == k % 5 for k in range(number, 3000))
+
+    with ThreadPoolExecutor(8) as pool:
+        assert all(pool.map(ask, range(8)))
     assert len(cache) == 2
 
 

@@ -2,7 +2,7 @@ import pytest
 
 from vehicledyn.base.errors import InputError
 from vehicledyn.base.problems import Mark
-from vehicledyn.base.yaml import LARGEST_FILE, parse_yaml, read_yaml
+from vehicledyn.base.yaml import LARGEST_FILE, copied, parse_yaml, read_yaml
 
 
 def refusal_of(text):
@@ -107,3 +107,35 @@ def test_byte_order_mark_is_no_content(tmp_path):
     path = tmp_path / "f.yaml"
     path.write_bytes(b"\xef\xbb\xbfa: 1\r\nb: \xc2\xb5m\r\n")
     assert read_yaml(path).data == {"a": 1, "b": "µm"}
+
+
+def test_a_text_that_is_read_again_is_no_other_and_nobody_elses():
+    text = "wheels: {radius: 1, radius: 2}\nplaces: [[1, 2], [3, 4]]\n"
+    first = parse_yaml(text, "again.yaml")
+    whole = copied(first.data), dict(first.values), dict(first.keys), list(first.problems)
+    first.data["places"][0].append(5)
+    first.values.clear()
+    first.keys.clear()
+    first.problems.clear()
+    second = parse_yaml(text, "again.yaml")
+    assert (second.data, second.values, second.keys, second.problems) == whole
+    assert parse_yaml(text, "other.yaml").problems[0].source == "other.yaml"
+
+
+def test_a_long_text_read_twice_is_parsed_once(monkeypatch):
+    """Each reader has a copy of its own."""
+    from vehicledyn.base import yaml
+
+    text, parsed = "long: " + "x" * 100_001 + "\n", []
+    parse = yaml._parse
+    monkeypatch.setattr(yaml, "_parse", lambda *given: parsed.append(1) or parse(*given))
+    first, second = (yaml.parse_yaml(text, "long.yaml") for _ in range(2))
+    first.data["long"] = "changed"
+    assert (len(parsed), len(second.data["long"])) == (1, 100_001)
+
+
+def test_keys_that_are_no_names_are_left_out():
+    """Each value below one would carry it in its place."""
+    read = parse_yaml(f"{'a' * 140_000}: 1\nb: 2\n", "f.yaml")
+    assert read.data == {"b": 2}
+    assert str(read.problems[0]).startswith("f.yaml:1:1: file: a key of 140000 characters")

@@ -286,8 +286,8 @@ def test_each_axle_takes_its_static_load_where_itself_is_on_straight_and_level_t
     }
     told = [remark for remark in found.remarks if "static loads" in remark]
     assert told == [
-        "static loads of never are medians of the section, as these axles are never on straight, "
-        "level track: let the run begin there"
+        "static loads of never are medians of the section, as these axles are on straight, "
+        "level track for less than 0.2 s: let the run begin there"
     ]
 
 

@@ -242,3 +242,27 @@ def test_a_wrong_name_in_a_killed_run_is_found(tmp_path):
     copy.write_bytes(data)
     with open_result(copy) as result:
         assert result.channels == ("body.height",)
+
+
+@pytest.mark.parametrize("name", ["animation", "summary", "scene", "scenario"])
+def test_a_dataset_in_place_of_a_group_is_damage(make_result, name):
+    """To look for a name in it would be to read all of the numbers that it says to hold."""
+    path = make_result()
+    unsealed(path)
+    with h5py.File(path, "r+") as file:
+        if name in file:
+            del file[name]
+        file.create_dataset(name, shape=(1 << 50,), chunks=(1000,), dtype=float)
+    kind, message = within_limit(path)
+    assert kind == "refused" and f"{name} is no group" in message
+
+
+def test_a_text_that_is_no_utf_8_is_damage(make_result):
+    path = make_result()
+    unsealed(path)
+    data = path.read_bytes()
+    title = open_result(path).title.encode()
+    assert data.count(title) >= 1
+    path.write_bytes(data.replace(title, b"\xcf" + title[1:]))
+    with pytest.raises(InputError, match=r"is damaged \(a text that is no UTF-8\)"):
+        open_result(path)

@@ -10,6 +10,7 @@ import pytest
 
 import vehicledyn as vd
 from vehicledyn.base.errors import MissingPartError
+from vehicledyn.results.store import reader
 from vehicledyn.results.store.animation_section import Span
 from vehicledyn.results.store.reader import open_result
 
@@ -141,3 +142,15 @@ def test_parquet_needs_its_package(results, tmp_path):
 def test_a_table_of_unlike_arrays_is_refused(results):
     with pytest.raises(vd.InputError, match="arrays over the same dimensions"):
         results["study"].to_dataframe("case.end_time", "body.height")
+
+
+def test_a_table_opens_the_file_once(results, monkeypatch):
+    data = vd.open_result(results["run"].path)
+    opened = []
+    monkeypatch.setattr(
+        reader, "open_result", lambda path: opened.append(path) or open_result(path)
+    )
+    table = data.to_dataframe()
+    assert len(opened) == 1 and table.shape[1] > 3
+    assert [array.name for array in data.arrays("body.*")] == data.names("body.*")
+    assert table["body.height"].to_numpy() == pytest.approx(data["body.height"].values, abs=0.0)

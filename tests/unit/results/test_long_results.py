@@ -1,14 +1,18 @@
 """Results longer than a portion are compared, described and drawn portion by portion."""
 
+import tracemalloc
 from dataclasses import asdict
 
 import numpy as np
 import pytest
+from scipy.io import loadmat
 
 from vehicledyn.base.errors import InputError
 from vehicledyn.results.compare import run_compare, sampling_grids
 from vehicledyn.results.compare.run_compare import compare_files
 from vehicledyn.results.info import describe_result
+from vehicledyn.results.labelled import export
+from vehicledyn.results.labelled.data import open_result as open_labelled
 from vehicledyn.results.plots import run_plots
 from vehicledyn.results.store import decimation
 from vehicledyn.results.store.layout import Axis
@@ -96,3 +100,27 @@ def test_long_runs_are_drawn_by_their_envelope(make_result, tmp_path, monkeypatc
     path = make_result(time=TIME, values=a(x=(77, 9.0)), plots=[])
     run_plots.draw_plots(path, tmp_path)
     assert drawn and all(len(values) <= 22 and values.max() == 9.0 for values in drawn)
+
+
+@pytest.mark.parametrize("suffix", [".csv", ".mat"])
+def test_tables_of_long_runs_are_written_in_portions(make_result, tmp_path, monkeypatch, suffix):
+    """40 columns of 16 kB each: CSV keeps few rows of all, MATLAB's files one column."""
+    time = np.linspace(0.0, 1.0, 2_001)
+    values = {f"c{k}": ("m", time + k) for k in range(40)}
+    data = open_labelled(make_result(time=time, values=values))
+    monkeypatch.setattr(export, "_ROWS", 100)
+    monkeypatch.setattr(export, "_VALUES", 4_000)
+    data.export(tmp_path / f"first{suffix}")  # loads what is loaded once
+    tracemalloc.start()
+    path = data.export(tmp_path / f"long{suffix}")
+    peak = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    assert peak < 5.5e5 < 41 * time.nbytes
+    if suffix == ".csv":
+        found = np.loadtxt(path, delimiter=",", skiprows=2)
+        columns = list(found.T)
+    else:
+        found = loadmat(path)
+        columns = [found["time"][:, 0], *(found[name][:, 0] for name in values)]
+        assert found["columns"].shape == (41, 4)
+    assert np.array_equal(columns, [time, *(time + k for k in range(40))])

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from result_files import slalom_values
 
+from vehicledyn.results.compare.any_compare import compare_results
 from vehicledyn.results.compare.run_compare import compare_files
 
 TIME, VALUES = slalom_values()
@@ -240,6 +241,16 @@ def test_another_model_is_noted(reference, make_result):
     path = make_result(model_hash="fedc")
     assert "other equations or parameters" in compare_files(path, reference).as_text()
     assert "model is bicycle" in compare_files(make_result(model="bicycle"), reference).as_text()
+
+
+def test_only_the_missing_file_is_named(tmp_path):
+    """Whatever the kind of the other one, whose own problems would mislead."""
+    other = tmp_path / "modes.h5"
+    with h5py.File(other, "w") as file:
+        file.attrs["format"] = "vehicledyn-modes"
+    for pair in ((other, tmp_path / "lost.h5"), (tmp_path / "lost.h5", other)):
+        found = compare_results(*pair)
+        assert found.problems == (f"{tmp_path / 'lost.h5'}: there is no such file",)
 
 
 def test_other_parameters_are_no_other_equations(make_result):

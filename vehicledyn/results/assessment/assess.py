@@ -227,7 +227,7 @@ def _assess_safety(
     if curved:
         found.remarks.append(
             f"static loads of {', '.join(curved)} are medians of the section, as these axles are "
-            "never on straight, level track: let the run begin there"
+            "on straight, level track for less than 0.2 s: let the run begin there"
         )
     if found.axles and not found.stability:
         found.remarks.append(

@@ -30,6 +30,10 @@ def compare_results(
     Parameters are those of :func:`vehicledyn.results.compare.run_compare.compare_files`; unusable
     files are reported in the comparison, not raised.
     """
+    missing = [path for path in (result, reference) if not path.exists()]
+    if missing:
+        words = tuple(f"{path}: there is no such file" for path in missing)
+        return Comparison(str(result), str(reference), problems=words)
     if holds_table(reference) or other_kinds(result, reference):
         compare = compare_tables
     elif is_study_file(reference):

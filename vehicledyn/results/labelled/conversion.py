@@ -45,9 +45,9 @@ def data_set(data: LabelledSet, patterns: Sequence[str]) -> xarray.Dataset:
     """Return the arrays that match patterns for xarray, with title and status as attributes."""
     package = _xarray()
     found = {}
-    for name in data.names(*patterns):
-        array = data_array(data[name])
-        found[name] = array if name in array.dims else array.rename(name)
+    for labelled in data.arrays(*patterns):
+        array = data_array(labelled)
+        found[labelled.name] = array if array.name in array.dims else array.rename(labelled.name)
     head = {"title": data.title, "model": data.model, "status": data.status, "kind": data.kind}
     return package.Dataset(found, attrs={**head, **data.attributes})
 
@@ -84,7 +84,7 @@ def table_arrays(data: LabelledSet, patterns: Sequence[str]) -> list[Labelled]:
     InputError
         If arrays were asked for that do not share their dimensions, or there are none.
     """
-    arrays = [data[name] for name in data.names(*patterns)]
+    arrays = list(data.arrays(*patterns))
     if not patterns:
         main = MAIN_DIMENSIONS.get(data.kind, ())
         arrays = [array for array in arrays if array.dims == main] or arrays

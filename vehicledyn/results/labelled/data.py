@@ -110,9 +110,25 @@ class LabelledData(Mapping[str, LabelledArray]):
         """
         if name not in self._source.names:
             raise UnknownNameError(unknown_array(str(name), self._source.names))
-        if name not in self._arrays:
-            self._arrays[name] = self._source.read(name)
-        return self._arrays[name]
+        return self._read([name])[0]
+
+    def arrays(self, *patterns: str) -> list[LabelledArray]:
+        """Return the arrays that match any of some shell patterns, all if none is given.
+
+        Quicker than one after the other.
+
+        Raises
+        ------
+        InputError
+            If a pattern matches nothing.
+        """
+        return self._read(self.names(*patterns))
+
+    def _read(self, names: Sequence[str]) -> list[LabelledArray]:
+        missing = [name for name in names if name not in self._arrays]
+        if missing:
+            self._arrays |= dict(zip(missing, self._source.read(missing), strict=True))
+        return [self._arrays[name] for name in names]
 
     def __eq__(self, other: object) -> bool:
         """Return whether it is the same object; ``vehicledyn.compare`` compares what they hold."""

@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import re
 from collections.abc import Callable, Iterator, Sequence
+from contextlib import ExitStack
 from pathlib import Path
 from typing import Any
 
@@ -16,12 +17,16 @@ from vehicledyn.base.files.whole_file import whole_file
 from vehicledyn.results.hdf5.output import write_failed
 from vehicledyn.results.labelled.conversion import labels_along, table_arrays
 from vehicledyn.results.labelled.labels import Labelled, LabelledSet
+from vehicledyn.results.store.reader import open_result
 
 _LONGEST_NAME = 63
 """Letters of a name in MATLAB."""
 
 _ROWS = 10_000
 """Rows of a CSV file that are made into numbers of Python's at once."""
+
+_VALUES = 1 << 21
+"""Values of all columns that are read from a file at once."""
 
 _NO_LETTER = re.compile(r"\W")
 
@@ -57,17 +62,40 @@ def export_data(
         raise InputError(f"{path}: give a file that ends in {', '.join(_WRITERS)}")
     if path.exists() and not overwrite:
         raise InputError(f"{path}: exists; choose another file, or give {argument('overwrite')}")
-    columns = list(_columns(table_arrays(data, patterns)))
     try:
-        with whole_file(path) as scratch:
-            write(scratch, columns, data)
+        with ExitStack() as open_files:
+            columns = list(_stored_columns(data, patterns, open_files))
+            if not columns:
+                columns = list(_columns(table_arrays(data, patterns)))
+            write(open_files.enter_context(whole_file(path)), columns, data)
     except OSError as error:
         raise write_failed(path, error) from error
     return path
 
 
 Column = tuple[str, Any, str, str]
-"""Name, values, unit and meaning."""
+"""Name, values or what reads some of them from a file, unit and meaning."""
+
+
+def _stored_columns(
+    data: LabelledSet, patterns: Sequence[str], open_files: ExitStack
+) -> Iterator[Column]:
+    """Yield the columns of a run, which stay in its file until they are written.
+
+    There are none where nothing but the labels of the samples is asked for.
+    """
+    if data.kind != "run":
+        return
+    axis = next(iter(data))
+    names = [name for name in data.names(*patterns) if name != axis]
+    if not names:
+        return
+    result = open_files.enter_context(open_result(data.path))
+    label = data[axis]
+    yield axis, result.column("time"), label.unit, label.description
+    for name in names:
+        unit, words, _ = result.facts(name)
+        yield name, result.column(name), unit, words
 
 
 def _columns(arrays: Sequence[Labelled]) -> Iterator[Column]:
@@ -90,10 +118,12 @@ def _write_csv(path: Path, columns: Sequence[Column], data: LabelledSet) -> None
         writer = csv.writer(file, lineterminator="\n")
         writer.writerow([name for name, *_ in columns])
         writer.writerow([unit for _, _, unit, _ in columns])
-        arrays = [np.asarray(values) for _, values, *_ in columns]
-        for start in range(0, max(map(len, arrays)), _ROWS):
-            parts = (array[start : start + _ROWS].tolist() for array in arrays)
-            writer.writerows(zip(*parts, strict=True))
+        rows = max(_ROWS, _VALUES // len(columns))
+        for first in range(0, max(len(values) for _, values, *_ in columns), rows):
+            arrays = [np.asarray(values[first : first + rows]) for _, values, *_ in columns]
+            for start in range(0, len(arrays[0]), _ROWS):
+                parts = (array[start : start + _ROWS].tolist() for array in arrays)
+                writer.writerows(zip(*parts, strict=True))
 
 
 def _write_mat(path: Path, columns: Sequence[Column], data: LabelledSet) -> None:
@@ -102,10 +132,12 @@ def _write_mat(path: Path, columns: Sequence[Column], data: LabelledSet) -> None
 
     names = _matlab_names([name for name, *_ in columns])
     facts = np.array([[n, *c[:1], *c[2:]] for n, c in zip(names, columns, strict=True)], object)
-    variables = {name: np.asarray(c[1]) for name, c in zip(names, columns, strict=True)}
     head = {"title": data.title, "model": data.model, "status": data.status}
-    content = {**variables, "columns": facts, "about": head}
     with path.open("wb") as file:
+        for name, (_, values, *_) in zip(names, columns, strict=True):
+            variable = {name: np.asarray(values[:])}  # written one by one, as each is in memory
+            savemat(file, variable, long_field_names=True, oned_as="column")
+        content = {"columns": facts, "about": head}
         savemat(file, content, long_field_names=True, oned_as="column")
 
 
@@ -133,13 +165,13 @@ def _write_parquet(path: Path, columns: Sequence[Column], data: LabelledSet) -> 
         ) from None
     fields = [
         pyarrow.field(
-            name, pyarrow.array(values).type, metadata={"units": unit, "long_name": words}
+            name, pyarrow.array(values[:1]).type, metadata={"units": unit, "long_name": words}
         )
         for name, values, unit, words in columns
     ]
     head = {"title": data.title, "model": data.model, "status": data.status}
     table = pyarrow.Table.from_arrays(
-        [pyarrow.array(values) for _, values, *_ in columns],
+        [pyarrow.array(values[:]) for _, values, *_ in columns],
         schema=pyarrow.schema(fields, metadata=head),
     )
     parquet.write_table(table, path)

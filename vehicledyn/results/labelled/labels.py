@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any, Protocol
 
@@ -67,6 +67,9 @@ class LabelledSet(Protocol):
 
     def names(self, *patterns: str) -> list[str]:
         """Return the names that match patterns."""
+
+    def arrays(self, *patterns: str) -> Sequence[Labelled]:
+        """Return the arrays that match patterns."""
 
     def __getitem__(self, name: str) -> Labelled:
         """Return an array."""

@@ -31,8 +31,8 @@ class Source(Protocol):
     def names(self) -> Sequence[str]:
         """Names of the arrays, in the order of the model."""
 
-    def read(self, name: str) -> LabelledArray:
-        """Return an array by one of the names."""
+    def read(self, names: Sequence[str]) -> list[LabelledArray]:
+        """Return arrays by some of the names; the file is opened once for all."""
 
     def summary(self) -> Mapping[str, SummaryEntry]:
         """Return the key figures by name."""

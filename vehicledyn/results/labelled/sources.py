@@ -15,6 +15,7 @@ from vehicledyn.results.store.layout import FORMAT as RUN
 from vehicledyn.results.store.layout import EventRecord, SummaryEntry
 from vehicledyn.results.store.linear_file import format_of
 from vehicledyn.results.store.study_reader import open_study
+from vehicledyn.results.store.values import Series
 
 
 def source_of(path: Path) -> Source:
@@ -57,15 +58,25 @@ class RunSource:
             self._time = _axis(self._axis, result.time)
             self.names: Sequence[str] = dict.fromkeys((self._axis, *result.channels))  # type: ignore[assignment]
 
-    def read(self, name: str) -> LabelledArray:
-        """Return the time or a channel."""
-        if name == self._axis:
-            return self._time
-        with reader.open_result(self._path) as result:
-            found = result.channel(name)
-        coords = {self._axis: self._time}
+    def read(self, names: Sequence[str]) -> list[LabelledArray]:
+        """Return the time or channels."""
+        channels = [name for name in names if name != self._axis]
+        found = {self._axis: self._time}
+        if channels:
+            with reader.open_result(self._path) as result:
+                found |= {name: self._of(result.channel(name)) for name in channels}
+        return [found[name] for name in names]
+
+    def _of(self, channel: Series) -> LabelledArray:
+        """Return a channel over the samples."""
         return LabelledArray(
-            name, found.values, (self._axis,), found.unit, found.description, coords, found.frame
+            channel.name,
+            channel.values,
+            (self._axis,),
+            channel.unit,
+            channel.description,
+            {self._axis: self._time},
+            channel.frame,
         )
 
     def summary(self) -> Mapping[str, SummaryEntry]:
@@ -118,27 +129,30 @@ class StudySource:
         taken = name in self._axes or name in self._channels
         return f"figure.{name}" if taken else name
 
-    def read(self, name: str) -> LabelledArray:
-        """Return an array over the cases, or over cases and time."""
+    def read(self, names: Sequence[str]) -> list[LabelledArray]:
+        """Return arrays over the cases, or over cases and time."""
+        with open_study(self._path) as file:
+            return [self._read(file, name) for name in names]
+
+    def _read(self, file: Any, name: str) -> LabelledArray:
         if name in ("case", "time"):
             return self._case if name == "case" else self._time
         coords = {"case": self._case}
-        with open_study(self._path) as file:
-            if name == "case.status":
-                words = np.array(study_layout.STATUS_NAMES)[file.case_status()]
-                return LabelledArray(name, words, ("case",), "", "How the case ended", coords)
-            if name == "case.end_time":
-                values = file.end_times()
-                return LabelledArray(name, values, ("case",), "s", "When it ended", coords)
-            if name in self._axes:
-                return self._axis_array(file, name, coords)
-            if name in self._figures:
-                return _figure(file, name, self._figures[name], coords)
-            channel = next(c for c in file.channels if c.name == name)
-            values = file.channel(name)
-            both = {**coords, "time": self._time}
-            dims = ("case", "time")
-            return LabelledArray(name, values, dims, channel.unit, channel.description, both)
+        if name == "case.status":
+            words = np.array(study_layout.STATUS_NAMES)[file.case_status()]
+            return LabelledArray(name, words, ("case",), "", "How the case ended", coords)
+        if name == "case.end_time":
+            values = file.end_times()
+            return LabelledArray(name, values, ("case",), "s", "When it ended", coords)
+        if name in self._axes:
+            return self._axis_array(file, name, coords)
+        if name in self._figures:
+            return _figure(file, name, self._figures[name], coords)
+        channel = next(c for c in file.channels if c.name == name)
+        values = file.channel(name)
+        both = {**coords, "time": self._time}
+        dims = ("case", "time")
+        return LabelledArray(name, values, dims, channel.unit, channel.description, both)
 
     def _axis_array(
         self, file: Any, name: str, coords: Mapping[str, LabelledArray]

@@ -74,9 +74,9 @@ class TableSource:
         """Names of the arrays."""
         return list(self.arrays)
 
-    def read(self, name: str) -> LabelledArray:
-        """Return an array."""
-        return self.arrays[name]
+    def read(self, names: Sequence[str]) -> list[LabelledArray]:
+        """Return arrays."""
+        return [self.arrays[name] for name in names]
 
     def summary(self) -> Mapping[str, SummaryEntry]:
         """Return the critical values of a hunting study."""

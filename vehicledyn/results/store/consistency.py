@@ -67,6 +67,16 @@ class Sizes:
             raise ValueError(f"{name} has {number} {axis}, not {wanted}")
 
 
+def require_groups(file: h5py.Group, names: Iterable[str]) -> None:
+    """Raise ValueError if one of some names that a file may have is no group.
+
+    To look for a name in a dataset is to read it whole, however long it says to be.
+    """
+    for name in names:
+        if name in file and not isinstance(file[name], h5py.Group):
+            raise ValueError(f"{name} is no group")
+
+
 def require_stored(group: h5py.Group) -> None:
     """Raise ValueError if a dataset below a group says to hold far more than is stored."""
 

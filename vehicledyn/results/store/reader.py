@@ -25,7 +25,7 @@ from vehicledyn.results.store.animation_section import (
     read_rows,
 )
 from vehicledyn.results.store.column import Column
-from vehicledyn.results.store.consistency import require_stored
+from vehicledyn.results.store.consistency import require_groups, require_stored
 from vehicledyn.results.store.decimation import ColumnRange, column_range, portions, thinned
 from vehicledyn.results.store.history import History, read_events, read_history
 from vehicledyn.results.store.layout import (
@@ -104,8 +104,8 @@ class Result(contextlib.AbstractContextManager["Result"]):
         closed = file.is_finished
         with self._reading():
             check_format(self.path, self._file)
-            if file.guard is not None and not file.is_finished:
-                check_texts(file)
+            if file.guard is not None and not file.guard.is_sealed:
+                check_texts(file, is_finished=file.is_finished)
             self.title = str(file.attrs["title"])
             self.model = str(file.attrs["model"])
             self.model_hash = str(file.attrs["model_hash"])
@@ -116,6 +116,7 @@ class Result(contextlib.AbstractContextManager["Result"]):
             self.channels = tuple(str(name) for name in file.attrs["channels"])
             self.samples = int(file["time"].shape[0])
             refuse_promises(path, file, self.channels)
+            require_groups(file, (*_BESIDE, "scenario", "plots", "scene", GROUP))
             for group in _BESIDE & set(file):
                 require_stored(file[group])
             self._check_sums("time")
@@ -196,7 +197,7 @@ class Result(contextlib.AbstractContextManager["Result"]):
     def require(self, name: str) -> None:
         """Raise an InputError unless the file has this channel."""
         if name not in self.channels:
-            raise InputError(f"{self.path}: {unknown_name('channel', name, self.channels)}")
+            raise InputError(f"{self.path}: {unknown_name('channel', str(name), self.channels)}")
 
     @property
     def units(self) -> dict[str, str]:

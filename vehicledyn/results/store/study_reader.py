@@ -121,8 +121,7 @@ class StudyFile:
             self.figures = {c.name: c for c in sorted(columns, key=lambda c: c.name)}
             if file.guard is not None and not file.guard.is_sealed:
                 check_cases(file)
-                if not file.is_finished:
-                    check_texts(file)
+                check_texts(file, is_finished=file.is_finished)
 
     @property
     def is_whole(self) -> bool:
