@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from vehicledyn.analyse.newton import settle, solve_damped
+from vehicledyn.analyse.newton import NewtonResult, settle, solve_damped
 from vehicledyn.base.errors import NumericalError
 from vehicledyn.kernel.derivatives import Derivatives, Slopes
 from vehicledyn.kernel.engine import Ledger, Vector
@@ -19,6 +19,10 @@ _LOOSE = 1e-9
 _NAMED = 4
 _DIFFERENCE = 1e-7
 """How far a state is moved to see how the rates follow [m or rad, or per s]."""
+
+_COSTLY = 1_500_000
+"""Operations of rates, for all columns of a Jacobian, from which on differences of compiled rates
+serve instead of it: Newton's method then gains but five digits a step."""
 
 _LARGEST_TURN = 0.5
 """How far a coordinate may turn at once on the way to an equilibrium [rad]."""
@@ -144,12 +148,13 @@ def find_equilibrium(
     problem.start(state, unknowns)
     limits = [_LARGEST_TURN if equations.states[k].unit == "rad" else np.inf for k in problem.free]
     begin = problem.state[problem.free]
+    largest = np.array(limits)
     if settling is not None:
         evaluate = problem.roughly if kernel.backend == "compiled" else problem.evaluate
-        begin = settle(evaluate, begin, longest=settling, largest_step=np.array(limits))
-    found = solve_damped(
-        problem.evaluate, begin, tolerance=tolerance, largest_step=np.array(limits)
-    )
+        begin = settle(evaluate, begin, longest=settling, largest_step=largest)
+    found = problem.solved_roughly(begin, tolerance, largest)
+    if found is None:
+        found = solve_damped(problem.evaluate, begin, tolerance=tolerance, largest_step=largest)
     if not found.solved:
         loose = _loose(equations, problem, found.point, int(np.argmax(np.abs(found.residual))))
         reasons = _reasons(equations, found.residual, balanced, tolerance, not_held())
@@ -178,7 +183,25 @@ class _Balance:
         self.state = self.kernel.checked_state(state)
         self._unknowns = assemble(self.kernel, self.time, self.state, unknowns)
         self._base = self.state[self.free].copy()
-        self._follow = self._derive(self.state, self._unknowns).unknowns[:, self.free]
+        self._follow = np.zeros((self._unknowns.size, len(self.free)))
+        if self._unknowns.size:
+            self._follow = self._derive(self.state, self._unknowns).unknowns[:, self.free]
+
+    def solved_roughly(
+        self, begin: Vector, tolerance: float, largest: Vector
+    ) -> NewtonResult | None:
+        """Return the solution by differences where these are much cheaper; None if it is none."""
+        operations = self.kernel.report.operations.get("rates", 0)
+        columns = self.state.size + self._unknowns.size
+        if self.kernel.backend != "compiled" or columns * operations < _COSTLY:
+            return None
+        try:
+            found = solve_damped(
+                self.roughly, begin, tolerance=tolerance, largest_step=largest, persistent=False
+            )
+        except NumericalError:
+            return None
+        return found if found.solved else None
 
     def point(self, part: Vector) -> tuple[Vector, Vector]:
         """Return state and unknowns for values of the free states."""

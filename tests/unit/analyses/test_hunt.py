@@ -474,3 +474,18 @@ def test_laws_that_bend_at_rest_are_known():
     (law,) = laws_that_bend(load_model(str(systems / "shifted_wheelset.yaml")))
     assert law.startswith("creep 'polach'") and "linear_below" in law
     assert not laws_that_bend(load_model(str(systems / "rail_wheelset.yaml")))
+
+
+@pytest.mark.parametrize(("first", "last"), [(0.14, 0.18), (0.16, 0.165), (0.128, 0.23)])
+def test_large_cycles_do_not_depend_on_the_range(tmp_path, first, last):
+    """The Hopf bifurcation, at 0.2, and both folds may lie outside; cycles lead through."""
+    path = tmp_path / "balance.yaml"
+    path.write_text(APART.replace("(push -", "(push - 0.2 N*m*s/rad -"), encoding="utf-8")
+    settings = HuntSettings("push", first, last, points=20, simulate=False)
+    report = study(settings, load_model(str(path)))
+    figures, told = report.table.figures, "; ".join(report.messages)
+    assert figures["linear_critical"] == pytest.approx(0.2, rel=1e-9)
+    assert figures["nonlinear_critical"] == pytest.approx(first, rel=1e-9)
+    assert "lower end of the range with stable" in report.table.means["nonlinear_critical"]
+    assert "below the range it is stable down to 0.126" in told
+    assert ("above it they do at 0.2" in told) is (last < 0.2)

@@ -48,9 +48,6 @@ _CHORD = 7, 11
 
 _SHRUNK = 0.5
 
-_WIDE = 2.0
-"""How much wider steps are outside the range."""
-
 
 def follow_cycles(
     model: AutonomousField,
@@ -167,7 +164,7 @@ class _Tracer:
     def _tell_outside(self) -> None:
         """Say where the branch was outside the range; leave out what does not lead back."""
         tail = self.branch.drop_tail(self.limits)
-        remark = self.outside.told(self.parameter, tail, self.branch)
+        remark = self.outside.told(self.parameter, tail, self.branch, self.limits)
         if remark:
             self.branch.remarks.append(remark)
         if tail and self.branch.ending in ("lost", "equilibrium"):
@@ -204,8 +201,9 @@ class _Tracer:
 
     def _limited(self, base: CyclePoint) -> float:
         slope = abs(base.tangent.parameter)
-        wide = 1.0 if self._is_inside(base) else _WIDE
-        largest = wide * self.limits.parameter_step / slope if slope else np.inf
+        inside = self._is_inside(base)
+        widest = self.limits.parameter_step if inside else self.limits.step_outside
+        largest = widest / slope if slope else np.inf
         return float(min(self.step, largest))
 
     def _is_far(self, before: CyclePoint, after: CyclePoint, size: float) -> bool:

@@ -13,6 +13,12 @@ from vehicledyn.analyse.periodic.multiple_shooting import Closed, direction_of
 from vehicledyn.analyse.periodic.orbit import Orbit
 from vehicledyn.kernel.engine import Vector
 
+_SCALE, _SCALE_OUTSIDE = 0.2, 0.05
+"""Parts of the range, and of that which a branch may reach, by which changes are measured."""
+
+_WIDE, _STEPS_OUTSIDE = 2.0, 40
+"""How much wider steps are outside the range, and how many lead through all that is reached."""
+
 _STRAIGHT = 0.95
 """Cosine from which on a direction is kept though its sense changes: at a branch point."""
 
@@ -36,6 +42,18 @@ class Limits:
     def holds(self, value: float) -> bool:
         """Return whether the range holds a value of the parameter."""
         return self.low <= value <= self.high
+
+    @property
+    def scale(self) -> float:
+        """Size with which changes of the parameter are measured, no smaller for a narrow range."""
+        low, high = self.outer or (self.low, self.high)
+        return max(_SCALE * (self.high - self.low), _SCALE_OUTSIDE * (high - low))
+
+    @property
+    def step_outside(self) -> float:
+        """Largest step of the parameter outside the range."""
+        low, high = self.outer or (self.low, self.high)
+        return max(_WIDE * self.parameter_step, (high - low) / _STEPS_OUTSIDE)
 
     def reaches(self, value: float) -> bool:
         """Return whether a branch is followed as far as a value."""

@@ -84,7 +84,7 @@ class Steps:
     @property
     def parameter_scale(self) -> float:
         """Size with which changes of the parameter are measured."""
-        return 0.2 * (self.limits.high - self.limits.low)
+        return self.limits.scale
 
     def scales(self, orbit: Orbit) -> Scales:
         """Return the sizes with which changes of an orbit are measured."""

@@ -13,13 +13,14 @@ from vehicledyn.analyse.periodic.cycle_points import Branch, CyclePoint, Limits
 _FEWEST, _PART = 6, 2
 """Points outside at least, and part of those allowed inside."""
 
-_FARTHEST = 0.5
-"""How far outside a branch is followed, part of the range, and of the way to zero below it."""
+_FARTHEST, _FARTHEST_VALUE = 0.5, 0.3
+"""How far outside a branch is followed: part of the range and of the way to zero below it, and of
+the largest value. It does not depend on a narrow range."""
 
 
 def outer_range(low: float, high: float) -> tuple[float, float]:
     """Return how far a branch that leaves a range is followed."""
-    way = _FARTHEST * (high - low)
+    way = max(_FARTHEST * (high - low), _FARTHEST_VALUE * max(abs(low), abs(high)))
     below = min(way, _FARTHEST * low) if low > 0.0 else way
     return low - below, high + way
 
@@ -45,7 +46,9 @@ class Outside:
         self.is_cut = self.count >= max(_FEWEST, limits.points // _PART)
         return self.is_cut or not limits.reaches(point.orbit.parameter)
 
-    def told(self, parameter: str, tail: Sequence[CyclePoint], branch: Branch) -> str:
+    def told(
+        self, parameter: str, tail: Sequence[CyclePoint], branch: Branch, limits: Limits
+    ) -> str:
         """Return where the branch left the range, and whether it came back; empty if it did not.
 
         Parameters
@@ -56,6 +59,8 @@ class Outside:
             The points that do not lead back into the range.
         branch
             The branch without them.
+        limits
+            The range.
         """
         ways = [
             f"it leaves the range at {parameter} = {out:.6g} and comes back into it at {back:.6g}"
@@ -63,6 +68,11 @@ class Outside:
         ]
         if len(self.edges) % 2:
             ways.append(self._left(parameter, tail, branch))
+        below = [
+            p.orbit.parameter for p in branch.points if p.stable and p.orbit.parameter < limits.low
+        ]
+        if below:
+            ways.append(f"below the range it is stable down to {min(below):.6g}")
         return "; ".join(ways)
 
     def _left(self, parameter: str, tail: Sequence[CyclePoint], branch: Branch) -> str:

@@ -27,6 +27,9 @@ often rates are evaluated in a step."""
 _CYCLE, _PERIODS = 0.1, 16.0
 """Seconds that a cycle takes at least, and periods of simulated motion that cost as much."""
 
+_STATES = 50.0
+"""States whose tangents along a cycle cost as much as the cycle; those of more grow as squares."""
+
 FEWEST_CYCLES = 12
 """Cycles that any branch may have."""
 
@@ -58,7 +61,9 @@ def budget_of(
 ) -> Budget:
     """Return what is asked for, or where nothing is what suits the model."""
     cost = _cost_of_motion(kernel, balances)
-    each = _CYCLE + _PERIODS * cost * max((2.0 * math.pi / h.frequency for h in hopfs), default=0.0)
+    period = max((2.0 * math.pi / h.frequency for h in hopfs), default=0.0)
+    states = len(balances[0].state)
+    each = _CYCLE + _PERIODS * cost * period * (1.0 + (states / _STATES) ** 2)
     seconds = simulated_seconds(settings) or _SIMULATING / cost
     if settings.points is not None:
         points = settings.points

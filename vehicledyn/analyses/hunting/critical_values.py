@@ -11,9 +11,9 @@ from vehicledyn.analyse.periodic.cycle_points import Branch
 _EDGE = 1e-9
 """Part of the range within which a value is that of its end."""
 
-_APART = 5e-3
+_APART, _NARROW = 5e-3, 0.2
 """Distance of the smallest cycle from its Hopf bifurcation, part of the range, that is worth a
-remark."""
+remark, and part of the value that a range counts as at least."""
 
 _KINDS = {
     "fold": "fold",
@@ -81,7 +81,7 @@ def far_from(
     if not branch.points:
         return ""
     begin, first = hopf.balance.value, branch.points[0].orbit.parameter
-    if abs(first - begin) <= _APART * (span[1] - span[0]):
+    if abs(first - begin) <= _APART * max(span[1] - span[0], _NARROW * abs(begin)):
         return ""
     return (
         f"branch {number} begins at {first:.6g} with an amplitude of {amplitude:g}, far from the "

@@ -24,14 +24,14 @@ _STEPS = 40
 """Equilibria on the longer of the range and the way below it."""
 
 
-class LowerRange(NamedTuple):
-    """Equilibria below a range down to a stable one, in their order; and words for a reader."""
+class FurtherRange(NamedTuple):
+    """Equilibria beside a range, up to where an oscillation begins to grow, and a message."""
 
     balances: list[Balance]
     words: str
 
 
-def lower_range(equilibria: Equilibria, span: tuple[float, float], unit: str) -> LowerRange:
+def lower_range(equilibria: Equilibria, span: tuple[float, float], unit: str) -> FurtherRange:
     """Return equilibria from where the oscillation decays that grows at a range's lower end.
 
     There are none where that lies more than half the way to zero below it.
@@ -53,10 +53,10 @@ def lower_range(equilibria: Equilibria, span: tuple[float, float], unit: str) ->
     if not hopfs or ordered[0].growing_pairs:
         reached = shown(ordered[0].value, unit)
         words = f"{start}, and at all values down to {reached}: the linear critical value is lower"
-        return LowerRange([], words)
+        return FurtherRange([], words)
     where = ", ".join(shown(hopf.balance.value, unit) for hopf in hopfs)
     begin = shown(ordered[0].value, unit)
-    return LowerRange(
+    return FurtherRange(
         ordered[:-1],
         f"{start}; oscillations begin to grow at {where}, below the range asked for, which is "
         f"followed from {begin} on",

@@ -44,6 +44,7 @@ class Check:
     differences: list[tuple[float, float]] = field(default_factory=list)
     messages: list[str] = field(default_factory=list)
     figures: dict[str, float] = field(default_factory=dict)
+    means: dict[str, str] = field(default_factory=dict)
 
     @property
     def _span(self) -> tuple[float, float]:
@@ -77,6 +78,8 @@ class Check:
         )
         if lowered.between is not None:
             self.figures["simulated_lowering"] = lowered.between[0]
+            begin = self._value(values[0])
+            self.means["simulated_lowering"] = f"from what {disturbance:g} grows to at {begin}"
         if lowered.reason:
             place = f" at {self._value(self.found[-1].value)}" if self.found else ""
             self.messages.append(

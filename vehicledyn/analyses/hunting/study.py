@@ -38,6 +38,7 @@ from vehicledyn.analyses.hunting.start import (
     watched_channels,
 )
 from vehicledyn.analyses.hunting.symmetry_broken_branches import Secondary
+from vehicledyn.analyses.hunting.upper_range import upper_range
 from vehicledyn.analyses.preparation.prepared import Prepared, Progress
 from vehicledyn.analyses.preparation.sources import laws_that_bend
 from vehicledyn.base.argument_names import argument
@@ -115,6 +116,11 @@ class Study:
         """The equilibria."""
         return self.equilibria.balances
 
+    @property
+    def _unit(self) -> str:
+        """The parameter's unit."""
+        return self.prepared.equations.parameters[self.model.index].unit
+
     def keep_in(self, saving: Saving) -> None:
         """Write what is found while it is, and recall what was found before a kill."""
         self.model.memory = memory_of_cycles(saving.checkpoint)
@@ -190,20 +196,24 @@ class Study:
         if why:
             self._ended("partial", f"{why}; the equilibrium is followed up to there")
         self.hopfs = self.equilibria.hopfs
-        if not self.hopfs and self.balances[0].growing_pairs and not self.equilibria.neutral:
-            self._begin_lower()
+        grows = bool(self.balances[0].growing_pairs)
+        if not self.hopfs and not self.equilibria.neutral and (grows or not why):
+            self._widen(grows=grows)
         self.divergences = self.equilibria.divergences
 
-    def _begin_lower(self) -> None:
-        """Begin where an oscillation decays that grows at the lowest value already."""
-        unit = self.prepared.equations.parameters[self.model.index].unit
-        below = lower_range(self.equilibria, self.span, unit)
-        self.messages.append(below.words)
-        if below.balances:
-            self.balances[:0] = below.balances
-            self.span = below.balances[0].value, self.span[1]
+    def _widen(self, *, grows: bool) -> None:
+        """Begin below the range, where an oscillation begins that grows in it, or end above it."""
+        further = lower_range if grows else upper_range
+        beside = further(self.equilibria, self.span, self._unit)
+        if beside.words:
+            self.messages.append(beside.words)
+        if beside.balances:
+            self.balances.extend(beside.balances)
+            self.balances.sort(key=lambda balance: balance.value)
+            low, high = self.balances[0].value, self.balances[-1].value
+            self.span = min(self.span[0], low), max(self.span[1], high)
             self.hopfs = self.equilibria.hopfs
-        elif not self.settings.channels:
+        elif grows and not self.settings.channels:
             shape = growing_shape(self.model, self.balances[0])
             self.watched = moving_channels(self.prepared, self.model, shape) or self.watched
 
@@ -237,7 +247,7 @@ class Study:
             if remark:
                 laws = laws_that_bend(self.equilibria.starts.target) or [_NO_LAW]
                 self.messages.append("; ".join([remark, *laws]))
-        if s.secondary or (s.secondary is None and self._lacks_stable_cycles()):
+        if s.secondary or (s.secondary is None and self._legs.lack_stable(self.balances)):
             self._secondary()
 
     def _follow(
@@ -263,10 +273,9 @@ class Study:
         most = most or self._left()
         step, outer = wide * (high - low) / budget.points, outer_range(low, high)
         limits = Limits(low, high, step, points=most, outer=outer)
-        unit = self.prepared.equations.parameters[self.model.index].unit
 
         def told(point: CyclePoint) -> None:
-            where = shown(point.orbit.parameter, unit)
+            where = shown(point.orbit.parameter, self._unit)
             what = f"following the limit cycles {place}, at {where}, of {most} cycles at most"
             self.progress(what, len(branch.points) / most)
             met = [self._legs.meets(p, known) for p in branch.points[-_MET:]] if known else []
@@ -307,13 +316,6 @@ class Study:
         """Follow the branches of cycles that are no longer mirror-symmetric."""
         args = self.model, self.span, self.branches, self.messages, self.origins
         Secondary(*args, self._follow).examine(self._budget.further)
-
-    def _lacks_stable_cycles(self) -> bool:
-        """Return whether oscillations grow somewhere and no stable cycle is found there."""
-        return any(
-            balance.growing_pairs and not any(leg.stable for leg in self._legs.at(balance.value))
-            for balance in self.balances
-        )
 
     def _left(self) -> int:
         """Return how many cycles the next branch may have; each as many where points are asked."""
@@ -391,6 +393,7 @@ class Study:
         check = vars(self).get("_check")
         if check is not None:
             self.figures |= check.figures
+            self.means |= check.means
 
     def _ended(self, status: str, message: str) -> None:
         self.status = status
