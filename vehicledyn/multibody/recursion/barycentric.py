@@ -57,7 +57,7 @@ def augmented_inertias(tree: Tree, base: int | None = None) -> list[BodyInertia]
             continue
         own[index], given = _split(item, own[index])
         if item.parent >= 0:
-            moved = given.in_parent(_fixed_rotation(item), item.offset)
+            moved = given.in_parent([_fixed_rotation(item)], item.offset)
             own[item.parent] = own[item.parent] + moved
     return [
         moved if item.flexibility is None else FlexibleInertia(item.flexibility)

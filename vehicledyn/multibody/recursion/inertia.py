@@ -34,10 +34,12 @@ class Inertia(BodyInertia):
             self.mass + other.mass, self.moment + other.moment, self.matrix + other.matrix
         )
 
-    def in_parent(self, rotation: Mat, arm: Vec) -> Inertia:
-        """Return it in a parent frame: v_parent = rotation v, origin displaced by ``arm``."""
-        moment = rotation @ self.moment
-        matrix = rotations.congruent(rotation, self.matrix) + _shifted(self.mass, moment, arm)
+    def in_parent(self, turns: Sequence[Mat], arm: Vec) -> Inertia:
+        """Return it in a parent frame: turned by each rotation, origin displaced by ``arm``."""
+        moment, matrix = self.moment, self.matrix
+        for turn in turns:
+            moment, matrix = turn @ moment, rotations.congruent(turn, matrix)
+        matrix = matrix + _shifted(self.mass, moment, arm)
         return Inertia(self.mass, moment + self.mass * arm, matrix)
 
     def inertial_wrench(self, motion: LinkMotion) -> tuple[Vec, Vec]:

@@ -40,7 +40,7 @@ def mass_matrix(
         item, body = links[link], own[link]
         if item.parent >= 0:
             moved = composite[link].in_parent(
-                kinematics.link_rotation(link), kinematics.link_arm(link)
+                kinematics.link_turns(link), kinematics.link_arm(link)
             )
             composite[item.parent] = composite[item.parent] + moved
         if item.joint is not None and item.joint.name in names:

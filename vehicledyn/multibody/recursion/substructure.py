@@ -117,7 +117,7 @@ def condense(
             bordered.push(name, force)
         _add_to(columns[item.parent], {k: v.in_parent(kinematics, link) for k, v in mine.items()})
         rotation, arm = kinematics.link_rotation(link), kinematics.link_arm(link)
-        moved = composite[link].in_parent(rotation, arm)
+        moved = composite[link].in_parent(kinematics.link_turns(link), arm)
         composite[item.parent] = composite[item.parent] + moved
         lacking[item.parent] = lacking[item.parent].plus(wrench, rotation, arm)
     bordered.carry(ArticulatedInertia.of(composite[root]), lacking[root], columns[root])
