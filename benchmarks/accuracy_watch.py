@@ -132,27 +132,31 @@ def record(name, solver, interval):
             )
         except NumericalError as error:
             outcome = str(error)
-        figures = judged.figures(np.concatenate(times), np.vstack(values))
+        samples = np.concatenate(times), np.vstack(values)
+        figures = judged.figures(*samples)
+        balance = None if judged.balance is None else judged.balance(*samples)
     ranges = Ranges.of(made.equations, judged.channels)
     ranges.take(np.vstack(values))
-    return outcome, figures, ranges
+    return outcome, figures, ranges, balance
 
 
 @cache
 def truth(name, interval):
     """Return figures and sizes of a fine run, None where half its step leads elsewhere."""
     loaded, made, _ = prepared(name)
-    solver = loaded.scenario.solver
-    kind = "rkc" if solver.kind == "rkc" else "rk4"
-    more = {"stages": solver.stages} if kind == "rkc" else {}
+    own = loaded.scenario.solver
+    kind = "rkc" if own.kind == "rkc" else "rk4"
+    more = {"stages": own.stages} if kind == "rkc" else {}
     count = np.ceil(interval / own_step(loaded) * FINE)
     channels = judged_by(made.subject, made.equations).channels
     found = []
     for divided in (1, 2):
         step = interval / (divided * count)
-        outcome, figures, ranges = record(name, find("solver", kind)(step=step, **more), interval)
-        found.append((figures, Sizes.of(made.equations, channels, ranges)))
-    errors = figure_errors(found[0][0], *found[1])
+        outcome, figures, ranges, balance = record(
+            name, find("solver", kind)(step=step, **more), interval
+        )
+        found.append((figures, Sizes.of(made.equations, channels, ranges), balance))
+    errors = figure_errors(found[0][0], *found[1][:2])
     settled = not isinstance(outcome, str) and max(errors.values(), default=0.0) < 0.5 * GOOD
     return found[1] if settled and outcome.ended_by is None and errors else None
 
@@ -162,8 +166,10 @@ def judge(name, solver, interval):
     known = truth(name, interval)
     if known is None:
         return None
-    outcome, figures, _ = record(name, solver, interval)
-    errors = figure_errors(figures, *known)
+    outcome, figures, _, balance = record(name, solver, interval)
+    errors = figure_errors(figures, *known[:2])
+    if balance and known[2] and solver.kind != "symplectic_euler":
+        errors["energy_drift"] = balance.distance(known[2])
     worst = max(errors, key=errors.get)
     if isinstance(outcome, str):
         return Finding(errors[worst], worst, "failed", outcome, 0.0)
@@ -240,7 +246,7 @@ def cost(repetitions):
                     for place in () if watched else WATCHES:
                         stack.enter_context(patch(place, lambda *_: None))
                     begun = time.process_time()
-                    outcome, _, _ = record(name, solver, interval)
+                    outcome, *_ = record(name, solver, interval)
                     spent[watched].append(time.process_time() - begun)
                 if watched:
                     share = outcome.accuracy.extra_steps / outcome.steps

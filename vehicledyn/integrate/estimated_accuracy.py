@@ -5,6 +5,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
+ENERGY = "energy_drift"
+"""Name of the energy's balance among key figures."""
+
 
 @dataclass(frozen=True)
 class Accuracy:
@@ -32,6 +35,8 @@ class Accuracy:
         advice = "" if self.step is None else f"; take a step of {self.step * 1e3:.4g} ms"
         if not self.worst:
             return f"the run ends early only because its step is too long{advice}"
+        if self.worst == f"'{ENERGY}'":
+            return self._of_energy(advice)
         size = f"about {100.0 * self.error:.2g} %" if self.error < 1.0 else "its own size or more"
         if self.finest is not None:
             return (
@@ -40,6 +45,16 @@ class Accuracy:
                 "motions that drive errors apart; smooth it, or read the figure as uncertain"
             )
         return f"the step is too long: {self.worst} is off by {size}{advice}"
+
+    def _of_energy(self, advice: str) -> str:
+        """Return the sentence for a balance of the energy that does not hold."""
+        size = f"{100.0 * self.error:.2g} %" if self.error < 1.0 else "all"
+        words = f"energy comes from nowhere or is lost, about {size} of what is exchanged"
+        if self.finest is None:
+            return f"the step is too long: {words} ('{ENERGY}'){advice}"
+        return (
+            f"{words} ('{ENERGY}'), and steps down to {self.finest * 1e3:.4g} ms do not settle it"
+        )
 
     def as_attributes(self) -> dict[str, str | float | int | None]:
         """Return what a result file keeps of it, by name."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import TypeAlias
+from typing import NamedTuple, Protocol, TypeAlias
 
 import numpy as np
 
@@ -14,6 +14,34 @@ from vehicledyn.symbolic.equations import Equations
 
 Figures: TypeAlias = Callable[[Vector, Vector], Mapping[str, tuple[float, str]]]
 """Makes key figures, name to value and unit, from times (n,) and channels (n, n_channels)."""
+
+
+class EnergyBalance(NamedTuple):
+    """Largest difference of energy gained and work done, and the energy exchanged [J]."""
+
+    error: float
+    exchanged: float
+
+    def distance(self, other: EnergyBalance) -> float:
+        """Return how far the error is from that of a better run, as a part of what it exchanges."""
+        with np.errstate(all="ignore"):
+            found = abs(self.error - other.error) / other.exchanged
+        return float(found) if np.isfinite(found) else _unlike(self.error, other.error)
+
+    @property
+    def part(self) -> float:
+        """The error as a part of what is exchanged."""
+        return self.distance(EnergyBalance(0.0, self.exchanged))
+
+
+class Balance(Protocol):
+    """Makes the balance of the energy from the same, None where there is none."""
+
+    def __call__(
+        self, times: Vector, values: Vector, *, rough: bool = False
+    ) -> EnergyBalance | None:
+        """Return the balance, or quickly a rough one."""
+
 
 _MOST_NUMBERS = 2_000_000
 """Samples of channels that are kept for key figures."""
@@ -27,12 +55,14 @@ of the largest channel of that unit at all."""
 class Judged:
     """Channels by number, figures made from them, and whether the run is no case among many.
 
-    Without figures the extremes and means of the channels are judged themselves.
+    Without figures the extremes and means of the channels are judged themselves. ``balance`` is
+    that of the energy.
     """
 
     channels: list[int]
     figures: Figures | None = None
     by_itself: bool = True
+    balance: Balance | None = None
 
     @staticmethod
     def usual(equations: Equations) -> Judged:

@@ -55,7 +55,7 @@ class ReducedSteps:
         equations = task.kernel.equations
         made = task.kernel.made
         if "total derivatives" not in made:
-            made["total derivatives"] = Derivatives(equations)
+            made["total derivatives"] = Derivatives(equations, often=True)
         self._derivatives: Derivatives = made["total derivatives"]
         self._positions, self._velocities = list(equations.positions), list(equations.velocities)
         is_position = np.isin(np.arange(len(equations.states)), self._positions)

@@ -39,6 +39,22 @@ output: {channels: [chassis.*]}
 """
 
 
+KERB = """\
+title: The Iltis passes over a kerb in four points
+model: iltis
+tyres: {kind: magic_formula_1987}
+road: {kind: profile, file: kerb.csv}
+contact: vertical
+wheel_spin: prescribed
+speed: 20 km/h
+start: static
+manoeuvre: {kind: straight}
+duration: 1.2 s
+solver: {kind: rk4, step: 1 ms}
+output: {interval: 10 ms}
+"""
+
+
 @pytest.fixture
 def steered(tmp_path):
     path = tmp_path / "steered.yaml"
@@ -65,6 +81,23 @@ def test_a_vehicle_that_rolls_over_ends_its_run(steered, tmp_path):
     assert lean[-1] == pytest.approx(math.radians(70.0), abs=1e-6)
     assert np.all(lean[:-1] < math.radians(70.0))
     assert outcome.summary["largest_roll_angle"].value <= math.radians(70.0) + 1e-6
+
+
+def test_a_kerb_under_the_chassis_does_not_overturn_it(tmp_path):
+    """The road's normal turns by 85 deg within 10 mm, the vehicle does not."""
+    (tmp_path / "kerb.csv").write_text("x [m],z [m]\n0,0\n5,0\n5.01,0.08\n50,0.08\n")
+    (tmp_path / "kerb.yaml").write_text(KERB, encoding="utf-8")
+    outcome = run_scenario(
+        load_scenario(tmp_path / "kerb.yaml"),
+        output=tmp_path / "kerb.h5",
+        backend="auto",
+        progress=lambda *_: None,
+    )
+    assert outcome.status == "ok"
+    with open_result(tmp_path / "kerb.h5") as result:
+        assert result.time[-1] == pytest.approx(1.2)
+        assert result.channel("chassis.x").values[-1] > 5.5
+        assert np.abs(result.channel("chassis.pitch").values).max() < math.radians(10.0)
 
 
 def test_a_case_that_rolls_over_says_so(steered, tmp_path):

@@ -73,7 +73,7 @@ class LawMotion:
 
 def _sampled(expressions: Sequence[Any], time: Any, times: Array) -> tuple[Array, Array, Array]:
     functions = [ops.numeric([time], expression) for expression in expressions]
-    tables = [np.array([f(float(t))[:, 0] for t in times]) for f in functions]
+    tables = [f(np.asarray(times, dtype=float)[None, :]).T for f in functions]
     return tables[0], tables[1], tables[2]
 
 

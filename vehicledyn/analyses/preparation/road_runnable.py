@@ -98,7 +98,8 @@ class RoadSubject:
         spins = {corner.spin for corner in vehicle.corners}
         shafts = [(part, angle) for part, angle, _ in self._half_shafts()]
         held = {*(f"{vehicle.chassis}.{name}" for name in ("x", "y", "yaw")), *spins}
-        held |= {angle for _, angle in shafts}
+        turning = _revolving(vehicle.system)
+        held |= {angle for _, angle in shafts} | turning
         free, rates = [], []
         for position, velocity in zip(e.positions, e.velocities, strict=True):
             if e.states[position].name not in held:
@@ -108,7 +109,7 @@ class RoadSubject:
             rolling = {f"{spin}_rate" for spin in spins if vehicle.free_wheels}
             slips = tuple(f"{corner.name}.tyre." for corner in vehicle.corners)
             if vehicle.free_wheels:
-                rolling |= {f"{angle}_rate" for _, angle in shafts}
+                rolling |= {f"{angle}_rate" for angle in turning.union(a for _, a in shafts)}
             slips += tuple(f"{part}." for part, _ in shafts)
             for index, state in enumerate(e.states):
                 if state.name in rolling or state.name.startswith(slips):
@@ -147,6 +148,12 @@ class RoadSubject:
     def summarise(self, recording: Recording) -> list[SummaryEntry]:
         """Return the key figures of the manoeuvre."""
         return self.manoeuvre.summarise(recording, self.vehicle)
+
+
+def _revolving(system: System) -> set[str]:
+    """Return the coordinates that turn bodies of revolution; nothing depends on their angles."""
+    last = (body.joints[-1] for body in system.bodies if body.joints and body.spins_about)
+    return {joint.name for joint in last if isinstance(joint, Joint)}
 
 
 @dataclass(frozen=True)

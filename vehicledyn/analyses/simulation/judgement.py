@@ -6,14 +6,16 @@ from numbers import Real
 
 import numpy as np
 
+from vehicledyn.analyses.preparation.energy_figures import energy_balance, rough_balance
 from vehicledyn.analyses.preparation.runnable import Subject, Vector
 from vehicledyn.integrate.channel_ranges import watched_channels
-from vehicledyn.integrate.judged_quantities import Judged
+from vehicledyn.integrate.estimated_accuracy import ENERGY
+from vehicledyn.integrate.judged_quantities import EnergyBalance, Judged
 from vehicledyn.road.manoeuvres.channel_recorder import Recording
 from vehicledyn.symbolic.equations import Equations
 
-_OF_CHECKS = ("energy_drift", "largest_loop_gap", "largest_loop_speed")
-"""Figures that measure errors themselves."""
+_OF_CHECKS = (ENERGY, "largest_loop_gap", "largest_loop_speed")
+"""Figures that measure errors themselves; that of the energy is judged apart."""
 
 
 def judged_by(subject: Subject, equations: Equations, *, by_itself: bool = True) -> Judged:
@@ -31,9 +33,15 @@ def judged_by(subject: Subject, equations: Equations, *, by_itself: bool = True)
         names = [*names, *(n for n in known if n in coordinates and n not in names)]
     numbers = [known.index(name) for name in names]
 
-    def figures(times: Vector, values: Vector) -> dict[str, tuple[float, str]]:
+    def recorded(times: Vector, values: Vector) -> Recording:
         columns = {name: values[:, k] for k, name in enumerate(names)}
-        recording = Recording(times, columns, {name: units[name] for name in names})
+        return Recording(times, columns, {name: units[name] for name in names})
+
+    def balance(times: Vector, values: Vector, *, rough: bool = False) -> EnergyBalance | None:
+        return (rough_balance if rough else energy_balance)(recorded(times, values))
+
+    def figures(times: Vector, values: Vector) -> dict[str, tuple[float, str]]:
+        recording = recorded(times, values)
         found = {
             entry.name: (float(entry.value), entry.unit)
             for entry in subject.summarise(recording)
@@ -43,4 +51,5 @@ def judged_by(subject: Subject, equations: Equations, *, by_itself: bool = True)
         }
         return found
 
-    return Judged(numbers, figures, by_itself)
+    changed = any(getattr(part, "changes_motion", False) for part in subject.system.parts)
+    return Judged(numbers, figures, by_itself, None if changed else balance)

@@ -20,6 +20,7 @@ from vehicledyn.analyses.preparation.mass_checks import (
 from vehicledyn.analyses.preparation.model_hash import model_hash
 from vehicledyn.analyses.preparation.prepare import Point
 from vehicledyn.analyses.preparation.prepared import Prepared, Progress
+from vehicledyn.analyses.preparation.rounded_kinks import rounded_kinks
 from vehicledyn.analyses.preparation.sources import sources_of
 from vehicledyn.analyses.simulation.animation_recorder import Recorder, surroundings_of
 from vehicledyn.analyses.simulation.chosen_step import leaves_step, with_step
@@ -118,6 +119,8 @@ def run_scenario(
         notes.append(f"step: {shown(solver.step, 's')}, chosen from the motion at the start")
     if loaded.scenario.start in (None, "nominal"):
         notes.extend(moved_starts(prepared, start))
+    else:
+        notes.extend(rounded_kinks(prepared, start))
     notes.extend(standing_wheels(prepared, start))
     notes.extend(kinked_drives(prepared.subject, loaded.scenario.duration))
     notes.extend(mended_profiles(loaded))

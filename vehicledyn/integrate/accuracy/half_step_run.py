@@ -9,9 +9,10 @@ import numpy as np
 
 from vehicledyn.base.errors import NumericalError
 from vehicledyn.integrate.accuracy.watched_run import WatchedRun, Way
-from vehicledyn.integrate.accuracy.windows import WindowStart, is_cheap, order_of
+from vehicledyn.integrate.accuracy.windows import WindowStart, is_cheap, may_be_repeated, order_of
 from vehicledyn.integrate.channel_ranges import Ranges
-from vehicledyn.integrate.judged_quantities import Sizes, figure_errors
+from vehicledyn.integrate.estimated_accuracy import ENERGY
+from vehicledyn.integrate.judged_quantities import EnergyBalance, Sizes, figure_errors
 from vehicledyn.kernel.engine import Method, Vector
 
 _PART, _LONG_PART, _LEAST = 0.006, 0.1, 200
@@ -23,6 +24,9 @@ so many times what is cheap."""
 
 _FINEST = 256
 """Most parts of a step when the early end of a run is looked at again."""
+
+MOVED = 0.04
+"""Error that a second look may find without a warning."""
 
 Samples = list[tuple[Vector, Vector]]
 
@@ -187,21 +191,56 @@ def taken_again(watch: WatchedRun, place: WindowStart, count: int, way: Way) -> 
 
 
 def apart(watch: WatchedRun, own: Again, other: Again) -> tuple[float, str]:
-    """Return the error of the worst key figure, or channel where there are no figures."""
+    """Return the error of the worst key figure, or channel where there are no figures.
+
+    The balance of the energy counts as one.
+    """
     make = watch.judged.figures
     if make is None or watch.history is None or own.failed or other.failed:
         return _ranges_apart(watch, own, other)
     with np.errstate(all="ignore"):
-        figures = [
-            make(*(np.concatenate(parts) for parts in zip(*again.samples, strict=True)))
-            for again in (own, other)
-        ]
+        samples = [_joined(again.samples) for again in (own, other)]
+        figures = [make(*part) for part in samples]
+        balances = [balance_of(watch, part) for part in samples]
     sizes = Sizes.of(watch.equations, watch.judged.channels, other.ranges)
     errors = figure_errors(figures[0], figures[1], sizes)
+    if balances[0] is not None and balances[1] is not None:
+        errors[ENERGY] = balances[0].distance(balances[1])
     if not errors:
         return _ranges_apart(watch, own, other)
     worst = max(errors, key=lambda name: errors[name])
     return errors[worst], f"'{worst}'"
+
+
+def energy_is_off(watch: WatchedRun) -> bool:
+    """Return whether the balance of the energy, as far as the samples tell, asks for a look."""
+    if not watch.history or not may_be_repeated(watch.kernel, watch.grid):
+        return False
+    samples = _joined(watch.history)
+    with np.errstate(all="ignore"):
+        rough = balance_of(watch, samples, rough=True)
+        if rough is None or rough.part <= 0.5 * MOVED:
+            return False
+        found = balance_of(watch, samples)
+    return found is not None and found.part > MOVED
+
+
+def balance_of(
+    watch: WatchedRun, samples: tuple[Vector, Vector], *, rough: bool = False
+) -> EnergyBalance | None:
+    """Return the balance of the energy, None where there is none or it says nothing.
+
+    Symplectic Euler's places and velocities belong to instants half a step apart.
+    """
+    make = watch.judged.balance
+    if make is None or watch.grid.method == Method.SYMPLECTIC_EULER:
+        return None
+    return make(*samples, rough=rough)
+
+
+def _joined(samples: Samples) -> tuple[Vector, Vector]:
+    times, values = zip(*samples, strict=True)
+    return np.concatenate(times), np.concatenate(values)
 
 
 def _ranges_apart(watch: WatchedRun, own: Again, other: Again) -> tuple[float, str]:

@@ -3,8 +3,9 @@
 At samples spread over the run a few steps are taken again, with the step and with half of it.
 What the two lead apart, added up over the whole run, bounds its error as long as motions do not
 drive each other apart. A small bound ends the matter, for about a hundredth of the run's work.
-Otherwise the run is taken again with half the step, all of it where that is cheap, else a part,
-and its key figures are compared. None of this touches the run itself.
+Otherwise, or where energy comes from nowhere, the run is taken again with half the step, all of it
+where that is cheap, else a part, and its key figures and its energy are compared. None of this
+touches the run itself.
 """
 
 from __future__ import annotations
@@ -13,7 +14,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from vehicledyn.integrate.accuracy.half_step_run import ends_without_reason, look_again
+from vehicledyn.integrate.accuracy.half_step_run import (
+    MOVED,
+    ends_without_reason,
+    energy_is_off,
+    look_again,
+)
 from vehicledyn.integrate.accuracy.recommended_step import recommended_step
 from vehicledyn.integrate.accuracy.watched_run import DivergenceError, WatchedRun
 from vehicledyn.integrate.accuracy.windows import (
@@ -36,9 +42,6 @@ second where that costs little, as motions may amplify what goes wrong in a wind
 
 Errors of order one have one sign throughout, and what amplifies them has all the run to do so.
 """
-
-_MOVED = 0.04
-"""What a second look may find without a warning."""
 
 _GROWN, _ERRING = 1e3, 0.05
 """Growth of a range from the first half to the whole run, with errors, that marks divergence."""
@@ -82,12 +85,12 @@ class AccuracyWatch(WatchedRun):
         """Return what is to be said of the errors in windows, shape (n_windows, n_channels)."""
         spent = SPENT * len(places)
         bound, worst = bound_of(errors, self.taken * self.grid.per_interval)
-        if bound <= most_bound(self.kernel, self.grid):
+        if bound <= most_bound(self.kernel, self.grid) and not energy_is_off(self):
             name = f"'{self.names[worst]}'" if self.names else ""
             return Accuracy("accurate", bound, name, None, spent)
         moved = look_again(self, places, errors, ended_early=ended_early)
         spent += moved.extra_steps
-        if moved.error <= _MOVED:
+        if moved.error <= MOVED:
             return Accuracy("accurate", moved.error, moved.worst, None, spent)
         diverged = moved.goes_on or self._diverged(errors)
         advice = recommended_step(self, moved)

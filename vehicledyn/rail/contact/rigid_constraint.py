@@ -122,10 +122,12 @@ class TouchConstraint(BaseConstraint):
         return self._lowest_of(kinematics, self.others)
 
     def _lowest_of(self, kinematics: Kinematics, places: Sequence[Scalar]) -> tuple[Scalar, Scalar]:
+        anywhere = ops.symbol("place")
+        gap_of = ops.scalar(self.touch(kinematics, anywhere).gap)
         lowest: Scalar = np.inf
         place = places[0]
         for other in places:
-            gap = self.touch(kinematics, other).gap
+            gap = ops.substitute(gap_of, anywhere, ops.scalar(other))
             place = ops.where(gap < lowest, other, place)
             lowest = ops.minimum(gap, lowest)
         return lowest, place

@@ -16,7 +16,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vehicledyn.rail.track.alignment import Alignment
-from vehicledyn.symbolic import ops
+from vehicledyn.rail.track.track import CentreLine
+from vehicledyn.symbolic import ops, rotations
 from vehicledyn.symbolic.ops import Scalar
 from vehicledyn.symbolic.tables import CurveTable
 
@@ -79,6 +80,34 @@ def riding_line(design: Alignment) -> RidingLine:
     return RidingLine(
         **{name: _spline(name, knots, step, value) for name, value in values.items()}  # type: ignore[arg-type]
     )
+
+
+def rounding(line: CentreLine, places: Array) -> Array:
+    """Return by how much the smooth frame differs from that of the track within half a metre.
+
+    Parameters
+    ----------
+    line
+        The centre line.
+    places
+        Chainages, shape (n,) [m].
+
+    Returns
+    -------
+    Array
+        The largest difference near each, of place or angle, shape (n,) [m or rad].
+    """
+    s = ops.symbol("s")
+    frame, riding = line.frame(s), line.riding(s)
+    yaw, pitch, roll = (rotations.turn(axis, riding[6 - axis]) for axis in (3, 2, 1))
+    turn = yaw @ pitch @ roll
+    apart = [frame.position[k] - riding[k] for k in range(3)]
+    apart += [frame.rotation[i, k] - turn[i, k] for i in range(3) for k in range(3)]
+    evaluate = ops.numeric([s], ops.column(apart))
+    near = np.asarray(places, dtype=float)[:, None] + np.linspace(-0.5 * WIDTH, 0.5 * WIDTH, 11)
+    sizes: Array = np.abs(evaluate(near.reshape(1, -1))).max(axis=0)
+    largest: Array = sizes.reshape(near.shape).max(axis=1)
+    return largest
 
 
 def _spline(name: str, knots: Array, step: float, values: Array) -> CurveTable | None:

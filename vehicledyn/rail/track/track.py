@@ -11,7 +11,7 @@ wants it.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Literal, Protocol
 
 from vehicledyn.rail.profiles.profile_reading import AS_IT_IS, ProfileReading
@@ -159,6 +159,8 @@ class Track:
         Distance of the rail heads, across which cant is a difference of heights [m].
     rail_reading
         How the points of a file become the rails' profile.
+    inclination_text
+        The inclination as it was written, such as 1/40; empty where it was not.
     """
 
     gauge: float
@@ -169,6 +171,7 @@ class Track:
     shifts: tuple[RailShift, ...] = ()
     base: float = 1.5
     rail_reading: ProfileReading = AS_IT_IS
+    inclination_text: str = field(default="", compare=False)
 
     @property
     def is_straight(self) -> bool:

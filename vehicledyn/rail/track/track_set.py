@@ -7,7 +7,7 @@ from abc import abstractmethod
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar, Literal
 
-from pydantic import Field, field_validator
+from pydantic import Field, ModelWrapValidatorHandler, PrivateAttr, field_validator, model_validator
 
 from vehicledyn.base.errors import InputError
 from vehicledyn.base.parameters import ParameterSet, part, quantity
@@ -106,6 +106,16 @@ class TrackSet(TrackChoice):
         "irregularity", "How the rails deviate from their design", default=None
     )
 
+    _inclination_text: str = PrivateAttr(default="")
+
+    @model_validator(mode="wrap")
+    @classmethod
+    def _keep_written_slope(cls, data: Any, handler: ModelWrapValidatorHandler[Any]) -> Any:
+        found = handler(data)
+        if isinstance(data, dict):
+            found._inclination_text = str(data.get("inclination", "")).strip()
+        return found
+
     @field_validator("inclination", mode="before")
     @classmethod
     def _read_slope(cls, value: Any) -> Any:
@@ -160,7 +170,17 @@ class TrackSet(TrackChoice):
             shifts = (*shifts, rough.shift(folder))
         lean = math.atan(self.inclination)
         reading = self.rail_reading
-        return Track(self.gauge, self.gauge_depth, lean, rail, line, shifts, self.base, reading)
+        return Track(
+            self.gauge,
+            self.gauge_depth,
+            lean,
+            rail,
+            line,
+            shifts,
+            self.base,
+            reading,
+            inclination_text=self._inclination_text,
+        )
 
 
 class IrregularitySet(ParameterSet):

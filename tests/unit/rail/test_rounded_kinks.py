@@ -1,0 +1,42 @@
+"""Balanced starts near changes of the track are reported, and only those."""
+
+from contextlib import nullcontext
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import vehicledyn as vd
+import vehicledyn.catalogue
+from vehicledyn.analyses.preparation.rounded_kinks import NOTICED
+from vehicledyn.base.errors import AccuracyWarning
+from vehicledyn.base.parameters import read_part
+from vehicledyn.rail.track.riding_line import rounding
+
+SEGMENTS = [
+    {"kind": "straight", "length": "50 m"},
+    {"kind": "clothoid", "length": "50 m"},
+    {"kind": "arc", "length": "60 m", "radius": "600 m", "cant": "100 mm"},
+]
+RAILS = {"kind": "layout", "gauge": "1435 mm", "inclination": "1/40", "rail": "60E1"}
+
+
+def test_the_rounding_of_a_kink_fades_away_within_some_metres():
+    track = read_part("track", {**RAILS, "segments": SEGMENTS}).track(Path())
+    sizes = rounding(track.line, 50.0 - np.array([1.0, 2.0, 3.0, 4.0, 10.0]))
+    assert sizes[:3] / sizes[1:4] == pytest.approx([1 / 0.4306] * 3, rel=0.15)
+    assert sizes[1] > 10.0 * NOTICED and sizes[4] < 0.1 * NOTICED
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("place", ["0 m", "48.5 m"])
+def test_a_balanced_start_near_a_kink_is_reported(place):
+    changes = {
+        "track": {**RAILS, "segments": SEGMENTS},
+        "start": "static",
+        "parameters.begin": place,
+        "output.interval": "1 ms",
+    }
+    near = pytest.warns(AccuracyWarning, match=r"begins to change \(wheels at 48.5 m\)")
+    with nullcontext() if place == "0 m" else near:
+        vd.simulate("curving_wheelset", set=changes, duration="1 ms", backend="interpreted")
