@@ -7,11 +7,14 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from vehicledyn.base.errors import nearest_name
-from vehicledyn.base.problems import START, Problem, refusal
+from vehicledyn.base.errors import InputError, nearest_name
+from vehicledyn.base.problems import START, Problem, dotted, refusal
 from vehicledyn.base.yaml import Document, read_yaml
 from vehicledyn.files.scenario import LoadedScenario, load_scenario
 from vehicledyn.files.scenario.settings import override_texts
+
+LARGEST = 1e9
+"""Largest number of a study that no other limit is given for."""
 
 
 @dataclass
@@ -95,15 +98,29 @@ class StudyForm:
                 continue
             yield str(name), item
 
-    def number(self, key: str, default: float, *, least: float, whole: bool = False) -> float:
-        """Return a number of the study, noted as wrong if it is none or too small."""
+    def number(
+        self, key: str, default: float, *, least: float, most: float = LARGEST, whole: bool = False
+    ) -> float:
+        """Return a number of the study, noted as wrong if it is none, too small or too large."""
         value = self.data.get(key, default)
         kinds = int if whole else int | float
-        if isinstance(value, bool) or not isinstance(value, kinds) or value < least:
+        if isinstance(value, bool) or not isinstance(value, kinds) or not least <= value <= most:
             what = "a whole number" if whole else "a number"
-            self.wrong((key,), f"expected {what} of at least {least:g}")
+            is_large = isinstance(value, kinds) and value > most
+            limit = f"most {most:g}" if is_large else f"least {least:g}"
+            self.wrong((key,), f"expected {what} of at {limit}")
             return default
         return float(value)
+
+    def placed(self, error: InputError) -> InputError:
+        """Return an error about a key of the study, which it names, with file, line and column."""
+        places = {dotted(place): place for place in self.document.values}
+        field = next((name for name in error.about if name in places), None)
+        if field is None:
+            return InputError(f"{self.path}: {error}")
+        mark = self.document.values[places[field]]
+        words = str(error).removeprefix(f"{field}: ")
+        return InputError(str(Problem(self.document.name, mark, field, words)))
 
     def scenario(
         self, place: tuple[str | int, ...], given: Any, changes: Any, overrides: Sequence[str] = ()

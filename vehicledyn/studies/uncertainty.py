@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from vehicledyn.analyse.gradients.key_figures import unit_of
 from vehicledyn.analyse.uncertainty import (
     Distribution,
     Spread,
@@ -24,6 +25,7 @@ from vehicledyn.analyse.uncertainty import (
     uniform,
 )
 from vehicledyn.analyses.preparation.prepared import Progress
+from vehicledyn.analyses.sensitivity.figure_names import check_names
 from vehicledyn.analyses.sensitivity.motion_study import MotionStudy
 from vehicledyn.analyses.sensitivity.names import Wanted, directions, named_channels, wanted
 from vehicledyn.base.errors import InputError, NumericalError, nearest_name
@@ -197,6 +199,7 @@ class _Cases:
     known: list[Floats] = field(default_factory=list)
     points: list[Floats] = field(default_factory=list)
     quantities: tuple[Quantity, ...] = ()
+    limits: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
 
     @staticmethod
     def of(
@@ -206,6 +209,7 @@ class _Cases:
         progress: Progress,
     ) -> _Cases:
         """Prepare a scenario and read the distributions."""
+        check_names(loaded, of, progress)
         study = MotionStudy.of(loaded, named_channels(of), progress)
         e = study.prepared.equations
         asked = wanted(e, of, [name for name in of if "(" not in name])
@@ -228,15 +232,23 @@ class _Cases:
 
     def check_limits(self, method: str, limits: Mapping[str, Mapping[str, Any]]) -> None:
         """Raise InputError for limits that mean nothing, before anything is computed."""
-        known = [*self.asked.others, *(f"{kind}({name})" for kind, name in self.asked.figures)]
+        channels = {
+            channel.name: channel.unit for channel in self.study.prepared.equations.channels
+        }
+        units: dict[str, str | None] = dict.fromkeys(self.asked.others)
+        for kind, channel in self.asked.figures:
+            units[f"{kind}({channel})"] = unit_of(kind, channels[channel])
         for name, given in limits.items():
-            if name not in known:
-                raise InputError(f"limits: '{name}' is not among the figures asked for")
-            for key in given:
+            if name not in units:
+                raise _wrong(f"limits.{name}", "this is not among the figures asked for")
+            for key, value in given.items():
                 if key not in ("at_most", "at_least"):
-                    raise InputError(f"limits: {name}: expected at_most or at_least, found '{key}'")
+                    raise _wrong(f"limits.{name}", f"expected at_most or at_least, found '{key}'")
+                if units[name] is not None:
+                    _limit(name, key, value, units[name])
         if limits and method == "first_order":
-            raise InputError("limits: the risk of a limit needs samples; take another method")
+            raise _wrong("limits", "the risk of a limit needs samples; take another method")
+        self.limits = limits
 
     def linear(self) -> tuple[Floats, Floats]:
         """Return the figures at the means and their derivatives."""
@@ -275,6 +287,9 @@ class _Cases:
         except NumericalError as error:
             values = ", ".join(f"{name} = {value:.6g}" for name, value in changes.items())
             return {"figures": [], "failure": f"the run with {values} failed: {error}"}
+        for _, item in pairs:
+            for key, value in self.limits.get(item.name, {}).items():
+                _limit(item.name, key, value, item.unit)  # before anything is kept
         about = [(q.name, q.unit, q.description) for _, q in pairs]
         return {"figures": about, "values": [slope.value for slope, _ in pairs]}
 
@@ -318,27 +333,44 @@ class _Cases:
             k = places[name]
             unit = self.quantities[k].unit
             for key, value in given.items():
-                limit = to_si(value, unit)
+                limit = _limit(name, key, value, unit)
                 share, low, high = failing(figures[:, k], limit, above=key == "at_most")
                 words = f"{'above' if key == 'at_most' else 'below'} {shown(limit, unit)}"
                 yield name, words, share, low, high
 
 
+def _limit(name: str, key: str, value: Any, unit: str | None) -> float:
+    """Return a limit of a figure in SI."""
+    place = f"limits.{name}.{key}"
+    try:
+        limit = to_si(value, unit or "1")
+    except InputError as error:
+        raise _wrong(place, str(error)) from None
+    if not np.isfinite(limit):
+        raise _wrong(place, "expected a finite number")
+    return limit
+
+
+def _wrong(place: str, words: str) -> InputError:
+    """Return the error of a key of a study."""
+    return InputError(f"{place}: {words}", about=(place,))
+
+
 def _law(name: str, given: Mapping[str, Any], unit: str) -> Distribution:
     """Return a distribution from its kind and numbers."""
     kind = given.get("kind")
-    if kind not in _LAWS:
+    if not isinstance(kind, str) or kind not in _LAWS:
         known = ", ".join(_LAWS)
-        raise InputError(f"parameters.{name}: kind '{kind}' is unknown; known are {known}")
+        raise _wrong(f"parameters.{name}", f"kind '{kind!s:.40}' is unknown; known are {known}")
     make, fields = _LAWS[kind]
     if set(given) != {"kind", *fields}:
-        raise InputError(f"parameters.{name}: a {kind} distribution has {', '.join(fields)}")
+        raise _wrong(f"parameters.{name}", f"a {kind} distribution has {', '.join(fields)}")
     try:
         numbers = [to_si(given[item], unit) for item in fields]
     except InputError as error:
-        raise InputError(f"parameters.{name}: {error}") from None
+        raise _wrong(f"parameters.{name}", str(error)) from None
     ordered = numbers[1] > 0.0 if kind == "normal" else numbers == sorted(set(numbers))
     if not ordered:
-        raise InputError(f"parameters.{name}: its numbers must grow, a deviation be above zero")
+        raise _wrong(f"parameters.{name}", "its numbers must grow, a deviation be above zero")
     found: Distribution = make(*numbers)
     return found

@@ -19,11 +19,15 @@ from vehicledyn.studies.uncertainty import METHODS, UncertaintyReport, find_unce
 
 _REQUIRED = ("scenario", "of", "parameters")
 _OPTIONAL = ("title", "set", "method", "number", "seed", "limits")
+_MOST_RUNS = 10_000_000
 
 
 @dataclass(frozen=True)
 class UncertaintyStudy:
-    """A scenario, its figures and scattering parameters; ``texts`` tell this study from others."""
+    """A scenario, its figures and scattering parameters.
+
+    ``texts`` distinguish this study from others, ``form`` is the file it was read from.
+    """
 
     loaded: LoadedScenario
     of: list[str]
@@ -33,6 +37,7 @@ class UncertaintyStudy:
     seed: int
     limits: dict[str, Any]
     texts: tuple[str, ...]
+    form: StudyForm
 
 
 def run_uncertainty_study(
@@ -80,7 +85,7 @@ def run_uncertainty_study(
             runs=runs,
         )
     except InputError as error:
-        raise InputError(f"{path}: {error}") from None
+        raise study.form.placed(error) from None
     return found, runs
 
 
@@ -96,7 +101,7 @@ def load_uncertainty(path: Path, overrides: Sequence[str] = ()) -> UncertaintySt
     of, method = _figures(form), form.data.get("method", "first_order")
     if method not in METHODS:
         form.wrong(("method",), f"'{method}' is unknown; known are {', '.join(METHODS)}")
-    number = int(form.number("number", 256, least=2, whole=True))
+    number = int(form.number("number", 256, least=2, most=_MOST_RUNS, whole=True))
     seed = int(form.number("seed", 1, least=0, whole=True))
     parameters, limits = dict(form.entries(("parameters",))), dict(form.entries(("limits",)))
     for group, items in (("parameters", parameters), ("limits", limits)):
@@ -106,7 +111,7 @@ def load_uncertainty(path: Path, overrides: Sequence[str] = ()) -> UncertaintySt
     form.refuse()
     loaded = form.scenario(("scenario",), form.data["scenario"], form.data.get("set"), overrides)
     texts = (form.document.text, loaded.text, repr(loaded.overrides))
-    return UncertaintyStudy(loaded, of, parameters, method, number, seed, limits, texts)
+    return UncertaintyStudy(loaded, of, parameters, method, number, seed, limits, texts, form)
 
 
 def _figures(form: StudyForm) -> list[str]:

@@ -6,9 +6,12 @@ import numpy as np
 import pytest
 
 import vehicledyn.catalogue  # noqa: F401
-import vehicledyn.kernel.derivatives as derivatives
+from vehicledyn.analyse import equilibrium
+from vehicledyn.analyses.preparation.prepare import equilibrium_point, prepare
 from vehicledyn.files.building.construct import build_system
+from vehicledyn.files.scenario import load_model
 from vehicledyn.files.system.read import read_system
+from vehicledyn.kernel import derivatives
 from vehicledyn.kernel.kernel import compile_kernel
 from vehicledyn.multibody import derive
 
@@ -63,7 +66,43 @@ def test_compiled_jacobian_is_that_of_casadi(needs_compiler, monkeypatch):
     point = (0.0, state, np.zeros(0), np.array([p.value for p in equations.parameters]))
     plain = derivatives.Derivatives(equations, ["speed"]).total(*point)
     monkeypatch.setattr(derivatives, "_WORTH_COMPILING", 0)
-    compiled = derivatives.Derivatives(equations, ["speed"]).total(*point)
+    compiled = derivatives.Derivatives(equations, ["speed"], often=True).total(*point)
     for item in ("rates", "outputs", "rates_by_parameter", "outputs_by_parameter"):
         one, two = getattr(plain, item), getattr(compiled, item)
         assert two == pytest.approx(one, rel=1e-8, abs=1e-8 * np.abs(one).max())
+
+
+@pytest.mark.parametrize("waiting", [0, 20])
+def test_a_jacobian_is_compiled_once_the_compiler_pays(needs_compiler, monkeypatch, waiting):
+    """The first evaluations of few columns do not wait for a compiler."""
+    equations, made = equations_of("rail_wheelset"), []
+    monkeypatch.setattr(derivatives, "_WORTH_WAITING", waiting)
+    monkeypatch.setattr(derivatives, "_compiled", lambda *_: made.append(1))
+    state = np.array([s.start for s in equations.states])
+    values = np.array([p.value for p in equations.parameters])
+    slopes = derivatives.Derivatives(equations, outputs=False)
+    counts = []
+    for _ in range(3):
+        slopes.total(0.0, state, np.zeros(0), values)
+        counts.append(len(made))
+    assert counts == ([1, 1, 1] if waiting == 0 else [0, 0, 1])
+
+
+def test_differences_find_the_equilibrium_of_exact_derivatives(needs_compiler, monkeypatch):
+    def found(costly):
+        monkeypatch.setattr(equilibrium, "_COSTLY", costly)
+        taken = []
+        exact = derivatives.Derivatives.total
+        monkeypatch.setattr(
+            derivatives.Derivatives, "total", lambda *point: taken.append(1) or exact(*point)
+        )
+        prepared = prepare(
+            load_model("rail_wheelset"), backend="compiled", progress=lambda *_: None
+        )
+        return equilibrium_point(prepared, 0.0, "static"), len(taken)
+
+    plain, often = found(np.inf)
+    rough, never = found(0)
+    assert often > 2 and never == 0
+    assert rough.residual < 1e-9
+    assert rough.state == pytest.approx(plain.state, rel=1e-9, abs=1e-13)

@@ -1,3 +1,5 @@
+import functools
+
 import jsonschema
 import pytest
 from small_catalogue import SCENARIO
@@ -9,6 +11,12 @@ from vehicledyn.files.scenario import load_scenario, scenario_schema
 
 @pytest.fixture
 def validator(catalogue):
+    return checked()
+
+
+@functools.cache
+def checked():
+    """Return what checks scenarios of the small catalogue, whose schema is itself checked."""
     schema = scenario_schema()
     jsonschema.Draft202012Validator.check_schema(schema)
     return jsonschema.Draft202012Validator(schema)

@@ -3,6 +3,7 @@
 import json
 import subprocess
 import sys
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -14,6 +15,7 @@ from vehicledyn.analyses.mechanism.kinematics import Request, sweep_kinematics
 from vehicledyn.analyses.preparation.prepare import prepare, start_point
 from vehicledyn.base.errors import InputError
 from vehicledyn.files.scenario import is_system_file, load_model, load_scenario
+from vehicledyn.files.system.read import read_system
 from vehicledyn.results.store.reader import open_result
 
 SYSTEM = """\
@@ -220,3 +222,12 @@ def test_model_on_its_own_refuses_other_changes(write):
     with pytest.raises(InputError, match="duration: only 'parameters' of a model"):
         load_model(str(system), ["duration=3"])
     assert load_model(str(system), ["parameters.rod=0.4 m"]).written.resolved["rod"] == 0.4
+
+
+def test_a_change_keeps_the_unit_of_its_parameter():
+    """Another unit of the same quantity makes no other equations, and results compare."""
+    path = Path(__file__).parents[3] / "systems" / "four_bar.yaml"
+    for text in ("1 N*m*s", "1 N*m*s/rad", "1000 N*mm*s/deg"):
+        system, problems = read_system(path, {"parameters": {"damping": text}})
+        assert not problems
+        assert system.units["damping"] == "N*m*s/rad"

@@ -1,5 +1,6 @@
 """What a system file may say, and how every mistake in it is told."""
 
+import functools
 from dataclasses import replace
 
 import jsonschema
@@ -156,6 +157,16 @@ def test_each_problem_has_its_line(tmp_path, old, new, told):
     assert GOOD.count(old) == 1, old
     found = problems(tmp_path, GOOD.replace(old, new))
     assert found == told
+
+
+@pytest.mark.parametrize(
+    "force", ["0 / 0", "rate * 1 N*m*s / (2 - 2)", "time * sqrt(-1) * 1 N*m/s"]
+)
+def test_laws_with_impossible_constants_are_refused(tmp_path, force):
+    """They cost nothing to find, and no equations can be derived of them."""
+    text = "title: t\nbodies:\n  a: {joints: [R2 q], mass: 1 kg, com: [0, 0, 1 m]}\n"
+    (line,) = problems(tmp_path, f'{text}forces:\n  f: {{coordinate: a.q, force: "{force}"}}\n')
+    assert line.startswith("5:31: forces.f.force: ")
 
 
 def test_all_problems_come_at_once(tmp_path):
@@ -435,11 +446,17 @@ def test_wrong_changes_are_refused(tmp_path, given, words):
     assert words in str(refused.value)
 
 
-@pytest.mark.parametrize("text", FILES.values(), ids=FILES)
-def test_schema_accepts_good_files_and_refuses_unknown_keys(text):
+@functools.cache
+def checked():
+    """Return what checks systems, whose schema is itself checked."""
     schema = system_schema()
     jsonschema.Draft202012Validator.check_schema(schema)
-    validator = jsonschema.Draft202012Validator(schema)
+    return jsonschema.Draft202012Validator(schema)
+
+
+@pytest.mark.parametrize("text", FILES.values(), ids=FILES)
+def test_schema_accepts_good_files_and_refuses_unknown_keys(text):
+    validator = checked()
     data = parse_yaml(text, "").data
     assert [error.message for error in validator.iter_errors(data)] == []
     assert not validator.is_valid({**data, "bodys": {}})

@@ -56,6 +56,8 @@ def test_derivatives_agree_with_runs(found):
         ("max(lower.angel)", "parameters.*", r"did you mean 'lower\.angle'"),
         ("upper.angle", "parameters.lenght", "did you mean 'length'"),
         ("upper.angle", "start.upper.angel", r"did you mean 'upper\.angle'"),
+        ("upper.angle.larges", "parameters.*", r"did you mean 'upper\.angle\.largest'"),
+        ("nosuch", "parameters.*", "'nosuch' is neither a key figure nor a channel"),
     ],
 )
 def test_unknown_names_are_refused(of, to, match, monkeypatch):

@@ -29,6 +29,12 @@ def test_track(tmp_path):
         vd.track(tmp_path / "curve.yaml", every="10 kg")
 
 
+@pytest.mark.parametrize("slope", ["1/20", "1:20", "0.05"])
+def test_a_track_echoes_its_slope_as_written(slope, tmp_path):
+    (tmp_path / "curve.yaml").write_text(CURVE.replace("1/40", slope))
+    assert f"inclined {slope}," in vd.track(tmp_path / "curve.yaml").report.table.facts[0]
+
+
 def test_tyre(tmp_path):
     found = vd.tyre(TYRE, loads=["4 kN"], save_to=tmp_path / "tyre.h5")
     force = found["tyre_1.lateral.lateral_force"]

@@ -13,6 +13,7 @@ from vehicledyn.analyse.gradients.key_figures import FigureSlope, figure_slope, 
 from vehicledyn.analyse.gradients.motion import MotionSlopes
 from vehicledyn.analyses.preparation.prepared import Progress
 from vehicledyn.analyses.sensitivity.confirmation import unconfirmed, unconfirmed_figure
+from vehicledyn.analyses.sensitivity.figure_names import check_names, is_figure_of_run
 from vehicledyn.analyses.sensitivity.motion_study import MotionStudy
 from vehicledyn.analyses.sensitivity.names import Directions, Wanted, directions, wanted
 from vehicledyn.analyses.simulation.prepared_run import prepare_run
@@ -45,6 +46,7 @@ def find_motion_sensitivity(
     NumericalError
         If the run fails, or a derivative does not exist.
     """
+    check_names(loaded, of, progress)
     names = _named_channels(loaded, of, progress)
     if _goes_back(loaded, of, to):
         return _figure_back(loaded, of[0], to, progress)
@@ -144,15 +146,13 @@ def _figure_back(
 
 
 def _needs_run(of: list[str], equations: Any) -> bool:
-    channels = {c.name for c in equations.channels}
-    return any(name not in channels and "(" not in name for name in of)
+    return any(is_figure_of_run(name, equations) for name in of)
 
 
 def _named_channels(loaded: LoadedScenario, of: list[str], progress: Progress) -> list[str]:
     """Return the channels that names ask for."""
     prepared, _ = prepare_run(loaded, backend="auto", progress=progress)
-    channels = {c.name for c in prepared.equations.channels}
-    known = [name for name in of if name not in channels and "(" not in name]
+    known = [name for name in of if is_figure_of_run(name, prepared.equations)]
     found = wanted(prepared.equations, of, known)
     return [*found.curves, *[channel for _, channel in found.figures]]
 

@@ -121,7 +121,7 @@ def wanted(equations: Equations, of: Sequence[str], known: Sequence[str]) -> Wan
         if not curves and not others:
             asked = match[2] if match else name
             guess = nearest_name(asked, [*known, *channels])
-            hint = f"; did you mean '{guess}'?" if guess else ""
+            hint = f"; did you mean '{guess}'?" if guess else "."
             kinds = ", ".join(f"{kind}(CHANNEL)" for kind in KINDS)
             raise InputError(
                 f"'{name}' is neither a key figure nor a channel of '{equations.name}'{hint} "

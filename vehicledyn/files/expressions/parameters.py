@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import keyword
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -79,7 +79,7 @@ class _Declared:
     place: Place
 
 
-def read_parameters(data: Any) -> Parameters:
+def read_parameters(data: Any, before: Parameters | None = None) -> Parameters:
     """Return the parameters that a file's mapping declares.
 
     Parameters
@@ -87,6 +87,9 @@ def read_parameters(data: Any) -> Parameters:
     data
         Nested mapping of names to values, expressions, lists of three, mappings with ``value``
         and ``description``, or groups of these.
+    before
+        The same parameters with other values, whose units are kept where they fit: a change to
+        N m s leaves a damping in N m s/rad.
     """
     found = Parameters()
     declared: dict[str, _Declared] = {}
@@ -94,7 +97,7 @@ def read_parameters(data: Any) -> Parameters:
         declared[name] = item
     wrong = {dotted(place[1:]) for place, _ in found.problems}
     found.declared = set(declared) | wrong
-    _resolve(declared, found)
+    _resolve(declared, found, before.measures if before else {})
     return found
 
 
@@ -138,7 +141,7 @@ def is_name(name: str) -> bool:
     return _NAME.fullmatch(name) is not None and not keyword.iskeyword(name)
 
 
-def _resolve(declared: dict[str, _Declared], found: Parameters) -> None:
+def _resolve(declared: dict[str, _Declared], found: Parameters, before: Mapping[str, Any]) -> None:
     """Enter the declared parameters, each after those it rests on."""
     values: dict[str, Any] = {}
     measures: dict[str, Any] = {}
@@ -166,6 +169,7 @@ def _resolve(declared: dict[str, _Declared], found: Parameters) -> None:
             return
         try:
             measure = _settled(item.expression.value(measures, MEASURES))
+            measure = _kept(measure, before.get(name))
             _check_unit(measure)
             value = item.expression.value(values, NUMBERS)
         except ExpressionError as error:
@@ -177,6 +181,16 @@ def _resolve(declared: dict[str, _Declared], found: Parameters) -> None:
 
     for name in declared:
         visit(name, ())
+
+
+def _kept(measure: Any, before: Any) -> Any:
+    """Return what a value was measured in before where the new measure fits, else the new one."""
+    if isinstance(measure, tuple):
+        if not isinstance(before, tuple) or len(before) != len(measure):
+            return measure
+        return tuple(_kept(new, old) for new, old in zip(measure, before, strict=True))
+    is_one = isinstance(before, Measure) and measure.replaces(before)
+    return before if is_one and measure.exact == before.exact else measure
 
 
 def _owner(used: str, declared: dict[str, _Declared]) -> str | None:

@@ -1,12 +1,12 @@
-"""Checks over several fields of a scenario: times that must fit together."""
+"""Checks over several fields: times that fit together, coordinates that the model has."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from typing import Any
 
-from vehicledyn.base.errors import InputError
+from vehicledyn.base.errors import InputError, unknown_name
 from vehicledyn.base.parameters import ParameterSet
 from vehicledyn.base.problems import Place, Problem
 from vehicledyn.base.units import to_si
@@ -38,6 +38,25 @@ def check_times(data: dict[str, Any], scenario: Scenario | None, sources: Source
         for place in (_DURATION, _INTERVAL, _STEP)
     )
     return [sources.problem(place, words) for place, words in _mismatches(duration, interval, step)]
+
+
+def named_coordinates(scenario: Scenario, known: Mapping[str, Any]) -> list[tuple[Place, str]]:
+    """Return what is wrong with coordinates that the manoeuvre names.
+
+    Parameters
+    ----------
+    scenario
+        The valid scenario.
+    known
+        Coordinates of its model; nothing is checked where none are known.
+    """
+    fields = getattr(scenario.manoeuvre, "coordinate_fields", ()) if known else ()
+    named = ((field, getattr(scenario.manoeuvre, field)) for field in fields)
+    return [
+        (("manoeuvre", field), unknown_name("coordinate", name, known))
+        for field, name in named
+        if name is not None and name not in known
+    ]
 
 
 def _mismatches(

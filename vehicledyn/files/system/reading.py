@@ -46,7 +46,9 @@ class Reading:
         for inner, words in given_twice(self.expansion.data.get("initial")):
             self._note([(("initial", *inner), words)], at_key=True)
         self.changes = changes.apply(self.expansion.data, given)
-        self.parameters = read_parameters(self.expansion.data.get("parameters"))
+        self.parameters = read_parameters(
+            self.expansion.data.get("parameters"), self.changes.before
+        )
 
     def read(self) -> SystemFile | None:
         """Return the complete file, or None if its parts are not well formed."""

@@ -22,6 +22,7 @@ _OPTIONAL = ("title", "model", "scenario", "speed", "set", "start", "end", "limi
 _MORE = ("periodic", "intervals", "refinements", "accuracy", "tolerance", "most_iterations", "step")
 _CONTROL = ("input", "from", "to", "rate", "acceleration")
 _RANGE = ("from", "to", "guess")
+_MOST_INTERVALS = 1000  # of the first mesh; preparing the derivatives of 4000 takes minutes
 
 
 @dataclass(frozen=True)
@@ -87,7 +88,7 @@ def load_manoeuvre(path: Path, overrides: Sequence[str] = ()) -> ManoeuvreStudy:
     terms = _terms(form)
     _check_ranges(form)
     numbers = {
-        "intervals": form.number("intervals", 20, least=2, whole=True),
+        "intervals": form.number("intervals", 20, least=2, most=_MOST_INTERVALS, whole=True),
         "refinements": form.number("refinements", 4, least=0, whole=True),
         "accuracy": form.number("accuracy", 1e-6, least=0.0),
         "tolerance": form.number("tolerance", 1e-8, least=0.0),

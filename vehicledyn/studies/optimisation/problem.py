@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from vehicledyn.analyse.optimise import Values
 from vehicledyn.analyses.preparation.prepared import Progress
 from vehicledyn.analyses.sensitivity.confirmation import unconfirmed
+from vehicledyn.analyses.sensitivity.figure_names import check_names
 from vehicledyn.analyses.sensitivity.motion_study import MotionStudy
 from vehicledyn.analyses.sensitivity.names import Wanted, directions, wanted
 from vehicledyn.base.errors import InputError, NumericalError, nearest_name
@@ -227,9 +228,11 @@ def _parts(study: OptimisationStudy, progress: Progress) -> list[_Part]:
         loaded = study.scenarios[scenario]
         channels = [name.partition("(")[2].removesuffix(")") for name in names if "(" in name]
         progress(f"preparing {loaded.title}", None)
-        motion = MotionStudy.of(loaded, [], progress) if not channels else _with(
-            loaded, channels, names, study, progress
-        )  # fmt: skip
+        try:
+            check_names(loaded, names, progress)
+        except InputError as error:
+            raise InputError(f"{study.path}: {error}") from None
+        motion = MotionStudy.of(loaded, channels, progress)
         asked = wanted(motion.prepared.equations, names, [n for n in names if "(" not in n])
         if asked.curves:
             raise InputError(
@@ -239,20 +242,6 @@ def _parts(study: OptimisationStudy, progress: Progress) -> list[_Part]:
         own = [*asked.others, *(f"{kind}({channel})" for kind, channel in asked.figures)]
         parts.append(_Part(motion, asked, [f"{scenario}/{n}" if scenario else n for n in own]))
     return parts
-
-
-def _with(
-    loaded: Any, channels: Sequence[str], names: list[str], study: OptimisationStudy, tell: Progress
-) -> MotionStudy:
-    """Return a scenario with channels, whose names are checked first."""
-    from vehicledyn.analyses.simulation.prepared_run import prepare_run
-
-    prepared, _ = prepare_run(loaded, backend="auto", progress=tell)
-    try:
-        wanted(prepared.equations, names, [n for n in names if "(" not in n])
-    except InputError as error:
-        raise InputError(f"{study.path}: {error}") from None
-    return MotionStudy.of(loaded, list(channels), tell)
 
 
 def _check_variable(name: str, known: Sequence[str], model: str) -> None:

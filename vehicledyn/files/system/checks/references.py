@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Iterable, Iterator
+from collections.abc import Collection, Iterable, Iterator, Mapping
 from typing import Any
 
 from vehicledyn.base.errors import unknown_name
@@ -212,8 +212,21 @@ def _expression(item: Found, known: _Known) -> Problems:
     is_list = item.expression.root.function == "vector"
     for component, words in wrong if is_list else wrong[:1]:
         yield (*item.place, *component) if is_list else item.place, words
-    if not wrong and not extra:
-        yield from _bounds(item, known)
+    if not wrong:
+        yield from (
+            _impossible(item, {**known.parameters.values, **extra})
+            if extra
+            else (_bounds(item, known))
+        )
+
+
+def _impossible(item: Found, names: Mapping[str, Any]) -> Problems:
+    """Yield what has no value whatever the names are worth, such as a division by zero."""
+    unknown = {k: (math.nan,) * 3 if isinstance(v, tuple) else math.nan for k, v in names.items()}
+    try:
+        item.expression.value(unknown, NUMBERS)
+    except ExpressionError as error:
+        yield item.place, str(error)
 
 
 def unfit(measure: Any, unit: str, *, is_vector: bool) -> Iterator[tuple[tuple[int, ...], str]]:
