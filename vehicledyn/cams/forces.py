@@ -14,6 +14,9 @@ from vehicledyn.cams.geometry import CamGeometry
 
 Array = NDArray[np.float64]
 
+_NEVER = 1e30
+"""Square of a speed at which no cam turns, where contact is not lost [rad^2/s^2]."""
+
 
 class CamLoad(ParameterSet):
     """What a cam moves at constant speed, and the spring that closes the contact."""
@@ -61,11 +64,12 @@ def lift_off_speed(cam: Cam, load: CamLoad) -> tuple[float, float] | None:
         motion = cam.moving(theta)
         spring = preload + stiffness * (motion.coordinate - cam.start)
         falls = -inertia * motion.second
-        return np.where(falls > 0.0, spring / np.where(falls > 0.0, falls, 1.0), math.inf)
+        found = spring / np.where(falls > 0.0, falls, 1.0)
+        return np.where(falls > 0.0, np.minimum(found, _NEVER), _NEVER)
 
     theta = cam.samples(1440)
     values = squared(theta)
-    if not np.isfinite(values).any():
+    if values.min() >= _NEVER:
         return None
     k = int(np.argmin(values))
     step = float(theta[1] - theta[0])

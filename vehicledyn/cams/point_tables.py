@@ -17,6 +17,8 @@ from vehicledyn.base.units import to_si
 Array = NDArray[np.float64]
 _HEAD = re.compile(r"[^\[\]]*\[([^\[\]]+)\]\s*")
 _LARGEST = 5_000_000
+_FARTHEST = 1e3
+"""Angle, radius or lift that no cam has [rad or m]."""
 
 
 def read_point_table(
@@ -38,8 +40,10 @@ def read_point_table(
     """
     try:
         text = read_regular(path, _LARGEST).decode("utf-8")
-    except (OSError, UnreadableFileError, UnicodeDecodeError) as error:
-        raise InputError(f"{path}: cannot be read: {error}") from None
+    except UnicodeDecodeError:
+        raise InputError(f"{path}: is not a text file; tables are text") from None
+    except UnreadableFileError as error:
+        raise InputError(f"{path}: {error.words}") from None
     rows = list(csv.reader(text.splitlines()))
     heads = rows[0] if rows else []
     if len(heads) != 2:
@@ -47,10 +51,16 @@ def read_point_table(
     factors = [
         _factor(path, head, units) for head, units in zip(heads, (first, second), strict=True)
     ]
-    values = [_row(path, line, row) for line, row in enumerate(rows[1:], 2) if row]
+    lines = [line for line, row in enumerate(rows[1:], 2) if row]
+    values = [_row(path, line, rows[line - 1]) for line in lines]
     if len(values) < 4:
         raise InputError(f"{path}: {len(values)} rows; four are the least")
     found = np.array(values) * [factor for factor, _ in factors]
+    beyond = np.argwhere(np.abs(found) > _FARTHEST)
+    if len(beyond):
+        row, column = beyond[0]
+        what = f"{found[row, column]:g} {factors[column][1]}"
+        raise InputError(f"{path}:{lines[row]}: {what} is none of a cam; is the unit right?")
     return found[:, 0], found[:, 1], factors[1][1]
 
 

@@ -12,9 +12,11 @@ from vehicledyn.symbolic import ops
 from vehicledyn.symbolic.ops import Scalar
 
 MOST_LEAN = math.radians(70.0)
-"""Angle of a body's vertical axis to the road's normal beyond which it counts as rolled over.
+"""Angle of a body's vertical axis beyond which it counts as rolled over.
 
-The body would touch the road about there, which no part of a model feels.
+It is that to the road's normal, and to the vertical as well: an edge of the road under the
+chassis turns the normal, not the vehicle. The body would touch the road about there, which no
+part of a model feels.
 """
 
 _FEWEST_WHEELS = 3
@@ -52,7 +54,7 @@ class RoadLimits(BasePart):
         along, across = self.wheels[0].surface.gradient(place[0], place[1])
         length = ops.sqrt(1.0 + along * along + across * across)
         cosine = (axis[2] - along * axis[0] - across * axis[1]) / length
-        return cosine - math.cos(MOST_LEAN)
+        return ops.maximum(cosine, axis[2]) - math.cos(MOST_LEAN)
 
     def _lowest(self, situation: Situation) -> Scalar:
         """Return the least height of a wheel's centre above its road [m]."""

@@ -174,6 +174,13 @@ def test_a_tangent_cam_has_straight_flanks():
     assert np.hypot(x, y).max() == pytest.approx(0.033, abs=1e-6)
 
 
+def test_a_cam_that_hardly_lifts_has_a_lift_off_speed():
+    """No infinity may get into the search between falls and rises."""
+    outline = {**ECCENTRIC, "eccentricity": "1e-11 mm"}
+    found = cam(outline=outline, follower={"kind": "roller", "radius": "9 mm"})
+    assert lift_off_speed(found, CamLoad(speed=60.0, mass=1.0))[0] == 0.0  # without a spring
+
+
 def test_lift_off_speed_and_force_of_the_flat_follower():
     """Closed form of the eccentric disc, ω² = (F0 + 2 k e) / (m e)."""
     found = cam(outline=ECCENTRIC, follower={"kind": "flat"})

@@ -132,6 +132,8 @@ def test_files_are_refused_with_line_and_remedy(file, old, new, line, words):
         ("x,y\n0,0\n", "end the head with its unit"),
         ("x [deg],y [mm]\n0,0\n1,a\n", ":3: expected two numbers"),
         ("x [deg],y [mm]\n0,0\n1,1\n", "2 rows; four are the least"),
+        ("x [deg],y [m]\n0,0\n1,2e3\n2,0\n3,0\n", ":3: 2000 m is none of a cam"),
+        ("x [deg],y [mm]\n0,0\n20,1\n10,1\n230,0\n", "law.csv: the angles must grow"),
         ("x [deg],y [kg]\n0,0\n", "its unit in brackets, m or rad"),
         ("x [deg],y [mm]\n0,0\n10,1\n20,1\n90,0\n", "spans 90 deg, the law takes 230 deg"),
     ],
@@ -140,6 +142,13 @@ def test_tables_are_refused_with_their_line(file, table, words):
     file.with_name("law.csv").write_text(table)
     file.write_text(TEXT.replace("kind: dwell", "kind: table, file: law.csv"))
     with pytest.raises(InputError, match=words):
+        read_cam(file)
+
+
+def test_a_table_that_is_no_text_is_refused(file):
+    file.with_name("law.csv").write_bytes(bytes(range(256)))
+    file.write_text(TEXT.replace("kind: dwell", "kind: table, file: law.csv"))
+    with pytest.raises(InputError, match="is not a text file"):
         read_cam(file)
 
 

@@ -56,6 +56,7 @@ def test_rows_of_an_ascii_grid_run_from_north_to_south(tmp_path):
         (HEAD + "1 2 3\n4 5\n", r"g.asc:7: 2 heights, ncols says 3"),
         (HEAD + "1 2 3\n4 5 x\n", r"g.asc:7: 'x' is not a number"),
         (HEAD + "1 2 3\n4 nan 6\n", r"g.asc:7: no height in column 2"),
+        (HEAD + "1 2 3\n4 -1e30 6\n", r"g.asc:7: -1e\+30 m; no road is higher than 1e\+06 m"),
         (HEAD + "nodata_value -9\n1 2 3\n-9 5 6\n", r"g.asc:8: no height in column 1"),
         (HEAD + "1 2 3\n4 5 6\n7 8 9\n", r"g.asc:8: more rows"),
         (HEAD + "ncols 4\n1 2 3\n4 5 6\n", r"g.asc:6: ncols is there twice"),
@@ -94,8 +95,9 @@ def test_nodes_of_a_mesh_take_the_highest_triangle(tmp_path):
         (PLATE + "f 1 2 b\n", r"m.obj:5: 'b' is no corner"),
         ("v 0 0\n", r"m.obj:1: a vertex needs three numbers"),
         ("v 0 0 nan\n", r"m.obj:1: 'nan' is not a finite number"),
+        ("v 0 0 1e30\n", r"m.obj:1: 1e\+30 m; no road is higher"),
         (PLATE + "f 1 2 3\n", "no triangle lies above or below x = 0 m, y = 1 m"),
-        (PLATE.replace("4", "4e9") + "f 1 2 3 4\n", "needs another cell than 1 m"),
+        (PLATE.replace("v 4", "v 4e9") + "f 1 2 3 4\n", "needs another cell than 1 m"),
     ],
 )
 def test_wrong_meshes_are_refused(tmp_path, text, words):

@@ -44,6 +44,8 @@ class Table(MotionLaw):
             If the table cannot be used.
         """
         angles, values, unit = read_point_table(folder / self.file, ("rad",), ("m", "rad"))
+        if not (np.diff(angles) > 0.0).all():
+            raise ValueError(f"{self.file}: the angles must grow from row to row; sort them")
         found = self.model_copy()
         found._points = (angles - angles[0], values, unit)
         span = angles[-1] - angles[0]

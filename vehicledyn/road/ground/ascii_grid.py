@@ -8,9 +8,11 @@ import numpy as np
 
 from vehicledyn.base.errors import InputError
 from vehicledyn.road.ground.height_grid import (
+    HIGHEST,
     MOST_NODES,
     Array,
     HeightGrid,
+    height_of,
     is_number,
     number_of,
     text_lines,
@@ -82,6 +84,8 @@ def _heights(
                 f"{path}:{number}: no height in column {int(np.argmax(gap)) + 1}; fill the gaps "
                 "of the grid first"
             )
+        if np.abs(found[row]).max() > HIGHEST:
+            height_of(path, number, max(words, key=lambda word: abs(float(word))))
         row += 1
     if row < rows:
         raise InputError(f"{path}: {row} rows of heights, nrows says {rows}")

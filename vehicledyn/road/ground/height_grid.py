@@ -16,6 +16,9 @@ Array = NDArray[np.float64]
 MOST_NODES = 4_000_000
 """Nodes of the largest grid."""
 
+HIGHEST = 1e6
+"""Height from which on it is none of a road [m]."""
+
 _MOST_BYTES = 100 * 2**20
 
 
@@ -47,6 +50,14 @@ def number_of(path: Path, line: int, word: str) -> float:
     if not is_number(word):
         raise InputError(f"{path}:{line}: '{word[:40]}' is not a finite number")
     return float(word)
+
+
+def height_of(path: Path, line: int, word: str) -> float:
+    """Return a word of a line as a height [m]; InputError with the line for none of a road."""
+    found = number_of(path, line, word)
+    if abs(found) > HIGHEST:
+        raise InputError(f"{path}:{line}: {found:g} m; no road is higher than {HIGHEST:g} m")
+    return found
 
 
 def is_number(word: str) -> bool:

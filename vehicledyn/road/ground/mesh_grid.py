@@ -13,6 +13,7 @@ from vehicledyn.road.ground.height_grid import (
     MOST_NODES,
     Array,
     HeightGrid,
+    height_of,
     number_of,
     text_lines,
 )
@@ -85,7 +86,8 @@ def _read_obj(path: Path) -> tuple[Array, NDArray[np.intp]]:
         if words[:1] == ["v"]:
             if len(words) < 4:
                 raise InputError(f"{path}:{number}: a vertex needs three numbers")
-            vertices.append([number_of(path, number, word) for word in words[1:4]])
+            place = [number_of(path, number, word) for word in words[1:3]]
+            vertices.append([*place, height_of(path, number, words[3])])
         elif words[:1] == ["f"]:
             face = [_corner(path, number, word, len(vertices)) for word in words[1:]]
             if len(face) < 3:
