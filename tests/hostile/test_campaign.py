@@ -11,6 +11,8 @@ import campaign
 import harness
 import pytest
 
+pytestmark = pytest.mark.xdist_group("hostile")  # warmed up once
+
 FOLDER = Path(__file__).parent
 
 

@@ -9,6 +9,8 @@ import pytest
 from damage import COMMANDS, cases, silently_wrong, write_originals
 from harness import run
 
+pytestmark = pytest.mark.xdist_group("hostile")  # warmed up once
+
 COUNT = int(os.environ.get("VEHICLEDYN_HOSTILE_CASES", "24"))
 
 

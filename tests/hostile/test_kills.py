@@ -6,6 +6,8 @@ By hand with more of them: ``python tests/hostile/kills.py 200``.
 import pytest
 from kills import VICTIMS, Campaign, start
 
+pytestmark = pytest.mark.xdist_group("hostile")  # warmed up once
+
 
 @pytest.fixture(scope="module")
 def campaign(tmp_path_factory):

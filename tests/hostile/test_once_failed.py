@@ -17,6 +17,8 @@ from harness import Case, run
 from vehicledyn.results.plots.figures import new_figure
 from vehicledyn.results.plots.scales import leave_room
 
+pytestmark = pytest.mark.xdist_group("hostile")  # warmed up once
+
 MEASURED = "s [m], curvature [1/km], cant [mm]\n"
 RECORD = "s [m], level [mm], cross_level [mm]\n"
 ROAD = "x [m], z [mm]\n"

@@ -15,6 +15,8 @@ from vehicledyn.base.files.limits import (
     read_regular,
 )
 
+pytestmark = pytest.mark.xdist_group("hostile")  # warmed up once
+
 ROOT = Path(__file__).parents[2]
 RAMP = (ROOT / "scenarios" / "iltis_ramp_steer.yaml").read_bytes()
 ROAD = RAMP.replace(b"kind: flat", b"kind: profile\n  file: bad.csv")

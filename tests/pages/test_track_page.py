@@ -41,7 +41,7 @@ def told(tmp_path_factory):
 def test_track_is_shown_as_table_csv_and_pictures(told):
     folder, printed = told
     first = printed[COMMANDS[0]]
-    assert "layout, gauge 1435 mm, rails 60E1 inclined 1:40, cant over 1500 mm" in first
+    assert "layout, gauge 1435 mm, rails 60E1 inclined 1/40, cant over 1500 mm" in first
     assert "570 m long" in first
     lines = (folder / "branch_line.csv").read_text().splitlines()
     rows = list(csv.reader(line for line in lines if not line.startswith("#")))

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any, Protocol
 
 import numpy as np
@@ -22,7 +23,10 @@ from vehicledyn.symbolic import ops
 from vehicledyn.symbolic.equations import Equations
 
 _WORTH_COMPILING = 1_500_000
-"""Operations of all columns of a Jacobian from which on it is compiled."""
+"""Operations of all columns of a Jacobian from which on it is compiled where many are wanted."""
+
+_WORTH_WAITING = 6_000
+"""Columns that are interpreted before: as long as the compiler takes, whatever the model's size."""
 
 
 @dataclass(frozen=True)
@@ -55,33 +59,53 @@ class Derivatives:
     """Evaluates the derivatives of some equations at any point, for any parameters."""
 
     def __init__(
-        self, equations: Equations, parameters: Sequence[str] = (), *, outputs: bool = True
+        self,
+        equations: Equations,
+        parameters: Sequence[str] = (),
+        *,
+        outputs: bool = True,
+        often: bool = False,
     ) -> None:
-        """Derive the directional derivative, also by the parameters of these names.
+        """Prepare derivatives, also by the parameters of these names; they are made when needed.
 
-        Without ``outputs`` it is that of rates and residuals only, which takes half the time.
+        Without ``outputs`` they are those of rates and residuals only, which takes half the time.
+        Code of a large model is compiled at once where they are wanted ``often``, else after as
+        many evaluations as the compiler costs.
         """
+        self._equations = equations
+        self._with_outputs = outputs and equations.output.numel() > 0
+        names = [parameter.name for parameter in equations.parameters]
+        self._chosen = [names.index(name) for name in parameters]
+        self._left = 0 if often else _WORTH_WAITING
+
+    @cached_property
+    def _results(self) -> Any:
+        """The rates, residuals and outputs to derive."""
         import casadi
 
-        e = self._equations = equations
-        output = e.output if outputs else casadi.SX(0, 1)
-        self._n_outputs = output.numel()
-        names = [parameter.name for parameter in e.parameters]
-        self._chosen = [names.index(name) for name in parameters]
-        results = casadi.cse(
-            casadi.densify(casadi.vertcat(e.rate, e.residual, output))
-            if e.states or e.unknowns or output.numel()
-            else casadi.SX(0, 1)
-        )
-        self._machine = _compiled(e, results, self._chosen)
-        if self._machine is not None:
-            return
+        e = self._equations
+        output = e.output if self._with_outputs else casadi.SX(0, 1)
+        if not (e.states or e.unknowns or output.numel()):
+            return casadi.SX(0, 1)
+        return casadi.cse(casadi.densify(casadi.vertcat(e.rate, e.residual, output)))
+
+    @cached_property
+    def _machine(self) -> PointCode | None:
+        """Compiled derivatives; None for small models and without a compiler."""
+        return _compiled(self._equations, self._results, self._chosen)
+
+    @cached_property
+    def _slope(self) -> BufferedFunction:
+        """The derivative along a direction, interpreted."""
+        import casadi
+
+        e = self._equations
         chosen = [e.parameter[index] for index in self._chosen]
         variables = casadi.vertcat(e.state, e.algebraic, *chosen)
         direction = casadi.SX.sym("direction", variables.numel())
-        slope = casadi.densify(ops.derivative(results, variables, direction))
+        slope = casadi.densify(ops.derivative(self._results, variables, direction))
         inputs = [e.time, e.state, e.algebraic, e.parameter, direction]
-        self._slope = BufferedFunction(casadi.Function("slope", inputs, [slope]))
+        return BufferedFunction(casadi.Function("slope", inputs, [slope]))
 
     def total(
         self, time: float, state: Vector, unknowns: Vector, parameters: Vector
@@ -120,16 +144,18 @@ class Derivatives:
 
     def _partial(self, *point: Any) -> Vector:
         """Return ∂(rate, residual, output)/∂(x, z, p), of p the chosen parameters."""
-        if self._machine is not None:
+        directions = np.eye(
+            len(self._equations.states) + len(self._equations.unknowns) + len(self._chosen)
+        )
+        machine = self._machine if self._left <= 0 else None
+        if machine is not None:
             time, state, unknowns, parameters = point
             given = np.concatenate([state, unknowns, parameters[self._chosen]])
             numbers = np.append(parameters, time)
-            return self._machine.slopes(given[None], numbers)[1][0, :, :-1]
-        size = len(self._equations.states) + len(self._equations.unknowns)
-        directions = np.eye(size + len(self._chosen))
+            return machine.slopes(given[None], numbers)[1][0, :, :-1]
+        self._left -= len(directions)
         columns = [self._slope(*point, direction)[0] for direction in directions]
-        n_rows = size + self._n_outputs
-        return np.stack(columns, axis=1) if columns else np.zeros((n_rows, 0))
+        return np.stack(columns, axis=1) if columns else np.zeros((self._results.numel(), 0))
 
 
 def _compiled(equations: Equations, results: Any, chosen: list[int]) -> PointCode | None:

@@ -2,6 +2,7 @@
 
 import itertools
 import json
+import math
 import re
 import sys
 from pathlib import Path
@@ -74,6 +75,21 @@ def test_validate_several_files(call, write, tmp_path):
     assert out == f"{good}: ok\n"
     assert f"problems in {bad}" in err
     assert call("validate", good, "--set", "speed=30 m/s") == (0, f"{good}: ok\n", "")
+
+
+def test_validate_reads_a_cam_with_its_table(call, tmp_path):
+    cam, table = tmp_path / "cam.yaml", tmp_path / "law.csv"
+    cam.write_text(
+        "title: A cam\nmotion: [{kind: table, over: 360 deg, file: law.csv}]\n"
+        "base_radius: 30 mm\nfollower: {kind: roller, radius: 9 mm}\n"
+    )
+    code, _, err = call("validate", cam)
+    assert code == 2
+    assert "cam.yaml:2:10: motion[0]:" in err and "law.csv: there is no such file" in err
+    lifts = (2.0 * (1.0 - math.cos(math.radians(10 * k))) for k in range(37))
+    rows = "".join(f"{10 * k},{lift:.9f}\n" for k, lift in enumerate(lifts))
+    table.write_text(f"angle [deg],lift [mm]\n{rows}")
+    assert call("validate", cam) == (0, f"{cam}: ok\n", "")
 
 
 def test_run_names_its_files_after_the_scenario(call, write, pipeline):

@@ -164,7 +164,7 @@ def _table(path: Path, track: Track, kind: str, places: Any, speed: float | None
     evaluate = ops.numeric(
         [s], ops.column([*flat, frame.rotation[2, 2], track.line.curvature(s), *shifts])
     )
-    rows = np.array([evaluate(place).ravel() for place in places]).T
+    rows = evaluate(np.asarray(places, dtype=float)[None, :])  # a column for each place
     x, y, z, _, sine, cosine, climb, across, up, bend, *rails = rows
     roll = np.arctan2(across, up)
     cant = -track.base * np.sin(roll)
@@ -198,7 +198,8 @@ def _title(path: Path) -> str:
 
 
 def _facts(track: Track, kind: str) -> list[str]:
-    lean = f"inclined {slope_text(track.inclination)}" if track.inclination else "upright"
+    slope = track.inclination_text or slope_text(track.inclination)
+    lean = f"inclined {slope}" if track.inclination else "upright"
     facts = [
         f"{kind}, gauge {1e3 * track.gauge:g} mm, rails {track.rail} {lean}, cant over "
         f"{1e3 * track.base:g} mm"

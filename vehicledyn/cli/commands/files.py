@@ -64,6 +64,10 @@ def _read_as(data: Any, path: Path, overrides: list[str]) -> None:
         wrong = chosen.problems_beside(path.parent)
         if wrong:
             raise InputError("\n".join(wrong))
+    elif _is_cam(data):
+        from vehicledyn.cams.cam_file import read_cam
+
+        read_cam(path)
     elif is_system_file(path):
         load_model(str(path), overrides)
     else:
@@ -103,6 +107,12 @@ def _is_track(data: Any) -> bool:
     from vehicledyn.base.registry import kinds
 
     return isinstance(data, dict) and data.get("kind") in kinds("track") and "title" not in data
+
+
+def _is_cam(data: Any) -> bool:
+    """Return whether a file's data is a cam, not a scenario or system."""
+    keys = set(data) if isinstance(data, dict) else set()
+    return bool(keys & {"base_radius", "outline", "follower"}) and not keys & {"model", "bodies"}
 
 
 def compare(
