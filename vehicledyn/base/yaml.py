@@ -26,7 +26,6 @@ LARGEST_FILE = 5_000_000
 _LARGEST_COUNT = 100_000
 _LARGEST_KEPT, _MOST_KEPT = 100_000, 64
 _MOST_SHOWN = 40
-_LONGEST_KEY = 1000
 _NO_TEXT = re.compile("[\x00\ud800-\udfff]")
 _OTHER_VERSION = re.compile(r"%YAML\s+(?!1\.2\b)")
 _KNOWN_TAGS = {"null", "bool", "int", "float", "str", "map", "seq"}
@@ -191,10 +190,6 @@ class _Builder:
                 self._note(_mark(key_node), place, "a key must be a text")
                 continue
             key = str(key_node.value)
-            if len(key) > _LONGEST_KEY:
-                words = f"a key of {len(key)} characters; keys are names, of {_LONGEST_KEY} at most"
-                self._note(_mark(key_node), place, words)
-                continue
             inner = (*place, key)
             if key in content:
                 first = self.document.keys[inner]

@@ -132,10 +132,3 @@ def test_a_long_text_read_twice_is_parsed_once(monkeypatch):
     first, second = (yaml.parse_yaml(text, "long.yaml") for _ in range(2))
     first.data["long"] = "changed"
     assert (len(parsed), len(second.data["long"])) == (1, 100_001)
-
-
-def test_keys_that_are_no_names_are_left_out():
-    """Each value below one would carry it in its place."""
-    read = parse_yaml(f"{'a' * 140_000}: 1\nb: 2\n", "f.yaml")
-    assert read.data == {"b": 2}
-    assert str(read.problems[0]).startswith("f.yaml:1:1: file: a key of 140000 characters")

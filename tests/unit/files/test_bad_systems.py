@@ -51,6 +51,8 @@ ARM = "title: t\nbodies:\n  a: {joints: [R2 q], mass: 1 kg, com: [0, 0, 1 m]}\n"
          ["4:17: parameters.m: '1" + "0" * 39 + "...' is too long a number"]),
         ("repeat: [{for: {i: {from: 1, to: 1000000000}}, bodies: {'r{i}': {mass: 1 kg}}}]\n",
          ["4:10: repeat[0]: makes more than 10000 copies"]),
+        (f"repeat: [{{for: {{i: [a, {'b' * 300}]}}, bodies: {{'r{{i}}': {{mass: 1 kg}}}}}}]\n",
+         ["4:24: repeat[0].for.i[1]: a text of 300 characters; names take 200 of an index"]),
         ("repeat: [{for: {i: {from: 1, to: 9999}, j: {from: 1, to: 9999}, "
          "k: {from: 1, to: 9999}}, bodies: {'r{i}_{j}_{k}': {mass: 1 kg}}}]\n",
          ["4:10: repeat[0]: makes more than 10000 copies"]),

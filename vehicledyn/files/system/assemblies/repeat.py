@@ -29,6 +29,9 @@ MOST_LETTERS = 20_000_000
 """Values and letters of all texts that repetition makes, at most."""
 
 _MOST_PROBLEMS = 1_000
+_LONGEST_TEXT = 200
+"""Characters of an index text at most: names are made of it, and each value carries its name."""
+
 SECTIONS = (*Sections.model_fields, "parameters")
 Index = dict[str, int | str]
 _BRACES = re.compile(r"\{([^{}]*)\}")
@@ -164,13 +167,24 @@ class Expansion:
 
     def _choices(self, value: Any, place: Place, index: Index) -> list[int | str]:
         if isinstance(value, list) and all(type(v) in (int, str) for v in value):
-            return value
+            return self._short(value, place)
         if isinstance(value, dict) and set(value) == {"from", "to"}:
             ends = [self._whole(value[key], (*place, key), index) for key in ("from", "to")]
             return list(range(ends[0], min(ends[1] + 1, ends[0] + MOST_COPIES + 1)))
         words = "expected a list of whole numbers or texts, or {from: 1, to: 3}"
         self.problems.append((place, words))
         return []
+
+    def _short(self, values: list[int | str], place: Place) -> list[int | str]:
+        """Return the values of an index whose texts are short enough to be part of names."""
+        short = []
+        for number, value in enumerate(values):
+            if isinstance(value, str) and len(value) > _LONGEST_TEXT:
+                words = f"a text of {len(value)} characters; names take {_LONGEST_TEXT} of an index"
+                self.problems.append(((*place, number), words))
+            else:
+                short.append(value)
+        return short
 
     def _whole(self, value: Any, place: Place, index: Index) -> int:
         filled = self._filled(value, place, index)
