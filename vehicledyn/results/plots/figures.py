@@ -33,7 +33,7 @@ Floats = NDArray[np.float64]
 
 PANEL_HEIGHT = 1.75  # inch
 HEADING_HEIGHT = 0.95  # inch: title, time axis and footer
-LONGEST_FOOTER = 160  # characters
+LONGEST_FOOTER = 120  # characters: as many as the width takes
 LONGEST_LABEL = 42  # characters of a legend in full size, two beside each other
 
 
@@ -135,6 +135,6 @@ def _title(result: Result, plot: Plot) -> str:
 
 
 def _origin(result: Result) -> str:
-    model = f"{result.model} {result.model_hash[:12]}".strip()
-    text = f"{result.title}   |   {model}   |   vehicledyn {result.program_version}"
-    return plain(text, LONGEST_FOOTER)
+    model = f"{result.model.rsplit('/', 1)[-1]} {result.model_hash[:12]}".strip()
+    origin = plain(f"{model}   |   vehicledyn {result.program_version}", LONGEST_FOOTER - 40)
+    return f"{plain(result.title, LONGEST_FOOTER - len(origin) - 7)}   |   {origin}"

@@ -10,7 +10,8 @@ if TYPE_CHECKING:
 
 def standard(vehicle: RoadVehicle, *, path_title: str = "Path") -> list[dict[str, Any]]:
     """Return path, steering, yaw rate with lateral acceleration, wheel loads, roll."""
-    return [_path(vehicle, path_title), _steering(vehicle), _yaw(vehicle), _loads(vehicle), _roll()]
+    drawn = _steering(vehicle), _yaw(vehicle), _loads(vehicle), _roll(vehicle)
+    return [_path(vehicle, path_title), *drawn]
 
 
 def answers(title: str) -> dict[str, Any]:
@@ -22,6 +23,18 @@ def answers(title: str) -> dict[str, Any]:
         _panel("Yaw rate", "deg/s", ["body.yaw_rate"], ["yaw rate"]),
         _panel("Acceleration", "m/s^2", ["accelerometer.lateral"], ["lateral acceleration"]),
         _panel("Side-slip angle", "deg", ["body.sideslip_angle"], ["side-slip angle"]),
+    )
+
+
+def along(title: str, vehicle: RoadVehicle) -> dict[str, Any]:
+    """Return speed, longitudinal acceleration, longitudinal slip and pitch by time."""
+    return _time(
+        "along",
+        title,
+        _panel("Speed", "km/h", ["body.forward_speed"], ["forward speed"]),
+        _panel("Acceleration", "m/s^2", ["accelerometer.longitudinal"], ["longitudinal"]),
+        _panel("Longitudinal slip", "%", *_wheels(vehicle, "tyre.longitudinal_slip")),
+        _panel("Pitch angle", "deg", [f"{vehicle.chassis}.pitch"], ["pitch"]),
     )
 
 
@@ -71,7 +84,8 @@ def _loads(vehicle: RoadVehicle) -> dict[str, Any]:
     return _time("wheel_loads", "Wheel loads", panel)
 
 
-def _roll() -> dict[str, Any]:
-    angles = _panel("Angle", "deg", ["chassis.roll", "chassis.pitch"], ["roll", "pitch"])
-    height = _panel("Height", "mm", ["chassis.z"], ["centre of mass"])
+def _roll(vehicle: RoadVehicle) -> dict[str, Any]:
+    body = vehicle.chassis
+    angles = _panel("Angle", "deg", [f"{body}.roll", f"{body}.pitch"], ["roll", "pitch"])
+    height = _panel("Height", "mm", [f"{body}.z"], ["centre of mass"])
     return _time("roll", "Roll, pitch and height", angles, height)

@@ -36,8 +36,8 @@ class Acceleration(DrivingTest):
         return TimeTable((self.begin, self.begin + self.build_up), (0.0, self.torque))
 
     def plots(self, vehicle: RoadVehicle) -> list[dict[str, Any]]:
-        """Return the standard figures with the answers over one another."""
-        return [figures.answers("Acceleration"), *figures.standard(vehicle)]
+        """Return the standard figures after speed, acceleration, slip and pitch."""
+        return [figures.along("Acceleration", vehicle), *figures.standard(vehicle)]
 
     def quantities(
         self, signals: Signals, recording: Recording, vehicle: RoadVehicle

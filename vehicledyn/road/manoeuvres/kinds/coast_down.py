@@ -41,8 +41,8 @@ class CoastDown(DrivingTest):
         return TimeTable((self.release_at, self.release_at + 0.1), (1.0, 0.0))
 
     def plots(self, vehicle: RoadVehicle) -> list[dict[str, Any]]:
-        """Return the standard figures with the answers over one another."""
-        return [figures.answers("Coast-down"), *figures.standard(vehicle)]
+        """Return the standard figures after speed, acceleration, slip and pitch."""
+        return [figures.along("Coast-down", vehicle), *figures.standard(vehicle)]
 
     def quantities(
         self, signals: Signals, recording: Recording, vehicle: RoadVehicle

@@ -48,8 +48,8 @@ class StraightBraking(DrivingTest):
         return TimeTable((self.brake_at, self.brake_at + self.build_up), (0.0, self.torque))
 
     def plots(self, vehicle: RoadVehicle) -> list[dict[str, Any]]:
-        """Return the standard figures with the answers over one another."""
-        return [figures.answers("Straight braking"), *figures.standard(vehicle)]
+        """Return the standard figures after speed, acceleration, slip and pitch."""
+        return [figures.along("Straight braking", vehicle), *figures.standard(vehicle)]
 
     def quantities(
         self, signals: Signals, recording: Recording, vehicle: RoadVehicle
