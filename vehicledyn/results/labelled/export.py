@@ -113,14 +113,19 @@ def _columns(arrays: Sequence[Labelled]) -> Iterator[Column]:
             yield array.name, values, array.unit, array.description
 
 
+def _portions(columns: Sequence[Column]) -> Iterator[list[np.ndarray[Any, Any]]]:
+    """Yield the same rows of all columns, some of them at once."""
+    rows = max(_ROWS, _VALUES // len(columns))
+    for first in range(0, max(len(values) for _, values, *_ in columns), rows):
+        yield [np.asarray(values[first : first + rows]) for _, values, *_ in columns]
+
+
 def _write_csv(path: Path, columns: Sequence[Column], data: LabelledSet) -> None:
     with path.open("w", encoding="utf-8", newline="") as file:
         writer = csv.writer(file, lineterminator="\n")
         writer.writerow([name for name, *_ in columns])
         writer.writerow([unit for _, _, unit, _ in columns])
-        rows = max(_ROWS, _VALUES // len(columns))
-        for first in range(0, max(len(values) for _, values, *_ in columns), rows):
-            arrays = [np.asarray(values[first : first + rows]) for _, values, *_ in columns]
+        for arrays in _portions(columns):
             for start in range(0, len(arrays[0]), _ROWS):
                 parts = (array[start : start + _ROWS].tolist() for array in arrays)
                 writer.writerows(zip(*parts, strict=True))
@@ -170,11 +175,10 @@ def _write_parquet(path: Path, columns: Sequence[Column], data: LabelledSet) -> 
         for name, values, unit, words in columns
     ]
     head = {"title": data.title, "model": data.model, "status": data.status}
-    table = pyarrow.Table.from_arrays(
-        [pyarrow.array(values[:]) for _, values, *_ in columns],
-        schema=pyarrow.schema(fields, metadata=head),
-    )
-    parquet.write_table(table, path)
+    schema = pyarrow.schema(fields, metadata=head)
+    with parquet.ParquetWriter(path, schema) as writer:
+        for arrays in _portions(columns):
+            writer.write_table(pyarrow.Table.from_arrays(arrays, schema=schema))
 
 
 _WRITERS: dict[str, Callable[[Path, Sequence[Column], LabelledSet], None]] = {

@@ -105,6 +105,7 @@ class PivotLog:
         self._anchor: Sample | None = None
         self._held: list[Sample] = []
         self._sound = 0
+        self._is_due = False
         self._scale = np.zeros(0)
         self._before: Vector | None = None
         self._skip = False
@@ -150,13 +151,16 @@ class PivotLog:
             rows, self._skip = rows[1:], False
         values = self._pivots(rows) if rows else np.zeros((0, 0))
         k = 0
-        while k < len(rows):
-            count = self._count_harmless(values[k : k + _AHEAD])
-            if count:
-                self._accept(rows[k : k + count], values[k : k + count])
-            else:
-                self._look(rows[k], values[k])
-            k += max(1, count)
+        try:
+            while k < len(rows):
+                count = self._count_harmless(values[k : k + _AHEAD])
+                if count:
+                    self._accept(rows[k : k + count], values[k : k + count])
+                else:
+                    self._look(rows[k], values[k])
+                k += max(1, count)
+        finally:
+            self._release_due()
 
     def _count_harmless(self, values: Matrix) -> int:
         """Return how many samples pass before one whose pivots are weak or change sign."""
@@ -176,7 +180,7 @@ class PivotLog:
         self._before = values[-1]
         self._scale = np.maximum(self._scale, np.abs(values).max(axis=0))
         self._tried = np.inf
-        self.release()
+        self._is_due = True
 
     def _look(self, sample: Sample, values: Vector) -> None:
         """Look at one sample, and hold it back where a loop is nearly singular."""
@@ -185,17 +189,20 @@ class PivotLog:
         near = np.abs(values) < _NEAR * scale
         crossed = np.flatnonzero((values * before < 0.0) | near)
         if crossed.size:
+            self._release_due()
             self._cross(crossed, sample.time)
-        self._held.append(sample)
-        self._before = values
         self._scale = np.maximum(scale, np.abs(values))
         parts = np.abs(values) / self._scale
         share = float(np.min(parts, initial=1.0))
+        if share < self._zone:
+            self._release_due()
+        self._held.append(sample)
+        self._before = values
         self._try_others(sample, float(parts.prod()))
         if share >= ZONE:
             self._sound = len(self._held)
         if share >= self._zone:
-            self.release()
+            self._is_due = True
         elif len(self._held) > 2 * _MOST_HELD:
             self._release_first(_MOST_HELD)
 
@@ -251,9 +258,14 @@ class PivotLog:
         self._held, self._sound = [], 0
         return self._anchor
 
+    def _release_due(self) -> None:
+        """Hand on the samples that nothing holds back: many at once cost less than one by one."""
+        if self._is_due:
+            self.release()
+
     def release(self) -> None:
         """Hand on all samples."""
-        held, self._held, self._sound = self._held, [], 0
+        held, self._held, self._sound, self._is_due = self._held, [], 0, False
         if held:
             self._anchor = held[-1]
             self._hand_on(held)
@@ -285,5 +297,6 @@ class PivotLog:
     def change(self, sample: Sample) -> None:
         """Go on with another partition from a sample that has been handed on."""
         self._anchor, self._held, self._sound, self._tried = sample, [], 0, np.inf
+        self._is_due = False
         self._before = self._pivots([sample])[0]
         self._scale = np.abs(self._before)
