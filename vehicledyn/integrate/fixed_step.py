@@ -77,6 +77,7 @@ def run_fixed(task: Task, name: str, method: int, step: float | None) -> Statist
         try:
             status = task.kernel.advance(march, size, rows)
         finally:
+            seconds = max(time.perf_counter() - started, 1e-6)
             taken = int(march.ledger.counts[Count.STEPS])
             task.count_steps(taken, actual)
             _settle(task, march, rows)
@@ -89,7 +90,6 @@ def run_fixed(task: Task, name: str, method: int, step: float | None) -> Statist
             reason = task.kernel.failure(status, march.time(march.step), march.ledger)
             raise StepError(reason + ("" if watch is None else watch.hint()))
         remaining -= taken
-        seconds = max(time.perf_counter() - started, 1e-6)
         size = max(1, min(_GROWTH * size, int(taken * _CHUNK_SECONDS / seconds)))
     task.sizes = (actual, actual)
     found = None if watch is None else watch.verdict(ended_early=bool(task.watch.ended_by))
