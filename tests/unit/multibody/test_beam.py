@@ -2,67 +2,37 @@
 
 import numpy as np
 import pytest
+from beam_kernels import (
+    BENDING,
+    GIVEN,
+    LENGTH,
+    MASS,
+    PACE,
+    POLAR,
+    STRETCH,
+    TWIST,
+    at_rest,
+    frequencies,
+    kernel_of,
+    matrix_of,
+)
 from numpy.polynomial import Legendre
 
-from vehicledyn.analyse.equilibrium import assemble
 from vehicledyn.base.errors import InputError
 from vehicledyn.base.registry import kinds
-from vehicledyn.kernel.kernel import compile_kernel
 from vehicledyn.multibody import (
     GROUND,
     Body,
     BodyCut,
     Joint,
-    ParameterTable,
     RodCut,
-    System,
-    TimeLaw,
-    derive,
 )
+from vehicledyn.multibody.bodies.beam_properties import Material, Stiffness
 from vehicledyn.multibody.bodies.beam_sections import Section
-from vehicledyn.multibody.elements.beam import Beam, Material, Modes, Stiffness
+from vehicledyn.multibody.elements.beam import Beam, Modes
 from vehicledyn.multibody.joints.joint_type import joint_kinds, joint_type
 
 pytestmark = pytest.mark.long
-
-LENGTH, MASS, BENDING, TWIST, STRETCH, POLAR = 1.5, 2.0, 50.0, 20.0, 5e4, 0.01
-GIVEN = Stiffness(
-    mass_per_length=MASS, y=BENDING, z=BENDING, twist=TWIST, stretch=STRETCH, polar=POLAR
-)
-PACE = np.sqrt(BENDING / MASS / LENGTH**4)
-"""Bending frequencies are multiples of this [rad/s]."""
-
-
-def kernel_of(
-    *bodies, cuts=(), hub=(), speed=0.0, at=(0.0, 0.0, 0.0), gravity=(0.0, 0.0, 0.0), **settings
-):
-    """A beam on a hub that turns about the vertical at a speed [rad/s]."""
-    joints = (*hub, Joint("R3", "turn", role="driven"))
-    settings = {"length": LENGTH, "stiffness": GIVEN} | settings
-    beam = Beam("beam", body="hub", at=at, **settings)
-    spin = TimeLaw("spin", "turn", lambda t: speed * t)
-    root = Body("hub", GROUND, joints=joints)
-    made = System(
-        "beam", ParameterTable(), (root, *bodies), parts=(beam, spin), cuts=cuts, gravity=gravity
-    )
-    return compile_kernel(derive(made), backend="interpreted")
-
-
-def matrix_of(kernel, size=1e-6):
-    """Return ∂ẋ/∂x about the start."""
-    x0 = np.array([s.start for s in kernel.equations.states])
-    guess = np.array([u.start for u in kernel.equations.unknowns])
-
-    def rates(step):
-        return kernel.rates(0.0, x0 + step, assemble(kernel, 0.0, x0 + step, guess))
-
-    return np.array([(rates(size * e) - rates(-size * e)) / (2 * size) for e in np.eye(len(x0))]).T
-
-
-def frequencies(kernel):
-    """Return the frequencies about the start [rad/s], ascending."""
-    return np.sort(np.abs(np.linalg.eigvals(matrix_of(kernel)).imag))[::2]
-
 
 MODEL = [
     ({"model": "modes"}, {"y": 8, "z": 8, "twist": 8, "stretch": 8}),
@@ -174,11 +144,7 @@ def test_static_deflection(settings, counts):
     g = 1e-6
     few = {name: min(count, 4) for name, count in counts.items()}
     kernel = kernel_of(gravity=(g, 0.0, -g), modes=Modes(**few), **settings)
-    e = kernel.equations
-    n, x = len(e.states) // 2, np.zeros(len(e.states))
-    matrix, rates = matrix_of(kernel), kernel.rates(0.0, x, np.zeros(0))
-    x[:n] = -np.linalg.solve(matrix[n:, :n], rates[n:])
-    seen = dict(zip([c.name for c in e.channels], kernel.outputs(0.0, x, np.zeros(0)), strict=True))
+    seen = at_rest(kernel)
     assert seen["beam.tip_z"] == pytest.approx(-MASS * g * LENGTH**4 / (8 * BENDING), rel=1e-4)
     assert seen["beam.tip_x"] == pytest.approx(MASS * g * LENGTH**2 / (2 * STRETCH), rel=2e-3)
 
@@ -192,11 +158,7 @@ def test_section_loads_and_stress(model):
         tip, gravity=(0.0, 0.0, -g), model=model, stiffness=None, section=section, frames=(0.5,),
         material=Material(density=density, young=steel), modes=Modes(z=5),
     )  # fmt: skip
-    e = kernel.equations
-    n, x = len(e.states) // 2, np.zeros(len(e.states))
-    matrix, rates = matrix_of(kernel), kernel.rates(0.0, x, np.zeros(0))
-    x[:n] = -np.linalg.solve(matrix[n:, :n], rates[n:])
-    seen = dict(zip([c.name for c in e.channels], kernel.outputs(0.0, x, np.zeros(0)), strict=True))
+    seen = at_rest(kernel)
     line = density * 2e-4 * g
 
     def moment(x):

@@ -21,6 +21,7 @@ import numpy as np
 from numpy.polynomial import legendre
 from numpy.typing import NDArray
 
+from vehicledyn.multibody.bodies.beam_properties import TAPER_POINTS, Properties, Stiffness
 from vehicledyn.multibody.bodies.beam_shapes import Shapes, quadrature
 from vehicledyn.multibody.bodies.section_loads import SectionLoads
 from vehicledyn.multibody.model.deformation import AxialInertia, Deflection, Flexibility, Slice
@@ -51,18 +52,14 @@ class _Section:
 
 @dataclass(frozen=True, eq=False)
 class ExactBeam(Flexibility):
-    """A straight, uniform beam along the first axis of its frame, clamped to it at x = 0.
+    """A straight beam along the first axis of its frame, clamped to it at x = 0.
 
-    ``by_direction`` are the shapes of each of :data:`DIRECTIONS`; ``stiffness`` E I, G J, E A and
-    the shear stiffness by direction; ``inertias`` those of the sections about their axes over
-    length [kg m].
+    ``by_direction`` are the shapes of each of :data:`DIRECTIONS`.
     """
 
     name: str
     length: Scalar
-    mass_per_length: Scalar
-    inertias: Sequence[Scalar]
-    stiffness: Mapping[str, Scalar]
+    properties: Properties
     by_direction: Mapping[str, Shapes]
 
     @cached_property
@@ -87,7 +84,7 @@ class ExactBeam(Flexibility):
     @property
     def mass(self) -> Scalar:
         """Mass [kg]."""
-        return self.mass_per_length * self.length
+        return self.properties.mean("mass_per_length") * self.length
 
     @property
     def axial(self) -> AxialInertia:
@@ -95,17 +92,14 @@ class ExactBeam(Flexibility):
         return AxialInertia(0.0, {}, {})
 
     @property
-    def sections(self) -> Sequence[Scalar]:
-        """Moments of inertia of all sections together about the axes of each [kg m²]."""
-        return tuple(item * self.length for item in self.inertias)
-
-    @property
     def _has_inertia(self) -> bool:
-        return any(not ops.is_structurally_zero(item) for item in self.inertias)
+        own = _turning(self.properties.start)
+        return any(not ops.is_structurally_zero(item) for item in own)
 
     @property
     def _points(self) -> int:
-        return max(item.points for item in self.by_direction.values()) + _SPARE
+        most = max(item.points for item in self.by_direction.values()) + _SPARE
+        return most if self.properties.is_uniform else most + TAPER_POINTS
 
     @cached_property
     def _nodes(self) -> tuple[Array, Array]:
@@ -180,10 +174,16 @@ class ExactBeam(Flexibility):
         sections, found = self._sections(q), []
         for node, weight, section in zip(*self._nodes, sections, strict=True):
             position, linear = self._place(self._weights(float(node)), sections)
-            item = Slice(float(weight), position, linear)
+            numbers = self.properties.at(float(node))
+            share: Scalar = float(weight)
+            if not self.properties.is_uniform:
+                mean = self.properties.mean("mass_per_length")
+                share = share * numbers.mass_per_length / mean
+            item = Slice(share, position, linear)
             if self._has_inertia:
                 spins = self._spins(float(node), section)
-                item = replace(item, rotation=section.rotation, angular=spins)
+                inertia = [float(weight) * (j * self.length) for j in _turning(numbers)]
+                item = replace(item, rotation=section.rotation, angular=spins, inertia=inertia)
             found.append(item)
         return found
 
@@ -203,7 +203,8 @@ class ExactBeam(Flexibility):
         q, rates
             Amplitudes and their rates.
         damping
-            Damping ratio of each mode of small amplitude [1].
+            Damping ratio of each mode of small amplitude, of a tapered beam by the means of its
+            numbers [1].
         """
         column = ops.column(list(q))
         slope = ops.dense(ops.jacobian(self.energy(q), column))
@@ -211,9 +212,10 @@ class ExactBeam(Flexibility):
         for direction in DIRECTIONS:
             shapes = self.by_direction[direction]
             power = 3 if direction in ("y", "z") else 1
-            polar = self.inertias[0] if direction == "twist" else self.mass_per_length
+            polar = self.properties.mean("polar" if direction == "twist" else "mass_per_length")
+            modulus = self.properties.mean(direction)
             for j, k in enumerate(self.ranges[direction]):
-                stiff = float(shapes.stiffness[j]) * self.stiffness[direction] / self.length**power
+                stiff = float(shapes.stiffness[j]) * modulus / self.length**power
                 resistance = 2.0 * damping * ops.sqrt(stiff * polar * self.length)
                 found.append(-slope[k] - resistance * rates[k])
         return found
@@ -223,7 +225,8 @@ class ExactBeam(Flexibility):
         total = ops.scalar(0.0)
         for place, weight in zip(*self._nodes, strict=True):
             terms = self._strains(float(place), q)
-            own = [self.stiffness[d] * t * t for d, t in terms.items()]
+            moduli = self.properties.at(float(place))
+            own = [getattr(moduli, d) * t * t for d, t in terms.items()]
             total = total + 0.5 * float(weight) * sum(own, start=ops.scalar(0.0))
         return total * self.length
 
@@ -243,7 +246,8 @@ class ExactBeam(Flexibility):
 
     def loads(self, place: float, q: Sequence[Scalar]) -> SectionLoads:
         """Return forces and moments in the section at ``place`` L, in the axes of the section."""
-        found = {d: self.stiffness[d] * term for d, term in self._strains(place, q).items()}
+        moduli = self.properties.at(place)
+        found = {d: getattr(moduli, d) * term for d, term in self._strains(place, q).items()}
         order = ("stretch", "shear_y", "shear_z", "twist", "z", "y")
         return SectionLoads(*(found.get(direction) for direction in order))
 
@@ -261,6 +265,11 @@ class ExactBeam(Flexibility):
                 row[k] = float(shapes[j]) / (1.0 if direction == "twist" else self.length)
             rows.append(row)
         return rows
+
+
+def _turning(numbers: Stiffness) -> tuple[Scalar, ...]:
+    """Return the inertia of a section about its axes over length [kg m]."""
+    return numbers.polar, numbers.rotary_z, numbers.rotary_y
 
 
 def _turned(

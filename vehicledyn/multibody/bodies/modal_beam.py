@@ -13,7 +13,7 @@ Bernoulli).
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, Literal, TypeAlias
@@ -21,6 +21,7 @@ from typing import Any, Literal, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
+from vehicledyn.multibody.bodies.beam_properties import TAPER_POINTS, Properties
 from vehicledyn.multibody.bodies.beam_shapes import Shapes, quadrature
 from vehicledyn.multibody.bodies.section_loads import SectionLoads
 from vehicledyn.multibody.model.deformation import AxialInertia, Deflection, Flexibility, Slice
@@ -33,32 +34,22 @@ Stiffening: TypeAlias = Literal["shortening", "axial_force", "none"]
 
 DIRECTIONS = ("y", "z", "twist", "stretch")
 _ROUNDING = 1e-13
-
-
-@dataclass(frozen=True)
-class BeamStiffness:
-    """E I for deflections along y and z [N m²], G J [N m²] and E A [N]."""
-
-    y: Scalar
-    z: Scalar
-    twist: Scalar
-    stretch: Scalar
+_SHEAR = 3
+"""Order of the derivative of the deflection that the shear force goes with."""
 
 
 @dataclass(frozen=True, eq=False)
 class ModalBeam(Flexibility):
-    """A straight, uniform beam along the first axis of its frame, clamped to it at x = 0.
+    """A straight beam along the first axis of its frame, clamped to it at x = 0.
 
-    ``by_direction`` are the shapes of each of :data:`DIRECTIONS`, ``polar`` is the inertia of the
-    sections about the axis over the length [kg m]. With the ``stiffening`` "axial_force" points are
-    displaced to first order and the axial force E A s' adds the energy ½ ∫ E A s' (v'² + w'²) dx.
+    ``by_direction`` are the shapes of each of :data:`DIRECTIONS`. With the ``stiffening``
+    "axial_force" points are displaced to first order and the axial force E A s' adds the energy
+    ½ ∫ E A s' (v'² + w'²) dx.
     """
 
     name: str
     length: Scalar
-    mass_per_length: Scalar
-    polar: Scalar
-    stiffness: BeamStiffness
+    properties: Properties
     by_direction: dict[str, Shapes]
     stiffening: Stiffening = "shortening"
 
@@ -84,25 +75,41 @@ class ModalBeam(Flexibility):
     @property
     def mass(self) -> Scalar:
         """Mass [kg]."""
-        return self.mass_per_length * self.length
+        return self.properties.mean("mass_per_length") * self.length
 
     @property
     def axial(self) -> AxialInertia:
         """Inertia of the sections about the axis, which the twist adds to."""
-        whole, twist = self.polar * self.length, self.by_direction["twist"]
+        whole, twist = self.properties.mean("polar") * self.length, self.by_direction["twist"]
+        own = self.ranges["twist"]
+        if not self.properties.is_uniform:
+            return self._tapered_axial(whole)
         points, weights = quadrature(self._points)
         means = sum(w * twist.values(x) for x, w in zip(points, weights, strict=True))
-        own = self.ranges["twist"]
         return AxialInertia(
             whole,
             {k: whole * float(means[j]) for j, k in enumerate(own)},
-            dict.fromkeys(own, whole),
+            {(k, k): whole for k in own},
         )
+
+    def _tapered_axial(self, whole: Scalar) -> AxialInertia:
+        twist, items = self.by_direction["twist"], self.ranges["twist"]
+        coupling: dict[int, Scalar] = dict.fromkeys(items, 0.0)
+        own: dict[tuple[int, int], Scalar] = {(k, i): 0.0 for k in items for i in items}
+        for x, weight in self.properties.weighted("polar", twist.points):
+            shape = dict(zip(items, twist.values(x), strict=True))
+            part = weight * self.length
+            for k, value in shape.items():
+                coupling[k] = coupling[k] + part * float(value)
+                for i, other in shape.items():
+                    own[k, i] = own[k, i] + part * float(value * other)
+        return AxialInertia(whole, coupling, own)
 
     @property
     def _points(self) -> int:
         """Number of points of the quadrature: shapes and the moment of the shortening exactly."""
-        return max(item.points for item in self.by_direction.values())
+        most = max(item.points for item in self.by_direction.values())
+        return most if self.properties.is_uniform else most + TAPER_POINTS
 
     def slices(self, q: Sequence[Scalar]) -> list[Slice]:
         """Return the mass at the points of a Gauss quadrature."""
@@ -110,7 +117,11 @@ class ModalBeam(Flexibility):
         found = []
         for x, weight in zip(points, weights, strict=True):
             position, linear = self._axis(float(x), q)
-            found.append(Slice(float(weight), position, linear))
+            share: Scalar = float(weight)
+            if not self.properties.is_uniform:
+                own = self.properties.at(float(x)).mass_per_length
+                share = share * own / self.properties.mean("mass_per_length")
+            found.append(Slice(share, position, linear))
         return found
 
     def carried(self, place: Scalar, q: Sequence[Scalar]) -> tuple[Vec, dict[int, Vec]]:
@@ -200,25 +211,48 @@ class ModalBeam(Flexibility):
         q, rates
             Amplitudes and their rates.
         damping
-            Damping ratio of each mode [1].
+            Damping ratio of each mode [1]; of a tapered beam, whose modes mix the shapes, of each
+            shape by itself.
         """
         found: list[Scalar] = []
         for direction in DIRECTIONS:
-            inertia = (self.polar if direction == "twist" else self.mass_per_length) * self.length
-            for k, stiffness in zip(self.ranges[direction], self._springs(direction), strict=True):
-                resistance = 2.0 * damping * ops.sqrt(stiffness * inertia)
-                found.append(-stiffness * q[k] - resistance * rates[k])
+            word = "polar" if direction == "twist" else "mass_per_length"
+            inertia = self.properties.mean(word) * self.length
+            matrix = self._springs(direction)
+            for j, k in enumerate(self.ranges[direction]):
+                resistance = 2.0 * damping * ops.sqrt(matrix[j, j] * inertia)
+                pull = self._pull(matrix, j, [q[i] for i in self.ranges[direction]])
+                found.append(-pull - resistance * rates[k])
         coupling = self._couplings(q)
         if not coupling:
             return found
         slope = ops.dense(ops.jacobian(sum(coupling), ops.column(list(q))))
         return [force - slope[k] for k, force in enumerate(found)]
 
-    def _springs(self, direction: str) -> list[Scalar]:
-        """Return the stiffness of each mode of a direction by itself."""
-        power = 3 if direction in ("y", "z") else 1
-        modulus = getattr(self.stiffness, direction) / self.length**power
-        return [float(factor) * modulus for factor in self.by_direction[direction].stiffness]
+    def _springs(self, direction: str) -> dict[tuple[int, int], Scalar]:
+        """Return the stiffness of the modes of a direction, of pairs only where they couple."""
+        bends = direction in ("y", "z")
+        power, shapes = 3 if bends else 1, self.by_direction[direction]
+        if self.properties.is_uniform:
+            modulus = getattr(self.properties.start, direction) / self.length**power
+            return {(j, j): float(f) * modulus for j, f in enumerate(shapes.stiffness)}
+        count = range(shapes.count)
+        found: dict[tuple[int, int], Scalar] = {(i, j): 0.0 for i in count for j in count}
+        for x, weight in self.properties.weighted(direction, shapes.points):
+            values = shapes.values(x, 2 if bends else 1)
+            found = {
+                (i, j): before + weight * float(values[i] * values[j]) / self.length**power
+                for (i, j), before in found.items()
+            }
+        return found
+
+    @staticmethod
+    def _pull(matrix: Mapping[tuple[int, int], Scalar], j: int, q: Sequence[Scalar]) -> Scalar:
+        total = ops.scalar(0.0)
+        for (row, i), stiffness in matrix.items():
+            if row == j:
+                total = total + stiffness * q[i]
+        return total
 
     def _couplings(self, q: Sequence[Scalar]) -> list[Scalar]:
         return [e for e in (self._coupling_energy(q), self._axial_energy(q)) if e is not None]
@@ -227,8 +261,9 @@ class ModalBeam(Flexibility):
         """Return the strain energy [J]."""
         total = sum(self._couplings(q), start=ops.scalar(0.0))
         for direction, items in self.ranges.items():
-            for k, stiffness in zip(items, self._springs(direction), strict=True):
-                total = total + 0.5 * stiffness * q[k] * q[k]
+            own = [q[k] for k in items]
+            for (i, j), stiffness in self._springs(direction).items():
+                total = total + 0.5 * stiffness * own[i] * own[j]
         return total
 
     def loads(self, place: float, q: Sequence[Scalar]) -> SectionLoads:
@@ -240,8 +275,12 @@ class ModalBeam(Flexibility):
         def load(direction: str, order: int, sign: float = 1.0) -> Scalar | None:
             if not self.ranges[direction]:
                 return None
-            modulus = sign * getattr(self.stiffness, direction) / self.length**order
-            return modulus * self._along(direction, place, q, order)
+            modulus = sign * getattr(self.properties.at(place), direction) / self.length**order
+            found = modulus * self._along(direction, place, q, order)
+            if order == _SHEAR and not self.properties.is_uniform:
+                slope = sign * self.properties.slope(direction, place) / self.length**order
+                found = found + slope * self._along(direction, place, q, order - 1)
+            return found
 
         return SectionLoads(
             axial=load("stretch", 1),
@@ -270,7 +309,7 @@ class ModalBeam(Flexibility):
             rate = self._along("twist", float(x), q, 1) / self.length
             wound = 0.5 * (bent["y"] * slope["z"] - bent["z"] * slope["y"])
             y, z = bent["y"] + twist * bent["z"], bent["z"] - twist * bent["y"]
-            s = self.stiffness
+            s = self.properties.at(float(x))
             gained = s.y * (y * y - bent["y"] * bent["y"]) + s.z * (z * z - bent["z"] * bent["z"])
             gained = gained + s.twist * wound * (2.0 * rate + wound)
             total = total + 0.5 * float(weight) * gained
@@ -284,8 +323,15 @@ class ModalBeam(Flexibility):
         for x, weight in zip(*quadrature(2 * self._points), strict=True):
             strain = self._along("stretch", float(x), q, 1)
             slopes = [self._along(d, float(x), q, 1) for d in ("y", "z")]
-            total = total + float(weight) * strain * sum(slope * slope for slope in slopes)
-        return 0.5 * self.stiffness.stretch / self.length**2 * total
+            bent = sum(slope * slope for slope in slopes)
+            total = total + self._axial_weight(float(x), float(weight)) * strain * bent
+        return 0.5 * self.properties.start.stretch / self.length**2 * total
+
+    def _axial_weight(self, place: float, weight: float) -> Scalar:
+        """Return a weight of a quadrature times the axial stiffness over that at the start."""
+        if self.properties.is_uniform:
+            return weight
+        return weight * self.properties.at(place).stretch / self.properties.start.stretch
 
     def _along(self, direction: str, place: float, q: Sequence[Scalar], derivative: int) -> Scalar:
         values = self.by_direction[direction].values(place, derivative)

@@ -10,9 +10,11 @@ middles of their parts would leave errors of 1/(4 n²).
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 
+from vehicledyn.multibody.bodies.beam_properties import TAPER_POINTS, Properties
+from vehicledyn.multibody.bodies.beam_shapes import SPARE, assumed_shapes, quadrature
 from vehicledyn.multibody.model.bodies import Body, Joint, Turn
 from vehicledyn.multibody.model.kinematics import Kinematics
 from vehicledyn.symbolic import ops
@@ -32,17 +34,12 @@ _FIRST = 3.5160152685
 
 @dataclass(frozen=True)
 class SegmentedBeam:
-    """Segments of a straight, uniform beam.
-
-    ``stiffness`` is E I, G J or E A of the directions in which it yields, ``polar`` the inertia of
-    the sections about the axis over length [kg m].
-    """
+    """Segments of a straight beam; ``yields`` are the directions in which it does."""
 
     name: str
     length: Scalar
-    mass_per_length: Scalar
-    polar: Scalar
-    stiffness: Mapping[str, Scalar]
+    properties: Properties
+    yields: Collection[str]
     count: int
 
     @property
@@ -76,11 +73,9 @@ class SegmentedBeam:
         found = []
         for index, name in enumerate(self.names):
             start, end = self._ends(index)
-            reach = (end - start) * self.length
-            mass = self.mass_per_length * reach
             before = self._ends(index - 1)[0] if index else 0.0
             shift = ((start - before) * self.length, 0.0, 0.0)
-            across = mass * reach * reach / 12.0
+            mass, centre, polar, across = self._inertia(start, end)
             found.append(
                 Body(
                     name,
@@ -88,8 +83,8 @@ class SegmentedBeam:
                     shift if index else at,
                     self._joints(index) if index else turns,
                     mass=mass,
-                    com=(0.5 * reach, 0.0, 0.0),
-                    inertia=(self.polar * reach, across, across),
+                    com=(centre, 0.0, 0.0),
+                    inertia=(polar, across, across),
                     apparent_inertia=True,
                 )
             )
@@ -99,6 +94,24 @@ class SegmentedBeam:
             found.append(Body(name, self.names[index], (local, 0.0, 0.0)))
         return tuple(found)
 
+    def _inertia(self, start: float, end: float) -> tuple[Scalar, Scalar, Scalar, Scalar]:
+        """Return mass, centre of mass, and inertia about the axis and across of a segment."""
+        reach, numbers = (end - start) * self.length, self.properties
+        if numbers.is_uniform:
+            mass = numbers.start.mass_per_length * reach
+            across = mass * reach * reach / 12.0
+            return mass, 0.5 * reach, numbers.start.polar * reach, across
+        moments: list[Scalar] = [0.0, 0.0, 0.0]
+        polar: Scalar = 0.0
+        for x, weight in zip(*quadrature(1 + TAPER_POINTS), strict=True):
+            here, own = float(x) * reach, numbers.at(start + float(x) * (end - start))
+            part = float(weight) * reach
+            for power in range(3):
+                moments[power] = moments[power] + part * own.mass_per_length * here**power
+            polar = polar + part * own.polar
+        centre = moments[1] / moments[0]
+        return moments[0], centre, polar, moments[2] - moments[0] * centre * centre
+
     def _joints(self, index: int) -> tuple[Joint, ...]:
         return tuple(
             Joint(
@@ -107,7 +120,7 @@ class SegmentedBeam:
                 description=f"Joint {index} of {self.name}, {direction}",
             )
             for direction, (kind, word) in _JOINTS.items()
-            if direction in self.stiffness
+            if direction in self.yields
         )
 
     def energy(self, kinematics: Kinematics) -> Scalar:
@@ -116,26 +129,43 @@ class SegmentedBeam:
         for index in range(1, self.count + 1):
             for joint in self._joints(index):
                 place = kinematics.coordinate(joint.name)
-                total = total + 0.5 * self._spring(joint) * place * place
+                total = total + 0.5 * self._spring(joint, index) * place * place
         return total
 
-    def _spring(self, joint: Joint) -> Scalar:
+    def _spring(self, joint: Joint, index: int) -> Scalar:
+        """Return the stiffness of a joint: that of the section where it stands, over its part."""
         direction = joint.name.removeprefix(f"{self.name}.").rpartition("_")[0]
-        return self.stiffness[direction] * self.count / self.length
+        numbers = self.properties.at(self.joints[index - 1])
+        return getattr(numbers, direction) * self.count / self.length
 
     def forces(self, kinematics: Kinematics, damping: Scalar) -> dict[str, Scalar]:
         """Return the forces of the springs and dampers on the coordinates [N or N m].
 
         The dampers are to the springs as gives the first bending mode its damping ratio.
         """
-        bending = [self.stiffness[d] for d in ("z", "y") if d in self.stiffness]
-        pace = _FIRST * ops.sqrt(bending[-1] / self.mass_per_length) if bending else 1.0
+        bending = [d for d in ("z", "y") if d in self.yields]
+        pace = self._pace(bending[-1]) if bending else 1.0
         delay = 2.0 * damping * self.length**2 / pace
         found = {}
         for index in range(1, self.count + 1):
             for joint in self._joints(index):
-                spring = self._spring(joint)
+                spring = self._spring(joint, index)
                 rate = kinematics.rate(joint.name)
                 place = kinematics.coordinate(joint.name)
                 found[joint.name] = -spring * (place + delay * rate)
         return found
+
+    def _pace(self, direction: str) -> Scalar:
+        """Return ω L² of the first bending mode; of a tapered beam by Rayleigh's quotient."""
+        numbers = self.properties
+        if numbers.is_uniform:
+            modulus = getattr(numbers.start, direction)
+            return _FIRST * ops.sqrt(modulus / numbers.start.mass_per_length)
+        shape = assumed_shapes(1, 2, SPARE)
+        stiff: Scalar = 0.0
+        inert: Scalar = 0.0
+        for x, weight in numbers.weighted(direction, shape.points):
+            stiff = stiff + weight * float(shape.values(x, 2)[0]) ** 2
+        for x, weight in numbers.weighted("mass_per_length", shape.points):
+            inert = inert + weight * float(shape.values(x)[0]) ** 2
+        return ops.sqrt(stiff / inert)

@@ -1,4 +1,4 @@
-"""Beams: straight, uniform, in space, by assumed modes or by rigid segments with springs."""
+"""Beams: straight, uniform or tapered, by assumed modes or by rigid segments with springs."""
 
 from __future__ import annotations
 
@@ -6,15 +6,23 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
-from typing import Literal
+from typing import Any, Literal
 
 from vehicledyn.base.errors import InputError
 from vehicledyn.base.registry import register
 from vehicledyn.base.shapes import Anchor, Shape, Tube
+from vehicledyn.multibody.bodies.beam_properties import (
+    Material,
+    Properties,
+    Stiffness,
+    section_stiffness,
+    tapered_section,
+    tapered_stiffness,
+)
 from vehicledyn.multibody.bodies.beam_sections import Section
 from vehicledyn.multibody.bodies.beam_shapes import SPARE, Shapes, assumed_shapes, hinged_shapes
 from vehicledyn.multibody.bodies.exact_beam import DIRECTIONS, ExactBeam
-from vehicledyn.multibody.bodies.modal_beam import BeamStiffness, ModalBeam, Stiffening
+from vehicledyn.multibody.bodies.modal_beam import ModalBeam, Stiffening
 from vehicledyn.multibody.bodies.segmented_beam import SegmentedBeam
 from vehicledyn.multibody.joints.deformation import DEFORMATION
 from vehicledyn.multibody.model.bodies import Body, Joint, Turn
@@ -40,37 +48,6 @@ _WORDS = {
 
 
 @dataclass(frozen=True, kw_only=True)
-class Material:
-    """An isotropic, linearly elastic material."""
-
-    density: Scalar = number("kg/m^3", "Density", above=0.0)
-    young: Scalar = number("Pa", "Young's modulus E", above=0.0)
-    poisson: Scalar = number("1", "Poisson's ratio", default=0.3, least=0.0)
-
-
-@dataclass(frozen=True, kw_only=True)
-class Stiffness:
-    """Stiffness and mass of a beam whose section is given by them."""
-
-    mass_per_length: Scalar = number("kg/m", "Mass over length", above=0.0)
-    y: Scalar = number("N*m^2", "E I for deflections along y", default=0.0, least=0.0)
-    z: Scalar = number("N*m^2", "E I for deflections along z", default=0.0, least=0.0)
-    twist: Scalar = number("N*m^2", "Torsion stiffness G J", default=0.0, least=0.0)
-    stretch: Scalar = number("N", "Axial stiffness E A", default=0.0, least=0.0)
-    shear_y: Scalar = number("N", "Shear stiffness along y", default=0.0, least=0.0)
-    shear_z: Scalar = number("N", "Shear stiffness along z", default=0.0, least=0.0)
-    polar: Scalar = number(
-        "kg*m", "Inertia of the sections about the axis, over length", default=0.0, least=0.0
-    )
-    rotary_y: Scalar = number(
-        "kg*m", "The same for the turns of bending along y", default=0.0, least=0.0
-    )
-    rotary_z: Scalar = number(
-        "kg*m", "The same for the turns of bending along z", default=0.0, least=0.0
-    )
-
-
-@dataclass(frozen=True, kw_only=True)
 class Modes:
     """Number of modes in each direction; none lets the beam be rigid in it."""
 
@@ -89,7 +66,8 @@ class Beam(BasePart):
 
     Axial forces, as of fast rotation, stiffen or buckle it. Other bodies, forces, sensors and cuts
     take hold of its frames: `<name>.tip` at its end, and `<name>.frame_1` and so on at the places
-    `frames`. Its section is given by `section` and `material`, or by `stiffness`.
+    `frames`. Its section is given by `section` and `material`, or by `stiffness`. A tapered beam
+    has another one at its end, `end_section` or `end_stiffness`.
     """
 
     body: str = body_name("Body that it is clamped to, or ground")
@@ -104,6 +82,12 @@ class Beam(BasePart):
     section: Section | None = group("Shape of the section", default=None)
     material: Material | None = group("Material", default=None)
     stiffness: Stiffness | None = group("Stiffness and mass, in place of a section", default=None)
+    end_section: Section | None = group(
+        "Section at the end of a tapered beam; sizes change linearly from the start", default=None
+    )
+    end_stiffness: Stiffness | None = group(
+        "Stiffness and mass at the end; each changes linearly from the start", default=None
+    )
     model: Literal["modes", "exact", "segments"] = choice(
         "Assumed modes of small deflections, of deflections of any size, or rigid segments with "
         "springs between them",
@@ -139,11 +123,23 @@ class Beam(BasePart):
             raise InputError("material: missing; a section needs density and young of one")
         if self.section is None and self.material is not None:
             raise InputError("material: a beam given by its stiffness has none; leave it out")
+        self._check_end()
         outside = [place for place in self.frames if not 0.0 <= place <= 1.0]
         if outside:
             words = f"frames: {outside[0]:g} is beyond the beam; places run from 0 to 1"
             raise InputError(f"{words} of its length")
         self._check_modes()
+
+    def _check_end(self) -> None:
+        if self.end_section is not None and self.section is None:
+            raise InputError("end_section: the beam is given by its stiffness; give end_stiffness")
+        if self.end_stiffness is not None and self.stiffness is None:
+            raise InputError("end_stiffness: the beam is given by its section; give end_section")
+        if self.section is None or self.end_section is None:
+            return
+        shape, other = self.section.shape, self.end_section.shape
+        if shape != other:
+            raise InputError(f"end_section: is {other} where the start is {shape}; give one shape")
 
     def _check_modes(self) -> None:
         counts = self._counts
@@ -177,36 +173,35 @@ class Beam(BasePart):
             return self.stiffness
         if self.section is None or self.material is None:
             raise InputError("section: missing")
-        s, m = self.section.numbers, self.material
-        shear = m.young / (2.0 * (1.0 + m.poisson))
-        return Stiffness(
-            mass_per_length=m.density * s.area,
-            y=m.young * s.along_y,
-            z=m.young * s.along_z,
-            twist=shear * s.torsion,
-            stretch=m.young * s.area,
-            shear_y=shear * self.section.shear_factor(m.poisson) * s.area,
-            shear_z=shear * self.section.shear_factor(m.poisson) * s.area,
-            polar=m.density * (s.along_y + s.along_z),
-            rotary_y=m.density * s.along_y,
-            rotary_z=m.density * s.along_z,
-        )
+        return section_stiffness(self.section, self.material)
+
+    @cached_property
+    def properties(self) -> Properties:
+        """Stiffness and mass over the length."""
+        if self.end_section is None and self.end_stiffness is None:
+            return Properties(self.numbers)
+        return Properties(self.numbers, self._numbers_at)
+
+    def section_at(self, place: float) -> Section | None:
+        """Return the section at a place over the length; None of a beam given by stiffness."""
+        if self.section is None or self.end_section is None:
+            return self.section
+        return tapered_section(self.section, self.end_section, place)
+
+    def _numbers_at(self, place: float) -> Stiffness:
+        section = self.section_at(place)
+        if section is not None and self.material is not None:
+            return section_stiffness(section, self.material)
+        return tapered_stiffness(self.numbers, self.end_stiffness or self.numbers, place)
 
     @cached_property
     def _modal(self) -> ModalBeam | ExactBeam:
-        n = self.numbers
         made = {
             direction: self._shapes(direction, count) for direction, count in self._counts.items()
         }
         if self.model == "exact":
-            moduli = {direction: getattr(n, direction) for direction in DIRECTIONS}
-            inertias = (n.polar, n.rotary_z, n.rotary_y)
-            given = (n.mass_per_length, inertias, moduli, made)
-            return ExactBeam(self.name, self.length, *given)
-        stiffness = BeamStiffness(n.y, n.z, n.twist, n.stretch)
-        return ModalBeam(
-            self.name, self.length, n.mass_per_length, n.polar, stiffness, made, self.stiffening
-        )
+            return ExactBeam(self.name, self.length, self.properties, made)
+        return ModalBeam(self.name, self.length, self.properties, made, self.stiffening)
 
     def _shapes(self, direction: str, count: int) -> Shapes:
         bends = direction in ("y", "z")
@@ -217,11 +212,8 @@ class Beam(BasePart):
 
     @cached_property
     def _segmented(self) -> SegmentedBeam:
-        n = self.numbers
-        stiffness = {d: getattr(n, d) for d, count in self._counts.items() if count}
-        return SegmentedBeam(
-            self.name, self.length, n.mass_per_length, n.polar, stiffness, self.segments
-        )
+        yields = [direction for direction, count in self._counts.items() if count]
+        return SegmentedBeam(self.name, self.length, self.properties, yields, self.segments)
 
     @property
     def _places(self) -> dict[str, float]:
@@ -243,7 +235,7 @@ class Beam(BasePart):
         """Return the beam, or its segments, and its frames."""
         if self.model == "segments":
             return self._segmented.bodies(self.body, self.at, self._turns, self._places)
-        beam, n = self._modal, self.numbers
+        beam = self._modal
         joints = tuple(
             Joint(
                 DEFORMATION,
@@ -255,21 +247,33 @@ class Beam(BasePart):
             for direction in beam.ranges
             for j, k in enumerate(beam.ranges[direction])
         )
-        mass = n.mass_per_length * self.length
-        across = mass * self.length * self.length / 12.0
         root = Body(
             self.name,
             self.body,
             self.at,
             (*self._turns, *joints),
-            mass=mass,
-            com=(0.5 * self.length, 0.0, 0.0),
-            inertia=(n.polar * self.length, across, across),
+            **self._rigid_inertia(),
             apparent_inertia=True,
             flexibility=beam,
         )
         frames = (Body(name, self.name, place=place) for name, place in self._places.items())
         return (root, *frames)
+
+    def _rigid_inertia(self) -> dict[str, Any]:
+        """Return mass, centre of mass and inertia of the beam undeformed."""
+        n, length = self.properties, self.length
+        mass = n.mean("mass_per_length") * length
+        if n.is_uniform:
+            across, centre = mass * length * length / 12.0, 0.5 * length
+        else:
+            first = second = ops.scalar(0.0)
+            for x, weight in n.weighted("mass_per_length", 2):
+                first = first + weight * length * (x * length)
+                second = second + weight * length * (x * length) ** 2
+            centre = first / mass
+            across = second - mass * centre * centre
+        inertia = (n.mean("polar") * length, across, across)
+        return {"mass": mass, "com": (centre, 0.0, 0.0), "inertia": inertia}
 
     def loads(self, situation: Situation) -> Loads:
         """Return elastic and damping forces on the coordinates."""
@@ -286,11 +290,14 @@ class Beam(BasePart):
         if self.model == "segments":
             return ()
         ends = [self.name, *(f"{self.name}.line_{k}" for k in range(1, _DRAWN)), f"{self.name}.tip"]
-        radius = None if self.section is None else self.section.reach[0]
         return tuple(
-            Tube(f"{self.name}.piece_{k + 1}", Anchor(a), Anchor(b), radius, "rod")
+            Tube(f"{self.name}.piece_{k + 1}", Anchor(a), Anchor(b), self._radius(k), "rod")
             for k, (a, b) in enumerate(pairwise(ends))
         )
+
+    def _radius(self, piece: int) -> Scalar | None:
+        section = self.section_at((piece + 0.5) / _DRAWN)
+        return None if section is None else section.reach[0]
 
     def outputs(self, situation: Situation) -> tuple[Output, ...]:
         """Return how far the end stands from where it is undeformed, in the axes of the start."""
@@ -321,7 +328,8 @@ class Beam(BasePart):
         places = {f"{self.name}.start": 0.0}
         places |= {f"{self.name}.frame_{j + 1}": place for j, place in enumerate(self.frames)}
         for name, place in places.items():
-            for channel, value in self._modal.loads(place, q).channels(name, self.section):
+            section = self.section_at(place)
+            for channel, value in self._modal.loads(place, q).channels(name, section):
                 yield Output(channel, value)
 
     def _strain_energy(self, kinematics: Kinematics) -> Scalar:

@@ -113,7 +113,7 @@ class DeformableRows:
         for item in kinematics.slices(link):
             found += [body.mass * item.share, *(item.position[i] for i in range(3))]
             turn = item.rotation
-            found += [0.0 if turn is None else item.share * j for j in body.sections]
+            found += [0.0 if turn is None else j for j in item.inertia]
             found += [0.0 if turn is None else turn[i, j] for i in range(3) for j in range(3)]
             for columns in (item.linear, item.angular):
                 for k in count:
@@ -121,7 +121,7 @@ class DeformableRows:
         axial = body.axial
         found += [axial.whole, *(axial.coupling.get(k, 0.0) for k in count)]
         for k in count:
-            row = [axial.own.get(k, 0.0) if k == j else 0.0 for j in count]
+            row = [axial.own.get((k, j), 0.0) for j in count]
             found += [axial.coupling.get(k, 0.0), *row]
         return found
 

@@ -36,8 +36,9 @@ class Deflection:
 class Slice:
     """A part of the mass: ``share`` of the whole, its place [m] and that place's derivatives.
 
-    Where its own inertia counts it has a ``rotation``, v_body = R v_slice, and ``angular``, the
-    angular velocities a unit rate of each coordinate gives, in its axes.
+    Where its own inertia counts it has a ``rotation``, v_body = R v_slice, and, in its axes,
+    moments of ``inertia`` [kg m²] and ``angular``, the angular velocities a unit rate of each
+    coordinate gives.
     """
 
     share: Scalar
@@ -45,19 +46,29 @@ class Slice:
     linear: Columns
     rotation: Mat | None = None
     angular: Columns = field(default_factory=dict)
+    inertia: Sequence[Scalar] = (0.0, 0.0, 0.0)
 
 
 @dataclass(frozen=True)
 class AxialInertia:
     """Inertia of the sections about the first axis of the body.
 
-    With the rates q̇ of a twist its kinetic energy is ½ (whole ω² + 2 ω Σ coupling q̇ + Σ own q̇²),
-    ω the angular velocity of the body about that axis [kg m²].
+    With the rates q̇ of a twist its kinetic energy is ½ whole ω² + ω Σ coupling q̇ + ½ Σ own q̇ q̇,
+    ω the angular velocity of the body about that axis [kg m²]. ``own`` has pairs of coordinates
+    in both orders.
     """
 
     whole: Scalar
     coupling: Mapping[int, Scalar]
-    own: Mapping[int, Scalar]
+    own: Mapping[tuple[int, int], Scalar]
+
+    def held(self, k: int, rates: Sequence[Scalar]) -> Scalar:
+        """Return what a coordinate feels of the rates of all, Σ own_kj rate_j."""
+        total: Scalar = 0.0
+        for (first, other), share in self.own.items():
+            if first == k:
+                total = total + share * rates[other]
+        return total
 
 
 class Flexibility(ABC):
@@ -82,11 +93,6 @@ class Flexibility(ABC):
     @abstractmethod
     def axial(self) -> AxialInertia:
         """Inertia of the sections about the first axis."""
-
-    @property
-    def sections(self) -> Sequence[Scalar]:
-        """Moments of inertia of all slices together about the axes of each [kg m²]."""
-        return (0.0, 0.0, 0.0)
 
     @abstractmethod
     def deflection(self, place: float, q: Sequence[Scalar]) -> Deflection:

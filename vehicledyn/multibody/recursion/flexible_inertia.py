@@ -66,7 +66,7 @@ class DeformedInertia:
             for i in range(3):
                 for j in range(i, 3):
                     second[i][j] = second[i][j] + item.share * p[i] * p[j]
-        turned = _matrix([item for item in self.slices if item.rotation is not None], self.body)
+        turned = _matrix([item for item in self.slices if item.rotation is not None])
         xx, yy, zz = (self.body.mass * _tidy(second[i][i]) for i in range(3))
         beside = [-self.body.mass * _tidy(second[i][j]) for i, j in ((0, 1), (0, 2), (1, 2))]
         about = yy + zz + self.body.axial.whole
@@ -86,7 +86,7 @@ class DeformedInertia:
         axial = ops.vector(self.body.axial.coupling.get(k, 0.0), 0.0, 0.0)
         for item in self.slices:
             if item.rotation is not None and k in item.angular:
-                axial = axial + item.rotation @ _held(item, self.body, item.angular[k])
+                axial = axial + item.rotation @ _held(item, item.angular[k])
         mass = self.body.mass
         return JointWrench(mass * _tidied(force), mass * _tidied(torque) + axial)
 
@@ -96,10 +96,10 @@ class DeformedInertia:
         for item in self.slices:
             if k in item.linear and other in item.linear:
                 total = total + item.share * ops.dot(item.linear[k], item.linear[other])
-        own = self.body.axial.own.get(k, 0.0) if k == other else 0.0
+        own = self.body.axial.own.get((k, other), 0.0)
         for item in self.slices:
             if k in item.angular and other in item.angular:
-                held = _held(item, self.body, item.angular[other])
+                held = _held(item, item.angular[other])
                 own = own + ops.dot(item.angular[k], held)
         return self.body.mass * _tidy(total) + own
 
@@ -128,7 +128,7 @@ class DeformedInertia:
             for item, pushed in zip(self.slices, self._pushes, strict=True):
                 if k in item.linear:
                     total = total + ops.dot(item.linear[k], pushed)
-            own = axial.coupling.get(k, 0.0) * alpha[0] + axial.own.get(k, 0.0) * second[k]
+            own = axial.coupling.get(k, 0.0) * alpha[0] + axial.held(k, second)
             for item, twist in zip(self.slices, self._twists, strict=True):
                 if twist is not None and k in item.angular:
                     own = own + ops.dot(item.angular[k], twist)
@@ -151,8 +151,8 @@ class DeformedInertia:
             total = carried + turning
             spun = item.rotation.T @ alpha + ops.cross(carried, turning) + growth
             spun = spun + k.accelerated(item.angular, link)
-            held = _held(item, self.body, total)
-            found.append(_held(item, self.body, spun) + ops.cross(total, held))
+            held = _held(item, total)
+            found.append(_held(item, spun) + ops.cross(total, held))
         return found
 
     @cached_property
@@ -194,31 +194,33 @@ def deformable_energies(kinematics: Kinematics, body: Body, gravity: Vec) -> tup
         kinetic = kinetic + 0.5 * item.share * ops.dot(velocity, velocity)
         where = kinematics.position_in(-1, link, item.position)
         height = height - item.share * ops.dot(gravity, where)
-    turns = [] if flexibility.sections == (0.0,) * 3 else kinematics.slice_turns(link)
+    slices = kinematics.slices(link)
+    turns = kinematics.slice_turns(link) if any(s.rotation is not None for s in slices) else []
     turning_energy = ops.scalar(0.0)
-    for item, (turning, _) in zip(kinematics.slices(link), turns, strict=False):
+    for item, (turning, _) in zip(slices, turns, strict=False):
         if item.rotation is not None:
             total = item.rotation.T @ omega + turning
-            turning_energy = turning_energy + 0.5 * ops.dot(total, _held(item, flexibility, total))
+            turning_energy = turning_energy + 0.5 * ops.dot(total, _held(item, total))
     axial, spin = flexibility.axial, ops.scalar(0.5 * flexibility.axial.whole) * omega[0] * omega[0]
-    for k, rate in enumerate(kinematics.amplitude_rates(link)):
+    rates = kinematics.amplitude_rates(link)
+    for k, rate in enumerate(rates):
         spin = spin + axial.coupling.get(k, 0.0) * omega[0] * rate
-        spin = spin + 0.5 * axial.own.get(k, 0.0) * rate * rate
+        spin = spin + 0.5 * axial.held(k, rates) * rate
     return flexibility.mass * kinetic + spin + turning_energy, flexibility.mass * height
 
 
-def _held(item: Slice, body: Flexibility, turning: Vec) -> Vec:
+def _held(item: Slice, turning: Vec) -> Vec:
     """Return the angular momentum of a slice about its own axes, in these."""
-    return ops.vector(*(item.share * j * turning[k] for k, j in enumerate(body.sections)))
+    return ops.vector(*(j * turning[k] for k, j in enumerate(item.inertia)))
 
 
-def _matrix(items: list[Slice], body: Flexibility) -> Mat | None:
+def _matrix(items: list[Slice]) -> Mat | None:
     """Return the own inertia of slices in the axes of the body; None without any."""
     total: Mat | None = None
     for item in items:
         if item.rotation is not None:
             zero = (0.0, 0.0, 0.0)
-            own = rotations.symmetric([item.share * j for j in body.sections], zero)
+            own = rotations.symmetric(list(item.inertia), zero)
             turned = rotations.congruent(item.rotation, own)
             total = turned if total is None else total + turned
     return total
