@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import MISSING, Field, fields, is_dataclass
 from functools import cache, partial
+from pathlib import Path
 from typing import Any, ClassVar, get_type_hints
 
 from pydantic import Field as SetField
@@ -128,6 +129,20 @@ def coordinate_names(item: SystemSet) -> list[str]:
     """Return the coordinates that the fields of a set name, in the order of the fields."""
     names = type(item).model_fields
     return [getattr(item, n) for n in names if fact(type(item), n, "names") == "coordinate"]
+
+
+def with_files_in(item: Any, folder: Path) -> Any:
+    """Return a set whose names of files have the folder that they are relative to."""
+    if not isinstance(item, DeclaredSet):
+        return item
+    changed = {}
+    for name in type(item).model_fields:
+        given = getattr(item, name)
+        if isinstance(given, str) and fact(type(item), name, "is_file"):
+            changed[name] = str(folder / given)
+        elif isinstance(given, DeclaredSet):
+            changed[name] = with_files_in(given, folder)
+    return item.model_copy(update=changed) if changed else item
 
 
 def element_of(item: DeclaredSet, name: str, value: Values, coordinates: Sequence[str]) -> Any:

@@ -23,6 +23,7 @@ from vehicledyn.files.system.assemblies.repeat import Expansion, expand
 from vehicledyn.files.system.brought import brought_by
 from vehicledyn.files.system.checks.references import check
 from vehicledyn.files.system.checks.structure import given_twice
+from vehicledyn.files.system.declared_sets import with_files_in
 from vehicledyn.files.system.joints import Coordinate
 from vehicledyn.files.system.laws import TimeLaw
 from vehicledyn.files.system.motion import read_motion
@@ -69,6 +70,8 @@ class Reading:
             return None
         if self.lacks_assemblies:
             return None
+        elements = {n: with_files_in(e, self.path.parent) for n, e in file.elements.items()}
+        file = file.model_copy(update={"elements": elements})
         flat, self.flat = flatten(file, self.uses, self.path)
         self.expansion.origins.update(self.flat.origins)
         for place, words, at_key in self.flat.problems:

@@ -24,7 +24,7 @@ from numpy.typing import NDArray
 from vehicledyn.multibody.bodies.beam_properties import TAPER_POINTS, Properties, Stiffness
 from vehicledyn.multibody.bodies.beam_shapes import Shapes, quadrature
 from vehicledyn.multibody.bodies.section_loads import SectionLoads
-from vehicledyn.multibody.model.deformation import AxialInertia, Deflection, Flexibility, Slice
+from vehicledyn.multibody.model.deformation import Deflection, Flexibility, Slice, TurningInertia
 from vehicledyn.symbolic import ops, rotations
 from vehicledyn.symbolic.ops import Mat, Scalar, Vec
 
@@ -87,9 +87,9 @@ class ExactBeam(Flexibility):
         return self.properties.mean("mass_per_length") * self.length
 
     @property
-    def axial(self) -> AxialInertia:
+    def turning(self) -> TurningInertia:
         """Nothing: the slices have an inertia of their own."""
-        return AxialInertia(0.0, {}, {})
+        return TurningInertia()
 
     @property
     def _has_inertia(self) -> bool:

@@ -24,7 +24,13 @@ from numpy.typing import NDArray
 from vehicledyn.multibody.bodies.beam_properties import TAPER_POINTS, Properties
 from vehicledyn.multibody.bodies.beam_shapes import Shapes, quadrature
 from vehicledyn.multibody.bodies.section_loads import SectionLoads
-from vehicledyn.multibody.model.deformation import AxialInertia, Deflection, Flexibility, Slice
+from vehicledyn.multibody.model.deformation import (
+    Deflection,
+    Flexibility,
+    Slice,
+    TurningInertia,
+    about_first_axis,
+)
 from vehicledyn.symbolic import ops, rotations
 from vehicledyn.symbolic.ops import Mat, Scalar, Vec
 
@@ -78,7 +84,7 @@ class ModalBeam(Flexibility):
         return self.properties.mean("mass_per_length") * self.length
 
     @property
-    def axial(self) -> AxialInertia:
+    def turning(self) -> TurningInertia:
         """Inertia of the sections about the axis, which the twist adds to."""
         whole, twist = self.properties.mean("polar") * self.length, self.by_direction["twist"]
         own = self.ranges["twist"]
@@ -86,13 +92,13 @@ class ModalBeam(Flexibility):
             return self._tapered_axial(whole)
         points, weights = quadrature(self._points)
         means = sum(w * twist.values(x) for x, w in zip(points, weights, strict=True))
-        return AxialInertia(
+        return about_first_axis(
             whole,
             {k: whole * float(means[j]) for j, k in enumerate(own)},
             {(k, k): whole for k in own},
         )
 
-    def _tapered_axial(self, whole: Scalar) -> AxialInertia:
+    def _tapered_axial(self, whole: Scalar) -> TurningInertia:
         twist, items = self.by_direction["twist"], self.ranges["twist"]
         coupling: dict[int, Scalar] = dict.fromkeys(items, 0.0)
         own: dict[tuple[int, int], Scalar] = {(k, i): 0.0 for k in items for i in items}
@@ -103,7 +109,7 @@ class ModalBeam(Flexibility):
                 coupling[k] = coupling[k] + part * float(value)
                 for i, other in shape.items():
                     own[k, i] = own[k, i] + part * float(value * other)
-        return AxialInertia(whole, coupling, own)
+        return about_first_axis(whole, coupling, own)
 
     @property
     def _points(self) -> int:

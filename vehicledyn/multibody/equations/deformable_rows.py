@@ -14,6 +14,7 @@ from vehicledyn.symbolic import ops
 from vehicledyn.symbolic.ops import Scalar
 
 Array = NDArray[np.float64]
+_ROUNDING = 1e-13
 
 
 @dataclass(frozen=True)
@@ -38,7 +39,7 @@ class DeformedNumbers:
 
     ``stations`` gives the link of each point the columns (angular, linear) of the coordinates in
     its axes, shape (6, n); ``masses`` gives the link of each body its slices and the matrix of its
-    axial inertia, shape (n + 1, n + 1).
+    turning inertia, shape (n + 3, n + 3).
     """
 
     stations: dict[int, Array]
@@ -81,8 +82,8 @@ class DeformableRows:
             width = 16 + 6 * n
             rows = numbers[start : start + count * width].reshape(count, width)
             start += count * width
-            axial = numbers[start : start + (n + 1) ** 2].reshape(n + 1, n + 1)
-            start += (n + 1) ** 2
+            turning = numbers[start : start + (n + 3) ** 2].reshape(n + 3, n + 3)
+            start += (n + 3) ** 2
             moved = rows[:, 16 : 16 + 3 * n].reshape(count, n, 3).transpose(0, 2, 1)
             turned = rows[:, 16 + 3 * n :].reshape(count, n, 3).transpose(0, 2, 1)
             own = Slices(
@@ -93,7 +94,7 @@ class DeformableRows:
                 rows[:, 7:16].reshape(-1, 3, 3),
                 turned,
             )
-            masses[link] = own, axial
+            masses[link] = own, turning
         return DeformedNumbers(stations, masses)
 
     def _at_station(self, kinematics: Kinematics, link: int) -> list[Scalar]:
@@ -118,11 +119,8 @@ class DeformableRows:
             for columns in (item.linear, item.angular):
                 for k in count:
                     found += [columns[k][i] if k in columns else 0.0 for i in range(3)]
-        axial = body.axial
-        found += [axial.whole, *(axial.coupling.get(k, 0.0) for k in count)]
-        for k in count:
-            row = [axial.own.get((k, j), 0.0) for j in count]
-            found += [axial.coupling.get(k, 0.0), *row]
+        size = range(3 + len(body.coordinates))
+        found += [body.turning.entry(i, j) for i in size for j in size]
         return found
 
 
@@ -145,7 +143,7 @@ def roots(
     own
         Columns of the coordinates of its deformation.
     """
-    slices, axial = numbers
+    slices, inertia = numbers
     turning, sliding = columns
     rotation, origin = frame
     blocks = []
@@ -156,9 +154,15 @@ def roots(
         spin = slices.turns[k].T @ rotation.T @ turning
         spin[:, own] += slices.turned[k]
         blocks.append(np.sqrt(np.maximum(slices.inertias[k], 0.0))[:, None] * spin)
-    sizes, axes = np.linalg.eigh(axial)
-    rates = np.zeros((len(axial), turning.shape[1]))
-    rates[0] = rotation[:, 0] @ turning
-    rates[range(1, len(axial)), own] += 1.0
-    blocks.append(np.sqrt(np.maximum(sizes, 0.0))[:, None] * (axes.T @ rates))
-    return np.vstack(blocks)
+    sizes, axes = np.linalg.eigh(inertia)
+    rates = np.zeros((len(inertia), turning.shape[1]))
+    rates[:3] = rotation.T @ turning
+    rates[range(3, len(inertia)), own] += 1.0
+    moved = np.sqrt(np.abs(sizes))[:, None] * (axes.T @ rates)
+    if sizes[0] >= -_ROUNDING * abs(sizes[-1]):
+        return np.vstack([*blocks, moved[sizes > 0.0]])
+    # A part of the inertia is negative, the whole is not: take its root.
+    signs = np.concatenate([np.ones(sum(map(len, blocks))), np.sign(sizes)])
+    whole = np.vstack([*blocks, moved])
+    sizes, axes = np.linalg.eigh(whole.T @ (signs[:, None] * whole))
+    return np.asarray(np.sqrt(np.maximum(sizes, 0.0))[:, None] * axes.T)

@@ -99,6 +99,11 @@ def constraint_name(description: str) -> Any:
     return _declared(MISSING, "name", description, names="constraint")
 
 
+def file_name(description: str, *, default: Any = MISSING) -> Any:
+    """Declare the name of a file, relative to the folder of the system file that names it."""
+    return _declared(default, "file", description, is_file=True)
+
+
 def attachment(description: str) -> Any:
     """Declare a point of a body, an :class:`Attachment`."""
     return _declared(MISSING, "attachment", description)

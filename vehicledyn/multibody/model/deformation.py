@@ -9,6 +9,7 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Any
 
 from vehicledyn.symbolic.ops import Mat, Scalar, Vec
@@ -50,25 +51,53 @@ class Slice:
 
 
 @dataclass(frozen=True)
-class AxialInertia:
-    """Inertia of the sections about the first axis of the body.
+class TurningInertia:
+    """Inertia beyond that of the slices, which does not depend on the deformation.
 
-    With the rates q̇ of a twist its kinetic energy is ½ whole ω² + ω Σ coupling q̇ + ½ Σ own q̇ q̇,
-    ω the angular velocity of the body about that axis [kg m²]. ``own`` has pairs of coordinates
-    in both orders.
+    With the angular velocity ω of the body in its axes and the rates q̇ the kinetic energy has the
+    part ½ (ω, q̇)ᵀ T (ω, q̇). ``entries`` are those of T that are not zero, both triangles [kg m²];
+    places 0 to 2 are those of ω, 3 + k that of q̇_k.
     """
 
-    whole: Scalar
-    coupling: Mapping[int, Scalar]
-    own: Mapping[tuple[int, int], Scalar]
+    entries: Mapping[tuple[int, int], Scalar] = field(default_factory=dict)
 
-    def held(self, k: int, rates: Sequence[Scalar]) -> Scalar:
-        """Return what a coordinate feels of the rates of all, Σ own_kj rate_j."""
+    def entry(self, row: int, column: int) -> Scalar:
+        """Return an entry of T."""
+        return self.entries.get((row, column), 0.0)
+
+    @cached_property
+    def rows(self) -> dict[int, list[tuple[int, Scalar]]]:
+        """Columns and entries of each row that has some."""
+        found: dict[int, list[tuple[int, Scalar]]] = {}
+        for (row, column), value in self.entries.items():
+            found.setdefault(row, []).append((column, value))
+        return found
+
+    def product(self, row: int, values: Sequence[Scalar]) -> Scalar:
+        """Return a row of T (ω, q̇), or of T times the derivatives of these."""
         total: Scalar = 0.0
-        for (first, other), share in self.own.items():
-            if first == k:
-                total = total + share * rates[other]
+        for column, value in self.rows.get(row, ()):
+            total = total + value * values[column]
         return total
+
+
+def about_first_axis(
+    whole: Scalar, coupling: Mapping[int, Scalar], own: Mapping[tuple[int, int], Scalar]
+) -> TurningInertia:
+    """Return the inertia of sections about the first axis of the body.
+
+    Parameters
+    ----------
+    whole
+        That of a turn of the body [kg m²].
+    coupling, own
+        Of a turn with the rate of a coordinate, and of the rates of two, by the indices of these;
+        pairs in both orders.
+    """
+    entries: dict[tuple[int, int], Scalar] = {(0, 0): whole}
+    for k, value in coupling.items():
+        entries[0, 3 + k] = entries[3 + k, 0] = value
+    return TurningInertia(entries | {(3 + k, 3 + j): value for (k, j), value in own.items()})
 
 
 class Flexibility(ABC):
@@ -91,8 +120,8 @@ class Flexibility(ABC):
 
     @property
     @abstractmethod
-    def axial(self) -> AxialInertia:
-        """Inertia of the sections about the first axis."""
+    def turning(self) -> TurningInertia:
+        """Inertia beyond that of the slices, such as that of sections about the first axis."""
 
     @abstractmethod
     def deflection(self, place: float, q: Sequence[Scalar]) -> Deflection:
@@ -111,7 +140,8 @@ class Flexibility(ABC):
         """Return a point as plain data, whose numbers may be symbols.
 
         ``position`` (3), ``linear`` (3, n) and ``quadratic`` (3, n, n) give it at amplitudes q as
-        position + linear q + qᵀ quadratic q, ``slopes`` (3, n) its rotation vector.
+        position + linear q + qᵀ quadratic q, ``slopes`` (3, n) its rotation vector; or without
+        ``quadratic`` and with ``turns`` (3, n) the vector whose half are its Gibbs parameters.
         """
 
 

@@ -2,8 +2,8 @@
 
 Its mass stands at points p_j(q), in the axes of its frame; each accelerates by
 a + β p + 2 ω × ṗ + p̈, with the share of every coordinate ∂p/∂q_k. All of it follows from the
-kinetic energy of these points, so that momentum and energy are those of the points exactly. The
-inertia of the sections about the first axis adds its own terms.
+kinetic energy of these points, so that momentum and energy are those of the points exactly. What
+inertia the body has beyond, such as that of sections about the first axis, adds its own terms.
 """
 
 from __future__ import annotations
@@ -15,6 +15,7 @@ from vehicledyn.multibody.model.bodies import Body
 from vehicledyn.multibody.model.deformation import Flexibility, Slice
 from vehicledyn.multibody.model.joint_wrench import JointWrench
 from vehicledyn.multibody.model.kinematics import Kinematics
+from vehicledyn.multibody.model.link_motion import components
 from vehicledyn.multibody.recursion.body_inertia import BodyInertia, LinkMotion
 from vehicledyn.multibody.recursion.inertia import Inertia
 from vehicledyn.symbolic import ops, rotations
@@ -68,9 +69,12 @@ class DeformedInertia:
                     second[i][j] = second[i][j] + item.share * p[i] * p[j]
         turned = _matrix([item for item in self.slices if item.rotation is not None])
         xx, yy, zz = (self.body.mass * _tidy(second[i][i]) for i in range(3))
-        beside = [-self.body.mass * _tidy(second[i][j]) for i, j in ((0, 1), (0, 2), (1, 2))]
-        about = yy + zz + self.body.axial.whole
-        matrix = rotations.symmetric((about, xx + zz, xx + yy), beside)
+        more = self.body.turning.entry
+        beside = [
+            more(i, j) - self.body.mass * _tidy(second[i][j]) for i, j in ((0, 1), (0, 2), (1, 2))
+        ]
+        about = [sum_ + more(i, i) for i, sum_ in enumerate((yy + zz, xx + zz, xx + yy))]
+        matrix = rotations.symmetric(about, beside)
         if turned is not None:
             matrix = matrix + turned
         return Inertia(ops.scalar(self.body.mass), self.body.mass * _tidied(moment), matrix)
@@ -83,12 +87,12 @@ class DeformedInertia:
                 pushed = item.share * item.linear[k]
                 force = force + pushed
                 torque = torque + ops.cross(item.position, pushed)
-        axial = ops.vector(self.body.axial.coupling.get(k, 0.0), 0.0, 0.0)
+        own = ops.vector(*(self.body.turning.entry(i, 3 + k) for i in range(3)))
         for item in self.slices:
             if item.rotation is not None and k in item.angular:
-                axial = axial + item.rotation @ _held(item, item.angular[k])
+                own = own + item.rotation @ _held(item, item.angular[k])
         mass = self.body.mass
-        return JointWrench(mass * _tidied(force), mass * _tidied(torque) + axial)
+        return JointWrench(mass * _tidied(force), mass * _tidied(torque) + own)
 
     def entry(self, k: int, other: int) -> Scalar:
         """Return the entry of the mass matrix between two coordinates of the deformation."""
@@ -96,7 +100,7 @@ class DeformedInertia:
         for item in self.slices:
             if k in item.linear and other in item.linear:
                 total = total + item.share * ops.dot(item.linear[k], item.linear[other])
-        own = self.body.axial.own.get((k, other), 0.0)
+        own = self.body.turning.entry(3 + k, 3 + other)
         for item in self.slices:
             if k in item.angular and other in item.angular:
                 held = _held(item, item.angular[other])
@@ -111,7 +115,7 @@ class DeformedInertia:
             force = force + pushed
             torque = torque + ops.cross(item.position, pushed)
         mass = self.body.mass
-        torque = mass * torque + self._axial_torque
+        torque = mass * torque + self._turning_torque
         for item, twist in zip(self.slices, self._twists, strict=True):
             if item.rotation is not None and twist is not None:
                 torque = torque + item.rotation @ twist
@@ -120,15 +124,13 @@ class DeformedInertia:
     def forces(self) -> list[Scalar]:
         """Return the force on each coordinate of the deformation that the motion needs."""
         found = []
-        axial = self.body.axial
-        alpha = self.kinematics.link_angular_acceleration(self.link)
-        second = self.kinematics.amplitude_accelerations(self.link)
+        spun = self._spun
         for k, _ in enumerate(self.body.coordinates):
             total = ops.scalar(0.0)
             for item, pushed in zip(self.slices, self._pushes, strict=True):
                 if k in item.linear:
                     total = total + ops.dot(item.linear[k], pushed)
-            own = axial.coupling.get(k, 0.0) * alpha[0] + axial.held(k, second)
+            own = self.body.turning.product(3 + k, spun)
             for item, twist in zip(self.slices, self._twists, strict=True):
                 if twist is not None and k in item.angular:
                     own = own + ops.dot(item.angular[k], twist)
@@ -168,16 +170,19 @@ class DeformedInertia:
         return found
 
     @property
-    def _axial_torque(self) -> Vec:
-        """Rate of the angular momentum h e of the sections about the first axis, ḣ e + ω × h e."""
-        k, axial = self.kinematics, self.body.axial
-        omega = k.link_angular_velocity(self.link)
-        alpha = k.link_angular_acceleration(self.link)
-        rates, second = k.amplitude_rates(self.link), k.amplitude_accelerations(self.link)
-        held, spun = axial.whole * omega[0], axial.whole * alpha[0]
-        for index, share in axial.coupling.items():
-            held, spun = held + share * rates[index], spun + share * second[index]
-        return ops.vector(spun, omega[2] * held, -(omega[1] * held))
+    def _spun(self) -> list[Scalar]:
+        """Derivatives of (ω, q̇)."""
+        alpha = self.kinematics.link_angular_acceleration(self.link)
+        return [*components(alpha), *self.kinematics.amplitude_accelerations(self.link)]
+
+    @property
+    def _turning_torque(self) -> Vec:
+        """Rate of the angular momentum h = T (ω, q̇) beyond that of the points, ḣ + ω × h."""
+        turning, spun = self.body.turning, self._spun
+        omega = self.kinematics.link_angular_velocity(self.link)
+        moving = [*components(omega), *self.kinematics.amplitude_rates(self.link)]
+        held = ops.vector(*(turning.product(i, moving) for i in range(3)))
+        return ops.vector(*(turning.product(i, spun) for i in range(3))) + ops.cross(omega, held)
 
 
 def deformable_energies(kinematics: Kinematics, body: Body, gravity: Vec) -> tuple[Scalar, Scalar]:
@@ -201,11 +206,10 @@ def deformable_energies(kinematics: Kinematics, body: Body, gravity: Vec) -> tup
         if item.rotation is not None:
             total = item.rotation.T @ omega + turning
             turning_energy = turning_energy + 0.5 * ops.dot(total, _held(item, total))
-    axial, spin = flexibility.axial, ops.scalar(0.5 * flexibility.axial.whole) * omega[0] * omega[0]
-    rates = kinematics.amplitude_rates(link)
-    for k, rate in enumerate(rates):
-        spin = spin + axial.coupling.get(k, 0.0) * omega[0] * rate
-        spin = spin + 0.5 * axial.held(k, rates) * rate
+    moving = [*components(omega), *kinematics.amplitude_rates(link)]
+    spin = ops.scalar(0.0)
+    for row in flexibility.turning.rows:
+        spin = spin + 0.5 * moving[row] * flexibility.turning.product(row, moving)
     return flexibility.mass * kinetic + spin + turning_energy, flexibility.mass * height
 
 

@@ -120,6 +120,13 @@ def _deflected(
     if "nodes" in point:
         moved, attitude = deflected_exactly(point, q)
         return position + rotated(turned, moved), multiplied(turned, attitude)
+    if "turns" in point:
+        at, linear, turns = (
+            np.array(point[word], dtype=float) for word in ("position", "linear", "turns")
+        )
+        gibbs = np.column_stack([np.ones(len(q)), 0.5 * (q @ turns.T)])
+        gibbs /= np.linalg.norm(gibbs, axis=1, keepdims=True)
+        return position + rotated(turned, at + q @ linear.T), multiplied(turned, gibbs)
     place, linear, quadratic, slopes = (
         np.array(point[word], dtype=float) for word in ("position", "linear", "quadratic", "slopes")
     )
@@ -189,7 +196,11 @@ def _point(station: Station, fixed: set[str]) -> dict[str, Any]:
         end = [[row[k] for k in kept] for row in drawn["end"]]
         own = [names[k] for k in kept]
         return {"names": own, "nodes": nodes, "weights": drawn["weights"], "end": end}
-    rows = {word: [[row[k] for k in kept] for row in drawn[word]] for word in ("linear", "slopes")}
+    words = [word for word in ("linear", "slopes", "turns") if word in drawn]
+    rows: dict[str, Any] = {word: [[row[k] for k in kept] for row in drawn[word]] for word in words}
+    if "turns" in drawn:
+        own = [names[k] for k in kept]
+        return {"names": own, "position": drawn["position"], **rows}
     quadratic = [[drawn["quadratic"][i][j] for j in kept] for i in kept]
     own = [names[k] for k in kept]
     return {"names": own, "position": drawn["position"], "quadratic": quadratic, **rows}

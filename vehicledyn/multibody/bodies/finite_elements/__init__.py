@@ -1,0 +1,1 @@
+"""Deformable bodies from finite elements: their matrices, reduction and inertia integrals."""
