@@ -8,7 +8,7 @@ from setuptools.command.build_py import build_py
 
 LIBRARY = {
     "scenarios": ("*.yaml", "*.asc"),
-    "systems": ("*.yaml",),
+    "systems": ("*.yaml", "*.npz"),
     "profiles": ("*.csv",),
 }
 

@@ -1,7 +1,10 @@
 """An example of each kind of element of system files, for the tests of the catalogue."""
 
+from pathlib import Path
+
 import numpy as np
 
+FRAME = Path(__file__).parents[2] / "systems" / "truck_frame.npz"
 CAM = (
     "cam_body: ground, follower_body: b, cam: {outline: {kind: eccentric_circle, radius: 0.4 m, "
     "eccentricity: 10 mm}, follower: {kind: roller, radius: 0.1 m}},"
@@ -69,6 +72,10 @@ ELEMENTS = {
     ),
     "flexible_bar": (
         "body: b, length: 1 m, mass_per_length: 1 kg/m, bending_stiffness: 9 N*m^2, frames: [1]",
+        lambda s: (0.0, 0.0, 0.0),
+    ),
+    "flexible_body": (
+        f"body: b, file: {FRAME}, interface: {{left: 3, right: 16}}, modes: 1",
         lambda s: (0.0, 0.0, 0.0),
     ),
     "link": (

@@ -202,6 +202,6 @@ def test_parts_that_nothing_joins():
     from vehicledyn.multibody.bodies.finite_elements.reduction import component_modes
 
     places = [(0, 0, 0), (1, 0, 0), (2, 0, 0), (3, 0, 0)]
-    made = assembled(places, [(0, 1, (0, 0, 1)), (2, 3, (0, 0, 1))], GIVEN)
+    made = assembled(places, [(0, 1), (2, 3)], GIVEN)
     with pytest.raises(InputError, match=r"does not hold the body of frame, found at node [34]"):
         component_modes(made, {"start": 1}, 1)

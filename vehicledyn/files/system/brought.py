@@ -67,6 +67,13 @@ class Brought:
         }
 
 
+def _field_of(item: DeclaredSet, words: str) -> tuple[Place, str]:
+    """Return the field that a message begins with, if it does, and the rest of the message."""
+    head, _, rest = words.partition(": ")
+    place = tuple(head.split("."))
+    return (place, rest) if place[0] in type(item).model_fields else ((), words)
+
+
 def brought_by(file: SystemFile, parameters: Parameters) -> Brought:
     """Return what the elements of a file bring, with the present values of all parameters.
 
@@ -86,7 +93,8 @@ def brought_by(file: SystemFile, parameters: Parameters) -> Brought:
         except ExpressionError:
             continue
         except InputError as error:
-            found.problems.append((("elements", name), str(error)))
+            field, words = _field_of(item, str(error))
+            found.problems.append((("elements", name, *field), words))
             found.failed[name] = item
             continue
         clash = sorted({body.name for body in bodies} & taken)

@@ -14,7 +14,7 @@ from vehicledyn.base.errors import InputError
 from vehicledyn.base.registry import register
 from vehicledyn.base.shapes import Anchor, Shape, Tube
 from vehicledyn.multibody.bodies.finite_elements.interfaces import Motion
-from vehicledyn.multibody.bodies.finite_elements.kept_models import modes_of
+from vehicledyn.multibody.bodies.finite_elements.kept_models import model_of, modes_of
 from vehicledyn.multibody.bodies.finite_elements.reduced_body import ReducedBody
 from vehicledyn.multibody.bodies.finite_elements.reduction import ComponentModes
 from vehicledyn.multibody.joints.deformation import DEFORMATION
@@ -96,7 +96,7 @@ class FlexibleBody(BasePart):
     )
     damping_ratio: Scalar = number("1", "Damping ratio of each mode", default=0.0, least=0.0)
     damping_ratios: tuple[float, ...] = choice(
-        "Damping ratios of the first modes, in place of that of each", default=()
+        "Damping ratios of the first modes, in place of that of each", default=(), unit="1"
     )
     role: Literal["auto", "independent"] = choice(
         "Whether loops may determine some of its coordinates", default="auto"
@@ -121,7 +121,16 @@ class FlexibleBody(BasePart):
         InputError
             If the files cannot be read, or the structure cannot be reduced as asked.
         """
+        try:
+            model = model_of(self._files)
+        except InputError as error:
+            raise InputError(f"{'matrices' if self.file is None else 'file'}: {error}") from None
         drawn = {node for line in self.lines for node in line}
+        lost = sorted(drawn - model.index.keys())
+        if lost:
+            raise InputError(
+                f"lines: {model.source} has no node {lost[0]}; name nodes of the model"
+            )
         highest = self.highest_frequency
         return modes_of(
             self._files,

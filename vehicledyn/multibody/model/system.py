@@ -152,6 +152,10 @@ def _spin_problems(system: System) -> list[str]:
 def _wrong_parent(body: Body, known: set[str], bodies: dict[str, Body]) -> str:
     """Return what is wrong with a parent that is not among the bodies before."""
     if body.parent not in bodies:
+        head, _, frame = body.parent.rpartition(".")
+        if head in bodies and bodies[head].flexibility is not None:
+            frames = [n.removeprefix(f"{head}.") for n, b in bodies.items() if b.parent == head]
+            return f"'{head}' has no frame '{frame}'; it has {', '.join(frames)}"
         return unknown_name("body defined before it", body.parent, known)
     path = [body.name]
     while path[-1] in bodies and bodies[path[-1]].parent not in path:
