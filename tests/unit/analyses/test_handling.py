@@ -76,12 +76,13 @@ def test_understeer_of_linear_tyres_is_that_of_the_single_track_model(linear_car
 
 def test_the_three_methods_of_the_circle_agree_on_the_gradient(small_car):
     curves = [
-        constant_speed(small_car, SPEED, last=1.0),
-        constant_radius(small_car, 100.0, last=1.0),
-        constant_steering(small_car, 0.006, last=1.0),
+        constant_speed(small_car, 22.0, last=4.0),
+        constant_radius(small_car, 100.0, last=4.0),
+        constant_steering(small_car, 0.024, last=4.0),
     ]
-    found = [curve.gradient("understeer_angle", 1.0) for curve in curves]
-    assert max(found) / min(found) < 1.02
+    for first in (0.25, 2.0):
+        found = [curve.gradient("understeer_angle", 4.0, first=first) for curve in curves]
+        assert max(found) / min(found) < 1.02
 
 
 def test_a_steady_turn_is_where_a_simulated_step_ends(small_car):

@@ -8,6 +8,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from vehicledyn.analyses.handling.slow_turn import effective_wheelbase
 from vehicledyn.analyses.handling.steady_turn import SteadyTurn, Turn
 from vehicledyn.analyses.handling.tested_car import CarPoint
 from vehicledyn.base.errors import NumericalError
@@ -17,6 +18,9 @@ Vector = NDArray[np.float64]
 STEP = 0.25
 """Distance of points [m/s²]."""
 
+_LINE_POINTS = 41
+"""Points of a curve that the line of a gradient fits."""
+
 _SMALLEST_STEP = 0.01
 _SLOWEST = 3.0
 """Speed below which no point of a circle is looked for [m/s]."""
@@ -25,7 +29,7 @@ QUANTITIES = {
     "lateral_acceleration": ("m/s^2", "Lateral acceleration: speed times yaw rate"),
     "speed": ("m/s", "Speed"),
     "steering_angle": ("rad", "Steering-wheel angle"),
-    "understeer_angle": ("rad", "Front-wheel angle beyond wheelbase times curvature"),
+    "understeer_angle": ("rad", "Front-wheel angle beyond effective wheelbase times curvature"),
     "sideslip_angle": ("rad", "Side-slip angle"),
     "roll_angle": ("rad", "Roll angle"),
     "yaw_rate": ("rad/s", "Yaw rate"),
@@ -50,16 +54,15 @@ class SteadyCurve:
     points: list[CarPoint] = field(repr=False)
     limit: float = float("nan")
 
-    def gradient(self, name: str, last: float) -> float:
-        """Return the slope of a quantity over lateral acceleration, of a line up to ``last``."""
-        lateral = self.values["lateral_acceleration"]
-        kept = lateral <= last + 1e-6
-        return float(np.polyfit(lateral[kept], self.values[name][kept], 1)[0])
+    def gradient(self, name: str, last: float, *, first: float = 0.25) -> float:
+        """Return the slope of a quantity over lateral acceleration between two of these [m/s²].
 
-    def initial_slope(self, name: str) -> float:
-        """Return the slope of a quantity over lateral acceleration at its first points."""
-        lateral, values = self.values["lateral_acceleration"], self.values[name]
-        return float((values[1] - values[0]) / (lateral[1] - lateral[0]))
+        A line fits the curve at equal distances of lateral acceleration: the methods have their
+        points at different places, and the curve bends.
+        """
+        lateral = self.values["lateral_acceleration"]
+        at = np.linspace(max(first, lateral[0]), min(last, lateral[-1]), _LINE_POINTS)
+        return float(np.polyfit(at, np.interp(at, lateral, self.values[name]), 1)[0])
 
 
 def constant_speed(
@@ -150,12 +153,16 @@ def _points(
 
 def _curve(solver: SteadyTurn, method: str, points: list[CarPoint], limit: float) -> SteadyCurve:
     rows = [describe(solver, point) for point in points]
+    wheelbase = effective_wheelbase(solver)
+    for row in rows:
+        front = row["steering_angle"] / solver.car.steering_ratio
+        row["understeer_angle"] = front - wheelbase * row["curvature"]
     values = {name: np.array([row[name] for row in rows]) for name in QUANTITIES}
     return SteadyCurve(method, values, points, limit)
 
 
 def describe(solver: SteadyTurn, point: CarPoint) -> dict[str, float]:
-    """Return the quantities of a steady turn."""
+    """Return the quantities of a steady turn but the understeer angle."""
     car = solver.car
     outputs, chassis = car.outputs(point), car.vehicle.chassis
     speed = float(np.hypot(outputs["body.forward_speed"], outputs["body.lateral_speed"]))
@@ -165,7 +172,6 @@ def describe(solver: SteadyTurn, point: CarPoint) -> dict[str, float]:
         "lateral_acceleration": speed * rate,
         "speed": speed,
         "steering_angle": outputs["steering_angle.angle"],
-        "understeer_angle": outputs["steering_angle.understeer_angle"],
         "sideslip_angle": outputs["body.sideslip_angle"],
         "roll_angle": outputs[f"{chassis}.roll"],
         "yaw_rate": rate,

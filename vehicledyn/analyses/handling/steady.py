@@ -25,8 +25,11 @@ from vehicledyn.kernel.kernel import Backend
 from vehicledyn.results.tables.handling_table import Column, HandlingTable, KeyFigure, Sheet
 from vehicledyn.road.manoeuvres.driving_test import DrivingTest
 
-GRADIENT_UP_TO = 4.0
-"""Lateral acceleration up to which gradients are taken [m/s²]."""
+GRADIENT_FROM, GRADIENT_UP_TO = 2.0, 4.0
+"""Lateral accelerations between which gradients are taken [m/s²].
+
+Below, a differential with friction sticks, which makes another car of it.
+"""
 
 _SIDESLIPS = np.radians(np.linspace(-8.0, 8.0, 9))
 _GRADIENTS = (
@@ -112,12 +115,12 @@ def _sheet(curve: SteadyCurve) -> Sheet:
 
 
 def _circle_figures(test: str, curve: SteadyCurve) -> Iterator[KeyFigure]:
-    """Yield gradients up to 4 m/s² and the limit of a circle."""
+    """Yield gradients between 2 and 4 m/s² and the limit of a circle."""
     lateral = curve.values["lateral_acceleration"]
     for name, title, text in _GRADIENTS:
-        if (lateral <= GRADIENT_UP_TO + 1e-6).sum() >= 2:
-            slope = curve.gradient(name, GRADIENT_UP_TO)
-            words = f"{text}, of a line up to {GRADIENT_UP_TO:g} m/s^2"
+        if len(lateral) and lateral[0] <= GRADIENT_FROM < GRADIENT_UP_TO <= lateral[-1]:
+            slope = curve.gradient(name, GRADIENT_UP_TO, first=GRADIENT_FROM)
+            words = f"{text}, of a line from {GRADIENT_FROM:g} to {GRADIENT_UP_TO:g} m/s^2"
             yield KeyFigure(test, title, slope, "rad*s^2/m", words)
     if np.isfinite(curve.limit):
         words = "Largest lateral acceleration of a steady turn"
