@@ -126,6 +126,9 @@ PICTURES = {
     "rail_wheelset": Picture(("wheelset.lateral",), "mm", "Lateral shift"),
     "simple_wheelset": Picture(("wheelset.lateral",), "mm", "Lateral shift"),
     "slider_crank": Picture(("slider.position",), "mm", "Place of the slider"),
+    "truck_flexible_frame": Picture(
+        ("frame.cab_front_left_z", "frame.load_rear_left_z"), "mm", "Deflection of the frame"
+    ),
     "slider_crank_flexible": Picture(("bending_1",), "mm", "Bending of the rod"),
     "slider_crank_two_angles": Picture(("guide.multiplier",), "N", "Normal force of the guide"),
     "assembled_car": Picture(("chassis.y",), "m", "Place y", "chassis.x"),

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from vehicledyn.base.errors import InputError
-from vehicledyn.base.files.whole_file import folder_for_files, write_whole
+from vehicledyn.base.files.whole_file import copy_whole, folder_for_files
 from vehicledyn.base.yaml import read_yaml
 from vehicledyn.library.names import Entry, library_folder
 
@@ -40,7 +40,7 @@ def copy_entry(entry: Entry, folder: Path) -> list[Path]:
     for copy, source in copies.items():
         try:
             with folder_for_files(copy.parent):
-                write_whole(copy, source.read_text(encoding="utf-8"))
+                copy_whole(source, copy)
         except OSError as error:
             raise InputError(f"{copy}: cannot be written: {error.strerror}") from None
     return list(copies)

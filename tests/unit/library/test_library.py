@@ -120,5 +120,9 @@ def test_copies_keep_their_places_and_overwrite_nothing(tmp_path):
     with pytest.raises(InputError, match=r"systems/bicycle.yaml exists already, so nothing"):
         copy_entry(find_entry("bicycle", ("scenario",)), tmp_path / "new")
     assert not copies[0].exists()
+    truck = copy_entry(find_entry("truck_flexible_frame", ("scenario",)), tmp_path / "truck")
+    frame = truck[-1].relative_to(tmp_path / "truck")
+    assert frame.as_posix() == "systems/truck_frame.npz"
+    assert truck[-1].read_bytes() == (library_folder() / frame).read_bytes()
     (alone,) = copy_entry(find_entry("iltis_slalom", ("scenario",)), tmp_path)
     assert alone == tmp_path / "iltis_slalom.yaml"

@@ -205,3 +205,23 @@ def test_parts_that_nothing_joins():
     made = assembled(places, [(0, 1), (2, 3)], GIVEN)
     with pytest.raises(InputError, match=r"does not hold the body of frame, found at node [34]"):
         component_modes(made, {"start": 1}, 1)
+
+
+def test_damaged_archives(tmp_path):
+    """Whatever bytes of an archive are changed, it is read or refused in words."""
+    import contextlib
+
+    from element_examples import FRAME
+
+    source, rng, file = FRAME.read_bytes(), np.random.default_rng(7), tmp_path / "damaged.npz"
+    refused = 0
+    for _ in range(60):
+        damaged = bytearray(source)
+        for place in rng.integers(len(source), size=3):
+            damaged[place] = rng.integers(256)
+        file.write_bytes(bytes(damaged))
+        with contextlib.suppress(InputError):
+            read_archive(file)
+            continue
+        refused += 1
+    assert refused > 30

@@ -60,6 +60,18 @@ def folder_for_files(folder: Path) -> Iterator[None]:
         raise
 
 
+def copy_whole(source: Path, target: Path) -> None:
+    """Copy a file, whole or not at all.
+
+    Raises
+    ------
+    OSError
+        If the file cannot be read or written.
+    """
+    with whole_file(target) as place:
+        place.write_bytes(source.read_bytes())
+
+
 def write_whole(target: Path, text: str, errors: str = "strict") -> None:
     """Write a text file in UTF-8, whole or not at all.
 

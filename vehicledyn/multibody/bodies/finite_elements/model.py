@@ -18,6 +18,10 @@ Sparse = Any
 
 DIRECTIONS = ("x", "y", "z", "rx", "ry", "rz")
 _SHOWN = 4
+_FARTHEST = 1e6
+"""Coordinate that no structure has [m]."""
+_LARGEST = 1e30
+"""Entry that no matrix has, in kg, m and s."""
 _UNLIKE = 1e-9
 """Largest difference of entries that are equal in a symmetric matrix, over the largest entry."""
 _RESISTED = 1e-6
@@ -123,6 +127,9 @@ class FiniteElements:
         if not np.isfinite(self.places).all():
             bad = self.numbers[~np.isfinite(self.places).all(axis=1)]
             found.append(f"nodes: a coordinate of node {_listed(bad)} is no finite number")
+        far = self.numbers[(np.abs(self.places) > _FARTHEST).any(axis=1)]
+        if len(far):
+            found.append(f"nodes: node {_listed(far)} is beyond 1000 km; coordinates are in m")
         bare = [
             int(n) for n in self.numbers if any((int(n), d) not in self.row_of for d in (1, 2, 3))
         ]
@@ -141,6 +148,9 @@ class FiniteElements:
                 continue
             if not np.isfinite(matrix.data).all():
                 found.append(f"{name}: has an entry that is no finite number")
+                continue
+            if matrix.nnz and abs(matrix).max() > _LARGEST:
+                found.append(f"{name}: has an entry above {_LARGEST:g}; give it in kg, m and s")
                 continue
             away = abs(matrix - matrix.T).tocoo()
             size = abs(matrix).max() if matrix.nnz else 0.0

@@ -11,7 +11,9 @@ rows ``mass_data``, ``mass_indices`` and ``mass_indptr``. Or each is a file of i
 from __future__ import annotations
 
 import io
+import struct
 import zipfile
+import zlib
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -28,6 +30,11 @@ _LARGEST = 2_000_000_000
 _LARGEST_TABLE = 200_000_000
 _MATRICES = ("mass", "stiffness", "damping")
 _PARTS = ("data", "indices", "indptr")
+_UNREADABLE = (
+    ValueError, TypeError, KeyError, AttributeError, OSError, EOFError, OverflowError, MemoryError,
+    SyntaxError, NotImplementedError, RuntimeError, struct.error, zlib.error, zipfile.BadZipFile,
+)  # fmt: skip
+"""What NumPy raises at content that is none of its archives and arrays."""
 
 
 def read_archive(path: Path) -> FiniteElements:
@@ -152,20 +159,26 @@ def _arrays(path: Path) -> dict[str, Any]:
     content = io.BytesIO(_bytes(path, _LARGEST))
     try:
         with np.load(content, allow_pickle=False) as archive:
-            return {name: archive[name] for name in archive.files}
-    except (ValueError, OSError, EOFError, AttributeError, zipfile.BadZipFile):
+            found = {name: archive[name] for name in archive.files}
+    except _UNREADABLE:
         words = f"{path}: is no archive of NumPy with arrays of numbers"
         raise InputError(f"{words}; write one with numpy.savez") from None
+    for name, array in found.items():
+        if array.dtype.kind not in "iuf" and not name.endswith("format"):
+            raise InputError(f"{path}: {name}: is of type {array.dtype}; give real numbers")
+    return found
 
 
 def _array(path: Path) -> Array:
     content = io.BytesIO(_bytes(path, _LARGEST))
     try:
         found = np.load(content, allow_pickle=False)
-        return np.atleast_2d(np.asarray(found, dtype=float))
-    except (ValueError, TypeError, OSError, EOFError):
+    except _UNREADABLE:
         words = f"{path}: is no array of NumPy with numbers"
         raise InputError(f"{words}; write one with numpy.save") from None
+    if found.dtype.kind not in "iuf":
+        raise InputError(f"{path}: is of type {found.dtype}; give real numbers")
+    return np.atleast_2d(found.astype(float))
 
 
 def _matrix_in(arrays: Mapping[str, Any], name: str, path: Path) -> Sparse | None:
@@ -180,7 +193,8 @@ def _matrix_in(arrays: Mapping[str, Any], name: str, path: Path) -> Sparse | Non
             return None
         count = len(parts[2]) - 1  # type: ignore[arg-type]
         found = csr_matrix(tuple(parts), shape=(count, count), dtype=float)
-        found.check_format()
+        found.check_format(full_check=True)
+        found = found.tocoo().tocsr()
     except (ValueError, TypeError) as error:
         raise InputError(f"{path}: {name}: is no matrix of numbers: {error}") from None
     kind = arrays.get(f"{name}_format")
