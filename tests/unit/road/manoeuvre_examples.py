@@ -22,6 +22,8 @@ MANOEUVRES = {
     "coast_down": "{kind: coast_down, release_at: 0}",
     "constant_steer": "{kind: constant_steer, angle: 3 deg, begin: 0, accelerate_at: 0.1 s, "
     "last_speed_change: 1 m/s, speed_control: CONTROL}",
+    "constant_radius": "{kind: constant_radius, radius: 30 m, begin: 0, last_speed_change: 1 m/s, "
+    "driver: DRIVER, speed_control: CONTROL}",
     "crosswind": "{kind: crosswind, force: 900 N, ahead: 0.2 m, begin: 0}",
     "double_lane_change": "{kind: double_lane_change, begin: -14 m, driver: DRIVER}",
     "fishhook": "{kind: fishhook, angle: 8 deg, begin: 0}",
@@ -29,6 +31,8 @@ MANOEUVRES = {
     "obstacle_avoidance": "{kind: obstacle_avoidance, begin: -11 m, release_at: 0, driver: DRIVER}",
     "open_loop": "{kind: open_loop, times: [0 s, 0.1 s], angles: [0 deg, 3 deg], "
     "brake_torques: [0 N*m, 900 N*m]}",
+    "path": "{kind: path, xs: [0 m, 10 m, 20 m], ys: [0 m, 1 m, 5 m], distances: [0 m, 20 m], "
+    "speeds: [10 m/s, 8 m/s], driver: DRIVER, speed_control: CONTROL}",
     "pulse_steer": "{kind: pulse_steer, amplitude: 2 deg, width: 0.1 s, begin: 0}",
     "single_sine": "{kind: single_sine, amplitude: 2 deg, frequency: 8 Hz, begin: 0}",
     "slowly_increasing_steer": "{kind: slowly_increasing_steer, angle: 9 deg, begin: 0}",

@@ -6,7 +6,7 @@ them all; :meth:`DrivingTest.settings` gives the numbers of one.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from typing import TYPE_CHECKING, Any
 
 from vehicledyn.base.parameters import quantity
@@ -16,6 +16,7 @@ from vehicledyn.road.manoeuvres.steering_signal import SteeringSignal
 from vehicledyn.road.manoeuvres.time_table import TimeTable
 
 if TYPE_CHECKING:
+    from vehicledyn.multibody.model.parts import Situation
     from vehicledyn.results.store.layout import SummaryEntry
     from vehicledyn.road.standards.signals import Signals
     from vehicledyn.road.vehicle import RoadVehicle
@@ -134,17 +135,19 @@ class DrivingTest(RoadManoeuvre):
         if not vehicle.free_wheels:
             return vehicle.with_parts(wind, sensor)
         own = vehicle.brake
+        target = self.target_speed(vehicle, change)
+        braking = self.braking(vehicle, target) or (lambda seen: brake(seen.time))
         if own is not None:
-            foot = Foot(own.switch, lambda seen: brake(seen.time) / own.torque)
+            foot = Foot(own.switch, lambda seen: braking(seen) / own.torque)
             vehicle = vehicle.with_pedal_moved_by(foot)
         pedals = Pedals(
             "drive",
             vehicle.chassis,
             vehicle.corners,
-            lambda time: vehicle.speed + change(time),
+            target,
             throttle,
             torque,
-            brake if own is None else _nothing,
+            braking if own is None else _nothing,
             share,
             *gains,
             vehicle.drive,
@@ -155,6 +158,18 @@ class DrivingTest(RoadManoeuvre):
             foot = Foot(pedal.switch, lambda seen: pedals.wanted(seen) / pedal.torque)
             vehicle = vehicle.with_pedal_moved_by(foot)
         return vehicle.with_parts(pedals, wind, sensor)
+
+    def target_speed(
+        self, vehicle: RoadVehicle, change: Callable[[Scalar], Scalar]
+    ) -> Callable[[Situation], Scalar]:
+        """Return the speed that is held, as a function of the motion [m/s]."""
+        return lambda seen: vehicle.speed + change(seen.time)
+
+    def braking(
+        self, vehicle: RoadVehicle, target: Callable[[Situation], Scalar]
+    ) -> Callable[[Situation], Scalar] | None:
+        """Return a brake torque by the motion in place of that by time, or None [N m]."""
+        return None
 
     def channels(self, vehicle: RoadVehicle) -> list[str]:
         """Return the channels of the test's quantities and of the general key figures."""
@@ -183,5 +198,5 @@ class DrivingTest(RoadManoeuvre):
         yield from ()
 
 
-def _nothing(_: Scalar) -> Scalar:
+def _nothing(_: Situation) -> Scalar:
     return 0.0

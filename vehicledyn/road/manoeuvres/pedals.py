@@ -15,6 +15,15 @@ _LOCKED = 2.0
 """Wheel speed below which a brake torque falls to zero, so that a locked wheel stands [rad/s]."""
 
 Law = Callable[[Scalar], Scalar]
+Seen = Callable[[Situation], Scalar]
+
+
+def forward_speed(situation: Situation, body: str) -> Scalar:
+    """Return the speed of a body along its heading [m/s]."""
+    velocity = situation.kinematics.velocity(body)
+    heading = situation.kinematics.rotation(body)[:, 0]
+    level = ops.smooth_norm(heading[0], heading[1], 0.0)
+    return (velocity[0] * heading[0] + velocity[1] * heading[1]) / level
 
 
 @dataclass(frozen=True)
@@ -22,17 +31,18 @@ class Pedals(BasePart):
     """Drive torque that holds a speed, and brake torques, both from the chassis to the wheels.
 
     T = g (K_p (v_0 - v) + K_i ∫ g (v_0 - v) dt + T_0), with the throttle's share g, the target v_0
-    and a torque T_0 of time; it acts on the coordinate ``shaft`` where there is one, else equally
-    on all wheels; it acts nowhere with ``by_throttle``, where a foot turns it into a pedal.
+    of the motion and a torque T_0 of time; it acts on the coordinate ``shaft`` where there is one,
+    else equally on all wheels; it acts nowhere with ``by_throttle``, where a foot turns it into a
+    pedal.
     Each wheel is braked by M tanh(ω / 2 rad/s), M its part of the brake torque.
     """
 
     chassis: str
     corners: tuple[Corner, ...]
-    target: Law
+    target: Seen
     throttle: Law
     torque: Law
-    brake: Law
+    brake: Seen
     front_share: Scalar
     proportional_gain: Scalar
     integral_gain: Scalar
@@ -63,7 +73,7 @@ class Pedals(BasePart):
         brake = Channel(f"{self.name}.brake_torque", "N*m", "Brake torque of all wheels together")
         return (
             Output(drive, self._drive(situation)),
-            Output(brake, ops.scalar(self.brake(situation.time))),
+            Output(brake, ops.scalar(self.brake(situation))),
         )
 
     def wanted(self, situation: Situation) -> Scalar:
@@ -74,7 +84,7 @@ class Pedals(BasePart):
         """Return the torque of a brake whose caliper is on the wheel's carrier [N m]."""
         share = self.front_share if corner.is_front else 1.0 - self.front_share
         alike = sum(other.is_front == corner.is_front for other in self.corners)
-        torque = self.brake(situation.time) * share / alike
+        torque = self.brake(situation) * share / alike
         return -torque * ops.tanh(situation.kinematics.rate(corner.spin) / _LOCKED)
 
     def _shafts(self, situation: Situation, corner: Corner) -> tuple[Wrench, Wrench]:
@@ -90,11 +100,7 @@ class Pedals(BasePart):
         )
 
     def _error(self, situation: Situation) -> Scalar:
-        velocity = situation.kinematics.velocity(self.chassis)
-        heading = situation.kinematics.rotation(self.chassis)[:, 0]
-        level = ops.smooth_norm(heading[0], heading[1], 0.0)
-        speed = (velocity[0] * heading[0] + velocity[1] * heading[1]) / level
-        return self.target(situation.time) - speed
+        return self.target(situation) - forward_speed(situation, self.chassis)
 
     def _drive(self, situation: Situation) -> Scalar:
         integral = situation.states["speed_error_integral"]

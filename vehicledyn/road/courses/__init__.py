@@ -1,0 +1,1 @@
+"""Paths of any shape over their own length, and the driver who follows them."""
