@@ -18,6 +18,7 @@ OF_SEVERAL_FILES = (  # whose results keep the texts of all files
     "car_and_caravan",
     "car_of_parts",
     "coach_of_two_bogies",
+    "manual_sedan",
     "off_road_truck_rough",
     "off_road_truck_sand",
     "off_road_truck_slope",
