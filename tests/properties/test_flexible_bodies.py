@@ -185,3 +185,33 @@ def test_roots_of_the_mass_matrix(files, model, monkeypatch):
     hessian = ca.hessian(kinetic, e.state[n:])[0]
     mass = np.array(ca.Function("m", [e.state], [hessian])(state))[np.ix_(order, order)]
     assert rows.T @ rows == pytest.approx(mass, abs=1e-11 * np.abs(mass).max())
+
+
+def test_integrals_are_those_of_the_points(files, monkeypatch):
+    """By integrals and by points of the same integrals the rates are the same, by fewer terms."""
+    from vehicledyn.multibody.bodies.finite_elements.reduced_body import ReducedBody
+
+    functions = []
+    for products in (ReducedBody.products, property(lambda _: None)):
+        monkeypatch.setattr(ReducedBody, "products", products)
+        e = derive(carrying(files, "solid"))
+        functions.append(ca.Function("f", [e.state], [e.rate], {"cse": True}))
+        x = at_random(e, 7)
+    a, b = (np.array(f(x))[:, 0] for f in functions)
+    assert a == pytest.approx(b, rel=1e-9, abs=1e-9 * np.abs(b).max())
+    assert functions[0].n_instructions() < 0.8 * functions[1].n_instructions()
+
+
+def test_terms_grow_with_the_square_of_the_modes(files):
+    """Twice the modes take at most four times the operations."""
+    counts = []
+    for modes in (4, 8, 16):
+        hub = Body("hub", GROUND, joints=(Joint("R3", "turn"),))
+        body = FlexibleBody(
+            "frame", body="hub", file=str(files / "solid.npz"), modes=modes,
+            interface={"root": (1, 2, 3, 4)},
+        )  # fmt: skip
+        e = derive(System("growth", ParameterTable(), (hub,), parts=(body,)))
+        counts.append(ca.Function("f", [e.state], [e.rate], {"cse": True}).n_instructions())
+    assert counts[1] < 4 * counts[0]
+    assert counts[2] < 4 * counts[1]

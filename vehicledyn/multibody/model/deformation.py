@@ -12,6 +12,9 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
 
+import numpy as np
+from numpy.typing import NDArray
+
 from vehicledyn.symbolic.ops import Mat, Scalar, Vec
 
 Columns = Mapping[int, Vec]
@@ -133,6 +136,15 @@ class Flexibility(ABC):
 
     def growths(self, q: Sequence[Scalar], rates: Sequence[Scalar]) -> list[Vec] | None:
         """Return p̈ of the slices at zero q̈ where that is known by a short formula [m/s²]."""
+        return None
+
+    @property
+    def products(self) -> NDArray[np.float64] | None:
+        """Inertia integrals of a body whose displacements are linear in q, None for another.
+
+        With points at p = x + Σ φ_k q_k these are ∫ f g dm of the functions 1, x, y, z, φ_1x, φ_1y,
+        φ_1z, φ_2x, ..., shape (4 + 3 n, 4 + 3 n) [kg, kg m, kg m²].
+        """
         return None
 
     @abstractmethod

@@ -14,7 +14,8 @@ from vehicledyn.multibody.joints.joint_type import Axes
 from vehicledyn.multibody.model.joint_wrench import JointWrench
 from vehicledyn.multibody.model.kinematics import Kinematics
 from vehicledyn.multibody.recursion.body_inertia import BodyInertia
-from vehicledyn.multibody.recursion.flexible_inertia import DeformedInertia, FlexibleInertia
+from vehicledyn.multibody.recursion.deformed_inertia import DeformedInertia
+from vehicledyn.multibody.recursion.flexible_inertia import FlexibleInertia
 from vehicledyn.multibody.recursion.inertia import Inertia
 from vehicledyn.multibody.recursion.newton_euler import inertias_of
 from vehicledyn.symbolic import ops

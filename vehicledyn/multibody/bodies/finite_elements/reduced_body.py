@@ -80,6 +80,14 @@ class ReducedBody(Flexibility):
         second = found.products[1:4, 1:4] - found.mass * np.outer(centre, centre)
         return np.asarray(np.trace(second) * np.eye(3) - second + found.turning[:3, :3])
 
+    @property
+    def products(self) -> Array | None:
+        """Inertia integrals; None where few points that have them take fewer operations."""
+        products, modes = self.integrals.products, len(self.coordinates)
+        entries = np.count_nonzero(_cleaned(products))
+        by_points = len(self.integrals.points) * (15 * modes + 40)
+        return products if by_points > 1.4 * entries + 60 * modes + 150 else None
+
     def slices(self, q: Sequence[Scalar]) -> list[Slice]:
         """Return points of equal mass that have the inertia integrals of the body."""
         values = self.integrals.points

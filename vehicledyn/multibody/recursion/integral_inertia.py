@@ -1,0 +1,203 @@
+"""Inertia of a deformable body whose displacements are linear in the coordinates, by integrals.
+
+A point stands at p = x + Σ φ_k q_k and accelerates by a + β p + 2 ω × ṗ + Σ φ_k q̈_k. Force, torque
+and forces on the coordinates are sums of products ∫ f g dm of the functions 1, x, y, z and the
+components of the φ_k, which are taken once: about a dozen operations for each pair of coordinates,
+however many points the body has (Shabana 2013, Dynamics of Multibody Systems, chapter 5).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vehicledyn.multibody.model.joint_wrench import JointWrench
+from vehicledyn.multibody.recursion.deformed_inertia import DeformedInertia
+from vehicledyn.multibody.recursion.inertia import Inertia
+from vehicledyn.symbolic import ops, rotations
+from vehicledyn.symbolic.ops import Mat, Scalar, Vec
+
+Array = NDArray[np.float64]
+_NEGLIGIBLE = 1e-13
+"""Product over the root of those of its functions with themselves that is rounding."""
+
+
+@dataclass(frozen=True)
+class IntegralInertia(DeformedInertia):
+    """Inertia of a body by its inertia integrals."""
+
+    @cached_property
+    def _products(self) -> Array:
+        found = self.body.products
+        if found is None:
+            raise ValueError("the displacements of the body are not linear in its coordinates")
+        sizes = np.sqrt(np.abs(np.diag(found)))
+        return np.where(np.abs(found) > _NEGLIGIBLE * np.outer(sizes, sizes), found, 0.0)
+
+    @cached_property
+    def _q(self) -> list[Scalar]:
+        return self.kinematics.amplitudes(self.link)
+
+    @property
+    def _count(self) -> range:
+        return range(len(self.body.coordinates))
+
+    def _block(self, row: int, column: int) -> Array:
+        """Return ∫ f gᵀ dm of vectors of functions: x for -1, φ_k for k; shape (3, 3)."""
+        first, second = (4 + 3 * k if k >= 0 else 1 for k in (row, column))
+        return self._products[first : first + 3, second : second + 3]
+
+    def _first(self, k: int) -> Array:
+        """Return ∫ φ_k dm, or ∫ x dm for -1."""
+        start = 4 + 3 * k if k >= 0 else 1
+        return self._products[0, start : start + 3]
+
+    @cached_property
+    def _moment(self) -> Vec:
+        """∫ p dm."""
+        return ops.vector(
+            *(
+                _sum([self._first(k)[i] for k in (-1, *self._count)], [1.0, *self._q])
+                for i in range(3)
+            )
+        )
+
+    def _moved(self, factors: Sequence[Scalar]) -> Vec:
+        """Return Σ ∫ φ_k dm times a factor each."""
+        return ops.vector(
+            *(_sum([self._first(k)[i] for k in self._count], factors) for i in range(3))
+        )
+
+    @cached_property
+    def _with(self) -> list[list[list[Scalar]]]:
+        """∫ p φ_kᵀ dm of each mode, entries by row and column."""
+        factors = [1.0, *self._q]
+        found = []
+        for k in self._count:
+            blocks = [self._block(other, k) for other in (-1, *self._count)]
+            found.append(
+                [[_sum([b[i, j] for b in blocks], factors) for j in range(3)] for i in range(3)]
+            )
+        return found
+
+    @cached_property
+    def _second(self) -> Mat:
+        """∫ p pᵀ dm = ∫ p xᵀ dm + Σ q_k ∫ p φ_kᵀ dm."""
+        factors = [1.0, *self._q]
+        rows: list[list[Scalar]] = []
+        for i in range(3):
+            row: list[Scalar] = []
+            for j in range(3):
+                if j < i:
+                    row.append(rows[j][i])
+                    continue
+                still = _sum([self._block(k, -1)[i, j] for k in (-1, *self._count)], factors)
+                for k in self._count:
+                    still = still + self._with[k][i][j] * self._q[k]
+                row.append(still)
+            rows.append(row)
+        return rotations.matrix(rows)
+
+    @cached_property
+    def _points(self) -> Mat:
+        """Inertia of the points about the origin, with the deformation frozen."""
+        p = self._second
+        about = (p[1, 1] + p[2, 2], p[0, 0] + p[2, 2], p[0, 0] + p[1, 1])
+        return rotations.symmetric(about, [-p[0, 1], -p[0, 2], -p[1, 2]])
+
+    @cached_property
+    def rigid(self) -> Inertia:
+        """Inertia with the deformation frozen."""
+        more = self.body.turning.entry
+        own = rotations.matrix([[more(i, j) for j in range(3)] for i in range(3)])
+        return Inertia(ops.scalar(self.body.mass), self._moment, self._points + own)
+
+    def unit_wrench(self, k: int) -> JointWrench:
+        """Return what the frame must transmit for a unit acceleration of a coordinate."""
+        own = ops.vector(*(self.body.turning.entry(i, 3 + k) for i in range(3)))
+        return JointWrench(ops.vector(*self._first(k)), _axial(self._with[k]) + own)
+
+    def entry(self, k: int, other: int) -> Scalar:
+        """Return the entry of the mass matrix between two coordinates of the deformation."""
+        found = float(np.trace(self._block(k, other)))
+        size = np.sqrt(np.trace(self._block(k, k)) * np.trace(self._block(other, other)))
+        total = (found if abs(found) > _NEGLIGIBLE * size else 0.0) + self.body.turning.entry(
+            3 + k, 3 + other
+        )
+        return ops.scalar(total)
+
+    @cached_property
+    def wrench(self) -> tuple[Vec, Vec]:
+        """Force and torque about the origin that the motion needs [N, N m]."""
+        k, link = self.kinematics, self.link
+        base, beta, omega = k.link_acceleration(link), k.beta(link), k.link_angular_velocity(link)
+        rates, second = k.amplitude_rates(link), k.amplitude_accelerations(link)
+        force = self.body.mass * base + beta @ self._moment
+        force = force + 2.0 * ops.cross(omega, self._moved(rates)) + self._moved(second)
+        moving = [
+            [_sum_of([w[i][j] for w in self._with], rates) for j in range(3)] for i in range(3)
+        ]
+        spun = self._points @ k.link_angular_acceleration(link)
+        torque = ops.cross(self._moment, base) + spun
+        torque = torque + ops.cross(omega, self._points @ omega)
+        # 2 ∫ p × (ω × ṗ) dm = 2 (tr(R) ω - Rᵀ ω) with R = ∫ p ṗᵀ dm.
+        trace = moving[0][0] + moving[1][1] + moving[2][2]
+        torque = torque + 2.0 * (trace * omega - rotations.matrix(moving).T @ omega)
+        for index, value in enumerate(second):
+            if not value.is_zero():
+                torque = torque + value * _axial(self._with[index])
+        return force, torque + self.turning_torque
+
+    def forces(self) -> list[Scalar]:
+        """Return the force on each coordinate of the deformation that the motion needs."""
+        kinematics, link = self.kinematics, self.link
+        base, beta = kinematics.link_acceleration(link), kinematics.beta(link)
+        omega, spun = kinematics.link_angular_velocity(link), self.spun
+        rates, second = kinematics.amplitude_rates(link), kinematics.amplitude_accelerations(link)
+        found = []
+        for k in self._count:
+            total = ops.scalar(_sum(self._first(k), [base[i] for i in range(3)]))
+            for i in range(3):
+                for j in range(3):
+                    total = total + beta[j, i] * self._with[k][i][j]
+            crossed = [_crossed(self._block(other, k)) for other in self._count]
+            for i in range(3):
+                total = total + 2.0 * omega[i] * _sum([c[i] for c in crossed], rates)
+            own = [float(np.trace(self._block(k, other))) for other in self._count]
+            for factor, value in zip(own, second, strict=True):
+                if not value.is_zero():
+                    total = total + factor * value
+            found.append(total + self.body.turning.product(3 + k, spun))
+        return found
+
+
+def _crossed(block: Array) -> Array:
+    """Return ∫ f × g dm from ∫ f gᵀ dm."""
+    return np.array(
+        [block[1, 2] - block[2, 1], block[2, 0] - block[0, 2], block[0, 1] - block[1, 0]]
+    )
+
+
+def _axial(rows: Sequence[Sequence[Scalar]]) -> Vec:
+    """Return the same of entries that may be symbols."""
+    return ops.vector(rows[1][2] - rows[2][1], rows[2][0] - rows[0][2], rows[0][1] - rows[1][0])
+
+
+def _sum(numbers: Sequence[float] | Array, factors: Sequence[Scalar]) -> Scalar:
+    """Return a sum of numbers times factors, without those that are zero."""
+    total = ops.scalar(0.0)
+    for number, factor in zip(numbers, factors, strict=True):
+        if number:
+            total = total + float(number) * factor
+    return total
+
+
+def _sum_of(values: Sequence[Scalar], factors: Sequence[Scalar]) -> Scalar:
+    total = ops.scalar(0.0)
+    for value, factor in zip(values, factors, strict=True):
+        total = total + value * factor
+    return total
