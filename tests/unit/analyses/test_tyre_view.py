@@ -35,6 +35,12 @@ def test_table_and_key_figures(tmp_path):
     assert head[:4] == ["tyre", "sweep", "load [N]", "longitudinal_slip [1]"]
 
 
+def test_curves_outside_the_ranges_of_the_file_are_reported():
+    text = view_tyre(MF61, loads=[4e6]).as_text()
+    assert "outside its range: load 4e+06 to 4e+06 N of the curves, of " in text
+    assert "load" not in view_tyre(MF61, loads=[4e3]).as_text().partition("outside")[2]
+
+
 def test_figures(tmp_path):
     view_tyre(PAC, loads=[2e3, 4e3], plots=tmp_path)
     names = {p.name for p in tmp_path.glob("*.png")}

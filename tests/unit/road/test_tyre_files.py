@@ -89,6 +89,8 @@ def test_versions(write, fit, version):
         ({"PDX1": "nan"}, "PDX1: expected a number, found 'nan'"),
         ({"FNOMIN": -1}, "FNOMIN: must be above zero"),
         ({"PKY2": 0}, "PKY2: must not be zero"),
+        ({"PDY1": -0.9}, "PDY1: must be above zero"),
+        ({"PKY1": 21.9}, "PKY1: is positive with PKY2: side forces would push the wheel aside"),
     ],
 )
 def test_problems_are_named_with_their_line(write, change, words):

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from vehicledyn.base.errors import InputError
 from vehicledyn.results.tables.tyre_table import COLUMNS, TyreTable, write_tyre
+from vehicledyn.road.tyre_files.tyre_file import Range
 from vehicledyn.road.tyres.file_tyre import FileTyre
 from vehicledyn.road.tyres.tyre import Tyre, TyreInput
 from vehicledyn.road.tyres.tyre_of_file import TyreOfFile
@@ -52,6 +53,7 @@ class TyreReport:
             for row in fact["loads"]:
                 cells = ("-" if row[n] is None else f"{row[n]:.5g}" for n in _HEADS)
                 lines.append("  " + "".join(f"{cell:>20}" for cell in cells))
+            lines += [f"  outside its range: {text}" for text in fact["outside"]]
         lines += [f"written to {place}" for place in (self.output, self.plots) if place]
         return "\n".join(lines)
 
@@ -159,9 +161,24 @@ def _facts(tyre: FileTyre, table: TyreTable) -> dict[str, Any]:
         "side": content.side,
         "given": len(content.given),
         "unknown": list(content.unknown),
+        "outside": _outside(content.ranges, table),
         "ranges": {n: (r.lowest, r.highest, r.unit) for n, r in content.ranges.items()},
         "loads": [_key_figures(tyre, table, load) for load in table.loads],
     }
+
+
+def _outside(ranges: Mapping[str, Range], table: TyreTable) -> list[str]:
+    """Return which quantities of the curves lie outside the ranges of the file."""
+    found = []
+    for name in ("load", "longitudinal_slip", "slip_angle", "camber"):
+        values = np.concatenate([sweep[name] for sweep in table.sweeps.values()])
+        low, high = float(values.min()), float(values.max())
+        known = ranges.get(name)
+        if known is not None and (low < known.lowest or high > known.highest):
+            unit = "" if known.unit == "1" else f" {known.unit}"
+            words = f"{name} {low:.4g} to {high:.4g}{unit} of the curves"
+            found.append(f"{words}, of {known.lowest:.4g} to {known.highest:.4g}{unit} of the file")
+    return found
 
 
 def _key_figures(tyre: FileTyre, table: TyreTable, load: float) -> dict[str, float | None]:

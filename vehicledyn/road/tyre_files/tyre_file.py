@@ -19,8 +19,11 @@ VERSIONS = {5: "5.2", 6: "5.2", 21: "5.2", 51: "5.2", 52: "5.2", 60: "6.1", 61: 
 
 _FORMATS = {"PAC2002": "pac2002", "MF_05": "pac2002"}
 _SIDES = ("LEFT", "RIGHT", "SYMMETRIC", "UNKNOWN")
-_POSITIVE = ("FNOMIN", "UNLOADED_RADIUS", "LONGVL", "NOMPRES", "INFLPRES", "IP", "IP_NOM", "LFZO")
-_NOT_ZERO = ("PCX1", "PDX1", "PKX1", "PCY1", "PDY1", "PKY1", "PKY2")
+_POSITIVE = (
+    *("FNOMIN", "UNLOADED_RADIUS", "LONGVL", "NOMPRES", "INFLPRES", "IP", "IP_NOM", "LFZO"),
+    *("PCX1", "PDX1", "PKX1", "PCY1", "PDY1"),
+)
+_NOT_ZERO = ("PKY1", "PKY2")
 _RANGES = {
     "load": ("FZMIN", "FZMAX", "N"),
     "longitudinal_slip": ("KPUMIN", "KPUMAX", "1"),
@@ -213,6 +216,9 @@ def _check(
     for name in _NOT_ZERO:
         if values.get(name) == 0.0:
             problems.append(_at(entries, source, name, "must not be zero"))
+    if values.get("PKY1", -1.0) * values.get("PKY2", 1.0) > 0.0:
+        words = "is positive with PKY2: side forces would push the wheel aside; change its sign"
+        problems.append(_at(entries, source, "PKY1", words))
     for low, high, _ in _RANGES.values():
         if low in values and high in values and values[low] >= values[high]:
             words = f"the range is turned round: {low} {values[low]:g}, {high} {values[high]:g}"
