@@ -17,7 +17,8 @@ class Accuracy:
     worst key figure or channel, ``worst``, as a part of its size; ``step`` the one to take instead
     [s], None where the present one will do or no shorter one is known to; ``extra_steps`` were
     taken to find out. ``finest`` is the shortest step that was tried where even that does not
-    settle the figure [s].
+    settle the figure [s]. ``failure`` says why a run with half the step cannot go on, where no
+    step is known that can.
     """
 
     verdict: str
@@ -26,12 +27,15 @@ class Accuracy:
     step: float | None = None
     extra_steps: int = 0
     finest: float | None = None
+    failure: str = ""
 
     @property
     def warning(self) -> str:
         """A sentence for a person; empty for an accurate run."""
         if self.verdict == "accurate":
             return ""
+        if self.failure:
+            return f"the result depends on the step: with half of it the run fails, {self.failure}"
         advice = "" if self.step is None else f"; take a step of {self.step * 1e3:.4g} ms"
         if not self.worst:
             return f"the run ends early only because its step is too long{advice}"

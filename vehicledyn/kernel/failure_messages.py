@@ -13,7 +13,7 @@ _SINGULAR: dict[BlockKind, str] = {
 }
 _UNSOLVED: dict[BlockKind, str] = {
     "loop": "the loop cannot close here",
-    "contact": "no point of contact is found here",
+    "contact": "no point of contact is found here (is the ground curved more than the wheel?)",
     "force": "no force of the constraint fits the friction that it brings about",
 }
 

@@ -7,6 +7,7 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from vehicledyn.symbolic import ops
 from vehicledyn.symbolic.tables import Array, CurveTable
@@ -75,6 +76,14 @@ class BicubicGrid:
         place[axis] += 0.5
         x, y = np.array([self.x, self.y]) + self.step * place
         return float(rises.max()) / self.step, float(x), float(y)
+
+    def covers(self, x: Array, y: Array) -> NDArray[np.bool_]:
+        """Return whether places lie on the grid."""
+        far_x, far_y = (
+            first + self.step * (count - 1)
+            for first, count in zip((self.x, self.y), self.values.shape, strict=True)
+        )
+        return np.asarray((x >= self.x) & (x <= far_x) & (y >= self.y) & (y <= far_y))
 
     def value(self, x: Any, y: Any) -> Any:
         """Return the height at a place."""

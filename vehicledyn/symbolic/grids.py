@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -13,11 +13,30 @@ from vehicledyn.symbolic import ops
 from vehicledyn.symbolic.tables import Array, CurveTable
 
 
+class _Cell(NamedTuple):
+    """A cell across the grid: number, right edge, width, and the widths of its neighbours."""
+
+    column: Any
+    low: Any
+    width: Any
+    before: Any
+    after: Any
+
+
+class _Kink(NamedTuple):
+    """The nearest v: the column beyond it, whether it is the left one, and how near it is [m]."""
+
+    column: Any
+    is_left: Any
+    rest: Any
+
+
 @dataclass(frozen=True, eq=False)
 class GridTable:
     """A surface z(u, v) through values at equal steps of u and growing places v.
 
-    Beyond the grid it keeps the value at its edge. Across the grid, between two v, it is linear.
+    Beyond the grid it keeps the value at its edge. Across the grid, between two v, it is linear;
+    near each v it may be rounded by a parabola, the mean of the straight lines over some width.
     The methods take and return floats or expressions.
 
     Parameters
@@ -33,6 +52,8 @@ class GridTable:
     smooth
         Whether the curves along u are cubics with continuous slope that keep the shape of the
         values, or straight lines from value to value.
+    rounding
+        Half of the width that is rounded at each v [as v]; at most a quarter of the narrowest cell.
     """
 
     name: str
@@ -41,13 +62,27 @@ class GridTable:
     v: Array
     values: Array
     smooth: bool = True
+    rounding: float = 0.0
+
+    @cached_property
+    def _radius(self) -> float:
+        return min(self.rounding, 0.25 * float(np.diff(self.v).min()))
+
+    @cached_property
+    def _sections(self) -> tuple[Array, Array]:
+        """Places across and values; of a rounded surface with a level cell beyond each edge."""
+        if not self.rounding:
+            return self.v, self.values
+        right, left = 2.0 * self.v[0] - self.v[1], 2.0 * self.v[-1] - self.v[-2]
+        values = np.column_stack([self.values[:, 0], self.values, self.values[:, -1]])
+        return np.array([right, *self.v, left]), values
 
     @cached_property
     def _columns(self) -> CurveTable:
         """All curves along u, one after the other; each ends with a level cell."""
         count = len(self.values)
         pieces = []
-        for column in self.values.T:
+        for column in self._sections[1].T:
             rises = np.diff(column)
             slopes = rises
             curve = [column[:-1], rises]
@@ -63,55 +98,97 @@ class GridTable:
     @cached_property
     def _across(self) -> CurveTable | None:
         """Number of the cell at a place v, for places at equal distances; None for others."""
-        steps = np.diff(self.v)
+        v = self._sections[0]
+        steps = np.diff(v)
         if np.ptp(steps) > 1e-9 * steps[0]:
             return None
         numbers = np.arange(len(steps), dtype=float)
-        step = float(self.v[-1] - self.v[0]) / len(steps)
+        step = float(v[-1] - v[0]) / len(steps)
         rows = np.column_stack([numbers, np.zeros_like(numbers)])
-        return CurveTable(f"{self.name}: sections", float(self.v[0]), step, rows)
+        return CurveTable(f"{self.name}: sections", float(v[0]), step, rows)
 
     def value(self, u: Any, v: Any) -> Any:
         """Return the height at a place."""
-        place, column, share, _, _ = self._place(u, v)
-        low, high = (self._columns.value(place + n) for n in self._pair(column))
-        return low + share * (high - low)
+        place, _ = self._along(u)
+        cell, share, _ = self._across_at(v)
+        low, high = (self._value(place, column) for column in (cell.column, cell.column + 1.0))
+        found = low + share * (high - low)
+        if not self.rounding:
+            return found
+        near = self._kink(v, cell)
+        bend = self._bend(near, cell, low, high, self._value(place, near.column))
+        return found + bend * near.rest * near.rest / (4.0 * self._radius)
 
     def slopes(self, u: Any, v: Any) -> tuple[Any, Any]:
         """Return the slopes along u and v."""
-        place, column, share, into_u, into_v = self._place(u, v)
-        pair = self._pair(column)
-        low, high = (self._columns.value(place + n) for n in pair)
-        low_slope, high_slope = (self._columns.slope(place + n) for n in pair)
-        along = (low_slope + share * (high_slope - low_slope)) * into_u
-        return along, (high - low) * into_v
+        place, into_u = self._along(u)
+        cell, share, into_v = self._across_at(v)
+        both = cell.column, cell.column + 1.0
+        low, high = (self._value(place, column) for column in both)
+        low_slope, high_slope = (self._slope(place, column) for column in both)
+        along, across = low_slope + share * (high_slope - low_slope), (high - low) * into_v
+        if self.rounding:
+            near, r = self._kink(v, cell), self._radius
+            bend = self._bend(near, cell, low, high, self._value(place, near.column))
+            across = across + bend * ops.where(near.is_left, near.rest, -near.rest) / (2.0 * r)
+            bend = self._bend(near, cell, low_slope, high_slope, self._slope(place, near.column))
+            along = along + bend * near.rest * near.rest / (4.0 * r)
+        return along * into_u, across
 
-    def _pair(self, column: Any) -> tuple[Any, Any]:
-        count = float(len(self.values))
-        return column * count, column * count + count
+    def _value(self, place: Any, column: Any) -> Any:
+        return self._columns.value(place + column * float(len(self.values)))
 
-    def _place(self, u: Any, v: Any) -> tuple[Any, Any, Any, Any, Any]:
-        """Return place along, number of the cell, share across, and their rates by u and v."""
+    def _slope(self, place: Any, column: Any) -> Any:
+        return self._columns.slope(place + column * float(len(self.values)))
+
+    def _along(self, u: Any) -> tuple[Any, Any]:
+        """Return the place along the grid in steps, and its rate by u."""
         last = float(len(self.values) - 1)
         raw = (u - self.start) / self.step
         place = ops.minimum(ops.maximum(raw, 0.0), last)
-        inside_u = ops.where(ops.logic_and(raw >= 0.0, raw < last), 1.0 / self.step, 0.0)
-        right, left = float(self.v[0]), float(self.v[-1])
-        inside_v = ops.where(ops.logic_and(v >= right, v < left), 1.0, 0.0)
-        held = ops.minimum(ops.maximum(v, right), left)
-        column, low, width = self._section(held)
-        return place, column, (held - low) / width, inside_u, inside_v / width
+        return place, ops.where(ops.logic_and(raw >= 0.0, raw < last), 1.0 / self.step, 0.0)
 
-    def _section(self, v: Any) -> tuple[Any, Any, Any]:
-        """Return number, right edge and width of the cell at a place v between the edges."""
+    def _across_at(self, v: Any) -> tuple[_Cell, Any, Any]:
+        """Return the cell across, the share of its left edge, and the rate of that by v."""
+        places = self._sections[0]
+        right, left = float(places[0]), float(places[-1])
+        inside = ops.where(ops.logic_and(v >= right, v < left), 1.0, 0.0)
+        held = ops.minimum(ops.maximum(v, right), left)
+        cell = self._cell(held)
+        return cell, (held - cell.low) / cell.width, inside / cell.width
+
+    def _kink(self, v: Any, cell: _Cell) -> _Kink:
+        """Return the v whose rounding a place may be in."""
+        places, r = self._sections[0], self._radius
+        held = ops.minimum(ops.maximum(v, float(places[0])), float(places[-1]))
+        is_left = held - cell.low > 0.5 * cell.width
+        far = ops.where(is_left, cell.low + cell.width - held, held - cell.low)
+        beyond = ops.where(is_left, cell.column + 2.0, cell.column - 1.0)
+        most = float(len(places) - 1)
+        column = ops.minimum(ops.maximum(beyond, 0.0), most)
+        return _Kink(column, is_left, ops.maximum(r - far, 0.0))
+
+    def _bend(self, near: _Kink, cell: _Cell, low: Any, high: Any, beyond: Any) -> Any:
+        """Return how much the slope across changes at the nearest v, from right to left."""
+        own = (high - low) / cell.width
+        return ops.where(
+            near.is_left, (beyond - high) / cell.after - own, own - (low - beyond) / cell.before
+        )
+
+    def _cell(self, v: Any) -> _Cell:
+        """Return the cell at a place v between the edges."""
+        places = self._sections[0]
         if self._across is not None:
-            column = self._across.value(v)
-            width = self._across.step
-            return column, float(self.v[0]) + column * width, width
-        column, low, width = 0.0, float(self.v[0]), float(self.v[1] - self.v[0])
-        for index in range(1, len(self.v) - 1):
-            edge, wide = float(self.v[index]), float(self.v[index + 1] - self.v[index])
-            beyond = v >= edge
-            column = ops.where(beyond, float(index), column)
-            low, width = ops.where(beyond, edge, low), ops.where(beyond, wide, width)
-        return column, low, width
+            column, width = self._across.value(v), self._across.step
+            return _Cell(column, float(places[0]) + column * width, width, width, width)
+        widths = np.diff(places)
+        cells = [
+            _Cell(float(k), float(places[k]), float(widths[k]), float(widths[max(k - 1, 0)]),
+                  float(widths[min(k + 1, len(widths) - 1)]))
+            for k in range(len(widths))
+        ]  # fmt: skip
+        found = cells[0]
+        for cell in cells[1:]:
+            beyond = v >= cell.low
+            found = _Cell(*(ops.where(beyond, a, b) for a, b in zip(cell, found, strict=True)))
+        return found

@@ -289,3 +289,8 @@ def test_pieces_are_judged_by_the_worst():
     good, bad = Accuracy("accurate", 0.9, "a"), Accuracy("inaccurate", 0.1, "b", 0.01, 5)
     assert worst_of([None, good, bad]) == bad
     assert worst_of([None]) is None
+
+
+def test_a_run_that_fails_with_half_its_step_says_so():
+    found = Accuracy("inaccurate", np.inf, "'a'", failure="the loop cannot close here")
+    assert "with half of it the run fails, the loop cannot close here" in found.warning

@@ -6,6 +6,7 @@ import pytest
 from vehicledyn.base.errors import InputError
 from vehicledyn.road.ground.ascii_grid import read_ascii_grid
 from vehicledyn.road.ground.mesh_grid import grid_of_mesh
+from vehicledyn.road.surfaces.heightfield import Heightfield
 from vehicledyn.symbolic.bicubic_grids import BicubicGrid
 
 HEAD = "ncols 3\nnrows 2\nxllcorner 1\nyllcorner 2\ncellsize 2\n"
@@ -105,3 +106,14 @@ def test_wrong_meshes_are_refused(tmp_path, text, words):
     file.write_text(text)
     with pytest.raises(InputError, match=words):
         grid_of_mesh(file, 1.0)
+
+
+def test_places_beside_the_data_are_known(tmp_path):
+    file = tmp_path / "g.asc"
+    file.write_text(HEAD + "1 2 3\n4 5 6\n", encoding="utf-8")
+    road = Heightfield(file=str(file), x=10.0)
+    x, y, step, heights = read_ascii_grid(file)
+    far = 10.0 + x + step * (heights.shape[0] - 1)
+    places = np.array([10.0 + x, far, far + 0.01, 10.0 + x - 0.01])
+    assert road.covers(places, np.full(4, y)).tolist() == [True, True, False, False]
+    assert not road.covers(places, np.full(4, y - 0.01)).any()

@@ -201,3 +201,11 @@ def test_missing_heights_may_be_signalling_nan(tmp_path):
     assert quiet in content
     path = written(tmp_path, content.replace(quiet, signalling))
     assert np.isnan(CrgRoad.read(path, modifiers={}).height(3.0, -0.5))
+
+
+def test_places_beside_the_grid_are_known(tmp_path):
+    found = road(tmp_path)
+    inside, stop, left = found.line.start + 0.5, found.line.stop, found.edges[1]
+    u = np.array([inside, stop + 0.1, found.line.start - 0.1, inside])
+    x, y = found.place(u, np.array([0.0, 0.0, 0.0, left + 0.1]))
+    assert found.covers(x, y).tolist() == [True, False, False, False]

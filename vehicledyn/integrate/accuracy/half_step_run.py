@@ -35,24 +35,29 @@ Samples = list[tuple[Vector, Vector]]
 class Moved:
     """How far half the step leads: error of the worst figure or channel, and steps it took.
 
-    ``goes_on`` says that half the step does not end where the run ended.
+    ``goes_on`` says that half the step does not end where the run ended, ``failure`` why a run
+    with half the step cannot go on.
     """
 
     error: float
     worst: str
     extra_steps: int
     goes_on: bool = False
+    failure: str = ""
 
 
 @dataclass
 class Again:
-    """A part of a run taken again: ranges of its channels, and samples where they are wanted."""
+    """A part of a run taken again: ranges of its channels, and samples where they are wanted.
+
+    ``failure`` says why it could not be taken to its end.
+    """
 
     ranges: Ranges
     samples: Samples = field(default_factory=list)
     steps: int = 0
     got_through: bool = False
-    failed: bool = False
+    failure: str = ""
 
 
 def look_again(
@@ -91,7 +96,7 @@ def _all_again(watch: WatchedRun, better: Way, *, ended_early: bool) -> Moved:
         return Moved(np.inf, "", half.steps, goes_on=True)
     own = Again(watch.ranges, watch.history or [])
     error, name = apart(watch, own, half)
-    return Moved(_richardson(watch, better) * error, name, half.steps)
+    return Moved(_richardson(watch, better) * error, name, half.steps, failure=half.failure)
 
 
 def _part_again(
@@ -111,7 +116,8 @@ def _part_again(
     usual = errors.mean(axis=0)
     if usual.max() > factor * error:
         error, name = float(usual.max()) / factor, f"'{watch.names[int(np.argmax(usual))]}'"
-    return Moved(factor * error, name, own.steps + half.steps)
+    failure = "" if own.failure else half.failure
+    return Moved(factor * error, name, own.steps + half.steps, failure=failure)
 
 
 def _known_part(watch: WatchedRun, place: WindowStart, count: int) -> Again | None:
@@ -185,8 +191,8 @@ def taken_again(watch: WatchedRun, place: WindowStart, count: int, way: Way) -> 
         try:
             done = watch.rerun(place, watch.grid.interval, count, way, take)
             again.got_through, again.steps = done.ended_by is None, done.steps
-        except NumericalError:
-            again.failed = True
+        except NumericalError as error:
+            again.failure = str(error)
     return again
 
 
@@ -196,7 +202,7 @@ def apart(watch: WatchedRun, own: Again, other: Again) -> tuple[float, str]:
     The balance of the energy counts as one.
     """
     make = watch.judged.figures
-    if make is None or watch.history is None or own.failed or other.failed:
+    if make is None or watch.history is None or own.failure or other.failure:
         return _ranges_apart(watch, own, other)
     with np.errstate(all="ignore"):
         samples = [_joined(again.samples) for again in (own, other)]
@@ -245,7 +251,7 @@ def _joined(samples: Samples) -> tuple[Vector, Vector]:
 
 def _ranges_apart(watch: WatchedRun, own: Again, other: Again) -> tuple[float, str]:
     """Return the error of the worst channel's extremes and mean."""
-    if own.failed or other.failed:
+    if own.failure or other.failure:
         return np.inf, f"'{watch.names[0]}'"
     distance = own.ranges.distance(other.ranges, watch.ranges.scales())
     worst = int(np.argmax(distance))

@@ -67,6 +67,8 @@ def recommended_step(watch: WatchedRun, moved: Moved) -> Advice:
         return Advice(tried.settled, tried.spent)
     if tried.is_hopeless:
         return Advice(None, tried.spent, tried.finest)
+    if moved.failure:
+        return Advice(None, tried.spent)
     if foretold is not None and not tried.errors:
         return Advice(foretold, tried.spent)
     stable = watch.stable_step()

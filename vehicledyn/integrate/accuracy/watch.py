@@ -101,6 +101,7 @@ class AccuracyWatch(WatchedRun):
             advice.step,
             spent + advice.extra_steps,
             advice.finest,
+            "" if advice.step is not None else moved.failure,
         )
 
     def _diverged(self, errors: Vector) -> bool:

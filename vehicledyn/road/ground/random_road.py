@@ -19,6 +19,9 @@ REFERENCE_FREQUENCY = 0.1
 LOWEST, HIGHEST = 0.011, 2.83
 """Range of spatial frequencies in which the classes hold [1/m]."""
 
+ROUNDING = 0.05
+"""Half of the width over which the edges of the tracks are rounded [m]."""
+
 _STEP = 0.05
 _REPEAT = 4.0 / LOWEST
 _STREAMS = (8608, 1), (8608, 2)
@@ -125,4 +128,4 @@ def ground(road: RandomRoad) -> GridTable:
         share = np.clip(np.minimum(along, along[-1] - along) / road.fade, 0.0, 1.0)
         heights = heights * (share**3 * (10.0 + share * (6.0 * share - 15.0)))[:, None]
     sides = np.array([-0.5 * road.track, 0.5 * road.track])
-    return GridTable("road", road.start, _STEP, sides, heights)
+    return GridTable("road", road.start, _STEP, sides, heights, rounding=ROUNDING)

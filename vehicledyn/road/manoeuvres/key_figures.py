@@ -6,6 +6,7 @@ import math
 from typing import TYPE_CHECKING
 
 from vehicledyn.road.manoeuvres.channel_recorder import Recording, Rows
+from vehicledyn.road.manoeuvres.road_data import RoadDataWatch
 from vehicledyn.road.manoeuvres.tyre_ranges import RangeWatch
 
 if TYPE_CHECKING:
@@ -31,7 +32,9 @@ def channels(vehicle: RoadVehicle) -> list[str]:
     ]
     body = [_SPEED, _LEFTWARD, _LATERAL, _SIDESLIP]
     needed = [*pose, vehicle.rack, *body, _GAP, _OPENING, *wheels]
-    return list(dict.fromkeys([*needed, *RangeWatch(vehicle).channels]))
+    return list(
+        dict.fromkeys([*needed, *RangeWatch(vehicle).channels, *RoadDataWatch(vehicle).channels])
+    )
 
 
 def outline_scene(vehicle: RoadVehicle) -> dict[str, SceneItem]:
@@ -49,10 +52,11 @@ def summarise(recording: Recording, vehicle: RoadVehicle) -> list[SummaryEntry]:
     """Return peaks of acceleration, angles and slip, smallest load, speed and loop errors."""
     from vehicledyn.results.store.layout import SummaryEntry
 
-    found, ranges = _Extremes(vehicle), RangeWatch(vehicle)
+    found, ranges, ground = _Extremes(vehicle), RangeWatch(vehicle), RoadDataWatch(vehicle)
     for block in recording.blocks(_read(vehicle)):
         found.take(block)
         ranges.take(block)
+        ground.take(block)
     peaks = {name: abs(extreme.value) for name, extreme in found.peaks.items()}
     wheel = min(found.loads, key=lambda name: found.loads[name].value)
     load = found.loads[wheel].value
@@ -74,6 +78,7 @@ def summarise(recording: Recording, vehicle: RoadVehicle) -> list[SummaryEntry]:
         entry("largest_loop_gap", peaks[_GAP], "m", "Largest position error of a loop"),
         entry("largest_loop_speed", peaks[_OPENING], "m/s", "Largest velocity error of a loop"),
         *ranges.entries(),
+        *ground.entries(),
     ]  # fmt: skip
     return [entry for entry in entries if _is_usable(entry)]
 

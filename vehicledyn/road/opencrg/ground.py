@@ -17,6 +17,9 @@ from vehicledyn.symbolic import ops
 from vehicledyn.symbolic.grids import GridTable
 from vehicledyn.symbolic.tables import CurveTable
 
+ROUNDING = 0.05
+"""Half of the width over which the kinks at long sections are rounded [m]."""
+
 _STEPS = 4
 _FINEST_CELL = 1.0
 _MOST_CELLS = 500_000
@@ -58,7 +61,9 @@ class CrgGround:
             raise InputError(
                 "the road has gaps (missing heights); close them with the modifier grid_nan_mode"
             )
-        return GridTable("road", road.line.start, road.line.step, road.v, heights, self.smooth)
+        rounding = ROUNDING if self.smooth else 0.0
+        start, step = road.line.start, road.line.step
+        return GridTable("road", start, step, road.v, heights, self.smooth, rounding)
 
     @cached_property
     def _curve(self) -> tuple[CurveTable, CurveTable]:

@@ -142,6 +142,17 @@ class CrgRoad:
         height = self._beyond(height, beyond_u, beyond_v)
         return self._smoothed(height, along)
 
+    def covers(self, x: Array | float, y: Array | float) -> Flags:
+        """Return whether places [m] lie on the grid, or where its borders repeat it."""
+        u, v = self.road_place(x, y)
+        goes_on = (Border.REPEAT, Border.REFLECT)
+        (right, left), of = self.edges, self.borders
+        along = (u >= self.line.start) & (u <= self.line.stop)
+        along |= np.bool_(self.line.closed or of.u in goes_on)
+        across = (v >= right) & (v <= left)
+        across |= np.bool_(of.v in goes_on)
+        return np.asarray(along & across)
+
     def height_at(self, x: Array | float, y: Array | float) -> Array:
         """Return heights [m] of places in the world [m]; NaN where the road has none."""
         return self.height(*self.road_place(x, y))

@@ -3,15 +3,18 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, ClassVar
 
 from vehicledyn.base.parameters import quantity
 from vehicledyn.base.registry import register
 from vehicledyn.road.surfaces.file_surface import FileSurface
-from vehicledyn.road.surfaces.surface import SteepPlace
+from vehicledyn.road.surfaces.surface import Array, SteepPlace
 from vehicledyn.symbolic.ops import Scalar
 
 if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
     from vehicledyn.symbolic.bicubic_grids import BicubicGrid
 
 
@@ -22,6 +25,8 @@ class Heightfield(FileSurface):
     Between the nodes by bicubic convolution, with continuous slope; beyond the grid the height
     of its edge goes on. The file's own x and y are those of the world, x forward, y to the left.
     """
+
+    has_end: ClassVar[bool] = True
 
     x: float = quantity("m", "World x of the file's x = 0", default=0.0)
     y: float = quantity("m", "World y of the file's y = 0", default=0.0)
@@ -36,6 +41,11 @@ class Heightfield(FileSurface):
         """Return the slopes along x and y [1]."""
         along, across = self.ground().slopes(x - self.x, y - self.y)
         return self.scale * along, self.scale * across
+
+    def covers(self, x: Array, y: Array) -> NDArray[np.bool_]:
+        """Return whether places lie on the grid."""
+        found: NDArray[np.bool_] = self.ground().covers(x - self.x, y - self.y)
+        return found
 
     def steepest(self) -> SteepPlace:
         """Return the steepest place between neighbouring nodes."""

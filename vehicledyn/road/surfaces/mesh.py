@@ -8,10 +8,13 @@ from typing import TYPE_CHECKING, ClassVar
 from vehicledyn.base.parameters import quantity
 from vehicledyn.base.registry import register
 from vehicledyn.road.surfaces.file_surface import FileSurface
-from vehicledyn.road.surfaces.surface import SteepPlace
+from vehicledyn.road.surfaces.surface import Array, SteepPlace
 from vehicledyn.symbolic.ops import Scalar
 
 if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
     from vehicledyn.symbolic.bicubic_grids import BicubicGrid
 
 
@@ -25,6 +28,7 @@ class Mesh(FileSurface):
     """
 
     in_equations: ClassVar[bool] = True
+    has_end: ClassVar[bool] = True
 
     cell: float = quantity("m", "Distance of the nodes of the grid", default=0.05, gt=0)
     x: float = quantity("m", "World x of the file's x = 0", default=0.0)
@@ -39,6 +43,11 @@ class Mesh(FileSurface):
         """Return the slopes along x and y [1]."""
         along, across = self.ground().slopes(x - self.x, y - self.y)
         return along, across
+
+    def covers(self, x: Array, y: Array) -> NDArray[np.bool_]:
+        """Return whether places lie on the grid."""
+        found: NDArray[np.bool_] = self.ground().covers(x - self.x, y - self.y)
+        return found
 
     def steepest(self) -> SteepPlace:
         """Return the steepest place between neighbouring nodes."""

@@ -3,16 +3,20 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, ClassVar, Literal
 
 from pydantic import Field
 
 from vehicledyn.base.errors import InputError
 from vehicledyn.base.registry import register
 from vehicledyn.road.surfaces.file_surface import FileSurface
+from vehicledyn.road.surfaces.surface import Array
 from vehicledyn.symbolic.ops import Scalar
 
 if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
     from vehicledyn.road.opencrg.ground import CrgGround
 
 
@@ -23,6 +27,8 @@ class OpenCrgRoad(FileSurface):
     Heights between cross sections and long sections follow the file's grid; beyond it the last
     height goes on. A curved reference line is smoothed within the file's increment.
     """
+
+    has_end: ClassVar[bool] = True
 
     origin: Literal["reference_line", "file"] = Field(
         default="reference_line",
@@ -43,6 +49,11 @@ class OpenCrgRoad(FileSurface):
         """Return the slopes along x and y [1]."""
         along, across = self.ground().gradient(x, y)
         return along, across
+
+    def covers(self, x: Array, y: Array) -> NDArray[np.bool_]:
+        """Return whether places lie on the grid, or where its borders repeat it."""
+        found: NDArray[np.bool_] = self.ground().road.covers(x, y)
+        return found
 
     def settings(self) -> tuple[str, str]:
         """Return where the world begins, and the interpolation."""

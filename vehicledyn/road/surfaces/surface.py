@@ -6,11 +6,16 @@ from abc import abstractmethod
 from pathlib import Path
 from typing import ClassVar, NamedTuple
 
+import numpy as np
+from numpy.typing import NDArray
+
 from vehicledyn.base.parameters import ParameterSet, part
 from vehicledyn.road.patches.patch import FrictionPatch, friction_at
 from vehicledyn.road.soils.soil import Soil
 from vehicledyn.symbolic import ops
 from vehicledyn.symbolic.ops import Scalar, Vec
+
+Array = NDArray[np.float64]
 
 
 class SteepPlace(NamedTuple):
@@ -25,10 +30,12 @@ class RoadSurface(ParameterSet):
     """Ground z = height(x, y); every surface of the catalogue derives from it.
 
     ``is_flat`` says that the ground is one plane, so that the contact point of a wheel has
-    a closed form; otherwise it is found by Newton's method together with the loops.
+    a closed form; otherwise it is found by Newton's method together with the loops. ``has_end``
+    says that it comes from data of a part of the ground, see :meth:`covers`.
     """
 
     is_flat: ClassVar[bool] = False
+    has_end: ClassVar[bool] = False
 
     patches: list[FrictionPatch] = part(
         "patch", "Patches of other friction; where they overlap the last one counts", default=[]
@@ -53,6 +60,10 @@ class RoadSurface(ParameterSet):
     def steepest(self) -> SteepPlace | None:
         """Return the steepest place of ground that comes from a file; None for other ground."""
         return None
+
+    def covers(self, x: Array, y: Array) -> NDArray[np.bool_]:
+        """Return whether there are data at places [m, m] of the world, shape (n,)."""
+        return np.ones(np.shape(x), dtype=bool)
 
     def friction(self, x: Scalar, y: Scalar) -> Scalar:
         """Return the friction at a place over that of the tyres' own road [1]."""
