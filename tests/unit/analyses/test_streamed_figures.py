@@ -11,6 +11,7 @@ from vehicledyn.road.drivers.driver import Driver
 from vehicledyn.road.manoeuvres import channel_recorder, key_figures
 from vehicledyn.road.manoeuvres.channel_recorder import Recording
 from vehicledyn.road.manoeuvres.kinds.slalom import Slalom
+from vehicledyn.road.surfaces.flat import Flat
 
 COUNT = 1000
 TIME = np.sort(np.append(np.linspace(0.0, 5.0, COUNT - 2), [1.3, 1.3]))  # an event's two samples
@@ -18,6 +19,7 @@ VEHICLE = SimpleNamespace(
     chassis="body",
     rack="rack",
     system=SimpleNamespace(parts=()),
+    surface=Flat(),
     corners=[SimpleNamespace(name="left"), SimpleNamespace(name="right")],
     outline=[(2.0, 1.0), (-2.0, 1.0), (-2.0, -1.0), (2.0, -1.0)],
 )

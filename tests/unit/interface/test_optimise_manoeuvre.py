@@ -191,6 +191,7 @@ def test_what_cannot_be_done_in_time_fails_and_is_kept(tmp_path):
     kept = vd.open_result(tmp_path / "out.h5")
     assert (kept.status, kept.is_whole) == ("failed", False)
     assert "cannot all be kept" in kept.status_message
+    assert np.isnan(kept["state_simulated"].values).all()
 
 
 def test_a_stopped_search_goes_on_from_its_last_iterate(tmp_path):

@@ -7,6 +7,7 @@ import pytest
 
 from vehicledyn.road.manoeuvres.channel_recorder import Recording
 from vehicledyn.road.manoeuvres.key_figures import channels, summarise
+from vehicledyn.road.surfaces.flat import Flat
 
 
 @pytest.mark.parametrize("angle", ["roll", "pitch"])
@@ -18,6 +19,7 @@ def test_first_sample_beyond_a_right_angle_is_named(angle, sign):
         rack="rack",
         corners=[SimpleNamespace(name="wheel")],
         system=SimpleNamespace(parts=()),
+        surface=Flat(),
     )
     values = {name: np.zeros(21) for name in channels(vehicle)}
     assert rollovers(Recording(time, values), vehicle) == []

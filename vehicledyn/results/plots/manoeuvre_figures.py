@@ -26,9 +26,8 @@ def manoeuvre_figures(table: ManoeuvreTable) -> Iterator[tuple[str, Figure]]:
         _rows(table, [(q, [v]) for q, v in _pairs(table.controls, table.control_values)]),
     )
     moving = np.argsort(-np.ptp(table.state_values, axis=0), kind="stable")[:_MOST]
-    rows = [
-        (table.states[k], [table.state_values[:, k], table.simulated[:, k]]) for k in sorted(moving)
-    ]
+    found = [table.state_values, table.simulated] if table.is_checked else [table.state_values]
+    rows = [(table.states[k], [values[:, k] for values in found]) for k in sorted(moving)]
     if rows:
         yield "states", _rows(table, rows)
     if np.shape(table.path)[1]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -31,7 +32,7 @@ class ManoeuvreTable:
     difference over the range; ``path`` (n, 4): distance, offset, and the offsets of the right and
     left side of the corridor, no columns without a path; ``history`` (n_iterations, 2): objective
     and violation; ``mesh_errors`` those of the meshes one after the other. ``status`` is "ok" or
-    "failed".
+    "failed"; a failed one is not simulated: ``simulated`` and the errors are not a number.
     """
 
     title: str
@@ -56,6 +57,16 @@ class ManoeuvreTable:
     history: Any
     mesh_errors: Any
     notes: tuple[str, ...]
+
+    @property
+    def is_checked(self) -> bool:
+        """Whether the controls were simulated to the end."""
+        return math.isfinite(self.simulation_error)
+
+    @property
+    def check(self) -> str:
+        """How far the simulation is from the optimal motion, in words."""
+        return f"differs by {self.simulation_error:.2g} of the range at most"
 
 
 _HEAD = ("title", "model", "status", "message", "objective", "duration", "violation")
@@ -157,7 +168,7 @@ def describe_manoeuvre(table: ManoeuvreTable) -> dict[str, Any]:
         "status": f"{table.status} {table.message}".strip(),
         "duration": f"{table.duration:.6g} s",
         "objective": f"{table.objective:.6g}",
-        "simulated": f"differs by {table.simulation_error:.2g} of the range at most",
+        "simulated": table.check if table.is_checked else "no",
         "intervals": table.n_intervals,
         "controls": [f"{item.name} [{item.unit}]" for item in table.controls],
         "states": len(table.states),

@@ -20,7 +20,7 @@ LOWEST, HIGHEST = 0.011, 2.83
 """Range of spatial frequencies in which the classes hold [1/m]."""
 
 ROUNDING = 0.05
-"""Half of the width over which the edges of the tracks are rounded [m]."""
+"""Half of the width inside of each track over which the ground becomes level [m]."""
 
 _STEP = 0.05
 _REPEAT = 4.0 / LOWEST
@@ -127,5 +127,7 @@ def ground(road: RandomRoad) -> GridTable:
     if road.fade > 0.0:
         share = np.clip(np.minimum(along, along[-1] - along) / road.fade, 0.0, 1.0)
         heights = heights * (share**3 * (10.0 + share * (6.0 * share - 15.0)))[:, None]
-    sides = np.array([-0.5 * road.track, 0.5 * road.track])
-    return GridTable("road", road.start, _STEP, sides, heights, rounding=ROUNDING)
+    inset = min(ROUNDING, 0.1 * road.track)
+    side = 0.5 * road.track - inset
+    sides = np.array([-side, side])
+    return GridTable("road", road.start, _STEP, sides, heights, rounding=inset)

@@ -56,11 +56,9 @@ class ManoeuvreReport:
         for item, values in zip(table.controls, np.asarray(table.control_values).T, strict=True):
             low, high = (shown(float(v), item.unit) for v in (values.min(), values.max()))
             lines.append(f"  {item.name}: {low} to {high}")
-        worst = table.states[int(np.argmax(table.state_errors))].name if table.states else ""
-        lines.append(
-            f"  simulated under these controls it differs by {table.simulation_error:.2g} of the "
-            f"range at most ({worst})"
-        )
+        if table.is_checked:
+            worst = table.states[int(np.argmax(table.state_errors))].name if table.states else ""
+            lines.append(f"  simulated under these controls it {table.check} ({worst})")
         return "\n".join([*lines, *table.notes])
 
     def as_dict(self) -> dict[str, Any]:
@@ -184,12 +182,14 @@ class _Search:
     def table(self, solution: Solution, notes: list[str]) -> ManoeuvreTable:
         """Return all that was found, with the check by simulation."""
         trajectory, problem = solution.trajectory, self.manoeuvre.problem
-        self.progress("simulating the controls", None)
-        simulated = self._run_of(trajectory).free()
         states, e = trajectory.all_states, problem.equations
+        simulated = np.full_like(states, np.nan)
+        if not solution.failure:
+            self.progress("simulating the controls", None)
+            simulated = self._run_of(trajectory).free()
         errors = relative_errors(states, simulated, self.units)
         error = float(errors.max(initial=0.0))
-        if not np.isfinite(error):
+        if not np.isfinite(error) and not solution.failure:
             notes.append("warning: the simulation under the optimal controls failed")
         elif error > _TOO_FAR and not solution.failure:
             notes.append(
