@@ -210,6 +210,7 @@ def linearise(
     outputs: str | Iterable[str],
     *,
     order: int | None = None,
+    to: str | Iterable[str] | None = None,
     speed: float | str | None = None,
     set: Settings | None = None,
     progress: Progress = False,
@@ -225,6 +226,8 @@ def linearise(
         Names as for :func:`vehicledyn.response`.
     order
         States to keep, by balanced truncation; all if None.
+    to
+        Parameters that the matrices are differentiated by, by patterns; none if None.
     speed
         Speed such as "20 m/s", or a number [m/s]; the scenario's if None.
     set, settings, progress
@@ -234,7 +237,9 @@ def linearise(
     -------
     LinearModel
         ``system`` with ``a``, ``b``, ``c``, ``d`` in SI, names of ``states``, ``inputs`` and
-        ``outputs``; ``save(path)`` as .mat or .npz, ``to_control()``, ``as_text()``.
+        ``outputs``; ``save(path)`` as .mat or .npz, ``to_control()``, ``as_text()``. With ``to``
+        also ``parameters`` and ``slopes``, whose ``a``, ``b``, ``c``, ``d`` have the parameter as
+        their first axis.
 
     Raises
     ------
@@ -252,4 +257,5 @@ def linearise(
         speed=None if speed is None else speed_in_si(speed),
         order=order,
         progress=reporter(progress),
+        to=() if to is None else texts("to", to),
     )

@@ -34,8 +34,9 @@ def sensitivity(
         Path or name of a scenario or model, a System, or what :func:`vehicledyn.load` returned.
     of
         Key figures of the run, channels, or figures of channels such as ``max(chassis.roll)``;
-        or of the linearised model: ``eigenvalues``, ``critical_speed`` and coordinates of the
-        equilibrium, such as ``equilibrium.chassis.z``.
+        or of the linearised model: ``eigenvalues``, ``mode_shapes``, ``critical_speed`` and
+        coordinates of the equilibrium, such as ``equilibrium.chassis.z``; or of its frequency
+        responses, such as ``gain(chassis.roll, road, 1.5 Hz)`` and ``phase(...)``.
     to
         Parameters, by patterns such as ``parameters.front.*``, and start values of states, such
         as ``start.chassis.y``.
@@ -62,22 +63,25 @@ def sensitivity(
     from vehicledyn.analyses.sensitivity.linear import find_linear_sensitivity, is_linear
     from vehicledyn.analyses.sensitivity.motion import find_motion_sensitivity
     from vehicledyn.analyses.sensitivity.report import SensitivityReport
+    from vehicledyn.analyses.sensitivity.responses import find_response_sensitivity, is_response
     from vehicledyn.results.tables.sensitivity_table import write_sensitivity
 
     names, patterns, changes = texts("of", of), texts("to", to), override_texts(set, settings)
     linear = [is_linear(name) for name in names]
-    if any(linear) and not all(linear):
+    responses = [is_response(name) for name in names]
+    if len({*zip(linear, responses, strict=True)}) > 1:
         raise InputError(
-            "figures of the linearised model and of a run have results of their own; ask for "
-            "them one after the other"
+            "figures of the linearised model, of its responses and of a run have results of their "
+            "own; ask for them one after the other"
         )
-    if speed is not None and not any(linear):
+    if speed is not None and not (linear[0] or responses[0]):
         raise InputError("speed: is for linearised models; a run has the scenario's speed")
     with result_place(save_to, may_exist=overwrite) as place:
-        if any(linear):
+        if linear[0] or responses[0]:
             at = None if speed is None else speed_in_si(speed)
             target = read_target(scenario, changes)
-            table = find_linear_sensitivity(target, names, patterns, at, reporter(progress))
+            find = find_linear_sensitivity if linear[0] else find_response_sensitivity
+            table = find(target, names, patterns, at, reporter(progress))
         else:
             loaded = read_scenario(scenario, changes)
             table = find_motion_sensitivity(loaded, names, patterns, reporter(progress))

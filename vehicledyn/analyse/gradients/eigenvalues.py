@@ -145,7 +145,7 @@ class EigenDerivatives:
             ) from None
         rows = [
             self._slope(given, motions, lefts[k], vectors[:, k])
-            if _is_apart(values, k)
+            if is_apart(values, k)
             else np.full(n_x + len(point.parameters), np.nan + 0j)
             for k in which
         ]
@@ -224,7 +224,7 @@ class _Motions:
         return weights
 
 
-def _is_apart(values: Complex, k: int) -> bool:
+def is_apart(values: Complex, k: int) -> bool:
     """Return whether an eigenvalue is simple."""
     others = np.delete(values, k)
     size = max(1.0, float(np.max(np.abs(values), initial=0.0)))

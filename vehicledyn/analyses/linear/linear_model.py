@@ -4,14 +4,23 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from fnmatch import fnmatchcase
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from vehicledyn.analyse.gradients.state_space_slopes import StateSpaceSlopes
 from vehicledyn.analyse.state_space import StateSpace, proper, reduced
-from vehicledyn.analyses.linear.input_names import ModelInput
-from vehicledyn.analyses.linear.response import chosen_rows, linearise_with_inputs, transfer_system
+from vehicledyn.analyses.linear.input_names import ModelInput, hint
+from vehicledyn.analyses.linear.linear_inputs import PREFIX
+from vehicledyn.analyses.linear.linear_slopes import differentiable, matrix_slopes
+from vehicledyn.analyses.linear.response import (
+    Linearised,
+    chosen_rows,
+    linearise_with_inputs,
+    transfer_system,
+)
 from vehicledyn.analyses.preparation.prepared import Progress
 from vehicledyn.base.errors import InputError, MissingPartError
 from vehicledyn.base.files.whole_file import whole_file
@@ -28,6 +37,8 @@ class LinearModel:
     The states are those of the model, moved so that only the inputs themselves act. Where an
     output feels the rate or acceleration of an input directly, this is the input, and the input
     a state. Those of a reduced model have no names of their own.
+
+    ``slopes`` are derivatives of the matrices by ``parameters``, where they were asked for.
     """
 
     title: str
@@ -37,6 +48,8 @@ class LinearModel:
     outputs: tuple[Quantity, ...]
     speed: float
     full_order: int
+    parameters: tuple[Quantity, ...] = ()
+    slopes: StateSpaceSlopes | None = None
 
     @property
     def messages(self) -> tuple[str, ...]:
@@ -54,6 +67,8 @@ class LinearModel:
                 lines.append(f"  eigenvalue  {value.real:+.6g} {value.imag:+.6g}i 1/s")
         if order < self.full_order:
             lines.append(f"  gains differ from the full model's by at most {self.system.error:.3g}")
+        if self.slopes is not None:
+            lines.append(f"  derivatives of A, B, C and D by {len(self.parameters)} parameters")
         return "\n".join(lines)
 
     def as_dict(self) -> dict[str, Any]:
@@ -61,7 +76,7 @@ class LinearModel:
         return {key: _plain(value) for key, value in self._items().items()}
 
     def _items(self) -> dict[str, Any]:
-        return {
+        items: dict[str, Any] = {
             "title": self.title,
             "A": self.system.a,
             "B": self.system.b,
@@ -76,6 +91,12 @@ class LinearModel:
             "error_bound": self.system.error,
             "speed": self.speed,
         }
+        if self.slopes is not None:
+            items["parameters"] = [item.name for item in self.parameters]
+            items["parameter_units"] = [item.unit for item in self.parameters]
+            for letter in "abcd":
+                items[f"d{letter.upper()}"] = getattr(self.slopes, letter)
+        return items
 
     def save(self, path: str | Path) -> Path:
         """Write matrices and names to a MATLAB (.mat) or NumPy file (.npz).
@@ -170,6 +191,7 @@ def find_linear_model(
     speed: float | None,
     order: int | None,
     progress: Progress,
+    to: Sequence[str] = (),
 ) -> LinearModel:
     """Return a model linearised about its reference motion, in state space.
 
@@ -185,14 +207,18 @@ def find_linear_model(
         States to keep, by balanced truncation; all if None.
     progress
         Called with what is being done.
+    to
+        Patterns of parameters that the matrices are to be differentiated by.
 
     Raises
     ------
     InputError
-        If an input, output or order is not usable, or an input acts with a delay.
+        If an input, output, order or pattern is not usable, or an input acts with a delay.
     NumericalError
         If there is no such reference motion.
     """
+    if to and order is not None:
+        raise InputError("a reduced model has no derivatives here; leave the order or the patterns")
     model = linearise_with_inputs(
         target, inputs=inputs, speed=speed, progress=progress, outputs=outputs
     )
@@ -206,6 +232,9 @@ def find_linear_model(
         names = [f"reduced_{k + 1}" for k in range(len(system.a))]
     e = model.prepared.equations
     channels = [e.channels[k] for k in rows]
+    parameters, slopes = _slopes(
+        model, rows, orders, to=to, target=target, progress=progress
+    )
     return LinearModel(
         target.title,
         system,
@@ -214,4 +243,33 @@ def find_linear_model(
         tuple(Quantity(c.name, c.unit, c.description) for c in channels),
         model.speed,
         full_order,
+        parameters,
+        slopes,
     )
+
+
+def _slopes(
+    model: Linearised,
+    rows: list[int],
+    orders: list[int],
+    *,
+    to: Sequence[str],
+    target: Target,
+    progress: Progress,
+) -> tuple[tuple[Quantity, ...], StateSpaceSlopes | None]:
+    """Return the parameters that patterns name, and the derivatives of the matrices by them."""
+    if not to:
+        return (), None
+    e = model.prepared.equations
+    own = [(k, p) for k, p in enumerate(e.parameters) if not p.name.startswith(f"{PREFIX}.")]
+    patterns = [pattern.removeprefix("parameters.") for pattern in to]
+    for pattern in patterns:
+        if not any(fnmatchcase(p.name, pattern) for _, p in own):
+            known = [p.name for _, p in own]
+            raise InputError(
+                f"'{pattern}' matches no parameter of '{e.name}'{hint(pattern, known)}"
+            )
+    chosen = [(k, p) for k, p in own if any(fnmatchcase(p.name, item) for item in patterns)]
+    progress("differentiating the matrices", None)
+    found = matrix_slopes(differentiable(model, rows, target), orders, [k for k, _ in chosen])
+    return tuple(Quantity(p.name, p.unit, p.description) for _, p in chosen), found

@@ -11,10 +11,12 @@ from numpy.typing import NDArray
 
 from vehicledyn.analyse.equilibrium import find_equilibrium
 from vehicledyn.analyse.gradients.eigenvalues import EigenDerivatives, EigenSlopes, LinearPoint
+from vehicledyn.analyse.gradients.linear_system import Following
 from vehicledyn.analyses.linear.mode_report import NEAR_ZERO
 from vehicledyn.analyses.preparation.own_speed import at_speed
 from vehicledyn.analyses.preparation.prepare import prepare, reference_start, start_point
 from vehicledyn.analyses.preparation.prepared import Prepared, Progress, refuse_multipliers
+from vehicledyn.analyses.sensitivity.mode_shapes import is_mode_shape, mode_shapes
 from vehicledyn.analyses.sensitivity.names import directions
 from vehicledyn.base.errors import InputError, NumericalError, nearest_name
 from vehicledyn.files.scenario.target import Target
@@ -31,7 +33,7 @@ _FOUND = 1e-11
 
 def is_linear(name: str) -> bool:
     """Return whether a name asks for a figure of the linearised model."""
-    return name in (EIGENVALUES, CRITICAL) or name.startswith(BALANCE)
+    return name in (EIGENVALUES, CRITICAL) or name.startswith(BALANCE) or is_mode_shape(name)
 
 
 @dataclass
@@ -43,6 +45,15 @@ class _Model:
     derivatives: EigenDerivatives
     by_speed: Floats
     """How the states that are held follow the speed, shape (n_states,)."""
+
+    @property
+    def following(self) -> Following:
+        """How the equilibrium moves with the parameters."""
+        names = [p.name for p in self.prepared.equations.parameters]
+        held = np.zeros((len(self.by_speed), len(names)))
+        if "speed" in names:
+            held[:, names.index("speed")] = self.by_speed
+        return Following((), held)
 
     @property
     def speed_index(self) -> int:
@@ -93,7 +104,8 @@ def find_linear_sensitivity(
     target
         A scenario or model.
     of
-        ``eigenvalues``, ``critical_speed``, or ``equilibrium.`` and patterns of states.
+        ``eigenvalues``, ``mode_shapes``, ``critical_speed``, or ``equilibrium.`` or
+        ``mode_shapes.`` and patterns of states.
     to
         Patterns of parameters.
     speed
@@ -122,6 +134,8 @@ def find_linear_sensitivity(
             found = _eigenvalues(model)
         elif name == CRITICAL:
             found = _critical_speed(model)
+        elif is_mode_shape(name):
+            found = mode_shapes(model.prepared, model.point, model.following, name)
         else:
             found = _balance(model, name.removeprefix(BALANCE))
         for quantity, value, slope in found:

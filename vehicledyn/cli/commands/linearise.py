@@ -33,6 +33,15 @@ def linearise(
     order: Annotated[
         int | None, typer.Option(help="States to keep, by balanced truncation; all if absent.")
     ] = None,
+    to: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--to",
+            metavar="PATTERN",
+            help="Parameters to differentiate A, B, C and D by, such as 'front.*'; may be "
+            "repeated, none if absent.",
+        ),
+    ] = None,
     speed: Annotated[
         str | None, typer.Option(help='Speed such as "20 m/s"; the scenario\'s if absent.')
     ] = None,
@@ -49,7 +58,7 @@ def linearise(
         raise InputError(f"{missing}: missing: name what is moved, and channels")
     with show_progress() as progress:
         model = vehicledyn.linearise(
-            loaded, inputs, outputs, order=order, speed=speed, progress=progress
+            loaded, inputs, outputs, order=order, to=to or None, speed=speed, progress=progress
         )
     if result is not None:
         model.save(result)

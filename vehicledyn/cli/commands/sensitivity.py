@@ -27,7 +27,8 @@ def sensitivity(
             "--of",
             metavar="NAME",
             help="Key figure, channel, or figure of a channel such as 'max(chassis.roll)'; or "
-            "'eigenvalues', 'critical_speed', 'equilibrium.COORDINATE'; may be repeated.",
+            "'eigenvalues', 'mode_shapes', 'critical_speed', 'equilibrium.COORDINATE', "
+            "'gain(OUTPUT, INPUT, 1.5 Hz)', 'phase(...)'; may be repeated.",
         ),
     ],
     to: Annotated[
