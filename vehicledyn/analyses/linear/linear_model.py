@@ -232,9 +232,7 @@ def find_linear_model(
         names = [f"reduced_{k + 1}" for k in range(len(system.a))]
     e = model.prepared.equations
     channels = [e.channels[k] for k in rows]
-    parameters, slopes = _slopes(
-        model, rows, orders, to=to, target=target, progress=progress
-    )
+    parameters, slopes = _slopes(model, rows, orders, to=to, target=target, progress=progress)
     return LinearModel(
         target.title,
         system,

@@ -1,4 +1,4 @@
-"""Derivatives of mode shapes, scaled so that the largest element stays 1."""
+"""Derivatives of mode shapes, scaled so that the largest coordinate stays 1."""
 
 from __future__ import annotations
 
@@ -17,6 +17,9 @@ from vehicledyn.results.tables.response_table import ratio_unit
 
 MODE_SHAPES = "mode_shapes"
 
+_STILL = 1e-9
+"""Part of the largest element of a shape up to which coordinates count as still."""
+
 
 def is_mode_shape(name: str) -> bool:
     """Return whether a name asks for mode shapes, of all states or of those of a pattern."""
@@ -28,7 +31,7 @@ def mode_shapes(
 ) -> list[tuple[Quantity, float, NDArray[np.float64]]]:
     """Return the shapes of all modes but the zero ones, fastest growing first, with derivatives.
 
-    The state with the largest element keeps 1; real and imaginary parts of the others are figures.
+    The coordinate that moves most keeps 1; real and imaginary parts of the others are figures.
 
     Parameters
     ----------
@@ -63,7 +66,7 @@ def mode_shapes(
                 f"the eigenvalue {values[mode]:.6g} 1/s of mode {number} is repeated; its shapes "
                 "have no derivatives"
             )
-        fixed = int(np.argmax(np.abs(vectors[:, mode])))
+        fixed = _largest(np.abs(vectors[:, mode]), list(e.positions))
         shape = vectors[:, mode] / vectors[fixed, mode]
         slope = mode_slope(system, complex(values[mode]), shape, fixed)
         for k in kept:
@@ -80,3 +83,10 @@ def mode_shapes(
                 quantity = Quantity(own, unit, f"{part.capitalize()} part {text}")
                 found.append((quantity, float(value), by_parameter))
     return found
+
+
+def _largest(sizes: NDArray[np.float64], coordinates: list[int]) -> int:
+    """Return the largest coordinate of a shape; the largest state where no coordinate moves."""
+    if not coordinates or np.max(sizes[coordinates]) <= _STILL * np.max(sizes):
+        return int(np.argmax(sizes))
+    return coordinates[int(np.argmax(sizes[coordinates]))]
