@@ -68,3 +68,17 @@ def test_mistakes_have_a_line(folder, old, new, words):
     found = problems(folder, TEXT.replace(old, new))
     assert len(found) == 1
     assert re.search(words, found[0]), found[0]
+
+
+def test_a_mirror_image_is_refused(folder):
+    """The matrices of a left arm are not those of the right one."""
+    body = (
+        TEXT[TEXT.index("bodies:") :]
+        .replace("  frame:", "  left_frame:")
+        .replace("hub", "left_hub")
+    )
+    body = re.sub(r"  load: .*\n", "", body)
+    text = "title: t\nmirror:\n- plane: y\n  names: {left_: right_}\n" + re.sub("(?m)^", "  ", body)
+    found = problems(folder, text)
+    assert len(found) == 1
+    assert "left_frame: its matrices are not mirrored; write it and its image" in found[0]

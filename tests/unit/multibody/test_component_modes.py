@@ -6,6 +6,7 @@ from finite_elements import assembled, lattice, straight
 from scipy.linalg import eigh
 
 from vehicledyn.base.errors import InputError
+from vehicledyn.multibody.bodies.finite_elements import reduction
 from vehicledyn.multibody.bodies.finite_elements.integrals import inertia_integrals
 from vehicledyn.multibody.bodies.finite_elements.interfaces import joined
 from vehicledyn.multibody.bodies.finite_elements.model import rigid_motions
@@ -57,6 +58,14 @@ def test_more_modes_come_closer(frame):
     few, all_of_them = (component_modes(frame, FRAME, n).frequencies for n in (3, 12))
     assert (few >= exact[: len(few)] * (1.0 - 1e-9)).all()
     assert all_of_them == pytest.approx(exact, rel=1e-8)
+
+
+def test_large_models_have_the_same_modes(monkeypatch):
+    """Modes by Lanczos' method on sparse matrices are those of the full ones."""
+    beam, ends = straight(LENGTH, 12, GIVEN), {"start": 1, "tip": 13}
+    full = component_modes(beam, ends, 5).frequencies
+    monkeypatch.setattr(reduction, "_DENSE", 0)
+    assert component_modes(beam, ends, 5).frequencies == pytest.approx(full, rel=1e-8)
 
 
 def test_damping_of_the_matrix(frame):

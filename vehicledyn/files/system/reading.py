@@ -70,8 +70,7 @@ class Reading:
             return None
         if self.lacks_assemblies:
             return None
-        elements = {n: with_files_in(e, self.path.parent) for n, e in file.elements.items()}
-        file = file.model_copy(update={"elements": elements})
+        file = self._with_folders(file)
         flat, self.flat = flatten(file, self.uses, self.path)
         self.expansion.origins.update(self.flat.origins)
         for place, words, at_key in self.flat.problems:
@@ -87,6 +86,17 @@ class Reading:
         self._tell(item for item in found if not brought.is_consequence(item[1]))
         self._tell(interface_problems(flat, coordinates, self.parameters.declared))
         return _parents_first(flat)
+
+    def _with_folders(self, file: SystemFile) -> SystemFile:
+        """Return the file with the folder before the names of files that elements give."""
+
+        def placed(group: Any) -> Any:
+            folder = self.path.parent
+            found = {name: with_files_in(item, folder) for name, item in group.elements.items()}
+            return group.model_copy(update={"elements": found})
+
+        groups = type(file.mirror)(placed(group) for group in file.mirror)
+        return placed(file.model_copy(update={"mirror": groups}))  # type: ignore[no-any-return]
 
     def _open_assemblies(self, library: Library) -> None:
         """Read the files of the assemblies and take over their parameters."""

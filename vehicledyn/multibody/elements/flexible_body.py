@@ -8,7 +8,7 @@ from dataclasses import dataclass, fields
 from functools import cached_property
 from itertools import pairwise
 from pathlib import Path
-from typing import Literal
+from typing import ClassVar, Literal
 
 from vehicledyn.base.errors import InputError
 from vehicledyn.base.registry import register
@@ -58,6 +58,8 @@ class FlexibleBody(BasePart):
     modes of the structure held there. Other bodies, forces, wheels, sensors and cuts take hold of
     its frames, `<name>.<interface>` and `<name>.<node>`.
     """
+
+    has_no_mirror_image: ClassVar[bool] = True
 
     body: str = body_name("Body that carries its frame, or ground")
     at: Sequence[Scalar] = vector(

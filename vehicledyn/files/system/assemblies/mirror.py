@@ -97,6 +97,9 @@ def mirror_image(group: MirrorSet, outside: Outside | None = None) -> Image:
                 image.problems.append(((section, name), words))
             elif new in entries:
                 image.problems.append(((section, name), f"its image '{new}' is made twice"))
+            elif getattr(getattr(item, "made_from", None), "has_no_mirror_image", False):
+                words = "its matrices are not mirrored; write it and its image beside the group"
+                image.problems.append(((section, name), words))
             entries[new], image.old[section, new] = value, name
     return image
 
