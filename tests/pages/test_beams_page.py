@@ -7,7 +7,7 @@ from typing import get_args, get_type_hints
 from programs import run
 
 from vehicledyn.multibody.bodies.beam_sections import Section
-from vehicledyn.multibody.elements.beam import Beam, Modes
+from vehicledyn.multibody.elements.flexible.beam import Beam, Modes
 
 PAGE = (Path(__file__).parents[2] / "docs" / "beams.md").read_text(encoding="utf-8")
 BLOCK = re.compile(r"^```(\w+)\n(.*?)^```", re.MULTILINE | re.DOTALL)

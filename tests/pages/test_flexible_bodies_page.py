@@ -6,7 +6,7 @@ from pathlib import Path
 
 from programs import run
 
-from vehicledyn.multibody.elements.flexible_body import FlexibleBody, Matrices
+from vehicledyn.multibody.elements.flexible.flexible_body import FlexibleBody, Matrices
 
 PAGE = (Path(__file__).parents[2] / "docs" / "flexible_bodies.md").read_text(encoding="utf-8")
 BLOCK = re.compile(r"^```(\w+)\n(.*?)^```", re.MULTILINE | re.DOTALL)

@@ -13,7 +13,7 @@ from vehicledyn.multibody import (
     Turn,
     derive,
 )
-from vehicledyn.multibody.elements.beam import Beam, Modes, Stiffness
+from vehicledyn.multibody.elements.flexible.beam import Beam, Modes, Stiffness
 from vehicledyn.symbolic import rotations
 
 STIFFNESS = Stiffness(mass_per_length=2.0, y=50.0, z=30.0, twist=20.0, stretch=5e3, polar=0.1)

@@ -7,7 +7,7 @@ from finite_elements import assembled, lattice
 
 from vehicledyn.multibody import GROUND, Body, Joint, ParameterTable, System, derive
 from vehicledyn.multibody.bodies.finite_elements.reading import write_archive
-from vehicledyn.multibody.elements.flexible_body import FlexibleBody
+from vehicledyn.multibody.elements.flexible.flexible_body import FlexibleBody
 
 GIVEN = {"axial": 5e3, "torsion": 20.0, "bending": (50.0, 30.0), "mass": 2.0, "polar": 0.1}
 PLACES = [(0, 0, 0), (0.5, 0, 0.1), (1, 0.1, 0), (1.5, 0, 0), (1, 0.6, 0)]

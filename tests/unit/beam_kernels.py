@@ -6,7 +6,7 @@ from vehicledyn.analyse.equilibrium import assemble
 from vehicledyn.kernel.kernel import compile_kernel
 from vehicledyn.multibody import GROUND, Body, Joint, ParameterTable, System, TimeLaw, derive
 from vehicledyn.multibody.bodies.beam_properties import Stiffness
-from vehicledyn.multibody.elements.beam import Beam
+from vehicledyn.multibody.elements.flexible.beam import Beam
 
 LENGTH, MASS, BENDING, TWIST, STRETCH, POLAR = 1.5, 2.0, 50.0, 20.0, 5e4, 0.01
 GIVEN = Stiffness(

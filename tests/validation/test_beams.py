@@ -14,9 +14,9 @@ from vehicledyn.integrate.methods.rk4 import RungeKutta4
 from vehicledyn.integrate.simulate import simulate
 from vehicledyn.kernel.kernel import compile_kernel
 from vehicledyn.multibody import GROUND, Body, Joint, ParameterTable, System, TimeLaw, derive
-from vehicledyn.multibody.elements.beam import Beam, Modes, Stiffness
 from vehicledyn.multibody.elements.external_wrenches import ExternalWrench
-from vehicledyn.multibody.elements.moving_load import MovingLoad
+from vehicledyn.multibody.elements.flexible.beam import Beam, Modes, Stiffness
+from vehicledyn.multibody.elements.flexible.moving_load import MovingLoad
 from vehicledyn.multibody.elements.point_sensors import PointSensor
 
 pytestmark = pytest.mark.validation

@@ -29,7 +29,7 @@ from vehicledyn.multibody import (
 )
 from vehicledyn.multibody.bodies.beam_properties import Material, Stiffness
 from vehicledyn.multibody.bodies.beam_sections import Section
-from vehicledyn.multibody.elements.beam import Beam, Modes
+from vehicledyn.multibody.elements.flexible.beam import Beam, Modes
 from vehicledyn.multibody.joints.joint_type import joint_kinds, joint_type
 
 pytestmark = pytest.mark.long

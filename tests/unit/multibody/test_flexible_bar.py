@@ -7,7 +7,7 @@ from scipy.optimize import brentq
 from vehicledyn.analyse.equilibrium import assemble
 from vehicledyn.kernel.kernel import compile_kernel
 from vehicledyn.multibody import GROUND, Body, Joint, ParameterTable, System, TimeLaw, derive
-from vehicledyn.multibody.elements.flexible_bar import FlexibleBar
+from vehicledyn.multibody.elements.flexible.flexible_bar import FlexibleBar
 
 LENGTH, MASS, STIFFNESS = 1.5, 2.0, 50.0
 PACE = np.sqrt(STIFFNESS / MASS / LENGTH**4)

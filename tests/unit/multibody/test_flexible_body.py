@@ -17,8 +17,8 @@ from vehicledyn.multibody import (
     derive,
 )
 from vehicledyn.multibody.bodies.finite_elements.reading import write_archive
-from vehicledyn.multibody.elements.beam import Beam, Modes, Stiffness
-from vehicledyn.multibody.elements.flexible_body import FlexibleBody, Matrices
+from vehicledyn.multibody.elements.flexible.beam import Beam, Modes, Stiffness
+from vehicledyn.multibody.elements.flexible.flexible_body import FlexibleBody, Matrices
 
 LENGTH, BENDING, MASS = 1.5, 300.0, 2.0
 STIFF = {"axial": 1e8, "torsion": 1e4, "bending": (BENDING, 1e6), "mass": MASS, "polar": 1e-3}

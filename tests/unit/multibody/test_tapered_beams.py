@@ -18,7 +18,7 @@ from vehicledyn.multibody.bodies.beam_properties import (
 from vehicledyn.multibody.bodies.beam_sections import Section
 from vehicledyn.multibody.bodies.beam_shapes import assumed_shapes, quadrature
 from vehicledyn.multibody.bodies.exact_beam import DIRECTIONS, ExactBeam
-from vehicledyn.multibody.elements.beam import Beam, Modes
+from vehicledyn.multibody.elements.flexible.beam import Beam, Modes
 
 pytestmark = pytest.mark.long
 

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, Self
 from vehicledyn.analyses.preparation.ports import Ports, WheelPort
 from vehicledyn.analyses.preparation.runnable import Vector, index_of, start_values
 from vehicledyn.base.shapes import Hull, Shape
-from vehicledyn.multibody.elements.half_shaft import HalfShaft
+from vehicledyn.multibody.elements.driveline.half_shaft import HalfShaft
 from vehicledyn.multibody.model.bodies import Joint
 from vehicledyn.multibody.model.system import System
 from vehicledyn.road.manoeuvres.channel_recorder import Recording
