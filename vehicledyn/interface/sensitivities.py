@@ -36,7 +36,9 @@ def sensitivity(
         Key figures of the run, channels, or figures of channels such as ``max(chassis.roll)``;
         or of the linearised model: ``eigenvalues``, ``mode_shapes``, ``critical_speed`` and
         coordinates of the equilibrium, such as ``equilibrium.chassis.z``; or of its frequency
-        responses, such as ``gain(chassis.roll, road, 1.5 Hz)`` and ``phase(...)``.
+        responses, such as ``gain(chassis.roll, road, 1.5 Hz)`` and ``phase(...)``; or channels
+        along a driven path without forces, such as
+        ``kinematics(wheel.toe_angle, wheel.z, 276 mm:356 mm:4)``.
     to
         Parameters, by patterns such as ``parameters.front.*``, and start values of states, such
         as ``start.chassis.y``.
@@ -60,6 +62,10 @@ def sensitivity(
     NumericalError
         If the run fails or its derivative does not exist.
     """
+    from vehicledyn.analyses.sensitivity.kinematic_curves import (
+        find_kinematic_sensitivity,
+        is_kinematic,
+    )
     from vehicledyn.analyses.sensitivity.linear import find_linear_sensitivity, is_linear
     from vehicledyn.analyses.sensitivity.motion import find_motion_sensitivity
     from vehicledyn.analyses.sensitivity.report import SensitivityReport
@@ -69,10 +75,11 @@ def sensitivity(
     names, patterns, changes = texts("of", of), texts("to", to), override_texts(set, settings)
     linear = [is_linear(name) for name in names]
     responses = [is_response(name) for name in names]
-    if len({*zip(linear, responses, strict=True)}) > 1:
+    kinematic = [is_kinematic(name) for name in names]
+    if len({*zip(linear, responses, kinematic, strict=True)}) > 1:
         raise InputError(
-            "figures of the linearised model, of its responses and of a run have results of their "
-            "own; ask for them one after the other"
+            "figures of the linearised model, of its responses, of kinematics and of a run have "
+            "results of their own; ask for them one after the other"
         )
     if speed is not None and not (linear[0] or responses[0]):
         raise InputError("speed: is for linearised models; a run has the scenario's speed")
@@ -82,6 +89,9 @@ def sensitivity(
             target = read_target(scenario, changes)
             find = find_linear_sensitivity if linear[0] else find_response_sensitivity
             table = find(target, names, patterns, at, reporter(progress))
+        elif kinematic[0]:
+            target = read_target(scenario, changes)
+            table = find_kinematic_sensitivity(target, names, patterns, reporter(progress))
         else:
             loaded = read_scenario(scenario, changes)
             table = find_motion_sensitivity(loaded, names, patterns, reporter(progress))

@@ -28,7 +28,8 @@ def sensitivity(
             metavar="NAME",
             help="Key figure, channel, or figure of a channel such as 'max(chassis.roll)'; or "
             "'eigenvalues', 'mode_shapes', 'critical_speed', 'equilibrium.COORDINATE', "
-            "'gain(OUTPUT, INPUT, 1.5 Hz)', 'phase(...)'; may be repeated.",
+            "'gain(OUTPUT, INPUT, 1.5 Hz)', 'phase(...)', 'kinematics(CHANNEL, DRIVE, VALUES)'; "
+            "may be repeated.",
         ),
     ],
     to: Annotated[

@@ -5,6 +5,7 @@ Holonomic rows h(q, t) come first, then the non-holonomic ones B q̇ + b.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -132,6 +133,15 @@ class Gaps:
     def structure(self) -> list[set[int]]:
         """Columns of the structural nonzeros of each row."""
         return [set(row) for row in rows_of(self._jacobian)]
+
+    @cached_property
+    def _by_parameter(self) -> Callable[..., Array]:
+        return ops.numeric(self._inputs, ops.jacobian(self._h, self._inputs[2]))
+
+    def by_parameter(self, time: float, q: Array) -> Array:
+        """Return the derivatives of the holonomic residuals, (n_holonomic, n_parameters)."""
+        found: Array = self._by_parameter(time, q, self._values)
+        return found
 
     def residual(self, time: float, q: Array) -> Array:
         """Return the holonomic residuals, shape (n_holonomic,)."""

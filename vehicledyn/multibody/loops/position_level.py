@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -48,6 +50,8 @@ class Positions:
         Channels that are linear in the rates: velocities of points and bodies.
     without_channels
         Names of the sensors that have no channels here, since they show forces.
+    parameters
+        Parameters of the system, in the order of derivatives by them.
     """
 
     def __init__(self, system: System) -> None:
@@ -87,6 +91,8 @@ class Positions:
         self._values = ops.numeric([q], seen.values)
         self._slopes = ops.numeric([q], ops.jacobian(seen.values, q))
         self._speed_slopes = ops.numeric([q], seen.speed_slopes)
+        self._free, self._known, self._coordinate_column = seen.free, seen.known, q
+        self.parameters = tuple(system.table.entries)
 
     @property
     def cuts(self) -> list[str]:
@@ -109,6 +115,20 @@ class Positions:
         """Return the derivatives of the channels, shape (n_channels, n_coordinates)."""
         return self._slopes(q)
 
+    def residual_by_parameter(self, q: Array) -> Array:
+        """Return the derivatives of the gaps by all parameters, (n_gaps, n_parameters)."""
+        return self._gaps.by_parameter(0.0, q)
+
+    def values_by_parameter(self, q: Array) -> Array:
+        """Return the derivatives of the channels by all parameters, (n_channels, n_parameters)."""
+        return self._parameter_slopes(q)
+
+    @cached_property
+    def _parameter_slopes(self) -> Callable[..., Array]:
+        symbols = ops.column([entry.symbol for entry in self.parameters])
+        slopes = ops.jacobian(self._free, symbols)
+        return ops.numeric([self._coordinate_column], ops.substitute(slopes, *self._known))
+
     def speed_slopes(self, q: Array) -> Array:
         """Return the derivatives of ``speeds`` by the rates, (n_speeds, n_coordinates)."""
         return self._speed_slopes(q)
@@ -116,13 +136,18 @@ class Positions:
 
 @dataclass(frozen=True)
 class _Seen:
-    """Channels at rest and those linear in the rates, with expressions of the coordinates."""
+    """Channels at rest and those linear in the rates, with expressions of the coordinates.
+
+    ``free`` are the channels with parameters as symbols, ``known`` these and their numbers.
+    """
 
     channels: tuple[Channel, ...]
     values: Scalar
     speeds: tuple[Channel, ...]
     speed_slopes: Scalar
     without_channels: tuple[str, ...]
+    free: Scalar
+    known: tuple[Scalar, Scalar]
 
     @classmethod
     def of(cls, system: System, tree: Tree, symbols: Symbols) -> _Seen:
@@ -136,6 +161,7 @@ class _Seen:
             Output(Channel(j.name, j.unit, j.description or j.name, "joint"), q[k])
             for k, j in enumerate(joints)
         ]
+        free = [output.expression for output in found]
         speeds: list[Channel] = []
         speed_slopes = []
         moving = ops.stacked(rates, unsteady)
@@ -146,6 +172,7 @@ class _Seen:
             at_rest = ops.substitute(given, moving, still)
             if ops.depends_on(at_rest, q):
                 found.append(Output(channel, at_rest))
+                free.append(ops.substitute(expression, moving, still))
             elif (
                 channel.unit.endswith("/s")
                 and ops.depends_on(given, rates)
@@ -159,6 +186,8 @@ class _Seen:
             tuple(speeds),
             ops.stacked(ops.jacobian(ops.column([]), q), *speed_slopes),
             tuple(without),
+            ops.column(free),
+            (known, numbers),
         )
 
 

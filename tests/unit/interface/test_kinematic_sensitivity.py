@@ -1,0 +1,53 @@
+"""Derivatives of kinematic curves by parameters."""
+
+import numpy as np
+import pytest
+
+import vehicledyn as vd
+from vehicledyn.base.errors import InputError
+
+NAMES = ["crank.length", "coupler.length", "rocker.length", "ground"]
+
+
+def test_a_four_bar_follows_its_closed_form():
+    """The coupler's length binds crank and rocker: one equation, differentiated by hand."""
+    found = vd.sensitivity(
+        "four_bar", "kinematics(rocker.angle, crank.angle, -60 deg:60 deg:3)", [*NAMES, "*.mass"]
+    )
+    assert found["figure"].values[0].startswith("rocker.angle at crank.angle = ")
+    crank, coupler, rocker, ground = found["parameter_value"].values[:4]
+    places = np.radians([-60.0, -20.0, 20.0, 60.0])
+    for angle, turned, slopes in zip(
+        places, found["figure_value"].values, found["figure_slope"].values, strict=True
+    ):
+        along = ground + rocker * np.cos(turned) - crank * np.cos(angle)
+        across = rocker * np.sin(turned) - crank * np.sin(angle)
+        assert along**2 + across**2 == pytest.approx(coupler**2, rel=1e-12)
+        by_parameter = np.array(
+            [
+                -along * np.cos(angle) - across * np.sin(angle),
+                -coupler,
+                along * np.cos(turned) + across * np.sin(turned),
+                along,
+            ]
+        )
+        by_angle = rocker * (across * np.cos(turned) - along * np.sin(turned))
+        assert slopes[:4] == pytest.approx(-by_parameter / by_angle, rel=1e-10)
+        assert not slopes[4:].any()
+
+
+@pytest.mark.parametrize(
+    ("of", "to", "match"),
+    [
+        ("kinematics(rocker.angle, crank.angle)", "*", "write kinematics"),
+        ("kinematics(rocker.angel, crank.angle, 0 deg)", "*", r"rocker\.angle"),
+        ("kinematics(rocker.angle, crank.angel, 0 deg)", "*", r"crank\.angle"),
+        ("kinematics(rocker.angle, crank.angle, 3 kg)", "*", "kg"),
+        ("kinematics(rocker.angle, crank.angle, 0 deg)", "grond", "did you mean 'ground'"),
+        (["kinematics(rocker.angle, crank.angle, 0 deg)", "eigenvalues"], "*", "one after the"),
+    ],
+)
+def test_names_are_checked(of, to, match):
+    """Of channels, drives, values and parameters."""
+    with pytest.raises(InputError, match=match):
+        vd.sensitivity("four_bar", of, to)

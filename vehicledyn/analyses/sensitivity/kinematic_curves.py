@@ -1,0 +1,157 @@
+"""Derivatives of kinematic curves: channels of a mechanism at places of a drive, by parameters.
+
+With the rows g(q, p) = 0 of loops and drives, dq/dp = -(dg/dq)⁻¹ dg/dp, and of a channel y(q, p)
+
+    dy/dp = ∂y/∂p + ∂y/∂q dq/dp
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from fnmatch import fnmatchcase
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vehicledyn.analyses.mechanism.mechanism_path import Drive, Mechanism, mechanism, run_sweep
+from vehicledyn.analyses.preparation.build_model import build_subject
+from vehicledyn.analyses.preparation.prepared import Progress
+from vehicledyn.base.errors import InputError, NumericalError, nearest_name, unknown_name
+from vehicledyn.base.ranges import read_range
+from vehicledyn.base.units import shown
+from vehicledyn.files.scenario.target import Target
+from vehicledyn.multibody.loops.position_level import Positions
+from vehicledyn.results.store.linear_file import Quantity
+from vehicledyn.results.tables.sensitivity_table import SensitivityTable
+
+Floats = NDArray[np.float64]
+
+_KIND = re.compile(r"kinematics\(.*\)")
+_NAME = re.compile(r"kinematics\(([^,]+),([^,]+),([^,]+)\)")
+_SINGULAR = 1e-10
+"""Part of the largest singular value of the rows below which a place is singular."""
+
+
+def is_kinematic(name: str) -> bool:
+    """Return whether a name asks for a kinematic curve, ``kinematics(CHANNEL, DRIVE, VALUES)``."""
+    return _KIND.fullmatch(name) is not None
+
+
+def find_kinematic_sensitivity(
+    target: Target, of: Sequence[str], to: Sequence[str], progress: Progress
+) -> SensitivityTable:
+    """Return derivatives of channels at places of a drive; all else stays at its start.
+
+    Parameters
+    ----------
+    target
+        A scenario or model.
+    of
+        Names such as ``kinematics(wheel.toe, wheel.height, -60 mm:60 mm:4)``.
+    to
+        Patterns of parameters.
+    progress
+        Called with what is going on.
+
+    Raises
+    ------
+    InputError
+        If a name or range means nothing.
+    NumericalError
+        If a place is singular or cannot be reached.
+    """
+    asked = [_parsed(name) for name in of]
+    progress("assembling the loops", None)
+    system = build_subject(target).system
+    positions = Positions(system)
+    chosen = _parameters(positions, to, system.name)
+    figures, values, slopes = [], [], []
+    for (channel, drive, text), name in zip(asked, of, strict=True):
+        machine, places = _driven(positions, drive, text, name)
+        names = [c.name for c in positions.channels]
+        if channel not in names:
+            raise InputError(f"'{name}': {unknown_name('channel of positions', channel, names)}")
+        row = names.index(channel)
+        swept = run_sweep(machine, [Drive(drive, places)], together=False, progress=progress)
+        if swept.failures:
+            raise NumericalError(swept.failures[0].words)
+        for sample, place in zip(swept.samples, places, strict=True):
+            own, item = positions.channels[machine.drives[0]], positions.channels[row]
+            figure = f"{channel} at {drive} = {shown(place, own.unit)}"
+            figures.append(Quantity(figure, item.unit, item.description))
+            values.append(float(sample.values[row]))
+            slopes.append(_slope(machine, sample.coordinates, row)[chosen])
+    entries = [positions.parameters[k] for k in chosen]
+    return SensitivityTable(
+        target.title,
+        system.name,
+        tuple(Quantity(e.name, e.unit, e.description) for e in entries),
+        np.array([e.value for e in entries]),
+        tuple(figures),
+        np.array(values),
+        np.array(slopes),
+    )
+
+
+def _slope(machine: Mechanism, q: Floats, row: int) -> Floats:
+    """Return the derivative of a channel by all parameters, shape (n_parameters,).
+
+    Raises
+    ------
+    NumericalError
+        If the place is singular, or an undetermined coordinate takes part in the loops.
+    """
+    positions, moving = machine.positions, list(machine.moving)
+    rows = machine.equations.jacobian(q[moving])
+    sizes = np.linalg.svd(rows, compute_uv=False)
+    if len(sizes) < len(moving) or sizes[-1] <= _SINGULAR * sizes[0]:
+        raise NumericalError("the place is singular, so no derivative exists there")
+    gaps = positions.jacobian(q)
+    for k, coordinate in enumerate(positions.coordinates):
+        if k not in moving and coordinate.role in ("auto", "dependent") and gaps[:, k].any():
+            raise NumericalError(
+                f"'{coordinate.name}' is in the loops but neither they nor the drive determine "
+                "it; declare it independent or driven, so that its start is given"
+            )
+    by_parameter = positions.values_by_parameter(q)
+    driven = by_parameter[list(machine.drives)]
+    moved = np.vstack([positions.residual_by_parameter(q), driven])
+    follow = -np.linalg.lstsq(rows, moved, rcond=None)[0]
+    found = by_parameter[row] + positions.slopes(q)[row, moving] @ follow
+    return np.asarray(found, dtype=float)
+
+
+def _driven(
+    positions: Positions, drive: str, text: str, name: str
+) -> tuple[Mechanism, tuple[float, ...]]:
+    """Return the mechanism that a channel drives, and the values that it is given."""
+    units = {c.name: c.unit for c in positions.channels}
+    try:
+        machine = mechanism(positions, [drive])
+        return machine, tuple(read_range(text).values(units[drive]))
+    except InputError as error:
+        raise InputError(f"'{name}': {error}") from None
+
+
+def _parameters(positions: Positions, to: Sequence[str], model: str) -> list[int]:
+    """Return the numbers of the parameters that patterns name."""
+    names = [entry.name for entry in positions.parameters]
+    chosen: list[int] = []
+    for pattern in to:
+        own = pattern.removeprefix("parameters.")
+        found = [k for k, name in enumerate(names) if fnmatchcase(name, own)]
+        if not found:
+            guess = nearest_name(own, names)
+            hint = f"; did you mean '{guess}'?" if guess else ""
+            raise InputError(f"'{pattern}' matches no parameter of '{model}'{hint}")
+        chosen += [k for k in found if k not in chosen]
+    return chosen
+
+
+def _parsed(name: str) -> tuple[str, str, str]:
+    """Return channel, drive and values of a name."""
+    match = _NAME.fullmatch(name)
+    if match is None:
+        raise InputError(f"'{name}': write kinematics(CHANNEL, DRIVE, -60 mm:60 mm:4)")
+    return match[1].strip(), match[2].strip(), match[3].strip()
