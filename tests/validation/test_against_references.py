@@ -20,6 +20,7 @@ ROWS = {
     "repeatability": 2,
     "contact_points": 6,
     "tyre_tables": 3,
+    "road_vehicles": 24,
     "rail_geometry": 10,
     "rail_contact": 27,
     "rail_wheels": 16,
@@ -32,6 +33,7 @@ ROWS = {
 NEEDS_COMPILER = {
     "limit_cycles": "limit cycles with flange contact take minutes interpreted",
     "convergence": "runs with small steps take minutes interpreted",
+    "road_vehicles": "runs of a car with a caravan take minutes interpreted",
     "repeatability": "there is nothing to compare the interpreted run with",
 }
 
