@@ -132,7 +132,7 @@ def test_deflection_of_a_heavy_cone_with_a_weight_at_its_end(model):
     """∫ M (L - x)/(E I) dx; F L³/(3 E I) r/r_end of the thick end is the share of the weight."""
     tip, g = Body("load", "beam.tip", mass=50.0), 1e-3
     given = CONE | {"model": model, "frames": (0.5,), "segments": 32}
-    seen = at_rest(kernel_of(tip, gravity=(0.0, 0.0, -g), modes=Modes(z=8), **given))
+    seen = at_rest(kernel_of(tip, gravity=(0.0, 0.0, -g), modes=Modes(z=12), **given))
     nodes, weights = (LENGTH * item for item in quadrature(30))
 
     def moment(x):
