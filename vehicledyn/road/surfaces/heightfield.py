@@ -8,13 +8,14 @@ from typing import TYPE_CHECKING, ClassVar
 from vehicledyn.base.parameters import quantity
 from vehicledyn.base.registry import register
 from vehicledyn.road.surfaces.file_surface import FileSurface
-from vehicledyn.road.surfaces.surface import Array, SteepPlace
+from vehicledyn.road.surfaces.surface import SteepPlace
 from vehicledyn.symbolic.ops import Scalar
 
 if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
+    from vehicledyn.road.surfaces.surface import Array
     from vehicledyn.symbolic.bicubic_grids import BicubicGrid
 
 

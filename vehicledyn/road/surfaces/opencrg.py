@@ -10,7 +10,6 @@ from pydantic import Field
 from vehicledyn.base.errors import InputError
 from vehicledyn.base.registry import register
 from vehicledyn.road.surfaces.file_surface import FileSurface
-from vehicledyn.road.surfaces.surface import Array
 from vehicledyn.symbolic.ops import Scalar
 
 if TYPE_CHECKING:
@@ -18,6 +17,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from vehicledyn.road.opencrg.ground import CrgGround
+    from vehicledyn.road.surfaces.surface import Array
 
 
 @register("road", "opencrg")

@@ -4,10 +4,7 @@ from __future__ import annotations
 
 from abc import abstractmethod
 from pathlib import Path
-from typing import ClassVar, NamedTuple
-
-import numpy as np
-from numpy.typing import NDArray
+from typing import TYPE_CHECKING, ClassVar, NamedTuple
 
 from vehicledyn.base.parameters import ParameterSet, part
 from vehicledyn.road.patches.patch import FrictionPatch, friction_at
@@ -15,7 +12,11 @@ from vehicledyn.road.soils.soil import Soil
 from vehicledyn.symbolic import ops
 from vehicledyn.symbolic.ops import Scalar, Vec
 
-Array = NDArray[np.float64]
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
+    Array = NDArray[np.float64]
 
 
 class SteepPlace(NamedTuple):
@@ -63,6 +64,8 @@ class RoadSurface(ParameterSet):
 
     def covers(self, x: Array, y: Array) -> NDArray[np.bool_]:
         """Return whether there are data at places [m, m] of the world, shape (n,)."""
+        import numpy as np
+
         return np.ones(np.shape(x), dtype=bool)
 
     def friction(self, x: Scalar, y: Scalar) -> Scalar:
