@@ -93,6 +93,11 @@ class EventWatch:
         self._recent = memory[2:].reshape(self._recent.shape).copy()
 
     @property
+    def blind_until(self) -> float:
+        """Time up to which nothing is watched [s]."""
+        return float(self._blind_until)
+
+    @property
     def active(self) -> bool:
         """Whether there is anything to watch."""
         return bool(self._events)

@@ -9,10 +9,15 @@ Multibody Dynamics, chapter 11 (error estimate by the change of the acceleration
 
 from __future__ import annotations
 
+import logging
 import math
+import time
 from collections.abc import Callable
 from typing import Generic, Protocol, TypeVar
 
+from vehicledyn.base.errors import NumericalError
+from vehicledyn.codegen.toolchain.compiler import CompilationError
+from vehicledyn.integrate.compiled_steps import CompiledSteps
 from vehicledyn.integrate.constrained.constrained_steps import ConstrainedSteps
 from vehicledyn.integrate.events import Point
 from vehicledyn.integrate.explicit_pair import steepest_state
@@ -20,7 +25,13 @@ from vehicledyn.integrate.fixed_step import steps_per_interval
 from vehicledyn.integrate.newmark_weights import Constraints, Weights
 from vehicledyn.integrate.reduced_steps import ReducedSteps
 from vehicledyn.integrate.task import SampleBuffer, Statistics, StepError, Task
-from vehicledyn.kernel.engine import Count
+from vehicledyn.kernel.compiled import CompiledEngine
+from vehicledyn.kernel.engine import Count, Status
+from vehicledyn.kernel.newmark_code import Outcome, newmark_code
+
+_log = logging.getLogger(__name__)
+
+_CHUNK_SECONDS, _FIRST_CHUNK, _GROWTH = 0.08, 16, 8
 
 _SHORTEST = 1e-4
 """Part of the step below which halving gives up where Newton's method asks for it."""
@@ -83,8 +94,80 @@ def run_newmark(
         If a step does not converge, or is not good enough, even in small parts.
     """
     if constraints == "reduced":
+        compiled = _compiled_steps(task, weights)
+        if compiled is not None:
+            return _run_compiled(compiled, name, step, tolerance)
         return _run(_March(task, ReducedSteps(task, weights), tolerance), name, step)
     return _run(_March(task, ConstrainedSteps(task, weights, constraints), tolerance), name, step)
+
+
+def _compiled_steps(task: Task, weights: Weights) -> CompiledSteps | None:
+    """Return steps whose loop is compiled, None where the kernel is not or the compiler fails."""
+    engine = task.kernel.engine
+    if not isinstance(engine, CompiledEngine):
+        return None
+    try:
+        return CompiledSteps(task, engine, weights, newmark_code())
+    except CompilationError as error:
+        _log.warning("%s; the steps of the run are interpreted, which is slower", error)
+        return None
+
+
+def _run_compiled(
+    steps: CompiledSteps, name: str, step: float, tolerance: float | None
+) -> Statistics:
+    """Run as :func:`_run` does; the compiled loop stops where something else must be done."""
+    task, record = steps.task, steps.record
+    record.per_interval = steps_per_interval(step, task.interval)
+    record.last = task.n_intervals * record.per_interval
+    record.tolerance = tolerance or 0.0
+    record.shortest = _SHORTEST if tolerance is None else _TINY
+    record.halvings = 0 if tolerance is None else _FIRST_HALVINGS
+    SampleBuffer(task, task.state, task.unknowns).flush()
+    steps.go_to(steps.start(Point(task.begin, task.state, task.unknowns)))
+    record.step = max(0, task.delivered - 1) * record.per_interval
+    rows, size = task.rows(task.n_intervals + 1), _FIRST_CHUNK
+    while record.step < record.last and not task.watch.ended_by:
+        started = time.perf_counter()
+        try:
+            outcome = steps.advance(rows, size)
+        finally:
+            seconds = max(time.perf_counter() - started, 1e-6)
+            taken = int(steps.ledger.counts[Count.STEPS])
+            samples = int(steps.ledger.counts[Count.SAMPLES])
+            steps.settle()
+            task.deliver(rows, samples)
+        size = max(1, min(_GROWTH * size, int(max(taken, 1) * _CHUNK_SECONDS / seconds)))
+        if outcome is Outcome.CROSSED:
+            _cross_compiled(steps)
+        else:
+            _refuse(steps, outcome)
+    if task.watch.ended_by and record.is_within:
+        if tolerance is None:
+            task.count_steps(1, record.whole)
+        task.deliver_point(steps.place.point)
+    return task.statistics(name)
+
+
+def _cross_compiled(steps: CompiledSteps) -> None:
+    """Let the events of the step happen that the compiled loop did not take."""
+    record, error = steps.record, steps.record.error
+    steps.go_to(_crossed(steps.task, steps, steps.place, record.to))
+    if error < _ROOM and record.halvings:
+        record.halvings -= 1
+
+
+def _refuse(steps: CompiledSteps, outcome: Outcome) -> None:
+    """Raise what the interpreted loop raises where a run cannot go on."""
+    task, record, ledger = steps.task, steps.record, steps.ledger
+    if outcome in (Outcome.STUCK, Outcome.INEXACT):
+        size = 0.5 * (record.to - record.at.time)
+        raise _stuck(task, steps.place, size, is_inexact=outcome is Outcome.INEXACT)
+    if outcome in (Outcome.UNSOLVED, Outcome.INACCURATE):
+        unsolved = outcome is Outcome.UNSOLVED
+        status = Status(record.status) if unsolved else Status.INACCURATE
+        moment = task.time(record.step // record.per_interval)
+        raise NumericalError(task.kernel.failure(status, moment, ledger))
 
 
 def _run(march: _March[P], name: str, step: float) -> Statistics:
@@ -161,10 +244,10 @@ class _March(Generic[P]):
 
 def _crossed(task: Task, steps: _Steps[P], place: P, end: float) -> P:
     """Return the place from which the motion goes on behind the first event of a step."""
-    time, size = place.point.time, end - place.point.time
+    begin, size = place.point.time, end - place.point.time
     trial = _trials(task, steps, place, size)
     _, point = task.watch.cross(trial, 0.0, 1.0, size)
-    if point.time <= time:
+    if point.time <= begin:
         raise _stuck(task, place, size)
     return steps.start(point)
 
@@ -182,12 +265,12 @@ def _trials(task: Task, steps: _Steps[P], place: P, size: float) -> Callable[[fl
 
 
 def _stuck(task: Task, place: _AnyPlace, size: float, *, is_inexact: bool = False) -> StepError:
-    time, state, unknowns = place.point
-    name = steepest_state(task.kernel, time, state, unknowns)
+    at = place.point
+    name = steepest_state(task.kernel, *at)
     iterations = int(task.ledger.counts[Count.EVALUATIONS])
     why = "the error stays too large" if is_inexact else "Newton's method does not converge"
     return StepError(
-        f"integration stopped at t = {time:.9g} s: {why} even with a step of {size:.3g} s "
+        f"integration stopped at t = {at.time:.9g} s: {why} even with a step of {size:.3g} s "
         f"({iterations} evaluations so far); state '{name}' changes fastest there; shorten the "
         "step, make an impact an event, or soften the contact"
     )

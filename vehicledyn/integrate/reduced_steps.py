@@ -46,8 +46,12 @@ class ReducedPlace:
     change: Vector | None = None
 
 
-class ReducedSteps:
-    """Takes steps of any size, keeping Jacobian and factors while Newton's method converges."""
+class ReducedForm:
+    """Places and weights of the states of some equations in a step, and their Jacobian.
+
+    ``rows`` are all states but positions; ``pairs`` say where velocities stand among them.
+    ``new_mass`` and ``gamma`` are the weights of each row.
+    """
 
     def __init__(self, task: Task, weights: Weights) -> None:
         """Derive the Jacobian, or take that which was derived for these equations before."""
@@ -57,14 +61,47 @@ class ReducedSteps:
         if "total derivatives" not in made:
             made["total derivatives"] = Derivatives(equations, often=True)
         self._derivatives: Derivatives = made["total derivatives"]
-        self._positions, self._velocities = list(equations.positions), list(equations.velocities)
-        is_position = np.isin(np.arange(len(equations.states)), self._positions)
-        self._rows = np.flatnonzero(~is_position)
-        second = np.isin(self._rows, self._velocities)
+        self.positions, self.velocities = list(equations.positions), list(equations.velocities)
+        is_position = np.isin(np.arange(len(equations.states)), self.positions)
+        self.rows = np.flatnonzero(~is_position)
+        second = np.isin(self.rows, self.velocities)
         w = weights
-        self._new_mass = np.where(second, 1.0 - w.alpha_m, w.first_order_mass)
-        self._gamma = np.where(second, w.gamma, w.first_order_gamma)
-        self._pairs = np.searchsorted(self._rows, self._velocities)
+        self.new_mass = np.where(second, 1.0 - w.alpha_m, w.first_order_mass)
+        self.gamma = np.where(second, w.gamma, w.first_order_gamma)
+        self.pairs = np.searchsorted(self.rows, self.velocities)
+
+    def jacobian(self, point: Point) -> Vector:
+        """Return the derivatives of the rates of the rows by all states, along closed loops."""
+        parameters = self._task.kernel.parameters
+        return self._derivatives.total(*point, parameters).rates[self.rows]
+
+    def error(self, before: ReducedPlace, after: ReducedPlace) -> float:
+        """Return the largest local error of a step about, for one plus the size of each state."""
+        if after.change is None:
+            return 0.0
+        by_rates = self._weights.error_of_rates(
+            after.size, after.change, before.size, before.change
+        )
+        error = np.zeros(len(after.point.state))
+        error[self.rows] = by_rates
+        moved = after.change[self.pairs]
+        error[self.positions] = self._weights.error_of_positions(after.size, moved)
+        return float(np.abs(error / (1.0 + np.abs(after.point.state))).max(initial=0.0))
+
+
+class ReducedSteps:
+    """Takes steps of any size, keeping Jacobian and factors while Newton's method converges.
+
+    newmark.c holds the same algorithm; change both together.
+    """
+
+    def __init__(self, task: Task, weights: Weights) -> None:
+        """Begin without a Jacobian."""
+        self._task, self._weights = task, weights
+        form = self._form = ReducedForm(task, weights)
+        self._positions, self._velocities = form.positions, form.velocities
+        self._rows, self._pairs = form.rows, form.pairs
+        self._new_mass, self._gamma = form.new_mass, form.gamma
         self._jacobian: Vector | None = None
         self._factors: Any = None
         self._size = 0.0
@@ -128,17 +165,8 @@ class ReducedSteps:
         return ReducedPlace(point, rates, new, h, new - old)
 
     def error(self, before: ReducedPlace, after: ReducedPlace) -> float:
-        """Return the largest local error of a step about, for one plus the size of each state."""
-        if after.change is None:
-            return 0.0
-        by_rates = self._weights.error_of_rates(
-            after.size, after.change, before.size, before.change
-        )
-        error = np.zeros(len(after.point.state))
-        error[self._rows] = by_rates
-        moved = after.change[self._pairs]
-        error[self._positions] = self._weights.error_of_positions(after.size, moved)
-        return float(np.abs(error / (1.0 + np.abs(after.point.state))).max(initial=0.0))
+        """Return the largest local error of a step about, see :meth:`ReducedForm.error`."""
+        return self._form.error(before, after)
 
     def _rates(self, time: float, x: Vector, z: Vector) -> Vector:
         return self._task.kernel.evaluate(time, x, z, self._task.ledger)
@@ -156,8 +184,7 @@ class ReducedSteps:
         from scipy.linalg import lu_factor  # slow to import, so only where it is needed
 
         if self._is_stale or self._jacobian is None:
-            parameters = self._task.kernel.parameters
-            self._jacobian = self._derivatives.total(*point, parameters).rates[self._rows]
+            self._jacobian = self._form.jacobian(point)
             self._is_stale, self._size = False, 0.0
         if self._size and abs(h - self._size) <= 1e-9 * self._size:
             return

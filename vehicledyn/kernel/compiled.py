@@ -56,6 +56,10 @@ class CompiledEngine:
         counts = (_I * len(COUNTED)).in_dll(library, "vd_operations")
         self.operations = dict(zip(COUNTED, counts, strict=True))
 
+    def address(self, name: str) -> int:
+        """Return the address of an exported function, such as "vd_rates", for other libraries."""
+        return int(ctypes.cast(getattr(self._library, name), _P).value or 0)
+
     def prepare(self, parameters: Vector) -> Vector:
         """Return what depends on the parameters alone."""
         constants = self._tables.after(np.zeros(self._n_constants))

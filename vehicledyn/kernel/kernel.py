@@ -89,6 +89,11 @@ class Kernel:
         """Values of the parameters in SI, shape (n_parameters,); a copy."""
         return self._parameters.copy()
 
+    @property
+    def constants(self) -> Vector:
+        """What the engine made of the parameters; not to be changed."""
+        return self._constants
+
     def set_parameters(self, values: Any) -> None:
         """Use these parameter values, shape (n_parameters,), from now on.
 

@@ -1,0 +1,160 @@
+"""The compiled loop over implicit steps does, statement by statement, what the other one does.
+
+Both run on the functions of one compiled kernel; the interpreted loop factorises by LAPACK, whose
+sums may round otherwise.
+"""
+
+import math
+
+import casadi as ca
+import numpy as np
+import pytest
+from event_examples import Run, bouncing_ball, crossing_oscillator
+from solve_examples import Samples, build, decay, slider_crank, starts, symbols
+
+from vehicledyn.base.errors import NumericalError
+from vehicledyn.base.registry import find
+from vehicledyn.integrate import newmark_family
+from vehicledyn.integrate.newmark_weights import Weights
+from vehicledyn.integrate.simulate import make_task, simulate
+from vehicledyn.kernel.kernel import compile_kernel
+
+pytestmark = [pytest.mark.long, pytest.mark.usefixtures("needs_compiler")]
+WEIGHTS = [Weights.newmark(0.25, 0.5), Weights.hht(0.7), Weights.generalised_alpha(0.6)]
+COUNTS = ("samples", "steps", "evaluations", "newton_iterations", "smallest_step", "largest_step")
+
+
+@pytest.fixture(scope="module")
+def kernel():
+    return compile_kernel(slider_crank(), backend="compiled")
+
+
+@pytest.fixture
+def interpreted(monkeypatch):
+    """Return what calls a function with the loop over steps interpreted."""
+
+    def call(function):
+        with monkeypatch.context() as patch:
+            patch.setattr(newmark_family, "_compiled_steps", lambda *_: None)
+            return function()
+
+    return call
+
+
+def run(kernel, weights, *, tolerance=None, interval=0.1, stop=3.0):
+    samples = Samples()
+    state, unknowns = starts(kernel.equations)
+    span = {"start": 0.0, "stop": stop, "interval": interval}
+    task = make_task(kernel, state=state, unknowns=unknowns, sink=samples, **span)
+    return samples, newmark_family.run_newmark(task, "", weights, 0.05, tolerance=tolerance)
+
+
+def assert_same(one, other, precision=1e-12):
+    for name in ("times", "states", "unknowns", "outputs"):
+        assert getattr(one[0], name) == pytest.approx(getattr(other[0], name), abs=precision), name
+    for name in COUNTS:
+        assert getattr(one[1], name) == pytest.approx(getattr(other[1], name), rel=1e-12), name
+
+
+@pytest.mark.parametrize("tolerance", [None, 1e-6])
+@pytest.mark.parametrize("weights", WEIGHTS)
+def test_loops_with_constraints(kernel, interpreted, weights, tolerance):
+    ways = [call(lambda: run(kernel, weights, tolerance=tolerance)) for call in (now, interpreted)]
+    assert_same(*ways)
+    assert ways[0][1].newton_iterations > ways[0][1].steps
+
+
+def now(function):
+    return function()
+
+
+def test_first_order_states(interpreted):
+    kernel = compile_kernel(decay(3.0), backend="compiled")
+    for tolerance in (None, 1e-5):
+        assert_same(
+            *(
+                call(lambda: run(kernel, WEIGHTS[2], tolerance=tolerance))  # noqa: B023
+                for call in (now, interpreted)
+            )
+        )
+
+
+def test_chunks_and_little_room_change_nothing(kernel, monkeypatch):
+    whole = run(kernel, WEIGHTS[2], tolerance=1e-6)
+    monkeypatch.setattr(newmark_family, "_FIRST_CHUNK", 3)
+    monkeypatch.setattr(newmark_family, "_GROWTH", 1)
+    monkeypatch.setattr("vehicledyn.integrate.task._MOST_NUMBERS", 1)
+    parts = run(kernel, WEIGHTS[2], tolerance=1e-6)
+    assert np.array_equal(whole[0].states, parts[0].states)
+    assert len(parts[0].times) == 31
+
+
+@pytest.mark.parametrize("tolerance", [None, 1e-7])
+def test_events(interpreted, tolerance):
+    kernel = compile_kernel(bouncing_ball(), backend="compiled")
+
+    def go():
+        settings = {"step": 0.05, "tolerance": tolerance}
+        return Run(kernel, "generalised_alpha", stop=3.0, interval=0.05, **settings).go()
+
+    one, other = go(), interpreted(go)
+    assert one.times == pytest.approx(other.times, abs=1e-12)
+    assert one.samples.states == pytest.approx(other.samples.states, abs=1e-11)
+    assert (one.statistics.steps, one.statistics.events) == (other.statistics.steps, 6)
+
+
+def test_a_terminal_event_ends_the_run_with_its_sample(interpreted):
+    kernel = compile_kernel(crossing_oscillator("falling", terminal=True), backend="compiled")
+
+    def go():
+        return Run(kernel, "newmark", stop=2.0, interval=0.1, step=0.05).go()
+
+    one, other = go(), interpreted(go)
+    assert one.statistics.ended_by == other.statistics.ended_by != ""
+    assert one.samples.times == pytest.approx(other.samples.times, abs=1e-12)
+    assert one.statistics.steps == other.statistics.steps
+
+
+def ending():
+    """A motion whose rate has no real value beyond t = 0.5 s."""
+    t, x, v = symbols("t", "x", "v")
+    more = {"positions": (0,), "velocities": (1,)}
+    return build(
+        "ends", time=t, states=[(x, 1.0), (v, 0.0)], rates=[v, ca.sqrt(0.5 - t) - x],
+        parameters=[], outputs=[("x", x)], **more,
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize("tolerance", [None, 1e-6])
+def test_a_step_that_cannot_be_taken_ends_with_the_same_words(interpreted, tolerance):
+    kernel = compile_kernel(ending(), backend="compiled")
+    found = []
+
+    def go():
+        samples = Samples()
+        solver = find("solver", "newmark")(step=0.1, tolerance=tolerance)
+        times = {"start": 0.0, "stop": 1.0, "interval": 0.1}
+        with pytest.raises(NumericalError) as caught:
+            simulate(kernel, solver, state=[1.0, 0.0], unknowns=[], sink=samples, **times)
+        found.append((str(caught.value), len(samples.times)))
+
+    go()
+    interpreted(go)
+    assert found[0] == found[1]
+    assert "Newton's method does not converge" in found[0][0]
+    assert found[0][1] == 6
+
+
+def test_order_two_over_many_steps(kernel):
+    """Ten thousands of steps in one call, and the slope of their error."""
+    ends = []
+    for parts in (1, 2, 16):
+        samples = Samples()
+        state, unknowns = starts(kernel.equations)
+        solver = find("solver", "generalised_alpha")(step=2e-3 / parts)
+        span = {"start": 0.0, "stop": 2.0, "interval": 1.0}
+        simulate(kernel, solver, state=state, unknowns=unknowns, sink=samples, **span)
+        ends.append(samples.states[-1])
+    coarse, fine = (np.linalg.norm(end - ends[-1]) for end in ends[:2])
+    bias = math.log2((1 - 1 / 256) / (1 - 4 / 256))
+    assert math.log2(coarse / fine) - bias == pytest.approx(2.0, abs=0.05)

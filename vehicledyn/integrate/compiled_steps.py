@@ -1,0 +1,172 @@
+"""Steps of Newmark's family on the rates of a compiled kernel, the loop over them compiled too."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vehicledyn.integrate.events import Point
+from vehicledyn.integrate.newmark_weights import Weights
+from vehicledyn.integrate.reduced_steps import ReducedForm, ReducedPlace
+from vehicledyn.integrate.task import Task
+from vehicledyn.kernel.compiled import CompiledEngine
+from vehicledyn.kernel.engine import Count, Figure, Ledger, Rows
+from vehicledyn.kernel.newmark_code import (
+    FRESH_JACOBIAN,
+    NO_JACOBIAN,
+    NewmarkCode,
+    Outcome,
+    PlaceRecord,
+    RunRecord,
+)
+
+
+class CompiledSteps:
+    """Takes steps as ``ReducedSteps`` does, many of them in one call.
+
+    ``record`` is what the compiled code knows of the run; ``ledger`` keeps account of the steps
+    since it was last emptied.
+    """
+
+    def __init__(
+        self, task: Task, engine: CompiledEngine, weights: Weights, code: NewmarkCode
+    ) -> None:
+        """Lay out a run of the task, whose kernel has this engine."""
+        self.task, self._weights, self._code = task, weights, code
+        self._form = ReducedForm(task, weights)
+        self._arrays: dict[str, Any] = {}
+        self.ledger = Ledger()
+        self.record = self._laid_out(engine)
+
+    def start(self, point: Point) -> ReducedPlace:
+        """Return the place from which the motion starts, or starts anew."""
+        unknowns = point.unknowns.copy()
+        kernel = self.task.kernel
+        rates = kernel.evaluate(point.time, point.state, unknowns, self.task.ledger)
+        self.record.is_stale = 1
+        at = Point(point.time, point.state, unknowns)
+        return ReducedPlace(at, rates, rates[self._form.rows], 0.0)
+
+    def step(self, place: ReducedPlace, end: float) -> ReducedPlace | None:
+        """Return the end of a step, or None where Newton's method does not converge."""
+        self.go_to(place)
+        outcome = self._code.step(self.record, end)
+        while outcome is Outcome.NEEDS_JACOBIAN:
+            self.find_jacobian()
+            outcome = self._code.step(self.record, end)
+        self.settle()
+        return self._place("found", self.record.found) if outcome is Outcome.TAKEN else None
+
+    def error(self, before: ReducedPlace, after: ReducedPlace) -> float:
+        """Return the largest local error of a step about; the compiled loop finds its own."""
+        return self._form.error(before, after)
+
+    def advance(self, rows: Rows, budget: int) -> Outcome:
+        """Take about so many steps and write samples; find Jacobians as they are needed."""
+        record = self.record
+        record.xs, record.zs, record.ys = (
+            item.ctypes.data for item in (rows.states, rows.unknowns, rows.outputs)
+        )
+        record.room, record.budget = len(rows.states), budget
+        record.blind_until = self.task.watch.blind_until
+        outcome = self._code.advance(record)
+        while outcome is Outcome.NEEDS_JACOBIAN:
+            self.find_jacobian()
+            outcome = self._code.advance(record)
+        return outcome
+
+    @property
+    def place(self) -> ReducedPlace:
+        """Where the run has come to."""
+        return self._place("at", self.record.at)
+
+    def go_to(self, place: ReducedPlace) -> None:
+        """Let the run go on from a place."""
+        at, arrays = self.record.at, self._arrays
+        at.time, at.size = place.point.time, place.size
+        arrays["at.x"][:], arrays["at.z"][:] = place.point.state, place.point.unknowns
+        arrays["at.rates"][:], arrays["at.auxiliary"][:] = place.rates, place.auxiliary
+        arrays["at.change"][:] = 0.0 if place.change is None else place.change
+
+    def find_jacobian(self) -> None:
+        """Find the Jacobian at the place that the run has come to."""
+        record = self.record
+        self._arrays["jacobian"][:] = self._form.jacobian(self.place.point)
+        record.is_stale, record.has_jacobian, record.factored = 0, FRESH_JACOBIAN, 0.0
+
+    def settle(self) -> None:
+        """Add what was counted to the account of the task."""
+        counts, task = self.ledger.counts, self.task
+        for item in (Count.EVALUATIONS, Count.ITERATIONS):
+            task.ledger.counts[item] += counts[item]
+        largest = self.ledger.figures[Figure.LARGEST_RESIDUAL]
+        figures = task.ledger.figures
+        figures[Figure.LARGEST_RESIDUAL] = max(figures[Figure.LARGEST_RESIDUAL], largest)
+        if counts[Count.STEPS]:
+            task.count_steps(int(counts[Count.STEPS]), self.record.least)
+            task.count_steps(0, self.record.most)
+        counts[: Count.WHERE] = 0
+        self.record.least, self.record.most = np.inf, 0.0
+
+    def _place(self, name: str, at: PlaceRecord) -> ReducedPlace:
+        x, z, rates, auxiliary, change = (
+            self._arrays[f"{name}.{part}"].copy()
+            for part in ("x", "z", "rates", "auxiliary", "change")
+        )
+        point = Point(at.time, x, z)
+        return ReducedPlace(point, rates, auxiliary, at.size, change if at.size else None)
+
+    def _laid_out(self, engine: CompiledEngine) -> RunRecord:
+        """Return the record of a run that has not begun."""
+        task, form, w = self.task, self._form, self._weights
+        kernel, record = task.kernel, RunRecord()
+        e, n = kernel.equations, len(form.rows)
+        for name in ("solve", "rates", "outputs", "events", "survey"):
+            setattr(record, name, engine.address(f"vd_{name}"))
+        n_states, n_blocks = len(e.states), len(e.blocks)
+        room = max(3 * n + 2 * n_states, len(e.events), 2 * n_blocks, 1)
+        directions = [event.direction for event in e.events]
+        self._hold(
+            record,
+            constants=kernel.constants,
+            tolerances=np.array([block.tolerance for block in e.blocks], dtype=float),
+            new_mass=form.new_mass,
+            gamma=form.gamma,
+            rows=np.array(form.rows, dtype=np.intc),
+            positions=np.array(form.positions, dtype=np.intc),
+            velocities=np.array(form.velocities, dtype=np.intc),
+            pairs=np.array(form.pairs, dtype=np.intc),
+            rising=np.array([d != "falling" for d in directions], dtype=np.intc),
+            falling=np.array([d != "rising" for d in directions], dtype=np.intc),
+            sides=task.watch.sides,
+            pivots=np.zeros(n, dtype=np.intc),
+            jacobian=np.zeros((n, n_states)),
+            matrix=np.zeros((n, n)),
+            work=np.zeros(room),
+            figures=self.ledger.figures,
+            counts=self.ledger.counts,
+        )
+        for name, place in (("at", record.at), ("found", record.found)):
+            sizes = {"x": n_states, "z": len(e.unknowns), "rates": n_states}
+            for part, size in {**sizes, "auxiliary": n, "change": n}.items():
+                array = self._arrays[f"{name}.{part}"] = np.zeros(max(1, size))[:size]
+                setattr(place, part, array.ctypes.data)
+        record.n_states, record.n_unknowns, record.n_outputs = (
+            len(items) for items in (e.states, e.unknowns, e.channels)
+        )
+        record.n_blocks, record.n_events = n_blocks, len(e.events)
+        record.n_rows, record.n_pairs = n, len(form.pairs)
+        record.is_stale, record.has_jacobian = 1, NO_JACOBIAN
+        record.alpha_m, record.alpha_f, record.beta = w.alpha_m, w.alpha_f, w.beta
+        record.second_order_gamma = w.gamma
+        record.start, record.interval = task.start, task.interval
+        record.least, record.most = np.inf, 0.0
+        return record
+
+    def _hold(self, record: RunRecord, **arrays: NDArray[Any]) -> None:
+        """Give the record the addresses of arrays, and keep these alive."""
+        for name, array in arrays.items():
+            self._arrays[name] = array
+            setattr(record, name, array.ctypes.data)
