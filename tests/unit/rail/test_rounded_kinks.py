@@ -40,3 +40,12 @@ def test_a_balanced_start_near_a_kink_is_reported(place):
     near = pytest.warns(AccuracyWarning, match=r"begins to change \(wheels at 48.5 m\)")
     with nullcontext() if place == "0 m" else near:
         vd.simulate("curving_wheelset", set=changes, duration="1 ms", backend="interpreted")
+
+
+@pytest.mark.long
+def test_equilibria_and_modes_near_a_kink_say_so_too():
+    changes = {"track": {**RAILS, "segments": SEGMENTS}, "parameters.begin": "48.5 m"}
+    scenario = vd.load("curving_wheelset").changed({**changes, "start": "static"})
+    for analysis in (vd.equilibrium, vd.modes):
+        text = analysis(scenario, backend="interpreted").report.as_text()
+        assert "begins to change (wheels at 48.5 m)" in text

@@ -15,6 +15,7 @@ from vehicledyn.analyses.linear.mode_report import ModesAtSpeed, ModesReport
 from vehicledyn.analyses.preparation.own_speed import at_speed, refuse_idle_speed, speed_matters
 from vehicledyn.analyses.preparation.prepare import Start, prepare, reference_start, start_point
 from vehicledyn.analyses.preparation.prepared import Prepared, Progress
+from vehicledyn.analyses.preparation.rounded_kinks import rounded_kinks
 from vehicledyn.analyses.preparation.steadiness import unsteadiness
 from vehicledyn.base.argument_names import given
 from vehicledyn.base.errors import InputError
@@ -125,7 +126,10 @@ def _modes_at(
         point.unknowns,
         derivatives=prepared.derivatives,
     )
-    remark = "" if kind == "steady" else unsteadiness(prepared, point)
+    remarks = [] if kind == "steady" else [unsteadiness(prepared, point)]
+    if kind != "nominal":
+        remarks += rounded_kinks(prepared, point)
+    remark = "\n".join(filter(None, remarks))
     return ModesAtSpeed(speed, eigenmodes(linear.matrix, linear.names), "", remark), linear
 
 

@@ -12,6 +12,7 @@ from vehicledyn.analyses.linear.stability import Stability, stability_of
 from vehicledyn.analyses.preparation.own_speed import at_speed, own_speed, refuse_idle_speed
 from vehicledyn.analyses.preparation.prepare import Point, equilibrium_point, nominal_point, prepare
 from vehicledyn.analyses.preparation.prepared import Prepared, Progress
+from vehicledyn.analyses.preparation.rounded_kinks import rounded_kinks
 from vehicledyn.base.units import shown
 from vehicledyn.files.scenario.target import Target
 from vehicledyn.kernel.kernel import Backend
@@ -45,6 +46,7 @@ class EquilibriumReport:
     coordinates: list[Row]
     forces: list[Row]
     stability: Stability = field(default_factory=Stability)
+    notes: tuple[str, ...] = ()
 
     def as_text(self) -> str:
         """Return the report as a table."""
@@ -54,6 +56,7 @@ class EquilibriumReport:
         lines = [
             f"{head}, largest unbalanced acceleration {self.residual:.1e}",
             self.stability.as_text(),
+            *self.notes,
             "",
             f"{'coordinate':34} {'nominal':>16} {'equilibrium':>16} {'change':>16}",
         ]
@@ -81,6 +84,7 @@ class EquilibriumReport:
             "kind": self.kind,
             "residual": self.residual,
             "stability": self.stability.as_dict(),
+            "notes": list(self.notes),
             "coordinates": table(self.coordinates),
             "forces": table(self.forces),
         }
@@ -149,16 +153,16 @@ def find_equilibrium(
     progress("finding its stability", None)
     stability = stability_of(prepared, point)
     coordinates, forces = _tables(prepared, nominal, balanced)
-    told = 0.0 if is_still else wanted
     return EquilibriumReport(
         target.title,
         prepared.equations.name,
-        told,
+        0.0 if is_still else wanted,
         kind,
         point.residual,
         coordinates,
         forces,
         stability,
+        tuple(rounded_kinks(prepared, point)),
     )
 
 
