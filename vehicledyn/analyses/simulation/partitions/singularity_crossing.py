@@ -33,6 +33,8 @@ _STRIDES = 90
 _NEARER = 0.5
 """Part of the first determinant below which a block has come near to being singular."""
 _APPROACHES = 5
+_MOST_STEPS = 20_000
+"""Steps at most from one place of a passage to the next; one of a sampling interval needs some."""
 _PROBE = 1e-7
 
 
@@ -100,20 +102,23 @@ class Passage:
             self.advance(self.time + min(0.15 * wait, max(0.2 * (until - self.time), 0.0)))
         raise NumericalError("the singular configuration is not passed")
 
-    def approach(self, crossing: Sequence[int]) -> Iterator[Sample]:
-        """Yield samples nearer and nearer to where some blocks become singular."""
+    def approach(self, crossing: Sequence[int], until: float) -> Iterator[Sample]:
+        """Yield samples nearer and nearer to where some blocks become singular before a time."""
         for _ in range(_APPROACHES):
             wait = self._time_to(crossing)
-            if wait <= 0.0:
+            if not 0.0 < wait <= until - self.time:
                 return
             self.advance(self.time + 0.5 * wait)
             yield self.sample(self.time)
 
     def advance(self, stop: float) -> None:
         """Integrate to a time [s] with steps of any size."""
-        here, refused = self._here, False
+        here, refused, tries = self._here, False, 0
         size = first_size(self._rates, here, stop - here.time, _both(self._tolerance))
         while here.time < stop:
+            tries += 1
+            if tries > _MOST_STEPS:
+                raise NumericalError(f"more than {_MOST_STEPS} steps to t = {stop:.9g} s")
             if size < 10.0 * np.spacing(here.time):
                 raise NumericalError(f"the step size became too small at t = {here.time:.9g} s")
             trial = try_step(self._rates, here, min(here.time + size, stop), _both(self._tolerance))

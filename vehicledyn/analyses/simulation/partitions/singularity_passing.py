@@ -69,7 +69,7 @@ class SingularityPassing:
         """
         changes, plan, begin = self.changes, self.changes.plan, crossing.begin
         passage = Passage(changes.kernel, begin, self._tolerance)
-        for near in passage.approach(crossing.blocks):
+        for near in passage.approach(crossing.blocks, crossing.until):
             found = changes.better(near, LEVERAGE)
             if found is None:
                 continue

@@ -1,0 +1,54 @@
+"""Passages over singular configurations end, however far away the next of them is."""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from vehicledyn.analyses.simulation.partitions import singularity_crossing
+from vehicledyn.analyses.simulation.partitions.singularity_crossing import Passage, Sample
+from vehicledyn.base.errors import NumericalError
+
+FREQUENCY = 200.0
+
+
+class Oscillator:
+    """A kernel without loops, whose one pivot falls to zero at a time."""
+
+    equations = SimpleNamespace(channels=(), unknowns=())
+    description = "none"
+
+    def __init__(self, singular_at):
+        self.singular_at = singular_at
+
+    def evaluate(self, time, state, unknowns, ledger):
+        return np.array([state[1], -(FREQUENCY**2) * state[0]])
+
+    def outputs(self, time, state, unknowns):
+        return np.zeros(0)
+
+    def count_solve(self, time, state, unknowns, ledger):
+        return unknowns
+
+    def pivots(self, times, states, unknowns):
+        return np.array([[self.singular_at - times[0]]])
+
+
+def passage(singular_at):
+    begin = Sample(0.0, np.array([1.0, 0.0]), np.zeros(0), np.zeros(0))
+    return Passage(Oscillator(singular_at), begin)
+
+
+def test_a_singular_place_behind_the_interval_is_not_approached():
+    assert list(passage(1e6).approach([0], until=0.1)) == []
+
+
+def test_one_within_the_interval_is_approached_to_ever_smaller_distances():
+    times = [sample.time for sample in passage(0.08).approach([0], until=0.1)]
+    assert times == pytest.approx([0.08 * (1.0 - 0.5**k) for k in range(1, 6)], rel=1e-6)
+
+
+def test_a_passage_of_too_many_steps_ends(monkeypatch):
+    monkeypatch.setattr(singularity_crossing, "_MOST_STEPS", 50)
+    with pytest.raises(NumericalError, match="more than 50 steps to t = 10 s"):
+        passage(20.0).advance(10.0)
