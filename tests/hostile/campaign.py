@@ -28,6 +28,7 @@ KINDS = {
     "motion": table_cases.motion,
     "cases": table_cases.cases_table,
     "result": result_cases.result,
+    "table": result_cases.table,
     "resumed": resume_cases.resumed,
     "cam": mechanism_cases.cam,
     "ground": mechanism_cases.ground,
@@ -36,7 +37,7 @@ KINDS = {
     "gradient_study": mechanism_cases.gradient_study,
 }
 TOLD = 200  # cases after which a long campaign says how far it is
-WEIGHTS = {"scenario": 3, "system": 3, "option": 2, "result": 4}
+WEIGHTS = {"scenario": 3, "system": 3, "option": 2, "result": 4, "table": 2}
 
 
 @dataclass
@@ -88,7 +89,7 @@ def attack(number, *, first=0, kinds=None, processes=2, keep=None, tell=None):
     """Run a campaign and return its table."""
     warm.up()
     counts = shares(number, kinds)
-    if counts.keys() & {"result", "resumed"}:
+    if counts.keys() & {"result", "table", "resumed"}:
         result_cases.seeds()
         resume_cases.checkpoint()
     numbered = [(kind, k) for kind, count in counts.items() for k in range(first, first + count)]

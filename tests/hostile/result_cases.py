@@ -9,6 +9,10 @@ import tempfile
 from pathlib import Path
 
 import harness
+import mechanism_cases
+import result_tables
+import road_file_cases
+import table_cases
 import yaml_cases
 from harness import Case
 
@@ -36,6 +40,15 @@ SEEDS = {
     "hunt.h5": ["hunt", "systems/simple_wheelset.yaml", "--from", "50 m/s", "--to", "70 m/s",
                 "--points", "8", "--no-simulation", *QUIET, "-o", "hunt.h5"],
 }  # fmt: skip
+TABLES = {
+    "equilibrium.h5": ["equilibrium", PENDULUM, "-o", "equilibrium.h5"],
+    "track.h5": ["track", "track.yaml", "-o", "track.h5"],
+    "cam.h5": ["cam", "cam.yaml", "-o", "cam.h5"],
+    "tyre.h5": ["tyre", "a.tir", "-o", "tyre.h5"],
+    "manoeuvre.h5": ["optimise-manoeuvre", "optimise-manoeuvre.yaml", "-o", "manoeuvre.h5"],
+}  # fmt: skip
+WITHOUT_OPTIMUM = 3
+"""Exit code of the few steps towards an optimal manoeuvre, whose last point is kept."""
 
 
 @functools.cache
@@ -59,21 +72,43 @@ def _computed_seeds():
     found = {}
     with tempfile.TemporaryDirectory(prefix="hostile-seeds-") as name:
         folder = Path(name)
-        study = {"study.yaml": yaml_cases.STUDY.encode()}
-        for file, content in yaml_cases.around(study).items():
-            (folder / file).parent.mkdir(parents=True, exist_ok=True)
-            (folder / file).write_bytes(content)
-        for file, command in SEEDS.items():
+        harness.write(yaml_cases.around(_inputs()), folder)
+        for file, command in (SEEDS | TABLES).items():
             outcome = harness._run_in(folder, Case(file, {}, command), limited=False)
-            if outcome.code != 0:
+            if outcome.code not in (0, WITHOUT_OPTIMUM if file == "manoeuvre.h5" else 0):
                 raise RuntimeError(f"{command}: {outcome}")
+            found[file] = (folder / file).read_bytes()
+        for file, write in result_tables.WRITERS.items():
+            write(folder / file)
             found[file] = (folder / file).read_bytes()
     return found
 
 
+def _inputs():
+    """Return the files that results are computed from, by name."""
+    studies = {f"{verb}.yaml": text for verb, text in mechanism_cases.STUDIES.items()}
+    texts = studies | {
+        "study.yaml": yaml_cases.STUDY,
+        "measured.csv": mechanism_cases.MEASURED,
+        "track.yaml": table_cases.LAYOUT,
+        "cam.yaml": mechanism_cases.CAM,
+        "a.tir": road_file_cases.tyres()[0],
+    }
+    return {name: text.encode() for name, text in texts.items()}
+
+
 def result(rng, name):
-    files = seeds()
-    file = rng.choice(list(files))
+    """Return a command on a spoilt result of a run, a sweep or a first analysis."""
+    return _on_spoilt(list(SEEDS), rng, name)
+
+
+def table(rng, name):
+    """Return a command on a spoilt result that is a table of its own kind."""
+    return _on_spoilt([*TABLES, *result_tables.WRITERS], rng, name)
+
+
+def _on_spoilt(kinds, rng, name):
+    files, file = seeds(), rng.choice(kinds)
     content = spoilt(files[file], rng)
     png = ["--format", "png"]
     commands = [["info", file], ["info", file, "--json"], ["plot", file, *png], ["report", file],

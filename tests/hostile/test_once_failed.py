@@ -432,3 +432,41 @@ def test_lengths_whose_squares_overflow_leave_no_warning():
     command = ["run", "scenarios/systems/parallelogram.yaml", "-o", "out.h5", *SHORT, "-q"]
     files = yaml_cases.around({name: text.encode()})
     refused(Case("lengths", files, command), "contradictory constraints")
+
+
+NOT_FITTING = [
+    ("contact.h5", "jumps/to"),
+    ("handling.h5", "turn.angle"),
+    ("handling.h5", "figure_value"),
+    ("track.h5", "curvature"),
+    ("cam.h5", "figure_value"),
+    ("tyre.h5", "tyre_1/lateral/load"),
+    ("sensitivity.h5", "channel_slope"),
+    ("sensitivity.h5", "figure_slope"),
+    ("optimum.h5", "objective"),
+    ("optimum.h5", "front_objective"),
+    ("identified.h5", "sample_measured"),
+    ("uncertainty.h5", "shares"),
+    ("manoeuvre.h5", "control_value"),
+]
+
+
+@pytest.mark.parametrize("values", [np.zeros((2, 3, 4, 5)), np.array([b"a", b"b"])])
+@pytest.mark.parametrize(("name", "place"), NOT_FITTING)
+def test_tables_whose_arrays_do_not_fit(name, place, values):
+    def change(file):
+        assert place in file, list(file)
+        attributes = {k: v for k, v in file[place].attrs.items() if k.islower()}
+        del file[place]
+        file.create_dataset(place, data=values).attrs.update(attributes)
+
+    refused(Case("table", {name: changed(name, change)}, ["report", name]), "is damaged (")
+
+
+def test_a_scene_that_is_not_in_the_file():
+    def change(file):
+        del file["scene/outline"]
+        file.create_dataset("scene/outline", (10**12,), "f8", chunks=(1000,))
+
+    words = "is damaged (outline is not in the file)"
+    refused(Case("scene", {"car.h5": changed("car.h5", change)}, ["animate", "car.h5"]), words)

@@ -50,7 +50,7 @@ if TYPE_CHECKING:
 
 Floats = NDArray[np.float64]
 
-_BESIDE = {"states", "events", "restart", "summary", "solver"}
+_BESIDE = {"states", "events", "restart", "summary", "solver", "scenario", "plots", "scene"}
 """Groups beside the channels whose arrays are read whole."""
 
 
@@ -116,7 +116,7 @@ class Result(contextlib.AbstractContextManager["Result"]):
             self.channels = tuple(str(name) for name in file.attrs["channels"])
             self.samples = int(file["time"].shape[0])
             refuse_promises(path, file, self.channels)
-            require_groups(file, (*_BESIDE, "scenario", "plots", "scene", GROUP))
+            require_groups(file, (*_BESIDE, GROUP))
             for group in _BESIDE & set(file):
                 require_stored(file[group])
             self._check_sums("time")

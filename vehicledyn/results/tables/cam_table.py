@@ -7,10 +7,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 from vehicledyn.base.files.whole_file import whole_file
 from vehicledyn.results.hdf5.output import write_failed
+from vehicledyn.results.store.consistency import Sizes
 from vehicledyn.results.store.linear_file import (
     Quantity,
     new_file,
@@ -80,17 +79,21 @@ def read_cam(path: Path) -> CamTable:
             quantity.name: (value, quantity.unit, quantity.description)
             for quantity, value in read_key_figures(file)
         }
+        sizes = Sizes()
+        angle = sizes.read(file, "angle", "angles")
         columns = {
             name: CamColumn(
-                str(data.attrs["units"]), str(data.attrs["long_name"]), np.asarray(data[()])
+                str(data.attrs["units"]),
+                str(data.attrs["long_name"]),
+                sizes.read(file, name, "angles", infinite=True),
             )
             for name, data in file.items()
-            if name != "angle" and data.shape == file["angle"].shape and data.dtype.kind == "f"
+            if name != "angle" and data.shape == angle.shape and data.dtype.kind == "f"
         }
         return CamTable(
             str(file.attrs["title"]),
             str(file.attrs["model"]),
-            file["angle"][()],
+            angle,
             columns,
             figures,
             tuple(read_texts(file, "notes")),

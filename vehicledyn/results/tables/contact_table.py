@@ -323,8 +323,11 @@ def _read_curves(file: Any, arrays: dict[str, Any], contacts: ContactColumns) ->
 
 
 def _read_jumps(group: Any) -> tuple[tuple[float, str, float, float], ...]:
-    shifts, before, after = (group[name][()].tolist() for name in ("shift", "from", "to"))
-    return tuple(zip(shifts, read_texts(group, "side"), before, after, strict=True))
+    sizes, sides = Sizes(), read_texts(group, "side")
+    sizes.count("side", sides, "jumps")
+    columns = (sizes.read(group, name, "jumps").tolist() for name in ("shift", "from", "to"))
+    shifts, before, after = columns
+    return tuple(zip(shifts, sides, before, after, strict=True))
 
 
 def _scale(file: Any, name: str, values: Any, meaning: str) -> Any:

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from vehicledyn.results.store.consistency import Sizes
 from vehicledyn.results.store.linear_file import (
     Quantity,
     new_file,
@@ -87,8 +88,8 @@ def write_handling(path: Path, table: HandlingTable) -> None:
             scale = file[axis]
             scale.make_scale(axis)
             for name, column in columns.items():
-                told = (column.unit, column.description)
-                write_numbers(file, f"{sheet}.{name}", column.values, (scale,), told)
+                words = (column.unit, column.description)
+                write_numbers(file, f"{sheet}.{name}", column.values, (scale,), words)
         write_key_figures(
             file, ((Quantity(f.key, f.unit, f.description), f.value) for f in table.figures)
         )
@@ -104,14 +105,15 @@ def read_handling(path: Path) -> HandlingTable:
         If there is no such file, or it is damaged or of another format.
     """
     sheets: dict[str, Sheet] = {}
+    sizes = Sizes()
     with old_file(path, FORMAT) as file:
         for place in file:
             sheet, _, name = place.partition(".")
             if not name or name == "point":
                 continue
-            told = {key: str(file[place].attrs[key]) for key in ("units", "long_name")}
-            column = Column(told["units"], told["long_name"], file[place][()])
-            sheets.setdefault(sheet, {})[name] = column
+            unit, meaning = (str(file[place].attrs[key]) for key in ("units", "long_name"))
+            values = sizes.read(file, place, f"points of {sheet}", infinite=True)
+            sheets.setdefault(sheet, {})[name] = Column(unit, meaning, values)
         figures = [_figure(quantity, value) for quantity, value in read_key_figures(file)]
         title, model = str(file.attrs["title"]), str(file.attrs["model"])
         return HandlingTable(title, model, sheets, figures, tuple(read_texts(file, "notes")))

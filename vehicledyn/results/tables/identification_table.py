@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from vehicledyn.results.store.consistency import Sizes
 from vehicledyn.results.store.linear_file import (
     Quantity,
     new_file,
@@ -109,14 +110,20 @@ def read_identification(path: Path) -> IdentificationTable:
         If the file cannot be read or holds something else.
     """
     with old_file(path, FORMAT) as file:
-        numbers = {name: file[f"parameter_{name}"][()] for name in _BY_PARAMETER}
-        numbers |= {name: file[f"sample_{name}"][()] for name in _BY_SAMPLE}
+        parameters = read_quantities(file, "parameter")
+        sizes = Sizes({"parameters": len(parameters)})
+        numbers = {
+            name: sizes.read(file, f"parameter_{name}", "parameters", infinite=True)
+            for name in _BY_PARAMETER
+        }
+        numbers |= {name: sizes.read(file, f"sample_{name}", "samples") for name in _BY_SAMPLE}
+        both = ("parameters", "parameters")
         return IdentificationTable(
             str(file.attrs["title"]),
             str(file.attrs["message"]),
             int(file.attrs["runs"]),
-            read_quantities(file, "parameter"),
-            covariance=file["covariance"][()],
+            parameters,
+            covariance=sizes.read(file, "covariance", *both, infinite=True),
             variance=float(file.attrs["variance"]),
             whiteness=float(file.attrs["whiteness"]),
             signals=read_quantities(file, "signals"),

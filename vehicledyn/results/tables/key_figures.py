@@ -7,6 +7,7 @@ from collections.abc import Iterable
 import h5py
 import numpy as np
 
+from vehicledyn.results.store.consistency import Sizes
 from vehicledyn.results.store.linear_file import (
     Quantity,
     read_quantities,
@@ -27,5 +28,7 @@ def read_key_figures(file: h5py.File) -> list[tuple[Quantity, float]]:
     """Return figures with their values in SI; none of a file without them."""
     if "figure" not in file:
         return []
-    values = file["figure_value"][()]
-    return list(zip(read_quantities(file, "figure"), map(float, values), strict=True))
+    figures, sizes = read_quantities(file, "figure"), Sizes()
+    sizes.count("figure", figures, "figures")
+    values = sizes.read(file, "figure_value", "figures", infinite=True)
+    return list(zip(figures, map(float, values), strict=True))

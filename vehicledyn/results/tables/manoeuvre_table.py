@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from vehicledyn.results.store.consistency import Sizes
 from vehicledyn.results.store.linear_file import (
     Quantity,
     new_file,
@@ -135,26 +136,34 @@ def read_manoeuvre(path: Path) -> ManoeuvreTable:
         words = {name: str(file.attrs[name]) for name in _HEAD[:4]}
         numbers = {name: float(file.attrs[name]) for name in (*_HEAD[4:], "simulation_error")}
         head: dict[str, Any] = words | numbers
-        time = file["time"][()]
-        has_channels = "channel" in file
-        track = [file[f"path_{n}"][()] for n in _PATH if f"path_{n}" in file]
+        states, controls = read_quantities(file, "state"), read_quantities(file, "control")
+        channels = read_quantities(file, "channel") if "channel" in file else ()
+        counts = {"states": len(states), "controls": len(controls), "channels": len(channels)}
+        sizes = Sizes(counts)
+        time = sizes.read(file, "time", "times")
+        track = [sizes.read(file, f"path_{n}", "times") for n in _PATH if f"path_{n}" in file]
+        history = [
+            sizes.read(file, f"iteration_{name}", "iterations", infinite=True)
+            for name in ("objective", "violation")
+        ]
+        channel_values = np.zeros((len(time), 0))
+        if channels:
+            channel_values = sizes.read(file, "channel_value", "times", "channels")
         return ManoeuvreTable(
             **head,
             n_intervals=int(file.attrs["intervals"]),
             time=time,
-            states=read_quantities(file, "state"),
-            state_values=file["state_value"][()],
-            simulated=file["state_simulated"][()],
-            state_errors=file["state_error"][()],
-            controls=read_quantities(file, "control"),
-            control_values=file["control_value"][()],
-            channels=read_quantities(file, "channel") if has_channels else (),
-            channel_values=file["channel_value"][()] if has_channels else np.zeros((len(time), 0)),
+            states=states,
+            controls=controls,
+            channels=channels,
+            state_values=sizes.read(file, "state_value", "times", "states"),
+            simulated=sizes.read(file, "state_simulated", "times", "states"),
+            state_errors=sizes.read(file, "state_error", "states", infinite=True),
+            control_values=sizes.read(file, "control_value", "times", "controls"),
+            channel_values=channel_values,
             path=np.column_stack(track) if track else np.zeros((len(time), 0)),
-            history=np.column_stack(
-                [file["iteration_objective"][()], file["iteration_violation"][()]]
-            ),
-            mesh_errors=file["mesh_error"][()],
+            history=np.column_stack(history),
+            mesh_errors=sizes.read(file, "mesh_error", "meshes", infinite=True),
             notes=tuple(read_texts(file, "notes")),
         )
 

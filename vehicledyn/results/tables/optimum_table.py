@@ -8,6 +8,7 @@ from typing import Any
 
 import h5py
 
+from vehicledyn.results.store.consistency import Sizes
 from vehicledyn.results.store.linear_file import (
     Quantity,
     new_file,
@@ -154,13 +155,20 @@ def read_course(path: Path) -> OptimumCourse:
         If the file cannot be read or holds something else.
     """
     with old_file(path, FORMAT) as file:
-        runs = file["objective"][()], file["violation"][()]
+        sizes = Sizes()
+        objective = sizes.read(file, "objective", "runs", infinite=True)
+        violation = sizes.read(file, "violation", "runs", infinite=True)
         if "front_figure" not in file.attrs:
-            return OptimumCourse(*runs, None, (), ())
+            return OptimumCourse(objective, violation, None, (), ())
         values = file["front_figure"]
         unit, words = (str(values.attrs[key]) for key in ("units", "long_name"))
-        figure = Quantity(str(file.attrs["front_figure"]), unit, words)
-        return OptimumCourse(*runs, figure, file["front_objective"][()], values[()])
+        return OptimumCourse(
+            objective,
+            violation,
+            Quantity(str(file.attrs["front_figure"]), unit, words),
+            sizes.read(file, "front_objective", "points"),
+            sizes.read(file, "front_figure", "points"),
+        )
 
 
 def describe_optimum(path: Path) -> dict[str, Any]:
@@ -173,7 +181,8 @@ def describe_optimum(path: Path) -> dict[str, Any]:
     """
     with old_file(path, FORMAT) as file:
         names = [item.name for item in read_quantities(file, "variable")]
-        best = zip(names, file["variable_best"][()], strict=True)
+        sizes = Sizes({"variables": len(names)})
+        best = zip(names, sizes.read(file, "variable_best", "variables"), strict=True)
         return {
             "holds": "an optimum",
             "title": str(file.attrs["title"]),

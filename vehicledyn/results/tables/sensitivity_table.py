@@ -115,20 +115,23 @@ def read_sensitivity(path: Path) -> SensitivityTable:
         sizes = Sizes({"parameter": len(parameters), "figure": len(figures)})
         more: dict[str, Any] = {}
         if "channel" in file:
+            channels = read_quantities(file, "channel")
+            sizes.count("channel", channels, "channel")
+            axes = ("channel", "times", "parameter")
             more = {
-                "channels": read_quantities(file, "channel"),
-                "time": file["time"][()],
-                "channel_values": file["channel_value"][()],
-                "channel_slopes": file["channel_slope"][()],
+                "channels": channels,
+                "time": sizes.read(file, "time", "times"),
+                "channel_values": sizes.read(file, "channel_value", *axes[:2]),
+                "channel_slopes": sizes.read(file, "channel_slope", *axes),
             }
         return SensitivityTable(
             str(file.attrs["title"]),
             str(file.attrs["model"]),
             parameters,
-            sizes.fit("parameter_value", file["parameter_value"][()], "parameter", gaps=True),
+            sizes.read(file, "parameter_value", "parameter"),
             figures,
-            sizes.fit("figure_value", file["figure_value"][()], "figure", gaps=True),
-            file["figure_slope"][()],
+            sizes.read(file, "figure_value", "figure"),
+            sizes.read(file, "figure_slope", "figure", "parameter"),
             notes=tuple(read_texts(file, "notes")),
             **more,
         )

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from vehicledyn.base.files.whole_file import whole_file
 from vehicledyn.results.hdf5.output import write_failed
+from vehicledyn.results.store.consistency import Sizes
 from vehicledyn.results.store.linear_file import (
     new_file,
     old_file,
@@ -90,10 +91,12 @@ def read_track_table(path: Path) -> TrackTable:
         If there is no such file, or it is damaged or of another format.
     """
     with old_file(path, FORMAT) as file:
-        names = read_texts(file, "columns")
+        names, sizes = read_texts(file, "columns"), Sizes()
         columns = {
             name: TrackColumn(
-                str(file[name].attrs["units"]), file[name][()], str(file[name].attrs["long_name"])
+                str(file[name].attrs["units"]),
+                sizes.read(file, name, "places"),
+                str(file[name].attrs["long_name"]),
             )
             for name in names
         }

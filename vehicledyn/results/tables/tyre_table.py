@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import h5py
 import numpy as np
@@ -12,6 +13,7 @@ from numpy.typing import NDArray
 
 from vehicledyn.base.files.whole_file import whole_file
 from vehicledyn.results.hdf5.output import write_failed
+from vehicledyn.results.store.consistency import Sizes
 from vehicledyn.results.store.linear_file import new_file, old_file, write_numbers
 
 Array = NDArray[np.float64]
@@ -96,14 +98,16 @@ def read_tyres(path: Path) -> list[TyreTable]:
         return [
             TyreTable(
                 str(group.attrs["title"]),
-                {
-                    sweep: {name: inner[name][()] for name in COLUMNS}
-                    for sweep, inner in group.items()
-                },
+                {sweep: _read_columns(inner) for sweep, inner in group.items()},
             )
             for group in file.values()
             if isinstance(group, h5py.Group)
         ]
+
+
+def _read_columns(group: h5py.Group) -> dict[str, Any]:
+    sizes = Sizes()
+    return {name: sizes.read(group, name, "points") for name in COLUMNS}
 
 
 def _write_hdf5(tables: list[TyreTable], path: Path) -> None:

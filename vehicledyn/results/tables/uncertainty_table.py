@@ -9,6 +9,7 @@ from typing import Any
 import h5py
 import numpy as np
 
+from vehicledyn.results.store.consistency import Sizes
 from vehicledyn.results.store.linear_file import (
     Quantity,
     new_file,
@@ -103,15 +104,18 @@ def read_uncertainty(path: Path) -> UncertaintyTable:
         If the file cannot be read or holds something else.
     """
     with old_file(path, FORMAT) as file:
-        numbers = {name: file[name][()] for name in (*_BY_FIGURE, *_SHARES)}
+        parameters, figures = read_quantities(file, "parameter"), read_quantities(file, "figure")
+        sizes = Sizes({"parameters": len(parameters), "figures": len(figures)})
+        numbers = {name: sizes.read(file, name, "figures") for name in _BY_FIGURE}
+        numbers |= {name: sizes.read(file, name, "figures", "parameters") for name in _SHARES}
         return UncertaintyTable(
             str(file.attrs["title"]),
             str(file.attrs["method"]),
             int(file.attrs["runs"]),
-            read_quantities(file, "parameter"),
-            read_quantities(file, "figure"),
-            points=file["point"][()],
-            samples=file["sample"][()],
+            parameters,
+            figures,
+            points=sizes.read(file, "point", "points", "parameters"),
+            samples=sizes.read(file, "sample", "points", "figures"),
             risks=tuple(read_texts(file, "risks")),
             notes=tuple(read_texts(file, "notes")),
             **numbers,
