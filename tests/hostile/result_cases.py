@@ -161,7 +161,7 @@ def _spoilt_objects(content, rng):
         for _ in range(rng.choice([1, 1, 2, 4])):
             try:
                 _spoil(file, rng)
-            except (ValueError, TypeError, KeyError, RuntimeError, OSError, OverflowError):
+            except (ValueError, TypeError, LookupError, RuntimeError, OSError, OverflowError):
                 continue
     return box.getvalue()
 

@@ -470,3 +470,25 @@ def test_a_scene_that_is_not_in_the_file():
 
     words = "is damaged (outline is not in the file)"
     refused(Case("scene", {"car.h5": changed("car.h5", change)}, ["animate", "car.h5"]), words)
+
+
+@pytest.mark.parametrize(("name", "place"), [("cam.h5", "pressure_angle"), ("track.h5", "cant")])
+def test_tables_without_a_column_that_is_drawn(name, place):
+    def change(file):
+        del file[place]
+        if "columns" in file:
+            names = [n for n in file["columns"].asstr()[()] if n != place]
+            del file["columns"]
+            file["columns"] = names
+
+    refused(Case("table", {name: changed(name, change)}, ["plot", name]), f"({place} is not there)")
+
+
+def test_a_response_whose_imaginary_part_is_shorter():
+    def change(file):
+        values = file["response_imag"][()]
+        del file["response_imag"]
+        file["response_imag"] = values[:, :, :0]
+
+    words = ["export-data", "response.h5", "-o", "out.csv"]
+    refused(Case("response", {"response.h5": changed("response.h5", change)}, words), "is damaged")

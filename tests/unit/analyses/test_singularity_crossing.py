@@ -5,6 +5,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+import vehicledyn as vd
 from vehicledyn.analyses.simulation.partitions import singularity_crossing
 from vehicledyn.analyses.simulation.partitions.singularity_crossing import Passage, Sample
 from vehicledyn.base.errors import NumericalError
@@ -30,13 +31,14 @@ class Oscillator:
     def count_solve(self, time, state, unknowns, ledger):
         return unknowns
 
-    def pivots(self, times, states, unknowns):
-        return np.array([[self.singular_at - times[0]]])
+    def pivots(self, samples):
+        return np.array([[self.singular_at - sample.time] for sample in samples])
 
 
 def passage(singular_at):
     begin = Sample(0.0, np.array([1.0, 0.0]), np.zeros(0), np.zeros(0))
-    return Passage(Oscillator(singular_at), begin)
+    kernel = Oscillator(singular_at)
+    return Passage(kernel, kernel.pivots, begin)
 
 
 def test_a_singular_place_behind_the_interval_is_not_approached():
@@ -52,3 +54,13 @@ def test_a_passage_of_too_many_steps_ends(monkeypatch):
     monkeypatch.setattr(singularity_crossing, "_MOST_STEPS", 50)
     with pytest.raises(NumericalError, match="more than 50 steps to t = 10 s"):
         passage(20.0).advance(10.0)
+
+
+@pytest.mark.long
+def test_rates_without_loops_of_their_own_are_watched_too():
+    """Rolling constraints have a determinant beside those of the loops."""
+    solver = {"kind": "rk4", "step": "200 ms"}
+    changes = {"solver": solver, "output.interval": "200 ms"}
+    with pytest.warns(vd.UnfinishedWarning, match="the integration diverged"):
+        run = vd.simulate("bicycle", set=changes, backend="interpreted")
+    assert run.status == "failed"

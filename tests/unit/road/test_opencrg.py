@@ -66,6 +66,13 @@ def test_a_circle_has_its_heading_and_curvature(tmp_path):
     assert 1.0 / curvature == pytest.approx([radius, radius - 2.0], rel=2e-4)
 
 
+def test_a_road_shorter_than_the_pieces_of_its_curvature_is_straight(tmp_path):
+    got = road(tmp_path, phi=PHI, step=0.005)
+    heading, curvature = got.heading_and_curvature(np.array([0.0, 0.03, 0.05]), np.zeros(3))
+    assert curvature.tolist() == [0.0] * 3
+    assert np.isfinite(heading).all()
+
+
 @pytest.mark.parametrize(
     ("border", "u", "v", "as_at"),
     [

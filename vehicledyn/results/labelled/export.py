@@ -67,6 +67,7 @@ def export_data(
             columns = list(_stored_columns(data, patterns, open_files))
             if not columns:
                 columns = list(_columns(table_arrays(data, patterns)))
+                _refuse_ragged(data.path, columns)
             write(open_files.enter_context(whole_file(path)), columns, data)
     except OSError as error:
         raise write_failed(path, error) from error
@@ -111,6 +112,16 @@ def _columns(arrays: Sequence[Labelled]) -> Iterator[Column]:
             yield f"{array.name}.imag", values.imag, array.unit, array.description
         else:
             yield array.name, values, array.unit, array.description
+
+
+def _refuse_ragged(path: Path, columns: Sequence[Column]) -> None:
+    """Raise InputError unless all columns are equally long."""
+    counts = {name: len(values) for name, values, *_ in columns}
+    first = next(iter(counts))
+    for name, count in counts.items():
+        if count != counts[first]:
+            words = f"{name} has {count} values, not {counts[first]} as {first}"
+            raise InputError(f"{path}: is damaged ({words}); compute it again")
 
 
 def _portions(columns: Sequence[Column]) -> Iterator[list[np.ndarray[Any, Any]]]:

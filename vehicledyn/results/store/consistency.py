@@ -98,6 +98,14 @@ def require_stored(group: h5py.Group) -> None:
     group.visititems(look)
 
 
+def require_columns(columns: Iterable[str], names: Iterable[str]) -> None:
+    """Raise ValueError for the first name that is not among some columns."""
+    known = set(columns)
+    for name in names:
+        if name not in known:
+            raise ValueError(f"{name} is not there")
+
+
 def require_known(name: str, values: Iterable[str], known: Iterable[str]) -> None:
     """Raise ValueError for the first value that is not among the known ones."""
     allowed = set(known)

@@ -9,7 +9,7 @@ from typing import Any
 
 from vehicledyn.base.files.whole_file import whole_file
 from vehicledyn.results.hdf5.output import write_failed
-from vehicledyn.results.store.consistency import Sizes
+from vehicledyn.results.store.consistency import Sizes, require_columns
 from vehicledyn.results.store.linear_file import (
     Quantity,
     new_file,
@@ -21,6 +21,9 @@ from vehicledyn.results.store.linear_file import (
 from vehicledyn.results.tables.key_figures import read_key_figures, write_key_figures
 
 FORMAT = "vehicledyn-cam"
+_DRAWN = ("profile_x", "profile_y", "profile_radius", "pitch_x", "pitch_y", "pitch_radius",
+          "pressure_angle")  # fmt: skip
+"""Columns that every cam has, which figures show."""
 
 
 @dataclass(frozen=True)
@@ -90,6 +93,7 @@ def read_cam(path: Path) -> CamTable:
             for name, data in file.items()
             if name != "angle" and data.shape == angle.shape and data.dtype.kind == "f"
         }
+        require_columns(columns, _DRAWN)
         return CamTable(
             str(file.attrs["title"]),
             str(file.attrs["model"]),

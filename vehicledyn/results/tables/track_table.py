@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from vehicledyn.base.files.whole_file import whole_file
 from vehicledyn.results.hdf5.output import write_failed
-from vehicledyn.results.store.consistency import Sizes
+from vehicledyn.results.store.consistency import Sizes, require_columns
 from vehicledyn.results.store.linear_file import (
     new_file,
     old_file,
@@ -23,6 +23,9 @@ from vehicledyn.results.store.linear_file import (
 )
 
 FORMAT = "vehicledyn-track"
+_DRAWN = ("s", "x", "y", "curvature", "cant", "gradient", "left_lateral", "left_vertical",
+          "right_lateral", "right_vertical")  # fmt: skip
+"""Columns that every track has, which figures show."""
 
 Array = NDArray[np.float64]
 
@@ -100,6 +103,7 @@ def read_track_table(path: Path) -> TrackTable:
             )
             for name in names
         }
+        require_columns(columns, _DRAWN)
         return TrackTable(str(file.attrs["title"]), tuple(read_texts(file, "facts")), columns)
 
 

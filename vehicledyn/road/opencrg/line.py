@@ -198,6 +198,7 @@ class ReferenceLine:
         headings = np.empty(0) if self.heading is None else self.heading
         before, after = index < span, index + span >= len(headings)
         inner = np.clip(index, span, max(span, count - 1 - span))
+        inner = np.minimum(inner, count - 1)
         low, high = np.maximum(inner - span, 0), np.minimum(inner + span, count - 1)
         dx0, dx1 = self.x[inner] - self.x[low], self.x[high] - self.x[inner]
         dy0, dy1 = self.y[inner] - self.y[low], self.y[high] - self.y[inner]

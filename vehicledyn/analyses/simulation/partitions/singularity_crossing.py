@@ -8,7 +8,7 @@ such that the singular instant falls into the widest gap between its stages.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -55,9 +55,15 @@ class Passage:
     solved for, starting from it.
     """
 
-    def __init__(self, kernel: Kernel, begin: Sample, tolerance: float = TOLERANCE) -> None:
-        """Start at a sample outside of the singular zone."""
-        self._kernel = kernel
+    def __init__(
+        self,
+        kernel: Kernel,
+        pivots: Callable[[Sequence[Sample]], Vector],
+        begin: Sample,
+        tolerance: float = TOLERANCE,
+    ) -> None:
+        """Start at a sample outside of the singular zone; ``pivots`` are those that are watched."""
+        self._kernel, self._watched = kernel, pivots
         self._ledger = Ledger()
         self._n = begin.state.size
         names = [c.name for c in kernel.equations.channels]
@@ -176,7 +182,9 @@ class Passage:
         return self._pivots(self.time, self._y)[list(crossing)]
 
     def _pivots(self, time: float, y: Vector) -> Vector:
-        return self._kernel.pivots([time], y[None, : self._n], y[None, self._n :]).ravel()
+        state, unknowns = np.ascontiguousarray(y[: self._n]), y[self._n :].copy()
+        outputs = self._kernel.outputs(time, state, unknowns)
+        return self._watched([Sample(time, state, unknowns, outputs)]).ravel()
 
     def _rates(self, time: float, y: Vector) -> Vector:
         """Return the rates of states and unknowns; not a number where a loop cannot close."""

@@ -12,6 +12,7 @@ from vehicledyn.analyses.simulation.partitions.singularity_crossing import (
     FINE_TOLERANCE,
     TOLERANCE,
     Passage,
+    Sample,
 )
 from vehicledyn.analyses.simulation.partitions.singularity_monitor import LEVERAGE, Crossing
 from vehicledyn.base.errors import NumericalError
@@ -40,7 +41,7 @@ class SingularityPassing:
             changes.log.release()
             return changes.change_between(*earlier)
         begin = crossing.begin
-        passage = Passage(changes.kernel, begin, self._tolerance)
+        passage = self._from(begin)
         try:
             behind = passage.go(crossing=crossing.blocks, until=crossing.until)
             first = plan.index(begin.time) + 1
@@ -68,7 +69,7 @@ class SingularityPassing:
         That is so where a coordinate turns back at a dead point within few samples.
         """
         changes, plan, begin = self.changes, self.changes.plan, crossing.begin
-        passage = Passage(changes.kernel, begin, self._tolerance)
+        passage = self._from(begin)
         for near in passage.approach(crossing.blocks, crossing.until):
             found = changes.better(near, LEVERAGE)
             if found is None:
@@ -78,7 +79,7 @@ class SingularityPassing:
             if samples:
                 changes.log.restart(begin, samples)
             index, here = changes.changed(near, found)
-            rest = Passage(changes.kernel, here, self._tolerance)
+            rest = self._from(here)
             rest.advance(plan.time(index))
             end = rest.sample(plan.time(index))
             changes.log.restart(here, [end])
@@ -87,12 +88,18 @@ class SingularityPassing:
 
     def _stuck(self, crossing: Crossing, error: NumericalError) -> str:
         equations = self.changes.kernel.equations
-        blocks = [equations.blocks[k] for k in crossing.blocks]
-        loops = ", ".join(f"'{block.name}'" for block in blocks)
+        blocks = [equations.blocks[k] for k in crossing.blocks if k < len(equations.blocks)]
         names = equations.unknowns
         inside = [f"'{names[k].name}'" for b in blocks for k in range(b.start, b.stop)]
+        loops = ", ".join(f"'{block.name}'" for block in blocks)
+        what = f"the loop {loops} becomes" if blocks else "the rate constraints become"
+        if len(blocks) < len(crossing.blocks):
+            inside += [f"'{name}'" for name in equations.structure["rate_dependent"]]
         return (
-            f"the loop {loops} becomes singular soon after t = {crossing.begin.time:.9g} s and "
+            f"{what} singular soon after t = {crossing.begin.time:.9g} s and "
             f"no longer determines {', '.join(inside)}, nor would other coordinates do better; "
             f"the motion cannot be continued there ({error})"
         )
+
+    def _from(self, sample: Sample) -> Passage:
+        return Passage(self.changes.kernel, self.changes.pivots, sample, self._tolerance)
