@@ -37,7 +37,8 @@ class ImplicitEquations:
 
     ``function`` is (t, x, z, c) -> (rates, residuals), a ``casadi.Function`` to be called with
     symbols of the type ``symbols``; ``constants`` returns c, shape (n_constants,), from the
-    values of the parameters. ``sizes`` are the numbers of states and unknowns.
+    values of the parameters. ``sizes`` are the numbers of states and unknowns, ``library`` is the
+    machine code, None where the equations are interpreted.
     """
 
     function: Any
@@ -45,6 +46,7 @@ class ImplicitEquations:
     sizes: tuple[int, int]
     n_constants: int
     constants: Callable[[Vector], Vector]
+    library: Any = None
 
 
 def implicit_equations(kernel: Kernel, progress: Progress) -> ImplicitEquations:
@@ -95,26 +97,26 @@ def _compiled(kernel: Kernel, progress: Progress) -> ImplicitEquations:
         return build_library(compiler, source, folder)
 
     own = cache.key_of(kernel.key, "implicit", f"{lanes} lanes")
-    (prepare, n_constants, function), entry = cache.load(own, build, _open)
+    (library, n_constants, function), entry = cache.load(own, build, _open)
     if entry.remark and not kernel.report.remark:
         _log.warning(entry.remark)
     tables = TableRows(equations.tables)
 
     def constants(values: Vector) -> Vector:
         given, found = tables.after(values), tables.after(np.zeros(n_constants))
-        prepare(given.ctypes.data, found.ctypes.data)
+        library.vd_dae_prepare(given.ctypes.data, found.ctypes.data)
         return found
 
     sizes = len(equations.states), len(equations.unknowns)
-    return ImplicitEquations(function, casadi.MX, sizes, function.numel_in(3), constants)
+    return ImplicitEquations(function, casadi.MX, sizes, function.numel_in(3), constants, library)
 
 
 def _open(path: Path) -> tuple[Any, int, Any]:
-    """Return what turns parameters into constants, their number, and the function of CasADi."""
+    """Return the library, the number of constants, and the function of CasADi."""
     import casadi
 
     library = ctypes.CDLL(str(path))
     prepare = library.vd_dae_prepare
     prepare.restype, prepare.argtypes = None, [ctypes.c_void_p, ctypes.c_void_p]
     n_constants = int(ctypes.c_int.in_dll(library, "vd_dae_constants").value)
-    return prepare, n_constants, casadi.external("vd_dae", str(path))
+    return library, n_constants, casadi.external("vd_dae", str(path))

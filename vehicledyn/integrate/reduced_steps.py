@@ -19,8 +19,8 @@ import numpy as np
 from vehicledyn.base.errors import NumericalError
 from vehicledyn.integrate.events import Point
 from vehicledyn.integrate.newmark_weights import Weights
+from vehicledyn.integrate.rate_slopes import slopes_of_rates
 from vehicledyn.integrate.task import Task
-from vehicledyn.kernel.derivatives import Derivatives
 from vehicledyn.kernel.engine import Vector
 
 _MOST_ITERATIONS = 8
@@ -57,10 +57,7 @@ class ReducedForm:
         """Derive the Jacobian, or take that which was derived for these equations before."""
         self._task, self._weights = task, weights
         equations = task.kernel.equations
-        made = task.kernel.made
-        if "total derivatives" not in made:
-            made["total derivatives"] = Derivatives(equations, often=True)
-        self._derivatives: Derivatives = made["total derivatives"]
+        self._slopes = slopes_of_rates(task.kernel, task.progress)
         self.positions, self.velocities = list(equations.positions), list(equations.velocities)
         is_position = np.isin(np.arange(len(equations.states)), self.positions)
         self.rows = np.flatnonzero(~is_position)
@@ -72,8 +69,8 @@ class ReducedForm:
 
     def jacobian(self, point: Point) -> Vector:
         """Return the derivatives of the rates of the rows by all states, along closed loops."""
-        parameters = self._task.kernel.parameters
-        return self._derivatives.total(*point, parameters).rates[self.rows]
+        found: Vector = self._slopes(*point, self._task.kernel.parameters)[self.rows]
+        return found
 
     def error(self, before: ReducedPlace, after: ReducedPlace) -> float:
         """Return the largest local error of a step about, for one plus the size of each state."""

@@ -77,11 +77,14 @@ static void factorise(long long n, double *restrict a, int *restrict pivots) {
 
 static void solve_factored(long long n, const double *restrict a, const int *restrict pivots,
                            double *restrict b) {
-  for (long long j = 0; j < n; j++) {
+  for (long long j = 0; j < n; j++) { /* all first: later pivots moved the rows of factors, too */
     const double held = b[pivots[j]];
     b[pivots[j]] = b[j];
     b[j] = held;
-    for (long long i = j + 1; i < n; i++) b[i] -= a[i + j * n] * held;
+  }
+  for (long long j = 0; j < n; j++) {
+    const double own = b[j];
+    for (long long i = j + 1; i < n; i++) b[i] -= a[i + j * n] * own;
   }
   for (long long j = n - 1; j >= 0; j--) {
     b[j] /= a[j + j * n];

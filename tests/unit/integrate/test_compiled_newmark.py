@@ -79,6 +79,24 @@ def test_first_order_states(interpreted):
         )
 
 
+def turning_around(n=7):
+    """States that turn each other around, so fast that factors need pivots off the diagonal."""
+    names = [f"x{k}" for k in range(n)]
+    x = symbols(*names)
+    some = 200.0 * np.random.default_rng(5).normal(size=(n, n))
+    rates = ca.DM(some - some.T) @ ca.sin(ca.vertcat(*x))
+    return build(
+        "around", time=symbols("t")[0], states=[(item, 0.1 * k) for k, item in enumerate(x)],
+        rates=ca.vertsplit(rates), parameters=[], outputs=[("first", x[0])],
+    )  # fmt: skip
+
+
+def test_factors_with_pivots(interpreted):
+    kernel = compile_kernel(turning_around(), backend="compiled")
+    ways = [call(lambda: run(kernel, WEIGHTS[2], stop=0.5)) for call in (now, interpreted)]
+    assert_same(*ways, precision=1e-11)
+
+
 def test_chunks_and_little_room_change_nothing(kernel, monkeypatch):
     whole = run(kernel, WEIGHTS[2], tolerance=1e-6)
     monkeypatch.setattr(newmark_family, "_FIRST_CHUNK", 3)
