@@ -70,7 +70,7 @@ NAMES = (
 FURTHER = ("systems/curving_wheelset", "manchester_irregular_track", "bas2000_curve")
 """Scenarios whose cost is measured too, but whose truth takes too long for the campaign."""
 WATCHES = (
-    "vehicledyn.integrate.fixed_step._watch_of",
+    "vehicledyn.integrate.fixed_step.watch_of",
     "vehicledyn.analyses.simulation.partitions.repartitioning._Pieces.accuracy_watch",
 )
 """Where the watch comes into a run."""

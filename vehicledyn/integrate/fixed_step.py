@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 from vehicledyn.base.errors import InputError, NumericalError
 from vehicledyn.integrate.accuracy.proposed_step import proposed_step
 from vehicledyn.integrate.accuracy.watch import AccuracyWatch
-from vehicledyn.integrate.accuracy.watched_run import Way
+from vehicledyn.integrate.accuracy.watched_run import Rerun, Way
 from vehicledyn.integrate.accuracy.windows import Grid, WindowStart
 from vehicledyn.integrate.course import go_on_from, history_of
 from vehicledyn.integrate.events import Point
@@ -53,7 +53,10 @@ def run_fixed(task: Task, name: str, method: int, step: float | None) -> Statist
         point = (task.start, task.state, task.unknowns)
         step = proposed_step(task.kernel, method, point, task.interval)
     per_interval = steps_per_interval(step, task.interval)
-    watch = _watch_of(task, method, per_interval) if task.watched else None
+    watch = None
+    if task.watched:
+        grid = Grid(method, task.start, task.interval, per_interval, task.n_intervals)
+        watch = watch_of(task, grid, _taken_again)
     SampleBuffer(task, task.state, task.unknowns).flush()
     march = March(
         method,
@@ -122,14 +125,13 @@ def _silent(*_: object) -> None:
     """Report nothing."""
 
 
-def _watch_of(task: Task, method: int, per_interval: int) -> AccuracyWatch:
+def watch_of(task: Task, grid: Grid, rerun: Rerun) -> AccuracyWatch:
     """Return a watch that sees the samples of a task before its sink does.
 
     Of a continued run it sees what went before, too, where that is known.
     """
-    grid = Grid(method, task.start, task.interval, per_interval, task.n_intervals)
     judged = task.judged or Judged.usual(task.kernel.equations)
-    watch = AccuracyWatch(task.kernel.equations, grid, judged, _taken_again)
+    watch = AccuracyWatch(task.kernel.equations, grid, judged, rerun)
     watch.take_past(task.kernel, task.course)
     sink = task.sink
 

@@ -37,6 +37,11 @@ class Weights:
         """Weight of the new auxiliary rate that makes first-order states of order two."""
         return self.gamma + self.first_order_mass - 1.0 + self.alpha_m
 
+    @property
+    def order(self) -> int:
+        """Order of the method: two where velocities are free of errors of first order."""
+        return 2 if abs(self.gamma - 0.5 + self.alpha_m - self.alpha_f) < 1e-9 else 1
+
     def error_of_positions(self, h: float, change: Vector) -> Vector:
         """Return the local error of positions about, of a step h [s] in which a has changed so.
 

@@ -31,11 +31,17 @@ class Status(IntEnum):
 
 
 class Method(IntEnum):
-    """Fixed-step methods; the numbers are those of loop.c, ``CHEBYSHEV`` plus its stages."""
+    """Fixed-step methods; the numbers are those of loop.c, ``CHEBYSHEV`` plus its stages.
+
+    ``IMPLICIT`` plus their order are Newmark's methods, whose steps are taken outside of the
+    kernel; ``CONSTRAINED`` those of them that step on residuals with multipliers.
+    """
 
     RK4 = 0
     SYMPLECTIC_EULER = 1
     CHEBYSHEV = 100
+    IMPLICIT = 1000
+    CONSTRAINED = 2000
 
 
 WEAK_PIVOT = 0.3

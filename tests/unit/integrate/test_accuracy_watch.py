@@ -5,6 +5,7 @@ from itertools import count
 
 import numpy as np
 import pytest
+from event_examples import with_events
 from solve_examples import build, decay, oscillator, symbols
 
 from vehicledyn.base.errors import NumericalError
@@ -19,6 +20,8 @@ from vehicledyn.integrate.accuracy.windows import window_places
 from vehicledyn.integrate.batch import Cases, make_batch, run_batch
 from vehicledyn.integrate.estimated_accuracy import Accuracy, worst_of
 from vehicledyn.integrate.judged_quantities import Judged
+from vehicledyn.integrate.methods.generalised_alpha import GeneralisedAlpha
+from vehicledyn.integrate.methods.newmark import Newmark
 from vehicledyn.integrate.methods.rk4 import RungeKutta4
 from vehicledyn.integrate.methods.rkc import RungeKuttaChebyshev
 from vehicledyn.integrate.methods.symplectic_euler import SymplecticEuler
@@ -69,6 +72,10 @@ def swinging(stiffness=400.0):
         (SymplecticEuler(step=0.05), "inaccurate"),
         (RungeKuttaChebyshev(step=0.001, stages=3), "accurate"),
         (RungeKuttaChebyshev(step=0.025, stages=3), "inaccurate"),
+        (GeneralisedAlpha(step=0.005, spectral_radius=0.9), "accurate"),
+        (GeneralisedAlpha(step=0.02, spectral_radius=0.5), "inaccurate"),
+        (Newmark(step=0.002, gamma=0.501, beta=0.2505), "accurate"),
+        (Newmark(step=0.02, gamma=0.6, beta=0.3025), "inaccurate"),
     ],
     ids=lambda item: item if isinstance(item, str) else f"{item.kind}-{item.step}",
 )
@@ -82,13 +89,34 @@ def test_verdicts_on_an_oscillator(solver, verdict, backend):
     assert statistics.accuracy.verdict == verdict
 
 
-@pytest.mark.parametrize("solver", [RungeKutta4(step=0.1), SymplecticEuler(step=0.05)])
+@pytest.mark.parametrize(
+    "solver",
+    [
+        RungeKutta4(step=0.1),
+        SymplecticEuler(step=0.05),
+        GeneralisedAlpha(step=0.02, spectral_radius=0.5),
+    ],
+)
 def test_the_recommended_step_is_accurate(solver):
     first = watched(swinging(), solver, stop=10.0, interval=0.1)[0].accuracy
     assert first.step < solver.step
     again = solver.model_copy(update={"step": first.step})
     second = watched(swinging(), again, stop=10.0, interval=0.1)[0].accuracy
     assert second.verdict == "accurate", second
+
+
+def test_steps_that_follow_a_tolerance_are_not_judged():
+    solver = GeneralisedAlpha(step=0.02, spectral_radius=0.5, tolerance=1e-6)
+    assert watched(swinging(), solver, stop=2.0, interval=0.1)[0].accuracy is None
+
+
+def test_an_early_end_that_only_a_long_step_brings_is_found():
+    """Damped steps lose height: the event at a fall below 0.9 m would never come."""
+    e = swinging()
+    equations = with_events(e, ("low", e.output[0] / 200.0 - 0.9, "falling", True, {}))
+    solver = GeneralisedAlpha(step=0.02, spectral_radius=0.5)
+    with pytest.raises(NumericalError, match="the run ends early only because its step is too"):
+        watched(equations, solver, stop=10.0, interval=0.1)
 
 
 @pytest.mark.parametrize("backend", BACKENDS)
@@ -125,7 +153,7 @@ def test_what_grows_by_itself_does_not_diverge():
 def test_the_watch_changes_no_bit_of_the_run(backend, monkeypatch):
     solver = RungeKutta4(step=0.1)
     seen = watched(swinging(), solver, stop=10.0, interval=0.1, backend=backend)[1]
-    monkeypatch.setattr("vehicledyn.integrate.fixed_step._watch_of", lambda *_: None)
+    monkeypatch.setattr("vehicledyn.integrate.fixed_step.watch_of", lambda *_: None)
     blind = watched(swinging(), solver, stop=10.0, interval=0.1, backend=backend)[1]
     for one, other in zip(seen, blind, strict=True):
         assert np.array_equal(one, other)

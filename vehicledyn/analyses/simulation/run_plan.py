@@ -145,7 +145,11 @@ class RunPlan:
         if self.step is not None:
             fixed: Any = solver
             parts_of_it = max(1, math.ceil(interval / self.step - 1e-6))
-            solver = FixedSteps(fixed.fixed_method, interval / parts_of_it)
+            shorter = interval / parts_of_it
+            if hasattr(fixed, "fixed_method"):
+                solver = FixedSteps(fixed.fixed_method, shorter)
+            else:
+                solver = fixed.model_copy(update={"step": shorter})
         task = make_task(
             kernel,
             start=begin.time,

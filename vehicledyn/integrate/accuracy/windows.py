@@ -4,9 +4,12 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
+from vehicledyn.base.errors import NumericalError
+from vehicledyn.integrate.simulate import simulate
 from vehicledyn.kernel.engine import Count, March, Method, Rows, Status, Vector
 from vehicledyn.kernel.kernel import Kernel
 
@@ -24,15 +27,34 @@ _OVERHEAD, _FREE = 6e5, 1.05e7
 """Operations that calling a window costs, and that a run by itself may always spend on them."""
 
 
+_ITERATIONS, _INTERPRETED = 4, 300
+"""Evaluations of the rates in an implicit step, and what an interpreted one costs."""
+
+
 @dataclass(frozen=True)
 class Grid:
-    """When a run with a fixed step takes its steps and samples; ``method`` as in ``March``."""
+    """When a run with a fixed step takes its steps and samples; ``method`` as in ``March``.
+
+    ``solver`` are the settings of a method whose steps are taken outside of the kernel.
+    """
 
     method: int
     start: float
     interval: float
     per_interval: int
     n_intervals: int
+    solver: Any = None
+
+    @classmethod
+    def of(
+        cls, solver: Any, start: float, interval: float, per_interval: int, n_intervals: int
+    ) -> Grid | None:
+        """Return the grid of a method with a fixed step by its settings, None for others."""
+        times = start, interval, per_interval, n_intervals
+        if hasattr(solver, "fixed_method"):
+            return cls(solver.fixed_method, *times)
+        method = getattr(solver, "watched_method", None)
+        return None if method is None else cls(method, *times, solver)
 
     @property
     def step(self) -> float:
@@ -58,13 +80,17 @@ class WindowStart:
 
 def order_of(method: int) -> int:
     """Return the order of a fixed-step method."""
+    if method >= Method.IMPLICIT:
+        return method % Method.IMPLICIT
     if method >= Method.CHEBYSHEV:
         return 2
     return 4 if method == Method.RK4 else 1
 
 
 def stages_of(method: int) -> int:
-    """Return how often a step evaluates the rates."""
+    """Return how often a step evaluates the rates, or what takes as long."""
+    if method >= Method.IMPLICIT:
+        return _INTERPRETED if method >= Method.CONSTRAINED else _ITERATIONS
     if method >= Method.CHEBYSHEV:
         return method - Method.CHEBYSHEV
     return 4 if method == Method.RK4 else 1
@@ -111,6 +137,8 @@ def window_end(grid: Grid, place: WindowStart, divided: int) -> Vector | None:
     Vector or None
         Shape (n_channels,), infinite where the end is not reached; None where an event interrupts.
     """
+    if grid.solver is not None:
+        return _solved_end(grid, place, divided)
     e = place.kernel.equations
     count = STEPS * divided
     march = March(
@@ -130,6 +158,27 @@ def window_end(grid: Grid, place: WindowStart, divided: int) -> Vector | None:
         rows.outputs[0] = np.inf
     found: Vector = rows.outputs[0]
     return found
+
+
+def _solved_end(grid: Grid, place: WindowStart, divided: int) -> Vector | None:
+    """Return the same for a method whose steps are taken outside of the kernel."""
+    found: list[Vector] = []
+    span = STEPS * grid.step
+    try:
+        done = simulate(
+            place.kernel,
+            grid.solver.model_copy(update={"step": grid.step / divided}),
+            start=place.time,
+            stop=place.time + span,
+            state=place.state,
+            unknowns=place.unknowns,
+            interval=span,
+            sink=lambda times, states, unknowns, outputs: found.append(outputs[-1]),
+            watched=False,
+        )
+    except NumericalError:
+        return np.full(len(place.kernel.equations.channels), np.inf)
+    return None if done.events else found[-1]
 
 
 def operations_of_step(kernel: Kernel, method: int) -> float:

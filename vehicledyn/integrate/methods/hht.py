@@ -14,6 +14,7 @@ from vehicledyn.integrate.methods.tolerances import (
 from vehicledyn.integrate.newmark_weights import Constraints
 
 if TYPE_CHECKING:
+    from vehicledyn.integrate.newmark_weights import Weights
     from vehicledyn.integrate.task import Statistics, Task
     from vehicledyn.symbolic.equations import Equations
 
@@ -41,17 +42,22 @@ class HilberHughesTaylor(ParameterSet):
 
         refuse_constraints(equations, self.constraints)
 
-    def integrate(self, task: Task) -> Statistics:
-        """Integrate a task."""
-        from vehicledyn.integrate.newmark_family import run_newmark
+    @property
+    def weights(self) -> Weights:
+        """Weights of a step."""
         from vehicledyn.integrate.newmark_weights import Weights
 
-        weights = Weights.hht(self.spectral_radius)
-        return run_newmark(
-            task,
-            "hht",
-            weights,
-            self.step,
-            constraints=self.constraints,
-            tolerance=self.tolerance,
-        )
+        return Weights.hht(self.spectral_radius)
+
+    @property
+    def watched_method(self) -> int | None:
+        """The method as the watch of the accuracy knows it; None where a tolerance is given."""
+        from vehicledyn.integrate.watched_newmark import watched_method
+
+        return watched_method(self.weights, self.constraints, self.tolerance)
+
+    def integrate(self, task: Task) -> Statistics:
+        """Integrate a task."""
+        from vehicledyn.integrate.watched_newmark import run_watched
+
+        return run_watched(task, "hht", self, self.weights)

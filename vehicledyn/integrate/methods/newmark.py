@@ -14,6 +14,7 @@ from vehicledyn.integrate.methods.tolerances import (
 from vehicledyn.integrate.newmark_weights import Constraints
 
 if TYPE_CHECKING:
+    from vehicledyn.integrate.newmark_weights import Weights
     from vehicledyn.integrate.task import Statistics, Task
     from vehicledyn.symbolic.equations import Equations
 
@@ -43,17 +44,22 @@ class Newmark(ParameterSet):
 
         refuse_constraints(equations, self.constraints)
 
-    def integrate(self, task: Task) -> Statistics:
-        """Integrate a task."""
-        from vehicledyn.integrate.newmark_family import run_newmark
+    @property
+    def weights(self) -> Weights:
+        """Weights of a step."""
         from vehicledyn.integrate.newmark_weights import Weights
 
-        weights = Weights.newmark(self.beta, self.gamma)
-        return run_newmark(
-            task,
-            "newmark",
-            weights,
-            self.step,
-            constraints=self.constraints,
-            tolerance=self.tolerance,
-        )
+        return Weights.newmark(self.beta, self.gamma)
+
+    @property
+    def watched_method(self) -> int | None:
+        """The method as the watch of the accuracy knows it; None where a tolerance is given."""
+        from vehicledyn.integrate.watched_newmark import watched_method
+
+        return watched_method(self.weights, self.constraints, self.tolerance)
+
+    def integrate(self, task: Task) -> Statistics:
+        """Integrate a task."""
+        from vehicledyn.integrate.watched_newmark import run_watched
+
+        return run_watched(task, "newmark", self, self.weights)

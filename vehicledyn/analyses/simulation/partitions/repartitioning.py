@@ -121,15 +121,18 @@ class _Pieces:
     first: Equations
     make_watch: Callable[[], PartitionWatch]
     known: dict[tuple[str, ...], Kernel] = field(default_factory=dict)
+    solver: Any = None
 
     def accuracy_watch(self, plan: RunPlan, judged: Judged | None) -> AccuracyWatch | None:
         """Return a watch of a whole run; None for methods with step-size control."""
         solver: Any = plan.solver
-        if plan.step is None or not hasattr(solver, "fixed_method"):
+        if plan.step is None:
             return None
         per_interval = steps_per_interval(plan.step, plan.interval)
-        times = plan.start, plan.interval, per_interval, plan.n_looks
-        grid = Grid(solver.fixed_method, *times)
+        grid = Grid.of(solver, plan.start, plan.interval, per_interval, plan.n_looks)
+        if grid is None:
+            return None
+        self.solver = grid.solver
         return AccuracyWatch(self.first, grid, judged or Judged.usual(self.first), self._again)
 
     def run(
@@ -160,7 +163,9 @@ class _Pieces:
         """Take a part of the run again, see ``Rerun``."""
         stop = place.time + count * interval
         delivery = Delivery(self.first, sink)
-        solver = FixedSteps(way.method, way.step)
+        solver: Solver = FixedSteps(way.method, way.step)
+        if self.solver is not None:
+            solver = self.solver.model_copy(update={"step": way.step})
         plan = RunPlan(solver, place.time, stop, interval, 1, delivery.take, _silent, _silent)
         return self.run(place.kernel, plan, place.state.copy(), place.unknowns.copy())
 
