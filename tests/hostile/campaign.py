@@ -5,6 +5,7 @@ import random
 from collections import Counter, defaultdict
 from dataclasses import dataclass, field
 
+import finite_element_cases
 import harness
 import mechanism_cases
 import result_cases
@@ -34,6 +35,7 @@ KINDS = {
     "ground": mechanism_cases.ground,
     "driven": mechanism_cases.driven,
     "beam": mechanism_cases.beam,
+    "finite_elements": finite_element_cases.finite_elements,
     "gradient_study": mechanism_cases.gradient_study,
 }
 TOLD = 200  # cases after which a long campaign says how far it is
