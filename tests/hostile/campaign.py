@@ -5,6 +5,7 @@ import random
 from collections import Counter, defaultdict
 from dataclasses import dataclass, field
 
+import command_cases
 import finite_element_cases
 import harness
 import mechanism_cases
@@ -20,6 +21,7 @@ KINDS = {
     "system": yaml_cases.system,
     "study": yaml_cases.study,
     "option": yaml_cases.option,
+    "command": command_cases.command,
     "expression": yaml_cases.expression,
     "profile": table_cases.profile,
     "track": table_cases.track,
@@ -91,7 +93,7 @@ def attack(number, *, first=0, kinds=None, processes=2, keep=None, tell=None):
     """Run a campaign and return its table."""
     warm.up()
     counts = shares(number, kinds)
-    if counts.keys() & {"result", "table", "resumed"}:
+    if counts.keys() & {"result", "table", "resumed", "command"}:
         result_cases.seeds()
         resume_cases.checkpoint()
     numbered = [(kind, k) for kind, count in counts.items() for k in range(first, first + count)]

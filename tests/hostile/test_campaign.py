@@ -26,7 +26,7 @@ def test_the_program_holds():
     assert done.returncode == 0, done.stdout + done.stderr
 
 
-WITH_TIMES = ("result", "table", "resumed")
+WITH_TIMES = ("result", "table", "resumed", "command")
 """Kinds whose seeds hold the time at which they were computed."""
 
 

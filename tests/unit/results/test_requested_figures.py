@@ -81,6 +81,11 @@ def test_files_are_named_after_figures_and_patterns(pair, tmp_path):
     assert [file.name for file in files] == ["chassis.y_against_chassis.x.svg"]
 
 
+def test_all_channels_leave_out_their_time(pair, tmp_path):
+    files = save_requested(opened(pair), tmp_path, patterns=["*"], formats=["svg"])
+    assert [file.name for file in files] == ["all.svg"]
+
+
 @pytest.mark.parametrize(
     ("patterns", "against", "message"),
     [

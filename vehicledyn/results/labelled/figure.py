@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 from collections.abc import Iterator, Mapping, Sequence
+from textwrap import fill
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import matplotlib
@@ -30,6 +31,8 @@ MOST_LINES = 60
 
 SHORT_NAME = 22
 """Letters up to which three names of a legend stand side by side."""
+LABEL_WIDTH = 34
+"""Letters of an axis label in one line."""
 
 
 class Axis(NamedTuple):
@@ -69,10 +72,15 @@ def draw_data(
     lines = [
         line
         for source, one in several.items()
-        for name in one.names(*patterns)
+        for name in _drawable(one, patterns)
         for line in _lines(one[name], one[against] if against else None, source, _shown(one, name))
     ]
     return _drawn(lines, ", ".join(patterns) if len(data) > 1 else first.title)
+
+
+def _drawable(data: LabelledSet, patterns: Sequence[str]) -> list[str]:
+    """Return the names that patterns match, the axes of others only where they are named."""
+    return [n for n in data.names(*patterns) if n in patterns or tuple(data[n].dims) != (n,)]
 
 
 def _shown(data: LabelledSet, name: str) -> NDArray[Any]:
@@ -194,7 +202,8 @@ def _draw_panel(
     leave_room(axes)
     words = {line.words for line in lines}
     shared = words.pop() if len(words) == 1 else ""
-    axes.set_ylabel(axis_label(plain(shared or (names[0] if len(names) == 1 else "")), unit))
+    label = axis_label(plain(shared or (names[0] if len(names) == 1 else "")), unit)
+    axes.set_ylabel(fill(label, LABEL_WIDTH))
     if len(names) > 1:
         columns = 3 if max(map(len, names)) <= SHORT_NAME else 2
         axes.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=columns)

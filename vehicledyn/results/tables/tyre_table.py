@@ -5,7 +5,6 @@ from __future__ import annotations
 import csv
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 import h5py
 import numpy as np
@@ -13,7 +12,7 @@ from numpy.typing import NDArray
 
 from vehicledyn.base.files.whole_file import whole_file
 from vehicledyn.results.hdf5.output import write_failed
-from vehicledyn.results.store.consistency import Sizes
+from vehicledyn.results.store.consistency import Sizes, require_columns
 from vehicledyn.results.store.linear_file import new_file, old_file, write_numbers
 
 Array = NDArray[np.float64]
@@ -98,14 +97,19 @@ def read_tyres(path: Path) -> list[TyreTable]:
         return [
             TyreTable(
                 str(group.attrs["title"]),
-                {sweep: _read_columns(inner) for sweep, inner in group.items()},
+                _read_sweeps(group),
             )
             for group in file.values()
             if isinstance(group, h5py.Group)
         ]
 
 
-def _read_columns(group: h5py.Group) -> dict[str, Any]:
+def _read_sweeps(tyre: h5py.Group) -> dict[str, dict[str, Array]]:
+    require_columns(tyre, ("longitudinal", "lateral", "combined"))
+    return {sweep: _read_columns(group) for sweep, group in tyre.items()}
+
+
+def _read_columns(group: h5py.Group) -> dict[str, Array]:
     sizes = Sizes()
     return {name: sizes.read(group, name, "points") for name in COLUMNS}
 
