@@ -61,6 +61,15 @@ def implicit_equations(kernel: Kernel, progress: Progress) -> ImplicitEquations:
     return found
 
 
+def is_compiled_already(kernel: Kernel) -> bool:
+    """Return whether the code of :func:`implicit_equations` is in the cache."""
+    return bool(kernel.key) and cache.known(_key(kernel)) is not None
+
+
+def _key(kernel: Kernel) -> str:
+    return cache.key_of(kernel.key, "implicit", f"{suitable_lanes()} lanes")
+
+
 def _make(kernel: Kernel, progress: Progress) -> ImplicitEquations:
     if not kernel.key:
         return _interpreted(kernel.equations)
@@ -96,8 +105,7 @@ def _compiled(kernel: Kernel, progress: Progress) -> ImplicitEquations:
         progress(f"compiling the Jacobian with {compiler.description}", None)
         return build_library(compiler, source, folder)
 
-    own = cache.key_of(kernel.key, "implicit", f"{lanes} lanes")
-    (library, n_constants, function), entry = cache.load(own, build, _open)
+    (library, n_constants, function), entry = cache.load(_key(kernel), build, _open)
     if entry.remark and not kernel.report.remark:
         _log.warning(entry.remark)
     tables = TableRows(equations.tables)

@@ -2,25 +2,25 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field
 
 from vehicledyn.integrate.compiled_jacobian import CompiledJacobian
-from vehicledyn.integrate.implicit import implicit_equations
+from vehicledyn.integrate.implicit import implicit_equations, is_compiled_already
 from vehicledyn.kernel.derivatives import Derivatives
 from vehicledyn.kernel.engine import Vector
 from vehicledyn.kernel.kernel import Kernel, Progress
 
-_WORTH_COMPILING = 1_500_000
-"""Operations of all columns of a Jacobian from which on it is compiled at once."""
-_WORTH_WAITING = 20_000_000
-"""Operations of the columns that are interpreted before, some seconds: what a compiler takes."""
-_EACH = 3_000
-"""Operations that calling an interpreted column costs."""
+_WORTH_WAITING = 6_000
+"""Columns that are interpreted before: as long as the compiler takes, whatever the model's size."""
 
 
 @dataclass
 class RateSlopes:
-    """Evaluates dẋ/dx of a kernel; ``progress`` is told when a compiler works."""
+    """Evaluates dẋ/dx of a kernel; ``progress`` is told when a compiler works.
+
+    ``left`` counts the columns that are interpreted before the others are compiled.
+    """
 
     kernel: Kernel
     progress: Progress
@@ -34,11 +34,8 @@ class RateSlopes:
         if "total derivatives" not in made:
             made["total derivatives"] = Derivatives(e, outputs=False, often=not self.kernel.key)
         self.derivatives = made["total derivatives"]
-        columns = len(e.states) + len(e.unknowns)
-        rates = self.kernel.report.operations.get("rates", 0)
-        self._each = columns * (3 * rates + _EACH)
-        is_large = columns * rates >= _WORTH_COMPILING
-        self.left = 0.0 if is_large else _WORTH_WAITING
+        self._columns = len(e.states) + len(e.unknowns)
+        self.left = 0.0 if is_compiled_already(self.kernel) else _WORTH_WAITING
 
     def __call__(self, time: float, state: Vector, unknowns: Vector, parameters: Vector) -> Vector:
         """Return dẋ/dx along closed loops at a point, shape (n_states, n_states).
@@ -52,13 +49,13 @@ class RateSlopes:
             self._compile()
         if self.compiled is not None:
             return self.compiled.rates_by_states(time, state, unknowns, parameters)
-        self.left -= self._each
+        self.left -= self._columns
         return self.derivatives.total(time, state, unknowns, parameters).rates
 
     def _compile(self) -> None:
         """Take the code of the stiff methods, or stay as it is where there is none."""
         equations = implicit_equations(self.kernel, self.progress)
-        self.left = 1e300
+        self.left = math.inf
         if equations.library is not None:
             name = self.kernel.equations.name
             self.compiled = CompiledJacobian(equations, equations.library, name)

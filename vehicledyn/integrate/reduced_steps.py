@@ -122,14 +122,15 @@ class ReducedSteps:
         return found
 
     def _iterate(self, place: ReducedPlace, end: float) -> ReducedPlace | None:
-        """Iterate from the auxiliary rates at the start of the step."""
+        """Iterate from auxiliary rates that change as they did in the step before."""
         (time, state, unknowns), w = place.point, self._weights
         h, rows = end - time, self._rows
         ratio = h / place.size if place.size else 1.0
         old = place.rates[rows] + ratio * (place.auxiliary - place.rates[rows])
         self._prepare(place.point, h)
         known = (1.0 - self._new_mass) * old - w.alpha_f * place.rates[rows]
-        new, z, before = old.copy(), unknowns.copy(), np.inf
+        guess = old if place.change is None else old + ratio * place.change
+        new, z, before = guess.copy(), unknowns.copy(), np.inf
         for iteration in range(_MOST_ITERATIONS):
             x = self._moved(state, h, old, new)
             try:
@@ -146,19 +147,20 @@ class ReducedSteps:
             contraction = size / before if iteration else 0.0
             self._is_stale = self._is_stale or (contraction > _SLOW and size > _ROUNDING)
             if size * contraction / max(1.0 - contraction, 1e-3) < _CLOSE and iteration:
-                return self._accepted(Point(end, x + moved, z), new, old, h)
+                return self._accepted(Point(end, x + moved, z), new, known, h, old)
             if size == 0.0 or (contraction > 0.5 and size < _ROUNDING):
-                return self._accepted(Point(end, x + moved, z), new, old, h)
+                return self._accepted(Point(end, x + moved, z), new, known, h, old)
             if contraction > 0.9:
                 return None
             before = size
         return None
 
-    def _accepted(self, point: Point, new: Vector, old: Vector, h: float) -> ReducedPlace | None:
-        try:
-            rates = self._rates(*point)
-        except NumericalError:
-            return None
+    def _accepted(
+        self, point: Point, new: Vector, known: Vector, h: float, old: Vector
+    ) -> ReducedPlace:
+        """Return the end of a step, with the rates that it demands there."""
+        rates = np.zeros(len(point.state))
+        rates[self._rows] = (self._new_mass * new + known) / (1.0 - self._weights.alpha_f)
         return ReducedPlace(point, rates, new, h, new - old)
 
     def error(self, before: ReducedPlace, after: ReducedPlace) -> float:

@@ -132,19 +132,21 @@ static int evaluate(struct run *m, double t, const double *x, double *z, double 
   return 1;
 }
 
-/* Iterate from the auxiliary rates at the start of the step; the end is in m->found. */
+/* Iterate from auxiliary rates that change as in the step before; the end is in m->found. Rates at
+   the end are those that the step demands. */
 static int iterate(struct run *m, double end) {
   const long long n = m->n_rows;
   struct place *at = &m->at, *found = &m->found;
   double *old = m->work, *known = old + n, *residual = known + n, *next = residual + n;
   double *x = next + m->n_states, *new = found->auxiliary, *held;
   const double h = end - at->time, ratio = at->size != 0.0 ? h / at->size : 1.0;
+  const double further = at->size != 0.0 ? ratio : 0.0;
   prepare_factors(m, h);
   for (long long k = 0; k < n; k++) {
     const double rate = at->rates[m->rows[k]];
     old[k] = rate + ratio * (at->auxiliary[k] - rate);
     known[k] = (1.0 - m->new_mass[k]) * old[k] - m->alpha_f * rate;
-    new[k] = old[k];
+    new[k] = old[k] + further * at->change[k];
   }
   memcpy(found->z, at->z, m->n_unknowns * sizeof(double));
   memcpy(x, at->x, m->n_states * sizeof(double));
@@ -171,7 +173,8 @@ static int iterate(struct run *m, double end) {
     if (contraction > SLOW && size > ROUNDING) m->is_stale = 1;
     const double left = size * contraction / fmax(1.0 - contraction, 1e-3);
     if ((iteration && left < CLOSE) || size == 0.0 || (contraction > 0.5 && size < ROUNDING)) {
-      if (!evaluate(m, end, x, found->z, found->rates)) return REFUSED;
+      for (long long k = 0; k < n; k++)
+        found->rates[m->rows[k]] = (m->new_mass[k] * new[k] + known[k]) / (1.0 - m->alpha_f);
       memcpy(found->x, x, m->n_states * sizeof(double));
       for (long long k = 0; k < n; k++) found->change[k] = new[k] - old[k];
       found->time = end, found->size = h;
