@@ -23,10 +23,10 @@ from vehicledyn.integrate.rate_slopes import slopes_of_rates
 from vehicledyn.integrate.task import Task
 from vehicledyn.kernel.engine import Vector
 
-_MOST_ITERATIONS = 8
+_MOST_ITERATIONS = 20
 _CLOSE = 1e-12
 """Error of Newton's iteration allowed in each state, for one plus its size."""
-_SLOW = 0.1
+_SLOW = 0.3
 """Contraction above which the Jacobian is found anew at the next step."""
 _ROUNDING = 1e-10
 """Change that is taken for rounding where it no longer falls."""

@@ -15,9 +15,9 @@
 enum { TAKEN, REFUSED, NEEDS_JACOBIAN, CROSSED, STUCK, INEXACT, UNSOLVED, INACCURATE, PAUSED };
 enum { SAMPLES, STEPS, EVALUATIONS, ITERATIONS, WHERE };
 enum { NONE, KEPT, FRESH };
-enum { MOST_ITERATIONS = 8 };
+enum { MOST_ITERATIONS = 20 };
 
-static const double CLOSE = 1e-12, SLOW = 0.1, ROUNDING = 1e-10, ROOM = 0.08;
+static const double CLOSE = 1e-12, SLOW = 0.3, ROUNDING = 1e-10, ROOM = 0.08;
 
 typedef int (*vd_solver)(double, const double *, double *, const double *, long long *, double *);
 typedef void (*vd_function)(double, const double *, const double *, const double *, double *);
