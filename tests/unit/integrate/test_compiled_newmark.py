@@ -9,6 +9,7 @@ import math
 import casadi as ca
 import numpy as np
 import pytest
+from chain_examples import chain
 from event_examples import Run, bouncing_ball, crossing_oscillator
 from solve_examples import Samples, build, decay, slider_crank, starts, symbols
 
@@ -18,6 +19,7 @@ from vehicledyn.integrate import newmark_family
 from vehicledyn.integrate.newmark_weights import Weights
 from vehicledyn.integrate.simulate import make_task, simulate
 from vehicledyn.kernel.kernel import compile_kernel
+from vehicledyn.multibody import derive
 
 pytestmark = [pytest.mark.long, pytest.mark.usefixtures("needs_compiler")]
 WEIGHTS = [Weights.newmark(0.25, 0.5), Weights.hht(0.7), Weights.generalised_alpha(0.6)]
@@ -176,3 +178,23 @@ def test_order_two_over_many_steps(kernel):
     coarse, fine = (np.linalg.norm(end - ends[-1]) for end in ends[:2])
     bias = math.log2((1 - 1 / 256) / (1 - 4 / 256))
     assert math.log2(coarse / fine) - bias == pytest.approx(2.0, abs=0.05)
+
+
+def test_undamped_newmark_keeps_the_energy_of_stiff_four_bars_over_100_000_steps():
+    """All uprights turn as one, so the energy is that of a pendulum on a spring."""
+    kernel = compile_kernel(
+        derive(chain(2, method="partitioning", stiffness=1e4)), backend="compiled"
+    )
+    samples, (state, unknowns) = Samples(), starts(kernel.equations)
+    solver = find("solver", "newmark")(step=1e-3)
+    span = {"start": 0.0, "stop": 100.0, "interval": 0.01}
+    simulate(
+        kernel, solver, state=state, unknowns=unknowns, sink=samples, watched=False, **span
+    )  # fmt: skip
+    places = [variable.name for variable in kernel.equations.states]
+    lean = samples.states[:, places.index("upright_0.angle")] + 0.5 * np.pi
+    speed = samples.states[:, places.index("upright_0.angle_rate")]
+    inertia, weight, spring = 3.0, 9.81 * 3.5, 5e4
+    energy = 0.5 * inertia * speed**2 + 0.5 * spring * lean**2 + weight * (np.cos(lean) - 1.0)
+    assert len(energy) == 10_001
+    assert energy == pytest.approx(energy[0], rel=1e-9)
