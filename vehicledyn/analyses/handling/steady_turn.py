@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vehicledyn.analyse.newton import solve_damped
+from vehicledyn.analyses.handling.switches import Switches
 from vehicledyn.analyses.handling.tested_car import CarPoint, TestedCar
 from vehicledyn.base.errors import NumericalError
 from vehicledyn.road.manoeuvres.speed_control import SpeedControl
@@ -28,6 +29,12 @@ _ITERATIONS = 15
 _STEP = 1e-6
 _SHIFT, _UNMOVED = 0.3, 1e-6
 """Angle by which a coordinate is moved [rad] and the change of a rate that rounding makes [1]."""
+
+_SHAFT_STEPS = 3
+"""Steps towards shafts that turn with their wheels; between them couplings slip or stick."""
+
+_CHANGES = 20
+"""Most changes of gear on the way to a steady turn."""
 
 _USUAL_SPEED, _GROWTH = 20.0, 0.5
 """Speed [m/s] and acceleration [m/s²] at which the drive is measured."""
@@ -69,7 +76,12 @@ class SteadyTurn:
         self.turning = frozenset(e.states[p].name for p in turning)
         coordinates = {*e.positions, *e.velocities}
         self._integral = car.state("drive.speed_error_integral")
-        further = [k for k in range(len(e.states)) if k not in coordinates and k != self._integral]
+        self._switches = Switches(car)
+        throttle = car.vehicle.throttle
+        self._pedal = None if throttle is None else car.state(f"{throttle.switch}.value")
+        self._full = 1.0 if throttle is None else car.worth(throttle.torque)
+        held = {*coordinates, *self._switches.states, self._integral, self._pedal}
+        self._further = further = [k for k in range(len(e.states)) if k not in held]
         self._free = [*(p for p, _ in kept), *self._motion, *self._rolling, *further]
         self._balanced = [*(v for _, v in kept), *self._motion, *self._rolling, *further]
         self._angle = car.table_places("test.steering.angle")
@@ -88,20 +100,57 @@ class SteadyTurn:
         state[self._motion[0]] = speed
         for corner in car.vehicle.corners:
             state[car.state(f"{corner.spin}_rate")] = speed / corner.radius
-        guess = CarPoint(state, start.unknowns, start.parameters)
+        guess = CarPoint(self._with_shafts(state, start), start.unknowns, start.parameters)
         return self.find(Turn(speed, "steering", 0.0), guess)
 
+    def _with_shafts(self, state: Vector, at: CarPoint) -> Vector:
+        """Return a state with the shafts of the driveline turning as its wheels drive them.
+
+        Half shafts and couplings then keep their twist, as well as the shafts' rates allow.
+        """
+        spins = {self.car.state(f"{corner.spin}_rate") for corner in self.car.vehicle.corners}
+        shafts = [k for k in self._rolling if k not in spins]
+        if not shafts or not self._further:
+            return state
+        state = state.copy()
+        self.car.kernel.set_parameters(at.parameters)
+        for _ in range(_SHAFT_STEPS):
+            twisting, columns = self._twisting(state, at), []
+            for k in shafts:
+                other = state.copy()
+                other[k] += 1.0
+                columns.append(self._twisting(other, at) - twisting)
+            slopes = np.stack(columns, axis=1)
+            state[shafts] -= np.linalg.lstsq(slopes, twisting, rcond=1e-6)[0]
+        return state
+
+    def _twisting(self, state: Vector, at: CarPoint) -> Vector:
+        return self.car.rates(state, at.unknowns)[0][self._further]
+
     def find(self, turn: Turn, guess: CarPoint) -> CarPoint:
-        """Return the steady turn near a guess.
+        """Return the steady turn near a guess, in the gear that the car drives it in.
 
         Raises
         ------
         NumericalError
-            If Newton's method finds none.
+            If Newton's method finds none, or if the car changes its gears on and on.
         """
+        for _ in range(_CHANGES):
+            found = self._balance(turn, guess)
+            changed = self._switches.settled(found)
+            if changed is None:
+                return found
+            state = self._with_shafts(changed.state, changed)
+            guess = CarPoint(state, changed.unknowns, changed.parameters)
+        raise NumericalError(
+            f"no steady turn at {turn.speed:g} m/s: events reset switches of the car after every "
+            "balance, as a gearbox does that changes up and down at this speed"
+        )
+
+    def _balance(self, turn: Turn, guess: CarPoint) -> CarPoint:
         base = guess.parameters.copy()
         base[self.car.place("speed")] = turn.speed
-        torque = guess.state[self._integral]
+        torque = guess.state[self._integral if self._pedal is None else self._pedal]
         if turn.acceleration < 0.0:
             torque = guess.parameters[self._brake[0]] / _BRAKE_SCALE
         first = np.concatenate(
@@ -117,10 +166,14 @@ class SteadyTurn:
         )
         if not found.solved:
             worst = float(np.abs(found.residual).max())
+            pressed = self._pedal is not None and turn.acceleration >= 0.0 and found.point[-1] > 1.0
             raise NumericalError(
                 f"no steady turn with {turn.demand.replace('_', ' ')} {turn.value:.6g} at "
                 f"{turn.speed:g} m/s: {worst:.2g} m/s^2 stays unbalanced"
+                + (" at full throttle" if pressed else "")
             )
+        if self._pedal is not None and found.point[-1] < 0.0 <= turn.acceleration:
+            raise NumericalError(f"the car gains speed at {turn.speed:g} m/s without throttle")
         return search.point(found.point)
 
     def yaw_acceleration(self, point: CarPoint) -> float:
@@ -153,12 +206,14 @@ class SteadyTurn:
         state, parameters = point.state.copy(), point.parameters.copy()
         state[self._free] = x[:-2]
         parameters[self._angle] = x[-2]
-        if turn.acceleration < 0.0:
-            state[self._integral] = 0.0
-            parameters[self._brake] = x[-1] * _BRAKE_SCALE
+        braked = turn.acceleration < 0.0
+        parameters[self._brake] = x[-1] * _BRAKE_SCALE if braked else 0.0
+        drive = 0.0 if braked else float(x[-1])
+        if self._pedal is None:
+            state[self._integral] = drive
         else:
-            state[self._integral] = x[-1]
-            parameters[self._brake] = 0.0
+            gain = parameters[self.car.place("test.integral_gain")]
+            state[self._pedal], state[self._integral] = drive, drive * self._full / gain
         return CarPoint(state, point.unknowns, parameters)
 
 
