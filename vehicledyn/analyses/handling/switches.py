@@ -61,7 +61,7 @@ class Switches:
         resets = kernel.reset_values(time, point.state, point.unknowns)
         for event in events:
             here = values[event.index : event.index + 1]
-            if not fired([event], -np.sign(here).astype(np.int8), here)[0]:
+            if not fired([event], -np.sign(here).astype(np.int32), here)[0]:
                 continue
             state = point.state.copy()
             for index, row in event.resets:
