@@ -97,13 +97,14 @@ class ExactBeam(Flexibility):
         return any(not ops.is_structurally_zero(item) for item in own)
 
     @property
-    def _points(self) -> int:
+    def points(self) -> int:
+        """Number of points of the quadrature."""
         most = max(item.points for item in self.by_direction.values()) + _SPARE
         return most if self.properties.is_uniform else most + TAPER_POINTS
 
     @cached_property
     def _nodes(self) -> tuple[Array, Array]:
-        return quadrature(self._points)
+        return quadrature(self.points)
 
     def _angles(self, place: float, derivative: int = 0) -> dict[str, Array]:
         """Return what a unit amplitude gives angle or strain, without 1/L, by direction."""

@@ -90,7 +90,7 @@ class ModalBeam(Flexibility):
         own = self.ranges["twist"]
         if not self.properties.is_uniform:
             return self._tapered_axial(whole)
-        points, weights = quadrature(self._points)
+        points, weights = quadrature(self.points)
         means = sum(w * twist.values(x) for x, w in zip(points, weights, strict=True))
         return about_first_axis(
             whole,
@@ -112,14 +112,14 @@ class ModalBeam(Flexibility):
         return about_first_axis(whole, coupling, own)
 
     @property
-    def _points(self) -> int:
+    def points(self) -> int:
         """Number of points of the quadrature: shapes and the moment of the shortening exactly."""
         most = max(item.points for item in self.by_direction.values())
         return most if self.properties.is_uniform else most + TAPER_POINTS
 
     def slices(self, q: Sequence[Scalar]) -> list[Slice]:
         """Return the mass at the points of a Gauss quadrature."""
-        points, weights = quadrature(self._points)
+        points, weights = quadrature(self.points)
         found = []
         for x, weight in zip(points, weights, strict=True):
             position, linear = self._axis(float(x), q)
@@ -143,7 +143,7 @@ class ModalBeam(Flexibility):
 
     def growths(self, q: Sequence[Scalar], rates: Sequence[Scalar]) -> list[Vec]:
         """Return p̈ of the slices at zero q̈: what the shortening grows by, -Σ G_ij q̇_i q̇_j / L."""
-        points, _ = quadrature(self._points)
+        points, _ = quadrature(self.points)
         pairs = {
             (k, other): rates[k] * rates[other] / self.length
             for direction in ("y", "z")
@@ -306,7 +306,7 @@ class ModalBeam(Flexibility):
         counts = [len(self.ranges[d]) for d in ("y", "z", "twist")]
         if not (counts[0] and counts[1] and counts[2]):
             return None
-        points, weights = quadrature(self._points + max(counts))
+        points, weights = quadrature(self.points + max(counts))
         total = ops.scalar(0.0)
         for x, weight in zip(points, weights, strict=True):
             bent = {d: self._along(d, float(x), q, 2) / self.length**2 for d in ("y", "z")}
@@ -326,7 +326,7 @@ class ModalBeam(Flexibility):
         if self.stiffening != "axial_force":
             return None
         total = ops.scalar(0.0)
-        for x, weight in zip(*quadrature(2 * self._points), strict=True):
+        for x, weight in zip(*quadrature(2 * self.points), strict=True):
             strain = self._along("stretch", float(x), q, 1)
             slopes = [self._along(d, float(x), q, 1) for d in ("y", "z")]
             bent = sum(slope * slope for slope in slopes)

@@ -24,6 +24,7 @@ from vehicledyn.multibody.bodies.beam_shapes import SPARE, Shapes, assumed_shape
 from vehicledyn.multibody.bodies.exact_beam import DIRECTIONS, ExactBeam
 from vehicledyn.multibody.bodies.modal_beam import ModalBeam, Stiffening
 from vehicledyn.multibody.bodies.segmented_beam import SegmentedBeam
+from vehicledyn.multibody.elements.flexible.foundation import Foundation, FoundedBeam
 from vehicledyn.multibody.joints.deformation import DEFORMATION
 from vehicledyn.multibody.model.bodies import Body, Joint, Turn
 from vehicledyn.multibody.model.declaration import ORIGIN, body_name, choice, group, number, vector
@@ -35,6 +36,8 @@ from vehicledyn.symbolic.ops import Scalar
 
 MOST_MODES = 12
 """Modes of a direction beyond which the shapes of polynomials are no longer told apart."""
+MOST_SINES = 24
+"""The same of sines."""
 _DRAWN = 8
 """Pieces that a beam of assumed modes is drawn of."""
 _WORDS = {
@@ -113,6 +116,9 @@ class Beam(BasePart):
     frames: tuple[float, ...] = choice(
         "Places over the length, 0 to 1, of further frames", default=(), unit="1"
     )
+    foundation: Foundation | None = group(
+        "Springs and dampers that hold it to a line all along", default=None
+    )
 
     def __post_init__(self) -> None:
         """Refuse what no beam can be."""
@@ -150,10 +156,10 @@ class Beam(BasePart):
         if not any(counts.values()):
             raise InputError("modes: the beam has none and would be rigid; give it some, or a body")
         for direction, count in counts.items():
-            if count < 0 or count > MOST_MODES:
+            if not 0 <= count <= self._most(direction):
                 raise InputError(
-                    f"modes.{direction}: {count} is not from 0 to {MOST_MODES}, beyond which "
-                    "shapes are not independent in double precision; use segments for more"
+                    f"modes.{direction}: {count} is not from 0 to {self._most(direction)}, beyond "
+                    "which shapes are not independent in double precision; use segments for more"
                 )
             modulus = getattr(self.numbers, direction)
             if count and isinstance(modulus, int | float) and modulus <= 0.0:
@@ -161,6 +167,9 @@ class Beam(BasePart):
                     f"stiffness.{direction}: the beam has modes of {_WORDS[direction]} and no "
                     f"stiffness in it; give stiffness.{direction} or set modes.{direction} to 0"
                 )
+
+    def _most(self, direction: str) -> int:
+        return MOST_SINES if self.basis == "sines" and direction in ("y", "z") else MOST_MODES
 
     @property
     def _counts(self) -> dict[str, int]:
@@ -215,12 +224,28 @@ class Beam(BasePart):
         yields = [direction for direction, count in self._counts.items() if count]
         return SegmentedBeam(self.name, self.length, self.properties, yields, self.segments)
 
+    @cached_property
+    def _founded(self) -> FoundedBeam | None:
+        """The beam with its foundation; None of one without."""
+        if self.foundation is None:
+            return None
+        is_cut = self.model == "segments"
+        points = 0 if is_cut else self._modal.points
+        joints = self._segmented.joints if is_cut else None
+        line = (self.at, self.direction, self.upwards)
+        return FoundedBeam(self.name, self.length, self.body, self.foundation, points, joints, line)
+
+    @property
+    def _own_frames(self) -> dict[str, float]:
+        """Places of the frames at which loads are reported."""
+        return {f"{self.name}.frame_{j + 1}": place for j, place in enumerate(self.frames)}
+
     @property
     def _places(self) -> dict[str, float]:
-        own = {f"{self.name}.frame_{j + 1}": place for j, place in enumerate(self.frames)}
         drawn = () if self.model == "segments" else range(1, _DRAWN)
         line = {f"{self.name}.line_{k}": k / _DRAWN for k in drawn}
-        return {**own, **line, f"{self.name}.tip": 1.0}
+        founded = {} if self._founded is None else self._founded.places
+        return {**self._own_frames, **line, f"{self.name}.tip": 1.0, **founded}
 
     @property
     def _turns(self) -> tuple[Turn, ...]:
@@ -278,12 +303,14 @@ class Beam(BasePart):
     def loads(self, situation: Situation) -> Loads:
         """Return elastic and damping forces on the coordinates."""
         kinematics = situation.kinematics
+        wrenches = () if self._founded is None else tuple(self._founded.wrenches(kinematics))
         if self.model == "segments":
-            return Loads(joint_forces=self._segmented.forces(kinematics, self.damping_ratio))
+            springs = self._segmented.forces(kinematics, self.damping_ratio)
+            return Loads(wrenches=wrenches, joint_forces=springs)
         names = self._modal.coordinates
         q, rates = ([of(name) for name in names] for of in (kinematics.coordinate, kinematics.rate))
         forces = self._modal.elastic_forces(q, rates, ops.scalar(self.damping_ratio))
-        return Loads(joint_forces=dict(zip(names, forces, strict=True)))
+        return Loads(wrenches=wrenches, joint_forces=dict(zip(names, forces, strict=True)))
 
     def shapes(self) -> tuple[Shape, ...]:
         """Return the pieces between points of the deformed axis; segments draw themselves."""
@@ -318,6 +345,8 @@ class Beam(BasePart):
             for k, axis in enumerate("xyz")
         )
         found = [*deflections, Output(energy, self._strain_energy(kinematics))]
+        if self._founded is not None:
+            found += self._founded.outputs(kinematics, self._own_frames)
         return (*found, *self._section_outputs(kinematics))
 
     def _section_outputs(self, kinematics: Kinematics) -> Iterator[Output]:
@@ -325,8 +354,7 @@ class Beam(BasePart):
         if self.model == "segments":
             return
         q = [kinematics.coordinate(name) for name in self._modal.coordinates]
-        places = {f"{self.name}.start": 0.0}
-        places |= {f"{self.name}.frame_{j + 1}": place for j, place in enumerate(self.frames)}
+        places = {f"{self.name}.start": 0.0, **self._own_frames}
         for name, place in places.items():
             section = self.section_at(place)
             for channel, value in self._modal.loads(place, q).channels(name, section):
