@@ -5,8 +5,8 @@ from __future__ import annotations
 import ctypes
 from enum import IntEnum
 from pathlib import Path
-from typing import Any
 
+from vehicledyn.base.bounded_cache import BoundedCache
 from vehicledyn.codegen.toolchain import cache
 from vehicledyn.codegen.toolchain.compiler import build_library, find_compiler
 
@@ -86,7 +86,8 @@ class NewmarkCode:
         return Outcome(self._advance(ctypes.addressof(run)))
 
 
-_loaded: dict[str, Any] = {}
+_LOADED: BoundedCache[str, NewmarkCode] = BoundedCache(2)
+"""By key: one, and another after a change of compiler."""
 
 
 def newmark_code() -> NewmarkCode:
@@ -100,11 +101,8 @@ def newmark_code() -> NewmarkCode:
     compiler = find_compiler()
     source = Path(__file__).with_name("newmark.c").read_text(encoding="utf-8")
     key = cache.key_of("newmark", source, compiler.identity)
-    if key not in _loaded:
 
-        def build(folder: Path) -> Path:
-            return build_library(compiler, source, folder)
+    def build(folder: Path) -> Path:
+        return build_library(compiler, source, folder)
 
-        _loaded[key] = cache.load(key, build, NewmarkCode)[0]
-    code: NewmarkCode = _loaded[key]
-    return code
+    return _LOADED.get(key, lambda: cache.load(key, build, NewmarkCode)[0])
