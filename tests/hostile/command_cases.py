@@ -49,7 +49,7 @@ VERBS = [
                                        "--tolerance": "upper.*=1e-3"}),
     (["export-data", "run.h5", "-o", "out.csv"], {"--channel": "upper.*"}),
     (["inverse", "scenarios/systems/slider_crank.yaml", "--no-plots", "-o", "out.h5"],
-     {"--set": "duration=20 ms"}),
+     {"--set": "output.interval=5 ms"}),
     (["models", "show"], {"": "double_pendulum"}),
     (["examples", "copy"], {"": "quarter_car"}),
     (["steady"], {"": PENDULUM, "--radius": "100 m", "--speed": "20 m/s"}),

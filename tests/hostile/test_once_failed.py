@@ -492,6 +492,13 @@ def test_tables_without_a_column_that_is_drawn(name, place):
     refused(Case("table", {name: changed(name, change)}, ["plot", name]), words)
 
 
+def test_a_result_of_no_tyre():
+    def change(file):
+        del file["tyre_1"]
+
+    refused(Case("t", {"tyre.h5": changed("tyre.h5", change)}, ["info", "tyre.h5"]), "no tyre")
+
+
 def test_a_response_whose_imaginary_part_is_shorter():
     def change(file):
         values = file["response_imag"][()]

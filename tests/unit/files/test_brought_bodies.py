@@ -85,6 +85,7 @@ def test_a_massless_body_carries_what_an_element_brings(tmp_path):
     ("old", "new", "words"),
     [
         ("frames: [0.5]", "frames: [1.5]", "1.5 is beyond the beam; places run from 0 to 1"),
+        ("frames: [0.5]", "segments: 0", "segments: must be at least 1, is 0"),
         ("{y: 3}", "{y: 30}", "30 is not from 0 to 12"),
         ("{y: 3}", "{}", "would be rigid"),
         ("frames: [0.5]", "stiffness: {mass_per_length: 1 kg/m}", "not both"),

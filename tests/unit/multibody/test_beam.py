@@ -215,6 +215,7 @@ def test_a_tip_force_buckles_it_sideways():
         ({"modes": Modes()}, "would be rigid"),
         ({"modes": Modes(z=13)}, "not independent"),
         ({"frames": (1.2,)}, "1.2 is beyond the beam"),
+        ({"segments": 0}, "segments: 0 is no number of segments"),
         ({"stiffness": Stiffness(mass_per_length=1.0, y=1.0)}, "no stiffness in it"),
         ({"material": Material(density=1.0, young=1.0)}, "leave it out"),
     ],

@@ -121,6 +121,14 @@ WRONG = {
         lambda b: {"dofs": b.rows[:, :1]},
         r"dofs: has the shape \(24, 1\); give rows of 2 numbers",
     ),
+    "half a node": (
+        lambda b: {"numbers": b.numbers + 0.5},
+        "numbers: 1.5 is no whole number",
+    ),
+    "no direction": (
+        lambda b: {"dofs": np.where(b.rows == 6, np.nan, b.rows)},
+        "dofs: nan is no whole number",
+    ),
     "other": (lambda b: {"masses": b.rows}, "has an array 'masses' that says nothing"),
 }
 

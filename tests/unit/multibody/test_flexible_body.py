@@ -166,6 +166,7 @@ def test_modes_are_damped_as_said(file):
         ({"file": "none.npz"}, "none.npz: there is no such file"),
         ({"nodes": {"tip": 99}}, "nodes.tip: .*beam.npz has no node 99; the nearest number is 17"),
         ({"nodes": {"start": 2}}, "nodes.start: is also the name of an interface; take another"),
+        ({"modes": -1}, "modes: there are no -1 of them; give 0 or more"),
         ({"highest_frequency": 1e-3}, "highest_frequency: is below the lowest of the body"),
     ],
 )

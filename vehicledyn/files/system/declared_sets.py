@@ -110,7 +110,12 @@ def _field(field: Field[Any], hint: Any, where: str) -> Any:
         default = _written(facts.get("written", default), facts["measure"])
     facts.pop("written", None)
     description = facts.pop("description")
-    extra = SetField(default=default, description=description, json_schema_extra=facts or None)
+    extra = SetField(
+        default=default,
+        description=description,
+        json_schema_extra=facts or None,
+        ge=facts.get("least") if what == "choice" else None,
+    )
     return annotation, extra
 
 

@@ -94,7 +94,7 @@ def read_tyres(path: Path) -> list[TyreTable]:
         If there is no such file, or it is damaged or of another format.
     """
     with old_file(path, FORMAT) as file:
-        return [
+        found = [
             TyreTable(
                 str(group.attrs["title"]),
                 _read_sweeps(group),
@@ -102,6 +102,9 @@ def read_tyres(path: Path) -> list[TyreTable]:
             for group in file.values()
             if isinstance(group, h5py.Group)
         ]
+        if not found:
+            raise ValueError("it holds no tyre")
+        return found
 
 
 def _read_sweeps(tyre: h5py.Group) -> dict[str, dict[str, Array]]:

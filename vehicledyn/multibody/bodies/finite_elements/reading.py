@@ -58,13 +58,14 @@ def read_archive(path: Path) -> FiniteElements:
     if lacking:
         raise InputError(f"{path}: lacks the array '{lacking[0]}'; {_content()}")
     places = _of_width(arrays["nodes"], 3, f"{path}: nodes")
-    numbers = arrays.get("numbers", np.arange(1, len(places) + 1)).astype(np.int64).ravel()
+    numbers = _whole(arrays.get("numbers", np.arange(1, len(places) + 1)), f"{path}: numbers")
+    numbers = numbers.ravel()
     if len(numbers) != len(places):
         words = f"{path}: numbers: {len(numbers)} numbers for {len(places)} nodes"
         raise InputError(f"{words}; give one number for each node")
     rows = None
     if "dofs" in arrays:
-        rows = _of_width(arrays["dofs"], 2, f"{path}: dofs").astype(np.int64)
+        rows = _whole(_of_width(arrays["dofs"], 2, f"{path}: dofs"), f"{path}: dofs")
     return _model(str(path), (numbers, places), rows, matrices)
 
 
@@ -85,9 +86,9 @@ def read_matrices(files: Mapping[str, Path]) -> FiniteElements:
     matrices = {n: read_matrix(files[n]) if n in files else None for n in _MATRICES}
     table, _ = _table(files["nodes"], 4)
     rows, lines = _table(files["dofs"], 2) if "dofs" in files else (None, [])
-    kept = None if rows is None else rows.astype(np.int64)
+    kept = None if rows is None else _whole(rows, str(files["dofs"]))
     source = str(files["stiffness"])
-    nodes = table[:, 0].astype(np.int64), table[:, 1:]
+    nodes = _whole(table[:, 0], f"{files['nodes']}: numbers of the nodes"), table[:, 1:]
     return _model(source, nodes, kept, matrices, lines)
 
 
@@ -209,6 +210,15 @@ def _of_width(array: Any, width: int, where: str) -> Array:
     if found.ndim != 2 or found.shape[1] != width:
         raise InputError(f"{where}: has the shape {found.shape}; give rows of {width} numbers")
     return found
+
+
+def _whole(values: Any, where: str) -> NDArray[np.int64]:
+    """Return whole numbers, such as those of nodes and directions."""
+    found = np.asarray(values, dtype=float)
+    wrong = found[~((np.abs(found) < _LARGEST) & (found == np.round(found)))]
+    if wrong.size:
+        raise InputError(f"{where}: {wrong[0]:g} is no whole number; numbers count nodes and ways")
+    return found.astype(np.int64)
 
 
 def _table(path: Path, width: int) -> tuple[Array, list[str]]:

@@ -108,6 +108,8 @@ def component_modes(
         If an interface is unknown, the interfaces do not hold the structure, the stiffness is
         indefinite, or there are fewer modes than asked for.
     """
+    if modes < 0:
+        raise InputError(f"modes: there are no {modes} of them; give 0 or more")
     whole = joined(model, interface)
     held = _held(whole, reference)
     boundary = [

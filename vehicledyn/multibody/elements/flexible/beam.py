@@ -130,6 +130,8 @@ class Beam(BasePart):
         if self.section is None and self.material is not None:
             raise InputError("material: a beam given by its stiffness has none; leave it out")
         self._check_end()
+        if self.segments < 1:
+            raise InputError(f"segments: {self.segments} is no number of segments; give 1 or more")
         outside = [place for place in self.frames if not 0.0 <= place <= 1.0]
         if outside:
             words = f"frames: {outside[0]:g} is beyond the beam; places run from 0 to 1"
