@@ -16,6 +16,7 @@ from vehicledyn.kernel.kernel import compile_kernel
 from vehicledyn.multibody import GROUND, Body, Joint, ParameterTable, System, TimeLaw, derive
 from vehicledyn.multibody.elements.external_wrenches import ExternalWrench
 from vehicledyn.multibody.elements.flexible.beam import Beam, Modes, Stiffness
+from vehicledyn.multibody.elements.flexible.foundation import Foundation
 from vehicledyn.multibody.elements.flexible.moving_load import MovingLoad
 from vehicledyn.multibody.elements.point_sensors import PointSensor
 
@@ -184,6 +185,27 @@ def test_spaghetti():
     total = seen["energy.kinetic"][-1] + seen["beam.strain_energy"][-1]
     assert total == pytest.approx(work, rel=1e-4)
     assert work == pytest.approx(sum(REFERENCE["spaghetti"]["rows"][1][7:9]), rel=2e-3)
+
+
+def test_moving_force_on_a_foundation():
+    """Fryba (1999), chapter 1 with a foundation: the series of a hinged beam, 200 terms."""
+    length, bending, line, bed, speed = 2.0, 30.0, 3.0, 500.0, 4.0
+    parts = (
+        Beam("beam", body=GROUND, length=length, modes=Modes(z=9), basis="sines", frames=(0.5,),
+             stiffness=Stiffness(mass_per_length=line, z=bending),
+             foundation=Foundation(stiffness=(0.0, 0.0, bed))),
+        MovingLoad("load", "beam", place=lambda t: speed * t, force=lambda t: (0.0, 0.0, -1.0)),
+        PointSensor("middle", body="beam.frame_1", shows=("position",)),
+    )  # fmt: skip
+    system = System("bridge", ParameterTable(), (), parts=parts, gravity=(0.0, 0.0, 0.0))
+    passage = length / speed
+    time, seen = run(system, RungeKutta4(step=passage / 2000), passage, passage / 8)
+    n = np.arange(1, 201)[:, None]
+    passing = n * np.pi * speed / length
+    own = np.sqrt(bending / line * (n * np.pi / length) ** 4 + bed / line)
+    swing = (np.sin(passing * time) - passing / own * np.sin(own * time)) / (own**2 - passing**2)
+    exact = (2.0 / (line * length) * swing * np.sin(0.5 * n * np.pi)).sum(axis=0)
+    assert -seen["middle.z"] == pytest.approx(exact, abs=1e-3 * np.abs(exact).max())
 
 
 @pytest.mark.parametrize(
