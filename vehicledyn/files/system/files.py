@@ -13,7 +13,7 @@ from vehicledyn.files.scenario.sources import Sources
 if TYPE_CHECKING:
     from vehicledyn.files.system.read import SystemModel
 
-KEYS = ("bodies", "repeat", "mirror", "assemblies")
+KEYS = ("bodies", "elements", "repeat", "mirror", "assemblies")
 """Keys by which a file shows that it is a system."""
 
 
