@@ -49,7 +49,7 @@ def frequencies(path):
 @pytest.mark.parametrize("model", MODELS)
 def test_frequencies_of_a_free_beam_rise_by_the_foundation(tmp_path, model):
     bed = 1e7
-    path = written(tmp_path, f"{{stiffness: [0, 0, {bed} N/m^2]}}", MODELS[model])
+    path = written(tmp_path, f"{{at: [0, 0, 0], stiffness: [0, 0, {bed} N/m^2]}}", MODELS[model])
     roots = np.array([0.0, 4.730040744862704, 7.853204624095838])
     exact = np.sqrt(bed / MASS + BENDING * (roots / LENGTH) ** 4 / MASS)
     found = frequencies(path)
@@ -63,7 +63,7 @@ def test_a_long_rail_sinks_under_its_load(tmp_path):
     load, bed = 1e5, 1e8
     per_length = (bed / (4.0 * BENDING)) ** 0.25
     path = written(
-        tmp_path, f"{{stiffness: [0, 0, {bed} N/m^2]}}", "modes: {z: 12}", 12.0,
+        tmp_path, f"{{at: [0, 0, 0], stiffness: [0, 0, {bed} N/m^2]}}", "modes: {z: 12}", 12.0,
         f"forces:\n  half: {{coordinate: middle.z, force: {-0.5 * load} N}}\n",
     )  # fmt: skip
     path.write_text(path.read_text().replace("T3 z, R2 pitch", "T3 z"))
@@ -90,10 +90,10 @@ def test_part_of_a_beam_swings_against_what_carries_its_foundation(tmp_path):
     assert swing[0].real == pytest.approx(-0.5 * damping * over_mass, rel=1e-9)
 
 
-def beam(foundation, body="ground", at=(0.0, 0.0, 0.0)):
+def beam(foundation, body="ground"):
     stiffness = Stiffness(mass_per_length=1.0, z=1.0)
     made = Beam(
-        name="rail", body=body, at=at, length=1.0, stiffness=stiffness, modes=Modes(z=2),
+        name="rail", body=body, length=1.0, stiffness=stiffness, modes=Modes(z=2),
         foundation=foundation,
     )  # fmt: skip
     return made.added_bodies()
@@ -116,5 +116,5 @@ def test_what_is_no_foundation_is_refused(given, words):
 def test_a_line_on_another_body_says_where_it_begins():
     foundation = Foundation(stiffness=(0.0, 0.0, 1.0))
     with pytest.raises(InputError, match=r"foundation\.at: missing; the beam is clamped to 'arm'"):
-        beam(foundation, "arm", (1.0, 0.0, 0.0))
+        beam(foundation, "arm")
     assert len([b for b in beam(foundation) if "support" in b.name]) > 2

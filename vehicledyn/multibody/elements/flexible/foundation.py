@@ -42,8 +42,8 @@ class Foundation:
     end: float = choice("Where it ends, 0 to 1", default=1.0, unit="1")
     on: str = body_name("Body that carries it, or ground", default=_GROUND)
     at: Sequence[Scalar] | None = vector(
-        "m", "Where its line has the start of the beam, in the axes of that body; as the beam's "
-        "own 'at' where nothing is said", default=None,
+        "m", "Where its line has the start of the beam, in the axes of that body; needed where the "
+        "beam is clamped to another one, else the beam's own", default=None,
     )  # fmt: skip
     direction: Sequence[Scalar] | None = vector(
         "1", "Along the line, in the axes of that body; as the beam's own", default=None
@@ -87,15 +87,11 @@ class FoundedBeam:
     def __post_init__(self) -> None:
         """Refuse a line that nothing says."""
         f = self.foundation
-        if f.on != self.body and f.at is None and self.body != _GROUND and not self._is_at_origin:
+        if f.on != self.body and f.at is None:
             raise InputError(
                 f"foundation.at: missing; the beam is clamped to '{self.body}' and its foundation "
                 f"stands on '{f.on}', so say where its line begins there"
             )
-
-    @property
-    def _is_at_origin(self) -> bool:
-        return all(ops.is_structurally_zero(ops.scalar(value)) for value in self.line[0])
 
     @property
     def places(self) -> dict[str, float]:
