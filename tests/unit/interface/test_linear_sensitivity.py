@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 import vehicledyn as vd
+from vehicledyn.analyse.gradients import eigenvalues
 from vehicledyn.base.errors import InputError, NumericalError
 
 MASS, STIFFNESS, DAMPING, WHEEL, TYRE = NAMES = (
@@ -33,6 +34,15 @@ def test_gain_and_phase_follow_the_closed_form():
     assert gain * np.exp(1j * phase) == pytest.approx(1.0 / whole, rel=1e-12)
     slopes = found["figure_slope"].values[:, places]
     assert slopes[0] / gain + 1j * slopes[1] == pytest.approx(-by_parameter / whole, rel=1e-10)
+
+
+def test_large_equations_have_the_same_slopes(monkeypatch):
+    """Partial derivatives as one function, and row by row as those of large equations."""
+    whole = vd.sensitivity("simple_wheelset", "critical_speed", speed="40 m/s")
+    monkeypatch.setattr(eigenvalues, "_SMALL", -1)
+    rows = vd.sensitivity("simple_wheelset", "critical_speed", speed="40 m/s")
+    for name in ("figure_value", "figure_slope"):
+        assert rows[name].values == pytest.approx(whole[name].values, rel=1e-9, abs=1e-12)
 
 
 def test_matrices_follow_parameters(tmp_path):

@@ -28,6 +28,10 @@ Complex = NDArray[np.complex128]
 _ALIKE = 1e-8
 """Distance of eigenvalues, as a part of their size, within which they have no derivative."""
 
+_SMALL = 20_000
+"""Operations up to which all partial derivatives are one function, which grows faster than they;
+of larger equations they are evaluated row by row."""
+
 
 @dataclass(frozen=True)
 class LinearPoint:
@@ -91,6 +95,11 @@ class EigenDerivatives:
         first = gradient(casadi.dot(left, values))
         second = gradient(casadi.dot(left, ops.derivative(values, motion, right)))
         self._first = BufferedFunction(casadi.Function("first", [*point, left], [first]))
+        self._whole: BufferedFunction | None = None
+        if casadi.Function("values", point, [values]).n_instructions() <= _SMALL:
+            whole = casadi.densify(ops.jacobian(values, everything))
+            self._whole = BufferedFunction(casadi.Function("whole", point, [whole]))
+        self._latest: tuple[LinearPoint, _Motions] | None = None
         self._second = BufferedFunction(casadi.Function("second", [*point, left, right], [second]))
 
     def eigenvalues(self, point: LinearPoint) -> Complex:
@@ -153,10 +162,19 @@ class EigenDerivatives:
         return EigenSlopes(values[which], whole[:, n_x:], whole[:, :n_x])
 
     def _motions(self, point: LinearPoint) -> _Motions:
+        """Return the motions at a point; those of the latest point are kept."""
+        if self._latest is None or self._latest[0] is not point:
+            self._latest = point, self._new_motions(point)
+        return self._latest[1]
+
+    def _new_motions(self, point: LinearPoint) -> _Motions:
         n_x, n = self._n_x, self._n
         given = (point.time, point.state, point.unknowns, point.parameters)
-        rows = [self._first(*given, row)[0].ravel() for row in np.eye(n)]
-        partial = np.array(rows).reshape(n, n + len(point.parameters))
+        if self._whole is None:
+            rows = np.array([self._first(*given, row)[0].ravel() for row in np.eye(n)])
+        else:
+            rows = self._whole(*given)[0]
+        partial = rows.reshape(n, n + len(point.parameters))
         if not np.isfinite(partial[:, :n]).all():
             raise NumericalError("derivatives are no finite numbers where eigenvalues are wanted")
         try:
