@@ -1,6 +1,7 @@
 """How bodies that touch act on each other: by constraint, compliant, or rigid with impacts.
 
-Friction acts along the sliding velocity v with μ N v / √(v² + v₀²), which creeps below v₀.
+Friction acts along the sliding velocity v with μ N v / √(v² + v₀²), which creeps below v₀. With a
+``stick_stiffness`` it sticks instead: see :mod:`vehicledyn.multibody.elements.contacts.sticking`.
 """
 
 from __future__ import annotations
@@ -9,6 +10,7 @@ from abc import abstractmethod
 from dataclasses import dataclass
 from typing import ClassVar
 
+from vehicledyn.multibody.elements.contacts.sticking import Sticking, sticking_states
 from vehicledyn.multibody.elements.contacts.touch import (
     Placing,
     Touch,
@@ -30,7 +32,7 @@ from vehicledyn.multibody.model.parts import (
 )
 from vehicledyn.symbolic import ops
 from vehicledyn.symbolic.equations import Channel, Variable
-from vehicledyn.symbolic.ops import Scalar
+from vehicledyn.symbolic.ops import Scalar, Vec
 
 FORCE, TOUCHES, GAP = "normal_force", "touches", "gap"
 _HOLDS = 200.0
@@ -47,6 +49,15 @@ class ContactPart(BasePart):
     creep_speed: Scalar = number(
         "m/s", "Sliding speed v₀ below which friction falls off", default=1e-3, above=0.0
     )
+    stick_stiffness: Scalar = number(
+        "N/m",
+        "Stiffness k along the surface while the contact sticks; 0: it does not stick but creeps",
+        default=0.0,
+        least=0.0,
+    )
+    stick_damping: Scalar = number(
+        "N*s/m", "Damping c along the surface while the contact sticks", default=0.0, least=0.0
+    )
 
     @property
     @abstractmethod
@@ -62,8 +73,19 @@ class ContactPart(BasePart):
         """Whether there may be friction."""
         return not ops.is_structurally_zero(self.friction)
 
-    def friction_force(self, situation: Situation, touch: Touch, normal_force: Scalar) -> Scalar:
+    @property
+    def sticks(self) -> bool:
+        """Whether friction holds without creep."""
+        return self.has_friction and not ops.is_structurally_zero(self.stick_stiffness)
+
+    def states(self) -> tuple[Variable, ...]:
+        """Return the deflection of a contact that sticks."""
+        return sticking_states(self.name) if self.sticks else ()
+
+    def friction_force(self, situation: Situation, touch: Touch, normal_force: Scalar) -> Vec:
         """Return the force of friction on the second body, world axes [N]."""
+        if self.sticks:
+            return self._sticking(situation, touch, normal_force).force
         velocity = sliding(situation.kinematics, self.bodies, touch)
         speed = ops.sqrt(ops.dot(velocity, velocity) + self.creep_speed * self.creep_speed)
         return -(self.friction * normal_force / speed) * velocity
@@ -76,6 +98,28 @@ class ContactPart(BasePart):
             return ()
         force = self.friction_force(situation, touch, normal_force)
         return pair_of_forces(situation.kinematics, self.bodies, touch, force)
+
+    def friction_rates(
+        self, situation: Situation, touch: Touch, normal_force: Scalar
+    ) -> dict[str, Scalar]:
+        """Return the rates of the deflection of a contact that sticks."""
+        return self._sticking(situation, touch, normal_force).rates if self.sticks else {}
+
+    def friction_outputs(
+        self, situation: Situation, touch: Touch, normal_force: Scalar
+    ) -> tuple[Output, ...]:
+        """Return the force of a contact that sticks."""
+        if not self.sticks:
+            return ()
+        force = self._sticking(situation, touch, normal_force).force
+        size = ops.sqrt(ops.dot(force, force))
+        return (self.channel("friction_force", "N", "Size of the friction", size),)
+
+    def _sticking(self, situation: Situation, touch: Touch, normal_force: Scalar) -> Sticking:
+        limit = self.friction * normal_force
+        return Sticking(
+            situation, self.bodies, touch, limit, self.stick_stiffness, self.stick_damping
+        )
 
     def channel(self, name: str, unit: str, words: str, value: Scalar) -> Output:
         """Return a channel of the contact."""
@@ -107,7 +151,10 @@ class PermanentContact(ContactPart):
         """Return the friction."""
         touch = self.touch(situation.kinematics)
         force = ops.maximum(situation.reactions[FORCE], 0.0)
-        return Loads(wrenches=self.friction_wrenches(situation, touch, force))
+        return Loads(
+            wrenches=self.friction_wrenches(situation, touch, force),
+            rates=self.friction_rates(situation, touch, force),
+        )
 
     def events(self, situation: Situation) -> tuple[PartEvent, ...]:
         """Return where the contact begins to pull, and where it pushes again."""
@@ -119,8 +166,13 @@ class PermanentContact(ContactPart):
         return (PartEvent("pulls", force, "falling", advice=advice),)
 
     def outputs(self, situation: Situation) -> tuple[Output, ...]:
-        """Return the normal force."""
-        return (self.channel(FORCE, "N", "Normal force", situation.reactions[FORCE]),)
+        """Return the normal force, and the friction of a contact that sticks."""
+        force = situation.reactions[FORCE]
+        touch = self.touch(situation.kinematics)
+        return (
+            self.channel(FORCE, "N", "Normal force", force),
+            *self.friction_outputs(situation, touch, ops.maximum(force, 0.0)),
+        )
 
     @property
     def _constraint(self) -> str:
@@ -159,15 +211,19 @@ class CompliantContact(ContactPart):
         total = force * touch.normal
         if self.has_friction:
             total = total + self.friction_force(situation, touch, force)
-        return Loads(wrenches=pair_of_forces(situation.kinematics, self.bodies, touch, total))
+        return Loads(
+            wrenches=pair_of_forces(situation.kinematics, self.bodies, touch, total),
+            rates=self.friction_rates(situation, touch, force),
+        )
 
     def outputs(self, situation: Situation) -> tuple[Output, ...]:
-        """Return gap and normal force."""
+        """Return gap and normal force, and the friction of a contact that sticks."""
         touch = self.touch(situation.kinematics)
         force = self._force(situation, touch)
         return (
             self.channel(GAP, "m", "Gap", touch.gap),
             self.channel(FORCE, "N", "Normal force", force),
+            *self.friction_outputs(situation, touch, force),
         )
 
     def _force(self, situation: Situation, touch: Touch) -> Scalar:
@@ -207,9 +263,9 @@ class RigidContact(ContactPart):
         return (_Measured(f"{self.name}.constraint", self, self._gap),)
 
     def states(self) -> tuple[Variable, ...]:
-        """Return whether the bodies touch, 0 or 1."""
+        """Return whether the bodies touch, 0 or 1, and the deflection of a contact that sticks."""
         start = 1.0 if self.touching else 0.0
-        return (Variable(TOUCHES, "1", f"Whether {self.name} touches", start),)
+        return (Variable(TOUCHES, "1", f"Whether {self.name} touches", start), *super().states())
 
     def reactions(self) -> tuple[Variable, ...]:
         """Return the normal force."""
@@ -225,16 +281,21 @@ class RigidContact(ContactPart):
     def loads(self, situation: Situation) -> Loads:
         """Return the normal force on the gap, and friction."""
         touch, force = self.touch(situation.kinematics), situation.reactions[FORCE]
+        pushes = ops.maximum(force, 0.0)
         return Loads(
-            wrenches=self.friction_wrenches(situation, touch, ops.maximum(force, 0.0)),
+            wrenches=self.friction_wrenches(situation, touch, pushes),
             joint_forces={self._gap: force},
-            rates={TOUCHES: ops.scalar(0.0)},
+            rates={TOUCHES: ops.scalar(0.0), **self.friction_rates(situation, touch, pushes)},
         )
 
     def outputs(self, situation: Situation) -> tuple[Output, ...]:
-        """Return the normal force."""
+        """Return the normal force, and the friction of a contact that sticks."""
         force = situation.reactions[FORCE]
-        return (self.channel(FORCE, "N", "Normal force", force),)
+        touch = self.touch(situation.kinematics)
+        return (
+            self.channel(FORCE, "N", "Normal force", force),
+            *self.friction_outputs(situation, touch, ops.maximum(force, 0.0)),
+        )
 
     def events(self, situation: Situation) -> tuple[PartEvent, ...]:
         """Return lift-off and impact."""
