@@ -183,3 +183,45 @@ def test_rollers_as_bodies_move_a_cart_as_their_average(tmp_path):
     weight = 9.81 * (sum(float(m) for m in (17.0, 0.3)) + 18 * 0.05)
     forces = sum(np.mean(found[f"e{k}.normal_force"].values[late]) for k in (1, 2, 3))
     assert forces == pytest.approx(weight, rel=0.02)
+
+
+def test_a_mecanum_cart_goes_sideways_as_the_average_of_its_leaning_rollers(tmp_path):
+    """Eight rollers a wheel: 2.6 % slower than an average that takes them all as upright."""
+    text = cart("mecanum").replace("com: [0.0 m, 0, 0]", "com: [0, 0, 0]")
+    text = text.replace("name: y, role: independent}", "name: y}\n      - {kind: T3, name: z}")
+    text = text.replace("gravity: [0, 0, 0]", "").replace("mass: 1 kg", "mass: 0.2 kg")
+    text = text.replace(
+        "inertia: [0, 0.02 kg*m^2, 0]", "inertia: [0.02 kg*m^2, 0.02 kg*m^2, 0.02 kg*m^2]"
+    )
+    elements, motors, start = "elements:\n", "forces:\n", "initial:\n  cart.z: -0.3 mm\n"
+    signs = [(1, 1), (1, -1), (-1, 1), (-1, -1)]
+    for k, (i, j) in enumerate(signs, 1):
+        rate = -i * j * 0.5 / 0.1
+        elements += (
+            f"  e{k}: {{kind: roller_wheel, hub: w{k}, axis: 2, radius: 0.1 m, rollers: 8, "
+            f"roller_angle: {-i * j * 45.0}, roller_radius: 0.02 m, roller_mass: 0.05 kg, "
+            "stiffness: 2e5 N/m, dissipation: 1 s/m, friction: 0.6, creep_speed: 0.05 m/s}\n"
+        )
+        motors += (
+            f"  m{k}: {{coordinate: w{k}.spin, force: 5 N*m*s/rad * "
+            f"({rate!r} rad/s - w{k}.spin_rate)}}\n"
+        )
+        start += f"  w{k}.spin_rate: {rate!r} rad/s\n"
+    path = tmp_path / "rollers.yaml"
+    head = text[: text.index("constraints:")]
+    path.write_text(head + elements + motors + start + "  cart.y_rate: 0.5 m/s\n")
+    found = vd.simulate(
+        path, duration="1 s", solver={"kind": "rk4", "step": "20 us"},
+        output={"interval": "2 ms"},
+    )  # fmt: skip
+    late = found["time"].values > 0.4
+    spins = [np.mean(found[f"w{k}.spin_rate"].values[late]) for k in (1, 2, 3, 4)]
+    seen = np.mean(found["cart.y_rate"].values[late])
+    turned = np.mean([-i * j * rate for (i, j), rate in zip(signs, spins, strict=True)])
+    leaning = math.sin(math.pi / 8) / (math.pi / 8)
+    assert seen == pytest.approx(0.1 * turned * leaning, rel=4e-3)
+    slow = cart("mecanum", rates=(0.0, 0.5, 0.0))
+    slow = slow.replace("45.0 deg}", "45.0 deg, rollers: 8}")
+    averaged = run(tmp_path, slow, 0.25)
+    rate = averaged["w2.spin_rate"].values[-1]
+    assert 0.1 * rate * leaning == pytest.approx(0.5, rel=1e-9)

@@ -1,8 +1,9 @@
 """Universal wheels with their rollers as bodies, each in contact with the ground z = 0.
 
-A roller is a barrel about its axis: over the place s along it the radius is
-ρ(s) = √(R_c² - s²) - (R_c - r), with R_c = R / sin² γ, so that at γ = 90 deg the rollers make the
-circle of radius R exactly. The barrel is lowest at s = -R_c u_z, u being its axis.
+A roller is the envelope of balls with their centres along its axis u. The centre at s is
+d(s) = √((R - r)² + s² sin² γ) from the axle, and its ball touches from inside the cylinder of
+radius R about the axle: so the rollers make this cylinder exactly, at any angle γ. The roller is
+lowest on the ball where u_z + s sin² γ / d(s) = 0.
 """
 
 from __future__ import annotations
@@ -16,6 +17,7 @@ from vehicledyn.base.errors import InputError
 from vehicledyn.base.registry import register
 from vehicledyn.base.shapes import Anchor, Plane, Shape, Wheel
 from vehicledyn.multibody.elements.contacts.touch import Touch, pair_of_forces, sliding
+from vehicledyn.multibody.elements.universal_wheel import FEWEST_ROLLERS
 from vehicledyn.multibody.model.bodies import Body, Joint, Turn
 from vehicledyn.multibody.model.declaration import ORIGIN, body_name, choice, number, vector
 from vehicledyn.multibody.model.ground import GROUND
@@ -25,8 +27,6 @@ from vehicledyn.symbolic import ops
 from vehicledyn.symbolic.equations import Channel
 from vehicledyn.symbolic.labels import unlabelled
 from vehicledyn.symbolic.ops import Mat, Scalar, Vec
-
-_FEWEST = 3
 
 
 @register("element_type", "roller_wheel")
@@ -67,13 +67,15 @@ class RollerWheel(BasePart):
         InputError
             If there are too few, or their ends have no radius.
         """
-        if self.rollers < _FEWEST:
-            raise InputError(f"rollers: {self.rollers} are too few; a wheel has at least {_FEWEST}")
+        if self.rollers < FEWEST_ROLLERS:
+            raise InputError(
+                f"rollers: {self.rollers} are too few; a wheel has at least {FEWEST_ROLLERS}"
+            )
         if abs(math.sin(self._angle)) < 0.1:
             raise InputError("roller_angle: the rollers must not turn about the axle itself")
         if not 0.0 < self.roller_radius < self.radius:
             raise InputError("roller_radius: must be between zero and the radius of the wheel")
-        if self._half >= self._arc or self._end_radius <= 0.0:
+        if self._end_ball <= 0.0:
             raise InputError(
                 f"rollers: {self.rollers} rollers of radius {1e3 * self.roller_radius:g} mm leave "
                 "gaps between them, as they end in points; take more or thicker ones"
@@ -81,7 +83,7 @@ class RollerWheel(BasePart):
 
     def added_bodies(self) -> tuple[Body, ...]:
         """Return the rollers; axis 1 of each is its own."""
-        r, length = self.roller_radius, 2.0 * self._half
+        r, length = self.roller_radius, self._length
         across = self.roller_mass * (3.0 * r * r + length * length) / 12.0
         inertia = (0.5 * self.roller_mass * r * r, across, across)
         found = []
@@ -126,7 +128,9 @@ class RollerWheel(BasePart):
     def shapes(self) -> tuple[Shape, ...]:
         """Return the rollers as short barrels, and the ground."""
         drawn: list[Shape] = [
-            Wheel(n, Anchor(n), (1.0, 0.0, 0.0), self.roller_radius, 1.6 * self._half, style="disc")
+            Wheel(
+                n, Anchor(n), (1.0, 0.0, 0.0), self.roller_radius, 0.8 * self._length, style="disc"
+            )
             for n in self._names
         ]
         return (*drawn, Plane("ground", (0.0, 0.0, 0.0)))
@@ -140,18 +144,21 @@ class RollerWheel(BasePart):
         return math.radians(self.roller_angle)
 
     @property
-    def _arc(self) -> float:
-        """Radius R_c of the barrel along its axis [m]."""
-        return self.radius / math.sin(self._angle) ** 2
-
-    @property
     def _half(self) -> float:
-        """Half the length of a roller, at which it meets its neighbour [m]."""
-        return self.radius * math.sin(math.pi / self.rollers) / abs(math.sin(self._angle))
+        """Place along the axis of the ball that touches where neighbours meet [m]."""
+        part = math.tan(math.pi / self.rollers) / abs(math.sin(self._angle))
+        return (self.radius - self.roller_radius) * part
 
     @property
-    def _end_radius(self) -> float:
-        return math.sqrt(self._arc**2 - self._half**2) - (self._arc - self.roller_radius)
+    def _end_ball(self) -> float:
+        """Radius of that ball [m]."""
+        return self.radius - (self.radius - self.roller_radius) / math.cos(math.pi / self.rollers)
+
+    @property
+    def _length(self) -> float:
+        """Length of a roller between the circles on which it meets its neighbours [m]."""
+        lean = abs(math.sin(self._angle)) * math.sin(math.pi / self.rollers)
+        return 2.0 * (self._half + self._end_ball * lean)
 
     def _directions(self, k: int) -> tuple[list[float], list[float]]:
         """Return outward direction and axis of a roller in the axes of the hub."""
@@ -170,12 +177,14 @@ class RollerWheel(BasePart):
         """Return where a roller is lowest, and its normal force [N]."""
         centre = unlabelled(kinematics.position(name))
         axis = unlabelled(kinematics.rotation(name))[:, 0]
-        upwards = axis[2]
-        side = ops.sqrt(ops.maximum(1.0 - upwards * upwards, 1e-12))
-        along = ops.minimum(ops.maximum(-self._arc * upwards, -self._half), self._half)
-        radius = ops.sqrt(self._arc**2 - along * along) - (self._arc - self.roller_radius)
-        down = (upwards * axis - ops.vector(0.0, 0.0, 1.0)) / side
-        point: Vec = centre + along * axis + radius * down
+        upwards, sine = axis[2], math.sin(self._angle)
+        middle = self.radius - self.roller_radius
+        lean = upwards / sine
+        cosine = ops.sqrt(ops.maximum(1.0 - lean * lean, 1e-12))
+        along = -middle * lean / (sine * cosine)
+        along = ops.minimum(ops.maximum(along, -self._half), self._half)
+        ball = self.radius - ops.sqrt(middle * middle + (along * sine) ** 2)
+        point: Vec = centre + along * axis - ops.vector(0.0, 0.0, ball)
         gap = point[2]
         rate = -kinematics.time_derivative(gap)
         force = self.stiffness * ops.maximum(-gap, 0.0)
