@@ -8,9 +8,10 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import model_validator
+from pydantic import Field, model_validator
 
 from vehicledyn.base.parameters import ParameterSet, part, quantity
+from vehicledyn.cams.conjugate import Conjugate
 from vehicledyn.cams.follower import Follower
 from vehicledyn.cams.geometry import CamGeometry, Motion, geometry_of
 from vehicledyn.cams.motion import TURN, motion_of
@@ -34,6 +35,9 @@ class Cam(ParameterSet):
         "m", "Radius of the base circle, where there is no lift", default=None, gt=0.0
     )
     outline: ParameterSet | None = part("cam_outline", "Shape of the cam", default=None)
+    conjugate: Conjugate | None = Field(
+        default=None, description="Second cam, which moves the follower back"
+    )
 
     @model_validator(mode="after")
     def _one_way(self) -> Any:
@@ -43,6 +47,8 @@ class Cam(ParameterSet):
             raise ValueError("base_radius: an outline has its own; leave it out")
         if self.motion is not None and self.base_radius is None:
             raise ValueError("base_radius: missing: the motion is a lift over the base circle")
+        if self.conjugate is not None and self.motion is None:
+            raise ValueError("conjugate: a pair of cams follows from a motion, not from an outline")
         return self
 
     def beside(self, folder: Path) -> Cam:

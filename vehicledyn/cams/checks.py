@@ -17,6 +17,7 @@ from vehicledyn.cams.followers.rocking import RockingFace
 from vehicledyn.cams.followers.sliding import SlidingFace
 from vehicledyn.cams.geometry import CamGeometry
 from vehicledyn.cams.motion_law import MotionLaw
+from vehicledyn.cams.opposite import OppositeCam, opposite_of
 
 Array = NDArray[np.float64]
 _SAMPLES = 3600
@@ -37,7 +38,7 @@ def checked(cam: Cam, folder: Path) -> tuple[Cam, list[Fault]]:
     if found:
         return cam, found
     whole = cam.beside(folder)
-    found = list(_misfits(whole))
+    found = list(_misfits(whole)) or list(_unlike(whole))
     return whole, found or list(faults(whole))
 
 
@@ -83,6 +84,36 @@ def _misfits(cam: Cam) -> Iterator[Fault]:
             return
 
 
+def _unlike(cam: Cam) -> Iterator[Fault]:
+    """Yield a second follower that cannot be on the slide or rocker of the first."""
+    pair, second = cam.conjugate, opposite_of(cam)
+    if pair is None or second is None:
+        return
+    place = ("conjugate", "follower")
+    if "axial" in (cam.touch.shape, second.touch.shape):
+        yield Fault(place, "face and barrel cams have no second cam; a groove has two sides")
+    elif second.touch.rocks != cam.touch.rocks:
+        yield Fault(place, f"must {'rock' if cam.touch.rocks else 'slide'} as the follower does")
+    elif (pair.angle is not None) != cam.touch.rocks:
+        given, asked = ("distance", "angle") if cam.touch.rocks else ("angle", "distance")
+        yield Fault(("conjugate", given), f"leave it out and give the {asked}")
+    elif cam.touch.rocks and getattr(second.touch, "pivot", None) != getattr(
+        cam.touch, "pivot", None
+    ):
+        yield Fault(place, "pivot: must be that of the follower, which it is a part of")
+    elif cam.touch.rocks and getattr(second.touch, "side", None) == getattr(
+        cam.touch, "side", None
+    ):
+        yield Fault(place, "side: must be the other one, so that the second cam pushes back")
+    else:
+        try:
+            second.touch.check_reach(second.moving(second.samples(720)).coordinate)
+        except ValueError:
+            word = "angle" if cam.touch.rocks else "distance"
+            words = f"the second follower does not reach its cam; take another {word}"
+            yield Fault(("conjugate",), words)
+
+
 def faults(cam: Cam) -> Iterator[Fault]:
     """Yield what makes a cam that cannot be cut or run, each with a remedy."""
     yield from _velocity_jumps(cam)
@@ -90,6 +121,11 @@ def faults(cam: Cam) -> Iterator[Fault]:
     geometry = cam.geometry(theta)
     yield from _undercut(cam, geometry)
     yield from _face(cam, geometry)
+    second = opposite_of(cam)
+    if second is not None:
+        geometry = second.geometry(theta)
+        yield from _undercut(second, geometry)
+        yield from _face(second, geometry)
 
 
 def undercuts(cam: Cam, geometry: CamGeometry) -> NDArray[np.bool_]:
@@ -118,7 +154,7 @@ def _undercut(cam: Cam, geometry: CamGeometry) -> Iterator[Fault]:
     first, last = (math.degrees(float(a)) for a in (theta[cut][0], theta[cut][-1]))
     where = f"between {first:.4g} and {last:.4g} deg of the cam"
     roller = cam.touch.roller
-    field = "base_radius" if cam.base_radius is not None else "outline"
+    field = _size_of(cam)
     if isinstance(cam.touch, LineFollower):
         worst = float(np.nanmin(geometry.profile_radius))
         words = (
@@ -134,8 +170,18 @@ def _undercut(cam: Cam, geometry: CamGeometry) -> Iterator[Fault]:
     yield Fault((field,), f"{words}; {_remedy(cam)}")
 
 
+def _size_of(cam: Cam) -> str:
+    """Return the field that gives a cam its size."""
+    if isinstance(cam, OppositeCam):
+        return "conjugate"
+    return "outline" if cam.base_radius is None else "base_radius"
+
+
 def _remedy(cam: Cam) -> str:
     """Return what to change so that nothing is cut away."""
+    if isinstance(cam, OppositeCam):
+        apart = "angle" if cam.touch.rocks else "distance"
+        return f"take a larger {apart}, a smaller roller, or more angle for the law"
     if cam.base_radius is None:
         return "take a smaller roller or larger arcs"
     enough = enough_base(cam)
@@ -206,7 +252,7 @@ def _face(cam: Cam, geometry: CamGeometry) -> Iterator[Fault]:
         return
     if low < ends[0] or high > ends[1]:
         yield Fault(
-            ("follower",),
+            ("conjugate",) if isinstance(cam, OppositeCam) else ("follower",),
             f"the contact moves from {1e3 * low:.4g} to {1e3 * high:.4g} mm along the face, which "
             f"goes from {1e3 * ends[0]:.4g} to {1e3 * ends[1]:.4g} mm; make the face as long",
         )

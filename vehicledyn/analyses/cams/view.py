@@ -10,6 +10,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from vehicledyn.analyses.cams.second_cam import (
+    pushing,
+    second_columns,
+    second_figures,
+    second_items,
+)
 from vehicledyn.base.errors import InputError
 from vehicledyn.cams.cam_file import CamFile
 from vehicledyn.cams.follower import LineFollower
@@ -146,17 +152,22 @@ def cam_columns(cam: CamFile, theta: Array) -> dict[str, CamColumn]:
     }
     if geometry.along is not None:
         found["contact_place"] = CamColumn("m", "Place of the contact on the face", geometry.along)
-    return found | _force_columns(cam, geometry)
+    return found | second_columns(cam, theta) | _force_columns(cam, geometry)
 
 
 def _force_columns(cam: CamFile, geometry: CamGeometry) -> dict[str, CamColumn]:
     if cam.load is None:
         return {}
-    forces = forces_of(cam, cam.load, geometry)
-    return {
-        "normal_force": CamColumn("N", "Normal force; negative would pull", forces.normal),
-        "torque": CamColumn("N*m", "Torque that turns the cam", forces.torque),
+    torque = forces_of(cam, cam.load, geometry).torque
+    first, second = pushing(cam, geometry)
+    words = "Normal force; negative would pull" if second is None else "Normal force"
+    found = {
+        "normal_force": CamColumn("N", words, first),
+        "torque": CamColumn("N*m", "Torque that turns the cam", torque),
     }
+    if second is not None:
+        found["second_normal_force"] = CamColumn("N", "Normal force on the second cam", second)
+    return found
 
 
 def key_figures(cam: CamFile) -> dict[str, tuple[float, str, str]]:
@@ -190,12 +201,17 @@ def key_figures(cam: CamFile) -> dict[str, tuple[float, str, str]]:
     if geometry.along is not None:
         found["face_from"] = (float(geometry.along.min()), "m", "Contact on the face, from")
         found["face_to"] = (float(geometry.along.max()), "m", "Contact on the face, to")
+    found |= second_figures(cam, theta)
     if cam.load is not None:
-        normal, torque = forces_of(cam, cam.load, geometry)
-        found["least_force"] = (float(normal.min()), "N", "Least normal force")
-        found["greatest_force"] = (float(normal.max()), "N", "Greatest normal force")
+        torque = forces_of(cam, cam.load, geometry).torque
+        first, second = pushing(cam, geometry)
+        found["least_force"] = (float(first.min()), "N", "Least normal force")
+        found["greatest_force"] = (float(first.max()), "N", "Greatest normal force")
         found["greatest_torque"] = (float(np.abs(torque).max()), "N*m", "Greatest torque")
-        limit = lift_off_speed(cam, cam.load)
+        if second is not None:
+            words = "Greatest normal force on the second cam"
+            found["second_greatest_force"] = (float(second.max()), "N", words)
+        limit = None if second is not None else lift_off_speed(cam, cam.load)
         if limit is not None:
             found["lift_off_speed"] = (limit[0], "rad/s", "Speed at which the follower lifts off")
             found["lift_off_angle"] = (limit[1], "rad", "where it does")
@@ -236,6 +252,7 @@ def drawing_of(cam: CamFile, tolerance: float) -> list[Path2 | Circle2]:
     if is_plane:
         least = float(np.hypot(*geometry.profile).min())
         items += [Circle2("BASE", (0.0, 0.0), least), Circle2("AXIS", (0.0, 0.0), 1e-3)]
+        items += second_items(cam, theta[:-1])
     return items
 
 
@@ -255,7 +272,7 @@ def _notes(cam: CamFile) -> list[str]:
         if jumps:
             listed = ", ".join(f"{at % 360.0:.4g}" for at in jumps)
             notes.append(f"the acceleration jumps at {listed} deg, which excites vibrations")
-    if cam.load is not None:
+    if cam.load is not None and cam.conjugate is None:
         geometry = cam.geometry(cam.samples(3600))
         pulls = forces_of(cam, cam.load, geometry).normal < 0.0
         if pulls.any():

@@ -49,7 +49,7 @@ def assemble(
     NotAssembledError
         If the loops cannot be closed; the message names the cut and the gap that remains.
     NumericalError
-        If the residuals at the start are no finite numbers.
+        If the residuals at the start, or their slopes where they vanish, are no finite numbers.
     """
     q, h = least_squares(
         residual,
@@ -57,7 +57,9 @@ def assemble(
         _away_from_poles(residual, jacobian, start),
         is_solved=lambda h: float(np.abs(h).max()) < _CLOSED,
     )
-    return _accept_or_raise(q, h, names)
+    found = _accept_or_raise(q, h, names)
+    _refuse_pole(jacobian(found), names)
+    return found
 
 
 def _away_from_poles(
@@ -76,6 +78,20 @@ def _away_from_poles(
         "the loops cannot be assembled: their residuals are no finite numbers at the start; "
         "start the coordinates elsewhere"
     )
+
+
+def _refuse_pole(slopes: Array, names: Sequence[str]) -> None:
+    """Refuse a point where a residual vanishes because its slope is infinite.
+
+    Such is a cam's follower on the axis of the cam.
+    """
+    bad: NDArray[np.bool_] = np.logical_not(np.isfinite(slopes).all(axis=1))
+    if bad.any():
+        listed = ", ".join(dict.fromkeys(f"'{n}'" for n, b in zip(names, bad, strict=True) if b))
+        raise NumericalError(
+            f"the loops cannot be assembled: from this start they lead to a place where {listed} "
+            "has no direction; start the coordinates elsewhere, see 'initial'"
+        )
 
 
 def _accept_or_raise(q: Array, h: Array, names: Sequence[str]) -> Array:

@@ -15,7 +15,7 @@ from vehicledyn.base.files.whole_file import whole_file
 from vehicledyn.results.hdf5.output import write_failed
 
 _CLOSED = 1
-_COLOURS = {"PROFILE": 7, "PITCH": 3, "BASE": 8, "AXIS": 1}
+_COLOURS = {"PROFILE": 7, "PITCH": 3, "BASE": 8, "AXIS": 1, "PROFILE_2": 5, "PITCH_2": 4}
 
 
 @dataclass(frozen=True)
@@ -37,7 +37,7 @@ class Circle2:
 
 
 def write_profile(path: Path, items: Sequence[Path2 | Circle2]) -> None:
-    """Write a drawing in mm as DXF, or the points of its first path as CSV, by the name's ending.
+    """Write a drawing in mm as DXF, or the points of its profiles as CSV, by the name's ending.
 
     Raises
     ------
@@ -53,10 +53,10 @@ def write_profile(path: Path, items: Sequence[Path2 | Circle2]) -> None:
 
 
 def _csv(items: Sequence[Path2 | Circle2]) -> Iterator[str]:
-    yield "x [mm],y [mm]"
-    path = next(item for item in items if isinstance(item, Path2))
-    for x, y in path.points:
-        yield f"{1e3 * x:.9f},{1e3 * y:.9f}"
+    paths = [i for i in items if isinstance(i, Path2) and i.layer.startswith("PROFILE")]
+    yield ",".join(["x [mm],y [mm]", "second x [mm],second y [mm]"][: len(paths)])
+    for row in zip(*(path.points for path in paths), strict=True):
+        yield ",".join(f"{1e3 * x:.9f},{1e3 * y:.9f}" for x, y in row)
 
 
 def _dxf(items: Sequence[Path2 | Circle2]) -> Iterator[str]:

@@ -24,6 +24,7 @@ from vehicledyn.base.shapes import Anchor, Ball, Extrusion, Shape, Wheel
 from vehicledyn.cams.cam import Cam
 from vehicledyn.cams.checks import checked
 from vehicledyn.cams.gap import axial_gap, line_gap, point_gap
+from vehicledyn.cams.opposite import OppositeCam, opposite_of
 from vehicledyn.multibody.elements.contacts.contact_laws import (
     CompliantContact,
     ContactPart,
@@ -32,6 +33,7 @@ from vehicledyn.multibody.elements.contacts.contact_laws import (
 )
 from vehicledyn.multibody.elements.contacts.touch import Placing, Touch
 from vehicledyn.multibody.model.declaration import ORIGIN, body_name, choice, vector
+from vehicledyn.multibody.model.parts import PartEvent, Situation
 from vehicledyn.symbolic import ops
 from vehicledyn.symbolic.labels import unlabelled
 from vehicledyn.symbolic.ops import Scalar, Vec
@@ -62,6 +64,9 @@ class CamContact(ContactPart):
         "Centre of the roller, edge, or a point of the face, in the axes of the follower's body",
         default=ORIGIN,
     )
+    touches: Literal["cam", "second"] = choice(
+        "Which cam of a conjugate pair the follower touches here", default="cam"
+    )
     normal: Sequence[Scalar] | None = vector(
         "1",
         "Unit normal of a flat face away from the cam, in the axes of the follower's body",
@@ -74,6 +79,11 @@ class CamContact(ContactPart):
         if faults:
             place = ".".join(map(str, ("cam", *faults[0].place)))
             raise InputError(f"{place}: {faults[0].words}")
+        second = opposite_of(whole)
+        if self.touches == "second":
+            if second is None:
+                raise InputError("touches: second: the cam has no conjugate; give one in cam")
+            whole = second
         object.__setattr__(self, "cam", whole)
         if (whole.touch.shape == "line") != (self.normal is not None):
             words = (
@@ -124,7 +134,8 @@ class CamContact(ContactPart):
     def _axes(self) -> tuple[Vec, Vec, Vec]:
         """Return the axes X, Y, Z of the drawing in the axes of the cam's body."""
         turns = ops.vector(*(1.0 if k == self.axis else 0.0 for k in (1, 2, 3)))
-        up = ops.vector(*(self.up or _UP[self.axis]))
+        sense = -1.0 if isinstance(self.cam, OppositeCam) and not self.cam.touch.rocks else 1.0
+        up = sense * ops.vector(*(self.up or _UP[self.axis]))
         return ops.cross(up, turns), up, turns
 
     def _in_cam(
@@ -164,8 +175,13 @@ class CamContact(ContactPart):
 class CamJoint(CamContact, PermanentContact):
     """A cam that its follower never leaves, as in a groove: the normal force may pull.
 
-    The event ``pulls`` is recorded where the force falls below zero.
+    The event ``pulls`` is recorded where the force falls below zero. With a conjugate cam it is no
+    event: there the second cam pushes, with this force over the ratio of the levers.
     """
+
+    def events(self, situation: Situation) -> tuple[PartEvent, ...]:
+        """Return where the contact begins to pull, unless a second cam takes over."""
+        return super().events(situation) if self.cam.conjugate is None else ()
 
 
 @register("element_type", "cam_contact")

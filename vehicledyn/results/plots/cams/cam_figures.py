@@ -35,7 +35,8 @@ def cam_figures(table: CamTable) -> Iterator[tuple[str, Figure]]:
     yield "motion", _draw_motion(table)
     yield "pressure_angle", _draw_pressure(table)
     if "normal_force" in table.columns:
-        yield "forces", _draw_columns(table, "Forces", ("normal_force", "torque"))
+        names = ("normal_force", "second_normal_force", "torque")
+        yield "forces", _draw_columns(table, "Forces", [n for n in names if n in table.columns])
 
 
 def _figure(table: CamTable, title: str, height: float) -> Figure:
@@ -55,6 +56,12 @@ def _draw_profile(table: CamTable) -> Figure:
         axes.plot(
             columns["pitch_x"], columns["pitch_y"], "--", color=GREEN, lw=1.0, label="pitch curve"
         )
+    if "second_profile_x" in columns:
+        axes.plot(
+            columns["second_profile_x"], columns["second_profile_y"], color=VERMILION,
+            label="second profile",
+        )  # fmt: skip
+        axes.plot(columns["second_pitch_x"], columns["second_pitch_y"], "--", color=GREEN, lw=1.0)
     if table.follower != "axial roller":
         least = float(np.hypot(columns["profile_x"], columns["profile_y"]).min())
         turn = np.linspace(0.0, 2.0 * math.pi, 181)
