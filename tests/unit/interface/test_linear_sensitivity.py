@@ -1,5 +1,7 @@
 """Derivatives of frequency responses, mode shapes and state-space matrices by parameters."""
 
+import math
+
 import numpy as np
 import pytest
 
@@ -131,10 +133,53 @@ def test_repeated_eigenvalues_have_no_mode_shape_slopes(tmp_path):
         vd.sensitivity(path, "mode_shapes")
 
 
+OSCILLATOR = """
+title: An oscillator
+gravity: [0, 0, 0]
+parameters: {mass: 2 kg, stiffness: 800 N/m, damping: 6 N*s/m}
+bodies: {body: {joints: [T3 height], mass: mass}}
+springs:
+  own: {coordinate: body.height, law: {kind: spring_damper, stiffness: stiffness, damping: damping}}
+"""
+
+
+def test_peaks_of_an_oscillator_and_what_moves_them(tmp_path):
+    """Gain 1 / (c √(k/m - c²/4m²)) at √(k/m - c²/2m²) / 2π, differentiated by hand."""
+    path = tmp_path / "oscillator.yaml"
+    path.write_text(OSCILLATOR, encoding="utf-8")
+    span = "body.height, force:body.height, 0.5 Hz:9 Hz"
+    found = vd.sensitivity(
+        path, [f"peak_gain({span})", f"peak_frequency({span})"], ["mass", "stiffness", "damping"]
+    )
+    m, k, c = 2.0, 800.0, 6.0
+    own, whole = math.sqrt(k / m - (0.5 * c / m) ** 2), math.sqrt(k / m - 0.5 * (c / m) ** 2)
+    gain, frequency = 1.0 / (c * own), whole / (2.0 * math.pi)
+    assert found["figure_value"].values == pytest.approx([gain, frequency], rel=1e-12)
+    by_own = np.array([-k / m**2 + 0.5 * c**2 / m**3, 1.0 / m, -0.5 * c / m**2]) / (2.0 * own)
+    by_gain = -gain * by_own / own - np.array([0.0, 0.0, gain / c])
+    by_whole = np.array([-k / m**2 + c**2 / m**3, 1.0 / m, -c / m**2]) / (2.0 * whole)
+    slopes = found["figure_slope"].values
+    assert slopes[0] == pytest.approx(by_gain, rel=1e-10)
+    assert slopes[1] == pytest.approx(by_whole / (2.0 * math.pi), rel=1e-9)
+
+
+def test_a_range_of_frequencies_is_as_many_figures(tmp_path):
+    path = tmp_path / "oscillator.yaml"
+    path.write_text(OSCILLATOR, encoding="utf-8")
+    found = vd.sensitivity(path, "phase(body.height, force:body.height, 1 Hz:3 Hz:4)", "mass")
+    one = vd.sensitivity(path, "phase(body.height, force:body.height, 1.5 Hz)", "mass")
+    assert found["figure_slope"].values.shape == (5, 1)
+    assert found["figure_slope"].values[1] == pytest.approx(one["figure_slope"].values[0])
+    with pytest.raises(NumericalError, match="no peak between 5 and 9 Hz: the gain is largest at"):
+        vd.sensitivity(path, "peak_gain(body.height, force:body.height, 5 Hz:9 Hz)", "mass")
+
+
 @pytest.mark.parametrize(
     ("of", "match"),
     [
         (f"gain({HEIGHT}, {FORCE})", "write gain"),
+        (f"peak_gain({HEIGHT}, {FORCE}, 2 Hz)", "a peak lies in a range, such as"),
+        (f"gain({HEIGHT}, {FORCE}, 1 Hz:2 Hz:0)", "number of steps"),
         (f"gain({HEIGHT}, {FORCE}, 2 kg)", "kg"),
         (f"gain({HEIGHT}, {FORCE}, 0 Hz)", "above zero"),
         ([f"gain({HEIGHT}, {FORCE}, 1 Hz)", "eigenvalues"], "one after the other"),

@@ -96,7 +96,7 @@ class InputSlopes:
         names = [p.name for p in self.model.prepared.equations.parameters]
         return [k for k, name in enumerate(names) if not name.startswith(f"{PREFIX}.")]
 
-    def response(self, which: int, row: int, frequency: float) -> tuple[complex, Complex]:
+    def response(self, which: int, row: int, frequency: complex) -> tuple[complex, Complex]:
         """Return a frequency response and its derivative by all parameters.
 
         H = Σ g e^{-s τ} (c (s I - A)⁻¹ Σ sᵏ B_k + Σ sᵏ D_k),    s = 2π i f
@@ -106,7 +106,7 @@ class InputSlopes:
         which, row
             Number of the input, and of the output among ``rows``.
         frequency
-            f, above zero [Hz].
+            f, above zero [Hz]; complex to differentiate by it.
 
         Raises
         ------

@@ -1,25 +1,46 @@
-"""Derivatives of gains and phases at frequencies, of models linearised with inputs."""
+"""Derivatives of gains, phases and peaks of models linearised with inputs."""
 
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from vehicledyn.analyses.linear.linear_slopes import InputSlopes, differentiable
 from vehicledyn.analyses.linear.response import chosen_rows, linearise_with_inputs
 from vehicledyn.analyses.preparation.prepared import Progress, refuse_multipliers
 from vehicledyn.analyses.sensitivity.names import directions
+from vehicledyn.analyses.sensitivity.response_peaks import find_peak
 from vehicledyn.base.errors import InputError
+from vehicledyn.base.ranges import read_range
 from vehicledyn.base.units import to_si
 from vehicledyn.files.scenario.target import Target
 from vehicledyn.results.store.linear_file import Quantity
 from vehicledyn.results.tables.response_table import ratio_unit
 from vehicledyn.results.tables.sensitivity_table import SensitivityTable
 
-_NAME = re.compile(r"(gain|phase)\(([^,]+),(.+),([^,]+)\)")
-_KIND = re.compile(r"(gain|phase)\(.*\)")
+_NAME = re.compile(r"(gain|phase|peak_gain|peak_frequency)\(([^,]+),(.+),([^,]+)\)")
+_KIND = re.compile(r"(gain|phase|peak_gain|peak_frequency)\(.*\)")
+
+
+class _Asked(NamedTuple):
+    """What a name asks for: frequencies, or for peaks the ends of their range [Hz]."""
+
+    kind: str
+    output: str
+    input: str
+    frequencies: tuple[float, ...]
+
+
+class _Place(NamedTuple):
+    """Numbers of an output and an input, and the unit of their ratio."""
+
+    row: int
+    column: int
+    unit: str
 
 
 def is_response(name: str) -> bool:
@@ -30,14 +51,16 @@ def is_response(name: str) -> bool:
 def find_response_sensitivity(
     target: Target, of: Sequence[str], to: Sequence[str], speed: float | None, progress: Progress
 ) -> SensitivityTable:
-    """Return derivatives of gains and phases by parameters.
+    """Return derivatives of gains, phases and peaks by parameters.
 
     Parameters
     ----------
     target
         A scenario or model.
     of
-        Names such as ``gain(OUTPUT, INPUT, 1.5 Hz)`` and ``phase(...)``.
+        Names such as ``gain(OUTPUT, INPUT, 1.5 Hz)``, ``phase(OUTPUT, INPUT, 1 Hz:5 Hz:8)``, whose
+        range stands for several frequencies, ``peak_gain(OUTPUT, INPUT, 0.5 Hz:3 Hz)`` and
+        ``peak_frequency(...)``.
     to
         Patterns of parameters.
     speed
@@ -50,13 +73,13 @@ def find_response_sensitivity(
     InputError
         If a name means nothing.
     NumericalError
-        If there is no reference motion, or a derivative does not exist.
+        If there is no reference motion, a derivative does not exist, or there is no peak.
     """
     asked = [_parsed(name) for name in of]
     if any(name.startswith("start.") for name in to):
         raise InputError("a frequency response has no start values; name parameters")
-    inputs = list(dict.fromkeys(item[2] for item in asked))
-    outputs = list(dict.fromkeys(item[1] for item in asked))
+    inputs = list(dict.fromkeys(item.input for item in asked))
+    outputs = list(dict.fromkeys(item.output for item in asked))
     model = linearise_with_inputs(
         target, inputs=inputs, speed=speed, progress=progress, outputs=outputs
     )
@@ -69,15 +92,14 @@ def find_response_sensitivity(
     own = {e.parameters[k].name for k in slopes.parameters}
     kept = [k for k, item in enumerate(chosen.quantities) if item.name in own]
     figures, values, found = [], [], []
-    for name, (kind, output, which, frequency) in zip(of, asked, strict=True):
-        row, column = outputs.index(output), inputs.index(which)
-        value, slope = _figure(slopes, kind, row, column, frequency)
-        units = e.channels[rows[row]].unit, model.inputs[column].unit
-        unit = "rad" if kind == "phase" else ratio_unit(*units)
-        text = f"{kind.capitalize()} of {output} to {which} at {frequency:g} Hz"
-        figures.append(Quantity(name, unit, text))
-        values.append(value)
-        found.append(slope)
+    for name, item in zip(of, asked, strict=True):
+        row, column = outputs.index(item.output), inputs.index(item.input)
+        unit = ratio_unit(e.channels[rows[row]].unit, model.inputs[column].unit)
+        place = _Place(row, column, unit)
+        for quantity, value, slope in _figures(slopes, name, item, place):
+            figures.append(quantity)
+            values.append(value)
+            found.append(slope)
     return SensitivityTable(
         target.title,
         e.name,
@@ -87,6 +109,27 @@ def find_response_sensitivity(
         np.array(values),
         (np.array(found) @ chosen.by_parameter)[:, kept],
     )
+
+
+def _figures(
+    slopes: InputSlopes, name: str, asked: _Asked, place: _Place
+) -> Iterator[tuple[Quantity, float, NDArray[np.float64]]]:
+    """Yield what a name asks for, with values and derivatives by all parameters."""
+    kind, output, which, frequencies = asked
+    row, column, unit = place
+    if kind.startswith("peak"):
+        gain, gain_slope, peak, moved = find_peak(slopes, row, column, *frequencies)
+        words = f"of the peak of {output} to {which}"
+        if kind == "peak_gain":
+            yield Quantity(name, unit, f"Gain {words}"), gain, gain_slope
+        else:
+            yield Quantity(name, "Hz", f"Frequency {words}"), peak, moved
+        return
+    for frequency in frequencies:
+        value, slope = _figure(slopes, kind, row, column, frequency)
+        label = name if len(frequencies) == 1 else f"{kind}({output}, {which}, {frequency:g} Hz)"
+        text = f"{kind.capitalize()} of {output} to {which} at {frequency:g} Hz"
+        yield Quantity(label, "rad" if kind == "phase" else unit, text), value, slope
 
 
 def _figure(
@@ -103,21 +146,33 @@ def _figure(
     return float(np.angle(value)), np.asarray(part.imag, dtype=float)
 
 
-def _parsed(name: str) -> tuple[str, str, str, float]:
-    """Return kind, output, input and frequency [Hz] of a name.
+def _parsed(name: str) -> _Asked:
+    """Return what a name asks for.
 
     Raises
     ------
     InputError
-        If one is missing or the frequency is none.
+        If a part is missing or a frequency is none.
     """
     match = _NAME.fullmatch(name)
     if match is None:
-        raise InputError(f"'{name}': write gain(OUTPUT, INPUT, 1.5 Hz), or phase(...) alike")
+        raise InputError(
+            f"'{name}': write gain(OUTPUT, INPUT, 1.5 Hz), phase(...) alike, or "
+            "peak_gain(OUTPUT, INPUT, 0.5 Hz:3 Hz)"
+        )
     try:
-        frequency = float(to_si(match[4].strip(), "Hz"))
+        frequencies = _frequencies(match[1], match[4].strip())
     except InputError as error:
         raise InputError(f"'{name}': {error}") from None
-    if not 0.0 < frequency < np.inf:
+    if not all(0.0 < frequency < np.inf for frequency in frequencies):
         raise InputError(f"'{name}': the frequency must be above zero and finite")
-    return match[1], match[2].strip(), match[3].strip(), frequency
+    return _Asked(match[1], match[2].strip(), match[3].strip(), frequencies)
+
+
+def _frequencies(kind: str, text: str) -> tuple[float, ...]:
+    if not kind.startswith("peak"):
+        return read_range(text).values("Hz")
+    ends = [float(to_si(part.strip(), "Hz")) for part in text.split(":") if part.strip()]
+    if len(ends) != 2 or not ends[0] < ends[1]:
+        raise InputError(f"'{text}': a peak lies in a range, such as 0.5 Hz:3 Hz")
+    return tuple(ends)
