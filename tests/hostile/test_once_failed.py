@@ -22,6 +22,7 @@ pytestmark = pytest.mark.xdist_group("hostile")  # warmed up once
 MEASURED = "s [m], curvature [1/km], cant [mm]\n"
 RECORD = "s [m], level [mm], cross_level [mm]\n"
 ROAD = "x [m], z [mm]\n"
+ECCENTRIC = mechanism_cases.ECCENTRIC
 
 
 def refused(case, words):
@@ -507,3 +508,39 @@ def test_a_response_whose_imaginary_part_is_shorter():
 
     words = ["export-data", "response.h5", "-o", "out.csv"]
     refused(Case("response", {"response.h5": changed("response.h5", change)}, words), "is damaged")
+
+
+@pytest.mark.parametrize(("name", "place"), [("run.h5", "states/long_name"), ("modes.h5", "channel")])
+def test_a_text_longer_than_the_file(name, place):
+    """HDF5 makes room for it before it looks: 3.4 GB."""
+    import h5py
+
+    content = bytearray(changed(name, lambda file: None))
+    with h5py.File(io.BytesIO(bytes(content)), "r") as file:
+        start = file[place].id.get_offset()
+    content[start : start + 4] = (3_372_220_439).to_bytes(4, "little")
+    words = f"texts of {place} that are longer than the file"
+    refused(Case("text", {name: bytes(content)}, ["plot", name, "--format", "png"]), words)
+
+
+def test_parameters_that_are_a_list():
+    files = yaml_cases.around({})
+    text = files["systems/quarter_car.yaml"].decode()
+    files["systems/quarter_car.yaml"] = re.sub(
+        r"^parameters:.*?^(?=\w)", "parameters: [{a: 1}]\n", text, flags=re.DOTALL | re.MULTILINE
+    ).encode()
+    command = ["validate", "scenarios/systems/quarter_car.yaml", "--set", "parameters.a=2"]
+    refused(Case("list", files, command), "parameters: expected a mapping, found a list")
+
+
+def test_a_motion_whose_first_time_is_no_number():
+    table = table_cases.MOTION.replace("0, 0", "nan, 0", 1)
+    files = yaml_cases.around({"motion.csv": table.encode()})
+    command = ["inverse", "scenarios/systems/slider_crank.yaml", "--motion", "motion.csv"]
+    refused(Case("motion", files, command), "motion.csv: a value is no finite number")
+
+
+def test_a_cam_with_a_roller_beyond_all_bounds():
+    text = re.sub("follower:.*", "follower: {kind: roller, radius: 1e308 m}", ECCENTRIC)
+    words = "follower.radius: is longer than 1e+06 m"
+    refused(Case("cam", {"cam.yaml": text.encode()}, ["cam", "cam.yaml"]), words)

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vehicledyn.base.errors import InputError
+from vehicledyn.base.parameters import field_unit
 from vehicledyn.cams.cam import Cam
 from vehicledyn.cams.follower import LineFollower
 from vehicledyn.cams.followers.rocking import RockingFace
@@ -22,6 +23,7 @@ from vehicledyn.cams.opposite import OppositeCam, opposite_of
 Array = NDArray[np.float64]
 _SAMPLES = 3600
 _JUMP = 1e-9
+_LARGEST = 1e6
 _GROWTH, _HALVINGS = 1.05, 200
 
 
@@ -34,12 +36,35 @@ class Fault(NamedTuple):
 
 def checked(cam: Cam, folder: Path) -> tuple[Cam, list[Fault]]:
     """Return a cam with what its files hold, relative to a folder, and what is wrong with it."""
-    found = list(_unread(cam, folder))
+    found = list(_too_large(cam)) or list(_unread(cam, folder))
     if found:
         return cam, found
     whole = cam.beside(folder)
     found = list(_misfits(whole)) or list(_unlike(whole))
     return whole, found or list(faults(whole))
+
+
+def _too_large(cam: Cam) -> Iterator[Fault]:
+    """Yield lengths that no cam has, whose squares are no numbers."""
+    parts: list[tuple[tuple[str | int, ...], Any]] = [
+        ((), cam),
+        (("follower",), cam.follower),
+        (("outline",), cam.outline),
+        *((("motion", k), law) for k, law in enumerate(cam.laws)),
+    ]
+    if cam.conjugate is not None:
+        parts += [
+            (("conjugate",), cam.conjugate),
+            (("conjugate", "follower"), cam.conjugate.follower),
+        ]
+    for place, item in parts:
+        for name in type(item).model_fields if item is not None else ():
+            value = getattr(item, name)
+            numbers = value if isinstance(value, tuple) else (value,)
+            is_length = field_unit(type(item), name) == "m"
+            if is_length and any(abs(n) > _LARGEST for n in numbers if n is not None):
+                words = f"is longer than {_LARGEST:g} m, which no cam is"
+                yield Fault((*place, name), words)
 
 
 def _unread(cam: Cam, folder: Path) -> Iterator[Fault]:

@@ -180,11 +180,11 @@ def read_table(path: Path, system: System, wanted: Sequence[str]) -> TableMotion
 def _checked(path: Path, names: tuple[str, ...], times: Array, values: Array) -> TableMotion:
     if len(times) <= DEGREE:
         raise InputError(f"{path}: {len(times)} rows; a smooth curve needs {DEGREE + 1} at least")
+    if not (np.isfinite(values).all() and np.isfinite(times).all()):
+        raise InputError(f"{path}: a value is no finite number")
     if not np.all(np.diff(times) > 0.0):
         row = int(np.flatnonzero(np.diff(times) <= 0.0)[0]) + 1
         raise InputError(f"{path}: the times do not grow at {times[row]:g} s")
-    if not (np.isfinite(values).all() and np.isfinite(times).all()):
-        raise InputError(f"{path}: a value is no finite number")
     motion = TableMotion(path, names, times, values)
     motion.check_swing()
     return motion

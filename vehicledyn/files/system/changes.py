@@ -47,8 +47,9 @@ def apply(data: dict[str, Any], given: dict[str, Any]) -> Changes:
     """
     changes = Changes(read_parameters(data.get("parameters")))
     parameters = given.get("parameters") or {}
-    if isinstance(parameters, dict) and parameters:
-        own = copy.deepcopy(data.get("parameters") or {})
+    declared = data.get("parameters") or {}
+    if isinstance(parameters, dict) and parameters and isinstance(declared, dict):
+        own = copy.deepcopy(declared)
         data["parameters"] = own
         merge(own, parameters, ("parameters",), changes)
     starts = given.get("initial") or {}

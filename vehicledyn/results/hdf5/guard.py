@@ -62,6 +62,11 @@ class GuardedFile:
             os.close(self._number)
 
     @property
+    def size(self) -> int:
+        """Bytes that HDF5 sees."""
+        return self._size
+
+    @property
     def is_sealed(self) -> bool:
         """Whether every byte is checked."""
         return self._seal is not None
@@ -121,13 +126,13 @@ class GuardedFile:
         for number in self._seal.blocks(start, stop):
             if number not in self._good:
                 first, last = self._seal.block(number)
-                self._seal.check(number, self._bytes(last - first, first))
+                self._seal.check(number, self.bytes_at(first, last - first))
                 self._good.add(number)
 
     def _hide_broken_heaps(self, data: memoryview, start: int) -> None:
         known = bytes(data)
         if _FIRST_LETTER in known[1 - HEAD.size :]:
-            known += self._bytes(HEAD.size - 1, start + len(data))
+            known += self.bytes_at(start + len(data), HEAD.size - 1)
         for heap in heaps_in(known, start):
             if heap not in self._heaps:
                 self._heaps[heap] = self._broken(heap)
@@ -139,7 +144,7 @@ class GuardedFile:
     def _broken(self, heap: int) -> DamagedError | None:
         def read(count: int, offset: int) -> bytes:
             self._verify(offset, offset + count)
-            return self._bytes(count, offset)
+            return self.bytes_at(offset, count)
 
         try:
             check_heap(read, heap, self._size)
@@ -147,7 +152,8 @@ class GuardedFile:
             return error
         return None
 
-    def _bytes(self, count: int, offset: int) -> bytes:
+    def bytes_at(self, offset: int, count: int) -> bytes:
+        """Return unchecked bytes from an offset on, as many as there are."""
         data = bytearray(max(0, min(count, self._size - offset)))
         return bytes(data[: self._fill(memoryview(data), offset)])
 

@@ -12,7 +12,9 @@ from typing import Any
 import h5py
 import numpy as np
 
+from vehicledyn.results.hdf5.opening import OpenFile
 from vehicledyn.results.hdf5.seal import DamagedError
+from vehicledyn.results.hdf5.text_lengths import require_lengths
 
 _ATTRIBUTE = "texts_crc"
 _CHANGING = {_ATTRIBUTE, "status", "status_message", "state", "restart/crc"}
@@ -24,7 +26,7 @@ def write_text_sum(file: h5py.File) -> None:
     file.attrs[_ATTRIBUTE] = np.uint32(_sum(file))
 
 
-def check_texts(file: h5py.File, *, is_finished: bool) -> None:
+def check_texts(file: OpenFile, *, is_finished: bool) -> None:
     """Raise DamagedError unless texts are as they were written; files without a sum pass.
 
     What a finished file gained at its end is not in the sum: there texts need only be texts.
@@ -40,6 +42,8 @@ def _sum(file: h5py.File) -> int:
     def add(name: str, item: Any) -> None:
         sums.append(_sum_of_attributes(name, item))
         if isinstance(item, h5py.Dataset) and _is_fixed(name, item):
+            if isinstance(file, OpenFile):
+                require_lengths(file, name, item)
             sums.append(zlib.crc32(_plain(item[()]), zlib.crc32(name.encode())))
 
     file.visititems(add)

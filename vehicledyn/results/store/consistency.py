@@ -13,6 +13,8 @@ from typing import Any
 import h5py
 import numpy as np
 
+from vehicledyn.results.hdf5.opening import OpenFile
+from vehicledyn.results.hdf5.text_lengths import require_lengths
 from vehicledyn.results.store.decimation import promises_too_much
 
 LARGEST = 1e100
@@ -89,11 +91,17 @@ def require_groups(file: h5py.Group, names: Iterable[str]) -> None:
 
 
 def require_stored(group: h5py.Group) -> None:
-    """Raise ValueError if a dataset below a group says to hold far more than is stored."""
+    """Raise ValueError if a dataset below a group says to hold far more than is stored.
+
+    Of a whole file the texts are looked at too.
+    """
 
     def look(name: str, item: Any) -> None:
-        if isinstance(item, h5py.Dataset) and promises_too_much(item):
-            raise ValueError(f"{name} is not in the file")
+        if isinstance(item, h5py.Dataset):
+            if promises_too_much(item):
+                raise ValueError(f"{name} is not in the file")
+            if isinstance(group, OpenFile):
+                require_lengths(group, name, item)
 
     group.visititems(look)
 
