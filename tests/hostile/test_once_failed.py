@@ -510,7 +510,9 @@ def test_a_response_whose_imaginary_part_is_shorter():
     refused(Case("response", {"response.h5": changed("response.h5", change)}, words), "is damaged")
 
 
-@pytest.mark.parametrize(("name", "place"), [("run.h5", "states/long_name"), ("modes.h5", "channel")])
+@pytest.mark.parametrize(
+    ("name", "place"), [("run.h5", "states/long_name"), ("modes.h5", "channel")]
+)
 def test_a_text_longer_than_the_file(name, place):
     """HDF5 makes room for it before it looks: 3.4 GB."""
     import h5py
@@ -544,3 +546,14 @@ def test_a_cam_with_a_roller_beyond_all_bounds():
     text = re.sub("follower:.*", "follower: {kind: roller, radius: 1e308 m}", ECCENTRIC)
     words = "follower.radius: is longer than 1e+06 m"
     refused(Case("cam", {"cam.yaml": text.encode()}, ["cam", "cam.yaml"]), words)
+
+
+def test_a_response_without_bounds_is_written_without_a_warning():
+    def change(file):
+        values = file["response_imag"][()]
+        values[...] = np.inf
+        file["response_imag"][...] = values
+
+    words = ["export-data", "response.h5", "-o", "out.csv"]
+    files = {"response.h5": changed("response.h5", change)}
+    assert run(Case("response", files, words, ("out.csv",))).faults == []

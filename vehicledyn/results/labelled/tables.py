@@ -148,10 +148,25 @@ def _arrays(file: h5py.File) -> Iterator[tuple[str, LabelledArray]]:
         values = _values(dataset)
         if place.endswith(_REAL):
             name = name.removesuffix(_REAL)
-            values = values + 1j * file[place.removesuffix(_REAL) + _IMAGINARY][()]
+            values = _complex(values, file[place.removesuffix(_REAL) + _IMAGINARY][()])
         dims, coords = _labels(name, dataset)
         unit, words = (str(dataset.attrs.get(key, "")) for key in ("units", "long_name"))
         yield name, LabelledArray(name, values, dims, unit, words, coords)
+
+
+def _complex(real: Any, imaginary: Any) -> Any:
+    """Return complex numbers of both parts.
+
+    Raises
+    ------
+    ValueError
+        If their shapes differ.
+    """
+    if np.shape(real) != np.shape(imaginary):
+        raise ValueError(f"parts of shapes {np.shape(real)} and {np.shape(imaginary)}")
+    found = np.asarray(real).astype(complex)
+    found.imag = imaginary  # 1j * infinity would be no number
+    return found
 
 
 def _is_data(item: Any) -> bool:
