@@ -21,14 +21,15 @@ THICK = Stiffness(
     mass_per_length=2.0, y=50.0, z=30.0, twist=20.0, stretch=5e3, shear_y=3e3, shear_z=2e3,
     polar=0.1, rotary_y=0.03, rotary_z=0.02,
 )  # fmt: skip
+ALL = {"stiffness": THICK, "modes": Modes(y=2, z=1, twist=1, stretch=1, shear_y=1, shear_z=1)}
 SETTINGS = {
-    "modes": {"stiffness": STIFFNESS, "modes": Modes(y=2, z=2, twist=1, stretch=1)},
-    "exact": {
-        "stiffness": THICK,
-        "modes": Modes(y=2, z=1, twist=1, stretch=1, shear_y=1, shear_z=1),
+    "modes": {
+        "model": "modes", "stiffness": STIFFNESS, "modes": Modes(y=2, z=2, twist=1, stretch=1),
     },
-}
-SIZE = {"modes": 0.05, "exact": 0.3}
+    "exact": {"model": "exact", **ALL},
+    "curved": {"model": "exact", "curvature": (0.3, -0.4, 0.8), **ALL},
+}  # fmt: skip
+SIZE = {"modes": 0.05, "exact": 0.3, "curved": 0.3}
 """Amplitudes to look at: of small deflections, of large ones."""
 
 
@@ -51,8 +52,8 @@ def branched(*more, model="modes"):
     )
     parts = (
         Beam("beam", body="hub", at=(0.1, 0.2, 0.3), direction=(0.6, 0.8, 0.0), length=1.5,
-             frames=(0.4,), model=model, **SETTINGS[model]),
-        Beam("end", body="bend", length=0.8, stiffness=THICK, model=model,
+             frames=(0.4,), **SETTINGS[model]),
+        Beam("end", body="bend", length=0.8, stiffness=THICK, model=SETTINGS[model]["model"],
              modes=Modes(y=2, stretch=1)),
         *more,
     )  # fmt: skip

@@ -7,11 +7,23 @@ from dataclasses import dataclass, fields
 
 from vehicledyn.multibody.bodies.beam_sections import Section
 from vehicledyn.multibody.bodies.beam_shapes import quadrature
-from vehicledyn.multibody.model.declaration import number
+from vehicledyn.multibody.model.declaration import choice, number
 from vehicledyn.symbolic.ops import Scalar
 
 TAPER_POINTS = 4
 """Further points of a quadrature that numbers of the fourth degree in the place need."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Modes:
+    """Number of modes in each direction; none lets the beam be rigid in it."""
+
+    y: int = choice("Modes of bending along y", default=0, least=0)
+    z: int = choice("Modes of bending along z", default=0, least=0)
+    twist: int = choice("Modes of twist", default=0, least=0)
+    stretch: int = choice("Modes of stretch", default=0, least=0)
+    shear_y: int = choice("Modes of shear along y, of an exact beam", default=0, least=0)
+    shear_z: int = choice("Modes of shear along z, of an exact beam", default=0, least=0)
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from vehicledyn.base.numbers.quaternions import about, multiplied, rotated
+from vehicledyn.base.numbers.quaternions import about, from_rows, multiplied, rotated
 
 Array = NDArray[np.float64]
 
@@ -26,12 +26,14 @@ def deflected_exactly(point: Mapping[str, Any], q: Array) -> tuple[Array, Array]
     shapes = [np.array(rows, dtype=float) for rows in point["nodes"]]
     in_space = any(np.any(rows[2]) or (np.any(rows[1]) and np.any(rows[0])) for rows in shapes)
     position = np.zeros((len(q), 3))
-    for rows, weight in zip(shapes, point["weights"], strict=True):
+    unloaded = [from_rows(rows) for rows in point.get("turns", [None] * (len(shapes) + 1))]
+    for rows, weight, turn in zip(shapes, point["weights"], unloaded[:-1], strict=True):
         strain = q @ rows[3:].T
         strain[:, 0] += 1.0
-        position += weight * rotated(_attitude(q @ rows[:3].T, is_spatial=in_space), strain)
+        attitude = multiplied(turn, _attitude(q @ rows[:3].T, is_spatial=in_space))
+        position += weight * rotated(attitude, strain)
     end = np.array(point["end"], dtype=float)
-    return position, _attitude(q @ end[:3].T, is_spatial=in_space)
+    return position, multiplied(unloaded[-1], _attitude(q @ end[:3].T, is_spatial=in_space))
 
 
 def _attitude(angles: Array, *, is_spatial: bool) -> Array:

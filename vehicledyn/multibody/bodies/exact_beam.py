@@ -1,4 +1,4 @@
-"""A straight beam that bends, twists, stretches and shears by any amount (Simo, Reissner).
+"""A beam that bends, twists, stretches and shears by any amount (Simo, Reissner).
 
 Its sections turn by R(ξ) and the axis follows r' = R (1 + ε, γ_y, γ_z), ξ = x/L. The angles and
 strains are sums of shapes, so that the strains are exact whatever the deflection is: for each
@@ -7,7 +7,8 @@ bending shape φ_k of small deflections the angle takes φ_k'/L, for stretch and
 The axis is summed over the points of a Gauss quadrature, which integrates polynomials exactly. In a
 plane R is the turn by the angle; in space it has the modified Rodrigues parameters
 σ = (0, -b, a)/4, which are regular below a whole turn (Schaub, Junkins 1996, J. Astronaut. Sci.
-44(1), 1-19), and then the twist.
+44(1), 1-19), and then the twist. The axis of an unloaded curved beam has the rotation R₀ and the
+curvature K; its sections turn by R₀ R, and Rᵀ K - K adds to the strains of bending and twist.
 """
 
 from __future__ import annotations
@@ -23,6 +24,7 @@ from numpy.typing import NDArray
 
 from vehicledyn.multibody.bodies.beam_properties import TAPER_POINTS, Properties, Stiffness
 from vehicledyn.multibody.bodies.beam_shapes import Shapes, quadrature
+from vehicledyn.multibody.bodies.curved_axis import CurvedAxis
 from vehicledyn.multibody.bodies.section_loads import SectionLoads
 from vehicledyn.multibody.model.deformation import Deflection, Flexibility, Slice, TurningInertia
 from vehicledyn.symbolic import ops, rotations
@@ -32,6 +34,8 @@ Array = NDArray[np.float64]
 DIRECTIONS = ("y", "z", "twist", "stretch", "shear_y", "shear_z")
 _AXES = {"stretch": 0, "shear_y": 1, "shear_z": 2}
 _SPARE = 3
+_CURVED_POINTS = 6
+"""More points of the quadrature where the axis is curved, enough for a full circle."""
 
 
 @dataclass(frozen=True)
@@ -52,15 +56,17 @@ class _Section:
 
 @dataclass(frozen=True, eq=False)
 class ExactBeam(Flexibility):
-    """A straight beam along the first axis of its frame, clamped to it at x = 0.
+    """A beam that begins along the first axis of its frame, clamped to it at x = 0.
 
-    ``by_direction`` are the shapes of each of :data:`DIRECTIONS`.
+    ``by_direction`` are the shapes of each of :data:`DIRECTIONS`; ``axis`` is that of the unloaded
+    beam, None of a straight one.
     """
 
     name: str
     length: Scalar
     properties: Properties
     by_direction: Mapping[str, Shapes]
+    axis: CurvedAxis | None = None
 
     @cached_property
     def ranges(self) -> dict[str, range]:
@@ -100,6 +106,7 @@ class ExactBeam(Flexibility):
     def points(self) -> int:
         """Number of points of the quadrature."""
         most = max(item.points for item in self.by_direction.values()) + _SPARE
+        most += 0 if self.axis is None else _CURVED_POINTS
         return most if self.properties.is_uniform else most + TAPER_POINTS
 
     @cached_property
@@ -126,6 +133,8 @@ class ExactBeam(Flexibility):
         value = {d: self._sum(d, shapes[d], q) for d in DIRECTIONS}
         strain = ops.vector(1.0 + value["stretch"], value["shear_y"], value["shear_z"])
         rotation, spins = _turned(value["y"], value["z"], value["twist"], self._has)
+        if self.axis is not None:
+            rotation = self.axis.rotation(place) @ rotation
         return _Section(rotation, strain, spins)
 
     @property
@@ -240,6 +249,10 @@ class ExactBeam(Flexibility):
         curved = ops.vector(0.0, 0.0, 0.0)
         for direction, spin in section.spins.items():
             curved = curved + spin * (self._sum(direction, slopes[direction], q) / self.length)
+        if self.axis is not None:
+            own = self.axis.vector
+            turned = self.axis.rotation(place).T @ section.rotation
+            curved = curved + turned.T @ own - own
         terms = {"twist": curved[0], "z": curved[1], "y": curved[2]}
         strain = section.strain - ops.vector(1.0, 0.0, 0.0)
         terms |= {name: strain[axis] for name, axis in _AXES.items()}
@@ -256,7 +269,11 @@ class ExactBeam(Flexibility):
         """Return a point as plain data: shapes at the nodes, their weights, shapes at the point."""
         nodes = [self._drawn_shapes(float(node)) for node in self._nodes[0]]
         weights = [float(w) * self.length for w in self._weights(place)]
-        return {"nodes": nodes, "weights": weights, "end": self._drawn_shapes(place)}
+        found = {"nodes": nodes, "weights": weights, "end": self._drawn_shapes(place)}
+        if self.axis is None:
+            return found
+        turns = [self.axis.rotation(float(x)) for x in (*self._nodes[0], place)]
+        return found | {"turns": [[[r[i, j] for j in range(3)] for i in range(3)] for r in turns]}
 
     def _drawn_shapes(self, place: float) -> list[list[Any]]:
         rows: list[list[Any]] = []

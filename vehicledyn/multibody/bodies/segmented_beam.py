@@ -12,9 +12,11 @@ from __future__ import annotations
 import math
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 from vehicledyn.multibody.bodies.beam_properties import TAPER_POINTS, Properties
 from vehicledyn.multibody.bodies.beam_shapes import SPARE, assumed_shapes, quadrature
+from vehicledyn.multibody.bodies.curved_axis import CurvedAxis
 from vehicledyn.multibody.model.bodies import Body, Joint, Turn
 from vehicledyn.multibody.model.kinematics import Kinematics
 from vehicledyn.symbolic import ops
@@ -34,13 +36,17 @@ _FIRST = 3.5160152685
 
 @dataclass(frozen=True)
 class SegmentedBeam:
-    """Segments of a straight beam; ``yields`` are the directions in which it does."""
+    """Segments of a beam; ``yields`` are the directions in which it does.
+
+    Those of a curved beam are rigid arcs of its ``axis``, which is None for a straight one.
+    """
 
     name: str
     length: Scalar
     properties: Properties
     yields: Collection[str]
     count: int
+    axis: CurvedAxis | None = None
 
     @property
     def names(self) -> list[str]:
@@ -73,28 +79,41 @@ class SegmentedBeam:
         found = []
         for index, name in enumerate(self.names):
             start, end = self._ends(index)
-            before = self._ends(index - 1)[0] if index else 0.0
-            shift = ((start - before) * self.length, 0.0, 0.0)
-            mass, centre, polar, across = self._inertia(start, end)
+            shift, turn = self._step(self._ends(index - 1)[0], start) if index else (at, ())
             found.append(
                 Body(
                     name,
                     self.names[index - 1] if index else body,
-                    shift if index else at,
-                    self._joints(index) if index else turns,
-                    mass=mass,
-                    com=(centre, 0.0, 0.0),
-                    inertia=(polar, across, across),
+                    shift,
+                    (*turn, *self._joints(index)) if index else turns,
+                    **self._inertia(start, end),
                     apparent_inertia=True,
                 )
             )
         for name, place in frames.items():
             index = sum(joint <= place for joint in self.joints)
-            local = (place - self._ends(index)[0]) * self.length
-            found.append(Body(name, self.names[index], (local, 0.0, 0.0)))
+            local, turn = self._step(self._ends(index)[0], place)
+            found.append(Body(name, self.names[index], local, turn))
         return tuple(found)
 
-    def _inertia(self, start: float, end: float) -> tuple[Scalar, Scalar, Scalar, Scalar]:
+    def _step(self, start: float, end: float) -> tuple[Sequence[Scalar], tuple[Turn, ...]]:
+        """Return the way along a segment from one place to another, and the turn on it."""
+        if self.axis is None:
+            return ((end - start) * self.length, 0.0, 0.0), ()
+        way, turn = self.axis.between(start, end)
+        return tuple(way[k] for k in range(3)), (Turn(turn),)
+
+    def _inertia(self, start: float, end: float) -> dict[str, Any]:
+        """Return mass, centre of mass and inertia of a segment."""
+        reach, numbers = (end - start) * self.length, self.properties
+        if self.axis is not None:
+            mass, polar = numbers.start.mass_per_length * reach, numbers.start.polar * reach
+            com, inertia = self.axis.inertia(end - start, mass, polar)
+            return {"mass": mass, "com": com, "inertia": inertia}
+        mass, centre, polar, across = self._straight_inertia(start, end)
+        return {"mass": mass, "com": (centre, 0.0, 0.0), "inertia": (polar, across, across)}
+
+    def _straight_inertia(self, start: float, end: float) -> tuple[Scalar, Scalar, Scalar, Scalar]:
         """Return mass, centre of mass, and inertia about the axis and across of a segment."""
         reach, numbers = (end - start) * self.length, self.properties
         if numbers.is_uniform:

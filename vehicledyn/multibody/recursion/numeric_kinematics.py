@@ -195,7 +195,8 @@ def _point(station: Station, fixed: set[str]) -> dict[str, Any]:
         nodes = [[[row[k] for k in kept] for row in node] for node in drawn["nodes"]]
         end = [[row[k] for k in kept] for row in drawn["end"]]
         own = [names[k] for k in kept]
-        return {"names": own, "nodes": nodes, "weights": drawn["weights"], "end": end}
+        unloaded = {"turns": drawn["turns"]} if "turns" in drawn else {}
+        return {"names": own, "nodes": nodes, "weights": drawn["weights"], "end": end, **unloaded}
     words = [word for word in ("linear", "slopes", "turns") if word in drawn]
     rows: dict[str, Any] = {word: [[row[k] for k in kept] for row in drawn[word]] for word in words}
     if "turns" in drawn:

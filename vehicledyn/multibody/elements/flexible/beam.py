@@ -1,4 +1,4 @@
-"""Beams: straight, uniform or tapered, by assumed modes or by rigid segments with springs."""
+"""Beams: straight or curved, uniform or tapered, by assumed modes or by rigid segments."""
 
 from __future__ import annotations
 
@@ -13,6 +13,7 @@ from vehicledyn.base.registry import register
 from vehicledyn.base.shapes import Anchor, Shape, Tube
 from vehicledyn.multibody.bodies.beam_properties import (
     Material,
+    Modes,
     Properties,
     Stiffness,
     section_stiffness,
@@ -21,6 +22,7 @@ from vehicledyn.multibody.bodies.beam_properties import (
 )
 from vehicledyn.multibody.bodies.beam_sections import Section
 from vehicledyn.multibody.bodies.beam_shapes import SPARE, Shapes, assumed_shapes, hinged_shapes
+from vehicledyn.multibody.bodies.curved_axis import CurvedAxis
 from vehicledyn.multibody.bodies.exact_beam import DIRECTIONS, ExactBeam
 from vehicledyn.multibody.bodies.modal_beam import ModalBeam, Stiffening
 from vehicledyn.multibody.bodies.segmented_beam import SegmentedBeam
@@ -50,22 +52,10 @@ _WORDS = {
 }
 
 
-@dataclass(frozen=True, kw_only=True)
-class Modes:
-    """Number of modes in each direction; none lets the beam be rigid in it."""
-
-    y: int = choice("Modes of bending along y", default=0, least=0)
-    z: int = choice("Modes of bending along z", default=0, least=0)
-    twist: int = choice("Modes of twist", default=0, least=0)
-    stretch: int = choice("Modes of stretch", default=0, least=0)
-    shear_y: int = choice("Modes of shear along y, of an exact beam", default=0, least=0)
-    shear_z: int = choice("Modes of shear along z, of an exact beam", default=0, least=0)
-
-
 @register("element_type", "beam")
 @dataclass(frozen=True, kw_only=True)
 class Beam(BasePart):
-    """A straight beam, clamped at its start to a point of a body, that bends, twists and stretches.
+    """A beam, clamped at its start to a point of a body, that bends, twists and stretches.
 
     Axial forces, as of fast rotation, stiffen or buckle it. Other bodies, forces, sensors and cuts
     take hold of its frames: `<name>.tip` at its end, and `<name>.frame_1` and so on at the places
@@ -81,7 +71,13 @@ class Beam(BasePart):
     upwards: Sequence[Scalar] = vector(
         "1", "A direction in the plane of its x and z axes", default=(0.0, 0.0, 1.0)
     )
-    length: Scalar = number("m", "Length", above=0.0)
+    length: Scalar = number("m", "Length, along the axis", above=0.0)
+    curvature: Sequence[Scalar] = vector(
+        "1/m",
+        "Of the unloaded axis, an arc or helix: twist over length about x, curvature about y and "
+        "about z, in the axes of any section; for 'model: exact' and 'segments'",
+        default=ORIGIN,
+    )
     section: Section | None = group("Shape of the section", default=None)
     material: Material | None = group("Material", default=None)
     stiffness: Stiffness | None = group("Stiffness and mass, in place of a section", default=None)
@@ -136,7 +132,21 @@ class Beam(BasePart):
         if outside:
             words = f"frames: {outside[0]:g} is beyond the beam; places run from 0 to 1"
             raise InputError(f"{words} of its length")
+        self._check_curvature()
         self._check_modes()
+
+    def _check_curvature(self) -> None:
+        if self._axis is None:
+            return
+        if self.model == "modes":
+            raise InputError(
+                "curvature: shapes of small deflections are those of a straight beam; take "
+                "'model: exact' or 'model: segments'"
+            )
+        if self.foundation is not None:
+            raise InputError("foundation: holds a beam to a line; a curved one has none")
+        if self.end_section is not None or self.end_stiffness is not None:
+            raise InputError("curvature: a tapered beam is straight; give a chain of beams")
 
     def _check_end(self) -> None:
         if self.end_section is not None and self.section is None:
@@ -211,7 +221,7 @@ class Beam(BasePart):
             direction: self._shapes(direction, count) for direction, count in self._counts.items()
         }
         if self.model == "exact":
-            return ExactBeam(self.name, self.length, self.properties, made)
+            return ExactBeam(self.name, self.length, self.properties, made, self._axis)
         return ModalBeam(self.name, self.length, self.properties, made, self.stiffening)
 
     def _shapes(self, direction: str, count: int) -> Shapes:
@@ -224,7 +234,15 @@ class Beam(BasePart):
     @cached_property
     def _segmented(self) -> SegmentedBeam:
         yields = [direction for direction, count in self._counts.items() if count]
-        return SegmentedBeam(self.name, self.length, self.properties, yields, self.segments)
+        whole = (self.name, self.length, self.properties)
+        return SegmentedBeam(*whole, yields, self.segments, self._axis)
+
+    @cached_property
+    def _axis(self) -> CurvedAxis | None:
+        """The axis of a curved beam, None of a straight one."""
+        if all(ops.is_structurally_zero(item) for item in self.curvature):
+            return None
+        return CurvedAxis(tuple(self.curvature), self.length)
 
     @cached_property
     def _founded(self) -> FoundedBeam | None:
@@ -290,6 +308,9 @@ class Beam(BasePart):
         """Return mass, centre of mass and inertia of the beam undeformed."""
         n, length = self.properties, self.length
         mass = n.mean("mass_per_length") * length
+        if self._axis is not None:
+            com, inertia = self._axis.inertia(1.0, mass, n.mean("polar") * length)
+            return {"mass": mass, "com": com, "inertia": inertia}
         if n.is_uniform:
             across, centre = mass * length * length / 12.0, 0.5 * length
         else:
@@ -335,7 +356,10 @@ class Beam(BasePart):
         start = self._segmented.names[0] if self.model == "segments" else self.name
         pair = kinematics.between(start, tip)
         reach = pair.rotation(start).T @ (pair.position(tip) - pair.position(start))
-        moved = ops.vector(reach[0] - self.length, reach[1], reach[2])
+        if self._axis is None:
+            moved = ops.vector(reach[0] - self.length, reach[1], reach[2])
+        else:
+            moved = reach - self._axis.position(1.0)
         energy = Channel(f"{self.name}.strain_energy", "J", f"Strain energy of {self.name}")
         deflections = tuple(
             Output(
