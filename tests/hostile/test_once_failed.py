@@ -557,3 +557,20 @@ def test_a_response_without_bounds_is_written_without_a_warning():
     words = ["export-data", "response.h5", "-o", "out.csv"]
     files = {"response.h5": changed("response.h5", change)}
     assert run(Case("response", files, words, ("out.csv",))).faults == []
+
+
+@pytest.mark.parametrize("name", ["", ".", "/"])
+@pytest.mark.parametrize("verb", ["handling", "steady"])
+def test_names_that_name_no_file(verb, name):
+    refused(Case("name", {}, [verb, name]), "names no file; give the name of one")
+
+
+def test_a_weave_quicker_than_its_samples():
+    text = yaml_cases.scenario_texts()["scenarios/iltis_ramp_steer.yaml"]
+    weave = "manoeuvre:\n  kind: weave\n  amplitude: 1 deg\n  frequency: 1e13 Hz\n  begin: 0 s\n"
+    text = re.sub(r"^manoeuvre:.*?^(?=\w)", weave, text, flags=re.DOTALL | re.MULTILINE)
+    sets = ["duration=20 ms", "output.interval=5 ms", "solver={kind: rk4, step: 1 ms}"]
+    command = ["run", "a.yaml", "-o", "out.h5", "--no-plots", "-q", "--backend", "interpreted"]
+    command += [word for item in sets for word in ("--set", item)]
+    outcome = run(Case("weave", {"a.yaml": text.encode()}, command, ("out.h5",)))
+    assert (outcome.code, outcome.faults) == (0, []), outcome

@@ -97,8 +97,10 @@ def locate(name: str, kinds: Sequence[Kind], others: Sequence[str] = ()) -> Path
         is named so.
     """
     path = Path(name)
+    if not path.name:
+        raise InputError(f"'{name}' names no file; give the name of one")
     try:
-        path.with_name(f"{path.name or '-'}.yaml").exists()
+        path.with_name(f"{path.name}.yaml").exists()
     except OSError as error:
         raise InputError(f"'{name[:80]}...' is not a file: {error.strerror}") from None
     if path.is_symlink() or (path.exists() and not path.is_dir()):

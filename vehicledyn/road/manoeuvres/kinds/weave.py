@@ -61,6 +61,8 @@ class Weave(DrivingTest):
         if self.amplitude == 0.0 or signals.time[-1] < end - 1e-9:
             return
         last = signals.between(end - 1.0 / self.frequency, end)
+        if last.time.size < _FEWEST:
+            return
         for name, unit, text in _ANSWERS:
             loop = loop_of(last.time, last.steering, getattr(last, name), self.frequency)
             yield from entry(
@@ -89,6 +91,8 @@ class Weave(DrivingTest):
             )
 
 
+_FEWEST = 8
+"""Samples of a period from which on it has a loop."""
 _ANSWERS = (
     ("yaw_rate", "rad/s", "Yaw rate"),
     ("lateral_acceleration", "m/s^2", "Lateral acceleration"),
