@@ -86,6 +86,13 @@ class Tube(Shape):
 
 
 @dataclass(frozen=True)
+class ColouredTube(Tube):
+    """A bar whose colour follows the value of a channel, ``coloured_by``, such as a stress."""
+
+    coloured_by: str = ""
+
+
+@dataclass(frozen=True)
 class Coil(Shape):
     """A spring or damper between two points of two bodies.
 

@@ -156,7 +156,7 @@ def test_section_loads_and_stress(model):
     tip, g, density = Body("load", "beam.tip", mass=3.0), 1e-3, 7850.0
     kernel = kernel_of(
         tip, gravity=(0.0, 0.0, -g), model=model, stiffness=None, section=section, frames=(0.5,),
-        material=Material(density=density, young=steel), modes=Modes(z=5),
+        material=Material(density=density, young=steel), modes=Modes(z=5), stresses=True,
     )  # fmt: skip
     seen = at_rest(kernel)
     line = density * 2e-4 * g
@@ -169,6 +169,8 @@ def test_section_loads_and_stress(model):
     assert seen["beam.frame_1.moment_y"] == pytest.approx(moment(0.5 * LENGTH), rel=1e-6)
     stress = moment(0.0) * 0.005 / (0.02 * 0.01**3 / 12.0)
     assert seen["beam.start.stress"] == pytest.approx(stress, rel=1e-6)
+    third = stress * moment(LENGTH * 2.5 / 8.0) / moment(0.0)
+    assert seen["beam.piece_3.stress"] == pytest.approx(third, rel=1e-6)
     if model == "modes":
         shear = 3.0 * g + line * 0.5 * LENGTH
         assert seen["beam.frame_1.shear_force_z"] == pytest.approx(-shear, rel=1e-6)

@@ -30,6 +30,7 @@ class SceneState:
         turned = self.mixed(p.quaternion)
         self.quaternion = turned / np.maximum(np.linalg.norm(turned, axis=-1, keepdims=True), 1e-9)
         self.turn = self.mixed(p.turn)
+        self._levels, self._highest = scene.levels, scene.highest_level
         self._bodies = {body["name"]: (k, body) for k, body in enumerate(scene.bodies)}
 
     def mixed(self, values: Array) -> Array:
@@ -49,6 +50,12 @@ class SceneState:
             turned = whole_turn(facts, turned, self.turn[k : k + 1])
         placed: Array = self.position[k] + rotated(turned, local)
         return placed
+
+    def level(self, name: str) -> tuple[float, float] | None:
+        """Return the value of a channel that shapes are coloured by and the highest, or None."""
+        if name not in self._levels:
+            return None
+        return float(self.mixed(self._levels[name].values)), self._highest
 
     def index(self, body: str) -> int:
         """Return the number of a body, zero for the ground."""

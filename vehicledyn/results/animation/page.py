@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 
 from vehicledyn.base.units import parse_unit
+from vehicledyn.results.animation.levels import level_words
 from vehicledyn.results.animation.packed_columns import Columns
 from vehicledyn.results.animation.scene import AnimatedScene
 from vehicledyn.results.plots.plot_style import axis_label
@@ -72,6 +73,7 @@ def _scene(scene: AnimatedScene, columns: Columns) -> dict[str, Any]:
         "origin": [columns.add(origin[:, i], finest=_PRECISE) for i in range(3)],
         "bodies": bodies,
         "shapes": [_rounded(shape) for shape in scene.shapes],
+        "levels": _levels(scene, columns),
         "arrows": [
             {
                 "name": arrow.name,
@@ -111,6 +113,14 @@ def _channels(scene: AnimatedScene, columns: Columns) -> dict[str, Any]:
         if names:
             panels.append({"title": panel.title, "channels": names})
     return {"channels": channels, "panels": panels}
+
+
+def _levels(scene: AnimatedScene, columns: Columns) -> dict[str, Any] | None:
+    """Return the columns that shapes are coloured by, with the end of the scale."""
+    if not scene.levels:
+        return None
+    known = {name: columns.add(series.values) for name, series in scene.levels.items()}
+    return {"columns": known, "most": scene.highest_level, "text": level_words(scene)}
 
 
 def _factor(unit: str, shown: str) -> float:

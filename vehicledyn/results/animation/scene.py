@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import fnmatch
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from pathlib import PurePath
 from typing import Any
 
@@ -75,6 +75,14 @@ class AnimatedScene:
     cone_radius: float
     ground: Array | None
     track: Array | None
+    levels: Mapping[str, Series] = field(default_factory=dict)
+    """Channels that shapes are coloured by, each sampled at the times."""
+
+    @property
+    def highest_level(self) -> float:
+        """Largest value of these channels; zero if there is none."""
+        most = [float(np.nanmax(np.abs(s.values), initial=0.0)) for s in self.levels.values()]
+        return max(most, default=0.0)
 
     @property
     def time(self) -> Array:
@@ -145,7 +153,14 @@ def scene_of(
         cone_radius=0.0 if cones is None else float(cones.attributes.get("radius", 0.15)),
         ground=found.ground,
         track=found.track,
+        levels=_levels(result, found, rows),
     )
+
+
+def _levels(result: Result, found: Animation, rows: NDArray[np.intp]) -> dict[str, Series]:
+    """Return the channels that shapes are coloured by, as far as the result keeps them."""
+    named = {shape["coloured_by"] for shape in found.stage.shapes if shape["coloured_by"]}
+    return {name: result.channel(name, rows) for name in sorted(named & set(result.channels))}
 
 
 def _panels(result: Result, rows: NDArray[np.intp]) -> list[PlotPanel]:

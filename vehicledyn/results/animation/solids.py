@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vehicledyn.results.animation.frame_state import SceneState, roof
+from vehicledyn.results.animation.levels import level_colour
 from vehicledyn.results.animation.scene import AnimatedScene
 
 Array = NDArray[np.float64]
@@ -64,8 +65,11 @@ def _colour(moment: SceneState, body: str, has_hull: bool) -> str:
 
 def _tube(moment: SceneState, shape: Plain, has_hull: bool) -> list[Face]:
     a, b = (moment.places(shape[k]["body"], shape[k]["point"])[0] for k in ("a", "b"))
-    own = _colour(moment, shape["a"]["body"], has_hull)
-    return prism(a, b, shape["radius"], STYLES.get(shape["style"], own), sides=8)
+    own = STYLES.get(shape["style"], _colour(moment, shape["a"]["body"], has_hull))
+    level = moment.level(shape["coloured_by"])
+    if level is not None:
+        own = level_colour(*level)
+    return prism(a, b, shape["radius"], own, sides=8)
 
 
 def _coil(moment: SceneState, shape: Plain, _: bool) -> list[Face]:

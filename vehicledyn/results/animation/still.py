@@ -19,6 +19,7 @@ from vehicledyn.base.errors import InputError
 from vehicledyn.base.files.whole_file import whole_file
 from vehicledyn.results.animation.camera import FIELD, Camera
 from vehicledyn.results.animation.frame_state import bounds_of
+from vehicledyn.results.animation.levels import RAMP, level_words
 from vehicledyn.results.animation.scene import AnimatedScene
 from vehicledyn.results.animation.solids import faces_of
 from vehicledyn.results.hdf5.output import write_failed
@@ -119,6 +120,22 @@ def paint(figure: Figure, scene: AnimatedScene, time: float, view: str) -> None:
     state = "" if scene.is_whole else f" · {scene.state}"
     told = fill(f"{scene.model} · t = {time:.2f} s{state}", _TEXT_WIDTH)
     axes.text(0.02, 0.965 - 0.06 * max(1, len(title)), told, fontsize=8.5, **text)
+    if scene.levels:
+        _draw_scale(figure, level_words(scene))
+
+
+def _draw_scale(figure: Figure, words: str) -> None:
+    """Draw the colours from nothing to the highest value, and what they mean."""
+    from matplotlib.colors import LinearSegmentedColormap
+
+    axes = figure.add_axes((0.74, 0.05, 0.24, 0.025))
+    axes.imshow(
+        np.linspace(0.0, 1.0, 256)[None],
+        aspect="auto",
+        cmap=LinearSegmentedColormap.from_list("levels", RAMP),
+    )
+    axes.set_axis_off()
+    axes.set_title(words, fontsize=8.5, color=_INK, parse_math=False)
 
 
 def _ground(scene: AnimatedScene, target: Array, extent: float) -> Iterator[Array]:

@@ -29,6 +29,7 @@ _OPTIONS: dict[str, Any] = {
     "body": None,
     "camber": None,
     "name": "",
+    "coloured_by": "",
     "factors": [1.0, 1.0, 1.0],
 }
 _POINTS = ("size", "axis", "point", "normal", "direction", "factors")

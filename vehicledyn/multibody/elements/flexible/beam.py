@@ -6,11 +6,12 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
-from typing import Any, Literal
+from typing import Literal
 
 from vehicledyn.base.errors import InputError
 from vehicledyn.base.registry import register
-from vehicledyn.base.shapes import Anchor, Shape, Tube
+from vehicledyn.base.shapes import Anchor, ColouredTube, Shape, Tube
+from vehicledyn.multibody.bodies.beam_inertia import rigid_inertia
 from vehicledyn.multibody.bodies.beam_properties import (
     Material,
     Modes,
@@ -40,8 +41,8 @@ MOST_MODES = 12
 """Modes of a direction beyond which the shapes of polynomials are no longer told apart."""
 MOST_SINES = 24
 """The same of sines."""
-_DRAWN = 8
-"""Pieces that a beam of assumed modes is drawn of."""
+_DRAWN, _DRAWN_CURVED = 8, 16
+"""Pieces that a beam of assumed modes is drawn of, straight or curved."""
 _WORDS = {
     "y": "bending along y",
     "z": "bending along z",
@@ -112,6 +113,9 @@ class Beam(BasePart):
     frames: tuple[float, ...] = choice(
         "Places over the length, 0 to 1, of further frames", default=(), unit="1"
     )
+    stresses: bool = choice(
+        "Whether stresses along it are channels, by which pictures colour it", default=False
+    )
     foundation: Foundation | None = group(
         "Springs and dampers that hold it to a line all along", default=None
     )
@@ -132,6 +136,11 @@ class Beam(BasePart):
         if outside:
             words = f"frames: {outside[0]:g} is beyond the beam; places run from 0 to 1"
             raise InputError(f"{words} of its length")
+        if self.stresses and (self.section is None or self.model == "segments"):
+            raise InputError(
+                "stresses: follow from a section and assumed modes; give a section, not a "
+                "stiffness, and 'model: modes' or 'exact'"
+            )
         self._check_curvature()
         self._check_modes()
 
@@ -262,8 +271,8 @@ class Beam(BasePart):
 
     @property
     def _places(self) -> dict[str, float]:
-        drawn = () if self.model == "segments" else range(1, _DRAWN)
-        line = {f"{self.name}.line_{k}": k / _DRAWN for k in drawn}
+        drawn = () if self.model == "segments" else range(1, self._pieces)
+        line = {f"{self.name}.line_{k}": k / self._pieces for k in drawn}
         founded = {} if self._founded is None else self._founded.places
         return {**self._own_frames, **line, f"{self.name}.tip": 1.0, **founded}
 
@@ -297,31 +306,12 @@ class Beam(BasePart):
             self.body,
             self.at,
             (*self._turns, *joints),
-            **self._rigid_inertia(),
+            **rigid_inertia(self.properties, self.length, self._axis),
             apparent_inertia=True,
             flexibility=beam,
         )
         frames = (Body(name, self.name, place=place) for name, place in self._places.items())
         return (root, *frames)
-
-    def _rigid_inertia(self) -> dict[str, Any]:
-        """Return mass, centre of mass and inertia of the beam undeformed."""
-        n, length = self.properties, self.length
-        mass = n.mean("mass_per_length") * length
-        if self._axis is not None:
-            com, inertia = self._axis.inertia(1.0, mass, n.mean("polar") * length)
-            return {"mass": mass, "com": com, "inertia": inertia}
-        if n.is_uniform:
-            across, centre = mass * length * length / 12.0, 0.5 * length
-        else:
-            first = second = ops.scalar(0.0)
-            for x, weight in n.weighted("mass_per_length", 2):
-                first = first + weight * length * (x * length)
-                second = second + weight * length * (x * length) ** 2
-            centre = first / mass
-            across = second - mass * centre * centre
-        inertia = (n.mean("polar") * length, across, across)
-        return {"mass": mass, "com": (centre, 0.0, 0.0), "inertia": inertia}
 
     def loads(self, situation: Situation) -> Loads:
         """Return elastic and damping forces on the coordinates."""
@@ -339,14 +329,24 @@ class Beam(BasePart):
         """Return the pieces between points of the deformed axis; segments draw themselves."""
         if self.model == "segments":
             return ()
-        ends = [self.name, *(f"{self.name}.line_{k}" for k in range(1, _DRAWN)), f"{self.name}.tip"]
-        return tuple(
-            Tube(f"{self.name}.piece_{k + 1}", Anchor(a), Anchor(b), self._radius(k), "rod")
-            for k, (a, b) in enumerate(pairwise(ends))
-        )
+        ends = [self.name, *(f"{self.name}.line_{k}" for k in range(1, self._pieces))]
+        ends.append(f"{self.name}.tip")
+        made: list[Shape] = []
+        for k, (a, b) in enumerate(pairwise(ends)):
+            name = self._piece(k)
+            bar = (name, Anchor(a), Anchor(b), self._radius(k), "rod")
+            made.append(ColouredTube(*bar, f"{name}.stress") if self.stresses else Tube(*bar))
+        return tuple(made)
+
+    @property
+    def _pieces(self) -> int:
+        return _DRAWN if self._axis is None else _DRAWN_CURVED
+
+    def _piece(self, number: int) -> str:
+        return f"{self.name}.piece_{number + 1}"
 
     def _radius(self, piece: int) -> Scalar | None:
-        section = self.section_at((piece + 0.5) / _DRAWN)
+        section = self.section_at((piece + 0.5) / self._pieces)
         return None if section is None else section.reach[0]
 
     def outputs(self, situation: Situation) -> tuple[Output, ...]:
@@ -385,6 +385,13 @@ class Beam(BasePart):
             section = self.section_at(place)
             for channel, value in self._modal.loads(place, q).channels(name, section):
                 yield Output(channel, value)
+        for k in range(self._pieces if self.stresses else 0):
+            place = (k + 0.5) / self._pieces
+            section = self.section_at(place)
+            if section is not None:
+                text = f"Largest normal stress at {place:g} of the length of {self.name}, positive"
+                stress = self._modal.loads(place, q).stress(section)
+                yield Output(Channel(f"{self._piece(k)}.stress", "Pa", text), stress)
 
     def _strain_energy(self, kinematics: Kinematics) -> Scalar:
         if self.model == "segments":

@@ -10,6 +10,7 @@ class Actor {
     this.nodes = new Map();
     this.moving = [];
     this.hulls = [];
+    this.coloured = [];
     scene.bodies.forEach((body, k) => this.addBody(body, k));
     const ground = new THREE.Group();
     this.group.add(ground);
@@ -101,7 +102,9 @@ class Actor {
       this.hulls.push(mesh);
       add(mesh, shape.body);
     } else if (shape.kind === "tube") {
-      const mesh = new THREE.Mesh(unitTube(shape.radius), this.paint(shape.style === "arm" ? colours(shape.a.body) : COLOURS[shape.style] ?? COLOURS.rod));
+      const level = this.data.levels?.columns[shape.coloured_by];
+      const mesh = new THREE.Mesh(unitTube(shape.radius), level === undefined ? this.paint(shape.style === "arm" ? colours(shape.a.body) : COLOURS[shape.style] ?? COLOURS.rod) : material(COLOURS.rod));
+      if (level !== undefined) this.coloured.push({ mesh, column: columns[level] });
       if (shape.a.body === shape.b.body) {
         alongZ(new THREE.Vector3(...shape.a.point), new THREE.Vector3(...shape.b.point), mesh);
         add(mesh, shape.a.body);
@@ -157,6 +160,7 @@ class Actor {
       }
       alongZ(start, stop, mesh);
     }
+    for (const { mesh, column } of this.coloured) rampColour(Math.abs(between(column, spot)) / (this.data.levels.most || 1), mesh.material.color);
     for (const { mesh, foot, force } of this.arrows ?? []) {
       const end = new THREE.Vector3(...force.map((c) => between(c, spot))).multiplyScalar(this.perNewton);
       const start = new THREE.Vector3(...foot.map((c, i) => origin[i] + between(c, spot)));

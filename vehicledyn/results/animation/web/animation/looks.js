@@ -12,6 +12,15 @@ const COLOURS = {
 const LINES = { light: OKABE_ITO, dark: ["#56B4E9", "#F0A35C", "#3CC9A0", "#E39CC4", "#F0E442", "#B8C4FF"] };
 let theme = matchMedia("(prefers-color-scheme: dark)").matches ? "dark" : "light";
 
+// Colours from nothing to the highest value (viridis), told apart in grey too.
+const RAMP = [0x440154, 0x3b528b, 0x21918c, 0x5ec962, 0xfde725].map((colour) => new THREE.Color(colour));
+
+function rampColour(part, out) {
+  if (!Number.isFinite(part)) return out.set(0x808080);
+  const place = Math.min(Math.max(part, 0), 1) * (RAMP.length - 1), k = Math.min(Math.floor(place), RAMP.length - 2);
+  return out.copy(RAMP[k]).lerp(RAMP[k + 1], place - k);
+}
+
 function material(colour, look = {}) {
   return new THREE.MeshLambertMaterial({ color: colour, ...look });
 }

@@ -20,6 +20,11 @@ if (scenes.length > 1) {
   $("other-choice").hidden = false;
 }
 
+if (first.levels) {
+  $("levels").hidden = false;
+  $("levels").firstElementChild.textContent = first.levels.text;
+}
+
 // Smooth edges cost a processor that draws in place of a graphics card its speed; there a still
 // picture is drawn finer instead.
 const isSlow = drawsOnProcessor();
@@ -219,6 +224,7 @@ window.animation = {
     camera: camera.position.toArray(), target: controls.target.toArray(), place: actors[0].now.toArray(),
     ratio: renderer?.getPixelRatio() ?? 0, triangles: renderer?.info.render.triangles ?? 0, calls: renderer?.info.render.calls ?? 0,
     marks: plots.map((plot) => plot.mark.getBoundingClientRect().left),
+    colours: actors[0].coloured.map(({ mesh }) => `#${mesh.material.color.getHexString()}`),
     ticks: plots.map((plot) => plot.ticks ?? []),
     values: plots.map((plot) => plot.lines.map((line) => line.value.textContent)),
   }),
