@@ -143,7 +143,7 @@ def study(rng, name):
     sweep = ["sweep", file, "-o", "out.h5", "--workers", "1", "--backend", "interpreted", "-q",
              *SHORT[:6]]  # fmt: skip
     content = _spoilt(texts, file, rng)
-    many = re.search(rb'number"?: *[0-9.e+]{4}', content)  # a sound study of a million cases
+    many = re.search(rb'(number|count)"?: *[0-9.e+]{4}', content)  # a sound study of a million
     command = ["validate", file] if many else rng.choice([["validate", file], sweep])
     return Case(name, around({file: content}), command, OUTPUTS)
 
