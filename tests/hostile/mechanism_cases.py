@@ -30,6 +30,17 @@ outline: {kind: eccentric_circle, radius: 40 mm, eccentricity: 10 mm}
 follower: {kind: roller, radius: 9 mm}
 load: {speed: 600 rpm, mass: 1 kg}
 """
+PAIR = """\
+title: A conjugate pair
+motion:
+  - {kind: cycloidal, over: 120 deg, lift: 20 mm}
+  - {kind: dwell, over: 60 deg}
+  - {kind: modified_sine, over: 180 deg, lift: -20 mm}
+base_radius: 40 mm
+follower: {kind: roller, radius: 12 mm, offset: 2 mm}
+conjugate: {follower: {kind: roller, radius: 14 mm}, distance: 130 mm}
+load: {speed: 600 rpm, mass: 2 kg}
+"""
 GRID = "ncols 5\nnrows 4\nxllcorner -1\nyllcorner -2\ncellsize 20\nnodata_value -9999\n" + (
     "0 0.01 0 0.02 0\n0 0 0.01 0 0\n0.01 0 0 0 0\n0 0 0 0.01 0\n"
 )
@@ -82,6 +93,21 @@ forces:
 """
 SECTIONS = ["{shape: rectangle, width: edge, height: edge}", "{shape: circle, radius: edge}",
             "{shape: tube, radius: edge, thickness: 1 mm}"]  # fmt: skip
+KINDS_OF_BEAM = [
+    "",
+    "    model: exact\n    curvature: [0, -1 / (0.3 m), 0.2 1/m]\n    stresses: true\n",
+    "    model: segments\n    segments: 4\n    curvature: [1 1/m, 0, 0]\n",
+]
+STUCK = """\
+title: A box on a slope
+bodies:
+  box: {joints: [T1 x, T3 z], mass: 2 kg}
+elements:
+  slope: {kind: KIND, body_a: ground, body_b: box, plane: {normal: [0.6, 0, 0.8]}, MORE
+    ball: {radius: 0.1 m}, friction: 0.8, stick_stiffness: 1e4 N/m, stick_damping: 200 N*s/m}
+initial: {box.x: 0.06 m, box.z: 0.08 m}
+"""
+CONTACTS = {"body_impact": "restitution: 0.3,", "body_contact": "stiffness: 1e6, exponent: 1,"}
 SCENARIO = b"title: It swings\nmodel: beam.yaml\nduration: 20 ms\n"
 PENDULUM = "scenarios/systems/double_pendulum.yaml"
 SETS = "{solver: {kind: rk4, step: 1 ms}, duration: 20 ms, output: {interval: 2 ms}}"
@@ -153,7 +179,7 @@ def _lines(content, rng):
 
 def cam(rng, name):
     """Return a spoilt cam, or spoilt points of one."""
-    text = rng.choice([CAM, OUTLINE, ECCENTRIC])
+    text = rng.choice([CAM, OUTLINE, ECCENTRIC, PAIR])
     is_table = text == OUTLINE and rng.random() < 0.6
     files = {
         "cam.yaml": text.encode() if is_table else _yaml(text, rng),
@@ -199,6 +225,10 @@ def driven(rng, name):
 def beam(rng, name):
     """Return a system with a spoilt beam."""
     text = BEAM.replace("SECTION", rng.choice(SECTIONS))
+    text = text.replace("    frames:", rng.choice(KINDS_OF_BEAM) + "    frames:")
+    if rng.random() < 0.25:
+        kind, more = rng.choice(list(CONTACTS.items()))
+        text = STUCK.replace("KIND", kind).replace("MORE", more)
     files = {"beam.yaml": _yaml(text, rng), "a.yaml": SCENARIO}
     command = rng.choice([["validate", "beam.yaml"], ["eig", "beam.yaml"], RUN])
     words = [word.format("a.yaml") if "{}" in word else word for word in command]

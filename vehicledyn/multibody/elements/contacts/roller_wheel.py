@@ -28,6 +28,8 @@ from vehicledyn.symbolic.equations import Channel
 from vehicledyn.symbolic.labels import unlabelled
 from vehicledyn.symbolic.ops import Mat, Scalar, Vec
 
+_MOST_ROLLERS = 100
+
 
 @register("element_type", "roller_wheel")
 @dataclass(frozen=True, kw_only=True)
@@ -71,6 +73,8 @@ class RollerWheel(BasePart):
             raise InputError(
                 f"rollers: {self.rollers} are too few; a wheel has at least {FEWEST_ROLLERS}"
             )
+        if self.rollers > _MOST_ROLLERS:
+            raise InputError(f"rollers: {self.rollers:g} are too many; at most {_MOST_ROLLERS}")
         if abs(math.sin(self._angle)) < 0.1:
             raise InputError("roller_angle: the rollers must not turn about the axle itself")
         if not 0.0 < self.roller_radius < self.radius:

@@ -41,6 +41,7 @@ MOST_MODES = 12
 """Modes of a direction beyond which the shapes of polynomials are no longer told apart."""
 MOST_SINES = 24
 """The same of sines."""
+MOST_SEGMENTS = 1000
 _DRAWN, _DRAWN_CURVED = 8, 16
 """Pieces that a beam of assumed modes is drawn of, straight or curved."""
 _WORDS = {
@@ -130,8 +131,8 @@ class Beam(BasePart):
         if self.section is None and self.material is not None:
             raise InputError("material: a beam given by its stiffness has none; leave it out")
         self._check_end()
-        if self.segments < 1:
-            raise InputError(f"segments: {self.segments} is no number of segments; give 1 or more")
+        if not 1 <= self.segments <= MOST_SEGMENTS:
+            raise InputError(f"segments: {self.segments:g} is not from 1 to {MOST_SEGMENTS}")
         outside = [place for place in self.frames if not 0.0 <= place <= 1.0]
         if outside:
             words = f"frames: {outside[0]:g} is beyond the beam; places run from 0 to 1"
