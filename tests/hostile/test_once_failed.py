@@ -574,3 +574,29 @@ def test_a_weave_quicker_than_its_samples():
     command += [word for item in sets for word in ("--set", item)]
     outcome = run(Case("weave", {"a.yaml": text.encode()}, command, ("out.h5",)))
     assert (outcome.code, outcome.faults) == (0, []), outcome
+
+
+def test_a_summary_that_holds_records():
+    import h5py
+
+    def change(file):
+        entry = file["summary/speed_mean"]
+        about = dict(entry.attrs)
+        del file["summary/speed_mean"]
+        record = np.zeros(1, dtype=[("a", "<i4"), ("b", "<f8")])
+        new = file["summary"].create_dataset("speed_mean", data=record)
+        for key, value in about.items():
+            if not isinstance(value, h5py.Reference):
+                new.attrs[key] = value
+
+    words = "summary/speed_mean is neither number nor text"
+    refused(Case("summary", {"car.h5": changed("car.h5", change)}, ["report", "car.h5"]), words)
+
+
+def test_an_experiment_without_signals():
+    text = mechanism_cases.STUDIES["identify"].replace("      upper.angle: {noise: 1 mrad}\n", "")
+    files = yaml_cases.around({
+        "study.yaml": text.encode(), "measured.csv": mechanism_cases.MEASURED.encode(),
+    })  # fmt: skip
+    command = ["identify", "study.yaml", "-o", "out.h5"]
+    refused(Case("identify", files, command, ("out.h5",)), "needs signals")

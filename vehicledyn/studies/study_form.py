@@ -92,7 +92,7 @@ class StudyForm:
             here = (*place, name)
             if keys and not self.check(here, item, keys):
                 continue
-            missing = [key for key in needed if key not in item]
+            missing = [key for key in needed if item.get(key) is None]
             if missing:
                 self.wrong(here, f"needs {', '.join(missing)}")
                 continue

@@ -46,7 +46,10 @@ def entry(name: str, dataset: h5py.Dataset) -> SummaryEntry:
 
 
 def _scalar(dataset: h5py.Dataset) -> float | int | bool | str:
-    if h5py.check_string_dtype(dataset.dtype) is not None:
+    is_text = h5py.check_string_dtype(dataset.dtype) is not None
+    if dataset.shape != () or not (is_text or dataset.dtype.kind in "biuf"):
+        raise ValueError(f"{dataset.name.lstrip('/')} is neither number nor text")
+    if is_text:
         return str(dataset.asstr()[()])
     value: float | int = dataset[()].item()
     return bool(value) if dataset.attrs.get("dtype") == "bool" else value
