@@ -36,15 +36,17 @@ def sensitivity(
         Key figures of the run, channels, or figures of channels such as ``max(chassis.roll)``;
         or of the linearised model: ``eigenvalues``, ``mode_shapes``, ``critical_speed`` and
         coordinates of the equilibrium, such as ``equilibrium.chassis.z``; or of its frequency
-        responses, such as ``gain(chassis.roll, road, 1.5 Hz)`` and ``phase(...)``; or channels
+        responses, such as ``gain(chassis.roll, road, 1.5 Hz)`` and ``phase(...)``; or of limit
+        cycles: ``cycle_period``, ``cycle_amplitude(axle.y)``, ``cycle_mean(...)`` and
+        ``nonlinear_critical_speed``; or channels
         along a driven path without forces, such as
         ``kinematics(wheel.toe_angle, wheel.z, 276 mm:356 mm:4)``.
     to
         Parameters, by patterns such as ``parameters.front.*``, and start values of states, such
         as ``start.chassis.y``.
     speed
-        For linearised models: speed such as "20 m/s", or a number [m/s]; the scenario's if None.
-        The search for the critical speed begins there.
+        For linearised models and limit cycles: speed such as "20 m/s", or a number [m/s]; the
+        scenario's if None. The search for critical speeds begins there.
     set, settings, save_to, overwrite, progress
         As for :func:`vehicledyn.simulate`.
 
@@ -62,6 +64,7 @@ def sensitivity(
     NumericalError
         If the run fails or its derivative does not exist.
     """
+    from vehicledyn.analyses.sensitivity.cycles import find_cycle_sensitivity, is_cycle
     from vehicledyn.analyses.sensitivity.kinematic_curves import (
         find_kinematic_sensitivity,
         is_kinematic,
@@ -76,18 +79,22 @@ def sensitivity(
     linear = [is_linear(name) for name in names]
     responses = [is_response(name) for name in names]
     kinematic = [is_kinematic(name) for name in names]
-    if len({*zip(linear, responses, kinematic, strict=True)}) > 1:
+    cycles = [is_cycle(name) for name in names]
+    if len({*zip(linear, responses, kinematic, cycles, strict=True)}) > 1:
         raise InputError(
-            "figures of the linearised model, of its responses, of kinematics and of a run have "
-            "results of their own; ask for them one after the other"
+            "figures of the linearised model, of its responses, of limit cycles, of kinematics "
+            "and of a run have results of their own; ask for them one after the other"
         )
-    if speed is not None and not (linear[0] or responses[0]):
-        raise InputError("speed: is for linearised models; a run has the scenario's speed")
+    if speed is not None and not (linear[0] or responses[0] or cycles[0]):
+        raise InputError(
+            "speed: is for linearised models and limit cycles; a run has the scenario's speed"
+        )
     with result_place(save_to, may_exist=overwrite) as place:
-        if linear[0] or responses[0]:
+        if linear[0] or responses[0] or cycles[0]:
             at = None if speed is None else speed_in_si(speed)
             target = read_target(scenario, changes)
             find = find_linear_sensitivity if linear[0] else find_response_sensitivity
+            find = find_cycle_sensitivity if cycles[0] else find
             table = find(target, names, patterns, at, reporter(progress))
         elif kinematic[0]:
             target = read_target(scenario, changes)

@@ -108,7 +108,7 @@ class AutonomousField:
         import casadi
 
         entry = self.equations.parameter[self.index]
-        return bool(casadi.which_depends(self._whole, entry, 1, False)[0])
+        return bool(casadi.which_depends(self.whole, entry, 1, False)[0])
 
     def parameters(self, value: float) -> Vector:
         """Return all parameters with a value of the free one."""
@@ -261,12 +261,12 @@ class AutonomousField:
 
     @cached_property
     def _compiled(self) -> PointCode | None:
-        return self.compiled(self._whole, index=self.index)
+        return self.compiled(self.whole, index=self.index)
 
     @cached_property
     def _path(self) -> PathCode:
         e = self.equations
-        return PathCode(self._whole, e.state[self.kept], e.parameter, e.tables)
+        return PathCode(self.whole, e.state[self.kept], e.parameter, e.tables)
 
     def compiled(self, values: Any, *, index: int | None = None) -> PointCode | None:
         """Return machine code of a column of functions of the states kept, z and p.
@@ -287,7 +287,7 @@ class AutonomousField:
             return None
 
     @cached_property
-    def _whole(self) -> Any:
+    def whole(self) -> Any:
         """The column of f and g as functions of the states kept, z and p."""
         import casadi
 
@@ -305,7 +305,7 @@ class AutonomousField:
         """The function (x, z, p) -> values of f and g, and their derivatives by x, z and p."""
         import casadi
 
-        e, whole = self.equations, self._whole
+        e, whole = self.equations, self.whole
         chosen = e.state[self.kept]
         by = ops.jacobian(whole, casadi.vertcat(chosen, e.algebraic, e.parameter[self.index]))
         results = casadi.cse([whole, casadi.densify(by)])

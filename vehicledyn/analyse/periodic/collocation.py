@@ -19,7 +19,7 @@ from typing import Any
 
 import numpy as np
 
-from vehicledyn.analyse.periodic.autonomous import AutonomousField
+from vehicledyn.analyse.periodic.autonomous import AutonomousField, Field
 from vehicledyn.analyse.periodic.orbit import Orbit
 from vehicledyn.base.errors import NumericalError
 from vehicledyn.kernel.engine import Vector
@@ -62,7 +62,7 @@ class Factors:
     small: float
 
     def solve(self, right: Vector) -> Vector:
-        """Return the solution for a right side, shape (n,)."""
+        """Return the solution for a right side (n,), or for several (n, n_columns)."""
         scaled = np.array(right, dtype=float)
         scaled[-2:] *= self.small
         return np.asarray(self.factors.solve(scaled))
@@ -75,7 +75,7 @@ class Condensed:
     orbit: Orbit
     scales: Scales
     solved: Vector
-    follow: Any
+    follow: Field
     phase: Vector
 
     @property
@@ -175,40 +175,69 @@ class Condensed:
         )
 
 
+@dataclass(frozen=True)
+class Intervals:
+    """The linear equations of all intervals, scaled: ``inner`` δ + ``known`` [δ_begin, ..., 1] = 0.
+
+    ``inner`` (n, degree * n_kept, degree * n_kept) multiplies the points behind the begin of an
+    interval; ``known`` (n, degree * n_kept, n_kept + 3) the begin, period, parameter and residual.
+    """
+
+    inner: Vector
+    known: Vector
+    found: Field
+
+    @staticmethod
+    def of(field: AutonomousField, orbit: Orbit, scales: Scales) -> Intervals:
+        """Return the equations at an orbit."""
+        n, count, m = field.size, orbit.intervals, orbit.basis.degree
+        basis, s = orbit.basis, scales.states
+        places = orbit.at_gauss().reshape(count * m, n)
+        found = field.evaluate(places, orbit.unknowns, orbit.parameter)
+        rates = found.rates.reshape(count, m, n) / s
+        by_state = found.by_state.reshape(count, m, n, n) * (s / s[:, None])
+        by_parameter = found.by_parameter.reshape(count, m, n) / s * scales.parameter
+        step = orbit.widths[:, None] * orbit.period
+        residual = orbit.slopes() / s - step[:, :, None] * rates
+        slope = basis.slope[None, :, :, None, None] * np.eye(n)[None, None, None]
+        pull = basis.value[None, :, :, None, None] * (step[:, :, None, None] * by_state)[:, :, None]
+        whole = np.transpose(slope - pull, (0, 1, 3, 2, 4)).reshape(count, m * n, (m + 1) * n)
+        known = np.concatenate(
+            [
+                whole[:, :, :n],
+                -(orbit.widths[:, None, None] * scales.period * rates).reshape(count, m * n, 1),
+                -(step[:, :, None] * by_parameter).reshape(count, m * n, 1),
+                residual.reshape(count, m * n, 1),
+            ],
+            axis=2,
+        )
+        return Intervals(whole[:, :, n:], known, found)
+
+    def solve(self, right: Vector) -> Vector:
+        """Return the solution for right sides (n, degree * n_kept, n_columns).
+
+        Raises
+        ------
+        NumericalError
+            If the equations of an interval are singular.
+        """
+        try:
+            return np.asarray(np.linalg.solve(self.inner, right))
+        except np.linalg.LinAlgError:
+            raise NumericalError("the equations of an interval are singular") from None
+
+
 def condense(field: AutonomousField, orbit: Orbit, reference: Orbit, scales: Scales) -> Condensed:
     """Return the linear system of a Newton step at an orbit, in scaled variables.
 
     ``reference`` is an orbit on the same mesh that fixes the phase.
     """
-    n, count, m = field.size, orbit.intervals, orbit.basis.degree
-    basis, s = orbit.basis, scales.states
-    places = orbit.at_gauss().reshape(count * m, n)
-    found = field.evaluate(places, orbit.unknowns, orbit.parameter)
-    rates = found.rates.reshape(count, m, n) / s
-    by_state = found.by_state.reshape(count, m, n, n) * (s / s[:, None])
-    by_parameter = found.by_parameter.reshape(count, m, n) / s * scales.parameter
-    step = orbit.widths[:, None] * orbit.period
-    residual = orbit.slopes() / s - step[:, :, None] * rates
-    slope = basis.slope[None, :, :, None, None] * np.eye(n)[None, None, None]
-    pull = basis.value[None, :, :, None, None] * (step[:, :, None, None] * by_state)[:, :, None]
-    whole = np.transpose(slope - pull, (0, 1, 3, 2, 4)).reshape(count, m * n, (m + 1) * n)
-    known = np.concatenate(
-        [
-            whole[:, :, :n],
-            -(orbit.widths[:, None, None] * scales.period * rates).reshape(count, m * n, 1),
-            -(step[:, :, None] * by_parameter).reshape(count, m * n, 1),
-            residual.reshape(count, m * n, 1),
-        ],
-        axis=2,
-    )
-    try:
-        solved = np.linalg.solve(whole[:, :, n:], known)
-    except np.linalg.LinAlgError:
-        raise NumericalError("the equations of an interval are singular") from None
-    reference_rates = reference.slopes() / s
+    intervals = Intervals.of(field, orbit, scales)
+    reference_rates = reference.slopes() / scales.states
     norm = float(np.sqrt((reference_rates**2).sum()))
     phase = row_of(orbit, reference_rates / norm, with_widths=False)
-    return Condensed(orbit, scales, solved, found, phase)
+    solved = intervals.solve(intervals.known)
+    return Condensed(orbit, scales, solved, intervals.found, phase)
 
 
 def row_of(orbit: Orbit, values: Vector, *, with_widths: bool = True) -> Vector:
@@ -269,7 +298,7 @@ def correct(
     previous = np.inf
     for iteration in range(iterations):
         system = condense(field, orbit, guess, scales)
-        last = _last_row(orbit, along, scales)
+        last = last_row(orbit, along, scales)
         factors = system.factorised(last)
         n = system.size
         change = Direction(
@@ -310,7 +339,8 @@ def tangent_of(found: Corrected, scales: Scales, before: Direction) -> Direction
     return direction.times(1.0 / length)
 
 
-def _last_row(orbit: Orbit, along: Direction | None, scales: Scales) -> tuple[Vector, float, float]:
+def last_row(orbit: Orbit, along: Direction | None, scales: Scales) -> tuple[Vector, float, float]:
+    """Return the last row: on the plane across a direction, or with the parameter held."""
     if along is not None:
         return arclength_row(orbit, along, scales)
     return np.zeros((orbit.intervals, orbit.basis.degree + 1, orbit.states.shape[1])), 0.0, 1.0

@@ -11,6 +11,9 @@ from vehicledyn.analyse.periodic.cycle_points import Branch
 _EDGE = 1e-9
 """Part of the range within which a value is that of its end."""
 
+_LOCATED = 1e-6
+"""Part of the range to which folds and bifurcations are located."""
+
 _APART, _NARROW = 5e-3, 0.2
 """Distance of the smallest cycle from its Hopf bifurcation, part of the range, that is worth a
 remark, and part of the value that a range counts as at least."""
@@ -60,7 +63,8 @@ def lowest_stable(
     name = f"branch {number}"
     if points[k].kind:
         return value, f"{_KINDS[points[k].kind]} of {name}"
-    beside = [p for p in points[max(0, k - 1) : k + 2] if p.kind and p.orbit.parameter <= value]
+    most = value + _LOCATED * (span[1] - span[0])
+    beside = [p for p in points[max(0, k - 1) : k + 2] if p.kind and p.orbit.parameter <= most]
     if beside:
         nearest = max(beside, key=lambda p: p.orbit.parameter)
         return nearest.orbit.parameter, f"{_KINDS[nearest.kind]} of {name}"

@@ -135,7 +135,7 @@ class Study:
     def examine(self) -> None:
         """Follow equilibria and cycles, and check them by simulation."""
         try:
-            self._equilibria()
+            self.follow_equilibria()
             if self.equilibria.neutral:
                 self._tell_neutral()
             else:
@@ -189,7 +189,8 @@ class Study:
             self.means,
         )
 
-    def _equilibria(self) -> None:
+    def follow_equilibria(self) -> None:
+        """Follow the equilibria, beyond the range where oscillations begin outside it."""
         count = max(self.settings.points or _VALUES, _FEWEST_VALUES)
         values = [float(value) for value in np.linspace(*self.span, count)]
         why = self.equilibria.follow(values, self.start, self.progress)

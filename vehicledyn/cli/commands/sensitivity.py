@@ -27,7 +27,8 @@ def sensitivity(
             "--of",
             metavar="NAME",
             help="Key figure, channel, or figure of a channel such as 'max(chassis.roll)'; or "
-            "'eigenvalues', 'mode_shapes', 'critical_speed', 'equilibrium.COORDINATE', "
+            "'eigenvalues', 'mode_shapes', 'critical_speed', 'nonlinear_critical_speed', "
+            "'cycle_amplitude(CHANNEL)', 'cycle_period', 'equilibrium.COORDINATE', "
             "'gain(OUTPUT, INPUT, 1.5 Hz)', 'phase(...)', 'kinematics(CHANNEL, DRIVE, VALUES)'; "
             "may be repeated.",
         ),
@@ -42,7 +43,7 @@ def sensitivity(
         ),
     ] = None,
     speed: Annotated[
-        str | None, typer.Option(help='Speed such as "20 m/s", for linearised models.')
+        str | None, typer.Option(help='Speed such as "20 m/s", for linearised models and limit cycles.')
     ] = None,
     overrides: Overrides = None,
     output: Annotated[

@@ -1,0 +1,294 @@
+"""Derivatives of limit cycles and of the non-linear critical speed by all parameters."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vehicledyn.analyse.periodic.cycle_points import CyclePoint, moved
+from vehicledyn.analyse.periodic.cycles_at import cycle_beside, points_beside
+from vehicledyn.analyse.periodic.fine_orbits import FineOrbits
+from vehicledyn.analyse.periodic.orbit import Orbit
+from vehicledyn.analyse.periodic.orbit_slopes import ParameterSlopes, orbit_slopes
+from vehicledyn.analyses.hunting.critical_values import lowest_stable
+from vehicledyn.analyses.hunting.refusals import check_subject
+from vehicledyn.analyses.hunting.start import SPEED, HuntSettings
+from vehicledyn.analyses.hunting.study import Study
+from vehicledyn.analyses.hunting.undisturbed import without_disturbances
+from vehicledyn.analyses.preparation.own_speed import own_speed
+from vehicledyn.analyses.preparation.prepare import prepare
+from vehicledyn.analyses.preparation.prepared import Progress
+from vehicledyn.analyses.sensitivity.cycle_figures import CycleFigures
+from vehicledyn.analyses.sensitivity.names import directions
+from vehicledyn.base.errors import InputError, NumericalError, unknown_name
+from vehicledyn.files.scenario.target import Target
+from vehicledyn.results.store.linear_file import Quantity
+from vehicledyn.results.tables.sensitivity_table import SensitivityTable
+from vehicledyn.symbolic.equations import Equations
+
+Floats = NDArray[np.float64]
+
+NONLINEAR = "nonlinear_critical_speed"
+WHOLE = ("cycle_period", "cycle_frequency")
+WORDS = {
+    "cycle_amplitude": "Half the range of {}",
+    "cycle_max": "Maximum of {}",
+    "cycle_min": "Minimum of {}",
+    "cycle_mean": "Mean of {}",
+    "cycle_rms": "Root mean square of {}",
+}
+_NAME = re.compile(rf"({'|'.join(WORDS)})\((.+)\)")
+
+_BESIDE = 0.9, 1.1
+"""Range round the speed at which branches are looked for, parts of it."""
+_BELOW, _ABOVE = 0.4, 1.1
+"""Range in which the lowest stable cycle is looked for, parts of the linear critical speed."""
+
+_MOST_INTERVALS = 640
+_CONVERGED, _TOLERATED = 1e-7, 1e-4
+"""Change of derivatives with half the mesh, part of the largest one, with which the mesh suffices,
+and above which it is told."""
+
+
+def is_cycle(name: str) -> bool:
+    """Return whether a name asks for a figure of limit cycles."""
+    return name == NONLINEAR or name in WHOLE or _NAME.fullmatch(name) is not None
+
+
+@dataclass(frozen=True)
+class _Asked:
+    """A name, its kind and the index of its channel."""
+
+    name: str
+    kind: str
+    channel: int | None
+
+
+def find_cycle_sensitivity(
+    target: Target, of: Sequence[str], to: Sequence[str], speed: float | None, progress: Progress
+) -> SensitivityTable:
+    """Return derivatives of limit cycles at a speed, or of the lowest speed that has stable ones.
+
+    Parameters
+    ----------
+    target
+        A scenario or model with a parameter "speed".
+    of
+        ``cycle_period``, ``cycle_frequency``, ``cycle_amplitude(CHANNEL)``, half the range,
+        ``cycle_max``, ``cycle_min``, ``cycle_mean`` and ``cycle_rms`` of channels, and
+        ``nonlinear_critical_speed``.
+    to
+        Patterns of parameters.
+    speed
+        Forward speed [m/s] of the cycles, and where the search begins; the target's own if None.
+    progress
+        Called with what is going on.
+
+    Raises
+    ------
+    InputError
+        If a name means nothing, or the model has no speed.
+    NumericalError
+        If there is no cycle, or its derivative does not exist.
+    """
+    if any(name.startswith("start.") for name in to):
+        raise InputError("a limit cycle has no start values; name parameters")
+    value = own_speed(target) if speed is None else speed
+    if value is None and target.choices is not None:
+        value = target.choices.speed
+    if value is None or not value > 0.0:
+        raise InputError("limit cycles need a speed above zero; give one")
+    low, high = (part * value for part in _BESIDE)
+    found = _Cycles.of(target, low, high, progress)
+    e = found.study.prepared.equations
+    asked = [_parsed(name, e) for name in of]
+    chosen = directions(e, found.study.model.parameters(value), found.start, to)
+    which = [int(k) for k in chosen.by_parameter.argmax(axis=0)]
+    rows: list[tuple[Quantity, float, Floats]] = []
+    if any(item.kind != NONLINEAR for item in asked):
+        rows += found.at(value, [item for item in asked if item.kind != NONLINEAR], which)
+    if any(item.kind == NONLINEAR for item in asked):
+        rows.append(found.nonlinear_critical(target, which))
+    return SensitivityTable(
+        target.title,
+        e.name,
+        chosen.quantities,
+        chosen.values,
+        tuple(quantity for quantity, _, _ in rows),
+        np.array([number for _, number, _ in rows]),
+        np.array([slope for _, _, slope in rows]),
+        notes=tuple(dict.fromkeys(found.notes)),
+    )
+
+
+@dataclass
+class _Cycles:
+    """The hunting study that finds cycles, and what is told of them."""
+
+    study: Study
+    progress: Progress
+    notes: list[str]
+
+    @staticmethod
+    def of(target: Target, low: float, high: float, progress: Progress) -> _Cycles:
+        """Return the study of a range of speeds [m/s], equilibria alone."""
+        settings = HuntSettings(SPEED, low, high, simulate=False)
+        target, remarks = without_disturbances(target, settings)
+        prepared = prepare(
+            target,
+            backend="auto",
+            progress=progress,
+            check=lambda derived: check_subject(derived, settings),
+            varies_states=True,
+            evaluations=math.inf,
+        )
+        study = Study.of(prepared, target, settings, progress)
+        return _Cycles(study, progress, list(remarks))
+
+    @property
+    def start(self) -> Floats:
+        """Start values of all states."""
+        return np.array([s.start for s in self.study.prepared.equations.states])
+
+    def at(
+        self, value: float, asked: Sequence[_Asked], which: Sequence[int]
+    ) -> Iterator[tuple[Quantity, float, Floats]]:
+        """Yield figures of all cycles at a speed, the smallest first, with their derivatives."""
+        study = self.study
+        study.examine()
+        cycles = [
+            cycle_beside(study.model, near, value)
+            for branch in study.branches
+            for near in points_beside(branch, value)
+        ]
+        if not cycles:
+            why = "; ".join(["", *study.messages])
+            raise NumericalError(f"no limit cycle is found at {value:g} m/s{why}")
+        cycles.sort(key=lambda point: float(np.abs(np.ptp(point.orbit.states, axis=0)).sum()))
+        channels = sorted({item.channel for item in asked if item.channel is not None})
+        slopes = ParameterSlopes(study.model, which, channels)
+        e = study.prepared.equations
+        for number, cycle in enumerate(cycles, 1):
+            self.progress(f"differentiating limit cycle {number} of {len(cycles)}", None)
+            figures = self._settled(cycle, slopes)
+            state = "stable" if cycle.stable else "unstable"
+            for item in asked:
+                label = f"cycle_{number}.{item.name.removeprefix('cycle_')}"
+                words = f"of the {state} limit cycle {number} at {value:g} m/s"
+                if item.channel is None:
+                    unit = "s" if item.kind == "cycle_period" else "Hz"
+                    what = item.kind.removeprefix("cycle_").capitalize()
+                    yield Quantity(label, unit, f"{what} {words}"), *figures.whole(item.kind)
+                    continue
+                channel = e.channels[item.channel]
+                what = WORDS[item.kind].format(channel.name)
+                own = figures.of_channel(item.kind, channels.index(item.channel))
+                yield Quantity(label, channel.unit, f"{what} {words}"), *own
+
+    def nonlinear_critical(
+        self, target: Target, which: Sequence[int]
+    ) -> tuple[Quantity, float, Floats]:
+        """Return the lowest speed with a stable cycle, where that is a fold, and its slopes."""
+        study = self.study
+        if not study.balances:
+            study.follow_equilibria()
+        hopfs = [hopf.balance.value for hopf in study.hopfs]
+        if not hopfs:
+            why = "; ".join(["", *study.messages])
+            raise NumericalError(f"no oscillation begins to grow near the speed{why}")
+        low, high = _BELOW * min(hopfs), _ABOVE * min(hopfs)
+        wide = _Cycles.of(target, low, high, self.progress).study
+        wide.examine()
+        self.study = wide
+        lowest = lowest_stable(wide.branches, wide.span)
+        if lowest is None:
+            why = "; ".join(["", *wide.messages])
+            raise NumericalError(f"no stable cycle between {low:g} and {high:g} m/s{why}")
+        value, kind = lowest
+        folds = [
+            point
+            for branch in wide.branches
+            for point in branch.points
+            if point.kind == "fold" and point.orbit.parameter == value
+        ]
+        if not folds:
+            raise NumericalError(
+                f"the lowest stable cycle, at {value:.6g} m/s, is no fold ({kind}): its speed has "
+                "no derivative of this kind; ask for 'critical_speed' or look at it with 'hunt'"
+            )
+        return self._fold(folds[0], which)
+
+    def _settled(self, cycle: CyclePoint, slopes: ParameterSlopes) -> CycleFigures:
+        """Return the figures of a cycle on a mesh on which its derivatives no longer change."""
+        orbits, orbit = FineOrbits(slopes.field), cycle.orbit
+        before: CycleFigures | None = None
+        while True:
+            fine = orbits.at(orbit)
+            orbit = fine.found.orbit
+            figures = CycleFigures(slopes, orbit, orbit_slopes(slopes, fine))
+            change = np.inf if before is None else _change(before.slopes, figures.slopes)
+            if self._is_settled(change, orbit):
+                return figures
+            before, orbit = figures, orbits.finer(orbit)
+
+    def _fold(self, point: CyclePoint, which: Sequence[int]) -> tuple[Quantity, float, Floats]:
+        """Return the speed of a fold and its slopes, on the plane across the branch."""
+        model = self.study.model
+        orbits, slopes = FineOrbits(model), ParameterSlopes(model, which)
+        orbit, along = point.orbit, point.tangent
+        before: Floats | None = None
+        while True:
+            fine = orbits.fold(orbit, along)
+            assert fine.along is not None
+            orbit, slope = fine.found.orbit, orbit_slopes(slopes, fine).parameter
+            if model.index in which:
+                slope[list(which).index(model.index)] = 0.0
+            change = np.inf if before is None else _change(before, slope)
+            if self._is_settled(change, orbit):
+                break
+            before, finer = slope, orbits.finer(orbit)
+            along, orbit = moved(orbit, fine.along, finer.mesh), finer
+        words = "Lowest speed with a stable limit cycle, at a fold"
+        return Quantity(NONLINEAR, "m/s", words), orbit.parameter, slope
+
+    def _is_settled(self, change: float, orbit: Orbit) -> bool:
+        """Return whether a mesh is fine enough; say so if it is as fine as it may be but not."""
+        if change < _CONVERGED:
+            return True
+        if 2 * orbit.intervals <= _MOST_INTERVALS:
+            return False
+        if change > _TOLERATED:
+            self.notes.append(
+                f"derivatives still change by {change:.1g} of the largest with twice as fine a "
+                "mesh: the motion has corners, as where contacts begin"
+            )
+        return True
+
+
+def _change(before: Floats, after: Floats) -> float:
+    """Return by how much derivatives (..., n) differ, part of the largest of a row."""
+    size = np.abs(after).max(axis=-1)
+    missed = np.abs(after - before).max(axis=-1)
+    return float((missed / np.where(size > 0.0, size, 1.0)).max(initial=0.0))
+
+
+def _parsed(name: str, equations: Equations) -> _Asked:
+    """Return what a name asks for.
+
+    Raises
+    ------
+    InputError
+        If there is no such channel.
+    """
+    match = _NAME.fullmatch(name)
+    if match is None:
+        return _Asked(name, name, None)
+    channels = [c.name for c in equations.channels]
+    if match[2].strip() not in channels:
+        raise InputError(f"'{name}': {unknown_name('channel', match[2].strip(), channels)}")
+    return _Asked(name, match[1], channels.index(match[2].strip()))
