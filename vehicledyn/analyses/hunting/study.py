@@ -190,7 +190,7 @@ class Study:
         )
 
     def follow_equilibria(self) -> None:
-        """Follow the equilibria, beyond the range where oscillations begin outside it."""
+        """Follow the equilibria, also to where oscillations begin beside the range."""
         count = max(self.settings.points or _VALUES, _FEWEST_VALUES)
         values = [float(value) for value in np.linspace(*self.span, count)]
         why = self.equilibria.follow(values, self.start, self.progress)

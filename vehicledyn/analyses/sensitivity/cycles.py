@@ -51,8 +51,8 @@ _BELOW, _ABOVE = 0.4, 1.1
 
 _MOST_INTERVALS = 640
 _CONVERGED, _TOLERATED = 1e-7, 1e-4
-"""Change of derivatives with half the mesh, part of the largest one, with which the mesh suffices,
-and above which it is told."""
+"""Change of effects with half the mesh, part of the largest one, with which the mesh suffices, and
+above which it is told."""
 
 
 def is_cycle(name: str) -> bool:
@@ -226,12 +226,13 @@ class _Cycles:
     def _settled(self, cycle: CyclePoint, slopes: ParameterSlopes) -> CycleFigures:
         """Return the figures of a cycle on a mesh on which its derivatives no longer change."""
         orbits, orbit = FineOrbits(slopes.field), cycle.orbit
+        values = slopes.field.values[slopes.which]
         before: CycleFigures | None = None
         while True:
             fine = orbits.at(orbit)
             orbit = fine.found.orbit
             figures = CycleFigures(slopes, orbit, orbit_slopes(slopes, fine))
-            change = np.inf if before is None else _change(before.slopes, figures.slopes)
+            change = np.inf if before is None else _change(before.slopes, figures.slopes, values)
             if self._is_settled(change, orbit):
                 return figures
             before, orbit = figures, orbits.finer(orbit)
@@ -240,7 +241,7 @@ class _Cycles:
         """Return the speed of a fold and its slopes, on the plane across the branch."""
         model = self.study.model
         orbits, slopes = FineOrbits(model), ParameterSlopes(model, which)
-        orbit, along = point.orbit, point.tangent
+        orbit, along, values = point.orbit, point.tangent, model.values[list(which)]
         before: Floats | None = None
         while True:
             fine = orbits.fold(orbit, along)
@@ -248,7 +249,7 @@ class _Cycles:
             orbit, slope = fine.found.orbit, orbit_slopes(slopes, fine).parameter
             if model.index in which:
                 slope[list(which).index(model.index)] = 0.0
-            change = np.inf if before is None else _change(before, slope)
+            change = np.inf if before is None else _change(before, slope, values)
             if self._is_settled(change, orbit):
                 break
             before, finer = slope, orbits.finer(orbit)
@@ -264,16 +265,19 @@ class _Cycles:
             return False
         if change > _TOLERATED:
             self.notes.append(
-                f"derivatives still change by {change:.1g} of the largest with twice as fine a "
-                "mesh: the motion has corners, as where contacts begin"
+                f"effects of parameters still change by {change:.1g} of the largest with twice as "
+                "fine a mesh: the motion has corners, as where contacts begin or jump"
             )
         return True
 
 
-def _change(before: Floats, after: Floats) -> float:
-    """Return by how much derivatives (..., n) differ, part of the largest of a row."""
-    size = np.abs(after).max(axis=-1)
-    missed = np.abs(after - before).max(axis=-1)
+def _change(before: Floats, after: Floats, values: Floats) -> float:
+    """Return by how much effects of parameters differ, part of the largest one of a row.
+
+    Effects are derivatives (..., n) times the parameters' values (n,).
+    """
+    size = np.abs(after * values).max(axis=-1)
+    missed = np.abs((after - before) * values).max(axis=-1)
     return float((missed / np.where(size > 0.0, size, 1.0)).max(initial=0.0))
 
 

@@ -43,7 +43,7 @@ def sensitivity(
         ),
     ] = None,
     speed: Annotated[
-        str | None, typer.Option(help='Speed such as "20 m/s", for linearised models and limit cycles.')
+        str | None, typer.Option(help='Speed such as "20 m/s", of linear models and limit cycles.')
     ] = None,
     overrides: Overrides = None,
     output: Annotated[
