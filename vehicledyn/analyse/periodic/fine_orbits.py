@@ -24,6 +24,7 @@ _ALIGNED, _MOVED = 1e-8, 12
 _FIRST, _STEPS = 1e-4, 6
 """First way along a branch on which its fold is looked for, and how often it grows fourfold."""
 _PLACE, _MOST = 1e-14, 60
+"""Way to which the place of a fold is found, and iterations in which it is."""
 _FOLD = 1e-7
 """Scaled slope of the parameter along the branch with which it turns."""
 

@@ -320,10 +320,9 @@ class Study:
 
     def _left(self) -> int:
         """Return how many cycles the next branch may have; each as many where points are asked."""
-        budget = self._budget
+        cycles = self._budget.cycles
         used = sum(len(branch.points) for branch in self.branches)
-        is_asked = self.settings.points is not None
-        return budget.cycles if is_asked else max(budget.cycles - used, FEWEST_CYCLES)
+        return max(cycles - used, FEWEST_CYCLES) if self.settings.points is None else cycles
 
     def _reaches(self, branch: Branch, hopf: Hopf) -> bool:
         """Return whether a branch ended at a Hopf bifurcation."""

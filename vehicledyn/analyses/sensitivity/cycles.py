@@ -52,7 +52,7 @@ _BELOW, _ABOVE = 0.4, 1.1
 _MOST_INTERVALS = 640
 _CONVERGED, _TOLERATED = 1e-7, 1e-4
 """Change of effects with half the mesh, part of the largest one, with which the mesh suffices, and
-above which it is told."""
+above which a note says so."""
 
 
 def is_cycle(name: str) -> bool:
@@ -113,7 +113,7 @@ def find_cycle_sensitivity(
     if any(item.kind != NONLINEAR for item in asked):
         rows += found.at(value, [item for item in asked if item.kind != NONLINEAR], which)
     if any(item.kind == NONLINEAR for item in asked):
-        rows.append(found.nonlinear_critical(target, which))
+        rows.append(found.nonlinear_critical(which))
     return SensitivityTable(
         target.title,
         e.name,
@@ -128,8 +128,9 @@ def find_cycle_sensitivity(
 
 @dataclass
 class _Cycles:
-    """The hunting study that finds cycles, and what is told of them."""
+    """The hunting study that finds cycles, its target, and notes for the user."""
 
+    target: Target
     study: Study
     progress: Progress
     notes: list[str]
@@ -148,7 +149,7 @@ class _Cycles:
             evaluations=math.inf,
         )
         study = Study.of(prepared, target, settings, progress)
-        return _Cycles(study, progress, list(remarks))
+        return _Cycles(target, study, progress, list(remarks))
 
     @property
     def start(self) -> Floats:
@@ -169,6 +170,7 @@ class _Cycles:
         if not cycles:
             why = "; ".join(["", *study.messages])
             raise NumericalError(f"no limit cycle is found at {value:g} m/s{why}")
+        self.notes += study.messages
         cycles.sort(key=lambda point: float(np.abs(np.ptp(point.orbit.states, axis=0)).sum()))
         channels = sorted({item.channel for item in asked if item.channel is not None})
         slopes = ParameterSlopes(study.model, which, channels)
@@ -190,9 +192,7 @@ class _Cycles:
                 own = figures.of_channel(item.kind, channels.index(item.channel))
                 yield Quantity(label, channel.unit, f"{what} {words}"), *own
 
-    def nonlinear_critical(
-        self, target: Target, which: Sequence[int]
-    ) -> tuple[Quantity, float, Floats]:
+    def nonlinear_critical(self, which: Sequence[int]) -> tuple[Quantity, float, Floats]:
         """Return the lowest speed with a stable cycle, where that is a fold, and its slopes."""
         study = self.study
         if not study.balances:
@@ -202,8 +202,10 @@ class _Cycles:
             why = "; ".join(["", *study.messages])
             raise NumericalError(f"no oscillation begins to grow near the speed{why}")
         low, high = _BELOW * min(hopfs), _ABOVE * min(hopfs)
-        wide = _Cycles.of(target, low, high, self.progress).study
+        settings = HuntSettings(SPEED, low, high, simulate=False)
+        wide = Study.of(study.prepared, self.target, settings, self.progress)
         wide.examine()
+        self.notes += wide.messages
         self.study = wide
         lowest = lowest_stable(wide.branches, wide.span)
         if lowest is None:
