@@ -62,7 +62,6 @@ def _go_on(
             trial = stretches.trials(point, following)
             _, point = watch.cross(trial, 0.0, 1.0, following.time - point.time)
             return point, False
-        watch.passed(following)
         point = following
         if number * n_intervals % len(points) == 0:
             buffer.add(point.state, point.unknowns)

@@ -132,8 +132,10 @@ class Dop853:
 
     Speaks like the solvers of SciPy: ``t`` and ``y`` are time [s] and states at the end of the
     last step, ``t_old`` the time at its begin, ``step_size`` its size [s], ``status`` is
-    "running", "finished" or "failed".
+    "running", "finished" or "failed"; ``order`` is that of the method.
     """
+
+    order = _ORDER
 
     def __init__(
         self, rates: Rates, time: float, state: Vector, stop: float, *, tolerances: Tolerances

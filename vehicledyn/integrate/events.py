@@ -103,15 +103,14 @@ class EventWatch:
         return bool(self._events)
 
     def fires(self, point: Point) -> bool:
-        """Return whether an event fires between the last point and this one."""
+        """Return whether an event fires up to a point; where none does, go on to it."""
         if point.time < self._blind_until:
             return False
-        return bool(fired(self._events, self.sides, self._values(point)).any())
-
-    def passed(self, point: Point) -> None:
-        """Go on to a point up to which nothing fires."""
-        if point.time >= self._blind_until:
-            note_sides(self.sides, self._values(point))
+        values = self._values(point)
+        if fired(self._events, self.sides, values).any():
+            return True
+        note_sides(self.sides, values)
+        return False
 
     def cross(self, trial: Trial, begin: float, end: float, seconds: float) -> tuple[float, Point]:
         """Find the events that fire first and let them happen.

@@ -16,8 +16,6 @@ from vehicledyn.integrate.task import SampleBuffer, Statistics, Task
 from vehicledyn.kernel.engine import Vector
 from vehicledyn.kernel.kernel import Kernel
 
-_LOOKS = 8
-"""Points at which a step is looked at for events."""
 _STALLED, _CRAWL = 100, 1e-3
 """Steps that must not together be shorter than this part of the longest."""
 _HOPELESS, _MOST_STEPS = 1000, 1e9
@@ -222,7 +220,8 @@ def _check_prospect(task: Task, solver: Any, sizes: list[float]) -> None:
 def _watch_step(solver: Any, rates: _Rates, task: Task, buffer: SampleBuffer) -> Point | None:
     """Return where the motion starts anew if an event fires in the last step.
 
-    The watched points are looks into the step, as explicit steps of high order are long.
+    The watched points are looks into the step, as many as the order of the method: steps of high
+    order are long.
     """
     dense, begin, watch = solver.dense_output(), solver.t_old, task.watch
 
@@ -231,14 +230,13 @@ def _watch_step(solver: Any, rates: _Rates, task: Task, buffer: SampleBuffer) ->
         guess = rates.guess(time, state)
         return Point(time, state, task.kernel.count_solve(time, state, guess, task.ledger))
 
-    for end in np.linspace(solver.t_old, solver.t, _LOOKS + 1)[1:]:
+    for end in np.linspace(solver.t_old, solver.t, solver.order + 1)[1:]:
         point = trial(float(end))
         if watch.fires(point):
             time, point = watch.cross(trial, begin, float(end), 1.0)
             _take_samples_before(time, trial, task, buffer)
             rates.start_anew(point)
             return point
-        watch.passed(point)
         begin = float(end)
     return None
 

@@ -176,7 +176,6 @@ def _take_step_with_events(task: Task, march: March) -> None:
             fraction, point = watch.cross(trial, fraction, end, step)
             reach = _SHORTEST / step if march.method == Method.SYMPLECTIC_EULER else 1.0
         else:
-            watch.passed(point)
             fraction, reach = end, _REACH * reach
         march.state[:], march.unknowns[:] = point.state, point.unknowns
     march.memory[:] = 0.0

@@ -221,8 +221,6 @@ class _March(Generic[P]):
                 task.count_steps(1, to - place.point.time)
             if task.watch.active and task.watch.fires(found.point):
                 found = _crossed(task, self.steps, place, to)
-            elif task.watch.active:
-                task.watch.passed(found.point)
             place = found
             if error < _ROOM and self._halvings:
                 self._halvings -= 1

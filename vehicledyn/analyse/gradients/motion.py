@@ -303,7 +303,6 @@ class _Run:
                 moved = self._cross(before, point, begin, fraction, moved)
                 reach = _SHORTEST / step if euler else 1.0
             else:
-                self.watch.passed(point)
                 later = self._extra if end == 1.0 else moved
                 self._part((begin, end), (moved, later))
                 fraction, reach = end, _REACH * reach
