@@ -7,7 +7,7 @@ import numpy as np
 from solve_examples import Samples, build, oscillator, slider_crank, starts, symbols
 
 from vehicledyn.base.registry import find
-from vehicledyn.integrate.newmark_weights import Weights
+from vehicledyn.integrate.newmark.weights import Weights
 from vehicledyn.integrate.simulate import simulate
 from vehicledyn.symbolic.equations import Event
 

@@ -16,7 +16,7 @@ from solve_examples import Samples, build, decay, slider_crank, starts, symbols
 from vehicledyn.base.errors import NumericalError
 from vehicledyn.base.registry import find
 from vehicledyn.integrate import newmark_family
-from vehicledyn.integrate.newmark_weights import Weights
+from vehicledyn.integrate.newmark.weights import Weights
 from vehicledyn.integrate.simulate import make_task, simulate
 from vehicledyn.kernel.kernel import compile_kernel
 from vehicledyn.multibody import derive

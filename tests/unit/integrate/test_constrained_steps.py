@@ -12,12 +12,12 @@ from solve_examples import Samples, build, oscillator, starts, symbols
 from vehicledyn.analyses.preparation.projection import projected
 from vehicledyn.base.errors import InputError, NumericalError
 from vehicledyn.base.registry import find
-from vehicledyn.integrate.constrained.constrained_steps import (
+from vehicledyn.integrate.events import Point
+from vehicledyn.integrate.newmark.constrained_steps import (
     ConstrainedSteps,
     residual_functions,
 )
-from vehicledyn.integrate.events import Point
-from vehicledyn.integrate.newmark_weights import Weights
+from vehicledyn.integrate.newmark.weights import Weights
 from vehicledyn.integrate.simulate import make_task, simulate
 from vehicledyn.kernel.kernel import compile_kernel
 from vehicledyn.multibody import derive

@@ -6,7 +6,14 @@ from scipy.integrate import DOP853
 from scipy.integrate._ivp import dop853_coefficients as published
 
 from vehicledyn.integrate import dop853_table as table
-from vehicledyn.integrate.dop853 import Dop853, Start, Tolerances, first_size, next_size, try_step
+from vehicledyn.integrate.explicit_pairs.dop853 import (
+    Dop853,
+    Start,
+    Tolerances,
+    first_size,
+    next_size,
+    try_step,
+)
 
 ROUNDING = 1e-14
 

@@ -10,8 +10,8 @@ from solve_examples import Samples, build, decay, oscillator, slider_crank, star
 
 from vehicledyn.base.errors import NumericalError
 from vehicledyn.base.registry import find
-from vehicledyn.integrate.newmark_family import run_newmark
-from vehicledyn.integrate.newmark_weights import Weights
+from vehicledyn.integrate.newmark.family import run_newmark
+from vehicledyn.integrate.newmark.weights import Weights
 from vehicledyn.integrate.simulate import make_task, simulate
 from vehicledyn.kernel.kernel import compile_kernel
 

@@ -8,7 +8,7 @@ from solve_examples import oscillator
 
 from vehicledyn.base.errors import InputError, NumericalError
 from vehicledyn.base.registry import find, kinds
-from vehicledyn.integrate.explicit_pair import run_explicit
+from vehicledyn.integrate.explicit_pairs.adaptive_run import run_explicit
 from vehicledyn.integrate.methods.tolerances import SMALLEST_ABSOLUTE, SMALLEST_RELATIVE
 from vehicledyn.integrate.task import Task
 from vehicledyn.kernel.kernel import compile_kernel

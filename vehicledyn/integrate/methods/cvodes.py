@@ -42,7 +42,7 @@ class Cvodes(ParameterSet):
         InputError
             If the model has algebraic unknowns.
         """
-        from vehicledyn.integrate.casadi_integrator import run_casadi
+        from vehicledyn.integrate.casadi_integrators.adaptive_run import run_casadi
 
         self.check(task.kernel.equations)
         options = {

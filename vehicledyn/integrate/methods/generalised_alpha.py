@@ -11,10 +11,10 @@ from vehicledyn.integrate.methods.tolerances import (
     local_tolerance,
     required_step,
 )
-from vehicledyn.integrate.newmark_weights import Constraints
+from vehicledyn.integrate.newmark.weights import Constraints
 
 if TYPE_CHECKING:
-    from vehicledyn.integrate.newmark_weights import Weights
+    from vehicledyn.integrate.newmark.weights import Weights
     from vehicledyn.integrate.task import Statistics, Task
     from vehicledyn.symbolic.equations import Equations
 
@@ -38,26 +38,26 @@ class GeneralisedAlpha(ParameterSet):
 
     def check(self, equations: Equations) -> None:
         """Raise InputError if ``constraints`` cannot hold what the equations have."""
-        from vehicledyn.integrate.newmark_weights import refuse_constraints
+        from vehicledyn.integrate.newmark.weights import refuse_constraints
 
         refuse_constraints(equations, self.constraints)
 
     @property
     def weights(self) -> Weights:
         """Weights of a step."""
-        from vehicledyn.integrate.newmark_weights import Weights
+        from vehicledyn.integrate.newmark.weights import Weights
 
         return Weights.generalised_alpha(self.spectral_radius)
 
     @property
     def watched_method(self) -> int | None:
         """The method as the watch of the accuracy knows it; None where a tolerance is given."""
-        from vehicledyn.integrate.watched_newmark import watched_method
+        from vehicledyn.integrate.newmark.watched_run import watched_method
 
         return watched_method(self.weights, self.constraints, self.tolerance)
 
     def integrate(self, task: Task) -> Statistics:
         """Integrate a task."""
-        from vehicledyn.integrate.watched_newmark import run_watched
+        from vehicledyn.integrate.newmark.watched_run import run_watched
 
         return run_watched(task, "generalised_alpha", self, self.weights)

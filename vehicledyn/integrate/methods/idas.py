@@ -27,7 +27,7 @@ class Idas(ParameterSet):
 
     def integrate(self, task: Task) -> Statistics:
         """Integrate a task."""
-        from vehicledyn.integrate.casadi_integrator import run_casadi
+        from vehicledyn.integrate.casadi_integrators.adaptive_run import run_casadi
 
         options = {
             "reltol": self.relative_tolerance,

@@ -25,7 +25,7 @@ class BogackiShampine23(ParameterSet):
 
     def integrate(self, task: Task) -> Statistics:
         """Integrate a task."""
-        from vehicledyn.integrate.explicit_pair import run_explicit
+        from vehicledyn.integrate.explicit_pairs.adaptive_run import run_explicit
 
         return run_explicit(
             task,

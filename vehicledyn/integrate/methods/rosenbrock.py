@@ -27,7 +27,7 @@ class Rosenbrock(ParameterSet):
 
     def integrate(self, task: Task) -> Statistics:
         """Integrate a task."""
-        from vehicledyn.integrate.casadi_integrator import run_casadi
+        from vehicledyn.integrate.casadi_integrators.adaptive_run import run_casadi
 
         options = {"reltol": self.relative_tolerance, "abstol": self.absolute_tolerance}
         return run_casadi(task, "rosenbrock", chunk=_CHUNK, options=options)

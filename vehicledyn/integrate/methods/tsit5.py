@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, ClassVar
 
 from vehicledyn.base.parameters import ParameterSet
 from vehicledyn.base.registry import register
-from vehicledyn.integrate.embedded_pair import EmbeddedPair
+from vehicledyn.integrate.explicit_pairs.embedded_pair import EmbeddedPair
 from vehicledyn.integrate.methods.tolerances import absolute_tolerance, relative_tolerance
 
 if TYPE_CHECKING:
@@ -75,7 +75,7 @@ class Tsitouras5(ParameterSet):
 
     def integrate(self, task: Task) -> Statistics:
         """Integrate a task."""
-        from vehicledyn.integrate.explicit_pair import run_explicit
+        from vehicledyn.integrate.explicit_pairs.adaptive_run import run_explicit
 
         return run_explicit(
             task,

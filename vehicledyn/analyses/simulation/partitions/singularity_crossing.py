@@ -15,7 +15,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vehicledyn.base.errors import NumericalError
-from vehicledyn.integrate.dop853 import Start, Tolerances, Trial, first_size, next_size, try_step
+from vehicledyn.integrate.explicit_pairs.dop853 import (
+    Start,
+    Tolerances,
+    Trial,
+    first_size,
+    next_size,
+    try_step,
+)
 from vehicledyn.integrate.task import Statistics
 from vehicledyn.kernel.engine import Count, Ledger
 from vehicledyn.kernel.kernel import Kernel

@@ -18,7 +18,7 @@ import numpy as np
 
 from vehicledyn.base.errors import NumericalError
 from vehicledyn.integrate.events import Point
-from vehicledyn.integrate.newmark_weights import Weights
+from vehicledyn.integrate.newmark.weights import Weights
 from vehicledyn.integrate.rate_slopes import slopes_of_rates
 from vehicledyn.integrate.task import Task
 from vehicledyn.kernel.engine import Vector

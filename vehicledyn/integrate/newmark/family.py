@@ -17,13 +17,13 @@ from typing import Generic, Protocol, TypeVar
 
 from vehicledyn.base.errors import NumericalError
 from vehicledyn.codegen.toolchain.compiler import CompilationError
-from vehicledyn.integrate.compiled_steps import CompiledSteps
-from vehicledyn.integrate.constrained.constrained_steps import ConstrainedSteps
 from vehicledyn.integrate.events import Point
-from vehicledyn.integrate.explicit_pair import steepest_state
+from vehicledyn.integrate.explicit_pairs.adaptive_run import steepest_state
 from vehicledyn.integrate.fixed_step import steps_per_interval
-from vehicledyn.integrate.newmark_weights import Constraints, Weights
-from vehicledyn.integrate.reduced_steps import ReducedSteps
+from vehicledyn.integrate.newmark.compiled_steps import CompiledSteps
+from vehicledyn.integrate.newmark.constrained_steps import ConstrainedSteps
+from vehicledyn.integrate.newmark.reduced_steps import ReducedSteps
+from vehicledyn.integrate.newmark.weights import Constraints, Weights
 from vehicledyn.integrate.task import SampleBuffer, Statistics, StepError, Task
 from vehicledyn.kernel.compiled import CompiledEngine
 from vehicledyn.kernel.engine import Count, Status

@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vehicledyn.integrate.events import Point
-from vehicledyn.integrate.newmark_weights import Weights
-from vehicledyn.integrate.reduced_steps import ReducedForm, ReducedPlace
+from vehicledyn.integrate.newmark.reduced_steps import ReducedForm, ReducedPlace
+from vehicledyn.integrate.newmark.weights import Weights
 from vehicledyn.integrate.task import Task
 from vehicledyn.kernel.compiled import CompiledEngine
 from vehicledyn.kernel.engine import Count, Figure, Ledger, Rows

@@ -9,9 +9,9 @@ from typing import Any
 import numpy as np
 
 from vehicledyn.base.errors import NumericalError
-from vehicledyn.integrate.dop853 import Dop853, Tolerances
-from vehicledyn.integrate.embedded_pair import EmbeddedPair
 from vehicledyn.integrate.events import Point
+from vehicledyn.integrate.explicit_pairs.dop853 import Dop853, Tolerances
+from vehicledyn.integrate.explicit_pairs.embedded_pair import EmbeddedPair
 from vehicledyn.integrate.task import SampleBuffer, Statistics, Task
 from vehicledyn.kernel.engine import Vector
 from vehicledyn.kernel.kernel import Kernel

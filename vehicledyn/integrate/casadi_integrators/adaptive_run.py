@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from vehicledyn.integrate.casadi_calls import (
+from vehicledyn.integrate.casadi_integrators.calls import (
     Stopped,
     count_work,
     elapsed_equations,
@@ -39,7 +39,7 @@ def run_casadi(
         Options of the integrator.
     """
     if task.watch.active:
-        from vehicledyn.integrate.casadi_events import run_casadi_with_events
+        from vehicledyn.integrate.casadi_integrators.events import run_casadi_with_events
 
         return run_casadi_with_events(task, plugin, options)
     buffer = SampleBuffer(task, task.state, task.unknowns)

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from vehicledyn.base.errors import NumericalError
-from vehicledyn.integrate.explicit_pair import steepest_state
+from vehicledyn.integrate.explicit_pairs.adaptive_run import steepest_state
 from vehicledyn.integrate.implicit import ImplicitEquations
 from vehicledyn.integrate.task import Task
 from vehicledyn.kernel.engine import Count, Vector

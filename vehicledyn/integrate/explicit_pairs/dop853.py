@@ -12,7 +12,7 @@ from typing import TypeAlias
 
 import numpy as np
 
-from vehicledyn.integrate.dop853_table import (
+from vehicledyn.integrate.explicit_pairs.dop853_table import (
     ALL_STAGES,
     DENSE,
     FIFTH,

@@ -24,14 +24,14 @@ from typing import Any
 import numpy as np
 
 from vehicledyn.base.errors import InputError, NumericalError
-from vehicledyn.integrate.constrained.iteration_matrix import IterationMatrix, StepFactors, Unknowns
-from vehicledyn.integrate.constrained.residual_functions import (
+from vehicledyn.integrate.events import Point
+from vehicledyn.integrate.newmark.iteration_matrix import IterationMatrix, StepFactors, Unknowns
+from vehicledyn.integrate.newmark.residual_functions import (
     Instant,
     ResidualFunctions,
     Residuals,
 )
-from vehicledyn.integrate.events import Point
-from vehicledyn.integrate.newmark_weights import Constraints, Weights
+from vehicledyn.integrate.newmark.weights import Constraints, Weights
 from vehicledyn.integrate.task import Task
 from vehicledyn.kernel.engine import Count, Vector
 from vehicledyn.kernel.kernel import Kernel

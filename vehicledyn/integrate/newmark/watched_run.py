@@ -7,8 +7,8 @@ from typing import Any
 from vehicledyn.integrate.accuracy.watched_run import Rerun, Way
 from vehicledyn.integrate.accuracy.windows import Grid, WindowStart
 from vehicledyn.integrate.fixed_step import steps_per_interval, watch_of
-from vehicledyn.integrate.newmark_family import run_newmark
-from vehicledyn.integrate.newmark_weights import Constraints, Weights
+from vehicledyn.integrate.newmark.family import run_newmark
+from vehicledyn.integrate.newmark.weights import Constraints, Weights
 from vehicledyn.integrate.simulate import simulate
 from vehicledyn.integrate.task import Sink, Statistics, Task
 from vehicledyn.kernel.engine import Method

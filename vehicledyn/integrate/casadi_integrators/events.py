@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from vehicledyn.integrate.casadi_calls import (
+from vehicledyn.integrate.casadi_integrators.calls import (
     Stopped,
     count_work,
     elapsed_equations,

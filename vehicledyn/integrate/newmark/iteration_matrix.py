@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vehicledyn.base.errors import NumericalError
-from vehicledyn.integrate.constrained.residual_functions import Partials, Sparse
-from vehicledyn.integrate.newmark_weights import Weights
+from vehicledyn.integrate.newmark.residual_functions import Partials, Sparse
+from vehicledyn.integrate.newmark.weights import Weights
 from vehicledyn.kernel.engine import Vector
 
 
