@@ -23,7 +23,7 @@ from vehicledyn.base.registry import find
 from vehicledyn.codegen.passes.kernel_functions import derive_functions
 from vehicledyn.codegen.printers.kernel_source import kernel_source
 from vehicledyn.integrate.simulate import simulate
-from vehicledyn.kernel.kernel import compile_kernel
+from vehicledyn.kernel.make_kernel import compile_kernel
 from vehicledyn.multibody import GROUND, Body, Joint, ParameterTable, System, Turn, derive
 from vehicledyn.symbolic import rotations
 

@@ -152,7 +152,7 @@ def way(system: object, solver: str, rates: dict[str, float], seen: str, **setti
 
     from vehicledyn.base.registry import find
     from vehicledyn.integrate.simulate import simulate
-    from vehicledyn.kernel.kernel import compile_kernel
+    from vehicledyn.kernel.make_kernel import compile_kernel
     from vehicledyn.multibody import derive
 
     kernel = compile_kernel(derive(system))  # type: ignore[arg-type]

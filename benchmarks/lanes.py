@@ -27,7 +27,7 @@ from vehicledyn.base.registry import find
 from vehicledyn.codegen.toolchain.compiler import suitable_lanes
 from vehicledyn.files.scenario import load_scenario
 from vehicledyn.integrate.batch import Cases, make_batch, run_batch
-from vehicledyn.kernel.kernel import compile_kernel
+from vehicledyn.kernel.make_kernel import compile_kernel
 from vehicledyn.multibody import (
     GROUND,
     BasePart,

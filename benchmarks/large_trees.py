@@ -21,7 +21,7 @@ from chains import binary, build, serial
 import vehicledyn.catalogue  # noqa: F401
 from vehicledyn.base.registry import find
 from vehicledyn.integrate.simulate import simulate
-from vehicledyn.kernel.kernel import compile_kernel
+from vehicledyn.kernel.make_kernel import compile_kernel
 from vehicledyn.multibody import GROUND, Body, Joint, ParameterTable, System, derive
 
 STEP = 1e-4  # s

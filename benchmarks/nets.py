@@ -17,7 +17,7 @@ import numpy as np
 import vehicledyn.catalogue  # noqa: F401
 from vehicledyn.analyses.simulation.partitions.repartitioning import simulate_watched
 from vehicledyn.base.registry import find
-from vehicledyn.kernel.kernel import compile_kernel
+from vehicledyn.kernel.make_kernel import compile_kernel
 from vehicledyn.multibody import derive
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "tests" / "validation"))

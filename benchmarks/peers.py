@@ -25,7 +25,7 @@ import own
 import speed
 from speed_page import page
 
-from vehicledyn.kernel.kernel import compile_kernel
+from vehicledyn.kernel.make_kernel import compile_kernel
 from vehicledyn.multibody import derive
 
 ROOT = Path(__file__).resolve().parents[1]

@@ -22,7 +22,7 @@ from vehicledyn.analyses.simulation.prepared_run import prepare_run
 from vehicledyn.base.registry import find
 from vehicledyn.files.scenario import load_scenario
 from vehicledyn.integrate.simulate import simulate
-from vehicledyn.kernel.kernel import compile_kernel
+from vehicledyn.kernel.make_kernel import compile_kernel
 from vehicledyn.multibody import GROUND, Attachment, Body, Joint, Link, ParameterTable, System
 from vehicledyn.multibody import derive as derive_equations
 

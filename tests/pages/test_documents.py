@@ -83,7 +83,7 @@ import vehicledyn.integrate
 from vehicledyn.base.registry import find
 from vehicledyn.multibody import GROUND, Body, Joint, ParameterTable, System, derive
 from vehicledyn.multibody.stop import EndStop
-from vehicledyn.kernel.kernel import compile_kernel
+from vehicledyn.kernel.make_kernel import compile_kernel
 from vehicledyn.integrate.simulate import simulate
 
 ball = Body("ball", GROUND, joints=(Joint("T3", "height", start=-1.0),), mass=1.0)
@@ -101,7 +101,7 @@ LAWS = """
 import vehicledyn.catalogue
 from vehicledyn.base.registry import find
 from vehicledyn.integrate.simulate import simulate
-from vehicledyn.kernel.kernel import compile_kernel
+from vehicledyn.kernel.make_kernel import compile_kernel
 from vehicledyn.multibody import GROUND, Body, Joint, ParameterTable, System, derive
 from vehicledyn.multibody.elements.coordinate_forces import CoordinateForce
 from vehicledyn.rail.creep.creep_law import CreepContact, kalker_forces

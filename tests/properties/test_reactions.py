@@ -10,7 +10,7 @@ from random_systems import CLOSED, Motor, tree
 
 from vehicledyn.codegen.passes.kernel_functions import count_operations
 from vehicledyn.codegen.toolchain.compiler import CompilationError, find_compiler
-from vehicledyn.kernel.kernel import compile_kernel
+from vehicledyn.kernel.make_kernel import compile_kernel
 from vehicledyn.multibody.elements.force_sensors import ConstraintForceSensor, ReactionSensor
 from vehicledyn.multibody.elements.transmissions import Gears
 from vehicledyn.multibody.equations.derivation import derive

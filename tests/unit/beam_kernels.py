@@ -3,7 +3,7 @@
 import numpy as np
 
 from vehicledyn.analyse.equilibrium import assemble
-from vehicledyn.kernel.kernel import compile_kernel
+from vehicledyn.kernel.make_kernel import compile_kernel
 from vehicledyn.multibody import GROUND, Body, Joint, ParameterTable, System, TimeLaw, derive
 from vehicledyn.multibody.bodies.beam_properties import Stiffness
 from vehicledyn.multibody.elements.flexible.beam import Beam

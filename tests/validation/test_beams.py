@@ -12,7 +12,7 @@ from vehicledyn.files.scenario import load_scenario
 from vehicledyn.integrate.methods.dop853 import DormandPrince853
 from vehicledyn.integrate.methods.rk4 import RungeKutta4
 from vehicledyn.integrate.simulate import simulate
-from vehicledyn.kernel.kernel import compile_kernel
+from vehicledyn.kernel.make_kernel import compile_kernel
 from vehicledyn.multibody import GROUND, Body, Joint, ParameterTable, System, TimeLaw, derive
 from vehicledyn.multibody.elements.external_wrenches import ExternalWrench
 from vehicledyn.multibody.elements.flexible.beam import Beam, Modes, Stiffness

@@ -19,7 +19,7 @@ from vehicledyn.cli import main
 from vehicledyn.files.building.construct import build_system
 from vehicledyn.files.system.read import read_system
 from vehicledyn.integrate.simulate import simulate
-from vehicledyn.kernel.kernel import compile_kernel
+from vehicledyn.kernel.make_kernel import compile_kernel
 from vehicledyn.multibody import derive
 
 pytestmark = pytest.mark.validation

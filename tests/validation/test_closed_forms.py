@@ -10,7 +10,7 @@ from ruamel.yaml import YAML
 from vehicledyn.base.errors import InputError
 from vehicledyn.base.registry import find
 from vehicledyn.integrate.simulate import simulate
-from vehicledyn.kernel.kernel import compile_kernel
+from vehicledyn.kernel.make_kernel import compile_kernel
 from vehicledyn.multibody import (
     GROUND,
     BallCut,

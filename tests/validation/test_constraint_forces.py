@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from vehicledyn.analyse.equilibrium import assemble
-from vehicledyn.kernel.kernel import compile_kernel
+from vehicledyn.kernel.make_kernel import compile_kernel
 from vehicledyn.multibody import (
     GROUND,
     BallCut,

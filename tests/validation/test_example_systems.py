@@ -11,7 +11,7 @@ from vehicledyn.analyse.linearise import linearise
 from vehicledyn.analyses.preparation.prepare import equilibrium_point, nominal_point, prepare
 from vehicledyn.files.scenario import load_model, load_scenario
 from vehicledyn.integrate.simulate import simulate
-from vehicledyn.kernel.kernel import compile_kernel
+from vehicledyn.kernel.make_kernel import compile_kernel
 from vehicledyn.multibody import TimeLaw, derive
 
 ROOT = Path(__file__).parents[2]

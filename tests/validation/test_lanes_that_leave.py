@@ -12,7 +12,7 @@ from vehicledyn.analyses.simulation.partitions.repartitioning import simulate_wa
 from vehicledyn.codegen.toolchain.compiler import CompilationError, find_compiler, suitable_lanes
 from vehicledyn.integrate.batch import Cases, make_batch, run_batch
 from vehicledyn.integrate.single_case import SingleCase
-from vehicledyn.kernel.kernel import compile_kernel
+from vehicledyn.kernel.make_kernel import compile_kernel
 from vehicledyn.multibody import derive
 
 pytestmark = pytest.mark.validation

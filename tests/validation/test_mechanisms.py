@@ -8,7 +8,7 @@ from ruamel.yaml import YAML
 
 from vehicledyn.analyses.simulation.partitions.repartitioning import simulate_watched
 from vehicledyn.base.registry import find
-from vehicledyn.kernel.kernel import compile_kernel
+from vehicledyn.kernel.make_kernel import compile_kernel
 from vehicledyn.multibody import (
     GROUND,
     Attachment,

@@ -19,7 +19,7 @@ from vehicledyn.analyses.simulation.partitions.repartitioning import simulate_wa
 from vehicledyn.base.errors import NumericalError
 from vehicledyn.base.registry import find
 from vehicledyn.files.scenario import load_model
-from vehicledyn.kernel.kernel import compile_kernel
+from vehicledyn.kernel.make_kernel import compile_kernel
 from vehicledyn.multibody import derive
 
 pytestmark = pytest.mark.validation

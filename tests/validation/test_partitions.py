@@ -13,7 +13,7 @@ from vehicledyn.analyses.simulation.partitions.repartitioning import simulate_wa
 from vehicledyn.base.errors import NumericalError
 from vehicledyn.base.registry import find
 from vehicledyn.integrate.batch import Cases, make_batch, run_batch
-from vehicledyn.kernel.kernel import compile_kernel
+from vehicledyn.kernel.make_kernel import compile_kernel
 from vehicledyn.multibody import (
     GROUND,
     BallCut,

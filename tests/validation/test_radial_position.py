@@ -8,7 +8,7 @@ import pytest
 from scipy.optimize import brentq
 
 from vehicledyn.analyse.equilibrium import assemble, find_equilibrium
-from vehicledyn.kernel.kernel import compile_kernel
+from vehicledyn.kernel.make_kernel import compile_kernel
 from vehicledyn.multibody import (
     GROUND,
     Body,

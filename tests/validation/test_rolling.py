@@ -10,7 +10,7 @@ from scipy.optimize import brentq
 from vehicledyn.analyse.linearise import linearise
 from vehicledyn.base.registry import find
 from vehicledyn.integrate.simulate import simulate
-from vehicledyn.kernel.kernel import compile_kernel
+from vehicledyn.kernel.make_kernel import compile_kernel
 from vehicledyn.multibody import GROUND, Body, Joint, ParameterTable, System, derive
 from vehicledyn.multibody.elements.rolling import RollingWheel
 from vehicledyn.multibody.model.constraints import RateConstraint

@@ -11,7 +11,7 @@ from vehicledyn.analyse.equilibrium import assemble
 from vehicledyn.codegen.toolchain.compiler import CompilationError, find_compiler
 from vehicledyn.integrate.methods.rk4 import RungeKutta4
 from vehicledyn.integrate.simulate import simulate
-from vehicledyn.kernel.kernel import compile_kernel
+from vehicledyn.kernel.make_kernel import compile_kernel
 from vehicledyn.multibody import (
     GROUND,
     Accelerometer,

@@ -31,8 +31,9 @@ from vehicledyn.integrate.lane_run import LaneRun, Stopped
 from vehicledyn.integrate.simulate import Solver, simulate
 from vehicledyn.integrate.single_case import Judging, Runner, SingleCase
 from vehicledyn.kernel.engine import WEAK_PIVOT, Status, Vector
-from vehicledyn.kernel.kernel import Kernel, Progress
+from vehicledyn.kernel.kernel import Kernel
 from vehicledyn.kernel.lanes import CHOICES, LaneEngine, compile_lanes
+from vehicledyn.kernel.make_kernel import Progress
 from vehicledyn.kernel.rate_monitor import RateWatch, Soundness
 
 _log = logging.getLogger(__name__)

@@ -25,7 +25,8 @@ from vehicledyn.codegen.toolchain.compiler import (
     suitable_lanes,
 )
 from vehicledyn.kernel.engine import Vector
-from vehicledyn.kernel.kernel import Kernel, Progress
+from vehicledyn.kernel.kernel import Kernel
+from vehicledyn.kernel.make_kernel import Progress
 from vehicledyn.symbolic.equations import Equations
 
 _log = logging.getLogger(__name__)

@@ -9,7 +9,8 @@ from vehicledyn.integrate.compiled_jacobian import CompiledJacobian
 from vehicledyn.integrate.implicit import implicit_equations, is_compiled_already
 from vehicledyn.kernel.derivatives import Derivatives
 from vehicledyn.kernel.engine import Vector
-from vehicledyn.kernel.kernel import Kernel, Progress
+from vehicledyn.kernel.kernel import Kernel
+from vehicledyn.kernel.make_kernel import Progress
 
 _WORTH_WAITING = 6_000
 """Columns that are interpreted before: as long as the compiler takes, whatever the model's size."""

@@ -11,7 +11,8 @@ from vehicledyn.base.errors import InputError
 from vehicledyn.integrate.course import Course
 from vehicledyn.integrate.judged_quantities import Judged
 from vehicledyn.integrate.task import Happened, Sink, Statistics, Task
-from vehicledyn.kernel.kernel import Kernel, Progress
+from vehicledyn.kernel.kernel import Kernel
+from vehicledyn.kernel.make_kernel import Progress
 
 
 class Solver(Protocol):

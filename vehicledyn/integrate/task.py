@@ -13,7 +13,8 @@ from vehicledyn.base.errors import NumericalError
 from vehicledyn.integrate.course import Beginning, Course
 from vehicledyn.integrate.events import EventWatch, Point
 from vehicledyn.kernel.engine import Count, Figure, Ledger, Rows, Vector
-from vehicledyn.kernel.kernel import Kernel, Progress
+from vehicledyn.kernel.kernel import Kernel
+from vehicledyn.kernel.make_kernel import Progress
 
 if TYPE_CHECKING:
     from vehicledyn.integrate.estimated_accuracy import Accuracy

@@ -9,7 +9,7 @@ from vehicledyn.files.scenario.settings import Settings, override_texts
 from vehicledyn.interface.quantities import positive
 from vehicledyn.interface.running import Progress, reporter, result_place
 from vehicledyn.interface.targets import Source, read_target
-from vehicledyn.kernel.kernel import Backend
+from vehicledyn.kernel.make_kernel import Backend
 from vehicledyn.results.labelled.data import LabelledData
 
 

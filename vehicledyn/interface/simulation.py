@@ -9,7 +9,7 @@ from vehicledyn.analyses.simulation.simulation import run_scenario
 from vehicledyn.files.scenario.settings import Settings, override_texts
 from vehicledyn.interface.running import Progress, reporter, result_place
 from vehicledyn.interface.targets import Source, read_scenario
-from vehicledyn.kernel.kernel import Backend
+from vehicledyn.kernel.make_kernel import Backend
 from vehicledyn.results.labelled.data import LabelledData
 
 

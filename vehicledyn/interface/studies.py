@@ -17,7 +17,7 @@ from vehicledyn.files.scenario.overrides import read_override
 from vehicledyn.files.scenario.settings import Settings, override_texts
 from vehicledyn.interface.running import Progress, reporter, result_place
 from vehicledyn.interface.targets import Source, read_scenario
-from vehicledyn.kernel.kernel import Backend
+from vehicledyn.kernel.make_kernel import Backend
 from vehicledyn.library import locate
 from vehicledyn.results.labelled.data import LabelledData
 from vehicledyn.studies.cluster import ClusterAddress

@@ -17,7 +17,7 @@ from vehicledyn.base.plugins import load_plugin, loaded_plugins, plugin_digest
 from vehicledyn.base.version import FOLDER, VERSION
 from vehicledyn.integrate.batch import Cases, Samples, run_batch
 from vehicledyn.integrate.estimated_accuracy import Accuracy
-from vehicledyn.kernel.kernel import Backend
+from vehicledyn.kernel.make_kernel import Backend
 from vehicledyn.results.store.study_layout import ACCURACY, DONE, ENDED, StudyBlock, StudyFigure
 from vehicledyn.studies.axes import Design
 from vehicledyn.studies.load import LoadedStudy

@@ -28,7 +28,8 @@ from vehicledyn.integrate.channel_ranges import watched_channels
 from vehicledyn.integrate.judged_quantities import Judged
 from vehicledyn.integrate.simulate import Solver
 from vehicledyn.integrate.task import Statistics
-from vehicledyn.kernel.kernel import Backend, Kernel
+from vehicledyn.kernel.kernel import Kernel
+from vehicledyn.kernel.make_kernel import Backend
 from vehicledyn.kernel.rate_monitor import RateWatch
 from vehicledyn.road.manoeuvres.channel_recorder import Recording
 from vehicledyn.studies import indexed_random as scatter

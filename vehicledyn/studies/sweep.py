@@ -16,7 +16,7 @@ from vehicledyn.analyses.preparation.prepared import Progress
 from vehicledyn.base.argument_names import argument, given
 from vehicledyn.base.errors import InputError, NumericalError
 from vehicledyn.base.processors import cores
-from vehicledyn.kernel.kernel import Backend
+from vehicledyn.kernel.make_kernel import Backend
 from vehicledyn.results.hdf5.output import check_output
 from vehicledyn.results.store.study_layout import (
     ACCURACY,

@@ -19,7 +19,7 @@ from vehicledyn.analyse.modes import eigenmodes
 from vehicledyn.analyse.newton import settle, solve_damped
 from vehicledyn.base.errors import NumericalError
 from vehicledyn.kernel.derivatives import Derivatives
-from vehicledyn.kernel.kernel import compile_kernel
+from vehicledyn.kernel.make_kernel import compile_kernel
 
 
 def turned_pendulum(torque):

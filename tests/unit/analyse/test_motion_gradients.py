@@ -11,7 +11,7 @@ from vehicledyn.analyse.gradients.key_figures import figure_slope
 from vehicledyn.analyse.gradients.motion import follow
 from vehicledyn.base.errors import NumericalError
 from vehicledyn.kernel.engine import Method
-from vehicledyn.kernel.kernel import compile_kernel
+from vehicledyn.kernel.make_kernel import compile_kernel
 from vehicledyn.kernel.tangent_code import Grid, TangentCode
 
 pytestmark = pytest.mark.usefixtures("needs_compiler")

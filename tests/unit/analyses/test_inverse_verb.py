@@ -9,7 +9,7 @@ from vehicledyn.analyses.mechanism.inverse_report import find_forces
 from vehicledyn.analyses.preparation.build_model import build_subject
 from vehicledyn.base.errors import InputError
 from vehicledyn.files.scenario import load_model, load_scenario
-from vehicledyn.kernel.kernel import compile_kernel
+from vehicledyn.kernel.make_kernel import compile_kernel
 from vehicledyn.multibody import derive
 from vehicledyn.results.store.reader import open_result
 

@@ -8,7 +8,7 @@ from vehicledyn.integrate.accuracy.watch import AccuracyWatch
 from vehicledyn.integrate.judged_quantities import Judged
 from vehicledyn.integrate.methods.rk4 import RungeKutta4
 from vehicledyn.integrate.methods.symplectic_euler import SymplecticEuler
-from vehicledyn.kernel.kernel import compile_kernel
+from vehicledyn.kernel.make_kernel import compile_kernel
 from vehicledyn.multibody import GROUND, BallCut, Body, Joint, ParameterTable, System, derive
 
 STOP = 0.6

@@ -59,7 +59,7 @@ def test_numbers_for_other_engines_give_the_same_potential_energy(benchmarks):
             total -= body["mass"] * np.dot(model["gravity"], place + turn @ body["com"])
         return total
 
-    from vehicledyn.kernel.kernel import compile_kernel
+    from vehicledyn.kernel.make_kernel import compile_kernel
     from vehicledyn.multibody import derive
 
     kernel = compile_kernel(derive(system), backend="interpreted")

@@ -16,7 +16,7 @@ from vehicledyn.codegen.passes.kernel_functions import (
 )
 from vehicledyn.codegen.printers import kernel_source as source
 from vehicledyn.codegen.printers.c_printer import print_function
-from vehicledyn.kernel.kernel import compile_kernel
+from vehicledyn.kernel.make_kernel import compile_kernel
 from vehicledyn.symbolic.equations import Block
 
 UNARY = {
@@ -98,7 +98,9 @@ def test_pieces_change_nothing(needs_compiler, monkeypatch, make, piece):
     whole = compile_kernel(equations, backend="compiled")
     cut = partial(print_function, piece=piece)
     monkeypatch.setattr(source, "print_function", cut)
-    monkeypatch.setattr("vehicledyn.kernel.kernel.generator_fingerprint", lambda: f"pieces {piece}")
+    monkeypatch.setattr(
+        "vehicledyn.kernel.make_kernel.generator_fingerprint", lambda: f"pieces {piece}"
+    )
     parts = compile_kernel(equations, backend="compiled")
     assert not parts.report.cached
     assert np.array_equal(parts.rates(0, state, unknowns), whole.rates(0, state, unknowns))

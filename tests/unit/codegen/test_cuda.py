@@ -19,7 +19,7 @@ from vehicledyn.codegen.ir.table_rows import TableRows
 from vehicledyn.codegen.printers.cuda_source import cuda_source
 from vehicledyn.integrate.batch import make_batch, run_batch
 from vehicledyn.integrate.methods.rk4 import RungeKutta4
-from vehicledyn.kernel.kernel import compile_kernel
+from vehicledyn.kernel.make_kernel import compile_kernel
 
 pytestmark = pytest.mark.long
 

@@ -17,7 +17,7 @@ from solve_examples import oscillator, slider_crank, starts
 from vehicledyn.base.errors import MissingPartError
 from vehicledyn.codegen.toolchain import fingerprint
 from vehicledyn.codegen.toolchain.compiler import CompilationError, build_library, find_compiler
-from vehicledyn.kernel.kernel import compile_kernel
+from vehicledyn.kernel.make_kernel import compile_kernel
 
 RATES = [0.0, -4.0]
 
@@ -79,7 +79,7 @@ BUILD = """
 import sys
 sys.path.insert(0, sys.argv[1])
 from solve_examples import slider_crank
-from vehicledyn.kernel.kernel import compile_kernel
+from vehicledyn.kernel.make_kernel import compile_kernel
 kernel = compile_kernel(slider_crank(), backend="compiled")
 print(kernel.rates(0.0, [0.3, 3.0], [0.15, 2.9])[1])
 """
@@ -210,7 +210,7 @@ def test_no_place_to_build_in(folder, monkeypatch, needs_compiler):
     def full(*_arguments):
         raise OSError(28, "No space left on device")
 
-    monkeypatch.setattr("vehicledyn.kernel.kernel.build_library", full)
+    monkeypatch.setattr("vehicledyn.kernel.make_kernel.build_library", full)
     kernel = compile_kernel(oscillator())
     assert kernel.backend == "interpreted"
     assert "No space left" in kernel.report.remark

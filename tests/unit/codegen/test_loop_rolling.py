@@ -12,7 +12,7 @@ from vehicledyn.codegen.passes.kernel_functions import derive_functions
 from vehicledyn.codegen.printers.kernel_source import kernel_source
 from vehicledyn.integrate.batch import Cases, make_batch, run_batch
 from vehicledyn.integrate.methods.rk4 import RungeKutta4
-from vehicledyn.kernel.kernel import compile_kernel
+from vehicledyn.kernel.make_kernel import compile_kernel
 from vehicledyn.multibody import GROUND, Body, Joint, ParameterTable, System, derive
 
 pytestmark = pytest.mark.long

@@ -13,8 +13,8 @@ from vehicledyn.codegen.ir.instructions import INPUT, Instruction, read_function
 from vehicledyn.codegen.passes.lowering import fuse, lower
 from vehicledyn.codegen.passes.negation_folding import turn_negated
 from vehicledyn.codegen.passes.scheduling import needed_values
-from vehicledyn.kernel.kernel import compile_kernel
 from vehicledyn.kernel.lanes import compile_lanes
+from vehicledyn.kernel.make_kernel import compile_kernel
 
 N_INPUT = 6
 

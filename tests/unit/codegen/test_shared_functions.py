@@ -10,7 +10,7 @@ from vehicledyn.codegen.printers.kernel_source import kernel_source
 from vehicledyn.codegen.toolchain.compiler import suitable_lanes
 from vehicledyn.integrate.batch import Cases, make_batch, run_batch
 from vehicledyn.integrate.methods.rk4 import RungeKutta4
-from vehicledyn.kernel.kernel import compile_kernel
+from vehicledyn.kernel.make_kernel import compile_kernel
 from vehicledyn.symbolic import ops
 from vehicledyn.symbolic.shared import shared
 

@@ -12,8 +12,8 @@ from vehicledyn.codegen.passes.kernel_functions import derive_functions
 from vehicledyn.codegen.passes.lowering import fuse
 from vehicledyn.codegen.passes.scheduling import needed_values
 from vehicledyn.codegen.passes.signed_constants import mirrored_constants, read_mirrored
-from vehicledyn.kernel.kernel import compile_kernel
 from vehicledyn.kernel.lanes import compile_lanes
+from vehicledyn.kernel.make_kernel import compile_kernel
 
 N_PARAMETER = 3
 

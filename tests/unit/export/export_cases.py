@@ -10,7 +10,7 @@ import numpy as np
 from vehicledyn.analyses.preparation.build_model import build_vehicle
 from vehicledyn.export.procedures import procedures
 from vehicledyn.files.scenario import load_model
-from vehicledyn.kernel.kernel import compile_kernel
+from vehicledyn.kernel.make_kernel import compile_kernel
 from vehicledyn.multibody import (
     GROUND,
     BallCut,

@@ -21,7 +21,7 @@ from vehicledyn.export.fmi_description import Experiment
 from vehicledyn.export.fmu import export_fmu
 from vehicledyn.files.scenario import load_scenario
 from vehicledyn.integrate.simulate import simulate
-from vehicledyn.kernel.kernel import compile_kernel
+from vehicledyn.kernel.make_kernel import compile_kernel
 from vehicledyn.multibody import GROUND, BasePart, Body, Joint, ParameterTable, System, derive
 from vehicledyn.multibody.model.parts import PartEvent
 from vehicledyn.results.store.reader import open_result

@@ -6,7 +6,7 @@ from vehicledyn.analyse.equilibrium import assemble
 from vehicledyn.base.errors import InputError
 from vehicledyn.files.building.construct import build_system
 from vehicledyn.files.system.read import read_system
-from vehicledyn.kernel.kernel import compile_kernel
+from vehicledyn.kernel.make_kernel import compile_kernel
 from vehicledyn.multibody import derive
 
 

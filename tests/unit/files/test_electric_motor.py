@@ -7,7 +7,7 @@ import pytest
 
 from vehicledyn.files.building.construct import build_system
 from vehicledyn.files.system.read import read_system
-from vehicledyn.kernel.kernel import compile_kernel
+from vehicledyn.kernel.make_kernel import compile_kernel
 from vehicledyn.multibody import derive
 
 PART = Path(__file__).parents[3] / "systems" / "electric_motor.yaml"

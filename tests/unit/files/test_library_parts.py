@@ -10,7 +10,7 @@ import vehicledyn as vd
 from vehicledyn.analyse.equilibrium import assemble
 from vehicledyn.files.building.construct import build_system
 from vehicledyn.files.system.read import read_system
-from vehicledyn.kernel.kernel import compile_kernel
+from vehicledyn.kernel.make_kernel import compile_kernel
 from vehicledyn.multibody import derive
 
 SYSTEMS = Path(__file__).parents[3] / "systems"

@@ -12,7 +12,7 @@ from vehicledyn.files.building.construct import build_system
 from vehicledyn.files.scenario import load_model
 from vehicledyn.files.system.read import read_system
 from vehicledyn.kernel import derivatives
-from vehicledyn.kernel.kernel import compile_kernel
+from vehicledyn.kernel.make_kernel import compile_kernel
 from vehicledyn.multibody import derive
 
 pytestmark = pytest.mark.long

@@ -8,7 +8,7 @@ import vehicledyn.catalogue  # noqa: F401
 from vehicledyn.base.errors import NumericalError
 from vehicledyn.base.registry import find
 from vehicledyn.integrate.simulate import simulate
-from vehicledyn.kernel.kernel import compile_kernel
+from vehicledyn.kernel.make_kernel import compile_kernel
 
 pytestmark = pytest.mark.long
 

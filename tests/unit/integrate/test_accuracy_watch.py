@@ -27,7 +27,7 @@ from vehicledyn.integrate.methods.rkc import RungeKuttaChebyshev
 from vehicledyn.integrate.methods.symplectic_euler import SymplecticEuler
 from vehicledyn.integrate.simulate import simulate
 from vehicledyn.kernel.engine import Method
-from vehicledyn.kernel.kernel import compile_kernel
+from vehicledyn.kernel.make_kernel import compile_kernel
 
 BACKENDS = ["compiled", "interpreted"]
 

@@ -13,7 +13,7 @@ from vehicledyn.integrate.methods.rkc import RungeKuttaChebyshev
 from vehicledyn.integrate.methods.symplectic_euler import SymplecticEuler
 from vehicledyn.integrate.simulate import simulate
 from vehicledyn.integrate.single_case import SingleCase
-from vehicledyn.kernel.kernel import compile_kernel
+from vehicledyn.kernel.make_kernel import compile_kernel
 
 SPAN = {"start": 0.0, "stop": 0.5, "interval": 0.05}
 

@@ -15,10 +15,10 @@ from solve_examples import Samples, build, decay, slider_crank, starts, symbols
 
 from vehicledyn.base.errors import NumericalError
 from vehicledyn.base.registry import find
-from vehicledyn.integrate import newmark_family
+from vehicledyn.integrate.newmark import family
 from vehicledyn.integrate.newmark.weights import Weights
 from vehicledyn.integrate.simulate import make_task, simulate
-from vehicledyn.kernel.kernel import compile_kernel
+from vehicledyn.kernel.make_kernel import compile_kernel
 from vehicledyn.multibody import derive
 
 pytestmark = [pytest.mark.long, pytest.mark.usefixtures("needs_compiler")]
@@ -37,7 +37,7 @@ def interpreted(monkeypatch):
 
     def call(function):
         with monkeypatch.context() as patch:
-            patch.setattr(newmark_family, "_compiled_steps", lambda *_: None)
+            patch.setattr(family, "_compiled_steps", lambda *_: None)
             return function()
 
     return call
@@ -48,7 +48,7 @@ def run(kernel, weights, *, tolerance=None, interval=0.1, stop=3.0):
     state, unknowns = starts(kernel.equations)
     span = {"start": 0.0, "stop": stop, "interval": interval}
     task = make_task(kernel, state=state, unknowns=unknowns, sink=samples, **span)
-    return samples, newmark_family.run_newmark(task, "", weights, 0.05, tolerance=tolerance)
+    return samples, family.run_newmark(task, "", weights, 0.05, tolerance=tolerance)
 
 
 def assert_same(one, other, precision=1e-12):
@@ -101,8 +101,8 @@ def test_factors_with_pivots(interpreted):
 
 def test_chunks_and_little_room_change_nothing(kernel, monkeypatch):
     whole = run(kernel, WEIGHTS[2], tolerance=1e-6)
-    monkeypatch.setattr(newmark_family, "_FIRST_CHUNK", 3)
-    monkeypatch.setattr(newmark_family, "_GROWTH", 1)
+    monkeypatch.setattr(family, "_FIRST_CHUNK", 3)
+    monkeypatch.setattr(family, "_GROWTH", 1)
     monkeypatch.setattr("vehicledyn.integrate.task._MOST_NUMBERS", 1)
     parts = run(kernel, WEIGHTS[2], tolerance=1e-6)
     assert np.array_equal(whole[0].states, parts[0].states)

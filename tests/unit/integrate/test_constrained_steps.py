@@ -19,7 +19,7 @@ from vehicledyn.integrate.newmark.constrained_steps import (
 )
 from vehicledyn.integrate.newmark.weights import Weights
 from vehicledyn.integrate.simulate import make_task, simulate
-from vehicledyn.kernel.kernel import compile_kernel
+from vehicledyn.kernel.make_kernel import compile_kernel
 from vehicledyn.multibody import derive
 from vehicledyn.symbolic.constrained_equations import ConstrainedEquations
 

@@ -5,7 +5,7 @@ import pytest
 from scipy.integrate import DOP853
 from scipy.integrate._ivp import dop853_coefficients as published
 
-from vehicledyn.integrate import dop853_table as table
+from vehicledyn.integrate.explicit_pairs import dop853_table as table
 from vehicledyn.integrate.explicit_pairs.dop853 import (
     Dop853,
     Start,

@@ -24,7 +24,7 @@ from solve_examples import build, double_pendulum, exact_slider_crank, symbols
 
 from vehicledyn.base.errors import NumericalError
 from vehicledyn.base.registry import kinds
-from vehicledyn.kernel.kernel import compile_kernel
+from vehicledyn.kernel.make_kernel import compile_kernel
 
 pytestmark = pytest.mark.long
 

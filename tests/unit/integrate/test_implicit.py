@@ -18,7 +18,7 @@ from vehicledyn.integrate import implicit
 from vehicledyn.integrate.implicit import implicit_equations
 from vehicledyn.integrate.rate_slopes import RateSlopes
 from vehicledyn.integrate.simulate import simulate
-from vehicledyn.kernel.kernel import compile_kernel
+from vehicledyn.kernel.make_kernel import compile_kernel
 
 
 def chain(n=60):

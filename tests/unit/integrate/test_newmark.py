@@ -13,7 +13,7 @@ from vehicledyn.base.registry import find
 from vehicledyn.integrate.newmark.family import run_newmark
 from vehicledyn.integrate.newmark.weights import Weights
 from vehicledyn.integrate.simulate import make_task, simulate
-from vehicledyn.kernel.kernel import compile_kernel
+from vehicledyn.kernel.make_kernel import compile_kernel
 
 OMEGA = 2.0 * math.pi
 STEPS = [

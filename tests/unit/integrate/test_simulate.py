@@ -26,7 +26,7 @@ import vehicledyn.integrate
 from vehicledyn.base.errors import InputError, NumericalError
 from vehicledyn.base.registry import find, kinds
 from vehicledyn.integrate.simulate import simulate
-from vehicledyn.kernel.kernel import compile_kernel
+from vehicledyn.kernel.make_kernel import compile_kernel
 from vehicledyn.symbolic.equations import Block
 
 pytestmark = pytest.mark.long
@@ -356,7 +356,7 @@ sys.path.insert(0, sys.argv[1])
 from solve_examples import double_pendulum, starts
 import vehicledyn.integrate
 from vehicledyn.base.registry import find
-from vehicledyn.kernel.kernel import compile_kernel
+from vehicledyn.kernel.make_kernel import compile_kernel
 from vehicledyn.integrate.simulate import simulate
 
 count = 0

@@ -11,7 +11,7 @@ from vehicledyn.base.registry import find, kinds
 from vehicledyn.integrate.explicit_pairs.adaptive_run import run_explicit
 from vehicledyn.integrate.methods.tolerances import SMALLEST_ABSOLUTE, SMALLEST_RELATIVE
 from vehicledyn.integrate.task import Task
-from vehicledyn.kernel.kernel import compile_kernel
+from vehicledyn.kernel.make_kernel import compile_kernel
 
 ADAPTIVE = [k for k in kinds("solver") if "relative_tolerance" in find("solver", k).model_fields]
 

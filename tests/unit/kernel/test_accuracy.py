@@ -10,7 +10,7 @@ import vehicledyn.catalogue  # noqa: F401
 from vehicledyn.analyses.simulation.prepared_run import prepare_run
 from vehicledyn.codegen.ir.instructions import CELL, CONST, ENTRY, INPUT, KNOT, read_expressions
 from vehicledyn.files.scenario import load_scenario
-from vehicledyn.kernel.kernel import compile_kernel
+from vehicledyn.kernel.make_kernel import compile_kernel
 
 SCENARIOS = Path(__file__).parents[3] / "scenarios"
 DIGITS = 40

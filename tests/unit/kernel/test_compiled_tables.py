@@ -15,7 +15,7 @@ from vehicledyn.codegen.toolchain.compiler import build_library, find_compiler, 
 from vehicledyn.integrate.batch import Cases, make_batch, run_batch
 from vehicledyn.integrate.implicit import implicit_equations
 from vehicledyn.integrate.methods.rk4 import RungeKutta4
-from vehicledyn.kernel.kernel import compile_kernel, known_kernel
+from vehicledyn.kernel.make_kernel import compile_kernel, known_kernel
 from vehicledyn.symbolic.cached_equations import equations_from, facts_of
 from vehicledyn.symbolic.tables import CurveTable
 

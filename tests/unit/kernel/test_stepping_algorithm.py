@@ -14,7 +14,7 @@ from solve_examples import build, symbols
 from vehicledyn.integrate.batch import make_batch
 from vehicledyn.integrate.lane_run import LaneRun
 from vehicledyn.kernel.engine import Count, March, Method, Rows, Status
-from vehicledyn.kernel.kernel import compile_kernel
+from vehicledyn.kernel.make_kernel import compile_kernel
 from vehicledyn.symbolic.equations import Block
 
 METHODS = {

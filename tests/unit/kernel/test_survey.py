@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 from solve_examples import build, symbols
 
-from vehicledyn.kernel.kernel import compile_kernel
+from vehicledyn.kernel.make_kernel import compile_kernel
 from vehicledyn.symbolic.equations import Block
 
 SIZES = (1, 2, 4)

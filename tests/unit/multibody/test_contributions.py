@@ -7,7 +7,7 @@ import pytest
 
 from vehicledyn.analyse.equilibrium import assemble
 from vehicledyn.base.errors import InputError
-from vehicledyn.kernel.kernel import compile_kernel
+from vehicledyn.kernel.make_kernel import compile_kernel
 from vehicledyn.multibody import (
     GROUND,
     BallCut,

@@ -5,7 +5,7 @@ import pytest
 from scipy.optimize import brentq
 
 from vehicledyn.analyse.equilibrium import assemble
-from vehicledyn.kernel.kernel import compile_kernel
+from vehicledyn.kernel.make_kernel import compile_kernel
 from vehicledyn.multibody import GROUND, Body, Joint, ParameterTable, System, TimeLaw, derive
 from vehicledyn.multibody.elements.flexible.flexible_bar import FlexibleBar
 

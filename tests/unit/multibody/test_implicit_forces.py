@@ -8,7 +8,7 @@ import pytest
 from vehicledyn.analyse.equilibrium import assemble
 from vehicledyn.analyse.linearise import linearise
 from vehicledyn.base.errors import InputError
-from vehicledyn.kernel.kernel import compile_kernel
+from vehicledyn.kernel.make_kernel import compile_kernel
 from vehicledyn.multibody import (
     GROUND,
     BasePart,

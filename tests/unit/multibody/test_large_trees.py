@@ -10,7 +10,7 @@ from vehicledyn.codegen.passes.kernel_functions import derive_functions
 from vehicledyn.codegen.passes.plain_functions import plain_functions
 from vehicledyn.kernel import compilation_worth as worth
 from vehicledyn.kernel.interpreted import InterpretedEngine
-from vehicledyn.kernel.kernel import compile_kernel
+from vehicledyn.kernel.make_kernel import compile_kernel
 from vehicledyn.multibody import GROUND, Body, Joint, ParameterTable, System, derive
 from vehicledyn.multibody.equations import singular_mass
 from vehicledyn.multibody.equations.derivation import solve_motion

@@ -10,7 +10,7 @@ import vehicledyn.integrate  # noqa: F401
 from vehicledyn.base.errors import InputError
 from vehicledyn.base.registry import find
 from vehicledyn.integrate.simulate import simulate
-from vehicledyn.kernel.kernel import compile_kernel
+from vehicledyn.kernel.make_kernel import compile_kernel
 from vehicledyn.multibody import (
     GROUND,
     BasePart,

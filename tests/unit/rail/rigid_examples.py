@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from vehicledyn.analyse.equilibrium import assemble
-from vehicledyn.kernel.kernel import compile_kernel
+from vehicledyn.kernel.make_kernel import compile_kernel
 from vehicledyn.multibody import GROUND, Body, Joint, ParameterTable, System, derive
 from vehicledyn.rail.contact.rigid_contact import RigidRailWheels, RigidWheel
 from vehicledyn.rail.contact.rigid_touch import TouchingWheel

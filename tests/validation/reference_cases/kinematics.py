@@ -13,7 +13,7 @@ from reference_cases.tables import read_columns
 from vehicledyn.analyse.equilibrium import assemble
 from vehicledyn.analyses.preparation.build_model import build_vehicle
 from vehicledyn.files.scenario import load_scenario
-from vehicledyn.kernel.kernel import compile_kernel
+from vehicledyn.kernel.make_kernel import compile_kernel
 from vehicledyn.multibody.equations.derivation import derive
 from vehicledyn.multibody.model.parts import BasePart, Output
 from vehicledyn.symbolic.equations import Channel

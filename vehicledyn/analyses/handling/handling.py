@@ -11,7 +11,7 @@ from vehicledyn.analyses.handling.steady_turn import solver_for
 from vehicledyn.analyses.handling.tested_car import CONTROL, TestedCar
 from vehicledyn.analyses.preparation.prepared import Progress
 from vehicledyn.files.scenario.target import Target
-from vehicledyn.kernel.kernel import Backend
+from vehicledyn.kernel.make_kernel import Backend
 from vehicledyn.results.tables.handling_table import HandlingTable
 from vehicledyn.road.manoeuvres.driving_test import DrivingTest
 

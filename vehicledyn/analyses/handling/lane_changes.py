@@ -9,7 +9,7 @@ from vehicledyn.analyses.handling.standard_tests import StandardTests
 from vehicledyn.analyses.handling.steady_turn import Turn
 from vehicledyn.analyses.handling.test_run import DrivenTest, drive, figures_of, sheet_of
 from vehicledyn.analyses.handling.tested_car import TestedCar
-from vehicledyn.kernel.kernel import Backend
+from vehicledyn.kernel.make_kernel import Backend
 from vehicledyn.results.tables.handling_table import KeyFigure
 from vehicledyn.road.drivers.macadam import MacAdam
 from vehicledyn.road.manoeuvres.kinds.double_lane_change import DoubleLaneChange

@@ -21,7 +21,7 @@ from vehicledyn.analyses.handling.tested_car import CONTROL, TestedCar
 from vehicledyn.analyses.handling.yaw_moment import yaw_moments
 from vehicledyn.analyses.preparation.prepared import Progress
 from vehicledyn.files.scenario.target import Target
-from vehicledyn.kernel.kernel import Backend
+from vehicledyn.kernel.make_kernel import Backend
 from vehicledyn.results.tables.handling_table import Column, HandlingTable, KeyFigure, Sheet
 from vehicledyn.road.manoeuvres.driving_test import DrivingTest
 

@@ -19,7 +19,7 @@ from vehicledyn.analyses.preparation.prepared import Prepared, Progress
 from vehicledyn.base.errors import InputError
 from vehicledyn.files.scenario.target import Target
 from vehicledyn.kernel.engine import Ledger
-from vehicledyn.kernel.kernel import Backend
+from vehicledyn.kernel.make_kernel import Backend
 from vehicledyn.road.manoeuvres.driving_test import DrivingTest
 from vehicledyn.road.manoeuvres.speed_control import SpeedControl
 from vehicledyn.road.manoeuvres.time_table import KNOTS

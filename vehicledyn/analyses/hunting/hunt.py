@@ -14,7 +14,7 @@ from vehicledyn.analyses.hunting.undisturbed import without_disturbances
 from vehicledyn.analyses.preparation.prepare import prepare
 from vehicledyn.analyses.preparation.prepared import Progress
 from vehicledyn.files.scenario.target import Target
-from vehicledyn.kernel.kernel import Backend
+from vehicledyn.kernel.make_kernel import Backend
 from vehicledyn.results.hdf5.output import check_output
 
 

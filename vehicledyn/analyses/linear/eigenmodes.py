@@ -22,7 +22,7 @@ from vehicledyn.base.errors import InputError
 from vehicledyn.base.units import shown
 from vehicledyn.files.scenario.sets import Scenario
 from vehicledyn.files.scenario.target import Target
-from vehicledyn.kernel.kernel import Backend
+from vehicledyn.kernel.make_kernel import Backend
 from vehicledyn.results.store.linear_file import Quantity
 from vehicledyn.results.tables.mode_table import ModeCase, ModeTable
 

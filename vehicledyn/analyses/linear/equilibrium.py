@@ -15,7 +15,7 @@ from vehicledyn.analyses.preparation.prepared import Prepared, Progress
 from vehicledyn.analyses.preparation.rounded_kinks import rounded_kinks
 from vehicledyn.base.units import shown
 from vehicledyn.files.scenario.target import Target
-from vehicledyn.kernel.kernel import Backend
+from vehicledyn.kernel.make_kernel import Backend
 from vehicledyn.results.store.linear_file import Quantity
 from vehicledyn.results.tables.equilibrium_table import EquilibriumTable
 

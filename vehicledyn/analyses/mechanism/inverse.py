@@ -9,7 +9,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from vehicledyn.analyse.equilibrium import assemble
 from vehicledyn.base.errors import InputError
-from vehicledyn.kernel.kernel import Backend, Kernel, compile_kernel
+from vehicledyn.kernel.kernel import Kernel
+from vehicledyn.kernel.make_kernel import Backend, compile_kernel
 from vehicledyn.multibody.equations.inverse_dynamics import InverseDynamics, derive_inverse
 from vehicledyn.multibody.model.system import System
 
@@ -42,7 +43,7 @@ def inverse_dynamics(
     coordinates
         Names of the prescribed coordinates of a system; the independent ones if None.
     backend
-        Passed to :func:`~vehicledyn.kernel.kernel.compile_kernel`.
+        Passed to :func:`~vehicledyn.kernel.make_kernel.compile_kernel`.
 
     Returns
     -------

@@ -19,7 +19,7 @@ from vehicledyn.base.errors import InputError, NumericalError
 from vehicledyn.base.units import shown
 from vehicledyn.files.scenario import LoadedScenario
 from vehicledyn.files.system.read import SystemModel
-from vehicledyn.kernel.kernel import Backend, compile_kernel
+from vehicledyn.kernel.make_kernel import Backend, compile_kernel
 from vehicledyn.multibody.equations.inverse_dynamics import (
     PRESCRIBED,
     InverseDynamics,

@@ -115,7 +115,7 @@ class Bench:
             If its loops cannot be assembled.
         """
         from vehicledyn.kernel.derivatives import Derivatives
-        from vehicledyn.kernel.kernel import compile_kernel
+        from vehicledyn.kernel.make_kernel import compile_kernel
         from vehicledyn.multibody.equations.derivation import derive
         from vehicledyn.multibody.loops.position_level import Positions
 

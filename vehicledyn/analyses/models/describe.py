@@ -15,7 +15,8 @@ from vehicledyn.files.building.write import model_as_yaml
 from vehicledyn.files.scenario.target import Target
 from vehicledyn.files.system.assemblies.read import Assembly
 from vehicledyn.files.system.read import SystemModel
-from vehicledyn.kernel.kernel import Backend, KernelReport
+from vehicledyn.kernel.kernel import KernelReport
+from vehicledyn.kernel.make_kernel import Backend
 from vehicledyn.symbolic.equations import Equations, ParameterValue
 
 

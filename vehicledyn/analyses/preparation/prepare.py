@@ -26,7 +26,7 @@ from vehicledyn.analyses.preparation.start_rates import start_rates
 from vehicledyn.analyses.preparation.vague_starts import refuse_vague_start
 from vehicledyn.base.interrupts import undisturbed
 from vehicledyn.files.scenario.target import Target
-from vehicledyn.kernel.kernel import Backend, compile_kernel
+from vehicledyn.kernel.make_kernel import Backend, compile_kernel
 from vehicledyn.multibody.model.parts import BasePart
 
 if TYPE_CHECKING:

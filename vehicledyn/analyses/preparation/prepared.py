@@ -15,7 +15,8 @@ from vehicledyn.analyses.preparation.runnable import Subject, index_of
 from vehicledyn.base.errors import InputError
 from vehicledyn.base.interrupts import undisturbed
 from vehicledyn.files.scenario.target import Target
-from vehicledyn.kernel.kernel import Backend, Kernel, compile_kernel
+from vehicledyn.kernel.kernel import Kernel
+from vehicledyn.kernel.make_kernel import Backend, compile_kernel
 from vehicledyn.symbolic.equations import Equations
 
 if TYPE_CHECKING:

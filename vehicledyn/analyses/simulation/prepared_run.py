@@ -18,7 +18,7 @@ from vehicledyn.analyses.preparation.run_cache import Memory, key_of_run, recall
 from vehicledyn.analyses.simulation.animation_recorder import look_of
 from vehicledyn.base.version import PACKAGE
 from vehicledyn.files.scenario import LoadedScenario
-from vehicledyn.kernel.kernel import Backend, known_kernel
+from vehicledyn.kernel.make_kernel import Backend, known_kernel
 from vehicledyn.symbolic.cached_equations import equations_from, facts_of
 
 

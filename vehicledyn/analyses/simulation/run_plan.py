@@ -14,7 +14,8 @@ from vehicledyn.integrate.course import Course
 from vehicledyn.integrate.fixed_step import FixedSteps
 from vehicledyn.integrate.simulate import Solver, make_task
 from vehicledyn.integrate.task import Happened, Sink, Statistics, StepError
-from vehicledyn.kernel.kernel import Kernel, Progress
+from vehicledyn.kernel.kernel import Kernel
+from vehicledyn.kernel.make_kernel import Progress
 
 Vector = NDArray[np.float64]
 

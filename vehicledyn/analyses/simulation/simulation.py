@@ -47,7 +47,7 @@ from vehicledyn.base.units import shown
 from vehicledyn.files.scenario import LoadedScenario
 from vehicledyn.integrate.course import Course, most_numbers
 from vehicledyn.integrate.task import Statistics
-from vehicledyn.kernel.kernel import Backend
+from vehicledyn.kernel.make_kernel import Backend
 from vehicledyn.results.hdf5.output import check_output
 from vehicledyn.results.store.history import History
 from vehicledyn.results.store.layout import EventRecord, ResultHeader, SummaryEntry

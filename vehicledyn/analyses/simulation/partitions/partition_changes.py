@@ -23,7 +23,8 @@ from vehicledyn.analyses.simulation.partitions.singularity_monitor import (
 from vehicledyn.analyses.simulation.run_plan import Point, RunPlan
 from vehicledyn.base.errors import NumericalError
 from vehicledyn.integrate.task import Statistics
-from vehicledyn.kernel.kernel import Kernel, compile_kernel
+from vehicledyn.kernel.kernel import Kernel
+from vehicledyn.kernel.make_kernel import compile_kernel
 from vehicledyn.multibody.model.system import MOST_ENTANGLED, System
 from vehicledyn.symbolic.equations import Equations
 

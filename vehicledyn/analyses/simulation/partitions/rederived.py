@@ -10,7 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vehicledyn.analyses.simulation.partitions.singularity_crossing import Sample
-from vehicledyn.kernel.kernel import Backend, Kernel, compile_kernel
+from vehicledyn.kernel.kernel import Kernel
+from vehicledyn.kernel.make_kernel import Backend, compile_kernel
 from vehicledyn.symbolic.equations import Equations
 
 if TYPE_CHECKING:

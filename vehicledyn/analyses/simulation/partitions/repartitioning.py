@@ -25,7 +25,8 @@ from vehicledyn.integrate.fixed_step import FixedSteps, steps_per_interval
 from vehicledyn.integrate.judged_quantities import Judged
 from vehicledyn.integrate.simulate import Solver, simulate
 from vehicledyn.integrate.task import Happened, Sink, Statistics
-from vehicledyn.kernel.kernel import Kernel, Progress
+from vehicledyn.kernel.kernel import Kernel
+from vehicledyn.kernel.make_kernel import Progress
 from vehicledyn.multibody.model.system import System
 from vehicledyn.symbolic.equations import Equations
 
