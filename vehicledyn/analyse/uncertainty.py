@@ -1,4 +1,4 @@
-"""How uncertain parameters make figures uncertain: samples, first order, Sobol indices.
+"""How uncertain parameters make figures uncertain: samples, derivatives, Sobol indices.
 
 Distributions, low-discrepancy sequences and the estimators of Sobol indices are scipy's.
 """
@@ -17,9 +17,13 @@ Floats = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Distribution:
-    """A distribution of scipy.stats, frozen; ``mean`` and ``deviation`` in SI."""
+    """A distribution of scipy.stats, frozen; ``mean`` and ``deviation`` in SI.
+
+    ``pieces`` are the ends of intervals within which its density is a line; none of a normal one.
+    """
 
     law: Any
+    pieces: tuple[float, ...] = ()
 
     @property
     def mean(self) -> float:
@@ -30,6 +34,25 @@ class Distribution:
     def deviation(self) -> float:
         """Standard deviation."""
         return float(self.law.std())
+
+    def quadrature(self, order: int) -> tuple[Floats, Floats]:
+        """Return nodes and weights of expected values, exact for polynomials up to an order."""
+        number = order // 2 + 2
+        if not self.pieces:
+            nodes, weights = np.polynomial.hermite_e.hermegauss(number)
+            return self.mean + self.deviation * nodes, weights / weights.sum()
+        nodes, weights = np.polynomial.legendre.leggauss(number)
+        ends = np.unique(self.pieces)
+        half = 0.5 * np.diff(ends)[:, None]
+        places = (ends[:-1, None] + half * (1.0 + nodes)).ravel()
+        weights = (half * weights).ravel() * self.law.pdf(places)
+        return places, weights / weights.sum()
+
+    def moments(self) -> tuple[float, float]:
+        """Return the third and fourth central moments."""
+        nodes, weights = self.quadrature(4)
+        away = nodes - self.mean
+        return float(weights @ away**3), float(weights @ away**4)
 
 
 def normal(mean: float, deviation: float) -> Distribution:
@@ -43,14 +66,15 @@ def uniform(low: float, high: float) -> Distribution:
     """Return an even distribution between two values."""
     from scipy.stats import uniform as law
 
-    return Distribution(law(low, high - low))
+    return Distribution(law(low, high - low), (low, high))
 
 
 def triangular(low: float, mode: float, high: float) -> Distribution:
     """Return a triangular distribution with its peak at a value."""
     from scipy.stats import triang
 
-    return Distribution(triang((mode - low) / (high - low), low, high - low))
+    law = triang((mode - low) / (high - low), low, high - low)
+    return Distribution(law, (low, mode, high))
 
 
 @dataclass(frozen=True)
@@ -89,6 +113,35 @@ def first_order_shares(slopes: Floats, laws: Sequence[Distribution]) -> Floats:
     found: Floats = np.zeros_like(parts)
     np.divide(parts, whole, out=found, where=whole > 0.0)
     return found
+
+
+def second_order(
+    values: Floats, slopes: Floats, curvatures: Floats, laws: Sequence[Distribution]
+) -> tuple[Spread, Floats, Floats]:
+    """Return spread, first-order and total shares of figures that are quadratic in parameters.
+
+    With f = f0 + g d + d H d / 2, d = p - E p, independent of each other, and the central moments
+    σ², μ₃, μ₄ the mean is f0 + Σ Hₖₖ σₖ² / 2, and the variance the sum of gₖ² σₖ² + gₖ Hₖₖ μ₃ₖ +
+    Hₖₖ² (μ₄ₖ - σₖ⁴) / 4 by parameter and Hₖₗ² σₖ² σₗ² by pair.
+
+    Parameters
+    ----------
+    values, slopes, laws
+        As for :func:`first_order`.
+    curvatures
+        Second derivatives, shape (m, n, n).
+    """
+    variance = np.array([law.deviation for law in laws]) ** 2
+    third, fourth = np.array([law.moments() for law in laws]).T
+    own = np.einsum("mkk->mk", curvatures)
+    alone = slopes**2 * variance + slopes * own * third + 0.25 * own**2 * (fourth - variance**2)
+    pairs = curvatures**2 * np.outer(variance, variance)
+    mixed = pairs.sum(axis=2) - np.einsum("mkk->mk", pairs)
+    whole = alone.sum(axis=1) + 0.5 * mixed.sum(axis=1)
+    zero, parts = np.zeros(len(values)), np.where(whole > 0.0, whole, 1.0)[:, None]
+    mean = values + 0.5 * own @ variance
+    found = Spread(mean, np.sqrt(np.maximum(whole, 0.0)), zero, zero)
+    return found, alone / parts, (alone + mixed) / parts
 
 
 def samples(laws: Sequence[Distribution], number: int, seed: int, *, scrambled: bool) -> Floats:

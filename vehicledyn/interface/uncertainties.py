@@ -11,7 +11,8 @@ from vehicledyn.interface.quantities import texts
 from vehicledyn.interface.running import Progress, reporter, result_place
 from vehicledyn.interface.targets import Source, read_scenario
 from vehicledyn.results.labelled.data import LabelledData
-from vehicledyn.studies.uncertainty import UncertaintyReport, find_uncertainty
+from vehicledyn.studies.uncertainty.report import UncertaintyReport
+from vehicledyn.studies.uncertainty.run import find_uncertainty
 
 
 def uncertainty(
@@ -19,7 +20,15 @@ def uncertainty(
     of: str | Iterable[str],
     parameters: Mapping[str, Mapping[str, Any]],
     *,
-    method: Literal["first_order", "monte_carlo", "sequence", "sobol"] = "first_order",
+    method: Literal[
+        "first_order",
+        "second_order",
+        "monte_carlo",
+        "sequence",
+        "sobol",
+        "polynomial_chaos",
+        "reliability",
+    ] = "first_order",
     number: int = 256,
     seed: int = 1,
     limits: Mapping[str, Mapping[str, Any]] | None = None,
@@ -39,10 +48,13 @@ def uncertainty(
         Distributions by parameter, such as ``{"kind": "normal", "mean": "1 m", "deviation":
         "1 cm"}``; "uniform" has "from" and "to", "triangular" also "mode".
     method
-        "first_order" from exact gradients, one run; "monte_carlo"; "sequence", a scrambled Sobol
-        sequence; "sobol", the indices of that name.
+        "first_order" from exact gradients, one run; "second_order" from their differences, two runs
+        a parameter and one; "monte_carlo"; "sequence", a scrambled Sobol sequence; "sobol", the
+        indices of that name; "polynomial_chaos", the same indices from an expansion fitted to a
+        sequence; "reliability", the chance of passing a limit from the nearest failing point.
     number
-        Runs; for "sobol" a power of two, of which parameters plus two times as many are computed.
+        Runs; for "sobol" a power of two, of which parameters plus two times as many are computed;
+        for "reliability" lines, of some three runs each.
     seed
         Equal seeds give equal results.
     limits
@@ -112,7 +124,7 @@ def uncertainty_study(
         If a run fails.
     """
     from vehicledyn.results.tables.uncertainty_table import write_uncertainty
-    from vehicledyn.studies.uncertainty_study import run_uncertainty_study, table_of
+    from vehicledyn.studies.uncertainty.study import run_uncertainty_study, table_of
 
     kept = None if save_to is None else Path(f"{save_to}.runs.jsonl")
     with result_place(save_to, may_exist=overwrite or resume) as place:

@@ -3,12 +3,15 @@
 import numpy as np
 import pytest
 
+from vehicledyn.analyse.polynomial_chaos import fit_chaos, orthonormal
+from vehicledyn.analyse.reliability import failing_chance
 from vehicledyn.analyse.uncertainty import (
     failing,
     first_order,
     first_order_shares,
     normal,
     samples,
+    second_order,
     sobol,
     spread,
     triangular,
@@ -78,3 +81,79 @@ def test_the_share_beyond_a_limit_has_an_interval():
     assert low < 0.158655 < high
     assert share == pytest.approx(0.158655, abs=0.01)
     assert failing(figures, -1.0, above=False)[0] == pytest.approx(0.158655, abs=0.01)
+
+
+LAWS = [normal(3.0, 0.2), uniform(-1.0, 5.0), triangular(0.0, 1.0, 4.0)]
+
+
+@pytest.mark.parametrize("law", LAWS)
+def test_polynomials_are_orthonormal_under_their_law(law):
+    """Against quadratures of another order; the moments against scipy's."""
+    nodes, weights = law.quadrature(40)
+    table = orthonormal(law, nodes, 12)
+    assert (table * weights[:, None]).T @ table == pytest.approx(np.eye(13), abs=1e-12)
+    skewness, kurtosis = law.law.stats(moments="sk")
+    third, fourth = law.moments()
+    assert third == pytest.approx(float(skewness) * law.deviation**3, abs=1e-12)
+    assert fourth == pytest.approx((float(kurtosis) + 3.0) * law.deviation**4, rel=1e-12)
+
+
+def test_second_order_is_exact_for_quadratic_figures_of_any_laws():
+    """Against a tensor quadrature of a quadratic of normal, even and triangular parameters."""
+    slopes, bends = np.array([[1.0, -0.5, 0.3]]), np.zeros((1, 3, 3))
+    bends[0] = [[2.0, 0.4, 0.0], [0.4, -0.3, 0.7], [0.0, 0.7, 0.5]]
+    found, shares, _ = second_order(np.array([4.0]), slopes, bends, LAWS)
+    rules = [law.quadrature(8) for law in LAWS]
+    grid = np.meshgrid(*(nodes for nodes, _ in rules), indexing="ij")
+    weight = np.einsum("i,j,k->ijk", *(weights for _, weights in rules))
+    away = np.stack([x - law.mean for x, law in zip(grid, LAWS, strict=True)])
+    values = 4.0 + np.einsum("k,kabc->abc", slopes[0], away)
+    values += 0.5 * np.einsum("kl,kabc,labc->abc", bends[0], away, away)
+    mean = np.sum(weight * values)
+    variance = np.sum(weight * (values - mean) ** 2)
+    assert found.mean[0] == pytest.approx(mean, rel=1e-12)
+    assert found.deviation[0] ** 2 == pytest.approx(variance, rel=1e-12)
+    for k in range(3):
+        others = tuple(j for j in range(3) if j != k)
+        rest = np.einsum("i,j->ij", *(rules[j][1] for j in others))
+        given = np.einsum("kab,ab->k", np.moveaxis(values, k, 0), rest)
+        alone = np.sum(rules[k][1] * (given - mean) ** 2)
+        assert shares[0, k] == pytest.approx(alone / variance, rel=1e-10)
+    fitted = fit_chaos(LAWS, points := samples(LAWS, 40, 1, scrambled=True), _quadratic(points))
+    assert fitted.degree == 2
+    assert fitted.missed[0] < 1e-20
+    for ours, theirs in zip(fitted.indices(), _quadratic_indices(), strict=True):
+        assert ours == pytest.approx(theirs, abs=1e-10)
+
+
+def _quadratic(points):
+    away = points - np.array([law.mean for law in LAWS])
+    return (away[:, 0] + away[:, 1] * away[:, 2] + away[:, 2] ** 2)[:, None]
+
+
+def _quadratic_indices():
+    bends = np.zeros((1, 3, 3))
+    bends[0, 1, 2] = bends[0, 2, 1] = 1.0
+    bends[0, 2, 2] = 2.0
+    return second_order(np.zeros(1), np.array([[1.0, 0.0, 0.0]]), bends, LAWS)[1:]
+
+
+def test_a_limit_out_of_reach_is_told():
+    """A figure between -1 and 1 does not pass 3."""
+
+    def margin(x):
+        return 3.0 - float(np.tanh(x[0])), np.array([-1.0 / np.cosh(x[0]) ** 2])
+
+    found = failing_chance([normal(0.0, 1.0)], margin, lambda x: margin(x)[0], 4, 1)
+    assert found.chance == 0.0
+    assert "no failing point" in found.note
+
+
+def test_triangular_and_uniform_parameters_fail_as_their_law_says():
+    """One parameter beyond a limit: one line, exact."""
+    for law, limit in ((triangular(0.0, 1.0, 4.0), 3.5), (uniform(-1.0, 5.0), 4.9)):
+        found = failing_chance(
+            [law], lambda x, at=limit: (at - x[0], np.array([-1.0])), lambda x, at=limit: at - x[0],
+            2, 1,
+        )  # fmt: skip
+        assert found.chance == pytest.approx(law.law.sf(limit), rel=1e-4)

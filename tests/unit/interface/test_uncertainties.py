@@ -57,3 +57,102 @@ def test_what_means_nothing_is_refused(changes, match):
     of, laws = given.pop("of"), given.pop("parameters")
     with pytest.raises(InputError, match=match):
         vd.uncertainty("double_pendulum", of, laws, **given, **SHORT)
+
+
+FUNCTIONS = """\
+title: Functions of parameters
+parameters: {x: 0, y: 0, z: 0}
+bodies:
+  mass: {joints: [{kind: T1, name: slide}], mass: 1 kg, inertia: [0, 0, 0]}
+sensors:
+  ishigami: {kind: expression, value: "sin(x) + 7 * sin(y)**2 + 0.1 * z**4 * sin(x)", unit: "1"}
+  line: {kind: expression, value: "5 + x + 2 * y - 0.3 * z", unit: "1"}
+  curved: {kind: expression, value: "3 + 0.1 * y**2 - x", unit: "1"}
+"""
+TINY = {"duration": "10 ms", "solver": {"kind": "rk4", "step": "10 ms"}, "output.interval": "10 ms"}
+LINE = {
+    "x": {"kind": "normal", "mean": 1.0, "deviation": 0.5},
+    "y": {"kind": "normal", "mean": 2.0, "deviation": 0.1},
+    "z": {"kind": "normal", "mean": 0.0, "deviation": 2.0},
+}
+PARTS = np.array([0.5, 0.2, 0.6]) ** 2
+
+
+@pytest.fixture
+def functions(tmp_path):
+    """Return a model whose channels are functions of its parameters."""
+    path = tmp_path / "functions.yaml"
+    path.write_text(FUNCTIONS)
+    return path
+
+
+@pytest.mark.long
+def test_polynomial_chaos_finds_the_indices_of_ishigami(functions):
+    """Within 1 % from 256 runs: Ishigami and Homma (1990), a = 7, b = 0.1."""
+    laws = {name: {"kind": "uniform", "from": -np.pi, "to": np.pi} for name in "xyz"}
+    found = vd.uncertainty(
+        functions, "final(ishigami)", laws, method="polynomial_chaos", number=256, **TINY
+    )
+    of_x, of_y, mixed = 0.5 * (1 + np.pi**4 / 50) ** 2, 49 / 8, np.pi**8 * 0.01 * (1 / 18 - 1 / 50)
+    whole = of_x + of_y + mixed
+    assert found.n_runs == 256
+    assert found.found.mean[0] == pytest.approx(3.5, rel=0.01)
+    assert found.found.deviation[0] ** 2 == pytest.approx(whole, rel=0.01)
+    assert found.shares[0] == pytest.approx([of_x / whole, of_y / whole, 0.0], abs=0.01)
+    expected = [(of_x + mixed) / whole, of_y / whole, mixed / whole]
+    assert found.totals[0] == pytest.approx(expected, abs=0.01)
+    assert "polynomials miss" in found.as_text()
+
+
+@pytest.mark.parametrize("method", ["first_order", "second_order", "polynomial_chaos"])
+def test_linear_figures_of_normal_parameters_are_exact(functions, method):
+    """Mean, deviation and shares to rounding, by whatever has no samples' error."""
+    found = vd.uncertainty(functions, "final(line)", LINE, method=method, number=16, **TINY)
+    assert found.found.mean[0] == pytest.approx(10.0, rel=1e-9)
+    assert found.found.deviation[0] == pytest.approx(np.sqrt(PARTS.sum()), rel=1e-9)
+    assert found.shares[0] == pytest.approx(PARTS / PARTS.sum(), rel=1e-8)
+
+
+@pytest.mark.parametrize(("limit", "side"), [("at_most", -1.0), ("at_least", 1.0)])
+def test_the_reliability_of_linear_figures_is_exact(functions, limit, side):
+    """The chance is that of a normal figure, here both of failing and of not failing first."""
+    from scipy.stats import norm
+
+    limits = {"final(line)": {limit: 12.0}}
+    found = vd.uncertainty(
+        functions, "final(line)", LINE, method="reliability", number=4, limits=limits, **TINY
+    )
+    ((_, words, chance, low, high),) = found.risks
+    expected = norm.cdf(side * 2.0 / np.sqrt(PARTS.sum()))
+    assert chance == pytest.approx(expected, rel=1e-6)
+    assert low == pytest.approx(expected, rel=1e-6)
+    assert high == pytest.approx(expected, rel=1e-6)
+    assert ("above" if limit == "at_most" else "below") in words
+    assert f"{-side * 2.0 / np.sqrt(PARTS.sum()):.4g}" in found.as_text()
+
+
+def test_curved_limits_have_the_chance_within_its_error(functions):
+    """x > 3 + y² / 10 of standard normal x, y: against integration; first order is 30 % high."""
+    from scipy.integrate import quad
+    from scipy.stats import norm
+
+    laws = {name: {"kind": "normal", "mean": 0.0, "deviation": 1.0} for name in "xy"}
+    limits = {"final(curved)": {"at_least": 0.0}}
+    found = vd.uncertainty(
+        functions, "final(curved)", laws, method="reliability", number=40, limits=limits, **TINY
+    )
+    expected = quad(lambda y: norm.pdf(y) * norm.sf(3.0 + 0.1 * y**2), -9.0, 9.0)[0]
+    ((_, _, chance, low, high),) = found.risks
+    assert low < expected < high
+    assert high - low < 0.3 * expected
+    assert chance < 0.9 * norm.sf(3.0)
+    assert f"{norm.sf(3.0):.3g}" in found.as_text()
+
+
+def test_second_derivatives_move_the_mean(functions):
+    """3 + y² / 10 - x is quadratic: mean 3.1, variance 1 + 2 / 100, exactly."""
+    laws = {name: {"kind": "normal", "mean": 0.0, "deviation": 1.0} for name in "xy"}
+    found = vd.uncertainty(functions, "final(curved)", laws, method="second_order", **TINY)
+    assert found.found.mean[0] == pytest.approx(3.1, rel=1e-9)
+    assert found.found.deviation[0] ** 2 == pytest.approx(1.02, rel=1e-9)
+    assert found.totals[0] == pytest.approx([1.0 / 1.02, 0.02 / 1.02], rel=1e-8)

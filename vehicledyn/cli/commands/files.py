@@ -96,7 +96,7 @@ def _parameter_study(data: Any) -> Callable[[Path, list[str]], object] | None:
 
         return load_identification
     if {"scenario", "of"} <= keys:
-        from vehicledyn.studies.uncertainty_study import load_uncertainty
+        from vehicledyn.studies.uncertainty.study import load_uncertainty
 
         return load_uncertainty
     return None

@@ -15,7 +15,8 @@ from vehicledyn.files.scenario import LoadedScenario
 from vehicledyn.results.tables.uncertainty_table import UncertaintyTable
 from vehicledyn.studies.kept_runs import KeptRuns
 from vehicledyn.studies.study_form import StudyForm
-from vehicledyn.studies.uncertainty import METHODS, UncertaintyReport, find_uncertainty
+from vehicledyn.studies.uncertainty.report import UncertaintyReport
+from vehicledyn.studies.uncertainty.run import METHODS, find_uncertainty
 
 _REQUIRED = ("scenario", "of", "parameters")
 _OPTIONAL = ("title", "set", "method", "number", "seed", "limits")

@@ -1,0 +1,164 @@
+"""Polynomial chaos: figures as polynomials of uncertain parameters, with their Sobol indices.
+
+Xiu, Karniadakis (2002), SIAM Journal on Scientific Computing 24, 619-644, for the expansion;
+Sudret (2008), Reliability Engineering and System Safety 93, 964-979, for the indices; Blatman,
+Sudret (2010), Probabilistic Engineering Mechanics 25, 183-197, for the choice by leaving one out.
+The nodes of quadratures are NumPy's.
+"""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vehicledyn.analyse.uncertainty import Distribution, Spread
+
+Floats = NDArray[np.float64]
+
+_HIGHEST = 20
+"""Degree of the polynomials at most."""
+
+_MOST_TERMS = 2000
+
+_RUNS_PER_TERM = 1.5
+"""Runs a term of an expansion needs at least."""
+
+
+@dataclass(frozen=True)
+class Chaos:
+    """An expansion of figures (m,) in orthonormal polynomials of n parameters.
+
+    ``powers`` (t, n) are the degrees of each term, the first of them the constant,
+    ``coefficients`` (t, m). ``missed`` (m,) is the part of the variance that the expansion misses
+    at points it was not fitted to, from leaving out one by one.
+    """
+
+    laws: tuple[Distribution, ...]
+    powers: NDArray[np.int64]
+    coefficients: Floats
+    missed: Floats
+
+    @property
+    def degree(self) -> int:
+        """Highest degree of a term."""
+        return int(self.powers.sum(axis=1).max(initial=0))
+
+    def values(self, points: Floats) -> Floats:
+        """Return the figures at some points (k, n), shape (k, m)."""
+        return np.asarray(basis(self.laws, points, self.powers) @ self.coefficients)
+
+    @property
+    def spread(self) -> Spread:
+        """Mean and deviation; their errors are those of what the expansion misses."""
+        variance = np.sum(self.coefficients[1:] ** 2, axis=0)
+        deviation, missed = np.sqrt(variance), np.sqrt(self.missed * variance)
+        return Spread(self.coefficients[0], deviation, missed, missed)
+
+    def indices(self) -> tuple[Floats, Floats]:
+        """Return first-order and total Sobol indices, shapes (m, n)."""
+        parts = self.coefficients.T**2
+        parts[:, 0] = 0.0
+        whole = parts.sum(axis=1, keepdims=True)
+        parts = np.divide(parts, whole, out=np.zeros_like(parts), where=whole > 0.0)
+        within = self.powers > 0
+        alone = within & (within.sum(axis=1) == 1)[:, None]
+        return parts @ alone.astype(float), parts @ within.astype(float)
+
+
+def fit_chaos(laws: Sequence[Distribution], points: Floats, figures: Floats) -> Chaos:
+    """Return the expansion that foretells left-out runs best, among those of growing degree.
+
+    Parameters
+    ----------
+    laws
+        Independent distributions of the n parameters.
+    points
+        Where the figures are known, shape (number, n).
+    figures
+        Shape (number, m).
+    """
+    best: Chaos | None = None
+    scatter = np.var(figures, axis=0)
+    sizes = np.where(scatter > 0.0, scatter, 1.0)
+    for powers in _truncations(len(laws), len(points)):
+        values = basis(laws, points, powers)
+        left, triangle = np.linalg.qr(values)
+        sizes_kept = np.abs(np.diag(triangle))
+        if sizes_kept.min() <= 1e-10 * sizes_kept.max():
+            break
+        coefficients = np.linalg.solve(triangle, left.T @ figures)
+        leverage = np.sum(left**2, axis=1)
+        if leverage.max() >= 1.0 - 1e-9:
+            break
+        foretold = (figures - values @ coefficients) / (1.0 - leverage)[:, None]
+        missed = np.mean(foretold**2, axis=0) / sizes
+        found = Chaos(tuple(laws), powers, coefficients, np.where(scatter > 0.0, missed, 0.0))
+        if best is None or found.missed.max() < best.missed.max():
+            best = found
+    assert best is not None  # a constant fits two points
+    return best
+
+
+def basis(laws: Sequence[Distribution], points: Floats, powers: NDArray[np.int64]) -> Floats:
+    """Return the products of orthonormal polynomials at points (k, n), shape (k, t)."""
+    highest = int(powers.max(initial=0))
+    found = np.ones((len(points), len(powers)))
+    for k, law in enumerate(laws):
+        found *= orthonormal(law, points[:, k], highest)[:, powers[:, k]]
+    return found
+
+
+def orthonormal(law: Distribution, x: Floats, highest: int) -> Floats:
+    """Return the polynomials of degree 0 to highest at x, orthonormal under a law.
+
+    Shape (len(x), highest + 1). The three-term recurrence is Stieltjes' on a quadrature that is
+    exact for all products in question: Gautschi (2004), Orthogonal Polynomials, section 2.2.
+    """
+    nodes, weights = law.quadrature(2 * highest + 2)
+    nodes, at = (nodes - law.mean) / law.deviation, (x - law.mean) / law.deviation
+    here, there, before = np.ones((1, len(nodes))), np.ones((1, len(at))), 0.0
+    for degree in range(highest):
+        centre = weights @ (nodes * here[degree] ** 2)
+        rows = []
+        for table, place in ((here, nodes), (there, at)):
+            following = (place - centre) * table[degree]
+            rows.append(following - before * table[max(degree - 1, 0)])
+        before = float(np.sqrt(weights @ rows[0] ** 2))
+        here, there = (
+            np.vstack([table, row / before]) for table, row in zip((here, there), rows, strict=True)
+        )
+    return there.T
+
+
+def _truncations(n: int, number: int) -> list[NDArray[np.int64]]:
+    """Return the terms of growing expansions: all of a total degree, and those with few mixed.
+
+    The latter keep the q-norm of the degrees, q = 0.75, below the highest one.
+    """
+    most = min(int(number / _RUNS_PER_TERM), _MOST_TERMS)
+    found: list[NDArray[np.int64]] = [np.zeros((1, n), dtype=np.int64)]
+    for q in (1.0, 0.75):
+        for degree in range(1, _HIGHEST + 1):
+            powers = _powers(n, degree, q, most)
+            if powers is None:
+                break
+            found.append(powers)
+    return found
+
+
+def _powers(n: int, degree: int, q: float, most: int) -> NDArray[np.int64] | None:
+    """Return the degrees of all terms, None if they are more than can be fitted."""
+    rows: list[tuple[int, ...]] = [()]
+    for _ in range(n):
+        rows = [
+            (*row, power)
+            for row, power in itertools.product(rows, range(degree + 1))
+            if sum(p**q for p in (*row, power)) <= degree**q * (1.0 + 1e-12)
+        ]
+        if len(rows) > most:
+            return None
+    return np.array(sorted(rows, key=lambda row: (sum(row), row)), dtype=np.int64)

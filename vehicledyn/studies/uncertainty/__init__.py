@@ -1,0 +1,1 @@
+"""Studies of how figures scatter whose parameters have distributions."""

@@ -1,0 +1,282 @@
+"""A scenario at many values of its uncertain parameters."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import partial
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vehicledyn.analyse.gradients.key_figures import unit_of
+from vehicledyn.analyse.uncertainty import (
+    Distribution,
+    Spread,
+    normal,
+    triangular,
+    uniform,
+)
+from vehicledyn.analyses.preparation.prepared import Progress
+from vehicledyn.analyses.sensitivity.figure_names import check_names
+from vehicledyn.analyses.sensitivity.motion_study import MotionStudy
+from vehicledyn.analyses.sensitivity.names import Wanted, directions, named_channels, wanted
+from vehicledyn.base.errors import InputError, NumericalError, nearest_name
+from vehicledyn.base.units import to_si
+from vehicledyn.files.scenario import LoadedScenario
+from vehicledyn.results.store.linear_file import Quantity
+from vehicledyn.studies.kept_runs import KeptRuns
+from vehicledyn.studies.uncertainty.report import Risk, UncertaintyReport
+
+Floats = NDArray[np.float64]
+
+_WITHOUT_RISK = ("first_order", "second_order")
+
+_STEP = 0.1
+"""Step of differences of first derivatives, in deviations of the parameter."""
+
+_LAWS: dict[str, tuple[Any, tuple[str, ...]]] = {
+    "normal": (normal, ("mean", "deviation")),
+    "uniform": (uniform, ("from", "to")),
+    "triangular": (triangular, ("from", "mode", "to")),
+}
+
+
+@dataclass(frozen=True)
+class Limited:
+    """A limit of the figure at a place, in SI."""
+
+    place: int
+    value: float
+    is_upper: bool
+
+
+@dataclass
+class Cases:
+    """A scenario at many values of its uncertain parameters."""
+
+    study: MotionStudy
+    asked: Wanted
+    names: list[str]
+    laws: list[Distribution]
+    progress: Progress
+    runs: KeptRuns = field(default_factory=lambda: KeptRuns(None, (), resume=False))
+    known: list[Floats] = field(default_factory=list)
+    points: list[Floats] = field(default_factory=list)
+    asked_for: set[tuple[Any, ...]] = field(default_factory=set)
+    quantities: tuple[Quantity, ...] = ()
+    limits: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
+
+    @staticmethod
+    def of(
+        loaded: LoadedScenario,
+        of: list[str],
+        parameters: Mapping[str, Mapping[str, Any]],
+        progress: Progress,
+    ) -> Cases:
+        """Prepare a scenario and read the distributions."""
+        check_names(loaded, of, progress)
+        study = MotionStudy.of(loaded, named_channels(of), progress)
+        e = study.prepared.equations
+        asked = wanted(e, of, [name for name in of if "(" not in name])
+        if asked.curves:
+            raise InputError(
+                f"'{asked.curves[0]}' is a curve; take a figure of it, such as rms(...)"
+            )
+        units = {p.name: p.unit for p in e.parameters}
+        names = [name.removeprefix("parameters.") for name in parameters]
+        if not names:
+            raise InputError("parameters: name at least one with its distribution")
+        for name in names:
+            if name not in units or name == "speed":
+                guess = nearest_name(name, units)
+                hint = f"; did you mean '{guess}'?" if guess else ""
+                raise InputError(f"'{name}' is no parameter of '{e.name}' that can scatter{hint}")
+        pairs = zip(names, parameters.values(), strict=True)
+        laws = [_law(name, given, units[name]) for name, given in pairs]
+        return Cases(study, asked, names, laws, progress)
+
+    def check_limits(self, method: str, limits: Mapping[str, Mapping[str, Any]]) -> None:
+        """Raise InputError for limits that mean nothing, before anything is computed."""
+        channels = {
+            channel.name: channel.unit for channel in self.study.prepared.equations.channels
+        }
+        units: dict[str, str | None] = dict.fromkeys(self.asked.others)
+        for kind, channel in self.asked.figures:
+            units[f"{kind}({channel})"] = unit_of(kind, channels[channel])
+        for name, given in limits.items():
+            if name not in units:
+                raise _wrong(f"limits.{name}", "this is not among the figures asked for")
+            for key, value in given.items():
+                if key not in ("at_most", "at_least"):
+                    raise _wrong(f"limits.{name}", f"expected at_most or at_least, found '{key}'")
+                if units[name] is not None:
+                    _limit(name, key, value, units[name])
+        if limits and method in _WITHOUT_RISK:
+            raise _wrong("limits", "the risk of a limit needs samples; take another method")
+        if not any(limits.values()) and method == "reliability":
+            raise _wrong("limits", "a reliability needs one")
+        self.limits = limits
+
+    @property
+    def means(self) -> Floats:
+        """Expected values of the parameters, shape (n,)."""
+        return np.array([law.mean for law in self.laws])
+
+    @property
+    def about(self) -> dict[str, Quantity]:
+        """Parameters of the model by name."""
+        e = self.study.prepared.equations
+        return {p.name: Quantity(p.name, p.unit, p.description) for p in e.parameters}
+
+    def limited(self) -> Iterator[Limited]:
+        """Yield the limits, once the figures are known."""
+        places = {item.name: k for k, item in enumerate(self.quantities)}
+        for name, given in self.limits.items():
+            k = places[name]
+            for key, value in given.items():
+                limit = _limit(name, key, value, self.quantities[k].unit)
+                yield Limited(k, limit, key == "at_most")
+
+    def gradients_at(self, point: Floats) -> tuple[Floats, Floats]:
+        """Return the figures (m,) at a point and their derivatives (m, n).
+
+        Raises
+        ------
+        NumericalError
+            If the run fails or a figure has no derivative there.
+        """
+        entry = self._entry(["gradients", *point.tolist()], point, follows=True)
+        return np.array(entry["values"]), np.array(entry["slopes"])
+
+    def curvatures(self) -> tuple[Floats, Floats, Floats]:
+        """Return figures, first (m, n) and second derivatives (m, n, n) at the means.
+
+        The latter are central differences of exact first derivatives.
+        """
+        means, columns = self.means, []
+        for k, law in enumerate(self.laws):
+            step = np.zeros(len(means))
+            step[k] = _STEP * law.deviation
+            self.progress("computing second derivatives", k / len(means))
+            after, before = self.gradients_at(means + step)[1], self.gradients_at(means - step)[1]
+            columns.append((after - before) / (2.0 * step[k]))
+        return *self.gradients_at(means), np.stack(columns, axis=2)
+
+    def values_at(self, point: Floats) -> Floats:
+        """Return the figures at a point, shape (m,).
+
+        Raises
+        ------
+        NumericalError
+            If the run fails.
+        """
+        return np.array(self._entry(point.tolist(), point, follows=False)["values"], dtype=float)
+
+    def figures_at(self, points: Floats) -> Floats:
+        """Return the figures at some points, shape (number, m); they are those of the report."""
+        rows = []
+        for count, point in enumerate(points):
+            rows.append(self.values_at(point))
+            self.progress("computing samples", (count + 1) / len(points))
+        self.known += rows
+        self.points += list(points)
+        return np.array(rows)
+
+    def _entry(self, key: list[Any], point: Floats, *, follows: bool) -> dict[str, Any]:
+        self.asked_for.add(tuple(key))
+        entry = self.runs.entry(key, partial(self._run, point, follows=follows))
+        if "failure" in entry:
+            raise NumericalError(str(entry["failure"]))
+        self.quantities = tuple(Quantity(*item) for item in entry["figures"])
+        return entry
+
+    def _run(self, point: Floats, *, follows: bool) -> dict[str, Any]:
+        """Return the figures at a point with their slopes if wanted, or why there are none."""
+        changes = dict(zip(self.names, map(float, point), strict=True))
+        try:
+            study = self.study.moved(changes)
+            if follows:
+                e, kernel = study.prepared.equations, study.prepared.kernel
+                chosen = directions(e, kernel.parameters, study.start.state, self.names)
+                pairs = study.figures(self.asked, study.followed(chosen, self.progress))
+            else:
+                pairs = study.figures(self.asked, study.plain(self.progress))
+        except NumericalError as error:
+            values = ", ".join(f"{name} = {value:.6g}" for name, value in changes.items())
+            return {"failure": f"the run with {values} failed: {error}"}
+        for slope, item in pairs:
+            if follows and slope.trouble:
+                return {"failure": f"'{item.name}' has no derivative: {slope.trouble}"}
+            for key, value in self.limits.get(item.name, {}).items():
+                _limit(item.name, key, value, item.unit)  # before anything is kept
+        found: dict[str, Any] = {
+            "figures": [(q.name, q.unit, q.description) for _, q in pairs],
+            "values": [slope.value for slope, _ in pairs],
+        }
+        return found | ({"slopes": [s.slope.tolist() for s, _ in pairs]} if follows else {})
+
+    def report(
+        self,
+        method: str,
+        found: Spread,
+        *,
+        shares: Floats | None = None,
+        totals: Floats | None = None,
+        figures: Floats | None = None,
+        risks: Sequence[Risk] = (),
+    ) -> UncertaintyReport:
+        """Return the report; ``figures`` (n_runs, m) are those of its samples."""
+        about = self.about
+        return UncertaintyReport(
+            self.study.loaded.title,
+            method,
+            tuple(about[name] for name in self.names),
+            self.quantities,
+            found,
+            shares,
+            totals,
+            len(self.asked_for),
+            list(risks),
+            tuple(self.study.notes),
+            None if figures is None else np.array(self.points),
+            figures,
+        )
+
+
+def _limit(name: str, key: str, value: Any, unit: str | None) -> float:
+    """Return a limit of a figure in SI."""
+    place = f"limits.{name}.{key}"
+    try:
+        limit = to_si(value, unit or "1")
+    except InputError as error:
+        raise _wrong(place, str(error)) from None
+    if not np.isfinite(limit):
+        raise _wrong(place, "expected a finite number")
+    return limit
+
+
+def _wrong(place: str, words: str) -> InputError:
+    """Return the error of a key of a study."""
+    return InputError(f"{place}: {words}", about=(place,))
+
+
+def _law(name: str, given: Mapping[str, Any], unit: str) -> Distribution:
+    """Return a distribution from its kind and numbers."""
+    kind = given.get("kind")
+    if not isinstance(kind, str) or kind not in _LAWS:
+        known = ", ".join(_LAWS)
+        raise _wrong(f"parameters.{name}", f"kind '{kind!s:.40}' is unknown; known are {known}")
+    make, fields = _LAWS[kind]
+    if set(given) != {"kind", *fields}:
+        raise _wrong(f"parameters.{name}", f"a {kind} distribution has {', '.join(fields)}")
+    try:
+        numbers = [to_si(given[item], unit) for item in fields]
+    except InputError as error:
+        raise _wrong(f"parameters.{name}", str(error)) from None
+    ordered = numbers[1] > 0.0 if kind == "normal" else numbers == sorted(set(numbers))
+    if not ordered:
+        raise _wrong(f"parameters.{name}", "its numbers must grow, a deviation be above zero")
+    found: Distribution = make(*numbers)
+    return found

@@ -1,0 +1,213 @@
+"""Figures of a scenario whose parameters have distributions: spread, shares, risk of a limit."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vehicledyn.analyse.polynomial_chaos import fit_chaos
+from vehicledyn.analyse.reliability import Reliability, failing_chance
+from vehicledyn.analyse.uncertainty import (
+    failing,
+    first_order,
+    first_order_shares,
+    samples,
+    second_order,
+    sobol,
+    spread,
+)
+from vehicledyn.analyses.preparation.prepared import Progress
+from vehicledyn.base.errors import InputError
+from vehicledyn.base.units import shown
+from vehicledyn.files.scenario import LoadedScenario
+from vehicledyn.studies.kept_runs import KeptRuns
+from vehicledyn.studies.uncertainty.cases import Cases, Limited
+from vehicledyn.studies.uncertainty.report import Risk, UncertaintyReport
+
+Floats = NDArray[np.float64]
+
+_REACH = 1.959963984540054
+"""Standard errors of a 95 % interval."""
+
+_UNEVEN = 0.01
+"""Part of the second derivatives by which they may differ from their transpose."""
+
+_MISSED = 0.05
+"""Part of the variance that an expansion may miss without a warning."""
+
+
+def find_uncertainty(
+    loaded: LoadedScenario,
+    of: Sequence[str],
+    parameters: Mapping[str, Mapping[str, Any]],
+    *,
+    method: str,
+    number: int,
+    seed: int,
+    limits: Mapping[str, Mapping[str, Any]],
+    progress: Progress,
+    runs: KeptRuns | None = None,
+) -> UncertaintyReport:
+    """Return how the figures of a scenario scatter.
+
+    Parameters
+    ----------
+    loaded
+        The scenario.
+    of
+        Key figures of the run, or figures of channels such as ``max(chassis.roll)``.
+    parameters
+        Distribution of each uncertain parameter: ``kind`` and its numbers.
+    method
+        One of :data:`METHODS`.
+    number
+        Runs; of Sobol indices those of each sample, a power of two; of a reliability lines.
+    seed
+        Equal seeds give equal results.
+    limits
+        By figure ``at_most`` or ``at_least``, whose risk is wanted.
+    progress
+        Called with what is going on.
+    runs
+        Runs that are known, to which further ones are added.
+
+    Raises
+    ------
+    InputError
+        If a name, distribution, method or limit means nothing.
+    NumericalError
+        If a run fails.
+    """
+    if method not in METHODS:
+        raise InputError(f"method '{method}' is unknown; known are {', '.join(METHODS)}")
+    if number < 2 or (method == "sobol" and number & (number - 1)):
+        raise InputError(f"number: {number}: at least 2, of Sobol indices a power of two")
+    cases = Cases.of(loaded, list(of), parameters, progress)
+    cases.runs = runs or KeptRuns(None, (), resume=False)
+    cases.check_limits(method, limits)
+    return METHODS[method](cases, number, seed)
+
+
+def _by_slopes(cases: Cases, *_: int) -> UncertaintyReport:
+    values, slopes = cases.gradients_at(cases.means)
+    found = first_order(values, slopes, cases.laws)
+    return cases.report("first_order", found, shares=first_order_shares(slopes, cases.laws))
+
+
+def _by_curvatures(cases: Cases, *_: int) -> UncertaintyReport:
+    values, slopes, curvatures = cases.curvatures()
+    uneven = np.abs(curvatures - np.swapaxes(curvatures, 1, 2)).max(axis=(1, 2))
+    for item, missed, size in zip(
+        cases.quantities, uneven, np.abs(curvatures).max(axis=(1, 2)), strict=True
+    ):
+        if missed > _UNEVEN * size:
+            cases.study.notes.append(
+                f"warning: the second derivatives of {item.name} are not symmetric by "
+                f"{missed / size:.1%}: it is not smooth enough for them; take samples"
+            )
+    even = 0.5 * (curvatures + np.swapaxes(curvatures, 1, 2))
+    found, shares, totals = second_order(values, slopes, even, cases.laws)
+    return cases.report("second_order", found, shares=shares, totals=totals)
+
+
+def _by_indices(cases: Cases, number: int, seed: int) -> UncertaintyReport:
+    first, total = sobol(cases.figures_at, cases.laws, number, seed)
+    figures = np.array(cases.known)
+    risks = list(_counted(cases, figures))
+    return cases.report(
+        "sobol", spread(figures), shares=first, totals=total, figures=figures, risks=risks
+    )
+
+
+def _by_samples(method: str) -> Callable[[Cases, int, int], UncertaintyReport]:
+    def sampled(cases: Cases, number: int, seed: int) -> UncertaintyReport:
+        drawn = samples(cases.laws, number, seed, scrambled=method != "monte_carlo")
+        figures = cases.figures_at(drawn)
+        risks = list(_counted(cases, figures))
+        if method != "polynomial_chaos":
+            return cases.report(method, spread(figures), figures=figures, risks=risks)
+        chaos = fit_chaos(cases.laws, drawn, figures)
+        cases.study.notes.append(f"{len(chaos.powers)} polynomials up to degree {chaos.degree}")
+        for item, missed in zip(cases.quantities, chaos.missed, strict=True):
+            warning = "warning: " if missed > _MISSED else ""
+            cases.study.notes.append(
+                f"{warning}of runs left out the polynomials miss {missed:.2g} of the variance of "
+                f"{item.name}"
+            )
+        shares, totals = chaos.indices()
+        return cases.report(
+            method, chaos.spread, shares=shares, totals=totals, figures=figures, risks=risks
+        )
+
+    return sampled
+
+
+def _by_nearest(cases: Cases, number: int, seed: int) -> UncertaintyReport:
+    values, slopes = cases.gradients_at(cases.means)
+    found, shares = first_order(values, slopes, cases.laws), first_order_shares(slopes, cases.laws)
+    risks = []
+    for limit in cases.limited():
+        k, sign = limit.place, -1.0 if limit.is_upper else 1.0
+
+        def margin(
+            point: Floats, k: int = k, sign: float = sign, limit: Limited = limit
+        ) -> tuple[float, Floats]:
+            value, slope = cases.gradients_at(point)
+            return sign * (float(value[k]) - limit.value), sign * slope[k]
+
+        def alone(point: Floats, k: int = k, sign: float = sign, limit: Limited = limit) -> float:
+            return sign * (float(cases.values_at(point)[k]) - limit.value)
+
+        chance = failing_chance(cases.laws, margin, alone, number, seed)
+        low, high = (
+            float(np.clip(chance.chance + side * _REACH * chance.error, 0.0, 1.0))
+            for side in (-1.0, 1.0)
+        )
+        name = cases.quantities[k].name
+        words = _words(cases, limit)
+        risks.append((name, words, chance.chance, low, high))
+        cases.study.notes += _nearest(cases, f"{name} {words}", chance)
+    return cases.report("reliability", found, shares=shares, risks=risks)
+
+
+def _nearest(cases: Cases, words: str, chance: Reliability) -> Iterator[str]:
+    """Yield what is known of the nearest failing point."""
+    if chance.note:
+        yield f"warning: {words}: {chance.note}"
+    if np.isfinite(chance.index):
+        about = cases.about
+        parts = [
+            f"{name} = {shown(float(chance.point[k]), about[name].unit)} "
+            f"({chance.importance[k]:.1%})"
+            for k, name in enumerate(cases.names)
+        ]
+        yield (
+            f"{words}: reliability index {chance.index:.4g}, by first order "
+            f"{chance.first_order:.3g}; most likely at {', '.join(parts)}"
+        )
+
+
+def _counted(cases: Cases, figures: Floats) -> Iterator[Risk]:
+    """Yield the share of samples beyond each limit, with its interval."""
+    for limit in cases.limited():
+        share, low, high = failing(figures[:, limit.place], limit.value, above=limit.is_upper)
+        yield cases.quantities[limit.place].name, _words(cases, limit), share, low, high
+
+
+def _words(cases: Cases, limit: Limited) -> str:
+    side = "above" if limit.is_upper else "below"
+    return f"{side} {shown(limit.value, cases.quantities[limit.place].unit)}"
+
+
+METHODS: dict[str, Callable[[Cases, int, int], UncertaintyReport]] = {
+    "first_order": _by_slopes,
+    "second_order": _by_curvatures,
+    "monte_carlo": _by_samples("monte_carlo"),
+    "sequence": _by_samples("sequence"),
+    "sobol": _by_indices,
+    "polynomial_chaos": _by_samples("polynomial_chaos"),
+    "reliability": _by_nearest,
+}
