@@ -29,7 +29,9 @@ def model_function(problem: ControlProblem, channels: Sequence[int]) -> Any:
         "given", [e.time, e.state, e.algebraic, e.parameter], [e.rate, e.residual, shown]
     )
     found = [casadi.cse(casadi.densify(item)) for item in given(t, x, z, parameters)]
-    return casadi.Function("model", [t, x, z, w], found)
+    # many directions at once come from sparse Jacobians, which cost a third of dense tangents
+    sparse = {"jac_penalty": 0.1}
+    return casadi.Function("model", [t, x, z, w], found, {**sparse, "reverse_options": sparse})
 
 
 def path_functions(path: Path) -> tuple[Any, Any]:
