@@ -32,12 +32,34 @@ STRATA = ("pages", "validation", "regression", "hostile")
 """Folders whose tests are all long: plain 'pytest' leaves them out, '.ci/run' runs them."""
 
 
+def pytest_ignore_collect(collection_path, config):
+    """Import no module, unless it is named, none of whose tests '-m' would leave."""
+    if collection_path.suffix != ".py" or str(collection_path) in _named(config):
+        return None
+    wanted, path = config.option.markexpr, collection_path.relative_to(Path(__file__).parent)
+    if path.parts[0] in STRATA:
+        return wanted == "not long" or None
+    return (wanted == "long" and not marks_long(collection_path)) or None
+
+
+@functools.cache
+def marks_long(path):
+    """Return whether a module's text marks tests as long."""
+    return "mark.long" in path.read_text("utf-8")
+
+
+def _named(config):
+    return {str(config.invocation_params.dir / word.partition("::")[0]) for word in config.args}
+
+
 @pytest.hookimpl(tryfirst=True)
 def pytest_collection_modifyitems(items):
     folder = Path(__file__).parent
     for item in items:
         if item.path.relative_to(folder).parts[0] in STRATA:
             item.add_marker("long")
+        elif item.get_closest_marker("long") and not marks_long(item.path):
+            raise pytest.UsageError(f"{item.nodeid}: 'mark.long' must stand in its module")
 
 
 def pytest_collection_finish():
