@@ -7,11 +7,12 @@ their sizes, evaluations that are kept, and the check of the Karush-Kuhn-Tucker 
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
+from vehicledyn.analyse.interior_point import minimise_by_ipopt
 from vehicledyn.base.errors import NumericalError
 
 Floats = NDArray[np.float64]
@@ -19,18 +20,30 @@ Floats = NDArray[np.float64]
 _ACTIVE = 1e-5
 """Distance of a constraint or bound to its limit, scaled, within which it is active."""
 
+_LAST_STEP = 1e-12
+"""Relative step and scaled gradient at which a search of least squares ends."""
+
+METHODS = ("slsqp", "ipopt")
+"""Optimisers for constrained problems."""
+
 _WORSE = 10.0
 """Sizes of the objective that a point without a motion is worse than the start."""
 
 
 @dataclass(frozen=True)
 class Values:
-    """An objective, its gradient (n,), constraints c >= 0 (m,) and their gradients (m, n)."""
+    """An objective, its gradient (n,), constraints c >= 0 (m,) and their gradients (m, n).
+
+    ``residuals`` (r,) and ``residual_slopes`` (r, n) are those whose squares, halved, add up to the
+    objective, none where it is no such sum.
+    """
 
     objective: float
     gradient: Floats
     constraints: Floats
     jacobian: Floats
+    residuals: Floats | None = None
+    residual_slopes: Floats | None = None
 
 
 @dataclass(frozen=True)
@@ -62,8 +75,9 @@ def optimise(
     bounds: tuple[Floats, Floats],
     tolerance: float,
     most_runs: int,
+    method: str = "slsqp",
 ) -> Optimum:
-    """Return where an objective is least within bounds and constraints, by SLSQP.
+    """Return where an objective is least within bounds and constraints.
 
     Parameters
     ----------
@@ -77,6 +91,9 @@ def optimise(
         Part of the objective's size that the last step may still gain.
     most_runs
         Evaluations after which the best point so far is returned.
+    method
+        One of :data:`METHODS`; sums of squares without constraints are sought by scipy's
+        trust-region least squares instead of SLSQP.
 
     Raises
     ------
@@ -86,27 +103,53 @@ def optimise(
     References
     ----------
     Kraft (1988), A software package for sequential quadratic programming, DFVLR-FB 88-28.
+    Branch, Coleman, Li (1999), SIAM Journal on Scientific Computing 21, 1-23, least squares.
     """
-    from scipy.optimize import minimize
-
     search = _Search(evaluate, bounds, most_runs)
     scaled = (start - bounds[0]) / search.width
-    search.at(scaled)
-    message = "converged"
+    first = search.at(scaled)
     try:
-        found = minimize(
-            lambda x: search.at(x).objective / search.size,
-            scaled,
-            jac=lambda x: search.at(x).gradient * search.width / search.size,
-            bounds=[(0.0, 1.0)] * len(start),
-            constraints=search.constraints,
-            method="SLSQP",
-            options={"ftol": tolerance, "maxiter": most_runs},
-        )
-        message = "converged" if found.success else str(found.message)
+        if method == "ipopt":
+            message = minimise_by_ipopt(
+                search.scaled, scaled, tolerance=tolerance, most_iterations=most_runs
+            )
+        elif first.residuals is not None and not len(first.constraints):
+            message = _by_least_squares(search, scaled, tolerance)
+        else:
+            message = _by_slsqp(search, scaled, tolerance, most_runs)
     except _EnoughError:
         message = f"stopped after {most_runs} runs"
-    return search.best(message)
+    return search.best(message or "converged")
+
+
+def _by_slsqp(search: _Search, start: Floats, tolerance: float, most: int) -> str:
+    from scipy.optimize import minimize
+
+    found = minimize(
+        lambda x: search.scaled(x)[0],
+        start,
+        jac=lambda x: search.scaled(x)[1],
+        bounds=[(0.0, 1.0)] * len(start),
+        constraints=search.constraints,
+        method="SLSQP",
+        options={"ftol": tolerance, "maxiter": most},
+    )
+    return "" if found.success else str(found.message)
+
+
+def _by_least_squares(search: _Search, start: Floats, tolerance: float) -> str:
+    from scipy.optimize import least_squares
+
+    found = least_squares(
+        lambda x: search.residuals(x)[0],
+        start,
+        jac=lambda x: search.residuals(x)[1],
+        bounds=(0.0, 1.0),
+        xtol=_LAST_STEP,
+        ftol=tolerance,
+        gtol=_LAST_STEP,
+    )
+    return "" if found.success else str(found.message)
 
 
 class _EnoughError(Exception):
@@ -146,7 +189,11 @@ class _Search:
             self.failures.append(str(error))
             first = self._points[0][1]
             worse = first.objective + _WORSE * self.size
-            return Values(worse, first.gradient, first.constraints, first.jacobian)
+            return replace(
+                first,
+                objective=worse,
+                residuals=None if first.residuals is None else first.residuals * _WORSE,
+            )
         if not self._points:
             self.size = max(
                 abs(found.objective), float(np.max(np.abs(found.gradient * self.width)))
@@ -158,6 +205,20 @@ class _Search:
         self._points.append((x.copy(), found))
         return found
 
+    def scaled(self, x: Floats) -> tuple[float, Floats, Floats, Floats]:
+        """Return scaled objective, gradient, constraints and their gradients at a point."""
+        found = self.at(x)
+        rows = found.jacobian * self.width / self._scales[:, None]
+        gradient = found.gradient * self.width / self.size
+        return found.objective / self.size, gradient, found.constraints / self._scales, rows
+
+    def residuals(self, x: Floats) -> tuple[Floats, Floats]:
+        """Return residuals and their gradients of the scaled objective."""
+        found, size = self.at(x), np.sqrt(self.size)
+        assert found.residuals is not None
+        assert found.residual_slopes is not None
+        return found.residuals / size, found.residual_slopes * self.width / size
+
     @property
     def constraints(self) -> list[dict[str, object]]:
         """Constraints as scipy takes them."""
@@ -166,8 +227,8 @@ class _Search:
         return [
             {
                 "type": "ineq",
-                "fun": lambda x: self.at(x).constraints / self._scales,
-                "jac": lambda x: self.at(x).jacobian * self.width / self._scales[:, None],
+                "fun": lambda x: self.scaled(x)[2],
+                "jac": lambda x: self.scaled(x)[3],
             }
         ]
 

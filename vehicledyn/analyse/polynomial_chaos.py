@@ -115,23 +115,46 @@ def basis(laws: Sequence[Distribution], points: Floats, powers: NDArray[np.int64
 def orthonormal(law: Distribution, x: Floats, highest: int) -> Floats:
     """Return the polynomials of degree 0 to highest at x, orthonormal under a law.
 
-    Shape (len(x), highest + 1). The three-term recurrence is Stieltjes' on a quadrature that is
-    exact for all products in question: Gautschi (2004), Orthogonal Polynomials, section 2.2.
+    Shape (len(x), highest + 1).
+    """
+    centres, lengths = _recurrence(law, highest)
+    table, place = np.ones((highest + 1, len(x))), (x - law.mean) / law.deviation
+    for k in range(highest):
+        row = (place - centres[k]) * table[k]
+        if k:
+            row -= lengths[k - 1] * table[k - 1]
+        table[k + 1] = row / lengths[k]
+    return table.T
+
+
+def gauss_rule(law: Distribution, number: int) -> tuple[Floats, Floats]:
+    """Return nodes and weights, each (number,), of the Gauss quadrature under a law.
+
+    Golub, Welsch (1969), Mathematics of Computation 23, 221-230.
+    """
+    centres, lengths = _recurrence(law, number)
+    between = lengths[: number - 1]
+    matrix = np.diag(centres[:number]) + np.diag(between, 1) + np.diag(between, -1)
+    places, vectors = np.linalg.eigh(matrix)
+    return law.mean + law.deviation * places, vectors[0] ** 2
+
+
+def _recurrence(law: Distribution, highest: int) -> tuple[Floats, Floats]:
+    """Return a and b of b[k] p[k + 1] = (x - a[k]) p[k] - b[k - 1] p[k - 1], shapes (highest,).
+
+    x is measured from the mean in deviations. Stieltjes' procedure on a quadrature that is exact
+    for all products in question: Gautschi (2004), Orthogonal Polynomials, section 2.2.
     """
     nodes, weights = law.quadrature(2 * highest + 2)
-    nodes, at = (nodes - law.mean) / law.deviation, (x - law.mean) / law.deviation
-    here, there, before = np.ones((1, len(nodes))), np.ones((1, len(at))), 0.0
-    for degree in range(highest):
-        centre = weights @ (nodes * here[degree] ** 2)
-        rows = []
-        for table, place in ((here, nodes), (there, at)):
-            following = (place - centre) * table[degree]
-            rows.append(following - before * table[max(degree - 1, 0)])
-        before = float(np.sqrt(weights @ rows[0] ** 2))
-        here, there = (
-            np.vstack([table, row / before]) for table, row in zip((here, there), rows, strict=True)
-        )
-    return there.T
+    nodes = (nodes - law.mean) / law.deviation
+    centres, lengths = np.zeros(highest), np.zeros(highest)
+    before, here = np.zeros(len(nodes)), np.ones(len(nodes))
+    for k in range(highest):
+        centres[k] = weights @ (nodes * here**2)
+        row = (nodes - centres[k]) * here - (lengths[k - 1] if k else 0.0) * before
+        lengths[k] = np.sqrt(weights @ row**2)
+        before, here = here, row / lengths[k]
+    return centres, lengths
 
 
 def _truncations(n: int, number: int) -> list[NDArray[np.int64]]:

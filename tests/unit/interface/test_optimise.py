@@ -58,11 +58,11 @@ def test_a_stopped_search_goes_on_to_the_same_optimum(tmp_path, monkeypatch):
 
     new, count = problem.Problem._new, []
 
-    def counted(self, point):
+    def counted(self, point, **settings):
         count.append(point)
         if len(count) == 3:
             raise KeyboardInterrupt
-        return new(self, point)
+        return new(self, point, **settings)
 
     monkeypatch.setattr(problem.Problem, "_new", counted)
     with pytest.raises(KeyboardInterrupt):
@@ -90,6 +90,11 @@ def test_a_stopped_search_goes_on_to_the_same_optimum(tmp_path, monkeypatch):
         ("scenarios: run.yaml", "scenarios: none.yaml", "none.yaml"),
         ("minimise:", "front: {figure: rms(strut.rate)}\nminimise:", "a list at_most or"),
         ("minimise:", "starts: 0\nminimise:", "a whole number of at least 1"),
+        ("minimise:", "optimiser: simplex\nminimise:", "known: slsqp, ipopt"),
+        ("minimise:", "choices: {speed: 3}\nminimise:", "a list of values"),
+        ("minimise:", "least_squares: {a: {target: 1, size: 1}}\nminimise:", "either minimise or"),
+        ("minimise:", "scatter: {body.mas: {kind: normal}}\nminimise:", "did you mean 'body.mass'"),
+        ("minimise:", "scatter: {body.mass: {kind: normal}}\nminimise:", "has mean, deviation"),
         (
             "minimise: {rms(strut.force): 1}",
             "minimise: [rms(strut.force)]",
@@ -179,3 +184,92 @@ def test_the_system_found_is_written_as_a_file(tmp_path):
     )
     with pytest.raises(InputError, match="exists"):
         vd.optimise(path, system_file=tmp_path / "best.yaml")
+
+
+FUNCTIONS = """\
+title: Functions of parameters
+parameters: {x: 0.9, y: 0.5, share: 0, well: 1}
+bodies:
+  mass: {joints: [{kind: T1, name: slide}], mass: 1 kg, inertia: [0, 0, 0]}
+sensors:
+  sum: {kind: expression, value: x + y, unit: "1"}
+  product: {kind: expression, value: x * y, unit: "1"}
+  gain: {kind: expression, value: x, unit: "1"}
+  load: {kind: expression, value: x * (1 + share), unit: "1"}
+  wells: {kind: expression, value: "(x**2 - 1)**2 + 0.3 * x", unit: "1"}
+  near: {kind: expression, value: "(x - well)**2 + (well - 2)**2", unit: "1"}
+"""
+TINY = """\
+title: Functions
+model: functions.yaml
+duration: 10 ms
+solver: {kind: rk4, step: 10 ms}
+output: {interval: 10 ms}
+"""
+
+
+def functions(folder, text):
+    """Write a study of functions of parameters; return its path."""
+    (folder / "functions.yaml").write_text(FUNCTIONS, encoding="utf-8")
+    (folder / "tiny.yaml").write_text(TINY, encoding="utf-8")
+    path = folder / "study.yaml"
+    path.write_text(f"scenarios: tiny.yaml\n{text}", encoding="utf-8")
+    return path
+
+
+def test_least_squares_hit_their_targets(tmp_path):
+    """Sum 5 and product 6: the numbers 2 and 3, with a residual that vanishes."""
+    found = vd.optimise(
+        functions(
+            tmp_path,
+            "variables: {x: {from: 0, to: 2.4}, y: {from: 0, to: 9}}\n"
+            "least_squares:\n"
+            "  final(sum): {target: 5, size: 0.1}\n"
+            "  final(product): {target: 6, size: 0.5}\n",
+        )
+    )
+    assert found["variable_best"].values == pytest.approx([2.0, 3.0], abs=1e-6)
+    assert found.attributes["optimality"] < 1e-6
+    assert found.attributes["runs"] < 15
+
+
+@pytest.mark.parametrize("optimiser", ["slsqp", pytest.param("ipopt", marks=pytest.mark.long)])
+def test_robust_optima_keep_their_limits_by_deviations(tmp_path, optimiser):
+    """x (1 + share) <= 4 with two deviations of 10 %: x = 4 / 1.2; with one of x: 4 - 2 / 4."""
+    text = (
+        "variables: {x: {from: 0, to: 9}}\nminimise: {final(gain): -1}\ndeviations: 2\n"
+        f"constraints: {{final(load): {{at_most: 4}}}}\noptimiser: {optimiser}\n"
+    )
+    share = "scatter: {share: {kind: normal, mean: 0, deviation: 0.1}}\n"
+    found = vd.optimise(functions(tmp_path, text + share))
+    assert found["variable_best"].values == pytest.approx([4.0 / 1.2], rel=1e-6)
+    assert found.report.as_dict()["active"] == ["final(load)"]
+    assert any(note.startswith("deviation of final(load): 0.09 -> 0.333") for note in found.notes)
+    own = text.replace("final(gain): -1", "final(sum): -1")
+    own += "scatter: {x: {kind: normal, mean: 1, deviation: 0.25}}\n"
+    found = vd.optimise(functions(tmp_path, own))
+    assert found["variable_best"].values == pytest.approx([3.5], rel=1e-6)
+
+
+@pytest.mark.long
+def test_bounds_are_explored_before_the_search(tmp_path):
+    """From x = 0.9 the search alone ends in the well at 0.96; the deeper one is at -1.04."""
+    text = "variables: {x: {from: -3, to: 3}}\nminimise: final(wells)\n"
+    near = vd.optimise(functions(tmp_path, text))
+    best = vd.optimise(functions(tmp_path, text + "explore: 40\n"))
+    wells = np.sort(np.roots([4.0, 0.0, -4.0, 0.3]).real)
+    assert near["variable_best"].values == pytest.approx([wells[2]], abs=1e-4)
+    assert best["variable_best"].values == pytest.approx([wells[0]], abs=1e-4)
+    assert any("explored the bounds in 40 runs" in note for note in best.notes)
+
+
+@pytest.mark.long
+def test_the_best_of_discrete_choices_is_found(tmp_path):
+    """Each is optimised by itself; the report lists them all."""
+    text = "variables: {x: {from: -5, to: 5}}\nminimise: final(near)\n"
+    text += "choices: {parameters.well: [1, 2, 4]}\n"
+    path = functions(tmp_path, text)
+    found = vd.optimise(path, save_to=tmp_path / "out.h5")
+    assert found["variable_best"].values == pytest.approx([2.0], abs=1e-5)
+    assert "best choice: parameters.well = 2" in found.notes
+    assert sum("objective" in note for note in found.notes) == 3

@@ -7,7 +7,7 @@ import pytest
 
 import vehicledyn as vd
 from vehicledyn.base.errors import InputError
-from vehicledyn.studies import uncertainty
+from vehicledyn.studies.uncertainty.cases import Cases
 
 pytestmark = [pytest.mark.long, pytest.mark.usefixtures("needs_compiler")]
 
@@ -101,15 +101,15 @@ def test_parameters_are_found_in_a_file_and_another_experiment_foretold(folder):
 def test_a_stopped_study_goes_on_to_the_same_result(folder, monkeypatch):
     """Samples that were kept are not computed again."""
     whole = vd.uncertainty_study(folder / "spread.yaml")
-    new, count = uncertainty._Cases._run, []
+    new, count = Cases._run, []
 
-    def counted(self, point):
+    def counted(self, point, **settings):
         count.append(point)
         if len(count) == 4:
             raise KeyboardInterrupt
-        return new(self, point)
+        return new(self, point, **settings)
 
-    monkeypatch.setattr(uncertainty._Cases, "_run", counted)
+    monkeypatch.setattr(Cases, "_run", counted)
     with pytest.raises(KeyboardInterrupt):
         vd.uncertainty_study(folder / "spread.yaml", save_to=folder / "out.h5")
     again = vd.uncertainty_study(folder / "spread.yaml", save_to=folder / "out.h5", resume=True)

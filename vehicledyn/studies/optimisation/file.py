@@ -2,20 +2,25 @@
 
 from __future__ import annotations
 
+import itertools
+import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+from vehicledyn.analyse.optimise import METHODS
 from vehicledyn.files.scenario import LoadedScenario
 from vehicledyn.studies.study_form import StudyForm
 
-_REQUIRED = ("scenarios", "variables", "minimise")
+_REQUIRED = ("scenarios", "variables")
 _OPTIONAL = (
-    "title", "set", "constraints", "tolerance", "most_runs", "starts", "seed", "front",
+    "title", "set", "minimise", "least_squares", "constraints", "optimiser", "tolerance",
+    "most_runs", "starts", "explore", "seed", "front", "scatter", "deviations", "choices",
 )  # fmt: skip
+_MOST_CHOICES = 1000
 _VARIABLE = ("from", "to", "start")
-_LIMITS = ("at_least", "at_most")
+_LIMITS, _TARGET = ("at_least", "at_most"), ("target", "size")
 
 
 @dataclass(frozen=True)
@@ -38,6 +43,15 @@ class Limit:
 
 
 @dataclass(frozen=True)
+class Target:
+    """A figure with what it should be, and the deviation from it that counts as one."""
+
+    figure: str
+    value: Any
+    size: Any
+
+
+@dataclass(frozen=True)
 class Front:
     """A second figure and its limits one after the other, for a front of best compromises."""
 
@@ -55,8 +69,11 @@ class OptimisationStudy:
     """What is to be optimised.
 
     ``scenarios`` by name; figures are ``SCENARIO/FIGURE``, or the figure alone where there is one
-    scenario. ``weights`` are those of the sum to minimise. ``starts`` is from how many points to
-    search, the first of them the one given; ``seed`` is that of the others.
+    scenario. ``weights`` are those of the sum to minimise, or ``targets`` what figures should be.
+    ``starts`` is from how many points to search, the first of them the one given, ``explore`` how
+    many runs to spend on a point to begin with; ``seed`` is that of both. Figures are their means
+    plus ``deviations`` of them, to the worse side, under the distributions ``scatter``. ``choices``
+    are the scenarios of all combinations of discrete settings, with what to call them.
     """
 
     path: Path
@@ -71,11 +88,18 @@ class OptimisationStudy:
     starts: int = 1
     seed: int = 1
     front: Front | None = None
+    targets: tuple[Target, ...] = ()
+    optimiser: str = "slsqp"
+    explore: int = 0
+    scatter: dict[str, Any] = field(default_factory=dict)
+    deviations: float = 3.0
+    choices: tuple[tuple[str, dict[str, LoadedScenario]], ...] = ()
 
     @property
     def all_figures(self) -> list[str]:
         """Names of all figures that the study needs."""
-        others = [limit.figure for limit in self.limits]
+        others = [target.figure for target in self.targets]
+        others += [limit.figure for limit in self.limits]
         others += [] if self.front is None else [self.front.figure]
         return list(dict.fromkeys([*self.weights, *others]))
 
@@ -107,21 +131,46 @@ def load_optimisation(path: Path, overrides: Sequence[str] = ()) -> Optimisation
         int(form.number(key, default, least=1, whole=True))
         for key, default in (("most_runs", 200), ("starts", 1), ("seed", 1))
     )
+    targets = tuple(
+        Target(name, item["target"], item["size"])
+        for name, item in form.entries(("least_squares",), _TARGET, needed=_TARGET)
+    )
+    if bool(weights) == bool(targets) and not form.problems:
+        form.wrong(("minimise",), "give either minimise or least_squares")
+    optimiser = form.data.get("optimiser", "slsqp")
+    if optimiser not in METHODS:
+        form.wrong(("optimiser",), f"'{optimiser!s:.40}' is unknown; known: {', '.join(METHODS)}")
+    explore = int(form.number("explore", 0, least=0, whole=True))
+    deviations = form.number("deviations", 3.0, least=0.0)
+    scatter = dict(form.entries(("scatter",)))
+    for name, item in scatter.items():
+        if not isinstance(item, dict):
+            form.wrong(("scatter", name), "expected a distribution, a mapping with kind")
+    combinations = _combinations(form)
     given = form.data.get("scenarios")
     if not isinstance(given, str | dict):
         form.wrong(("scenarios",), "expected a path, or paths by name")
     form.refuse()
     places = {"": given} if isinstance(given, str) else dict(given or {})
-    changes = form.data.get("set")
-    scenarios = {
-        str(name): form.scenario(("scenarios", name), place, changes, overrides)
-        for name, place in places.items()
-    }
+
+    def scenarios(choice: dict[str, Any]) -> dict[str, LoadedScenario]:
+        changes = form.data.get("set")
+        if choice and (changes is None or isinstance(changes, dict)):
+            changes = {**(changes or {}), **choice}
+        return {
+            str(name): form.scenario(("scenarios", name), place, changes, overrides)
+            for name, place in places.items()
+        }
+
+    choices = tuple(
+        (", ".join(f"{key} = {value!s:.60}" for key, value in item.items()), scenarios(item))
+        for item in combinations
+    )
     return OptimisationStudy(
         path,
         form.document.text,
         str(form.data.get("title", path.stem)),
-        scenarios,
+        choices[0][1] if choices else scenarios({}),
         variables,
         weights,
         limits,
@@ -130,12 +179,40 @@ def load_optimisation(path: Path, overrides: Sequence[str] = ()) -> Optimisation
         starts,
         seed,
         front,
+        targets,
+        optimiser,
+        explore,
+        scatter,
+        deviations,
+        choices,
     )
+
+
+def _combinations(form: StudyForm) -> list[dict[str, Any]]:
+    """Return all combinations of discrete settings, none where there are none."""
+    given = form.data.get("choices")
+    if given is None:
+        return []
+    if not isinstance(given, dict) or not given:
+        form.wrong(("choices",), "expected a mapping of settings to lists of their values")
+        return []
+    for key, values in given.items():
+        if not isinstance(values, list) or not values:
+            form.wrong(("choices", key), "expected a list of values")
+            return []
+    if math.prod(len(values) for values in given.values()) > _MOST_CHOICES:
+        form.wrong(("choices",), f"these are more than {_MOST_CHOICES} combinations")
+        return []
+    return [
+        dict(zip(map(str, given), item, strict=True)) for item in itertools.product(*given.values())
+    ]
 
 
 def _weights(form: StudyForm) -> dict[str, float]:
     """Return the weights of the figures to minimise."""
     wanted = form.data.get("minimise")
+    if wanted is None and "least_squares" in form.data:
+        return {}
     if isinstance(wanted, str):
         return {wanted: 1.0}
     if not isinstance(wanted, dict):

@@ -7,7 +7,6 @@ import warnings
 from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
-from functools import partial
 from typing import Any
 
 import numpy as np
@@ -24,6 +23,7 @@ from vehicledyn.base.units import to_si
 from vehicledyn.results.store.linear_file import Quantity
 from vehicledyn.studies.kept_runs import KeptRuns
 from vehicledyn.studies.optimisation.file import Limit, OptimisationStudy
+from vehicledyn.studies.optimisation.scatter import Scatter, combined
 
 Floats = NDArray[np.float64]
 
@@ -37,6 +37,26 @@ class _Part:
     names: list[str]
 
 
+@dataclass(frozen=True)
+class Figures:
+    """Figures by name with gradients (n,), means of scattering ones with their deviations."""
+
+    values: dict[str, float]
+    slopes: dict[str, Floats]
+    deviations: dict[str, float]
+    deviation_slopes: dict[str, Floats]
+
+    @staticmethod
+    def of(entry: dict[str, Any]) -> Figures:
+        """Return the figures of an evaluation that was kept."""
+        deviations = entry.get("deviations", {})
+        slopes, others = (
+            {name: np.array(row) for name, row in entry.get(key, {}).items()}
+            for key in ("slopes", "deviation_slopes")
+        )
+        return Figures(dict(entry["values"]), slopes, dict(deviations), others)
+
+
 class Problem:
     """Figures of a study's scenarios by its variables.
 
@@ -48,6 +68,8 @@ class Problem:
         Evaluations that are known; further ones are added to it.
     progress
         Called with what is going on.
+    choice
+        What distinguishes these evaluations from those of other discrete choices.
 
     Raises
     ------
@@ -55,8 +77,11 @@ class Problem:
         If a variable, figure, bound or limit means nothing.
     """
 
-    def __init__(self, study: OptimisationStudy, kept: KeptRuns, progress: Progress) -> None:
+    def __init__(
+        self, study: OptimisationStudy, kept: KeptRuns, progress: Progress, choice: str = ""
+    ) -> None:
         self._study, self._kept = study, kept
+        self._mark = [choice] if choice else []
         self._parts = _parts(study, progress)
         self.figures = [name for part in self._parts for name in part.names]
         first = self._parts[0].study.prepared
@@ -64,8 +89,15 @@ class Problem:
         names = [p.name for p in e.parameters]
         for part in self._parts:
             own = part.study.prepared.equations
-            for variable in study.variables:
-                _check_variable(variable.name, [p.name for p in own.parameters], own.name)
+            for name in (*(v.name for v in study.variables), *study.scatter):
+                _check_variable(
+                    name.removeprefix("parameters."), [p.name for p in own.parameters], own.name
+                )
+        units = {p.name: p.unit for p in e.parameters}
+        try:
+            self._scatter = Scatter.of(study.scatter, units, e.name)
+        except InputError as error:
+            raise InputError(f"{study.path}: {error}") from None
         places = [names.index(v.name) for v in study.variables]
         self.variables = tuple(
             Quantity(e.parameters[k].name, e.parameters[k].unit, e.parameters[k].description)
@@ -100,7 +132,7 @@ class Problem:
                     "lies outside its bounds; give start or other bounds"
                 )
 
-    def evaluate(self, point: Floats) -> tuple[dict[str, float], dict[str, Floats]]:
+    def evaluate(self, point: Floats) -> Figures:
         """Return all figures and their gradients at a point.
 
         Raises
@@ -108,28 +140,83 @@ class Problem:
         NumericalError
             If a run fails or a figure has no derivative there.
         """
-        entry = self._kept.entry(point.tolist(), lambda: self._new(point))
+        return self._figures(point, follows=True)
+
+    def _figures(self, point: Floats, *, follows: bool) -> Figures:
+        """Return the figures at a point, with gradients that are zero where none are wanted."""
+        kind = [] if follows else ["plain"]
+        key = [*self._mark, *kind, *point.tolist()]
+        entry = self._kept.entry(key, lambda: self._new(point, follows=follows))
         self.units |= entry.get("units", {})
         if "failure" in entry:
             raise NumericalError(str(entry["failure"]))
-        slopes = {name: np.array(row) for name, row in entry["slopes"].items()}
-        return dict(entry["values"]), slopes
+        return Figures.of(entry)
 
     def values(self, point: Floats, further: Sequence[Limit] = ()) -> Values:
         """Return objective and constraints at a point, with further limits behind those given."""
-        figures, slopes = self.evaluate(point)
-        weights = self._study.weights
-        constraints, rows = [], [np.zeros(len(point))][:0]
+        return self._values(self.evaluate(point), len(point), further)
+
+    def explored(self, point: Floats) -> tuple[float, float] | None:
+        """Return objective and violation at a point, without gradients; None without a motion.
+
+        The violation is the largest of a constraint, over its limit.
+        """
+        try:
+            found = self._values(self._figures(point, follows=False), len(point))
+        except NumericalError:
+            return None
+        sizes = [abs(limit) or 1.0 for _, _, limit in self.limits()]
+        return found.objective, float(np.max(-found.constraints / np.array(sizes), initial=0.0))
+
+    def _values(self, at: Figures, n: int, further: Sequence[Limit] = ()) -> Values:
+        """Return objective and constraints of figures."""
+        constraints, rows = [], [np.zeros(n)][:0]
         for name, sign, limit in self.limits(further):
-            constraints.append(sign * (figures[name] - limit))
-            rows.append(sign * slopes[name])
-        gradient = sum((w * slopes[name] for name, w in weights.items()), np.zeros(len(point)))
-        return Values(
-            float(sum(w * figures[name] for name, w in weights.items())),
-            gradient,
-            np.array(constraints),
-            np.array(rows).reshape(len(rows), len(point)),
-        )
+            value, slope = self._worse(at, name, -sign)
+            constraints.append(sign * (value - limit))
+            rows.append(sign * slope)
+        found = [(w, *self._worse(at, name, np.sign(w))) for name, w in self._study.weights.items()]
+        objective = float(sum(w * value for w, value, _ in found))
+        gradient = sum((w * slope for w, _, slope in found), np.zeros(n))
+        missed, missed_slopes = self._missed(at, n)
+        if missed is not None and missed_slopes is not None:
+            objective = 0.5 * float(missed @ missed)
+            gradient = missed_slopes.T @ missed
+        bounds = np.array(constraints), np.array(rows).reshape(len(rows), n)
+        return Values(objective, np.asarray(gradient), *bounds, missed, missed_slopes)
+
+    def _worse(self, at: Figures, name: str, side: float) -> tuple[float, Floats]:
+        """Return a figure, or its mean moved by deviations to a side, with its gradient."""
+        reach = side * self._study.deviations if name in at.deviations else 0.0
+        if not reach:
+            return at.values[name], at.slopes[name]
+        value = at.values[name] + reach * at.deviations[name]
+        return value, at.slopes[name] + reach * at.deviation_slopes[name]
+
+    def _missed(self, at: Figures, n: int) -> tuple[Floats | None, Floats | None]:
+        """Return by how many sizes figures miss their targets, with gradients; their scatter too.
+
+        The expected square of what a figure misses is that of its mean plus its variance.
+        """
+        if not self._study.targets:
+            return None, None
+        values, rows = [], []
+        for item in self._study.targets:
+            unit = self.units.get(item.figure, "1")
+            target, size = (
+                _si(v, unit, self._study, f"least_squares.{item.figure}.{key}")
+                for v, key in ((item.value, "target"), (item.size, "size"))
+            )
+            if not size > 0.0:
+                raise InputError(
+                    f"{self._study.path}: least_squares.{item.figure}.size: must be above zero"
+                )
+            values.append((at.values[item.figure] - target) / size)
+            rows.append(at.slopes[item.figure] / size)
+            if item.figure in at.deviations:
+                values.append(at.deviations[item.figure] / size)
+                rows.append(at.deviation_slopes[item.figure] / size)
+        return np.array(values), np.array(rows).reshape(len(rows), n)
 
     def limits(self, further: Sequence[Limit] = ()) -> list[tuple[str, float, float]]:
         """Return the figure, sign and value of each limit: sign (figure - value) >= 0."""
@@ -144,7 +231,7 @@ class Problem:
 
     def idle(self) -> list[str]:
         """Return the variables that change no figure at the start."""
-        slopes = self.evaluate(self.start)[1]
+        slopes = self.evaluate(self.start).slopes
         rows = np.array(list(slopes.values()))
         return [item.name for k, item in enumerate(self.variables) if not rows[:, k].any()]
 
@@ -176,41 +263,49 @@ class Problem:
             shares = sequence.random(number - 1)
         return [self.start, *(self.low + (self.high - self.low) * shares)]
 
-    def _new(self, point: Floats) -> dict[str, Any]:
-        """Return figures and gradients of all scenarios, computed at once on several cores."""
-        if len(self._parts) == 1:
-            found = [self._part_at(self._parts[0], point)]
+    def _new(self, point: Floats, *, follows: bool = True) -> dict[str, Any]:
+        """Return figures and gradients of all runs, computed at once on several cores."""
+        own = dict(zip([item.name for item in self.variables], map(float, point), strict=True))
+        nodes = [self._scatter.moved(node, own) for node in self._scatter.nodes]
+        wanted_runs = [(part, node) for node in nodes for part in self._parts]
+        if len(wanted_runs) == 1:
+            found = [self._run(*wanted_runs[0], follows=follows)]
         else:
             with ThreadPoolExecutor(os.cpu_count()) as pool:
-                found = list(pool.map(partial(self._part_at, point=point), self._parts))
-        whole: dict[str, Any] = {"values": {}, "slopes": {}, "units": {}}
-        for entry in found:
+                found = list(pool.map(lambda run: self._run(*run, follows=follows), wanted_runs))
+        units: dict[str, str] = {}
+        runs: list[tuple[dict[str, float], dict[str, list[float]]]] = [({}, {}) for _ in nodes]
+        for place, entry in enumerate(found):
             if "failure" in entry:
                 return entry
-            for key in whole:
-                whole[key] |= entry[key]
-        return whole
+            values, slopes = runs[place // len(self._parts)]
+            values |= entry["values"]
+            slopes |= entry["slopes"]
+            units |= entry["units"]
+        return combined(self._scatter, runs) | {"units": units}
 
-    def _part_at(self, part: _Part, point: Floats) -> dict[str, Any]:
+    def _run(self, part: _Part, changes: dict[str, float], *, follows: bool) -> dict[str, Any]:
         """Return figures and gradients of one scenario, or why there are none."""
         names = [item.name for item in self.variables]
         try:
-            study = part.study.moved(dict(zip(names, map(float, point), strict=True)))
+            study = part.study.moved(changes)
             e, kernel = study.prepared.equations, study.prepared.kernel
-            chosen = directions(e, kernel.parameters, study.start.state, names)
-            motion = study.followed(chosen, _silent)
+            if follows:
+                chosen = directions(e, kernel.parameters, study.start.state, names)
+                motion = study.followed(chosen, _silent)
+            else:
+                motion = study.plain(_silent)
         except NumericalError as error:
             return {"failure": f"{part.study.loaded.title}: {error}"}
-        found = study.figures(part.asked, motion)
-        for name, (slope, _) in zip(part.names, found, strict=True):
-            if slope.trouble:
+        found = list(zip(part.names, study.figures(part.asked, motion), strict=True))
+        for name, (slope, _) in found:
+            if slope.trouble and follows:
                 return {"failure": f"'{name}' has no derivative: {slope.trouble}"}
+        nothing = [0.0] * len(names)
         return {
-            "values": {n: slope.value for n, (slope, _) in zip(part.names, found, strict=True)},
-            "slopes": {
-                n: slope.slope.tolist() for n, (slope, _) in zip(part.names, found, strict=True)
-            },
-            "units": {n: quantity.unit for n, (_, quantity) in zip(part.names, found, strict=True)},
+            "values": {n: slope.value for n, (slope, _) in found},
+            "slopes": {n: slope.slope.tolist() if follows else nothing for n, (slope, _) in found},
+            "units": {n: quantity.unit for n, (_, quantity) in found},
         }
 
 

@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from vehicledyn.analyse.global_search import explore
 from vehicledyn.analyse.optimise import Optimum, Values, optimise
 from vehicledyn.analyses.preparation.prepared import Progress
 from vehicledyn.base.errors import NumericalError
@@ -37,6 +38,8 @@ class OptimumReport:
     limits: list[tuple[str, float, float]]
     multipliers: list[float]
     at_bound: list[int]
+    rank: tuple[bool, float] = (False, 0.0)
+    """Whether a constraint is not kept, and the objective."""
 
     @property
     def messages(self) -> tuple[str, ...]:
@@ -135,20 +138,58 @@ def run_optimisation(
     NumericalError
         If the start has no motion or no derivatives.
     """
-    configurations = [loaded.text + repr(loaded.overrides) for loaded in study.scenarios.values()]
-    runs = KeptRuns(kept, [study.text, *configurations], resume=resume)
-    problem = Problem(study, runs, progress)
-    first, _ = problem.evaluate(problem.start)
+    variants = study.choices or (("", study.scenarios),)
+    texts = [f"{x.text}{x.overrides!r}" for _, group in variants for x in group.values()]
+    runs = KeptRuns(kept, [study.text, *texts], resume=resume)
+    found: list[tuple[str, OptimumReport]] = []
+    notes = []
+    for choice, scenarios in variants:
+        if choice:
+            progress(f"choosing {choice}", None)
+        try:
+            own = replace(study, scenarios=scenarios)
+            found.append((choice, _optimum(own, runs, progress, choice)))
+        except NumericalError as error:
+            if not choice:
+                raise
+            notes.append(f"{choice}: no motion: {error}")
+    if not found:
+        raise NumericalError(f"no choice has a motion: {'; '.join(notes)}")
+    choice, best = min(found, key=lambda item: item[1].rank)
+    if not choice:
+        return best
+    for name, report in found:
+        objective, kept_all = report.rank[1], "" if not report.rank[0] else "; constraints not kept"
+        count = f"{report.table.n_runs} runs; {report.table.message}{kept_all}"
+        notes.append(f"{name}: objective {objective:.6g} in {count}")
+    notes.append(f"best choice: {choice}")
+    n_runs = sum(report.table.n_runs for _, report in found)
+    table = replace(best.table, n_runs=n_runs, notes=(*notes, *best.table.notes))
+    return replace(best, table=table)
+
+
+def _optimum(
+    study: OptimisationStudy, runs: KeptRuns, progress: Progress, choice: str
+) -> OptimumReport:
+    """Return the optimum for the scenarios of a study, one of several choices or the only one."""
+    problem = Problem(study, runs, progress, choice)
+    first = problem.evaluate(problem.start)
     limits = problem.limits()
     notes = [f"warning: '{name}' changes no figure at the start" for name in problem.idle()]
     notes += problem.unconfirmed()
     found, others = _search_all(study, problem, progress)
     notes += others
     front = _front(study, problem, found, progress)
-    figures, slopes = problem.evaluate(found.variables)
-    table = _table(study, problem, found, (first, figures), slopes)
+    last = problem.evaluate(found.variables)
+    notes += [
+        f"deviation of {name}: {shown(first.deviations[name], problem.units[name])} -> "
+        f"{shown(value, problem.units[name])}"
+        for name, value in last.deviations.items()
+    ]
+    table = _table(study, problem, found, (first.values, last.values), last.slopes)
     table = replace(table, front=front, notes=(*notes, *table.notes))
-    return OptimumReport(table, limits, found.multipliers.tolist(), found.at_bound)
+    rank = (found.violation > _KEPT, found.values.objective)
+    return OptimumReport(table, limits, found.multipliers.tolist(), found.at_bound, rank)
 
 
 def _search(
@@ -172,6 +213,7 @@ def _search(
         bounds=(problem.low, problem.high),
         tolerance=study.tolerance,
         most_runs=study.most_runs,
+        method=study.optimiser,
     )
 
 
@@ -187,11 +229,14 @@ def _search_all(
             return str(error)
 
     starts = problem.starts(study.starts, study.seed)
+    notes = []
+    if study.explore:
+        begin, note = _explored(study, problem, progress)
+        starts, notes = [begin, *starts[1:]], [note]
     if len(starts) == 1:
-        return _search(study, problem, problem.start, progress), []
+        return _search(study, problem, starts[0], progress), notes
     with ThreadPoolExecutor(os.cpu_count()) as pool:
         found = list(pool.map(search, starts))
-    notes = []
     for number, item in enumerate(found, 1):
         if isinstance(item, str):
             notes.append(f"start {number}: no motion: {item}")
@@ -205,6 +250,40 @@ def _search_all(
     return replace(best, n_runs=n_runs, history=history), notes
 
 
+def _explored(study: OptimisationStudy, problem: Problem, progress: Progress) -> tuple[Floats, str]:
+    """Return the better one of the given start and what a search of the whole box found."""
+    first = problem.values(problem.start)
+    size = (
+        max(
+            abs(first.objective),
+            float(np.max(np.abs(first.gradient * (problem.high - problem.low)))),
+        )
+        or 1.0
+    )
+    count = itertools.count(1)
+
+    def evaluate(point: Floats) -> tuple[float, float] | None:
+        progress(f"exploring, run {next(count)}", None)
+        return problem.explored(point)
+
+    with ThreadPoolExecutor(os.cpu_count()) as pool:
+        found = explore(
+            evaluate,
+            (problem.low, problem.high),
+            n_runs=study.explore,
+            seed=study.seed,
+            size=size,
+            mapped=pool.map,
+        )
+    best = problem.explored(found)
+    words = "no motion" if best is None else f"objective {best[0]:.6g}"
+    note = f"explored the bounds in {next(count) - 1} runs without gradients: {words}"
+    own = problem.explored(problem.start)
+    if best is None or (own is not None and (own[1] > 0.0, own[0]) < (best[1] > 0.0, best[0])):
+        return problem.start, f"{note}; the start is better"
+    return found, note
+
+
 def _front(
     study: OptimisationStudy, problem: Problem, best: Optimum, progress: Progress
 ) -> tuple[FrontPoint, ...]:
@@ -214,7 +293,7 @@ def _front(
     rows, start = [], best.variables
     for value in study.front.values:
         found = _search(study, problem, start, progress, (study.front.limit(value),))
-        figures, _ = problem.evaluate(found.variables)
+        figures = problem.evaluate(found.variables).values
         start = found.variables
         rows.append(
             FrontPoint(

@@ -11,13 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vehicledyn.analyse.gradients.key_figures import unit_of
-from vehicledyn.analyse.uncertainty import (
-    Distribution,
-    Spread,
-    normal,
-    triangular,
-    uniform,
-)
+from vehicledyn.analyse.uncertainty import Distribution, Spread
 from vehicledyn.analyses.preparation.prepared import Progress
 from vehicledyn.analyses.sensitivity.figure_names import check_names
 from vehicledyn.analyses.sensitivity.motion_study import MotionStudy
@@ -26,6 +20,7 @@ from vehicledyn.base.errors import InputError, NumericalError, nearest_name
 from vehicledyn.base.units import to_si
 from vehicledyn.files.scenario import LoadedScenario
 from vehicledyn.results.store.linear_file import Quantity
+from vehicledyn.studies.distributions import read_law, wrong
 from vehicledyn.studies.kept_runs import KeptRuns
 from vehicledyn.studies.uncertainty.report import Risk, UncertaintyReport
 
@@ -35,12 +30,6 @@ _WITHOUT_RISK = ("first_order", "second_order")
 
 _STEP = 0.1
 """Step of differences of first derivatives, in deviations of the parameter."""
-
-_LAWS: dict[str, tuple[Any, tuple[str, ...]]] = {
-    "normal": (normal, ("mean", "deviation")),
-    "uniform": (uniform, ("from", "to")),
-    "triangular": (triangular, ("from", "mode", "to")),
-}
 
 
 @dataclass(frozen=True)
@@ -94,7 +83,7 @@ class Cases:
                 hint = f"; did you mean '{guess}'?" if guess else ""
                 raise InputError(f"'{name}' is no parameter of '{e.name}' that can scatter{hint}")
         pairs = zip(names, parameters.values(), strict=True)
-        laws = [_law(name, given, units[name]) for name, given in pairs]
+        laws = [read_law("parameters", name, given, units[name]) for name, given in pairs]
         return Cases(study, asked, names, laws, progress)
 
     def check_limits(self, method: str, limits: Mapping[str, Mapping[str, Any]]) -> None:
@@ -107,16 +96,16 @@ class Cases:
             units[f"{kind}({channel})"] = unit_of(kind, channels[channel])
         for name, given in limits.items():
             if name not in units:
-                raise _wrong(f"limits.{name}", "this is not among the figures asked for")
+                raise wrong(f"limits.{name}", "this is not among the figures asked for")
             for key, value in given.items():
                 if key not in ("at_most", "at_least"):
-                    raise _wrong(f"limits.{name}", f"expected at_most or at_least, found '{key}'")
+                    raise wrong(f"limits.{name}", f"expected at_most or at_least, found '{key}'")
                 if units[name] is not None:
                     _limit(name, key, value, units[name])
         if limits and method in _WITHOUT_RISK:
-            raise _wrong("limits", "the risk of a limit needs samples; take another method")
+            raise wrong("limits", "the risk of a limit needs samples; take another method")
         if not any(limits.values()) and method == "reliability":
-            raise _wrong("limits", "a reliability needs one")
+            raise wrong("limits", "a reliability needs one")
         self.limits = limits
 
     @property
@@ -251,32 +240,7 @@ def _limit(name: str, key: str, value: Any, unit: str | None) -> float:
     try:
         limit = to_si(value, unit or "1")
     except InputError as error:
-        raise _wrong(place, str(error)) from None
+        raise wrong(place, str(error)) from None
     if not np.isfinite(limit):
-        raise _wrong(place, "expected a finite number")
+        raise wrong(place, "expected a finite number")
     return limit
-
-
-def _wrong(place: str, words: str) -> InputError:
-    """Return the error of a key of a study."""
-    return InputError(f"{place}: {words}", about=(place,))
-
-
-def _law(name: str, given: Mapping[str, Any], unit: str) -> Distribution:
-    """Return a distribution from its kind and numbers."""
-    kind = given.get("kind")
-    if not isinstance(kind, str) or kind not in _LAWS:
-        known = ", ".join(_LAWS)
-        raise _wrong(f"parameters.{name}", f"kind '{kind!s:.40}' is unknown; known are {known}")
-    make, fields = _LAWS[kind]
-    if set(given) != {"kind", *fields}:
-        raise _wrong(f"parameters.{name}", f"a {kind} distribution has {', '.join(fields)}")
-    try:
-        numbers = [to_si(given[item], unit) for item in fields]
-    except InputError as error:
-        raise _wrong(f"parameters.{name}", str(error)) from None
-    ordered = numbers[1] > 0.0 if kind == "normal" else numbers == sorted(set(numbers))
-    if not ordered:
-        raise _wrong(f"parameters.{name}", "its numbers must grow, a deviation be above zero")
-    found: Distribution = make(*numbers)
-    return found
