@@ -31,11 +31,11 @@ from vehicledyn.codegen.toolchain.compiler import CompilationError, find_compile
 from vehicledyn.files.scenario import LoadedScenario
 from vehicledyn.symbolic.equations import Channel
 
-MOST_ENTRIES = 200
+MOST_ENTRIES = 1000
 """Entries that are kept, the youngest."""
 
 _LARGEST_ENTRY = 50_000_000
-_WITHOUT_EFFECT = ("title", "solver", "output")
+_WITHOUT_EFFECT = ("title", "duration", "solver", "output")
 _log = logging.getLogger(__name__)
 
 
