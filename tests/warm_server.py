@@ -1,6 +1,8 @@
 """Imports the program once and runs each command it is sent in a fork; see ``programs``."""
 
+import gc
 import importlib
+import itertools
 import json
 import os
 import pkgutil
@@ -12,6 +14,8 @@ import traceback
 import types
 import warnings
 
+import pydantic
+
 import vehicledyn
 import vehicledyn.cli
 
@@ -20,6 +24,42 @@ PACKAGES = (
     "matplotlib.figure", "pandas", "ruamel.yaml", "scipy.integrate", "scipy.interpolate",
     "scipy.linalg", "scipy.optimize", "scipy.signal", "scipy.stats", "typer",
 )  # fmt: skip
+
+
+def load():
+    """Import the program and what it imports when needed, and make its commands and models."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        for found in pkgutil.walk_packages(vehicledyn.__path__, "vehicledyn."):
+            if not found.name.endswith("__main__"):
+                importlib.import_module(found.name)
+        for name in PACKAGES:
+            importlib.import_module(name)
+    verbs = vehicledyn.cli.verbs
+    for verb in (
+        "",
+        "run",
+        "validate",
+        "schema",
+        "doctor",
+        *itertools.chain(*verbs.HOMES.values()),
+    ):
+        verbs.command_for([verb])
+    for model in _below(pydantic.BaseModel):
+        if model.__module__.startswith("vehicledyn."):
+            model.model_rebuild()  # no more than is left to be done
+
+
+def freeze():
+    """Leave what there is to itself: a collection in a child would copy every page of it."""
+    gc.collect()
+    gc.freeze()
+
+
+def _below(parent):
+    for child in parent.__subclasses__():
+        yield child
+        yield from _below(child)
 
 
 def serve(connection):
@@ -87,12 +127,7 @@ def _code_of(end):
 
 if __name__ == "__main__":
     signal.signal(signal.SIGINT, signal.default_int_handler)
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore")
-        for found in pkgutil.walk_packages(vehicledyn.__path__, "vehicledyn."):
-            if not found.name.endswith("__main__"):
-                importlib.import_module(found.name)
-        for name in PACKAGES:
-            importlib.import_module(name)
+    load()
+    freeze()
     with socket.socket(fileno=int(sys.argv[1])) as connection:
         serve(connection)

@@ -5,13 +5,13 @@ Commands on whole input run in the parent: validators, option parsers and fonts 
 
 import contextlib
 import functools
-import gc
-import importlib
 import io
 import os
-import pkgutil
+import sys
 import tempfile
 from pathlib import Path
+
+sys.path.append(str(Path(__file__).parents[1]))  # for warm_server
 
 PENDULUM = "scenarios/systems/double_pendulum.yaml"
 REHEARSED = [
@@ -36,20 +36,11 @@ def up():
     for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"):
         os.environ.setdefault(name, "1")
     os.environ["MPLBACKEND"] = "agg"
-    import vehicledyn
+    import warm_server
 
-    for found in pkgutil.walk_packages(vehicledyn.__path__, "vehicledyn."):
-        if not found.name.endswith("__main__"):
-            importlib.import_module(found.name)
-    for name in (
-        "matplotlib.pyplot", "pandas", "scipy.interpolate", "scipy.optimize", "scipy.signal",
-        "scipy.stats", "scipy.linalg", "jinja2", "ruamel.yaml", "typer",
-        "matplotlib.backends.backend_agg", "matplotlib.backends.backend_svg",
-    ):  # fmt: skip
-        importlib.import_module(name)
+    warm_server.load()
     _rehearse()
-    gc.collect()
-    gc.freeze()  # a collection in a child would copy every page of the parent
+    warm_server.freeze()
 
 
 def _rehearse():

@@ -59,12 +59,12 @@ def _run() -> NoReturn:
     gc.set_threshold(*_COLLECTED_AFTER)
     # Other packages' plugins of pydantic have no part in this; looking for them takes a while.
     os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")
-    from vehicledyn.cli.verbs import command_line
+    from vehicledyn.cli.verbs import command_for
 
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(errors="backslashreplace")
-    command_line(sys.argv[1:])(prog_name="vehicledyn")
+    command_for(sys.argv[1:])(prog_name="vehicledyn")
     sys.exit(0)
 
 

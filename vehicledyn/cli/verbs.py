@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import cache
 from importlib import import_module
 from pathlib import Path
 from typing import Annotated, Any
@@ -93,7 +94,7 @@ HOMES = {
 
 
 def command_line(words: Sequence[str] = ()) -> typer.Typer:
-    """Return the command line with all verbs, or with no more than one's module needs.
+    """Return the command line with all verbs, or with the one that is asked for.
 
     Parameters
     ----------
@@ -110,15 +111,35 @@ def command_line(words: Sequence[str] = ()) -> typer.Typer:
         pretty_exceptions_enable=False,
     )
     app.callback()(common)
-    own = (run, validate, schema, doctor)
-    for function in own:
+    for function in _OWN.values():
         app.command()(function)
-    verb = words[0] if words else ""
-    homes = [home for home, verbs in HOMES.items() if verb in verbs]
-    alone = homes or verb in [function.__name__ for function in own]
-    for home in homes if alone else HOMES:
-        import_module(f"vehicledyn.cli.commands.{home}").add_verbs(app)
+    verb = _verb_of(words)
+    for home, verbs in HOMES.items():
+        if not verb or verb in verbs:
+            import_module(f"vehicledyn.cli.commands.{home}").add_verbs(app)
+    if verb:
+        app.registered_commands = [
+            item
+            for item in app.registered_commands
+            if verb == (item.name or getattr(item.callback, "__name__", ""))
+        ]
     return app
+
+
+def command_for(words: Sequence[str]) -> Any:
+    """Return what runs these words; a process makes the command of a verb once."""
+    return _command_of(_verb_of(words))
+
+
+@cache
+def _command_of(verb: str) -> Any:
+    return typer.main.get_command(command_line([verb]))
+
+
+def _verb_of(words: Sequence[str]) -> str:
+    """Return the verb that words begin with, empty where that is none."""
+    first = words[0] if words else ""
+    return first if first in _OWN or any(first in verbs for verbs in HOMES.values()) else ""
 
 
 def _show_version(wanted: bool) -> None:
@@ -245,3 +266,7 @@ def doctor(as_json: Json = False) -> None:
     from vehicledyn.cli.commands.doctor import examine
 
     emit_report(examine(), as_json=as_json)
+
+
+_OWN = {function.__name__: function for function in (run, validate, schema, doctor)}
+"""Commands that stand in this module."""
