@@ -1,4 +1,4 @@
-"""Spoilt finite-element matrices of a flexible body: archives, Matrix Market files, tables."""
+"""Spoilt data of a flexible body: archives, Matrix Market files, tables, standard input data."""
 
 import functools
 import io
@@ -28,6 +28,7 @@ forces:
 """
 ARCHIVE = "file: blade.npz"
 FILES = "matrices: {nodes: nodes.csv, dofs: dofs.csv, mass: mass.mtx, stiffness: stiffness.mtx}"
+STANDARD = SYSTEM.replace("SOURCE", "file: blade.sid").replace("    reference: root\n", "")
 SCENARIO = b"title: It swings\nmodel: blade.yaml\nduration: 20 ms\n"
 NUMBERS = [0.0, -1.0, 1e-300, 1e308, np.nan, np.inf, 1e12, 7.0]
 
@@ -53,8 +54,40 @@ def arrays():
     }
 
 
+@functools.cache
+def standard_input():
+    """Return the text of standard input data of the blade."""
+    import pathlib
+    import tempfile
+
+    from vehicledyn.multibody.bodies.finite_elements.reading import read_archive
+    from vehicledyn.multibody.bodies.finite_elements.reduced_modes import reduced_modes
+    from vehicledyn.multibody.bodies.finite_elements.reduction import component_modes
+    from vehicledyn.multibody.bodies.finite_elements.standard_input_writer import (
+        write_standard_input,
+    )
+
+    with tempfile.TemporaryDirectory() as folder:
+        archive, file = pathlib.Path(folder, "blade.npz"), pathlib.Path(folder, "blade.sid")
+        archive.write_bytes(_archive(arrays())["blade.npz"])
+        ends, middle = {"root": 1, "tip": 3}, {"middle": 2}
+        made = component_modes(read_archive(archive), ends, 2, reference="root", kept=middle)
+        write_standard_input(reduced_modes(made), file, ends | middle)
+        return file.read_text()
+
+
+def _standard_case(rng, name):
+    files = {"blade.sid": mutations.spoil_lines(standard_input(), rng).encode("utf-8", "replace")}
+    files |= {"blade.yaml": STANDARD.encode(), "a.yaml": SCENARIO}
+    command = rng.choice([["validate", "blade.yaml"], ["eig", "blade.yaml"], RUN])
+    words = [word.format("a.yaml") if "{}" in word else word for word in command]
+    return Case(name, files, words, yaml_cases.OUTPUTS)
+
+
 def finite_elements(rng, name):
     """Return a command on a system whose flexible body has spoilt matrices or a spoilt entry."""
+    if rng.random() < 0.3:
+        return _standard_case(rng, name)
     is_archive = rng.random() < 0.5
     text = SYSTEM.replace("SOURCE", ARCHIVE if is_archive else FILES)
     given = dict(arrays())

@@ -29,6 +29,7 @@ def test_listings_and_commands(tmp_path):
         lines = body.splitlines()
         if body.startswith("matrices:"):
             matrices = body.strip()
+        if not FIRST.match(body) and kind != "sh":
             continue
         if kind in ("yaml", "python"):
             (tmp_path / FIRST.match(body)[1]).write_text(body, encoding="utf-8")
@@ -40,6 +41,19 @@ def test_listings_and_commands(tmp_path):
     text = (tmp_path / "cart.yaml").read_text(encoding="utf-8")
     (tmp_path / "other.yaml").write_text(text.replace("file: frame.npz", matrices))
     run("vehicledyn validate other.yaml", tmp_path)
+    one = text[text.index("    interface:") : text.index("    damping_ratio")]
+    ends = "    interface: {rear_left: 5, rear_right: 6}\n"
+    short = f"title: t\nbodies: {{chassis: {{joints: [T3 z]}}}}\nelements:\n{_element(text)}"
+    standard = short.replace(one, ends).replace("frame.npz", "frame.SID_FEM")
+    (tmp_path / "standard.yaml").write_text(re.sub(r"(?m)^    lines.*\n", "", standard))
+    run("vehicledyn validate standard.yaml", tmp_path)
+    (tmp_path / "stiff.yaml").write_text(short.replace("frame.npz", "stiffened.npz").replace(
+        "    nodes: {middle: 3}\n", ""))  # fmt: skip
+    run("vehicledyn validate stiff.yaml", tmp_path)
+
+
+def _element(text):
+    return text[text.index("  frame:\n    kind") : text.index("links:")]
 
 
 def test_page_names_every_field():

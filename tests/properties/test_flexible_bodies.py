@@ -6,7 +6,13 @@ import pytest
 from finite_elements import assembled, lattice
 
 from vehicledyn.multibody import GROUND, Body, Joint, ParameterTable, System, derive
+from vehicledyn.multibody.bodies.finite_elements.beam_frames import (
+    BeamElement,
+    Member,
+    stiffened,
+)
 from vehicledyn.multibody.bodies.finite_elements.reading import write_archive
+from vehicledyn.multibody.bodies.finite_elements.standard_input_writer import write_standard_input
 from vehicledyn.multibody.elements.flexible.flexible_body import FlexibleBody
 
 GIVEN = {"axial": 5e3, "torsion": 20.0, "bending": (50.0, 30.0), "mass": 2.0, "polar": 0.1}
@@ -17,6 +23,10 @@ SETTINGS = {
     "held": {"interface": {"root": 1, "tip": 4}, "reference": "root"},
     "solid": {"interface": {"root": (1, 2, 3, 4), "tip": (17, 18, 19, 20)}},
 }
+STIFFENED = {
+    "stiffened": {"file": "stiff.npz", **SETTINGS["mean axes"], "modes": 2},
+    "standard": {"file": "stiff.sid", "interface": {"root": 1, "tip": 2}, "modes": 5},
+}
 FREE = ("T1", "T2", "T3", "R1", "R2", "R3")
 
 
@@ -26,6 +36,15 @@ def files(tmp_path_factory):
     frame = assembled(PLACES, MEMBERS, GIVEN)
     write_archive(frame, folder / "frame.npz")
     write_archive(lattice((5, 2, 2), 0.3, stiffness=3e3), folder / "solid.npz")
+    members = [Member(a + 1, b + 1, BeamElement(**GIVEN)) for a, b in MEMBERS]
+    for name, held in (("stiff", 0), ("held", 1)):
+        made = stiffened(frame, members, held, [1, 4, 5] if not held else [4, 5])
+        write_archive(made, folder / f"{name}.npz")
+    held = FlexibleBody(
+        "frame", body="hub", file=str(folder / "held.npz"), modes=2, nodes={"side": 5},
+        **SETTINGS["held"],
+    )  # fmt: skip
+    write_standard_input(held.component_modes, folder / "stiff.sid")
     return folder
 
 
@@ -38,6 +57,9 @@ def rider(name, parent, joints, **more):
 
 
 def flexible(files, model, **more):
+    if model in STIFFENED:
+        given = {**STIFFENED[model], "nodes": {"side": 5 if model == "stiffened" else 3}}
+        return FlexibleBody("frame", **{**given, "file": str(files / given["file"])}, **more)
     solid = model == "solid"
     file, side = ("solid.npz", 9) if solid else ("frame.npz", 5)
     return FlexibleBody(
@@ -63,7 +85,7 @@ def at_random(equations, seed):
     return np.concatenate([0.3 * rng.normal(size=count), rng.normal(size=count)])
 
 
-@pytest.mark.parametrize("model", SETTINGS)
+@pytest.mark.parametrize("model", [*SETTINGS, *STIFFENED])
 def test_lagrange(files, model):
     """d/dt ∂T/∂q̇ - ∂T/∂q + ∂V/∂q is the elastic force on deformations and zero on joints."""
     e = derive(carrying(files, model))
@@ -135,7 +157,7 @@ def test_a_free_body_keeps_momentum_and_energy(files, model):
     assert np.abs(np.array(slopes)).max() < 1e-13 * size * fastest
 
 
-@pytest.mark.parametrize("model", SETTINGS)
+@pytest.mark.parametrize("model", [*SETTINGS, *STIFFENED])
 def test_a_body_that_does_not_deform_is_a_rigid_one(files, model):
     """With no amplitudes and rates its energies are those of a rigid body, for any motion."""
     body = flexible(files, model, body="hub")

@@ -14,8 +14,8 @@ from vehicledyn.multibody.model.parts import Loads, Output, Wrench, outputs_of
 from vehicledyn.multibody.model.symbols import Symbols, locked
 from vehicledyn.multibody.model.system import System
 from vehicledyn.multibody.recursion import inertia
+from vehicledyn.multibody.recursion.flexible_inertia import deformable_energies
 from vehicledyn.multibody.recursion.newton_euler import inverse_dynamics
-from vehicledyn.multibody.recursion.point_inertia import deformable_energies
 from vehicledyn.symbolic import ops
 from vehicledyn.symbolic.equations import Channel
 from vehicledyn.symbolic.ops import Scalar, Vec

@@ -131,6 +131,11 @@ class Flexibility(ABC):
     def deflection(self, place: float, q: Sequence[Scalar]) -> Deflection:
         """Return where a point stands; ``place`` is its own coordinate in the body [1]."""
 
+    @property
+    def has_points(self) -> bool:
+        """Whether its slices have all of its inertia; one that has not gives its ``products``."""
+        return True
+
     @abstractmethod
     def slices(self, q: Sequence[Scalar]) -> list[Slice]:
         """Return the mass of the body as points."""
@@ -148,13 +153,23 @@ class Flexibility(ABC):
         """
         return None
 
+    @property
+    def second_order(self) -> NDArray[np.float64] | None:
+        """Integrals ∫ f Ψ_kl dm of 1, x, y and z, shape (n, n, 4, 3) [kg/m, kg]; None without.
+
+        With them points are at p = x + Σ φ_k q_k + ½ Σ Ψ_kl q_k q_l. What is of third order in the
+        amplitudes and their rates is left out of the kinetic energy, all else follows from it.
+        """
+        return None
+
     @abstractmethod
     def drawn(self, place: float) -> dict[str, Any]:
         """Return a point as plain data, whose numbers may be symbols.
 
         ``position`` (3), ``linear`` (3, n) and ``quadratic`` (3, n, n) give it at amplitudes q as
         position + linear q + qᵀ quadratic q, ``slopes`` (3, n) its rotation vector; or without
-        ``quadratic`` and with ``turns`` (3, n) the vector whose half are its Gibbs parameters.
+        ``quadratic`` and with ``turns`` (3, n) the vector whose half are its Gibbs parameters, and
+        with ``curved`` (3, n, n), if any, at position + linear q + ½ qᵀ curved q.
         """
 
 

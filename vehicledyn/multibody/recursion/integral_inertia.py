@@ -3,7 +3,9 @@
 A point stands at p = x + Σ φ_k q_k and accelerates by a + β p + 2 ω × ṗ + Σ φ_k q̈_k. Force, torque
 and forces on the coordinates are sums of products ∫ f g dm of the functions 1, x, y, z and the
 components of the φ_k, which are taken once: about a dozen operations for each pair of coordinates,
-however many points the body has (Shabana 2013, Dynamics of Multibody Systems, chapter 5).
+however many points the body has (Shabana 2013, Dynamics of Multibody Systems, chapter 5). Where the
+displacements have terms of second order, ½ Σ Ψ_kl q_k q_l, those of 1, x, y and z with the Ψ_kl are
+added, ∂p/∂q_k is φ_k + Σ Ψ_kl q_l, and products of Ψ with φ and Ψ, of higher order, are left out.
 """
 
 from __future__ import annotations
@@ -57,24 +59,81 @@ class IntegralInertia(DeformedInertia):
         return self._products[0, start : start + 3]
 
     @cached_property
+    def _second_order(self) -> Array | None:
+        found = self.body.second_order
+        if found is None:
+            return None
+        return np.where(np.abs(found) > _NEGLIGIBLE * np.abs(found).max(), found, 0.0)
+
+    @cached_property
+    def _grown(self) -> list[list[list[Scalar]]] | None:
+        """Σ ∫ f Ψ_kl dm q_l of each mode k, by the functions 1, x, y, z and the axis."""
+        second = self._second_order
+        if second is None:
+            return None
+        return [
+            [[_sum(second[k, :, f, i], self._q) for i in range(3)] for f in range(4)]
+            for k in self._count
+        ]
+
+    @cached_property
+    def _pushed(self) -> list[Vec]:
+        """∫ ∂p/∂q_k dm of each mode."""
+        found = [ops.vector(*self._first(k)) for k in self._count]
+        if self._grown is None:
+            return found
+        return [
+            first + ops.vector(*grown[0]) for first, grown in zip(found, self._grown, strict=True)
+        ]
+
+    @cached_property
     def _moment(self) -> Vec:
         """∫ p dm."""
-        return ops.vector(
+        found = ops.vector(
             *(
                 _sum([self._first(k)[i] for k in (-1, *self._count)], [1.0, *self._q])
                 for i in range(3)
             )
         )
+        for grown, q in zip(self._grown or (), self._q, strict=False):
+            found = found + 0.5 * q * ops.vector(*grown[0])
+        return found
 
     def _moved(self, factors: Sequence[Scalar]) -> Vec:
-        """Return Σ ∫ φ_k dm times a factor each."""
-        return ops.vector(
-            *(_sum([self._first(k)[i] for k in self._count], factors) for i in range(3))
-        )
+        """Return Σ ∫ ∂p/∂q_k dm times a factor each."""
+        if self._grown is None:
+            return ops.vector(
+                *(_sum([self._first(k)[i] for k in self._count], factors) for i in range(3))
+            )
+        found = ops.vector(0.0, 0.0, 0.0)
+        for pushed, factor in zip(self._pushed, factors, strict=True):
+            found = found + factor * pushed
+        return found
+
+    def _growth(self, rates: Sequence[Scalar]) -> tuple[Vec, Vec]:
+        """Return ∫ p̈ dm and ∫ x × p̈ dm at zero q̈."""
+        force = torque = ops.vector(0.0, 0.0, 0.0)
+        second = self._second_order
+        if second is not None:
+            for k, rate in enumerate(rates):
+                rows = [[_sum(second[k, :, f, i], rates) for i in range(3)] for f in range(4)]
+                force = force + rate * ops.vector(*rows[0])
+                torque = torque + rate * _axial(rows[1:])
+        return force, torque
 
     @cached_property
     def _with(self) -> list[list[list[Scalar]]]:
-        """∫ p φ_kᵀ dm of each mode, entries by row and column."""
+        """∫ p ∂p/∂q_kᵀ dm of each mode, entries by row and column."""
+        if self._grown is None:
+            return self._straight
+        return [
+            [[own[i][j] + grown[1 + i][j] for j in range(3)] for i in range(3)]
+            for own, grown in zip(self._straight, self._grown, strict=True)
+        ]
+
+    @cached_property
+    def _straight(self) -> list[list[list[Scalar]]]:
+        """∫ (x + Σ φ_l q_l) φ_kᵀ dm of each mode, entries by row and column."""
         factors = [1.0, *self._q]
         found = []
         for k in self._count:
@@ -86,7 +145,7 @@ class IntegralInertia(DeformedInertia):
 
     @cached_property
     def _second(self) -> Mat:
-        """∫ p pᵀ dm = ∫ p xᵀ dm + Σ q_k ∫ p φ_kᵀ dm."""
+        """∫ p pᵀ dm = ∫ p xᵀ dm + Σ q_k ∫ p φ_kᵀ dm, and ½ Σ q_k q_l ∫ (x Ψ_klᵀ + Ψ_kl xᵀ) dm."""
         factors = [1.0, *self._q]
         rows: list[list[Scalar]] = []
         for i in range(3):
@@ -97,7 +156,10 @@ class IntegralInertia(DeformedInertia):
                     continue
                 still = _sum([self._block(k, -1)[i, j] for k in (-1, *self._count)], factors)
                 for k in self._count:
-                    still = still + self._with[k][i][j] * self._q[k]
+                    still = still + self._straight[k][i][j] * self._q[k]
+                    if self._grown is not None:
+                        own = self._grown[k]
+                        still = still + 0.5 * self._q[k] * (own[1 + i][j] + own[1 + j][i])
                 row.append(still)
             rows.append(row)
         return rotations.matrix(rows)
@@ -119,7 +181,7 @@ class IntegralInertia(DeformedInertia):
     def unit_wrench(self, k: int) -> JointWrench:
         """Return what the frame must transmit for a unit acceleration of a coordinate."""
         own = ops.vector(*(self.body.turning.entry(i, 3 + k) for i in range(3)))
-        return JointWrench(ops.vector(*self._first(k)), _axial(self._with[k]) + own)
+        return JointWrench(self._pushed[k], _axial(self._with[k]) + own)
 
     def entry(self, k: int, other: int) -> Scalar:
         """Return the entry of the mass matrix between two coordinates of the deformation."""
@@ -138,6 +200,8 @@ class IntegralInertia(DeformedInertia):
         rates, second = k.amplitude_rates(link), k.amplitude_accelerations(link)
         force = self.body.mass * base + beta @ self._moment
         force = force + 2.0 * ops.cross(omega, self._moved(rates)) + self._moved(second)
+        grown = self._growth(rates)
+        force = force + grown[0]
         moving = [
             [_sum_of([w[i][j] for w in self._with], rates) for j in range(3)] for i in range(3)
         ]
@@ -150,7 +214,26 @@ class IntegralInertia(DeformedInertia):
         for index, value in enumerate(second):
             if not value.is_zero():
                 torque = torque + value * _axial(self._with[index])
-        return force, torque + self.turning_torque
+        return force, torque + grown[1] + self.turning_torque
+
+    def energies(self, gravity: Vec) -> tuple[Scalar, Scalar]:
+        """Return kinetic energy and potential energy in the gravity field [J]."""
+        k, link, rigid = self.kinematics, self.link, self.rigid
+        omega, base, rates = (
+            k.link_angular_velocity(link),
+            k.link_velocity(link),
+            k.amplitude_rates(link),
+        )
+        kinetic = 0.5 * self.body.mass * ops.dot(base, base)
+        kinetic = kinetic + ops.dot(base, ops.cross(omega, rigid.moment))
+        kinetic = kinetic + 0.5 * ops.dot(omega, rigid.matrix @ omega)
+        for index, rate in enumerate(rates):
+            unit = self.unit_wrench(index)
+            kinetic = kinetic + rate * (ops.dot(base, unit.force) + ops.dot(omega, unit.torque))
+            for other, factor in enumerate(rates):
+                kinetic = kinetic + 0.5 * rate * factor * self.entry(index, other)
+        centre = k.position_in(-1, link, (1.0 / self.body.mass) * rigid.moment)
+        return kinetic, -self.body.mass * ops.dot(gravity, centre)
 
     def forces(self) -> list[Scalar]:
         """Return the force on each coordinate of the deformation that the motion needs."""
@@ -161,6 +244,8 @@ class IntegralInertia(DeformedInertia):
         found = []
         for k in self._count:
             total = ops.scalar(_sum(self._first(k), [base[i] for i in range(3)]))
+            if self._grown is not None:
+                total = total + _sum_of(self._grown[k][0], [base[i] for i in range(3)])
             for i in range(3):
                 for j in range(3):
                     total = total + beta[j, i] * self._with[k][i][j]

@@ -126,7 +126,10 @@ def _deflected(
         )
         gibbs = np.column_stack([np.ones(len(q)), 0.5 * (q @ turns.T)])
         gibbs /= np.linalg.norm(gibbs, axis=1, keepdims=True)
-        return position + rotated(turned, at + q @ linear.T), multiplied(turned, gibbs)
+        moved = at + q @ linear.T
+        if "curved" in point:
+            moved += 0.5 * np.einsum("ni,aij,nj->na", q, np.array(point["curved"], dtype=float), q)
+        return position + rotated(turned, moved), multiplied(turned, gibbs)
     place, linear, quadratic, slopes = (
         np.array(point[word], dtype=float) for word in ("position", "linear", "quadratic", "slopes")
     )
@@ -201,6 +204,11 @@ def _point(station: Station, fixed: set[str]) -> dict[str, Any]:
     rows: dict[str, Any] = {word: [[row[k] for k in kept] for row in drawn[word]] for word in words}
     if "turns" in drawn:
         own = [names[k] for k in kept]
+        if "curved" in drawn:
+            rows["curved"] = [
+                [[row[j] for j in kept] for row in (axis[i] for i in kept)]
+                for axis in drawn["curved"]
+            ]
         return {"names": own, "position": drawn["position"], **rows}
     quadratic = [[drawn["quadratic"][i][j] for j in kept] for i in kept]
     own = [names[k] for k in kept]

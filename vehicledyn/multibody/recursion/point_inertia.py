@@ -11,8 +11,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import cached_property
 
-from vehicledyn.multibody.model.bodies import Body
-from vehicledyn.multibody.model.deformation import Slice
+from vehicledyn.multibody.model.deformation import Flexibility, Slice
 from vehicledyn.multibody.model.joint_wrench import JointWrench
 from vehicledyn.multibody.model.kinematics import Kinematics
 from vehicledyn.multibody.model.link_motion import components
@@ -147,12 +146,10 @@ class PointInertia(DeformedInertia):
         return found
 
 
-def deformable_energies(kinematics: Kinematics, body: Body, gravity: Vec) -> tuple[Scalar, Scalar]:
-    """Return kinetic energy and potential energy in the gravity field of a deformable body [J]."""
-    flexibility = body.flexibility
-    if flexibility is None:
-        raise ValueError(f"body '{body.name}' does not deform")
-    link = kinematics.tree.body_link[body.name]
+def energies_of_points(
+    kinematics: Kinematics, link: int, flexibility: Flexibility, gravity: Vec
+) -> tuple[Scalar, Scalar]:
+    """Return kinetic energy and potential energy in the gravity field of points [J]."""
     omega, base = kinematics.link_angular_velocity(link), kinematics.link_velocity(link)
     motions = kinematics.slice_motions(link)
     kinetic = height = ops.scalar(0.0)

@@ -23,6 +23,7 @@ from vehicledyn.multibody.bodies.finite_elements.reduction import ComponentModes
 
 Array = NDArray[np.float64]
 _ROUNDING = 1e-13
+_UNLIKE = 1e-12
 _FIRST = 4
 """Place of the first component of a mode among the functions 1, x, y, z, φ_1x, φ_1y, ..."""
 
@@ -37,10 +38,14 @@ class InertiaIntegrals:
         ∫ f g dm, shape (4 + 3 n, 4 + 3 n) [kg, kg m, ...].
     turning
         What the kinetic energy ½ (ω, q̇)ᵀ T (ω, q̇) has beyond that, shape (3 + n, 3 + n).
+    second
+        ∫ f Ψ_kl dm of 1, x, y and z with the second derivatives Ψ_kl of the displacements, which
+        are those of geometric stiffening, shape (n, n, 4, 3); None without.
     """
 
     products: Array
     turning: Array
+    second: Array | None = None
 
     @property
     def mass(self) -> float:
@@ -51,6 +56,21 @@ class InertiaIntegrals:
     def count(self) -> int:
         """Number of modes."""
         return (len(self.products) - _FIRST) // 3
+
+    def lowest(self, count: int) -> InertiaIntegrals:
+        """Return the integrals with the first modes alone."""
+        size, turned = _FIRST + 3 * count, 3 + count
+        second = None if self.second is None else self.second[:count, :count]
+        return InertiaIntegrals(self.products[:size, :size], self.turning[:turned, :turned], second)
+
+    @property
+    def are_of_points(self) -> bool:
+        """Whether points of positive mass have the products.
+
+        Data that take the inertia of sections for that of points may have some that none have.
+        """
+        sizes = np.linalg.eigvalsh(self.products)
+        return bool(sizes[0] > -_UNLIKE * sizes[-1])
 
     @cached_property
     def points(self) -> Array:
@@ -84,9 +104,14 @@ def inertia_integrals(modes: ComponentModes) -> InertiaIntegrals:
     motions = np.column_stack([rigid_motions(places[node_of], model.rows), modes.shapes])
     exact = motions.T @ (model.mass @ motions)
     products = _shifted(products, _first_moments(exact))
-    turning = exact[3:, 3:] - _at_rest(products)
-    turning[np.abs(turning) < _ROUNDING * np.sqrt(_sizes(exact[3:, 3:]))] = 0.0
-    return InertiaIntegrals(products, 0.5 * (turning + turning.T))
+    return InertiaIntegrals(products, beyond(exact[3:, 3:], products))
+
+
+def beyond(exact: Array, products: Array) -> Array:
+    """Return what a matrix of (ω, q̇) without deformation holds beyond the products."""
+    turning = exact - at_rest(products)
+    turning[np.abs(turning) < _ROUNDING * np.sqrt(_sizes(exact))] = 0.0
+    return np.asarray(0.5 * (turning + turning.T))
 
 
 def _first_moments(exact: Array) -> Array:
@@ -108,7 +133,7 @@ def _shifted(products: Array, moments: Array) -> Array:
     return np.asarray(found + products[0, 0] * np.outer(shift, shift))
 
 
-def _at_rest(products: Array) -> Array:
+def at_rest(products: Array) -> Array:
     """Return the matrix of (ω, q̇) in the kinetic energy without deformation."""
     count = (len(products) - _FIRST) // 3
     moved = np.zeros((3, 3 + count, len(products)))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
@@ -29,6 +29,26 @@ _RESISTED = 1e-6
 
 
 @dataclass(frozen=True, eq=False)
+class GeometricStiffness:
+    """Stiffness that unit loads give a structure by the stresses they cause in it.
+
+    Parameters
+    ----------
+    held
+        Number of the node that held the structure while it was loaded; 0 where the loads were
+        balanced by the mass of the rigid body, so that nothing held it.
+    matrices
+        Matrix of each load in compressed rows, (n_rows, n_rows), by its name:
+        ``acceleration_x`` for the inertia forces of a unit acceleration along x [kg/m],
+        ``inertia_y_x`` for those of an acceleration along x that grows with y [kg], both about the
+        origin; ``force_7_x`` for a unit force on node 7 along x [1/m].
+    """
+
+    held: int
+    matrices: Mapping[str, Sparse]
+
+
+@dataclass(frozen=True, eq=False)
 class FiniteElements:
     """Mass, stiffness and damping matrices of a free structure, in SI units.
 
@@ -47,6 +67,8 @@ class FiniteElements:
         Matrices, sparse or not, shape (n_rows, n_rows); ``damping`` may be None.
     lines
         Where in the source each row is written, for messages; empty where that says nothing.
+    geometric
+        Geometric stiffness under unit loads; None where axial forces do not stiffen the structure.
 
     Raises
     ------
@@ -62,6 +84,7 @@ class FiniteElements:
     stiffness: Sparse
     damping: Sparse | None = None
     lines: Sequence[str] = field(default=())
+    geometric: GeometricStiffness | None = None
 
     def __post_init__(self) -> None:
         """Bring the matrices into compressed rows and refuse what no structure has."""
@@ -71,6 +94,9 @@ class FiniteElements:
             given = getattr(self, name)
             if given is not None:
                 object.__setattr__(self, name, csr_matrix(given, dtype=float))
+        if self.geometric is not None:
+            own = {n: csr_matrix(m, dtype=float) for n, m in self.geometric.matrices.items()}
+            object.__setattr__(self, "geometric", GeometricStiffness(self.geometric.held, own))
         for stage in (self._wrong_rows, self._wrong_matrices, self._wrong_body):
             found = stage()
             if found:
@@ -98,9 +124,8 @@ class FiniteElements:
 
     def _wrong_rows(self) -> list[str]:
         count, found = len(self.rows), []
-        for name in ("mass", "stiffness", "damping"):
-            matrix = getattr(self, name)
-            if matrix is not None and matrix.shape != (count, count):
+        for name, matrix in self._matrices.items():
+            if matrix.shape != (count, count):
                 words = f"{name}: has the shape {matrix.shape}, the nodes have {count} directions"
                 found.append(f"{words}; give as many rows as directions, or name these in 'dofs'")
         twice = sorted({int(n) for n in self.numbers if (self.numbers == n).sum() > 1})
@@ -140,12 +165,16 @@ class FiniteElements:
             )
         return found
 
+    @cached_property
+    def _matrices(self) -> dict[str, Sparse]:
+        named = {name: getattr(self, name) for name in ("mass", "stiffness", "damping")}
+        if self.geometric is not None:
+            named |= {f"geometric_{name}": m for name, m in self.geometric.matrices.items()}
+        return {name: matrix for name, matrix in named.items() if matrix is not None}
+
     def _wrong_matrices(self) -> list[str]:
         found = []
-        for name in ("mass", "stiffness", "damping"):
-            matrix = getattr(self, name)
-            if matrix is None:
-                continue
+        for name, matrix in self._matrices.items():
             if not np.isfinite(matrix.data).all():
                 found.append(f"{name}: has an entry that is no finite number")
                 continue
@@ -161,6 +190,8 @@ class FiniteElements:
                     f"{name}: is not symmetric: entry ({i + 1}, {j + 1}) is {matrix[i, j]:.6g} and "
                     f"({j + 1}, {i + 1}) is {matrix[j, i]:.6g}; give the whole matrix, both halves"
                 )
+                continue
+            if name.startswith("geometric_"):
                 continue
             if not size and name != "damping":
                 found.append(f"{name}: is zero; give the matrix of the structure")

@@ -11,6 +11,7 @@ rows ``mass_data``, ``mass_indices`` and ``mass_indptr``. Or each is a file of i
 from __future__ import annotations
 
 import io
+import re
 import struct
 import zipfile
 import zlib
@@ -23,13 +24,20 @@ from numpy.typing import NDArray
 
 from vehicledyn.base.errors import InputError
 from vehicledyn.base.files.limits import UnreadableFileError, read_regular
-from vehicledyn.multibody.bodies.finite_elements.model import FiniteElements, Sparse, all_rows
+from vehicledyn.multibody.bodies.finite_elements.model import (
+    FiniteElements,
+    GeometricStiffness,
+    Sparse,
+    all_rows,
+)
 
 Array = NDArray[np.float64]
 _LARGEST = 2_000_000_000
 _LARGEST_TABLE = 200_000_000
 _MATRICES = ("mass", "stiffness", "damping")
 _PARTS = ("data", "indices", "indptr")
+_GEOMETRIC = "geometric_"
+_HELD = "geometric_held"
 _UNREADABLE = (
     ValueError, TypeError, KeyError, AttributeError, OSError, EOFError, OverflowError, MemoryError,
     SyntaxError, NotImplementedError, RuntimeError, struct.error, zlib.error, zipfile.BadZipFile,
@@ -48,7 +56,7 @@ def read_archive(path: Path) -> FiniteElements:
     arrays = _arrays(path)
     known = {"nodes", "numbers", "dofs", *_MATRICES}
     known |= {f"{name}_{part}" for name in _MATRICES for part in _PARTS}
-    unknown = sorted(arrays.keys() - known)
+    unknown = sorted(name for name in arrays.keys() - known if not name.startswith(_GEOMETRIC))
     if unknown:
         words = f"{path}: has an array '{unknown[0]}' that says nothing to this program"
         raise InputError(f"{words}; known are {', '.join(sorted(known))}")
@@ -66,7 +74,25 @@ def read_archive(path: Path) -> FiniteElements:
     rows = None
     if "dofs" in arrays:
         rows = _whole(_of_width(arrays["dofs"], 2, f"{path}: dofs"), f"{path}: dofs")
-    return _model(str(path), (numbers, places), rows, matrices)
+    geometric = _geometric(arrays, path)
+    return _model(str(path), (numbers, places), rows, matrices, geometric=geometric)
+
+
+def _geometric(arrays: Mapping[str, Any], path: Path) -> GeometricStiffness | None:
+    """Return the geometric stiffness under each load, None where the archive has none."""
+    names = {name for name in arrays if name.startswith(_GEOMETRIC)} - {_HELD}
+    if not names:
+        return None
+    loads = {name.removeprefix(_GEOMETRIC) for name in names}
+    loads = {re.sub(r"_(data|indices|indptr)$", "", load) for load in loads}
+    found = {load: _matrix_in(arrays, f"{_GEOMETRIC}{load}", path) for load in sorted(loads)}
+    broken = [load for load, matrix in found.items() if matrix is None]
+    if broken:
+        raise InputError(f"{path}: {_GEOMETRIC}{broken[0]}: is no whole matrix")
+    held = _whole(arrays.get(_HELD, 0), f"{path}: {_HELD}").ravel()
+    if len(held) != 1:
+        raise InputError(f"{path}: {_HELD}: give the number of one node, or 0")
+    return GeometricStiffness(int(held[0]), found)
 
 
 def read_matrices(files: Mapping[str, Path]) -> FiniteElements:
@@ -89,7 +115,7 @@ def read_matrices(files: Mapping[str, Path]) -> FiniteElements:
     kept = None if rows is None else _whole(rows, str(files["dofs"]))
     source = str(files["stiffness"])
     nodes = _whole(table[:, 0], f"{files['nodes']}: numbers of the nodes"), table[:, 1:]
-    return _model(source, nodes, kept, matrices, lines)
+    return _model(source, nodes, kept, matrices, lines=lines)
 
 
 def read_matrix(path: Path) -> Sparse:
@@ -123,6 +149,10 @@ def write_archive(model: FiniteElements, path: Path) -> None:
         matrix = getattr(model, name)
         if matrix is not None:
             arrays |= {f"{name}_{part}": getattr(matrix, part) for part in _PARTS}
+    if model.geometric is not None:
+        arrays[_HELD] = model.geometric.held
+        for load, matrix in model.geometric.matrices.items():
+            arrays |= {f"{_GEOMETRIC}{load}_{part}": getattr(matrix, part) for part in _PARTS}
     np.savez_compressed(path, **arrays)
 
 
@@ -131,7 +161,7 @@ def _model(
     nodes: tuple[NDArray[np.int64], Array],
     rows: NDArray[np.int64] | None,
     matrices: Mapping[str, Sparse | None],
-    lines: list[str] | None = None,
+    **more: Any,
 ) -> FiniteElements:
     (numbers, places), mass, stiffness = nodes, matrices["mass"], matrices["stiffness"]
     if rows is None:
@@ -139,9 +169,8 @@ def _model(
             rows = all_rows(numbers, stiffness.shape[0])  # type: ignore[union-attr]
         except InputError as error:
             raise InputError(f"{source}: {error}") from None
-    return FiniteElements(
-        source, numbers, places, rows, mass, stiffness, matrices["damping"], lines or ()
-    )
+    damping = matrices["damping"]
+    return FiniteElements(source, numbers, places, rows, mass, stiffness, damping, **more)
 
 
 def _content() -> str:

@@ -1,7 +1,8 @@
 """A body of the tree whose deformation are component modes of finite elements.
 
-Points are displaced to first order in the amplitudes, so that axial forces do not stiffen bending;
-a frame turns by the rotation whose Gibbs parameters are half the rotation vector of its node.
+Points are displaced to first order in the amplitudes, or to second order where geometric stiffness
+is known, so that axial forces stiffen bending; a frame turns by the rotation whose Gibbs parameters
+are half the rotation vector of its node.
 """
 
 from __future__ import annotations
@@ -15,11 +16,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vehicledyn.base.errors import InputError
-from vehicledyn.multibody.bodies.finite_elements.integrals import (
-    InertiaIntegrals,
-    inertia_integrals,
-)
-from vehicledyn.multibody.bodies.finite_elements.reduction import ComponentModes
+from vehicledyn.multibody.bodies.finite_elements.integrals import InertiaIntegrals
+from vehicledyn.multibody.bodies.finite_elements.reduced_modes import ReducedModes
 from vehicledyn.multibody.model.deformation import (
     Columns,
     Deflection,
@@ -39,12 +37,12 @@ class ReducedBody(Flexibility):
     """Component modes as a deformable body; its places are those of the frames, 0, 1, 2, ..."""
 
     name: str
-    modes: ComponentModes
+    modes: ReducedModes
 
-    @cached_property
+    @property
     def integrals(self) -> InertiaIntegrals:
         """Inertia integrals about the frame of the body."""
-        return inertia_integrals(self.modes)
+        return self.modes.integrals
 
     @cached_property
     def coordinates(self) -> tuple[str, ...]:
@@ -84,9 +82,21 @@ class ReducedBody(Flexibility):
     def products(self) -> Array | None:
         """Inertia integrals; None where few points that have them take fewer operations."""
         products, modes = self.integrals.products, len(self.coordinates)
+        if not self.has_points:
+            return products
         entries = np.count_nonzero(_cleaned(products))
         by_points = len(self.integrals.points) * (15 * modes + 40)
         return products if by_points > 1.4 * entries + 60 * modes + 150 else None
+
+    @cached_property
+    def has_points(self) -> bool:
+        """Whether its slices have all of its inertia, which axial forces do not stiffen then."""
+        return self.integrals.second is None and self.integrals.are_of_points
+
+    @property
+    def second_order(self) -> Array | None:
+        """Integrals of the displacements of second order."""
+        return self.integrals.second
 
     def slices(self, q: Sequence[Scalar]) -> list[Slice]:
         """Return points of equal mass that have the inertia integrals of the body."""
@@ -104,6 +114,11 @@ class ReducedBody(Flexibility):
         """Return where a frame stands; one whose node has no rotations keeps those of the body."""
         at, linear, angular = self._frame(place)
         position, columns = _moved(at, linear, q)
+        if (curved := self._curved(place)) is not None:
+            grown = [_sum(curved[:, k], q) for k in range(len(q))]
+            for k, column in enumerate(grown):
+                position = position + 0.5 * q[k] * column
+                columns = {**columns, k: columns[k] + column if k in columns else column}
         if angular is None or not angular.any():
             return Deflection(position, rotations.identity(), columns, {})
         rotation, spin = _turned(_sum(angular, q))
@@ -113,6 +128,10 @@ class ReducedBody(Flexibility):
     def _frame(self, place: float) -> tuple[Array, Array, Array | None]:
         at, linear, angular = list(self.modes.frames.values())[int(place)]
         return at, _cleaned(linear), None if angular is None else _cleaned(angular)
+
+    def _curved(self, place: float) -> Array | None:
+        found = self.modes.curved.get(list(self.modes.frames)[int(place)])
+        return None if found is None or not found.any() else _cleaned(found)
 
     @cached_property
     def stiffness(self) -> Array:
@@ -151,7 +170,9 @@ class ReducedBody(Flexibility):
         """Return a frame as plain data."""
         at, linear, angular = self._frame(place)
         turns = np.zeros_like(linear) if angular is None else angular
-        return {"position": at.tolist(), "linear": linear.tolist(), "turns": turns.tolist()}
+        found = {"position": at.tolist(), "linear": linear.tolist(), "turns": turns.tolist()}
+        curved = self._curved(place)
+        return found if curved is None else {**found, "curved": curved.tolist()}
 
     def place_of(self, name: str) -> float:
         """Return the place of a frame.

@@ -35,6 +35,7 @@ from vehicledyn.multibody.bodies.finite_elements.model import (
 )
 
 Array = NDArray[np.float64]
+PIECE = -1
 _DENSE = 600
 """Size up to which eigenvalues are those of full matrices."""
 _MASSLESS = 1e-12
@@ -62,6 +63,10 @@ class ComponentModes:
         interface and kept node by name; no rotation where its node has none.
     origin
         Where the frame of the body is in the axes of the model [m].
+    nodes
+        Number of the node of each frame by its name, ``PIECE`` for several.
+    held_node
+        The same of the interface that holds the body, 0 where none does.
     """
 
     model: FiniteElements
@@ -71,6 +76,8 @@ class ComponentModes:
     damping: Array
     frames: dict[str, tuple[Array, Array, Array | None]]
     origin: Array
+    nodes: Mapping[str, int]
+    held_node: int = 0
 
 
 def component_modes(
@@ -141,7 +148,23 @@ def component_modes(
     origin = np.zeros(3) if reference is None else whole.interfaces[reference].place
     frames = _frames(whole, amplitudes, shapes, origin, kept or {})
     frequencies = np.sqrt(squares[chosen])
-    return ComponentModes(model, shapes, frequencies, total, damping, frames, origin)
+    nodes = {name: _node(given) for name, given in interface.items()}
+    return ComponentModes(
+        model,
+        shapes,
+        frequencies,
+        total,
+        damping,
+        frames,
+        origin,
+        nodes | dict(kept or {}),
+        0 if reference is None else nodes[reference],
+    )
+
+
+def _node(given: Nodes) -> int:
+    items = [given] if isinstance(given, int) else list(given)
+    return items[0] if len(items) == 1 else PIECE
 
 
 def _held(whole: JoinedModel, reference: str | None) -> Interface | None:

@@ -14,9 +14,13 @@ from vehicledyn.base.errors import InputError
 from vehicledyn.base.registry import register
 from vehicledyn.base.shapes import Anchor, Shape, Tube
 from vehicledyn.multibody.bodies.finite_elements.interfaces import Motion
-from vehicledyn.multibody.bodies.finite_elements.kept_models import model_of, modes_of
+from vehicledyn.multibody.bodies.finite_elements.kept_models import (
+    model_of,
+    modes_of,
+    standard_modes_of,
+)
 from vehicledyn.multibody.bodies.finite_elements.reduced_body import ReducedBody
-from vehicledyn.multibody.bodies.finite_elements.reduction import ComponentModes
+from vehicledyn.multibody.bodies.finite_elements.reduced_modes import ReducedModes
 from vehicledyn.multibody.joints.deformation import DEFORMATION
 from vehicledyn.multibody.model.bodies import Body, Joint, Turn
 from vehicledyn.multibody.model.declaration import (
@@ -55,8 +59,9 @@ class FlexibleBody(BasePart):
     """A deformable body from the mass and stiffness matrices of a free finite-element structure.
 
     Its deformation are component modes (Craig, Bampton): static shapes of the interfaces and normal
-    modes of the structure held there. Other bodies, forces, wheels, sensors and cuts take hold of
-    its frames, `<name>.<interface>` and `<name>.<node>`.
+    modes of the structure held there; or those of a file of standard input data. Other bodies,
+    forces, wheels, sensors and cuts take hold of its frames, `<name>.<interface>` and
+    `<name>.<node>`.
     """
 
     has_no_mirror_image: ClassVar[bool] = True
@@ -73,7 +78,11 @@ class FlexibleBody(BasePart):
     upwards: Sequence[Scalar] = vector(
         "1", "A direction in the plane of their x and z axes", default=(0.0, 0.0, 1.0)
     )
-    file: str | None = file_name("Archive of NumPy (.npz) with nodes and matrices", default=None)
+    file: str | None = file_name(
+        "Archive of NumPy (.npz) with nodes and matrices, or standard input data of a body that is "
+        "reduced already (.SID_FEM, .sid)",
+        default=None,
+    )
     matrices: Matrices | None = group("Files of nodes and matrices, in place of one", default=None)
     interface: dict[str, int | tuple[int, ...]] = choice(
         "Node that others take hold of, by the name of the interface, or nodes that a rigid piece "
@@ -83,7 +92,12 @@ class FlexibleBody(BasePart):
         "Whether interfaces take forces and moments, or forces alone, with half the coordinates",
         default="all",
     )
-    modes: int = choice("Normal modes of the structure held at its interfaces", least=0)
+    modes: int | None = choice(
+        "Normal modes of the structure held at its interfaces; of standard input data the slowest "
+        "modes to take, all without it",
+        default=None,
+        least=0,
+    )
     reference: str | None = choice(
         "Interface at which the body is clamped to what carries it; without one the frame is the "
         "mean of its axes and the body moves as the joints of what carries it let it",
@@ -109,26 +123,45 @@ class FlexibleBody(BasePart):
         if (self.file is None) == (self.matrices is None):
             found = "neither" if self.file is None else "both"
             raise InputError(f"file: give an archive or matrices, not {found}")
+        if self._is_standard:
+            for name in ("reference", "interface_motion"):
+                if getattr(self, name) not in (None, "all"):
+                    words = "is for matrices; standard input data are reduced and have their frame"
+                    raise InputError(f"{name}: {words}")
+            pieces = [n for n, nodes in self.interface.items() if not isinstance(nodes, int)]
+            if pieces:
+                words = "give one node; standard input data cannot be joined any more"
+                raise InputError(f"interface.{pieces[0]}: {words}")
+        elif self.modes is None:
+            raise InputError("modes: is missing; say how many normal modes the body takes")
         if not self.interface:
             raise InputError("interface: names no node; give those that others take hold of")
         if any(ratio < 0.0 for ratio in self.damping_ratios):
             raise InputError("damping_ratios: a ratio is negative; damping takes energy away")
 
+    @property
+    def _is_standard(self) -> bool:
+        return self.file is not None and Path(str(self.file)).suffix.lower().startswith(".sid")
+
     @cached_property
-    def component_modes(self) -> ComponentModes:
-        """Component modes of the structure.
+    def component_modes(self) -> ReducedModes:
+        """Modes of the structure, its frames and inertia integrals.
 
         Raises
         ------
         InputError
             If the files cannot be read, or the structure cannot be reduced as asked.
         """
+        drawn = sorted({node for line in self.lines for node in line})
+        kept = dict(self.nodes or {})
+        lines = {f"node_{n}": n for n in drawn}
+        if self._is_standard:
+            return self._standard_modes(kept, lines)
         try:
             model = model_of(self._files)
         except InputError as error:
             raise InputError(f"{'matrices' if self.file is None else 'file'}: {error}") from None
-        drawn = {node for line in self.lines for node in line}
-        lost = sorted(drawn - model.index.keys())
+        lost = [node for node in drawn if node not in model.index]
         if lost:
             raise InputError(
                 f"lines: {model.source} has no node {lost[0]}; name nodes of the model"
@@ -139,10 +172,27 @@ class FlexibleBody(BasePart):
             interface=dict(self.interface),
             modes=self.modes,
             reference=self.reference,
-            kept={**(self.nodes or {}), **{f"node_{n}": n for n in sorted(drawn)}},
+            kept={**kept, **lines},
             motion=self.interface_motion,
             highest=None if highest is None else 2.0 * math.pi * highest,
         )
+
+    def _standard_modes(self, kept: dict[str, int], lines: dict[str, int]) -> ReducedModes:
+        """Return the modes of standard input data that are wanted."""
+        interface = {n: node for n, node in self.interface.items() if isinstance(node, int)}
+        frames = {"interface": interface, "nodes": kept, "lines": lines}
+        found = standard_modes_of(Path(str(self.file)), frames)
+        count = len(found.frequencies)
+        if self.modes is not None and not 0 < self.modes <= count:
+            raise InputError(f"modes: the body has {count}; give 1 to {count}, or leave it out")
+        wanted = count if self.modes is None else self.modes
+        if self.highest_frequency is not None:
+            limit = 2.0 * math.pi * self.highest_frequency
+            wanted = min(wanted, int((found.frequencies <= limit).sum()))
+        if not wanted:
+            lowest = found.frequencies[0] / (2.0 * math.pi)
+            raise InputError(f"highest_frequency: is below the lowest of the body, {lowest:.4g} Hz")
+        return found.lowest(wanted)
 
     @property
     def _files(self) -> dict[str, Path]:
