@@ -171,9 +171,12 @@ def _placed(at: Array, members: Sequence[Member]) -> Placed:
     for member in members:
         along = at[member.second - 1] - at[member.first - 1]
         length = float(np.linalg.norm(along))
-        turn = np.kron(np.eye(4), _axes(along / length, np.asarray(member.upwards, dtype=float)))
+        turn = np.asarray(
+            np.kron(np.eye(4), _axes(along / length, np.asarray(member.upwards, dtype=float))),
+            dtype=np.float64,
+        )
         own = np.concatenate([np.arange(6 * n - 6, 6 * n) for n in (member.first, member.second)])
-        found.append((member, (length, turn, own)))
+        found.append((member, (length, np.asarray(turn), own)))
     return found
 
 
