@@ -83,6 +83,25 @@ def test_the_least_effort_is_a_straight_line(tmp_path):
 
 
 @pytest.mark.long
+def test_the_smoothest_force_has_the_least_jerk(tmp_path):
+    """∫(u'/r)² from rest to rest without force at the ends is 720 m² d² / T⁵ r², u a cubic.
+
+    The force is straight within an interval: above that by some 5 / n² of it, which is the
+    best that steps of its rate can do.
+    """
+    text = PUSH.replace("minimise: time", "minimise: smoothness\nstart: {push: 0}")
+    text = text.replace("duration: {from: 0.5 s, to: 10 s}", "duration: 3 s\nrefinements: 0")
+    text = text.replace("rate: 0}", "rate: 0, push: 0}").replace("to: 4 N", "to: 4 N, rate: 9 N/s")
+    text = text.replace("intervals: 10", "intervals: 40")
+    found = vd.optimise_manoeuvre(study(tmp_path, text))
+    least = 720.0 * 4.0 / 3.0**5 / 81.0
+    assert 1.0 < found.attributes["objective"] / least < 1.0 + 6.0 / 40.0**2
+    part = found["time"].values / 3.0
+    force = 2.0 * (60.0 * part - 180.0 * part**2 + 120.0 * part**3) / 9.0
+    assert found["control_value"].values[:, 0] == pytest.approx(force, abs=9e-3)  # h² u'' / 6
+
+
+@pytest.mark.long
 def test_the_energy_between_rests_is_that_lost(tmp_path):
     """Without friction the work of the force between two rests is zero, at a limit of the rate."""
     text = PUSH.replace("minimise: time", "minimise: {energy: 1, effort: 1e-3, time: 1}")

@@ -69,7 +69,10 @@ class PointQuantities:
         self.channels = sorted({leaf.index for leaf in leaves if leaf.kind == "channel"})
 
     def value(self, item: Expression, at: dict[str, Any]) -> Any:
-        """Return an expression at a point: "state", "unknown", "channel", "control", "path"."""
+        """Return an expression at a point: "state", "unknown", "channel", "control", "path".
+
+        "all" are the controls with their rates and accelerations.
+        """
         if item.kind == "square":
             return sum(self.value(part, at) ** 2 for part in item.parts)
         index = self.channels.index(item.index) if item.kind == "channel" else item.index
@@ -83,6 +86,12 @@ class PointQuantities:
             if what[0] == "effort":
                 parts = [(at["control"][k] / c.size) ** 2 for k, c in enumerate(controls)]
                 total += weight * sum(parts)
+            elif what[0] == "smoothness":
+                total += weight * sum(
+                    (at["all"][c.order * len(controls) + k] / c.highest) ** 2
+                    for k, c in enumerate(controls)
+                    if c.order
+                )
             elif what[0] == "power":
                 total += weight * what[3] * at["control"][what[1]] * at["state"][what[2]]
             elif what[0] == "integral":

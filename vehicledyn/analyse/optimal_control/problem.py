@@ -43,6 +43,12 @@ class Control:
         finite = [abs(v) for v in (self.low, self.high) if np.isfinite(v) and v]
         return max(finite, default=1.0)
 
+    @property
+    def highest(self) -> float:
+        """What its highest derivative is measured by: its bound, else its size over a second."""
+        bound = {RAMP: self.rate, BEND: self.acceleration}.get(self.order, np.inf)
+        return bound if np.isfinite(bound) else self.size
+
 
 @dataclass(frozen=True)
 class Expression:
@@ -90,7 +96,8 @@ class ControlProblem:
     ``parameters`` (n_p,) are the model's values; ``duration`` bounds the final time; ``start`` and
     ``end`` bound the states (n_x, 2) there; ``limits`` hold everywhere, ``final`` at the end;
     ``growth`` maps states of a periodic motion to what they gain in a cycle. ``terms`` are pairs
-    (weight, what) of the objective: what is ("time",), ("effort",), ("power", control, state),
+    (weight, what) of the objective: what is ("time",), ("effort",), ("smoothness",), the squares of
+    the highest derivatives that controls have, ("power", control, state),
     ("integral", expression), ("square", expression) or ("final", expression).
     """
 

@@ -253,6 +253,7 @@ class Program:
             "unknown": z,
             "channel": shown,
             "control": w[: len(p.controls)],
+            "all": w,
             "path": casadi.MX(0, 1),
         }
         sides = casadi.MX(0, 1)

@@ -85,7 +85,7 @@ class Names:
 
         ``powers`` are those of the controls that are forces.
         """
-        if name in ("time", "effort"):
+        if name in ("time", "effort", "smoothness"):
             return [(weight, (name,))]
         if name == "energy":
             if not powers:
@@ -97,8 +97,8 @@ class Names:
         match = _CALL.match(name)
         if match is None:
             raise InputError(
-                f"minimise: '{name}' is unknown; write time, effort, energy, integral(NAME), "
-                "integral_of_square(NAME) or final(NAME)"
+                f"minimise: '{name}' is unknown; write time, effort, smoothness, energy, "
+                "integral(NAME), integral_of_square(NAME) or final(NAME)"
             )
         word = "square" if match[1] == "integral_of_square" else match[1]
         return [(weight, (word, self.find(match[2])[0]))]
