@@ -1,11 +1,15 @@
 """Runs the program on one hostile input in a forked child, and says what it must never do.
 
 The parent has everything imported, so a case costs no start. Limits of the child make sure that
-no case outlives its ten seconds of processor time, hangs or fills the memory.
+no case outlives its ten seconds of processor time, hangs or fills the memory. Campaigns run several
+cases in a child, as forking and copying pages costs as much as a small case; what goes wrong in
+company is run again alone, and that counts.
 """
 
 import contextlib
 import faulthandler
+import math
+import multiprocessing
 import os
 import re
 import resource
@@ -24,6 +28,7 @@ MOST_MEMORY = 1 << 30
 MOST_TEXT = 200_000
 CODES = {0, 1, 2, 3, 4, 5}
 _ADDRESS_SPACE = 6 << 30
+_TOGETHER = 16  # cases of a child
 _ESCAPED = 99
 
 
@@ -52,7 +57,12 @@ class Outcome:
 
 
 def run(case, keep=None):
-    """Run a case in a folder of its own and return what became of it."""
+    """Run a case in a folder of its own, in company, and return what became of it."""
+    return _COMPANY.run(case, keep)
+
+
+def run_alone(case, keep=None):
+    """Run a case in a folder and a child of its own and return what became of it."""
     folder = Path(tempfile.mkdtemp(prefix="hostile-"))
     try:
         write(case.files, folder)
@@ -65,6 +75,104 @@ def run(case, keep=None):
         return outcome
     finally:
         shutil.rmtree(folder, ignore_errors=True)
+
+
+class Company:
+    """A child that runs case after case, replaced where one ends it and after some cases."""
+
+    def __init__(self):
+        self._child = None
+        self._cases = 0
+
+    def run(self, case, keep=None):
+        """Run a case and return what became of it, alone where that is a fault."""
+        place = Path(tempfile.mkdtemp(prefix="hostile-"))
+        folder = place / "case"
+        try:
+            folder.mkdir()
+            write(case.files, folder)
+            before = _listed(folder)
+            outcome = self._outcome(case, folder, place / "output")
+            outcome.left = sorted(_listed(folder) - before)
+            if not any(_faults(outcome, folder)):
+                return outcome
+        finally:
+            shutil.rmtree(place, ignore_errors=True)
+        self.end()
+        return run_alone(case, keep)
+
+    def end(self):
+        """Let the child end."""
+        if self._child is None:
+            return None
+        number, ours = self._child
+        self._child, self._cases = None, 0
+        ours.close()
+        _, status = os.waitpid(number, 0)
+        with contextlib.suppress(ProcessLookupError):
+            os.killpg(number, signal.SIGKILL)
+        return status
+
+    def _outcome(self, case, folder, output):
+        if self._child is None:
+            self._child = self._begin()
+        self._cases += 1
+        try:
+            self._child[1].send((str(folder), str(output), case.command))
+            code, seconds, memory = self._child[1].recv()
+        except (EOFError, OSError):
+            status = self.end()
+            code, seconds, memory = None, PROCESSOR_SECONDS, 0
+        else:
+            status = self.end() if self._cases == _TOGETHER else None
+        text = output.read_bytes()[: 4 * MOST_TEXT] if output.exists() else b""
+        died = os.WTERMSIG(status) if code is None and os.WIFSIGNALED(status) else None
+        return Outcome(case, code, died, text.decode("utf-8", "replace"), seconds, memory)
+
+    def _begin(self):
+        ours, theirs = multiprocessing.Pipe()
+        number = os.fork()
+        if number == 0:
+            ours.close()
+            with contextlib.suppress(BaseException):
+                _begin_child()
+                while True:
+                    theirs.send(_served(*theirs.recv()))
+            os._exit(0)
+        theirs.close()
+        return number, ours
+
+
+_COMPANY = Company()
+
+
+def _served(folder, output, command):
+    """Run a command among others in a child; return exit code, processor time, memory."""
+    Path("/proc/self/clear_refs").write_text("5")  # the most memory is counted anew
+    environment, began = dict(os.environ), _used()
+    stream = os.open(output, os.O_RDWR | os.O_CREAT)
+    os.chdir(folder)
+    _take_streams(stream)
+    os.close(stream)
+    _limit(began)
+    try:
+        code = call(command)
+    except BaseException:
+        traceback.print_exc()
+        code = _ESCAPED
+    signal.alarm(0)
+    for name in (sys.stdout, sys.stderr):
+        name.flush()
+    os.environ.clear()
+    os.environ.update(environment)
+    os.chdir("/")
+    most = re.search(r"VmHWM:\s*(\d+)", Path("/proc/self/status").read_text())
+    return code, _used() - began, 1024 * int(most[1])
+
+
+def _used():
+    """Return the processor time of this process and its children [s]."""
+    return sum(os.times()[:4])
 
 
 def write(files, folder):
@@ -110,18 +218,9 @@ def _run_in(folder, case, limited=True):
 def _be_child(folder, case, output, limited):
     code = _ESCAPED
     try:
-        os.setpgid(0, 0)
+        _begin_child()
         os.chdir(folder)
-        for stream in (1, 2):
-            os.dup2(output.fileno(), stream)
-        with open(os.devnull) as nothing:  # noqa: PTH123
-            os.dup2(nothing.fileno(), 0)
-        for name in ("SIGALRM", "SIGINT", "SIGXCPU"):
-            signal.signal(getattr(signal, name), signal.SIG_DFL)
-        os.environ["VEHICLEDYN_CC"] = "none"
-        os.environ.pop("VEHICLEDYN_TRACEBACK", None)
-        faulthandler.disable()  # pytest's; its stack dump goes to the runner's own stderr
-        _be_a_program()
+        _take_streams(output.fileno())
         if limited:
             _limit()
         code = call(case.command)
@@ -134,8 +233,21 @@ def _be_child(folder, case, output, limited):
         os._exit(code)
 
 
-def _be_a_program():
+def _begin_child():
+    os.setpgid(0, 0)
+    with open(os.devnull) as nothing:  # noqa: PTH123
+        os.dup2(nothing.fileno(), 0)
+    for name in ("SIGALRM", "SIGINT", "SIGXCPU"):
+        signal.signal(getattr(signal, name), signal.SIG_DFL)
+    os.environ["VEHICLEDYN_CC"] = "none"
+    os.environ.pop("VEHICLEDYN_TRACEBACK", None)
+    faulthandler.disable()  # pytest's; its stack dump goes to the runner's own stderr
+
+
+def _take_streams(output):
     """Undo what a test runner does to standard streams and warnings."""
+    for stream in (1, 2):
+        os.dup2(output, stream)
     sys.stdout = open(1, "w", encoding="utf-8", closefd=False)  # noqa: SIM115
     sys.stderr = open(2, "w", encoding="utf-8", closefd=False)  # noqa: SIM115
     warnings.resetwarnings()
@@ -144,10 +256,11 @@ def _be_a_program():
     warnings.showwarning = lambda *facts: sys.stderr.write(warnings.formatwarning(*facts[:4]))
 
 
-def _limit():
+def _limit(used=0.0):
+    """Limit this process, which has used so much processor time [s] before."""
     signal.alarm(WALL_SECONDS)
-    seconds = PROCESSOR_SECONDS
-    resource.setrlimit(resource.RLIMIT_CPU, (seconds, seconds + 1))
+    seconds = math.ceil(used) + PROCESSOR_SECONDS
+    resource.setrlimit(resource.RLIMIT_CPU, (seconds, resource.getrlimit(resource.RLIMIT_CPU)[1]))
     resource.setrlimit(resource.RLIMIT_AS, (_ADDRESS_SPACE, _ADDRESS_SPACE))
     resource.setrlimit(resource.RLIMIT_FSIZE, (1 << 30, 1 << 30))
     resource.setrlimit(resource.RLIMIT_CORE, (0, 0))

@@ -62,5 +62,33 @@ def test_the_harness_sees_faults(monkeypatch, program, fault):
 
     monkeypatch.setattr(harness, "call", call)
     monkeypatch.setattr(harness, "MOST_MEMORY", 300 << 20)
-    outcome = harness.run(harness.Case("fault", {}, []))
+    outcome = harness.run_alone(harness.Case("fault", {}, []))
     assert any(fault in found for found in outcome.faults), outcome
+
+
+def test_cases_in_company_are_as_alone(monkeypatch, tmp_path):
+    """Folder, variables, output, time and memory are each one's own; a fault is one alone too."""
+
+    def call(command):
+        exec(command[0])
+        return 0
+
+    monkeypatch.setattr(harness, "call", call)
+    monkeypatch.setattr(harness, "MOST_MEMORY", 300 << 20)
+    programs = [
+        "import os; print(os.environ.get('LEFT'), os.listdir()); os.environ['LEFT'] = 'here'",
+        "import os; print(os.environ.get('LEFT'), os.listdir()); os.chdir('/')",
+        "import os; os.kill(os.getpid(), 11)",
+        "x = b'1' * (200 << 20); del x",
+        "import os; print(os.environ.get('LEFT'), os.listdir())",
+    ]
+    company = harness.Company()
+    try:
+        found = [company.run(harness.Case("case", {"a": b""}, [text])) for text in programs]
+    finally:
+        company.end()
+    whole = [outcome for outcome in found if not outcome.faults]
+    assert [outcome.text for outcome in whole] == ["None ['a']\n"] * 3
+    assert max(outcome.memory for outcome in whole) < min(300 << 20, found[3].memory)
+    assert found[2].faults == ["killed by signal 11"]
+    assert "MiB of memory" in found[3].faults[0]

@@ -53,6 +53,7 @@ def _rehearse():
         "track.yaml": table_cases.LAYOUT.encode(),
         "s1002.csv": table_cases.profiles()["s1002.csv"].encode(),
     })  # fmt: skip
+    _read(files)
     started = Path.cwd()
     with tempfile.TemporaryDirectory(prefix="hostile-warm-") as name:
         harness.write(files, Path(name))
@@ -62,6 +63,16 @@ def _rehearse():
                 _call(harness.call, command)
         finally:
             os.chdir(started)
+
+
+def _read(files):
+    """Read whole files by the names that commands know them by, so that they are kept."""
+    from vehicledyn.base.yaml import parse_yaml
+
+    for name, content in files.items():
+        if name.endswith(".yaml"):
+            for place in ("", "scenarios/systems/../../"):
+                parse_yaml(content.decode(), f"{place}{name}")
 
 
 def _call(call, command):
