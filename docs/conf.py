@@ -20,6 +20,7 @@ extensions = [
     "myst_parser",
     "sphinx.ext.autodoc",
     "sphinx.ext.napoleon",
+    "sphinx_parts.unseen",
     "sphinx_parts.reference",
     "sphinx_parts.docstrings",
     "sphinx_parts.links",

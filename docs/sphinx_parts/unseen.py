@@ -1,0 +1,22 @@
+"""Leaves out what Sphinx does for every module and what no page shows: a quarter of a build.
+
+It searches the tokens of a module for the lines of its definitions, which only listings of parts of
+a module need, and makes a record of each message for debugging, whether it is shown or not.
+"""
+
+from __future__ import annotations
+
+import logging
+from typing import Any
+
+from sphinx.application import Sphinx
+from sphinx.pycode.parser import DefinitionFinder
+from sphinx.util.logging import NAMESPACE
+
+
+def setup(app: Sphinx) -> dict[str, Any]:
+    """Search for no lines of definitions; log what is shown only."""
+    DefinitionFinder.parse = lambda finder: None
+    if app.verbosity <= 0:
+        logging.getLogger(NAMESPACE).setLevel(logging.INFO)
+    return {"parallel_read_safe": True, "parallel_write_safe": True}
