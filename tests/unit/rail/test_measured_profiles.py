@@ -334,6 +334,21 @@ def test_outliers_are_found_and_nothing_else(profile, size, length):
         assert distances == pytest.approx([size] * length, rel=0.1, abs=3e-5)
 
 
+@pytest.mark.parametrize("profile", [POINTS, POINTS_OF_RAIL], ids=["S1002", "60E1"])
+@pytest.mark.parametrize("apart", [(0, 2), (0, 3), (0, 2, 4), (0, 2, 3)])
+def test_outliers_with_good_points_between_are_found(profile, apart):
+    rng = np.random.default_rng(sum(apart))
+    for _ in range(3):
+        points = noisy(profile[2.5e-4], 3e-6, int(rng.integers(1e6)))
+        places = int(rng.integers(30, len(points) - 30)) + np.array(apart)
+        across = np.array([[0.0, -1.0], [1.0, 0.0]]) @ (
+            points[places[0] + 6] - points[places[0] - 6]
+        )
+        signs = rng.choice([-1.0, 1.0], len(apart))
+        points[places] += np.outer(5e-4 * signs, across / np.hypot(*across))
+        assert set(find_defects(points).outliers) == set(places.tolist())
+
+
 def with_defects(size=5e-4):
     """A single outlier, a run of three, and a gap of 12 mm on the field side."""
     points = noisy(POINTS[2.5e-4], 5e-6)

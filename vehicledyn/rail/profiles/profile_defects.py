@@ -1,8 +1,9 @@
 """Defects of measured profiles: points that do not belong to the curve, gaps and steps.
 
-A run of up to six points is an outlier where a cubic through three points on either side fits
-these well and misses the run by far: by more than it misses the points it is fitted to, than the
-points elsewhere scatter, and than 30 µm. A corner is none, as no cubic fits beside it. A patch
+A run of up to six points begins and ends with outliers where a cubic through three points on either
+side fits these well and misses both by far: by more than it misses the points it is fitted to, than
+the points elsewhere scatter, and than 30 µm. Points between them are outliers if it misses them
+too. A corner is none, as no cubic fits beside it. A patch
 between two opposite steps is outliers too, however many points it has. A gap is a stretch without
 points ten times as long as is usual in the file.
 """
@@ -201,11 +202,13 @@ def _outliers(points: Floats) -> dict[int, float]:
             middle = slice(length // 2, length // 2 + len(fit))
             least = np.maximum(_LEAST, _OF_SCATTER * local[middle])
             limit = np.maximum(least, _OF_FIT * fit)
-            beyond = (distances > limit[:, None]).all(axis=1) & _testable(points[part], length)
-            for k in np.flatnonzero(beyond):
-                ratio = float(distances[k].min() / limit[k]) / length
-                run = part[k + 1 : k + 1 + length]
-                candidates.append((ratio, run, distances[k]))
+            beyond = distances > limit[:, None]
+            # Good points may lie between two outliers, but the run begins and ends with one.
+            for k in np.flatnonzero(beyond[:, 0] & beyond[:, -1] & _testable(points[part], length)):
+                far = distances[k][beyond[k]]
+                ratio = float(far.min() / limit[k]) / length
+                run = part[k + 1 : k + 1 + length][beyond[k]]
+                candidates.append((ratio, run, far))
     found: dict[int, float] = {}
     taken = np.zeros(len(points), dtype=bool)
     for _, run, distances in sorted(candidates, key=lambda item: -item[0]):
