@@ -43,7 +43,7 @@ title: A soft strut
 scenarios: {bump: run.yaml}
 variables:
   body.stiffness: {from: 5 kN/m, to: 60 kN/m}
-minimise: rms(body.height)
+minimise: bump/rms(body.height)
 """,
 }
 
@@ -54,6 +54,30 @@ def folder(tmp_path):
     rows = (f"{t:.3f}, {np.sin(t):.6f}" for t in np.linspace(0.0, 0.5, 11))
     (tmp_path / "first.csv").write_text("time [s], height [mm]\n" + "\n".join(rows) + "\n")
     return tmp_path
+
+
+@pytest.mark.parametrize(
+    ("kind", "given", "wrong", "words"),
+    [
+        ("uncertainty", "max(body.height)", "[max(body.height), max(body.hight)]", "study.yaml:3:"),
+        ("uncertainty", "max(body.height)", "largest_comfort", "neither a key figure nor"),
+        ("uncertainty", "max(body.height)", "body.height", "is a curve"),
+        (
+            "optimise",
+            "minimise: bump/rms(body.height)",
+            "minimise: bump/energy_drifts",
+            "'energy_drift'",
+        ),
+        ("optimise", "minimise: bump/rms(body.height)", "minimise: bump/body.height", "is a curve"),
+    ],
+)
+def test_figures_that_no_run_has_are_named(folder, kind, given, wrong, words, capsys):
+    path = folder / "study.yaml"
+    path.write_text(STUDIES[kind].replace(given, wrong))
+    with pytest.raises(typer.Exit) as ended:
+        validate([path])
+    assert ended.value.exit_code == 2
+    assert words in capsys.readouterr().err
 
 
 @pytest.mark.parametrize("kind", STUDIES)

@@ -10,10 +10,11 @@ from numpy.typing import NDArray
 
 from vehicledyn.analyses.preparation.prepare import Point
 from vehicledyn.analyses.preparation.prepared import Prepared, Progress
-from vehicledyn.analyses.sensitivity.names import wanted
+from vehicledyn.analyses.sensitivity.names import Wanted, wanted
 from vehicledyn.analyses.simulation.partitions.repartitioning import simulate_watched
 from vehicledyn.analyses.simulation.prepared_run import prepare_run
 from vehicledyn.analyses.simulation.wanted_outputs import needed_channels
+from vehicledyn.base.errors import InputError
 from vehicledyn.files.scenario import LoadedScenario
 from vehicledyn.road.manoeuvres.channel_recorder import Recording
 from vehicledyn.symbolic.equations import Equations
@@ -26,8 +27,15 @@ def is_figure_of_run(name: str, equations: Equations) -> bool:
     return "(" not in name and all(name != channel.name for channel in equations.channels)
 
 
-def check_names(loaded: LoadedScenario, of: Sequence[str], progress: Progress) -> None:
-    """Refuse names that are neither channels, figures of channels nor key figures of the run.
+def check_figures(loaded: LoadedScenario, of: Sequence[str], progress: Progress) -> None:
+    """Refuse names that are no figures; raises as :func:`check_names`, and for curves."""
+    curves = check_names(loaded, of, progress).curves
+    if curves:
+        raise InputError(f"'{curves[0]}' is a curve; take a figure of it, such as rms({curves[0]})")
+
+
+def check_names(loaded: LoadedScenario, of: Sequence[str], progress: Progress) -> Wanted:
+    """Return what names ask for; refuse those that are neither channels nor figures of the run.
 
     Which key figures there are depends on the run, which is simulated for it by the scenario's
     own method; that needs no compiler.
@@ -50,10 +58,11 @@ def check_names(loaded: LoadedScenario, of: Sequence[str], progress: Progress) -
     """
     prepared, start = prepare_run(loaded, backend="auto", progress=progress)
     doubtful = [name for name in of if is_figure_of_run(name, prepared.equations)]
-    wanted(prepared.equations, of, doubtful)
+    found = wanted(prepared.equations, of, doubtful)
     if doubtful:
         progress("finding the key figures of the run", None)
-        wanted(prepared.equations, of, _figures_of_run(loaded, prepared, start))
+        found = wanted(prepared.equations, of, _figures_of_run(loaded, prepared, start))
+    return found
 
 
 def _figures_of_run(loaded: LoadedScenario, prepared: Prepared, start: Point) -> list[str]:

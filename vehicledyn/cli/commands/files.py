@@ -51,7 +51,9 @@ def _read_as(data: Any, path: Path, overrides: list[str]) -> None:
     from vehicledyn.studies import is_study
 
     if load := _parameter_study(data):
-        load(path, overrides)
+        study = load(path, overrides)
+        if check := getattr(study, "check_figures", None):
+            check(lambda *_: None)
     elif is_study(data):
         from vehicledyn.studies import load_study
 

@@ -5,11 +5,15 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Iterator, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
 from vehicledyn.analyse.optimise import METHODS
+from vehicledyn.analyses.preparation.prepared import Progress
+from vehicledyn.analyses.sensitivity.figure_names import check_figures
+from vehicledyn.base.errors import InputError, NumericalError, nearest_name
 from vehicledyn.files.scenario import LoadedScenario
 from vehicledyn.studies.study_form import StudyForm
 
@@ -102,6 +106,39 @@ class OptimisationStudy:
         others += [limit.figure for limit in self.limits]
         others += [] if self.front is None else [self.front.figure]
         return list(dict.fromkeys([*self.weights, *others]))
+
+    def figures_by_scenario(self) -> dict[str, list[str]]:
+        """Return the names of the figures that the study needs of each scenario.
+
+        Raises
+        ------
+        InputError
+            If a figure names no scenario.
+        """
+        found: dict[str, list[str]] = {name: [] for name in self.scenarios}
+        for figure in self.all_figures:
+            scenario, _, name = figure.rpartition("/")
+            if scenario not in found:
+                guess = nearest_name(scenario, found)
+                hint = f"; did you mean '{guess}'?" if guess else ""
+                raise InputError(f"{self.path}: '{figure}' names no scenario{hint}")
+            found[scenario].append(name)
+        return found
+
+    def check_figures(self, progress: Progress) -> None:
+        """Refuse figures that no run has; a run that fails is left to the study to report.
+
+        Raises
+        ------
+        InputError
+            If there is such a name.
+        """
+        for scenario, names in self.figures_by_scenario().items():
+            try:
+                with suppress(NumericalError):
+                    check_figures(self.scenarios[scenario], names, progress)
+            except InputError as error:
+                raise InputError(f"{self.path}: {error}") from None
 
 
 def load_optimisation(path: Path, overrides: Sequence[str] = ()) -> OptimisationStudy:

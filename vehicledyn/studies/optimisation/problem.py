@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from vehicledyn.analyse.optimise import Values
 from vehicledyn.analyses.preparation.prepared import Progress
 from vehicledyn.analyses.sensitivity.confirmation import unconfirmed
-from vehicledyn.analyses.sensitivity.figure_names import check_names
+from vehicledyn.analyses.sensitivity.figure_names import check_figures
 from vehicledyn.analyses.sensitivity.motion_study import MotionStudy
 from vehicledyn.analyses.sensitivity.names import Wanted, directions, wanted
 from vehicledyn.base.errors import InputError, NumericalError, nearest_name
@@ -310,30 +310,17 @@ class Problem:
 
 
 def _parts(study: OptimisationStudy, progress: Progress) -> list[_Part]:
-    wanted_of: dict[str, list[str]] = {name: [] for name in study.scenarios}
-    for figure in study.all_figures:
-        scenario, _, name = figure.rpartition("/")
-        if scenario not in wanted_of:
-            guess = nearest_name(scenario, wanted_of)
-            hint = f"; did you mean '{guess}'?" if guess else ""
-            raise InputError(f"{study.path}: '{figure}' names no scenario{hint}")
-        wanted_of[scenario].append(name)
     parts = []
-    for scenario, names in wanted_of.items():
+    for scenario, names in study.figures_by_scenario().items():
         loaded = study.scenarios[scenario]
         channels = [name.partition("(")[2].removesuffix(")") for name in names if "(" in name]
         progress(f"preparing {loaded.title}", None)
         try:
-            check_names(loaded, names, progress)
+            check_figures(loaded, names, progress)
         except InputError as error:
             raise InputError(f"{study.path}: {error}") from None
         motion = MotionStudy.of(loaded, channels, progress)
         asked = wanted(motion.prepared.equations, names, [n for n in names if "(" not in n])
-        if asked.curves:
-            raise InputError(
-                f"{study.path}: '{asked.curves[0]}' is a curve; take a figure of it, such as "
-                f"rms({asked.curves[0]})"
-            )
         own = [*asked.others, *(f"{kind}({channel})" for kind, channel in asked.figures)]
         parts.append(_Part(motion, asked, [f"{scenario}/{n}" if scenario else n for n in own]))
     return parts

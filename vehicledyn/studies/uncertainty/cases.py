@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from vehicledyn.analyse.gradients.key_figures import unit_of
 from vehicledyn.analyse.uncertainty import Distribution, Spread
 from vehicledyn.analyses.preparation.prepared import Progress
-from vehicledyn.analyses.sensitivity.figure_names import check_names
+from vehicledyn.analyses.sensitivity.figure_names import check_figures
 from vehicledyn.analyses.sensitivity.motion_study import MotionStudy
 from vehicledyn.analyses.sensitivity.names import Wanted, directions, named_channels, wanted
 from vehicledyn.base.errors import InputError, NumericalError, nearest_name
@@ -65,14 +65,10 @@ class Cases:
         progress: Progress,
     ) -> Cases:
         """Prepare a scenario and read the distributions."""
-        check_names(loaded, of, progress)
+        check_figures(loaded, of, progress)
         study = MotionStudy.of(loaded, named_channels(of), progress)
         e = study.prepared.equations
         asked = wanted(e, of, [name for name in of if "(" not in name])
-        if asked.curves:
-            raise InputError(
-                f"'{asked.curves[0]}' is a curve; take a figure of it, such as rms(...)"
-            )
         units = {p.name: p.unit for p in e.parameters}
         names = [name.removeprefix("parameters.") for name in parameters]
         if not names:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -10,7 +11,8 @@ from typing import Any
 import numpy as np
 
 from vehicledyn.analyses.preparation.prepared import Progress
-from vehicledyn.base.errors import InputError
+from vehicledyn.analyses.sensitivity.figure_names import check_figures
+from vehicledyn.base.errors import InputError, NumericalError
 from vehicledyn.files.scenario import LoadedScenario
 from vehicledyn.results.tables.uncertainty_table import UncertaintyTable
 from vehicledyn.studies.kept_runs import KeptRuns
@@ -39,6 +41,25 @@ class UncertaintyStudy:
     limits: dict[str, Any]
     texts: tuple[str, ...]
     form: StudyForm
+
+    def check_figures(self, progress: Progress) -> None:
+        """Refuse figures that the run has not; a run that fails is left to the study to report.
+
+        Raises
+        ------
+        InputError
+            If there is such a name.
+        """
+        try:
+            with suppress(NumericalError):
+                check_figures(self.loaded, self.of, progress)
+        except InputError as error:
+            named = (
+                ("of", k) for k, name in enumerate(self.of) if str(error).startswith(f"'{name}'")
+            )
+            is_list = isinstance(self.form.data["of"], list)
+            self.form.wrong(next(named, ("of",)) if is_list else ("of",), str(error))
+        self.form.refuse()
 
 
 def run_uncertainty_study(
