@@ -13,8 +13,10 @@ from vehicledyn.multibody import (
     Turn,
     derive,
 )
+from vehicledyn.multibody.bodies.modal_beam import ModalBeam
 from vehicledyn.multibody.elements.flexible.beam import Beam, Modes, Stiffness
 from vehicledyn.symbolic import rotations
+from vehicledyn.symbolic.counting import count_operations
 
 STIFFNESS = Stiffness(mass_per_length=2.0, y=50.0, z=30.0, twist=20.0, stretch=5e3, polar=0.1)
 THICK = Stiffness(
@@ -87,6 +89,41 @@ def test_lagrange(model):
     f = ca.Function("f", [e.state], [needed - elastic, needed])
     left, size = f(np.concatenate(at_random(e, 1, model)))
     assert np.abs(np.array(left)).max() < 1e-11 * np.abs(np.array(size)).max()
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("basis", ["polynomials", "sines"])
+def test_slopes_in_place_of_amplitudes_and_points_give_the_same(monkeypatch, basis):
+    """With integrals, in the slopes or in the amplitudes themselves, and with points of mass."""
+    joints = (Joint("R3", "turn"), Joint("T1", "slide"))
+    root = Body("hub", GROUND, joints=joints, mass=1.0, inertia=(0.1, 0.1, 0.1))
+    beam = Beam(
+        "beam", body="hub", length=1.5, stiffness=STIFFNESS, modes=Modes(y=2, z=1, stretch=1),
+        basis=basis,
+    )  # fmt: skip
+    hung = rider("rider", "beam.tip", ("R2",))
+    made = System("beam", ParameterTable(), (root, hung), parts=(beam,))
+    found = []
+    for change in ({}, {"recast": None}, {"recast": None, "products": None}):
+        with monkeypatch.context() as patch:
+            for name, value in change.items():
+                patch.setattr(ModalBeam, name, value)
+            e = derive(made)
+        x = 0.2 * np.concatenate(at_random(e, 2, "modes"))
+        found.append(np.array(ca.Function("f", [e.state], [e.rate])(x))[:, 0])
+    for other in found[1:]:
+        assert other == pytest.approx(found[0], rel=1e-9, abs=1e-9 * np.abs(found[0]).max())
+
+
+@pytest.mark.long
+def test_operations_grow_with_the_square_of_the_modes():
+    counts = []
+    for n in (5, 10):
+        beam = Beam("beam", body="hub", length=1.5, stiffness=STIFFNESS, modes=Modes(y=n))
+        root = Body("hub", GROUND, joints=(Joint("R3", "turn"),), inertia=(0.1, 0.1, 0.1))
+        e = derive(System("beam", ParameterTable(), (root,), parts=(beam,)))
+        counts.append(count_operations(e.rate))
+    assert np.log2(counts[1] / counts[0]) < 2.0
 
 
 @pytest.mark.parametrize("model", SETTINGS)

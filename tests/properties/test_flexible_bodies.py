@@ -14,6 +14,7 @@ from vehicledyn.multibody.bodies.finite_elements.beam_frames import (
 from vehicledyn.multibody.bodies.finite_elements.reading import write_archive
 from vehicledyn.multibody.bodies.finite_elements.standard_input_writer import write_standard_input
 from vehicledyn.multibody.elements.flexible.flexible_body import FlexibleBody
+from vehicledyn.multibody.model.deformation import Integrals
 
 GIVEN = {"axial": 5e3, "torsion": 20.0, "bending": (50.0, 30.0), "mass": 2.0, "polar": 0.1}
 PLACES = [(0, 0, 0), (0.5, 0, 0.1), (1, 0.1, 0), (1.5, 0, 0), (1, 0.6, 0)]
@@ -215,7 +216,7 @@ def test_integrals_are_those_of_the_points(files, monkeypatch, model):
     from vehicledyn.multibody.bodies.finite_elements.reduced_body import ReducedBody
 
     functions = []
-    for products in (lambda body: body.integrals.products, lambda _: None):
+    for products in (lambda body: Integrals(body.integrals.products), lambda _: None):
         monkeypatch.setattr(ReducedBody, "products", property(products))
         e = derive(carrying(files, model))
         functions.append(ca.Function("f", [e.state], [e.rate], {"cse": True}))

@@ -14,7 +14,7 @@ Bernoulli).
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any, Literal, TypeAlias
 
@@ -24,21 +24,28 @@ from numpy.typing import NDArray
 from vehicledyn.multibody.bodies.beam_properties import TAPER_POINTS, Properties
 from vehicledyn.multibody.bodies.beam_shapes import Shapes, quadrature
 from vehicledyn.multibody.bodies.section_loads import SectionLoads
+from vehicledyn.multibody.bodies.section_rotation import section_rotation
+from vehicledyn.multibody.bodies.shortening import Shortening, inertia_products
+from vehicledyn.multibody.bodies.strain_energy import axial_energy, coupling_energy
 from vehicledyn.multibody.model.deformation import (
     Deflection,
     Flexibility,
+    Follower,
+    Integrals,
     Slice,
     TurningInertia,
     about_first_axis,
 )
-from vehicledyn.symbolic import ops, rotations
-from vehicledyn.symbolic.ops import Mat, Scalar, Vec
+from vehicledyn.symbolic import ops
+from vehicledyn.symbolic.ops import Scalar, Vec
 
 Array = NDArray[np.float64]
 Stiffening: TypeAlias = Literal["shortening", "axial_force", "none"]
 """How axial forces act on bending: by the shortening of the axis, by an energy, not at all."""
 
 DIRECTIONS = ("y", "z", "twist", "stretch")
+_AXES = (1, 2, None, 0)
+"""Along which axis each displaces the first axis of the beam."""
 _ROUNDING = 1e-13
 _SHEAR = 3
 """Order of the derivative of the deflection that the shear force goes with."""
@@ -121,8 +128,8 @@ class ModalBeam(Flexibility):
         """Return the mass at the points of a Gauss quadrature."""
         points, weights = quadrature(self.points)
         found = []
-        for x, weight in zip(points, weights, strict=True):
-            position, linear = self._axis(float(x), q)
+        for index, (x, weight) in enumerate(zip(points, weights, strict=True)):
+            position, linear = self._axis(float(x), q, self._metrics(index))
             share: Scalar = float(weight)
             if not self.properties.is_uniform:
                 own = self.properties.at(float(x)).mass_per_length
@@ -141,30 +148,66 @@ class ModalBeam(Flexibility):
                 linear[k] = ops.vector(*(shape if i == axis else 0.0 for i in range(3)))
         return ops.vector(place * self.length + moved[0], moved[1], moved[2]), linear
 
+    @cached_property
+    def _shortenings(self) -> dict[str, Shortening]:
+        """How bending draws the mass back, by direction; none where that is left out."""
+        if self.stiffening != "shortening":
+            return {}
+        places, _ = quadrature(self.points)
+        bends = [d for d in ("y", "z") if self.ranges[d]]
+        return {d: Shortening(self.by_direction[d], places) for d in bends}
+
+    def _metrics(self, index: int) -> dict[str, Array]:
+        return {d: item.metric(index) for d, item in self._shortenings.items()}
+
+    @cached_property
+    def products(self) -> Integrals | None:
+        """Inertia integrals of a uniform beam."""
+        if not self.properties.is_uniform:
+            return None
+        shapes = [self.by_direction[direction] for direction in DIRECTIONS]
+        reaches = [item.reach for item in self._shortenings.values()]
+        found = inertia_products(shapes, _AXES, reaches, quadrature(self.points))
+        return Integrals(found, self.mass, self.length)
+
+    def followers(self, q: Sequence[Scalar], rates: Sequence[Scalar]) -> list[Follower]:
+        """Return what draws the mass back, slope by slope."""
+        found = []
+        for direction, item in self._shortenings.items():
+            own = self.ranges[direction]
+            given = ([values[k] for k in own] for values in (q, rates))
+            found += item.followers(*given, self.length, np.eye(len(self.coordinates))[own])
+        return found
+
+    @property
+    def recast(self) -> tuple[Flexibility, Array] | None:
+        """The beam with slopes in place of amplitudes: the shortening couples them by products."""
+        if self.products is None or not self._shortenings:
+            return None
+        turn, by_direction = np.eye(len(self.coordinates)), dict(self.by_direction)
+        for direction, item in self._shortenings.items():
+            own = self.ranges[direction]
+            by_direction[direction], turn[own.start : own.stop, own.start : own.stop] = (
+                item.by_slopes
+            )
+        return replace(self, by_direction=by_direction), turn
+
     def growths(self, q: Sequence[Scalar], rates: Sequence[Scalar]) -> list[Vec]:
         """Return p̈ of the slices at zero q̈: what the shortening grows by, -Σ G_ij q̇_i q̇_j / L."""
-        points, _ = quadrature(self.points)
-        pairs = {
-            (k, other): rates[k] * rates[other] / self.length
-            for direction in ("y", "z")
-            for k in self.ranges[direction]
-            for other in self.ranges[direction]
-            if other <= k
-        }
         found = []
-        for x in points:
+        for index in range(self.points):
             total = ops.scalar(0.0)
-            for direction in ("y", "z"):
-                first = self.ranges[direction].start
-                metric = self._metric(direction, float(x))
-                for (k, other), product in pairs.items():
-                    if k in self.ranges[direction]:
-                        factor = metric[k - first, other - first] * (1.0 if k == other else 2.0)
-                        total = total - float(factor) * product
+            for direction, metric in self._metrics(index).items():
+                for i, k in enumerate(self.ranges[direction]):
+                    for j, other in enumerate(self.ranges[direction][: i + 1]):
+                        factor = float(metric[i, j]) * (1.0 if k == other else 2.0)
+                        total = total - factor * (rates[k] * rates[other] / self.length)
             found.append(ops.vector(total, 0.0, 0.0))
         return found
 
-    def _axis(self, place: float, q: Sequence[Scalar]) -> tuple[Vec, dict[int, Vec]]:
+    def _axis(
+        self, place: float, q: Sequence[Scalar], metrics: Mapping[str, Array]
+    ) -> tuple[Vec, dict[int, Vec]]:
         """Return where a point of the axis stands, with its derivatives."""
         across = {"y": ops.scalar(0.0), "z": ops.scalar(0.0)}
         along = place * self.length
@@ -175,7 +218,7 @@ class ModalBeam(Flexibility):
             linear[k] = ops.vector(shape, 0.0, 0.0)
         for axis, direction in enumerate(("y", "z"), 1):
             own, items = self.by_direction[direction], self.ranges[direction]
-            values, metric = own.values(place), self._metric(direction, place)
+            values, metric = own.values(place), metrics.get(direction, np.zeros((own.count,) * 2))
             amplitudes = [q[k] / self.length for k in items]
             for j, k in enumerate(items):
                 across[direction] = across[direction] + float(values[j]) * q[k]
@@ -193,7 +236,8 @@ class ModalBeam(Flexibility):
 
     def deflection(self, place: float, q: Sequence[Scalar]) -> Deflection:
         """Return where the section at ``place`` L stands."""
-        position, linear = self._axis(place, q)
+        metrics = {direction: self._metric(direction, place) for direction in ("y", "z")}
+        position, linear = self._axis(place, q, metrics)
         slopes = [ops.scalar(0.0)] * 3
         given: dict[int, tuple[int, Scalar]] = {}
         for index, direction in enumerate(("y", "z", "twist")):
@@ -203,7 +247,7 @@ class ModalBeam(Flexibility):
                 share = float(values[j]) / (self.length if order else 1.0)
                 slopes[index] = slopes[index] + share * q[k]
                 given[k] = (index, share)
-        rotation, turned = _section_rotation(slopes, has=[bool(self.ranges[d]) for d in DIRECTIONS])
+        rotation, turned = section_rotation(slopes, has=[bool(self.ranges[d]) for d in DIRECTIONS])
         angular = {k: turned[index] * share for k, (index, share) in given.items()}
         return Deflection(position, rotation, linear, angular)
 
@@ -261,7 +305,17 @@ class ModalBeam(Flexibility):
         return total
 
     def _couplings(self, q: Sequence[Scalar]) -> list[Scalar]:
-        return [e for e in (self._coupling_energy(q), self._axial_energy(q)) if e is not None]
+        def along(direction: str, place: float, derivative: int) -> Scalar:
+            return self._along(direction, place, q, derivative)
+
+        found = []
+        counts = [len(self.ranges[d]) for d in ("y", "z", "twist")]
+        if all(counts):
+            points = self.points + max(counts)
+            found.append(coupling_energy(along, self.properties, points, self.length))
+        if self.stiffening == "axial_force":
+            found.append(axial_energy(along, self.properties, 2 * self.points, self.length))
+        return found
 
     def energy(self, q: Sequence[Scalar]) -> Scalar:
         """Return the strain energy [J]."""
@@ -297,48 +351,6 @@ class ModalBeam(Flexibility):
             moment_z=load("y", 2),
         )
 
-    def _coupling_energy(self, q: Sequence[Scalar]) -> Scalar | None:
-        """Return the strain energy beyond that of each direction by itself.
-
-        A section that is twisted bends about its own axes, v'' + ϑ w'' and w'' - ϑ v'', and bending
-        in both planes twists it by ½ (v'' w' - w'' v').
-        """
-        counts = [len(self.ranges[d]) for d in ("y", "z", "twist")]
-        if not (counts[0] and counts[1] and counts[2]):
-            return None
-        points, weights = quadrature(self.points + max(counts))
-        total = ops.scalar(0.0)
-        for x, weight in zip(points, weights, strict=True):
-            bent = {d: self._along(d, float(x), q, 2) / self.length**2 for d in ("y", "z")}
-            slope = {d: self._along(d, float(x), q, 1) / self.length for d in ("y", "z")}
-            twist = self._along("twist", float(x), q, 0)
-            rate = self._along("twist", float(x), q, 1) / self.length
-            wound = 0.5 * (bent["y"] * slope["z"] - bent["z"] * slope["y"])
-            y, z = bent["y"] + twist * bent["z"], bent["z"] - twist * bent["y"]
-            s = self.properties.at(float(x))
-            gained = s.y * (y * y - bent["y"] * bent["y"]) + s.z * (z * z - bent["z"] * bent["z"])
-            gained = gained + s.twist * wound * (2.0 * rate + wound)
-            total = total + 0.5 * float(weight) * gained
-        return total * self.length
-
-    def _axial_energy(self, q: Sequence[Scalar]) -> Scalar | None:
-        """Return the energy of the axial force in bending, where it is the only stiffening."""
-        if self.stiffening != "axial_force":
-            return None
-        total = ops.scalar(0.0)
-        for x, weight in zip(*quadrature(2 * self.points), strict=True):
-            strain = self._along("stretch", float(x), q, 1)
-            slopes = [self._along(d, float(x), q, 1) for d in ("y", "z")]
-            bent = sum(slope * slope for slope in slopes)
-            total = total + self._axial_weight(float(x), float(weight)) * strain * bent
-        return 0.5 * self.properties.start.stretch / self.length**2 * total
-
-    def _axial_weight(self, place: float, weight: float) -> Scalar:
-        """Return a weight of a quadrature times the axial stiffness over that at the start."""
-        if self.properties.is_uniform:
-            return weight
-        return weight * self.properties.at(place).stretch / self.properties.start.stretch
-
     def _along(self, direction: str, place: float, q: Sequence[Scalar], derivative: int) -> Scalar:
         values = self.by_direction[direction].values(place, derivative)
         return _weighted(values, [q[k] for k in self.ranges[direction]])
@@ -371,30 +383,3 @@ def _weighted(factors: Sequence[float] | Array, values: Sequence[Scalar]) -> Sca
         if abs(factor) > _ROUNDING:
             total = total + float(factor) * value
     return total
-
-
-def _section_rotation(slopes: Sequence[Scalar], has: Sequence[bool]) -> tuple[Mat, list[Vec]]:
-    """Return the rotation of a section and its axes of rotation by v', w' and ϑ, in its own axes.
-
-    In one plane without twist the rotation is a turn about the axis across the plane.
-    """
-    a, b, twist = slopes
-    c = ops.sqrt(1.0 - a * a - b * b)
-    nothing = ops.vector(0.0, 0.0, 0.0)
-    if not has[1] and not has[2]:
-        return rotations.turn_by(3, c, a), [ops.vector(0.0, 0.0, 1.0 / c), nothing, nothing]
-    if not has[0] and not has[2]:
-        return rotations.turn_by(2, c, -b), [nothing, ops.vector(0.0, -1.0 / c, 0.0), nothing]
-    s = 1.0 / (1.0 + c)
-    bend = rotations.matrix(
-        [[c, -a, -b], [a, 1.0 - a * a * s, -a * b * s], [b, -a * b * s, 1.0 - b * b * s]]
-    )
-    # In the section's axes the shortest rotation turns with
-    # (0, -ḃ, ȧ) - ċ s (0, -b, a) - s (a ḃ - b ȧ, 0, 0) at c² = 1 - a² - b².
-    r = s / c
-    by_a = ops.vector(b * s, -a * b * r, 1.0 + a * a * r)
-    by_b = ops.vector(-a * s, -1.0 - b * b * r, a * b * r)
-    turn = rotations.turn(1, twist) if has[2] else rotations.identity()
-    whole = bend @ turn
-    found = [turn.T @ by_a, turn.T @ by_b, ops.vector(1.0, 0.0, 0.0)]
-    return whole, found

@@ -104,6 +104,35 @@ def about_first_axis(
     return TurningInertia(entries | {(3 + k, 3 + j): value for (k, j), value in own.items()})
 
 
+@dataclass(frozen=True)
+class Follower:
+    """An amplitude that follows the coordinates: the ``value`` g(q) [m].
+
+    Its derivatives by the coordinates are ``factor`` times the numbers ``shares``; ``rate`` is ġ
+    and ``growth`` g̈ at zero q̈.
+    """
+
+    value: Scalar
+    factor: Scalar
+    shares: NDArray[np.float64]
+    rate: Scalar
+    growth: Scalar
+
+
+@dataclass(frozen=True)
+class Integrals:
+    """Inertia integrals of a body whose displacements are linear in some amplitudes a.
+
+    The amplitudes are the coordinates and what follows them. With points at p = l x + Σ φ_k a_k
+    ``products`` times ``scale`` are ∫ f g dm of the functions 1, x, y, z, φ_1x, φ_1y, φ_1z,
+    φ_2x, ..., shape (4 + 3 n, 4 + 3 n) [kg, kg m, kg m²]; ``length`` is l.
+    """
+
+    products: NDArray[np.float64]
+    scale: Scalar = 1.0
+    length: Scalar = 1.0
+
+
 class Flexibility(ABC):
     """A deformable body as the recursions know it.
 
@@ -145,12 +174,17 @@ class Flexibility(ABC):
         return None
 
     @property
-    def products(self) -> NDArray[np.float64] | None:
-        """Inertia integrals of a body whose displacements are linear in q, None for another.
+    def products(self) -> Integrals | None:
+        """Inertia integrals, None for a body whose displacements have no such form."""
+        return None
 
-        With points at p = x + Σ φ_k q_k these are ∫ f g dm of the functions 1, x, y, z, φ_1x, φ_1y,
-        φ_1z, φ_2x, ..., shape (4 + 3 n, 4 + 3 n) [kg, kg m, kg m²].
-        """
+    def followers(self, q: Sequence[Scalar], rates: Sequence[Scalar]) -> list[Follower]:
+        """Return the amplitudes beyond the coordinates that the integrals know."""
+        return []
+
+    @property
+    def recast(self) -> tuple[Flexibility, NDArray[np.float64]] | None:
+        """The same body in coordinates T q whose mass matrix takes fewer operations, and T."""
         return None
 
     @property

@@ -6,7 +6,7 @@ Everything is evaluated once, on demand.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 from vehicledyn.multibody.model.ground import GROUND
 from vehicledyn.multibody.model.link_motion import (
@@ -74,9 +74,22 @@ class Kinematics(LinkMotion):
         other._base = link
         return other
 
-    def on(self, tree: Tree) -> Kinematics:
-        """Return the kinematics of the same motion on another tree of the same coordinates."""
-        return Kinematics(tree, self._q, self._qd, self._qdd, self._ground)
+    def on(
+        self, tree: Tree, moved: Mapping[str, tuple[Scalar, Scalar]] | None = None
+    ) -> Kinematics:
+        """Return the kinematics of the same motion on another tree.
+
+        ``moved`` are coordinates and rates of the same names that stand for others there; their
+        accelerations are zero in both.
+        """
+        given = moved or {}
+        places = self._q | {name: place for name, (place, _) in given.items()}
+        rates = self._qd | {name: rate for name, (_, rate) in given.items()}
+        return Kinematics(tree, places, rates, self._qdd, self._ground)
+
+    def learn_motion(self, link: int, other: Kinematics) -> None:
+        """Take the motion of a station's point from the kinematics of the same motion."""
+        self._moving["point motion", link] = other.point_motion(link)
 
     def joint_motion(self, name: str) -> tuple[Scalar, Scalar, Scalar]:
         """Return a coordinate with its rate and acceleration."""

@@ -19,6 +19,7 @@ from vehicledyn.multibody.recursion.inertia import rigid
 from vehicledyn.multibody.recursion.link_steps import needed_in_steps
 from vehicledyn.multibody.recursion.mass_matrix import mass_matrix
 from vehicledyn.multibody.recursion.newton_euler import inverse_dynamics, needed_wrenches
+from vehicledyn.multibody.recursion.recast_tree import RecastTree
 from vehicledyn.multibody.recursion.reduction import independent_accelerations
 from vehicledyn.symbolic import ops
 from vehicledyn.symbolic.counting import count_operations
@@ -165,7 +166,25 @@ def solve_closed(
     influence
         For each dependent coordinate, by name {independent: entry of B in q̇_u = B q̇_v}.
     """
-    p = problem
+    other = RecastTree(problem.kinematics.tree, set(problem.free) - set(influence))
+    if other.is_needed:
+        influence = {name: other.forces(row) for name, row in influence.items()}
+        return other.accelerations(_solve(_recast(problem, other), independent, influence))
+    return _solve(problem, independent, influence)
+
+
+def _recast(problem: TreeProblem, other: RecastTree) -> TreeProblem:
+    return replace(
+        problem,
+        kinematics=other.kinematics(problem.kinematics),
+        inertias=other.inertias(problem.inertias),
+        joint_forces=other.forces(problem.joint_forces),
+    )
+
+
+def _solve(
+    p: TreeProblem, independent: list[str], influence: dict[str, dict[str, Scalar]]
+) -> dict[str, Scalar]:
     needed, _ = inverse_dynamics(p.kinematics, p.wrenches, p.gravity, p.inertias)
     bias = {name: needed[name] - p.joint_forces.get(name, 0.0) for name in p.free}
     mass = mass_matrix(p.kinematics, set(p.free), p.inertias)

@@ -1,11 +1,16 @@
-"""Inertia of a deformable body whose displacements are linear in the coordinates, by integrals.
+"""Inertia of a deformable body whose displacements are linear in some amplitudes, by integrals.
 
-A point stands at p = x + Σ φ_k q_k and accelerates by a + β p + 2 ω × ṗ + Σ φ_k q̈_k. Force, torque
-and forces on the coordinates are sums of products ∫ f g dm of the functions 1, x, y, z and the
-components of the φ_k, which are taken once: about a dozen operations for each pair of coordinates,
-however many points the body has (Shabana 2013, Dynamics of Multibody Systems, chapter 5). Where the
-displacements have terms of second order, ½ Σ Ψ_kl q_k q_l, those of 1, x, y and z with the Ψ_kl are
-added, ∂p/∂q_k is φ_k + Σ Ψ_kl q_l, and products of Ψ with φ and Ψ, of higher order, are left out.
+A point stands at p = x + Σ φ_k a_k and accelerates by a + β p + 2 ω × ṗ + Σ φ_k ä_k. Force, torque
+and forces on the amplitudes are sums of products ∫ f g dm of the functions 1, x, y, z and the
+components of the φ_k, which are taken once: about a dozen operations for each pair of amplitudes,
+however many points the body has (Shabana 2013, Dynamics of Multibody Systems, chapter 5).
+
+The first amplitudes are the coordinates; others follow them, with derivatives that are one factor
+times numbers each. What acts on these acts on the coordinates through the derivatives.
+
+Where displacements have terms of second order, ½ Σ Ψ_kl q_k q_l, products of 1, x, y and z with the
+Ψ_kl are added, ∂p/∂q_k is φ_k + Σ Ψ_kl q_l, and products of Ψ with φ and Ψ, of higher order, are
+left out; nothing follows the coordinates then.
 """
 
 from __future__ import annotations
@@ -17,6 +22,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from vehicledyn.multibody.model.deformation import Follower, Integrals
 from vehicledyn.multibody.model.joint_wrench import JointWrench
 from vehicledyn.multibody.recursion.deformed_inertia import DeformedInertia
 from vehicledyn.multibody.recursion.inertia import Inertia
@@ -33,20 +39,54 @@ class IntegralInertia(DeformedInertia):
     """Inertia of a body by its inertia integrals."""
 
     @cached_property
-    def _products(self) -> Array:
+    def _integrals(self) -> Integrals:
         found = self.body.products
         if found is None:
-            raise ValueError("the displacements of the body are not linear in its coordinates")
+            raise ValueError("the displacements of the body are not linear in amplitudes")
+        return found
+
+    @cached_property
+    def _products(self) -> Array:
+        found = self._integrals.products
         sizes = np.sqrt(np.abs(np.diag(found)))
         return np.where(np.abs(found) > _NEGLIGIBLE * np.outer(sizes, sizes), found, 0.0)
 
     @cached_property
-    def _q(self) -> list[Scalar]:
-        return self.kinematics.amplitudes(self.link)
+    def _followers(self) -> list[Follower]:
+        k, link = self.kinematics, self.link
+        return self.body.followers(k.amplitudes(link), k.amplitude_rates(link))
+
+    @cached_property
+    def _shares(self) -> Array:
+        """Derivatives of each follower over its factor, shape (followers, coordinates)."""
+        found = [item.shares for item in self._followers]
+        return np.array(found).reshape(len(found), len(self.body.coordinates))
+
+    @cached_property
+    def _amplitudes(self) -> list[Scalar]:
+        """Length of the places, then all amplitudes."""
+        followers = [item.value for item in self._followers]
+        return [self._integrals.length, *self.kinematics.amplitudes(self.link), *followers]
+
+    @cached_property
+    def _rates(self) -> list[Scalar]:
+        return [*self.kinematics.amplitude_rates(self.link), *(f.rate for f in self._followers)]
+
+    @cached_property
+    def _accelerations(self) -> list[Scalar]:
+        own = self.kinematics.amplitude_accelerations(self.link)
+        found = [f.growth + f.factor * _sum(f.shares, own) for f in self._followers]
+        return [*own, *found]
 
     @property
     def _count(self) -> range:
-        return range(len(self.body.coordinates))
+        return range(len(self.body.coordinates) + len(self._followers))
+
+    def _on_coordinates(self, loads: Sequence[Scalar]) -> list[Scalar]:
+        """Return what loads on all amplitudes are on the coordinates."""
+        n = len(self.body.coordinates)
+        passed = [f.factor * load for f, load in zip(self._followers, loads[n:], strict=True)]
+        return [loads[k] + _sum(self._shares[:, k], passed) for k in range(n)]
 
     def _block(self, row: int, column: int) -> Array:
         """Return ∫ f gᵀ dm of vectors of functions: x for -1, φ_k for k; shape (3, 3)."""
@@ -54,7 +94,7 @@ class IntegralInertia(DeformedInertia):
         return self._products[first : first + 3, second : second + 3]
 
     def _first(self, k: int) -> Array:
-        """Return ∫ φ_k dm, or ∫ x dm for -1."""
+        """Return ∫ φ_k dm, or ∫ x dm for -1; x is a place over the length."""
         start = 4 + 3 * k if k >= 0 else 1
         return self._products[0, start : start + 3]
 
@@ -72,7 +112,7 @@ class IntegralInertia(DeformedInertia):
         if second is None:
             return None
         return [
-            [[_sum(second[k, :, f, i], self._q) for i in range(3)] for f in range(4)]
+            [[_sum(second[k, :, f, i], self._amplitudes[1:]) for i in range(3)] for f in range(4)]
             for k in self._count
         ]
 
@@ -91,11 +131,11 @@ class IntegralInertia(DeformedInertia):
         """∫ p dm."""
         found = ops.vector(
             *(
-                _sum([self._first(k)[i] for k in (-1, *self._count)], [1.0, *self._q])
+                _sum([self._first(k)[i] for k in (-1, *self._count)], self._amplitudes)
                 for i in range(3)
             )
         )
-        for grown, q in zip(self._grown or (), self._q, strict=False):
+        for grown, q in zip(self._grown or (), self._amplitudes[1:], strict=False):
             found = found + 0.5 * q * ops.vector(*grown[0])
         return found
 
@@ -133,20 +173,22 @@ class IntegralInertia(DeformedInertia):
 
     @cached_property
     def _straight(self) -> list[list[list[Scalar]]]:
-        """∫ (x + Σ φ_l q_l) φ_kᵀ dm of each mode, entries by row and column."""
-        factors = [1.0, *self._q]
+        """∫ (x + Σ φ_l a_l) φ_kᵀ dm of each amplitude, entries by row and column."""
         found = []
         for k in self._count:
             blocks = [self._block(other, k) for other in (-1, *self._count)]
             found.append(
-                [[_sum([b[i, j] for b in blocks], factors) for j in range(3)] for i in range(3)]
+                [
+                    [_sum([b[i, j] for b in blocks], self._amplitudes) for j in range(3)]
+                    for i in range(3)
+                ]
             )
         return found
 
     @cached_property
     def _second(self) -> Mat:
-        """∫ p pᵀ dm = ∫ p xᵀ dm + Σ q_k ∫ p φ_kᵀ dm, and ½ Σ q_k q_l ∫ (x Ψ_klᵀ + Ψ_kl xᵀ) dm."""
-        factors = [1.0, *self._q]
+        """∫ p pᵀ dm = ∫ p xᵀ dm + Σ a_k ∫ p φ_kᵀ dm, and ½ Σ q_k q_l ∫ (x Ψ_klᵀ + Ψ_kl xᵀ) dm."""
+        factors, length = self._amplitudes, self._integrals.length
         rows: list[list[Scalar]] = []
         for i in range(3):
             row: list[Scalar] = []
@@ -155,12 +197,13 @@ class IntegralInertia(DeformedInertia):
                     row.append(rows[j][i])
                     continue
                 still = _sum([self._block(k, -1)[i, j] for k in (-1, *self._count)], factors)
+                total = still * length
                 for k in self._count:
-                    still = still + self._straight[k][i][j] * self._q[k]
+                    total = total + self._straight[k][i][j] * factors[1 + k]
                     if self._grown is not None:
                         own = self._grown[k]
-                        still = still + 0.5 * self._q[k] * (own[1 + i][j] + own[1 + j][i])
-                row.append(still)
+                        total = total + 0.5 * factors[1 + k] * (own[1 + i][j] + own[1 + j][i])
+                row.append(total)
             rows.append(row)
         return rotations.matrix(rows)
 
@@ -174,31 +217,64 @@ class IntegralInertia(DeformedInertia):
     @cached_property
     def rigid(self) -> Inertia:
         """Inertia with the deformation frozen."""
-        more = self.body.turning.entry
+        more, scale = self.body.turning.entry, self._integrals.scale
         own = rotations.matrix([[more(i, j) for j in range(3)] for i in range(3)])
-        return Inertia(ops.scalar(self.body.mass), self._moment, self._points + own)
+        return Inertia(ops.scalar(self.body.mass), scale * self._moment, scale * self._points + own)
 
     def unit_wrench(self, k: int) -> JointWrench:
         """Return what the frame must transmit for a unit acceleration of a coordinate."""
         own = ops.vector(*(self.body.turning.entry(i, 3 + k) for i in range(3)))
-        return JointWrench(self._pushed[k], _axial(self._with[k]) + own)
+        force, torque = self._pushed[k], _axial(self._with[k])
+        for share, (more, twist) in zip(self._shares[:, k], self._followed, strict=True):
+            if share:
+                force, torque = force + float(share) * more, torque + float(share) * twist
+        scale = self._integrals.scale
+        return JointWrench(scale * force, scale * torque + own)
+
+    @cached_property
+    def _followed(self) -> list[tuple[Vec, Vec]]:
+        """Force and torque that a unit share in each follower needs."""
+        n = len(self.body.coordinates)
+        return [
+            (f.factor * ops.vector(*self._first(k)), f.factor * _axial(self._with[k]))
+            for k, f in enumerate(self._followers, n)
+        ]
+
+    def _product(self, k: int, other: int) -> float:
+        """Return ∫ φ_k φ_other dm of two amplitudes, zero for one that is rounding."""
+        found = float(np.trace(self._block(k, other)))
+        size = np.sqrt(np.trace(self._block(k, k)) * np.trace(self._block(other, other)))
+        return found if abs(found) > _NEGLIGIBLE * size else 0.0
+
+    @cached_property
+    def _coupled(self) -> list[list[Scalar]]:
+        """Force on each follower, times its factor, for a unit acceleration of a coordinate."""
+        n, followers = len(self.body.coordinates), self._followers
+        between = [
+            [f.factor * self._product(n + i, n + j) * g.factor for j, g in enumerate(followers)]
+            for i, f in enumerate(followers)
+        ]
+        return [
+            [_sum(self._shares[:, k], row) + f.factor * self._product(n + i, k) for k in range(n)]
+            for i, (f, row) in enumerate(zip(followers, between, strict=True))
+        ]
 
     def entry(self, k: int, other: int) -> Scalar:
         """Return the entry of the mass matrix between two coordinates of the deformation."""
-        found = float(np.trace(self._block(k, other)))
-        size = np.sqrt(np.trace(self._block(k, k)) * np.trace(self._block(other, other)))
-        total = (found if abs(found) > _NEGLIGIBLE * size else 0.0) + self.body.turning.entry(
-            3 + k, 3 + other
-        )
-        return ops.scalar(total)
+        n = len(self.body.coordinates)
+        total = ops.scalar(self._product(k, other))
+        total = total + _sum(self._shares[:, k], [row[other] for row in self._coupled])
+        direct = [f.factor * self._product(k, n + i) for i, f in enumerate(self._followers)]
+        total = total + _sum(self._shares[:, other], direct)
+        return self._integrals.scale * total + self.body.turning.entry(3 + k, 3 + other)
 
     @cached_property
     def wrench(self) -> tuple[Vec, Vec]:
         """Force and torque about the origin that the motion needs [N, N m]."""
-        k, link = self.kinematics, self.link
+        k, link, scale = self.kinematics, self.link, self._integrals.scale
         base, beta, omega = k.link_acceleration(link), k.beta(link), k.link_angular_velocity(link)
-        rates, second = k.amplitude_rates(link), k.amplitude_accelerations(link)
-        force = self.body.mass * base + beta @ self._moment
+        rates, second = self._rates, self._accelerations
+        force = beta @ self._moment
         force = force + 2.0 * ops.cross(omega, self._moved(rates)) + self._moved(second)
         grown = self._growth(rates)
         force = force + grown[0]
@@ -212,9 +288,10 @@ class IntegralInertia(DeformedInertia):
         trace = moving[0][0] + moving[1][1] + moving[2][2]
         torque = torque + 2.0 * (trace * omega - rotations.matrix(moving).T @ omega)
         for index, value in enumerate(second):
-            if not value.is_zero():
+            if not ops.scalar(value).is_zero():
                 torque = torque + value * _axial(self._with[index])
-        return force, torque + grown[1] + self.turning_torque
+        torque = scale * (torque + grown[1]) + self.turning_torque
+        return self.body.mass * base + scale * force, torque
 
     def energies(self, gravity: Vec) -> tuple[Scalar, Scalar]:
         """Return kinetic energy and potential energy in the gravity field [J]."""
@@ -237,11 +314,10 @@ class IntegralInertia(DeformedInertia):
 
     def forces(self) -> list[Scalar]:
         """Return the force on each coordinate of the deformation that the motion needs."""
-        kinematics, link = self.kinematics, self.link
+        kinematics, link, spun = self.kinematics, self.link, self.spun
         base, beta = kinematics.link_acceleration(link), kinematics.beta(link)
-        omega, spun = kinematics.link_angular_velocity(link), self.spun
-        rates, second = kinematics.amplitude_rates(link), kinematics.amplitude_accelerations(link)
-        found = []
+        omega = kinematics.link_angular_velocity(link)
+        loads = []
         for k in self._count:
             total = ops.scalar(_sum(self._first(k), [base[i] for i in range(3)]))
             if self._grown is not None:
@@ -251,13 +327,16 @@ class IntegralInertia(DeformedInertia):
                     total = total + beta[j, i] * self._with[k][i][j]
             crossed = [_crossed(self._block(other, k)) for other in self._count]
             for i in range(3):
-                total = total + 2.0 * omega[i] * _sum([c[i] for c in crossed], rates)
+                total = total + 2.0 * omega[i] * _sum([c[i] for c in crossed], self._rates)
             own = [float(np.trace(self._block(k, other))) for other in self._count]
-            for factor, value in zip(own, second, strict=True):
-                if not value.is_zero():
+            for factor, value in zip(own, self._accelerations, strict=True):
+                if not ops.scalar(value).is_zero():
                     total = total + factor * value
-            found.append(total + self.body.turning.product(3 + k, spun))
-        return found
+            loads.append(total)
+        return [
+            self._integrals.scale * load + self.body.turning.product(3 + k, spun)
+            for k, load in enumerate(self._on_coordinates(loads))
+        ]
 
 
 def _crossed(block: Array) -> Array:

@@ -22,6 +22,7 @@ from vehicledyn.multibody.model.deformation import (
     Columns,
     Deflection,
     Flexibility,
+    Integrals,
     Slice,
     TurningInertia,
 )
@@ -79,14 +80,14 @@ class ReducedBody(Flexibility):
         return np.asarray(np.trace(second) * np.eye(3) - second + found.turning[:3, :3])
 
     @property
-    def products(self) -> Array | None:
+    def products(self) -> Integrals | None:
         """Inertia integrals; None where few points that have them take fewer operations."""
         products, modes = self.integrals.products, len(self.coordinates)
         if not self.has_points:
-            return products
+            return Integrals(products)
         entries = np.count_nonzero(_cleaned(products))
         by_points = len(self.integrals.points) * (15 * modes + 40)
-        return products if by_points > 1.4 * entries + 60 * modes + 150 else None
+        return Integrals(products) if by_points > 1.4 * entries + 60 * modes + 150 else None
 
     @cached_property
     def has_points(self) -> bool:
