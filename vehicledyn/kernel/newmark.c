@@ -1,5 +1,5 @@
 /* Steps of Newmark's family on the rates of any kernel, whose functions come as pointers: compiled
-   once, not for each model. reduced_steps.py and newmark_family.py hold the same algorithm; change
+   once, not for each model. reduced_steps.py and family.py hold the same algorithm; change
    them together. A step that needs a Jacobian ends the call; it is taken again once that is there. */
 #if defined(__GNUC__) && !defined(__clang__)
 #pragma GCC optimize("O3")
@@ -21,14 +21,26 @@ static const double CLOSE = 1e-12, SLOW = 0.3, ROUNDING = 1e-10, ROOM = 0.08;
 
 typedef int (*vd_solver)(double, const double *, double *, const double *, long long *, double *);
 typedef void (*vd_function)(double, const double *, const double *, const double *, double *);
+typedef void (*vd_points)(long long, const double *, const double *, double *, double *);
 typedef void (*vd_surveyor)(long long, const double *, const double *, const double *,
                             const double *, double *, double *);
 
 /* A point with its rates, the auxiliary rates that a step of some size left, and what it added to
-   them; the size is zero where the motion starts. */
+   them; the size is zero where the motion starts. Of steps with multipliers the rates are those of
+   the rows, and the forces are multipliers, then what corrects positions. */
 struct place {
   double time, size;
-  double *x, *z, *rates, *auxiliary, *change;
+  double *x, *z, *rates, *auxiliary, *change, *forces;
+};
+
+/* What steps with multipliers need besides; the residual is null for others. */
+struct constrained {
+  vd_points residual;
+  const double *given, *l_values, *u_values, *arms;
+  const int *l_starts, *l_rows, *u_starts, *u_rows, *row_place, *column_place;
+  const int *arm_starts, *arm_columns;
+  long long n_multipliers, n_others, is_stabilised;
+  double lead, scale, lever, first_order_mass, first_order_gamma;
 };
 
 /* One run; newmark_code.py lays it out alike. Lists of places in the state: rows are those but
@@ -47,7 +59,9 @@ struct run {
   long long is_stale, has_jacobian, halvings, is_within, step, last, per_interval, budget, room;
   long long status;
   double alpha_m, alpha_f, beta, second_order_gamma, tolerance, shortest, blind_until;
-  double start, interval, end, whole, to, factored, error, least, most;
+  double start, interval, end, whole, to, factored, error, least, most, wanted;
+  long long n_rates, n_watched;
+  struct constrained constrained;
 };
 
 /* Factors of the matrix, stored by columns, with pivots; zero where it is singular. */
@@ -186,8 +200,11 @@ static int iterate(struct run *m, double end) {
   return REFUSED;
 }
 
+static int constrained_step(struct run *m, double end);
+
 /* Take a step from m->at to m->found. */
 VD_EXPORT int vd_newmark_step(struct run *m, double end) {
+  if (m->constrained.residual) return constrained_step(m, end);
   if (m->is_stale || !m->has_jacobian) return NEEDS_JACOBIAN;
   const int is_new = m->has_jacobian == FRESH;
   m->has_jacobian = KEPT;
@@ -207,7 +224,7 @@ static double error_of(const struct run *m) {
   const double by_bend = m->at.size != 0.0 ? h * (1.0 / 6.0 - 0.5 * missed) : 0.0;
   const double by_position = h * h * (1.0 / 6.0 - 0.5 * shift - m->beta);
   double largest = 0.0;
-  for (long long k = 0; k < m->n_rows; k++) {
+  for (long long k = 0; k < m->n_watched; k++) {
     const double bend = change[k] - ratio * m->at.change[k];
     const double error = fabs(by_rate * change[k] + by_bend * bend);
     largest = fmax(largest, error / (1.0 + fabs(x[m->rows[k]])));
@@ -266,9 +283,10 @@ static void go_on(struct run *m) {
   const size_t size = sizeof(double), n = m->n_rows * size;
   memcpy(m->at.x, m->found.x, m->n_states * size);
   memcpy(m->at.z, m->found.z, m->n_unknowns * size);
-  memcpy(m->at.rates, m->found.rates, m->n_states * size);
+  memcpy(m->at.rates, m->found.rates, m->n_rates * size);
   memcpy(m->at.auxiliary, m->found.auxiliary, n);
   memcpy(m->at.change, m->found.change, n);
+  memcpy(m->at.forces, m->found.forces, 2 * m->constrained.n_multipliers * size);
   m->at.time = m->found.time, m->at.size = m->found.size;
 }
 

@@ -1,4 +1,7 @@
-"""The compiled steps of Newmark's family, one library for all models; see newmark.c."""
+"""The compiled steps of Newmark's family, one library for all models; see newmark.c.
+
+Those with multipliers are in constrained.c.
+"""
 
 from __future__ import annotations
 
@@ -36,7 +39,20 @@ class PlaceRecord(ctypes.Structure):
 
     _fields_ = [
         *((name, _D) for name in ("time", "size")),
-        *((name, _P) for name in ("x", "z", "rates", "auxiliary", "change")),
+        *((name, _P) for name in ("x", "z", "rates", "auxiliary", "change", "forces")),
+    ]
+
+
+class ConstrainedRecord(ctypes.Structure):
+    """A ``struct constrained`` of newmark.c."""
+
+    _fields_ = [
+        *((name, _P) for name in ("residual", "given", "l_values", "u_values", "arms")),
+        *((name, _P) for name in ("l_starts", "l_rows", "u_starts", "u_rows")),
+        *((name, _P) for name in ("row_place", "column_place", "arm_starts", "arm_columns")),
+        *((name, _L) for name in ("n_multipliers", "n_others", "is_stabilised")),
+        *((name, _D) for name in ("lead", "scale", "lever")),
+        *((name, _D) for name in ("first_order_mass", "first_order_gamma")),
     ]
 
 
@@ -58,6 +74,9 @@ class RunRecord(ctypes.Structure):
         *((name, _D) for name in ("alpha_m", "alpha_f", "beta", "second_order_gamma")),
         *((name, _D) for name in ("tolerance", "shortest", "blind_until", "start", "interval")),
         *((name, _D) for name in ("end", "whole", "to", "factored", "error", "least", "most")),
+        ("wanted", _D),
+        *((name, _L) for name in ("n_rates", "n_watched")),
+        ("constrained", ConstrainedRecord),
     ]
 
 
@@ -99,7 +118,8 @@ def newmark_code() -> NewmarkCode:
         If there is no compiler, or it fails.
     """
     compiler = find_compiler()
-    source = Path(__file__).with_name("newmark.c").read_text(encoding="utf-8")
+    files = [Path(__file__).with_name(name) for name in ("newmark.c", "constrained.c")]
+    source = "\n".join(file.read_text(encoding="utf-8") for file in files)
     key = cache.key_of("newmark", source, compiler.identity)
 
     def build(folder: Path) -> Path:

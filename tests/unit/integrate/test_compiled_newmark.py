@@ -9,13 +9,14 @@ import math
 import casadi as ca
 import numpy as np
 import pytest
-from chain_examples import chain
+from chain_examples import chain, damped_pendulum
 from event_examples import Run, bouncing_ball, crossing_oscillator
 from solve_examples import Samples, build, decay, slider_crank, starts, symbols
 
 from vehicledyn.base.errors import NumericalError
 from vehicledyn.base.registry import find
 from vehicledyn.integrate.newmark import family
+from vehicledyn.integrate.newmark.constrained_steps import ConstrainedSteps
 from vehicledyn.integrate.newmark.weights import Weights
 from vehicledyn.integrate.simulate import make_task, simulate
 from vehicledyn.kernel.make_kernel import compile_kernel
@@ -107,6 +108,57 @@ def test_chunks_and_little_room_change_nothing(kernel, monkeypatch):
     parts = run(kernel, WEIGHTS[2], tolerance=1e-6)
     assert np.array_equal(whole[0].states, parts[0].states)
     assert len(parts[0].times) == 31
+
+
+@pytest.fixture(scope="module")
+def held():
+    """A four-bar with constraints, and a pendulum with a state of first order and without any."""
+    return [compile_kernel(derive(s), backend="compiled") for s in (chain(1), damped_pendulum())]
+
+
+def moving(equations):
+    """Its start, the uprights of a four-bar turning alike and its coupler not at all."""
+    state, unknowns = starts(equations)
+    for k, variable in enumerate(equations.states):
+        if variable.name.endswith(".angle_rate"):
+            state[k] = -2.0 if variable.name.startswith("coupler") else 2.0
+    return state, unknowns
+
+
+@pytest.mark.parametrize("tolerance", [None, 1e-6])
+@pytest.mark.parametrize("constraints", ["index3", "stabilised_index2"])
+@pytest.mark.parametrize("weights", WEIGHTS[::2])
+def test_multipliers(held, interpreted, weights, constraints, tolerance):
+    """Residuals are rounded otherwise, which the multipliers of undamped steps show most."""
+    for kernel in held:
+
+        def go(kernel=kernel):
+            samples = Samples()
+            state, unknowns = moving(kernel.equations)
+            span = {"start": 0.0, "stop": 0.5, "interval": 0.1}
+            task = make_task(kernel, state=state, unknowns=unknowns, sink=samples, **span)
+            settings = {"constraints": constraints, "tolerance": tolerance}
+            return samples, family.run_newmark(task, "", weights, 0.02, **settings)
+
+        one, other = go(), interpreted(go)
+        assert one[0].states == pytest.approx(other[0].states, abs=1e-10)
+        assert np.ptp(one[0].states[:, 0]) > 0.1
+        for name in ("samples", "steps", "smallest_step", "largest_step"):
+            assert getattr(one[1], name) == pytest.approx(getattr(other[1], name), rel=1e-12), name
+        assert one[1].evaluations == pytest.approx(other[1].evaluations, rel=0.02)
+
+
+def test_python_is_called_for_few_jacobians_of_steps_with_multipliers(held, monkeypatch):
+    called = []
+    kind = ConstrainedSteps
+    partials = kind.factors_for
+    monkeypatch.setattr(kind, "factors_for", lambda *a, **k: called.append(1) or partials(*a, **k))
+    samples, (state, unknowns) = Samples(), moving(held[0].equations)
+    solver = find("solver", "generalised_alpha")(step=1e-3, constraints="index3")
+    span = {"start": 0.0, "stop": 1.0, "interval": 0.5, "watched": False}
+    took = simulate(held[0], solver, state=state, unknowns=unknowns, sink=samples, **span)
+    assert took.steps == 1000
+    assert 0 < len(called) < 100
 
 
 @pytest.mark.parametrize("tolerance", [None, 1e-7])

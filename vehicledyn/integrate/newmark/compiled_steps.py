@@ -1,8 +1,9 @@
-"""Steps of Newmark's family on the rates of a compiled kernel, the loop over them compiled too."""
+"""Steps of Newmark's family in a compiled loop, on the functions of a compiled kernel."""
 
 from __future__ import annotations
 
-from typing import Any
+from abc import ABC, abstractmethod
+from typing import Any, Generic, NamedTuple, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,9 +23,29 @@ from vehicledyn.kernel.newmark_code import (
     RunRecord,
 )
 
+P = TypeVar("P")
 
-class CompiledSteps:
-    """Takes steps as ``ReducedSteps`` does, many of them in one call.
+
+class StateLayout(NamedTuple):
+    """Places of rows, positions and velocities in the state, and of velocities among the rows.
+
+    ``watched`` are the first rows whose error is looked at, ``rates`` the numbers that a place
+    keeps of the rates, ``forces`` those of its multipliers and what corrects positions, ``work``
+    the room that a step needs.
+    """
+
+    rows: NDArray[np.intp]
+    positions: list[int]
+    velocities: list[int]
+    pairs: NDArray[np.intp]
+    watched: int
+    rates: int
+    forces: int
+    work: int
+
+
+class CompiledLoop(ABC, Generic[P]):
+    """Takes steps as the interpreted ones do, many of them in one call.
 
     ``record`` is what the compiled code knows of the run; ``ledger`` keeps account of the steps
     since it was last emptied.
@@ -33,23 +54,41 @@ class CompiledSteps:
     def __init__(
         self, task: Task, engine: CompiledEngine, weights: Weights, code: NewmarkCode
     ) -> None:
-        """Lay out a run of the task, whose kernel has this engine."""
+        """Begin a run of the task, whose kernel has this engine."""
         self.task, self._weights, self._code = task, weights, code
-        self._form = ReducedForm(task, weights)
         self._arrays: dict[str, Any] = {}
         self.ledger = Ledger()
         self.record = self._laid_out(engine)
 
-    def start(self, point: Point) -> ReducedPlace:
-        """Return the place from which the motion starts, or starts anew."""
-        unknowns = point.unknowns.copy()
-        kernel = self.task.kernel
-        rates = kernel.evaluate(point.time, point.state, unknowns, self.task.ledger)
-        self.record.is_stale = 1
-        at = Point(point.time, point.state, unknowns)
-        return ReducedPlace(at, rates, rates[self._form.rows], 0.0)
+    @property
+    @abstractmethod
+    def _layout(self) -> StateLayout: ...
 
-    def step(self, place: ReducedPlace, end: float) -> ReducedPlace | None:
+    @abstractmethod
+    def start(self, point: Point) -> P:
+        """Return the place from which the motion starts, or starts anew."""
+
+    @abstractmethod
+    def go_to(self, place: P) -> None:
+        """Let the run go on from a place."""
+
+    @abstractmethod
+    def error(self, before: P, after: P) -> float:
+        """Return the largest local error of a step about; the compiled loop finds its own."""
+
+    @abstractmethod
+    def find_jacobian(self) -> None:
+        """Find the Jacobian, and factors where the compiled code has none of its own."""
+
+    @abstractmethod
+    def _place(self, name: str, at: PlaceRecord) -> P: ...
+
+    @property
+    def place(self) -> P:
+        """Where the run has come to."""
+        return self._place("at", self.record.at)
+
+    def step(self, place: P, end: float) -> P | None:
         """Return the end of a step, or None where Newton's method does not converge."""
         self.go_to(place)
         outcome = self._code.step(self.record, end)
@@ -58,10 +97,6 @@ class CompiledSteps:
             outcome = self._code.step(self.record, end)
         self.settle()
         return self._place("found", self.record.found) if outcome is Outcome.TAKEN else None
-
-    def error(self, before: ReducedPlace, after: ReducedPlace) -> float:
-        """Return the largest local error of a step about; the compiled loop finds its own."""
-        return self._form.error(before, after)
 
     def advance(self, rows: Rows, budget: int) -> Outcome:
         """Take about so many steps and write samples; find Jacobians as they are needed."""
@@ -77,10 +112,108 @@ class CompiledSteps:
             outcome = self._code.advance(record)
         return outcome
 
+    def settle(self) -> None:
+        """Add what was counted to the account of the task."""
+        counts, task = self.ledger.counts, self.task
+        for item in (Count.EVALUATIONS, Count.ITERATIONS):
+            task.ledger.counts[item] += counts[item]
+        largest = self.ledger.figures[Figure.LARGEST_RESIDUAL]
+        figures = task.ledger.figures
+        figures[Figure.LARGEST_RESIDUAL] = max(figures[Figure.LARGEST_RESIDUAL], largest)
+        if counts[Count.STEPS]:
+            task.count_steps(int(counts[Count.STEPS]), self.record.least)
+            task.count_steps(0, self.record.most)
+        counts[: Count.WHERE] = 0
+        self.record.least, self.record.most = np.inf, 0.0
+
+    def _laid_out(self, engine: CompiledEngine) -> RunRecord:
+        """Return the record of a run that has not begun."""
+        task, layout, w = self.task, self._layout, self._weights
+        kernel, record = task.kernel, RunRecord()
+        e, n = kernel.equations, len(layout.rows)
+        for name in ("solve", "rates", "outputs", "events", "survey"):
+            setattr(record, name, engine.address(f"vd_{name}"))
+        n_states, n_blocks = len(e.states), len(e.blocks)
+        room = max(layout.work, len(e.events), 2 * n_blocks, 1)
+        directions = [event.direction for event in e.events]
+        self._hold(
+            record,
+            constants=kernel.constants,
+            tolerances=np.array([block.tolerance for block in e.blocks], dtype=float),
+            rows=np.array(layout.rows, dtype=np.intc),
+            positions=np.array(layout.positions, dtype=np.intc),
+            velocities=np.array(layout.velocities, dtype=np.intc),
+            pairs=np.array(layout.pairs, dtype=np.intc),
+            rising=np.array([d != "falling" for d in directions], dtype=np.intc),
+            falling=np.array([d != "rising" for d in directions], dtype=np.intc),
+            sides=task.watch.sides,
+            work=np.zeros(room),
+            figures=self.ledger.figures,
+            counts=self.ledger.counts,
+        )
+        sizes = {"x": n_states, "z": len(e.unknowns), "rates": layout.rates, "auxiliary": n}
+        for name, place in (("at", record.at), ("found", record.found)):
+            for part, size in {**sizes, "change": n, "forces": layout.forces}.items():
+                array = self._arrays[f"{name}.{part}"] = np.zeros(max(1, size))[:size]
+                setattr(place, part, array.ctypes.data)
+        record.n_states, record.n_unknowns, record.n_outputs = (
+            len(items) for items in (e.states, e.unknowns, e.channels)
+        )
+        record.n_blocks, record.n_events = n_blocks, len(e.events)
+        record.n_rows, record.n_pairs = n, len(layout.pairs)
+        record.n_rates, record.n_watched = layout.rates, layout.watched
+        record.is_stale, record.has_jacobian = 1, NO_JACOBIAN
+        record.alpha_m, record.alpha_f, record.beta = w.alpha_m, w.alpha_f, w.beta
+        record.second_order_gamma = w.gamma
+        record.start, record.interval = task.start, task.interval
+        record.least, record.most = np.inf, 0.0
+        return record
+
+    def _hold(self, record: RunRecord, **arrays: NDArray[Any]) -> None:
+        """Give the record the addresses of arrays, and keep these alive."""
+        for name, array in arrays.items():
+            self._arrays[name] = array
+            setattr(record, name, array.ctypes.data)
+
+
+class CompiledSteps(CompiledLoop[ReducedPlace]):
+    """Takes steps on rates as ``ReducedSteps`` does, many of them in one call."""
+
+    def __init__(
+        self, task: Task, engine: CompiledEngine, weights: Weights, code: NewmarkCode
+    ) -> None:
+        """Lay out a run of the task, whose kernel has this engine."""
+        self._form = form = ReducedForm(task, weights)
+        super().__init__(task, engine, weights, code)
+        n, n_states = len(form.rows), len(task.kernel.equations.states)
+        self._hold(
+            self.record,
+            new_mass=form.new_mass,
+            gamma=form.gamma,
+            pivots=np.zeros(n, dtype=np.intc),
+            jacobian=np.zeros((n, n_states)),
+            matrix=np.zeros((n, n)),
+        )
+
     @property
-    def place(self) -> ReducedPlace:
-        """Where the run has come to."""
-        return self._place("at", self.record.at)
+    def _layout(self) -> StateLayout:
+        form, n = self._form, len(self._form.rows)
+        n_states = len(self.task.kernel.equations.states)
+        places = form.rows, form.positions, form.velocities, form.pairs
+        return StateLayout(*places, n, n_states, 0, 3 * n + 2 * n_states)
+
+    def start(self, point: Point) -> ReducedPlace:
+        """Return the place from which the motion starts, or starts anew."""
+        unknowns = point.unknowns.copy()
+        kernel = self.task.kernel
+        rates = kernel.evaluate(point.time, point.state, unknowns, self.task.ledger)
+        self.record.is_stale = 1
+        at = Point(point.time, point.state, unknowns)
+        return ReducedPlace(at, rates, rates[self._form.rows], 0.0)
+
+    def error(self, before: ReducedPlace, after: ReducedPlace) -> float:
+        """Return the largest local error of a step about; the compiled loop finds its own."""
+        return self._form.error(before, after)
 
     def go_to(self, place: ReducedPlace) -> None:
         """Let the run go on from a place."""
@@ -96,20 +229,6 @@ class CompiledSteps:
         self._arrays["jacobian"][:] = self._form.jacobian(self.place.point)
         record.is_stale, record.has_jacobian, record.factored = 0, FRESH_JACOBIAN, 0.0
 
-    def settle(self) -> None:
-        """Add what was counted to the account of the task."""
-        counts, task = self.ledger.counts, self.task
-        for item in (Count.EVALUATIONS, Count.ITERATIONS):
-            task.ledger.counts[item] += counts[item]
-        largest = self.ledger.figures[Figure.LARGEST_RESIDUAL]
-        figures = task.ledger.figures
-        figures[Figure.LARGEST_RESIDUAL] = max(figures[Figure.LARGEST_RESIDUAL], largest)
-        if counts[Count.STEPS]:
-            task.count_steps(int(counts[Count.STEPS]), self.record.least)
-            task.count_steps(0, self.record.most)
-        counts[: Count.WHERE] = 0
-        self.record.least, self.record.most = np.inf, 0.0
-
     def _place(self, name: str, at: PlaceRecord) -> ReducedPlace:
         x, z, rates, auxiliary, change = (
             self._arrays[f"{name}.{part}"].copy()
@@ -117,56 +236,3 @@ class CompiledSteps:
         )
         point = Point(at.time, x, z)
         return ReducedPlace(point, rates, auxiliary, at.size, change if at.size else None)
-
-    def _laid_out(self, engine: CompiledEngine) -> RunRecord:
-        """Return the record of a run that has not begun."""
-        task, form, w = self.task, self._form, self._weights
-        kernel, record = task.kernel, RunRecord()
-        e, n = kernel.equations, len(form.rows)
-        for name in ("solve", "rates", "outputs", "events", "survey"):
-            setattr(record, name, engine.address(f"vd_{name}"))
-        n_states, n_blocks = len(e.states), len(e.blocks)
-        room = max(3 * n + 2 * n_states, len(e.events), 2 * n_blocks, 1)
-        directions = [event.direction for event in e.events]
-        self._hold(
-            record,
-            constants=kernel.constants,
-            tolerances=np.array([block.tolerance for block in e.blocks], dtype=float),
-            new_mass=form.new_mass,
-            gamma=form.gamma,
-            rows=np.array(form.rows, dtype=np.intc),
-            positions=np.array(form.positions, dtype=np.intc),
-            velocities=np.array(form.velocities, dtype=np.intc),
-            pairs=np.array(form.pairs, dtype=np.intc),
-            rising=np.array([d != "falling" for d in directions], dtype=np.intc),
-            falling=np.array([d != "rising" for d in directions], dtype=np.intc),
-            sides=task.watch.sides,
-            pivots=np.zeros(n, dtype=np.intc),
-            jacobian=np.zeros((n, n_states)),
-            matrix=np.zeros((n, n)),
-            work=np.zeros(room),
-            figures=self.ledger.figures,
-            counts=self.ledger.counts,
-        )
-        for name, place in (("at", record.at), ("found", record.found)):
-            sizes = {"x": n_states, "z": len(e.unknowns), "rates": n_states}
-            for part, size in {**sizes, "auxiliary": n, "change": n}.items():
-                array = self._arrays[f"{name}.{part}"] = np.zeros(max(1, size))[:size]
-                setattr(place, part, array.ctypes.data)
-        record.n_states, record.n_unknowns, record.n_outputs = (
-            len(items) for items in (e.states, e.unknowns, e.channels)
-        )
-        record.n_blocks, record.n_events = n_blocks, len(e.events)
-        record.n_rows, record.n_pairs = n, len(form.pairs)
-        record.is_stale, record.has_jacobian = 1, NO_JACOBIAN
-        record.alpha_m, record.alpha_f, record.beta = w.alpha_m, w.alpha_f, w.beta
-        record.second_order_gamma = w.gamma
-        record.start, record.interval = task.start, task.interval
-        record.least, record.most = np.inf, 0.0
-        return record
-
-    def _hold(self, record: RunRecord, **arrays: NDArray[Any]) -> None:
-        """Give the record the addresses of arrays, and keep these alive."""
-        for name, array in arrays.items():
-            self._arrays[name] = array
-            setattr(record, name, array.ctypes.data)

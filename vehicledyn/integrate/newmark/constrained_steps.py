@@ -85,7 +85,10 @@ class _Known:
 
 
 class ConstrainedSteps:
-    """Takes steps of any size, keeping Jacobian and factors while Newton's method converges."""
+    """Takes steps of any size, keeping Jacobian and factors while Newton's method converges.
+
+    constrained.c holds the same algorithm; change both together.
+    """
 
     def __init__(self, task: Task, weights: Weights, constraints: Constraints) -> None:
         """Take the residuals of the task's equations.
@@ -293,7 +296,11 @@ class ConstrainedSteps:
         kept = self._factors
         if kept is not None and not self._is_stale and kept.is_for(size):
             return kept
-        partials = kept.partials if kept is not None and not self._is_stale else None
+        return self.factors_for(place, size, is_new=self._is_stale)
+
+    def factors_for(self, place: ConstrainedPlace, size: float, *, is_new: bool) -> StepFactors:
+        """Return factors for a step of some size [s], of a new Jacobian or of the one before."""
+        partials = None if is_new or self._factors is None else self._factors.partials
         if partials is None:
             partials = self._functions.partials(self._foreseen(place, size), self._parameters)
             self._is_stale = False

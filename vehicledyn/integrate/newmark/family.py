@@ -13,14 +13,15 @@ import logging
 import math
 import time
 from collections.abc import Callable
-from typing import Generic, Protocol, TypeVar
+from typing import Any, Generic, Protocol, TypeVar
 
 from vehicledyn.base.errors import NumericalError
 from vehicledyn.codegen.toolchain.compiler import CompilationError
 from vehicledyn.integrate.events import Point
 from vehicledyn.integrate.explicit_pairs.adaptive_run import steepest_state
 from vehicledyn.integrate.fixed_step import steps_per_interval
-from vehicledyn.integrate.newmark.compiled_steps import CompiledSteps
+from vehicledyn.integrate.newmark.compiled_constrained import CompiledConstrainedSteps
+from vehicledyn.integrate.newmark.compiled_steps import CompiledLoop, CompiledSteps
 from vehicledyn.integrate.newmark.constrained_steps import ConstrainedSteps
 from vehicledyn.integrate.newmark.reduced_steps import ReducedSteps
 from vehicledyn.integrate.newmark.weights import Constraints, Weights
@@ -93,28 +94,32 @@ def run_newmark(
     NumericalError
         If a step does not converge, or is not good enough, even in small parts.
     """
+    compiled = _compiled_steps(task, weights, constraints)
+    if compiled is not None:
+        return _run_compiled(compiled, name, step, tolerance)
     if constraints == "reduced":
-        compiled = _compiled_steps(task, weights)
-        if compiled is not None:
-            return _run_compiled(compiled, name, step, tolerance)
         return _run(_March(task, ReducedSteps(task, weights), tolerance), name, step)
     return _run(_March(task, ConstrainedSteps(task, weights, constraints), tolerance), name, step)
 
 
-def _compiled_steps(task: Task, weights: Weights) -> CompiledSteps | None:
+def _compiled_steps(
+    task: Task, weights: Weights, constraints: Constraints
+) -> CompiledLoop[Any] | None:
     """Return steps whose loop is compiled, None where the kernel is not or the compiler fails."""
     engine = task.kernel.engine
     if not isinstance(engine, CompiledEngine):
         return None
     try:
-        return CompiledSteps(task, engine, weights, newmark_code())
+        if constraints == "reduced":
+            return CompiledSteps(task, engine, weights, newmark_code())
+        return CompiledConstrainedSteps(task, engine, weights, newmark_code(), constraints)
     except CompilationError as error:
         _log.warning("%s; the steps of the run are interpreted, which is slower", error)
         return None
 
 
 def _run_compiled(
-    steps: CompiledSteps, name: str, step: float, tolerance: float | None
+    steps: CompiledLoop[P], name: str, step: float, tolerance: float | None
 ) -> Statistics:
     """Run as :func:`_run` does; the compiled loop stops where something else must be done."""
     task, record = steps.task, steps.record
@@ -149,7 +154,7 @@ def _run_compiled(
     return task.statistics(name)
 
 
-def _cross_compiled(steps: CompiledSteps) -> None:
+def _cross_compiled(steps: CompiledLoop[P]) -> None:
     """Let the events of the step happen that the compiled loop did not take."""
     record, error = steps.record, steps.record.error
     steps.go_to(_crossed(steps.task, steps, steps.place, record.to))
@@ -157,7 +162,7 @@ def _cross_compiled(steps: CompiledSteps) -> None:
         record.halvings -= 1
 
 
-def _refuse(steps: CompiledSteps, outcome: Outcome) -> None:
+def _refuse(steps: CompiledLoop[P], outcome: Outcome) -> None:
     """Raise what the interpreted loop raises where a run cannot go on."""
     task, record, ledger = steps.task, steps.record, steps.ledger
     if outcome in (Outcome.STUCK, Outcome.INEXACT):

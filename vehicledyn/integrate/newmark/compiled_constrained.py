@@ -1,0 +1,168 @@
+"""Steps of Newmark's family on residuals with multipliers, the loop over them compiled.
+
+Residuals are compiled; Jacobians and sparse factors, which serve many steps, are found by Python.
+"""
+
+from __future__ import annotations
+
+import ctypes
+from typing import Any
+
+import numpy as np
+
+from vehicledyn.codegen.ir.table_rows import TableRows
+from vehicledyn.integrate.events import Point
+from vehicledyn.integrate.newmark.compiled_steps import CompiledLoop, StateLayout
+from vehicledyn.integrate.newmark.constrained_steps import (
+    ConstrainedPlace,
+    ConstrainedSteps,
+    residual_functions,
+)
+from vehicledyn.integrate.newmark.iteration_matrix import StepFactors
+from vehicledyn.integrate.newmark.residual_functions import Instant
+from vehicledyn.integrate.newmark.weights import Constraints, Weights
+from vehicledyn.integrate.task import Task
+from vehicledyn.kernel.compiled import CompiledEngine
+from vehicledyn.kernel.newmark_code import FRESH_JACOBIAN, NewmarkCode, PlaceRecord
+from vehicledyn.kernel.point_source import Wanted, compiled
+
+
+class CompiledConstrainedSteps(CompiledLoop[ConstrainedPlace]):
+    """Takes steps as ``ConstrainedSteps`` does, many of them in one call.
+
+    Raises
+    ------
+    CompilationError
+        If the residuals cannot be compiled.
+    """
+
+    def __init__(
+        self,
+        task: Task,
+        engine: CompiledEngine,
+        weights: Weights,
+        code: NewmarkCode,
+        constraints: Constraints,
+    ) -> None:
+        """Lay out a run of the task, whose kernel has this engine."""
+        self._steps = ConstrainedSteps(task, weights, constraints)
+        self._functions = residual_functions(task.kernel)
+        self._is_stabilised = constraints == "stabilised_index2"
+        super().__init__(task, engine, weights, code)
+        _, k, m = self._functions.sizes
+        own = self.record.constrained
+        own.n_multipliers, own.n_others, own.is_stabilised = m, k, int(self._is_stabilised)
+        own.first_order_mass, own.first_order_gamma = (
+            weights.first_order_mass,
+            weights.first_order_gamma,
+        )
+        self._tables = TableRows(task.kernel.equations.tables)
+        own.residual = _compiled_residual(task)
+        self._give(given=self._tables.after(np.asarray(task.kernel.parameters, dtype=float)))
+
+    @property
+    def _layout(self) -> StateLayout:
+        n, k, m = self._functions.sizes
+        e = self._functions.equations
+        rows = np.array([*e.velocities, *e.others], dtype=np.intp)
+        places = rows, list(e.positions), list(e.velocities), np.arange(n)
+        room = 8 * n + 6 * k + 8 * m + 2 + len(self.task.kernel.equations.states)
+        return StateLayout(*places, n if self._is_stabilised else 0, n + k, 2 * m, room)
+
+    def start(self, point: Point) -> ConstrainedPlace:
+        """Return the place from which the motion starts, or starts anew."""
+        self.record.is_stale = 1
+        return self._steps.start(point)
+
+    def error(self, before: ConstrainedPlace, after: ConstrainedPlace) -> float:
+        """Return the largest local error of a step about; the compiled loop finds its own."""
+        return self._steps.error(before, after)
+
+    def go_to(self, place: ConstrainedPlace) -> None:
+        """Let the run go on from a place."""
+        at, arrays, m = self.record.at, self._arrays, self._functions.sizes[2]
+        at.time, at.size = place.point.time, place.size
+        arrays["at.x"][:], arrays["at.z"][:] = place.point.state, place.point.unknowns
+        arrays["at.rates"][:] = np.concatenate([place.instant.acceleration, place.other_rate])
+        arrays["at.auxiliary"][:] = np.concatenate(place.auxiliary)
+        arrays["at.forces"][:m] = place.instant.multiplier
+        arrays["at.forces"][m:] = place.correction if self._is_stabilised else 0.0
+        arrays["at.change"][:] = 0.0
+        if place.change is not None:
+            arrays["at.change"][: len(place.change)] = place.change
+
+    def find_jacobian(self) -> None:
+        """Find the factors for the step that is wanted, and a Jacobian where it is stale."""
+        record = self.record
+        is_new = bool(record.is_stale or not record.has_jacobian)
+        size = record.wanted - record.at.time
+        self._hand_over(self._steps.factors_for(self.place, size, is_new=is_new))
+        record.is_stale, record.factored = 0, size
+        if is_new:
+            record.has_jacobian = FRESH_JACOBIAN
+
+    def _hand_over(self, found: StepFactors) -> None:
+        """Give sparse factors to the compiled code: L without its diagonal, U with it."""
+        own = self.record.constrained
+        own.lead, own.scale, own.lever = found.scales
+        lower, upper = found.factors.L.tocsc(), found.factors.U.tocsc()
+        lower.setdiag(0.0)
+        lower.eliminate_zeros()
+        upper.sort_indices()
+        self._give(
+            l_values=lower.data,
+            l_rows=lower.indices,
+            l_starts=lower.indptr,
+            u_values=upper.data,
+            u_rows=upper.indices,
+            u_starts=upper.indptr,
+            row_place=found.factors.perm_r,
+            column_place=found.factors.perm_c,
+        )
+        if found.arms is not None:
+            arms = found.arms
+            self._give(arms=arms.data, arm_columns=arms.indices, arm_starts=arms.indptr)
+
+    def _give(self, **arrays: Any) -> None:
+        whole = {
+            name: np.ascontiguousarray(array, float if array.dtype.kind == "f" else np.intc)
+            for name, array in arrays.items()
+        }
+        self._hold(self.record.constrained, **whole)
+
+    def _place(self, name: str, at: PlaceRecord) -> ConstrainedPlace:
+        n, _, m = self._functions.sizes
+        e = self._functions.equations
+        x, z, rates, auxiliary, change, forces = (
+            self._arrays[f"{name}.{part}"].copy()
+            for part in ("x", "z", "rates", "auxiliary", "change", "forces")
+        )
+        position, velocity, other = (
+            x[list(places)] for places in (e.positions, e.velocities, e.others)
+        )
+        return ConstrainedPlace(
+            Point(at.time, x, z),
+            Instant(at.time, position, velocity, rates[:n], forces[:m], other),
+            (auxiliary[:n], auxiliary[n:]),
+            rates[n:],
+            forces[m:] if self._is_stabilised else forces[:0],
+            at.size,
+            change[:n] if at.size else None,
+        )
+
+
+def _compiled_residual(task: Task) -> int:
+    """Return the address of the residuals at points, compiled once for all parameter sets."""
+    import casadi
+
+    made = task.kernel.made
+    if "compiled residuals" not in made:
+        e = residual_functions(task.kernel).equations
+        columns = (e.time, e.position, e.velocity, e.acceleration, e.multiplier, e.other)
+        parts = (casadi.densify(x) for x in (e.force, e.gap, e.opening, e.other_rate))
+        values, point = casadi.vertcat(*parts), casadi.vertcat(*columns)
+        wanted = Wanted(values, point, e.parameter, task.kernel.equations.tables, None, False)
+        task.progress("compiling the residuals", None)
+        made["compiled residuals"] = compiled(wanted, 1)
+    address = ctypes.cast(made["compiled residuals"].vd_points, ctypes.c_void_p).value
+    return int(address or 0)
