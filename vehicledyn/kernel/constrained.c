@@ -1,9 +1,10 @@
 /* Steps of Newmark's family on residuals with multipliers; constrained_steps.py holds the same
    algorithm, change both together. Rows are velocities, then further states. Factors of the matrix
-   come from Python: L without its diagonal and U by columns, that of U last in each. */
+   come from Python: L and U by columns, the diagonal of L, which is one, first in each and that of U
+   last. */
 enum { MOST_CONSTRAINED = 12 };
 
-static const double CLOSE_STATES = 1e-14, CLOSE_FORCES = 1e-9, LEVER = 1e-2, SLOW_CONSTRAINED = 0.05;
+static const double CLOSE_STATES = 1e-14, CLOSE_FORCES = 1e-9, LEVER = 1e-2, SLOW_CONSTRAINED = 0.15;
 static const double ROUNDING_STATES = 1e-8, COARSE = 1e-3;
 
 /* Solve with the factors; b holds the right side, then what is found. */
@@ -12,7 +13,7 @@ static void solve_sparse(const struct constrained *c, long long size, double *b,
   for (long long j = 0; j < size; j++) {
     const double own = y[j];
     if (own != 0.0)
-      for (int k = c->l_starts[j]; k < c->l_starts[j + 1]; k++)
+      for (int k = c->l_starts[j] + 1; k < c->l_starts[j + 1]; k++)
         y[c->l_rows[k]] -= c->l_values[k] * own;
   }
   for (long long j = size - 1; j >= 0; j--) {

@@ -102,12 +102,11 @@ class CompiledConstrainedSteps(CompiledLoop[ConstrainedPlace]):
             record.has_jacobian = FRESH_JACOBIAN
 
     def _hand_over(self, found: StepFactors) -> None:
-        """Give sparse factors to the compiled code: L without its diagonal, U with it."""
+        """Give sparse factors to the compiled code, the diagonal first in L and last in U."""
         own = self.record.constrained
         own.lead, own.scale, own.lever = found.scales
-        lower, upper = found.factors.L.tocsc(), found.factors.U.tocsc()
-        lower.setdiag(0.0)
-        lower.eliminate_zeros()
+        lower, upper = found.factors.L, found.factors.U
+        lower.sort_indices()
         upper.sort_indices()
         self._give(
             l_values=lower.data,

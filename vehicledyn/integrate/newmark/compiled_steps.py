@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ctypes
 from abc import ABC, abstractmethod
 from typing import Any, Generic, NamedTuple, TypeVar
 
@@ -169,7 +170,7 @@ class CompiledLoop(ABC, Generic[P]):
         record.least, record.most = np.inf, 0.0
         return record
 
-    def _hold(self, record: RunRecord, **arrays: NDArray[Any]) -> None:
+    def _hold(self, record: ctypes.Structure, **arrays: NDArray[Any]) -> None:
         """Give the record the addresses of arrays, and keep these alive."""
         for name, array in arrays.items():
             self._arrays[name] = array

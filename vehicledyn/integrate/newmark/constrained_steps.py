@@ -43,7 +43,7 @@ _CLOSE_FORCES = 1e-9
 """Error of Newton's iteration allowed in the multipliers, as a part of the largest."""
 _LEVER = 1e-2
 """Weight of the relative error of the multipliers beside that of the states."""
-_SLOW = 0.05
+_SLOW = 0.15
 """Contraction above which the Jacobian is found anew at the next step."""
 _ROUNDING = 1e-8
 """Change that is taken for rounding where it no longer falls."""

@@ -231,6 +231,6 @@ def _factors(matrix: Any) -> Any:
 
 def _typical(mass: Sparse, n: int) -> float:
     """Return the geometric mean of the masses on the diagonal, one where there are none."""
-    diagonal = mass.matrix().diagonal() if n else np.zeros(0)
+    diagonal = mass.values[mass.rows == mass.columns] if n else np.zeros(0)
     known = diagonal[diagonal > 0.0]
     return float(np.exp(np.log(known).mean())) if len(known) else 1.0
