@@ -175,8 +175,9 @@ class ModalBeam(Flexibility):
         found = []
         for direction, item in self._shortenings.items():
             own = self.ranges[direction]
-            given = ([values[k] for k in own] for values in (q, rates))
-            found += item.followers(*given, self.length, np.eye(len(self.coordinates))[own])
+            places, moving = ([values[k] for k in own] for values in (q, rates))
+            spread = np.eye(len(self.coordinates))[own]
+            found += item.followers(places, moving, self.length, spread)
         return found
 
     @property

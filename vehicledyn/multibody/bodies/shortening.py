@@ -49,7 +49,8 @@ class Shortening:
     def slopes(self) -> Array:
         """φ_k' at the places, shape (places, shapes)."""
         found = self.shapes.at(self._nodes[0], 1)
-        return np.where(np.abs(found) > _ROUNDING * np.abs(found).max(), found, 0.0)
+        kept = np.abs(found) > _ROUNDING * np.abs(found).max()
+        return np.asarray(np.where(kept, found, 0.0), dtype=np.float64)
 
     @cached_property
     def reach(self) -> Array:
@@ -58,7 +59,7 @@ class Shortening:
         known = np.concatenate([[0.0], nodes]) if has_start else nodes
         through = np.linalg.inv(legendre.legvander(2.0 * known - 1.0, len(known) - 1))
         summed = legendre.legint(through, scl=0.5, lbnd=-1.0)
-        found = np.asarray(legendre.legval(2.0 * self.at - 1.0, summed).T)
+        found = np.asarray(legendre.legval(2.0 * self.at - 1.0, summed).T, dtype=np.float64)
         return found[:, 1:] if has_start else found
 
     def metric(self, index: int) -> Array:
