@@ -112,14 +112,29 @@ def test_a_wheel_that_lies_on_its_side_stays_finite(kind):
     assert np.all(np.isfinite(numbers(contact.position)))
 
 
-def test_the_lowest_point_lies_its_deflection_below_its_foot_on_the_ground():
-    """On level ground the depth is R cos γ - h, and the point R sin γ beside the centre."""
+def test_the_lowest_point_by_the_rules_of_chrono():
+    """On level ground the depth is R cos γ - R sin² γ - h cos γ, the point R - δ down the wheel."""
     camber, height = 0.2, 0.33
     axis = ops.vector(0.0, math.cos(camber), math.sin(camber))
     touch = contact_of_lowest_point(Flat(), ops.vector(1.0, 2.0, height), axis, RADIUS)
-    assert float(touch.deflection) == pytest.approx(RADIUS * math.cos(camber) - height, abs=1e-15)
+    down = RADIUS * math.sin(camber) ** 2 + height * math.cos(camber)
+    assert float(touch.deflection) == pytest.approx(RADIUS * math.cos(camber) - down, abs=1e-15)
     found = numbers(touch.position)
-    assert found == pytest.approx([1.0, 2.0 + RADIUS * math.sin(camber), 0.0], abs=1e-15)
+    assert found == pytest.approx([1.0, 2.0 + down * math.sin(camber), 0.0], abs=1e-15)
+
+
+RECORDED = {  # of Chrono's sedan and truck in a turn: radius, camber, height, load over stiffness
+    "sedan": (0.344, 0.030036, 0.3358871, 2190.0888 / 280835.2941),
+    "truck": (0.4699, 0.05599, 0.4500956, 8085.627 / 441900.0),
+}
+
+
+@pytest.mark.parametrize("car", RECORDED)
+def test_the_depths_of_recorded_wheels(car):
+    radius, camber, height, wanted = RECORDED[car]
+    axis = ops.vector(0.0, math.cos(camber), math.sin(camber))
+    touch = contact_of_lowest_point(Flat(), ops.vector(0.0, 0.0, height), axis, radius)
+    assert float(touch.deflection) == pytest.approx(wanted, abs=5e-6)
 
 
 @pytest.mark.parametrize("road", ROADS[:2])

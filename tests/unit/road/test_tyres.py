@@ -409,7 +409,7 @@ def test_chrono_feeds_its_formula_on_a_car_in_its_own_way(side):
     found = law.forces(TyreInput(*felt, 22.2))
     forces = [float(found.longitudinal_force), float(found.lateral_force)]
     assert forces == pytest.approx([along, across], abs=0.2)
-    wanted = 0.344 / math.cos(0.03) - 0.009 / 3.0
+    wanted = (0.344 - 0.009 / 3.0) / math.cos(0.03)
     assert law.rolling_radius(0.344, 0.335, 0.03) == pytest.approx(wanted, rel=1e-14)
 
 

@@ -125,6 +125,27 @@ def damped_rig():
     return Rig(damping=3e3, turning=False)
 
 
+@pytest.mark.parametrize("surface", [Flat(), WAVY], ids=["flat", "wavy"])
+def test_a_torus_touches_the_ground_where_it_is_nearest_to_its_circle(surface):
+    rig = Rig(surface=surface, crown=0.12)
+    for seed in range(3):
+        state = moving(rig, seed)
+        out = rig.outputs(state)
+        x, y, z, yaw, roll = (state[rig[n]] for n in NAMES if n != "spin")
+        axis = turn_z(yaw) @ turn_x(roll) @ [0, 1, 0]
+        contact = find_contact(surface, [x, y, z], axis, RADIUS, crown=0.12)
+        where = [out[f"wheel.contact_{k}"] for k in "xyz"]
+        assert where == pytest.approx(list(contact.position), abs=1e-11)
+        assert out["wheel.tyre.deflection"] == pytest.approx(contact.deflection, abs=1e-11)
+        along = np.linspace(-0.5, 0.5, 801)
+        centre_line = [x, y, z] + (RADIUS - 0.12) * (
+            np.outer(np.sin(along), turn_z(yaw)[:, 0])
+            - np.outer(np.cos(along), turn_z(yaw) @ turn_x(roll) @ [0, 0, 1])
+        )
+        nearest = np.linalg.norm(centre_line - contact.position, axis=1).min()
+        assert nearest == pytest.approx(0.12 - contact.deflection, abs=1e-6)
+
+
 @pytest.mark.parametrize("road", ["flat_rig", "wavy_rig"])
 @pytest.mark.parametrize("seed", range(4))
 def test_channels_follow_from_contact_and_law(road, seed, request):

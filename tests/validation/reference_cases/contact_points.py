@@ -24,9 +24,22 @@ VECTORS = {"position": "disc_P", "longitudinal": "ex_", "lateral": "elat_", "nor
 SCALARS = {"loaded_radius": "disc_r", "deflection": "disc_defl"}
 
 
-def rows():
-    """Return the rows of the table as texts."""
-    return read_rows("contact_point_disc.csv")
+CROWN = 0.1  # m
+
+
+def rows(shape="disc"):
+    """Return the rows of the table of a disc or a torus as texts."""
+    return read_rows(f"contact_point_{shape}.csv")
+
+
+def deviations_of_torus(row):
+    """Return the deviations of a row's contact point and deflection [m]."""
+    contact = find_contact(ROADS[row["road"]], *pose(row), RADIUS, crown=CROWN)
+    wanted = [float(row[f"torus_P{k}"]) for k in "xyz"]
+    return {
+        "position": float(np.abs(np.array(contact.position) - wanted).max()),
+        "deflection": abs(contact.deflection - float(row["torus_pen"])),
+    }
 
 
 def pose(row):

@@ -57,6 +57,7 @@ def wheel_parts(values: Values) -> list[Part]:
             contact=values.choice.contact,
             relaxation=relaxed,  # type: ignore[arg-type]
             slips_at=wheel.slips_at,
+            crown=None if wheel.crown is None else values.value(wheel.crown),
         )
         parts.append(part)
         if not values.choice.free_wheels:
@@ -90,6 +91,18 @@ def _need_road(
     problems = []
     if surface is None:
         problems.append("road: missing: the system has wheels, give it a road")
+    for name, wheel in wheels.items():
+        if wheel.crown is None:
+            continue
+        if values.choice.contact != "disc":
+            problems.append(
+                f"wheels.{name}.crown: the contact '{values.choice.contact}' is that of a thin "
+                "disc; choose contact 'disc', or leave the crown out"
+            )
+        elif values.number(wheel.crown) > values.number(wheel.radius):
+            problems.append(
+                f"wheels.{name}.crown: a tread's radius across the wheel is at most the wheel's"
+            )
     problems += [
         f"wheels.{name}.tyre: missing: give the wheel a tyre, or the scenario 'tyres'"
         for name, wheel in wheels.items()

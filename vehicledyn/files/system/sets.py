@@ -116,6 +116,9 @@ class WheelSet(SystemSet):
     radius: Scalar = measured("m", "Unloaded radius", above=0.0)
     stiffness: Scalar = measured("N/m", "Vertical stiffness of the tyre", above=0.0)
     damping: Scalar = measured("N*s/m", "Vertical damping of the tyre", default=zero(), least=0.0)
+    crown: Scalar | None = measured(
+        "m", "Radius of the tread across a wheel, a torus; else a disc", default=None, above=0.0
+    )
     tyre: ParameterSet | None = part(
         "tyre", "Tyre law, if the scenario does not choose it", default=None
     )

@@ -9,9 +9,8 @@ loaded radius r, P = C - r e_s. Of this radius there are two rules:
   the tangent plane: exact on level ground, and on slopes where the wheel is not cambered;
 - the exact one, r = (C - F)·n / (n·e_s), by which P lies in the tangent plane.
 
-A third contact is that of the *lowest point* D = C - R e_s of the disc, as Chrono::Vehicle has it:
-the deflection is its depth below the ground along the normal there, the contact point P the
-foot of D on the ground.
+A third contact is that of the *lowest point* of the disc by the rules of Chrono::Vehicle: the
+deflection is measured in the wheel plane from the ground's plane below that point.
 
 They differ where a wheel is both yawed and cambered on a slope: by up to 0.8 mm for the Iltis
 over its bump in anti-phase. Both are in closed form on any ground. On level ground the disc's
@@ -68,17 +67,27 @@ def contact_of_lowest_point(
 ) -> Contact:
     """Return the contact of the disc's lowest point; arguments as above.
 
+    With the lowest point B, the point P of the ground there and the unit vector u upwards in the
+    wheel plane along the ground's normal n, δ = R n·u - (C - P)·u; on level ground δ = R cos γ
+    - R sin² γ - h cos γ, a disc's depth less R γ²/2. The contact point is the ground at C - r u.
+
     References
     ----------
     Project Chrono, ChTire::DiscTerrainCollision1pt; rules of that public program, own formulation.
+    Depths and loads of its recorded runs fulfil them to 5e-6 m.
     """
-    _, spoke, _ = wheel_axes(spin_axis, ground_normal(surface, centre[0], centre[1]))
-    lowest = centre - radius * spoke
+    _, upwards, _ = wheel_axes(spin_axis, ops.vector(0.0, 0.0, 1.0))
+    lowest = centre - radius * upwards
     normal = ground_normal(surface, lowest[0], lowest[1])
+    _, spoke, cosine = wheel_axes(spin_axis, normal)
+    below = ops.vector(lowest[0], lowest[1], surface.height(lowest[0], lowest[1]))
+    distance = ops.dot(centre - below, spoke)
+    depth = radius * cosine - distance
+    foot = centre - distance * spoke
+    normal = ground_normal(surface, foot[0], foot[1])
     longitudinal, _, cosine = wheel_axes(spin_axis, normal)
-    depth = (surface.height(lowest[0], lowest[1]) - lowest[2]) * normal[2]
     return Contact(
-        position=lowest + depth * normal,
+        position=ops.vector(foot[0], foot[1], surface.height(foot[0], foot[1])),
         longitudinal=longitudinal,
         lateral=ops.cross(normal, longitudinal),
         normal=normal,

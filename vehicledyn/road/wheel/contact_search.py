@@ -24,7 +24,12 @@ _HALVINGS = 12
 
 
 def find_contact(
-    surface: RoadSurface, centre: ArrayLike, spin_axis: ArrayLike, radius: float
+    surface: RoadSurface,
+    centre: ArrayLike,
+    spin_axis: ArrayLike,
+    radius: float,
+    *,
+    crown: float | None = None,
 ) -> Contact:
     """Return the contact point as numbers, by Newton's method from the foot of the centre.
 
@@ -38,6 +43,8 @@ def find_contact(
         Direction of the spin axis to the left of the wheel, any length, shape (3,).
     radius
         Unloaded radius [m].
+    crown
+        Radius of the tread across the wheel, which is a torus; None for a thin disc [m].
 
     Returns
     -------
@@ -59,14 +66,15 @@ def find_contact(
         )
     c, a, o = (ops.vector(*map(ops.symbol, "xyz")) for _ in range(3))
     offset = (o[0], o[1])
-    residual = ops.column(contact_residuals(surface, c, a, offset))
+    torus = None if crown is None else (radius, crown)
+    residual = ops.column(contact_residuals(surface, c, a, offset, torus=torus))
     error, slope = (ops.numeric([c, a, o], e) for e in (residual, ops.jacobian(residual, o[:2])))
     solution = _nearest_solution(
         lambda at: (error(place, axis, [*at, 0.0])[:, 0], slope(place, axis, [*at, 0.0])),
         axis,
         radius,
     )
-    contact = contact_at_offset(surface, c, a, radius, offset=offset)
+    contact = contact_at_offset(surface, c, a, radius, offset=offset, crown=crown)
     parts = ops.column([getattr(contact, field.name) for field in fields(Contact)])
     numbers = ops.numeric([c, a, o], parts)(place, axis, [*solution, 0.0])[:, 0]
     vectors = numbers[:12].reshape(4, 3)

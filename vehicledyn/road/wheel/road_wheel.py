@@ -103,6 +103,9 @@ class RoadWheel(BasePart):
     slips_at
         "centre" where the side slip is that of the wheel centre; "contact" where it is that of the
         contact point, which the rate of camber moves too.
+    crown
+        Radius of the tread across a wheel that is a torus; None for a thin disc. Other contacts
+        than "disc" take no notice of it [m].
     """
 
     body: str
@@ -117,6 +120,7 @@ class RoadWheel(BasePart):
     floors: SlipFloors = field(default_factory=SlipFloors)
     ground_rate: Scalar = 0.0
     slips_at: str = "centre"
+    crown: Scalar | None = None
 
     def states(self) -> tuple[Variable, ...]:
         """Return the deflections of the contact patch, if slip is transient."""
@@ -255,9 +259,11 @@ class RoadWheel(BasePart):
         if self.contact in _BELOW:
             return _BELOW[self.contact](self.surface, centre, axis, self.radius)
         if self.surface.is_flat:
-            return contact_on_plane(self.surface, centre, axis, self.radius)
-        offset = self._offset(situation)
-        return contact_at_offset(self.surface, centre, axis, self.radius, offset=offset)
+            return contact_on_plane(self.surface, centre, axis, self.radius, crown=self.crown)
+        offset, crown = self._offset(situation), self.crown
+        return contact_at_offset(
+            self.surface, centre, axis, self.radius, offset=offset, crown=crown
+        )
 
     def _friction_channel(self, state: WheelState) -> tuple[tuple[str, str, str, Scalar, str], ...]:
         if isinstance(state.friction, float):
@@ -277,7 +283,9 @@ class RoadWheel(BasePart):
         residuals: tuple[Scalar, ...] = ()
         if self._is_implicit:
             centre, axis = self._pose(situation)
-            residuals = contact_residuals(self.surface, centre, axis, self._offset(situation))
+            torus = None if self.crown is None else (self.radius, self.crown)
+            offset = self._offset(situation)
+            residuals = contact_residuals(self.surface, centre, axis, offset, torus=torus)
         if self.surface.soil is not None:
             sinkage = situation.unknowns[_SINKAGE]
             held = self._soil(situation, state.felt).load
