@@ -96,6 +96,13 @@ class FileTyre(Tyre):
             "LONGITUDINAL_STIFFNESS and LATERAL_STIFFNESS"
         )
 
+    def carcass_stiffness(self) -> tuple[float | None, float | None]:
+        """Return LONGITUDINAL_STIFFNESS and LATERAL_STIFFNESS of the file [N/m]."""
+        p = self.coefficients()
+        if not has_stiffness(p):
+            return None, None
+        return p.LONGITUDINAL_STIFFNESS, p.LATERAL_STIFFNESS
+
     def coefficients(self) -> Coefficients:
         """Return the file's coefficients with the changes of this tyre."""
         p = Coefficients(self.content.values).changed(**self.scaling.given())

@@ -112,6 +112,10 @@ class Tyre(ParameterSet):
             "by the relaxation 'first_order'"
         )
 
+    def carcass_stiffness(self) -> tuple[Scalar | None, Scalar | None]:
+        """Return the stiffnesses of the carcass along and across the wheel, if it has any [N/m]."""
+        return None, None
+
     def rolling_radius(self, radius: Scalar, loaded_radius: Scalar, camber: Scalar) -> Scalar:
         """Return the radius at which the wheel rolls without slip [m].
 

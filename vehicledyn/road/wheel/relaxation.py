@@ -7,6 +7,8 @@ relaxation lengths; the steady law gets κ' and α' instead of κ and α (Pacejk
 point, in the signs of :mod:`vehicledyn.road.wheel.slip`). In steady rolling κ' = κ and α' = α. At
 standstill the deflections are springs: locked wheels hold a car on a slope without creep.
 
+With ``turning`` the patch is twisted, too (:mod:`vehicledyn.road.wheel.turning`).
+
 Below LOW_SPEED two terms fade in. Damping, κ' = (u - τ v_sx)/σ_κ, settles a car that comes to
 rest. A leak takes off what exceeds HOLDING_SLIP times σ, so that wheels that slide at
 standstill do not wind up. Above LOW_SPEED both are exactly zero.
@@ -14,14 +16,20 @@ standstill do not wind up. Above LOW_SPEED both are exactly zero.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from abc import abstractmethod
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+
+from pydantic import Field
 
 from vehicledyn.base.parameters import ParameterSet, quantity
 from vehicledyn.base.registry import register
 from vehicledyn.road.tyres.smooth import floored
-from vehicledyn.road.tyres.tyre import RelaxationLengths, Tyre, TyreInput
+from vehicledyn.road.tyres.tyre import RelaxationLengths, Tyre, TyreForces, TyreInput
 from vehicledyn.road.wheel.slip import WheelMotion
+from vehicledyn.road.wheel.turning import Turning
 from vehicledyn.symbolic import ops
+from vehicledyn.symbolic.equations import Variable
 from vehicledyn.symbolic.ops import Scalar
 
 LOW_SPEED = 2.5
@@ -37,8 +45,93 @@ LEAK_TIME = 0.01
 """Time in which more deflection than that is lost [s]."""
 
 
+DEFLECTIONS = (
+    Variable(
+        "tyre.longitudinal_deflection", "m", "Deflection of the contact patch along the wheel"
+    ),
+    Variable("tyre.lateral_deflection", "m", "Deflection of the contact patch across the wheel"),
+)
+TWIST = Variable("tyre.twist", "rad", "Twist of the contact patch against the ground")
+
+States = Mapping[str, Scalar]
+"""States of a wheel by their names."""
+
+
+class WheelRelaxation(ParameterSet):
+    """How slips and forces of a tyre build up; every kind of the catalogue derives from it."""
+
+    turning: Turning | None = Field(
+        default=None, description="Patch that resists turning on the spot; none without"
+    )
+
+    @property
+    @abstractmethod
+    def deflections(self) -> tuple[Variable, ...]:
+        """The states but for the twist."""
+
+    @abstractmethod
+    def slips(
+        self, tyre: Tyre, rolling: TyreInput, motion: WheelMotion, states: States
+    ) -> TransientSlip:
+        """Return what the tyre law feels; ``rolling`` has load and camber."""
+
+    @abstractmethod
+    def passed_on(
+        self, forces: TyreForces, slips: TransientSlip, motion: WheelMotion, states: States
+    ) -> tuple[TyreForces, dict[str, Scalar]]:
+        """Return the forces that reach the wheel, and the rates of the deflections."""
+
+    def states(self) -> tuple[Variable, ...]:
+        """Return the deflections, and the twist of a patch that resists turning."""
+        return self.deflections + (() if self.turning is None else (TWIST,))
+
+    def answer(
+        self,
+        forces: TyreForces,
+        slips: TransientSlip,
+        motion: WheelMotion,
+        states: States,
+        load: Scalar,
+    ) -> tuple[TyreForces, dict[str, Scalar]]:
+        """Return forces on the wheel, with the moment of turning, and the rates of all states."""
+        found, rates = self.passed_on(forces, slips, motion, states)
+        if self.turning is None:
+            return found, rates
+        twist, speed = states[TWIST.name], ops.absolute(motion.longitudinal)
+        moment = found.aligning_moment + self.turning.moment(twist, load)
+        rates[TWIST.name] = self.turning.rate(twist, load, motion.turning, speed)
+        return replace(found, aligning_moment=moment), rates
+
+
+class SinglePoint(WheelRelaxation):
+    """Pacejka's single contact point: two deflections that roll off over their lengths."""
+
+    @abstractmethod
+    def lengths(self, tyre: Tyre, contact: TyreInput) -> RelaxationLengths:
+        """Return the relaxation lengths of a tyre at a contact."""
+
+    @property
+    def deflections(self) -> tuple[Variable, ...]:
+        """The deflections of the patch along and across the wheel."""
+        return DEFLECTIONS
+
+    def slips(
+        self, tyre: Tyre, rolling: TyreInput, motion: WheelMotion, states: States
+    ) -> TransientSlip:
+        """Return the transient slips."""
+        along, across = (states[item.name] for item in DEFLECTIONS)
+        return transient_slip(motion, self.lengths(tyre, rolling), along, across)
+
+    def passed_on(
+        self, forces: TyreForces, slips: TransientSlip, motion: WheelMotion, states: States
+    ) -> tuple[TyreForces, dict[str, Scalar]]:
+        """Return the law's forces as they are."""
+        rates = (slips.longitudinal_rate, slips.lateral_rate)
+        return forces, {v.name: rate for v, rate in zip(DEFLECTIONS, rates, strict=True)}
+
+
 @register("relaxation", "first_order")
-class Relaxation(ParameterSet):
+class Relaxation(SinglePoint):
     """Relaxation lengths of a tyre."""
 
     longitudinal: float = quantity("m", "Relaxation length σ_κ of longitudinal slip", gt=0)
@@ -50,7 +143,7 @@ class Relaxation(ParameterSet):
 
 
 @register("relaxation", "of_tyre")
-class TyreRelaxation(ParameterSet):
+class TyreRelaxation(SinglePoint):
     """Relaxation lengths by the tyre law itself: they change with load and camber.
 
     Tyres of property files have them by their coefficients, or as slip stiffness over the
@@ -77,12 +170,15 @@ class TransientSlip:
         κ' [1] and α' [rad].
     longitudinal_rate, lateral_rate
         u' and v' [m/s].
+    carcass
+        Stiffnesses of the carcass along and across the wheel, where the kind has them [N/m].
     """
 
     longitudinal_slip: Scalar
     slip_angle: Scalar
     longitudinal_rate: Scalar
     lateral_rate: Scalar
+    carcass: tuple[Scalar, ...] = ()
 
 
 def transient_slip(
@@ -106,8 +202,8 @@ def transient_slip(
     """
     speed = ops.absolute(motion.longitudinal)
     low = low_speed_share(speed)
-    slip, slip_rate = _roll(-motion.sliding, speed, low, longitudinal, lengths.longitudinal)
-    tangent, angle_rate = _roll(motion.lateral, speed, low, lateral, lengths.lateral)
+    slip, slip_rate = rolled_off(-motion.sliding, speed, low, longitudinal, lengths.longitudinal)
+    tangent, angle_rate = rolled_off(motion.lateral, speed, low, lateral, lengths.lateral)
     return TransientSlip(slip, ops.atan(tangent), slip_rate, angle_rate)
 
 
@@ -117,7 +213,7 @@ def low_speed_share(speed: Scalar) -> Scalar:
     return inside * inside
 
 
-def _roll(
+def rolled_off(
     drive: Scalar, speed: Scalar, low: Scalar, deflection: Scalar, length: Scalar
 ) -> tuple[Scalar, Scalar]:
     """Return the slip and the rate of one deflection that is driven at a velocity [m/s]."""

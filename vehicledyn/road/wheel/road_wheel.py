@@ -19,12 +19,7 @@ from vehicledyn.road.wheel.contact_below import (
     contact_of_lowest_point,
     contact_on_tangent_plane,
 )
-from vehicledyn.road.wheel.relaxation import (
-    Relaxation,
-    TransientSlip,
-    TyreRelaxation,
-    transient_slip,
-)
+from vehicledyn.road.wheel.relaxation import WheelRelaxation
 from vehicledyn.road.wheel.slip import (
     SlipFloors,
     WheelMotion,
@@ -47,7 +42,6 @@ _BELOW = {
 }
 _OFFSET = ("contact_offset_x", "contact_offset_y")
 _SINKAGE = "sinkage"
-_DEFLECTION = ("tyre.longitudinal_deflection", "tyre.lateral_deflection")
 
 
 @dataclass(frozen=True)
@@ -58,7 +52,7 @@ class WheelState:
     motion: WheelMotion
     felt: TyreInput
     forces: TyreForces
-    transient: TransientSlip | None
+    rates: dict[str, Scalar]
     friction: Scalar
 
 
@@ -116,7 +110,7 @@ class RoadWheel(BasePart):
     stiffness: Scalar
     damping: Scalar = 0.0
     contact: str = "disc"
-    relaxation: Relaxation | TyreRelaxation | None = None
+    relaxation: WheelRelaxation | None = None
     floors: SlipFloors = field(default_factory=SlipFloors)
     ground_rate: Scalar = 0.0
     slips_at: str = "centre"
@@ -124,12 +118,7 @@ class RoadWheel(BasePart):
 
     def states(self) -> tuple[Variable, ...]:
         """Return the deflections of the contact patch, if slip is transient."""
-        if self.relaxation is None:
-            return ()
-        return (
-            Variable(_DEFLECTION[0], "m", "Deflection of the contact patch along the wheel"),
-            Variable(_DEFLECTION[1], "m", "Deflection of the contact patch across the wheel"),
-        )
+        return () if self.relaxation is None else self.relaxation.states()
 
     def not_held(self) -> dict[str, str]:
         """Return the spin, where the tyre's law has no longitudinal force that could turn it."""
@@ -154,13 +143,9 @@ class RoadWheel(BasePart):
     def loads(self, situation: Situation) -> Loads:
         """Return the contact wrench, the contact equations and the rates of the deflections."""
         state = self.state(situation)
-        rates = {}
-        if state.transient is not None:
-            values = (state.transient.longitudinal_rate, state.transient.lateral_rate)
-            rates = dict(zip(_DEFLECTION, values, strict=True))
         return Loads(
             wrenches=(self._wrench(situation, state),),
-            rates=rates,
+            rates=state.rates,
             residuals=self._residuals(situation, state),
         )
 
@@ -217,19 +202,26 @@ class RoadWheel(BasePart):
         contact = self._contact(situation)
         motion = self._motion(situation, contact)
         load, camber = self._normal_force(situation, contact), contact.camber
-        transient = self._transient(situation, motion, TyreInput(load, 0.0, 0.0, camber))
-        if transient is None:
+        slips = None
+        if self.relaxation is not None:
+            rolling = TyreInput(load, 0.0, 0.0, camber)
+            slips = self.relaxation.slips(self.tyre, rolling, motion, situation.states)
+            slip, angle = slips.longitudinal_slip, slips.slip_angle
+        else:
             slip = longitudinal_slip(motion, self.floors.longitudinal)
             angle = slip_angle(motion, self.floors.lateral)
             camber = camber * rolling_share(ops.absolute(motion.longitudinal))
-        else:
-            slip, angle = transient.longitudinal_slip, transient.slip_angle
         felt = TyreInput(load, slip, angle, camber, motion.longitudinal)
-        friction = self.surface.friction(contact.position[0], contact.position[1])
+        friction: Scalar = 1.0
         if self.surface.soil is not None:
-            return WheelState(contact, motion, felt, self._of_soil(situation, felt), transient, 1.0)
-        forces = self.tyre.on_ground(friction).forces(felt)
-        return WheelState(contact, motion, felt, forces, transient, friction)
+            forces = self._of_soil(situation, felt)
+        else:
+            friction = self.surface.friction(contact.position[0], contact.position[1])
+            forces = self.tyre.on_ground(friction).forces(felt)
+        rates: dict[str, Scalar] = {}
+        if self.relaxation is not None and slips is not None:
+            forces, rates = self.relaxation.answer(forces, slips, motion, situation.states, load)
+        return WheelState(contact, motion, felt, forces, rates, friction)
 
     def _of_soil(self, situation: Situation, felt: TyreInput) -> TyreForces:
         """Return the forces of soft ground, in place of those of the tyre law."""
@@ -314,16 +306,20 @@ class RoadWheel(BasePart):
             lateral=ops.dot(velocity, contact.lateral) + self._by_camber_rate(situation, contact),
             spin=situation.kinematics.angular_velocity(self.body)[1],
             rolling_radius=self._rolling_radius(situation, contact),
+            turning=ops.dot(self._turning(situation), contact.normal),
         )
 
     def _by_camber_rate(self, situation: Situation, contact: Contact) -> Scalar:
         """Return the lateral velocity of the contact point over that of the centre [m/s]."""
         if self.slips_at == "centre":
             return 0.0
-        rates = situation.kinematics.angular_velocity(self.body)
-        turning = situation.kinematics.rotation(self.body) @ ops.vector(rates[0], 0.0, rates[2])
         down = contact.position - situation.kinematics.position(self.body)
-        return ops.dot(ops.cross(turning, down), contact.lateral)
+        return ops.dot(ops.cross(self._turning(situation), down), contact.lateral)
+
+    def _turning(self, situation: Situation) -> Vec:
+        """Return the angular velocity of the wheel but for its spin, world axes [rad/s]."""
+        rates = situation.kinematics.angular_velocity(self.body)
+        return situation.kinematics.rotation(self.body) @ ops.vector(rates[0], 0.0, rates[2])
 
     def _rolling_radius(self, situation: Situation, contact: Contact) -> Scalar:
         """Return the radius at which the wheel rolls [m]; in soil that of its deflected rim."""
@@ -336,15 +332,6 @@ class RoadWheel(BasePart):
         """Return the velocity of the wheel centre against the ground, world axes [m/s]."""
         ground = ops.vector(0.0, 0.0, self.ground_rate)
         return situation.kinematics.velocity(self.body) - ground
-
-    def _transient(
-        self, situation: Situation, motion: WheelMotion, rolling: TyreInput
-    ) -> TransientSlip | None:
-        if self.relaxation is None:
-            return None
-        along, across = (situation.states[name] for name in _DEFLECTION)
-        lengths = self.relaxation.lengths(self.tyre, rolling)
-        return transient_slip(motion, lengths, along, across)
 
     def _normal_force(self, situation: Situation, contact: Contact) -> Scalar:
         return ops.maximum(self._spring_force(situation, contact), 0.0)

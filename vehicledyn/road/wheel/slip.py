@@ -51,12 +51,15 @@ class WheelMotion:
         Angular velocity Ω about the wheel axis, absolute [rad/s].
     rolling_radius
         Radius r at which the wheel rolls without slip [m].
+    turning
+        Rate ω_n at which the wheel's plane turns about the ground's normal [rad/s].
     """
 
     longitudinal: Scalar
     lateral: Scalar
     spin: Scalar
     rolling_radius: Scalar
+    turning: Scalar = 0.0
 
     @property
     def sliding(self) -> Scalar:

@@ -1,0 +1,59 @@
+"""Locked wheels on a slope, every tyre law: a place of rest that is asymptotically stable.
+
+At rest all rates vanish but for those of places along the slope, which nothing moves; all other
+motions decay. So a car that has come to rest creeps by nothing, however long it stands.
+"""
+
+import numpy as np
+import pytest
+from scipy.optimize import least_squares
+from test_contact_patch import PATCH
+from test_tyres import EXAMPLES, tyre
+from test_wheel import LOADED, RELAXED, Rig
+
+from vehicledyn.road.surfaces.plane import Plane
+
+pytestmark = pytest.mark.long
+
+STEP = 1e-6
+CASES = [(kind, RELAXED) for kind in sorted(EXAMPLES)]
+CASES += [(kind, PATCH) for kind in ("brush", "file", "tmeasy")]
+
+
+def _at_rest(rig):
+    """Return the state in which height and deflections hold the wheel, and its largest rate."""
+    free = [k for k, name in enumerate(rig.names) if name == "z" or ".tyre." in name]
+    start = rig.state(z=LOADED)
+
+    def rates(values):
+        state = start.copy()
+        state[free] = values
+        return rig.rate(state)
+
+    found = least_squares(
+        rates, start[free], x_scale=0.01, xtol=1e-15, ftol=1e-15, gtol=1e-15, max_nfev=200
+    )
+    state = start.copy()
+    state[free] = found.x
+    return state, np.abs(rates(found.x)).max()
+
+
+@pytest.mark.parametrize(("kind", "relaxation"), CASES)
+def test_locked_wheels_rest_on_a_20_percent_slope_without_creep(kind, relaxation):
+    law = tyre(kind)
+    slopes = (0.2, 0.05) if law.pulls_along else (0.0, 0.2)
+    road = Plane(slope_x=slopes[0], slope_y=slopes[1])
+    rig = Rig(
+        locked=True, turning=False, surface=road, relaxation=relaxation, tyre=law, damping=3e3
+    )
+    state, largest = _at_rest(rig)
+    assert largest < 1e-8
+    slope = np.empty((len(state), len(state)))
+    for k in range(len(state)):
+        change = np.zeros(len(state))
+        change[k] = STEP
+        slope[:, k] = (rig.rate(state + change) - rig.rate(state - change)) / (2.0 * STEP)
+    rates = sorted(np.linalg.eigvals(slope), key=abs)
+    unheld = 2 if law.pulls_along else 4  # places; without force along, motion and deflection too
+    assert all(abs(rate) < 1e-3 for rate in rates[:unheld])
+    assert max(rate.real for rate in rates[unheld:]) < -0.1
