@@ -12,9 +12,10 @@ from math import ceil, sqrt
 import numpy as np
 from numpy.typing import NDArray
 
-from vehicledyn.codegen.passes.linear_program import Program
+from vehicledyn.kernel.bundle import Bundle, Samples
 from vehicledyn.kernel.engine import Vector
-from vehicledyn.kernel.tangent_code import Grid, Moment, TangentCode
+from vehicledyn.kernel.plans import BackSums, SlopeMap, passes
+from vehicledyn.kernel.tangent_code import Grid, Moment, TangentCode, steps_of
 
 _MOST_BYTES = 64_000_000
 """Memory for steps that are kept, above which only some are."""
@@ -24,13 +25,15 @@ _MOST_BYTES = 64_000_000
 class Record:
     """A motion on the way back: every ``stride`` steps states and unknowns at the begin of one.
 
-    ``seconds`` are those of the end, ``n_bytes`` what is kept at most.
+    ``samples`` are the points where intervals begin, and the end; ``n_bytes`` is what is kept at
+    most of the others.
     """
 
     n_steps: int
     stride: int
     states: NDArray[np.float64]
     unknowns: NDArray[np.float64]
+    samples: Samples
     n_bytes: int
 
 
@@ -49,44 +52,51 @@ class BackCode:
 
     def __init__(self, code: TangentCode, grid: Grid, constants: Vector) -> None:
         self._code, self._grid, self._constants = code, grid, constants
-        e = code.equations
-        self._n_x, self._n_z = len(e.states), len(e.unknowns)
-        self._n_c = code.n_constants
-        stage, ends = code.stage.program, code.observed.program
-        self._b, self._own_b = np.zeros(len(stage.out) + 1), np.zeros(len(ends.out) + 1)
-        self._t, self._own_t = np.zeros(stage.n_columns), np.zeros(ends.n_columns)
-        self._rates = _places(stage, stage.targets)
-        self._unknowns = _places(stage, code.stage.unknowns)
-        self._ends = _places(ends, ends.targets)
-        self._one, self._own = code.weights(), code.observed_weights()
-        self._four = np.tile(self._one, 4)
-        self.adjoint = np.zeros(self._n_x)
+        e, lanes = code.equations, code.lanes
+        n_x = self._n_x = len(e.states)
+        n_z = self._n_z = len(e.unknowns)
+        n_values, n_c = code.n_values, code.n_constants
+        one, of_c = code.stage.n_weights - 1, range(1 + n_x, 1 + n_x + n_c)
+        back = code.stage.program.transposed(of_c, one), range(n_x)
+        ends = code.whole.transposed([*range(1, 1 + n_x), *of_c], one)
+        behind = range(n_x + n_z, n_x + n_z + n_values)
+        self._sums = BackSums.of(code.call, *back, lanes)
+        self._ends = BackSums.of(code.call, ends, behind, lanes)
+        nothing = passes(code.call, code.stage.program, np.zeros((1, 0)))
+        self._map = SlopeMap.of(n_x, code.by_state[0], nothing, lanes)
+        self._numbers, self._bundle = code.numbers(), Bundle(code, np.zeros((n_c, 0)))
+        self._steps = steps_of(grid)
+        self.adjoint = np.zeros(n_x)
 
     @property
     def constants_adjoint(self) -> Vector:
         """Derivatives by the constants that have added up, shape (n_constants,)."""
-        first, own = 1 + self._n_x, 1 + self._n_x + self._n_z
-        return self._t[first : first + self._n_c] + self._own_t[own : own + self._n_c]
+        return self._sums.total() + self._ends.total()[self._n_x :]
 
-    def record(self, n_steps: int, start: tuple[Vector, Vector]) -> tuple[Record, Moment]:
-        """Return a motion to go back over, and its end."""
-        width = 8 * (self._n_x + self._n_z)
+    def record(self, n_intervals: int, start: tuple[Vector, Vector]) -> Record:
+        """Return a motion to go back over."""
+        per = self._grid.per_interval
+        n_steps, width = n_intervals * per, 8 * (self._n_x + self._n_z)
         stride = 1 if n_steps * width <= _MOST_BYTES else max(1, ceil(sqrt(n_steps)))
-        n_kept = -(-n_steps // stride)
+        each = n_steps if stride == 1 else stride
+        n_kept = -(-n_steps // each)
         states, unknowns = np.empty((n_kept, self._n_x)), np.empty((n_kept, self._n_z))
+        at = np.empty((n_intervals + 1, self._n_x)), np.empty((n_intervals + 1, self._n_z))
         state, guess = (np.array(item, dtype=float) for item in start)
-        memory = np.zeros(1 + 2 * max(1, self._n_z))
+        room = np.empty((each, self._n_x)), np.empty((each, self._n_z))
+        for k in range(n_kept):
+            first, count = k * each, min(each, n_steps - k * each)
+            states[k], unknowns[k] = state, guess
+            self._take(first, count, (state, guess), room)
+            begins = np.arange(-(-first // per), -(-(first + count) // per))
+            for kept, found in zip(at, room, strict=True):
+                kept[begins] = found[begins * per - first]
+        at[0][-1], at[1][-1] = state, guess
+        times = self._grid.start + self._grid.interval * np.arange(n_intervals + 1, dtype=float)
+        samples = Samples(times, *at, np.zeros(0))
         if stride == 1:
-            self._take(0, n_steps, (state, guess, memory), (states, unknowns))
-        else:
-            room = np.empty((stride, self._n_x)), np.empty((stride, self._n_z))
-            for k in range(n_kept):
-                states[k], unknowns[k] = state, guess
-                count = min(stride, n_steps - k * stride)
-                self._take(k * stride, count, (state, guess, memory), room)
-        n_bytes = width * (n_kept + (stride if stride > 1 else 0))
-        end = Moment(self._time(n_steps), state, guess, self._constants)
-        return Record(n_steps, stride, states, unknowns, n_bytes), end
+            return Record(n_steps, 1, *room, samples, width * n_steps)
+        return Record(n_steps, stride, states, unknowns, samples, width * (n_kept + stride))
 
     def points(self, record: Record, first: int, count: int) -> tuple[Vector, Vector]:
         """Return states and unknowns at the begins of some steps, computed again if not kept."""
@@ -96,12 +106,14 @@ class BackCode:
         block, offset = divmod(first, record.stride)
         room = np.empty((offset + count, self._n_x)), np.empty((offset + count, self._n_z))
         start = record.states[block].copy(), record.unknowns[block].copy()
-        memory = np.zeros(1 + 2 * max(1, self._n_z))
-        self._take(block * record.stride, offset + count, (*start, memory), room)
+        self._take(block * record.stride, offset + count, start, room)
         return room[0][offset:].copy(), room[1][offset:].copy()
 
-    def back(self, record: Record, first: int, last: int) -> None:
-        """Carry the adjoint from the begin of step ``last`` back to that of step ``first``."""
+    def back(self, record: Record, first: int, last: int, seeds: Vector) -> None:
+        """Carry the adjoint from the begin of step ``last`` back to that of step ``first``.
+
+        ``seeds`` (n_intervals + 1, n_states) are added at the begin of each interval on the way.
+        """
         while last > first:
             begin = max(first, (last - 1) // record.stride * record.stride)
             if record.stride == 1:
@@ -109,64 +121,50 @@ class BackCode:
             xs, zs = self.points(record, begin, last - begin)
             status = self._code.call(
                 "vd_steps_back",
+                self._steps,
                 begin,
                 last - begin,
-                self._grid.per_interval,
-                self._grid.start,
-                self._grid.interval,
-                self._constants,
+                self._numbers.of(self._constants),
                 np.ascontiguousarray(xs),
                 np.ascontiguousarray(zs),
-                self._four,
-                len(self._one),
-                self._rates,
-                self._b,
-                self._t,
+                self._map.slopes,
+                self._sums.back,
+                seeds,
                 self.adjoint,
             )
             self._code.check(status, self._time(begin))
             last = begin
 
-    def seed(self, moment: Moment, seeds: Vector) -> None:
-        """Add to the adjoint what seeds of the observed values at a moment do."""
+    def seeded(self, samples: Samples, seeds: Vector) -> Vector:
+        """Return what seeds (n, n_values) of observed values do by the states there."""
+        found = np.zeros((len(samples.times), self._n_x))
+        arrays = [np.ascontiguousarray(item, dtype=float) for item in samples[:3]]
         status = self._code.call(
             "vd_values_back",
-            *moment,
-            self._one,
-            self._own,
-            self._rates,
-            self._unknowns,
-            self._ends,
-            len(seeds),
+            len(found),
+            *arrays,
+            self._numbers.of(self._constants),
+            self._ends.back,
+            self._ends.number,
             np.ascontiguousarray(seeds, dtype=float),
-            self._b,
-            self._t,
-            self._own_b,
-            self._own_t,
-            self.adjoint,
+            found,
         )
-        self._code.check(status, moment.time)
+        self._code.check(status, float(samples.times[0]))
+        return found
 
-    def values(self, moment: Moment) -> Vector:
-        """Return what is observed at a moment."""
-        found = np.zeros(self._code.n_values + 1)
-        self._code.call("vd_observe", *moment, found, self._own)
-        return found[:-1]
+    def values(self, samples: Samples) -> Vector:
+        """Return what is observed at points, shape (n, n_values)."""
+        return self._bundle.found(samples, self._constants).values
 
     def _take(
         self, first: int, count: int, point: tuple[Vector, ...], room: tuple[Vector, Vector]
     ) -> None:
-        grid = self._grid
-        sizes = (first, count, grid.per_interval, grid.start, grid.interval)
-        status = self._code.call("vd_record", *sizes, self._constants, *point, *room)
+        status = self._code.call(
+            "vd_record", self._steps, first, count, self._constants, *point, *room
+        )
         self._code.check(status, self._time(first))
 
     def _time(self, step: int) -> float:
         whole, rest = divmod(step, self._grid.per_interval)
         return self._grid.start + self._grid.interval * (whole + rest / self._grid.per_interval)
 
-
-def _places(program: Program, columns: NDArray[np.int32]) -> NDArray[np.int32]:
-    """Return the rows of the transposed program that have these columns."""
-    place = {int(column): k for k, column in enumerate(program.out[::-1])}
-    return np.array([place[int(column)] for column in columns], dtype=np.int32)

@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from vehicledyn.base.errors import InputError, MissingPartError, NumericalError
+from vehicledyn.base.errors import MissingPartError, NumericalError
 from vehicledyn.codegen.ir.table_rows import TableRows
 from vehicledyn.codegen.passes.kernel_functions import derive_functions
 from vehicledyn.codegen.passes.linear_program import (
@@ -27,6 +27,7 @@ from vehicledyn.codegen.toolchain import cache
 from vehicledyn.codegen.toolchain.compiler import CompilationError, build_library, find_compiler
 from vehicledyn.codegen.toolchain.fingerprint import fingerprint, generator_fingerprint
 from vehicledyn.kernel.engine import Status, Vector
+from vehicledyn.kernel.plans import Passes, aligned, passes
 from vehicledyn.symbolic import ops
 from vehicledyn.symbolic.equations import Equations
 from vehicledyn.symbolic.shared import inlined
@@ -35,30 +36,16 @@ _D, _I, _L, _P = ctypes.c_double, ctypes.c_int, ctypes.c_longlong, ctypes.c_void
 _SIGNATURES: dict[str, tuple[Any, Sequence[Any]]] = {
     "vd_prepare": (None, [_P, _P]),
     "vd_solve_point": (_I, [_D, _P, _P, _P]),
-    "vd_linearise": (_I, [_D, _P, _P, _P, _P, _P]),
-    "vd_observe": (None, [_D, _P, _P, _P, _P, _P]),
-    "vd_tangent_steps": (_I, [_I, _L, _L, _D, _D, _L, _D, _D, *[_P] * 6]),
-    "vd_tangent_point": (_I, [_D, *[_P] * 9]),
-    "vd_tangent_values": (None, [_D, *[_P] * 7, _L, _P, _P]),
+    "vd_plan": (_L, [_P] * 5),
+    "vd_share": (None, [_L, _P, _P]),
+    "vd_tangent_steps": (_I, [_P, _L, _L, *[_P] * 8]),
+    "vd_tangent_points": (_I, [_L, *[_P] * 11]),
 }
 _BACK: dict[str, tuple[Any, Sequence[Any]]] = {
-    "vd_record": (_I, [_L, _L, _L, _D, _D, *[_P] * 6]),
-    "vd_steps_back": (_I, [_L, _L, _L, _D, _D, *[_P] * 4, _L, *[_P] * 4]),
-    "vd_values_back": (_I, [_D, *[_P] * 8, _L, *[_P] * 6]),
+    "vd_record": (_I, [_P, _L, _L, *[_P] * 5]),
+    "vd_steps_back": (_I, [_P, _L, _L, *[_P] * 7]),
+    "vd_values_back": (_I, [_L, *[_P] * 8]),
 }
-
-
-class _Rows(ctypes.Structure):
-    _fields_ = [
-        ("n_touched", _L),
-        ("n_rows", _L),
-        ("n_columns", _L),
-        *[(name, _P) for name in ("out", "starts", "columns", "which", "targets", "unknowns")],
-    ]
-
-
-class _Directions(ctypes.Structure):
-    _fields_ = [("n", _L), *[(name, _P) for name in ("columns", "x", "from_", "to", "room")]]
 
 
 @dataclass(frozen=True)
@@ -111,7 +98,6 @@ class TangentCode:
         self.lanes = tangent_lanes()
         self._tables = TableRows(equations.tables)
         self._functions = functions
-        self._n_inverse = sum((b.stop - b.start) ** 2 for b in equations.blocks)
 
     def _observed(self, functions: Any) -> list[Any]:
         rows = list(self.channels)
@@ -181,22 +167,31 @@ class TangentCode:
         slopes = ops.jacobian(inlined(self._prepare(p)), p)
         return casadi.Function("constant_slopes", [p], [slopes])
 
-    def weights(self) -> Vector:
-        """Return room for the weights of the stage, the fixed ones entered."""
-        return self._room(self.stage.function, self.stage.program, self._n_inverse)
+    @cached_property
+    def whole(self) -> Program:
+        """The program of rates, unknowns and what is observed."""
+        stage = self.stage
+        return stage.program.with_values(
+            stage.unknowns, self.observed.program, self.stage.n_weights
+        )
 
-    def observed_weights(self) -> Vector:
-        """Return room for the weights of what is observed, the fixed ones entered."""
-        return self._room(self.observed.function, self.observed.program, 0)
+    @cached_property
+    def by_state(self) -> tuple[Passes, Passes]:
+        """Passes by time and states: to the rates, which are compiled, and to all results."""
+        one = np.eye(1 + len(self.equations.states))
+        count = _I.in_dll(self._library, "vd_pattern").value
+        pattern = np.array((_I * (1 + 2 * count)).in_dll(self._library, "vd_pattern")[1:])
+        entries = np.column_stack([pattern.reshape(count, 2), np.arange(count)])
+        to_rates = Passes([], [], entries.astype(np.int64), count)
+        return to_rates, passes(self.call, self.whole, one)
 
-    @staticmethod
-    def _room(function: Any, program: Program, n_inverse: int) -> Vector:
-        own = function.numel_out(1) + n_inverse
-        return np.concatenate([np.zeros(own), program.fixed, np.zeros(1)])
+    def numbers(self) -> Numbers:
+        """Return room for what is computed at points."""
+        return Numbers(self)
 
     def call(self, name: str, *arguments: Any) -> int:
         """Call a function of the library; arrays are given by their place."""
-        given = [item.ctypes.data if isinstance(item, np.ndarray) else item for item in arguments]
+        given = [_address(item) for item in arguments]
         return int(getattr(self._library, name)(*given) or 0)
 
     def solved(self, time: float, state: Vector, guess: Vector, constants: Vector) -> Vector:
@@ -221,163 +216,51 @@ class TangentCode:
             )
 
 
-class Bundle:
-    """Directions carried side by side: tangents of states, by lanes.
+class Numbers:
+    """Constants and weights at several points, as C reads them."""
 
-    Parameters
-    ----------
-    code
-        The compiled code.
-    constants
-        Tangents of the constants, shape (n_constants, n_directions).
-    """
-
-    def __init__(self, code: TangentCode, constants: NDArray[np.float64]) -> None:
+    def __init__(self, code: TangentCode) -> None:
+        """Make room."""
+        stage, observed = code.stage, code.observed
         n_x, n_z = len(code.equations.states), len(code.equations.unknowns)
-        self._code, lanes = code, code.lanes
-        self.n_directions = constants.shape[1]
-        groups = self._groups = max(1, -(-self.n_directions // lanes))
-        moving = np.any(constants != 0.0, axis=1)
-        self._stage = code.stage.program
-        self._observed = code.observed.program
-        self._spread = np.zeros((constants.shape[0], groups, lanes))
-        self._spread.reshape(len(constants), -1)[:, : self.n_directions] = constants
-        self._x = _aligned((groups, n_x, lanes))
-        self._z = _aligned((groups, n_z, lanes))
-        self._from, self._to = _aligned((groups, lanes)), _aligned((groups, lanes))
-        room = _aligned((3, groups, max(1, n_x), lanes))
-        self._rate = _aligned((groups, n_x, lanes))
-        self._values = _aligned((groups, code.n_values, lanes))
-        self._columns = [
-            self._filled(program.n_columns, len(program.out), first)
-            for program, first in ((self._stage, 1 + n_x), (self._observed, 1 + n_x + n_z))
-        ]
-        shared = (self._x, self._from, self._to, room)
-        self._rows = _rows(self._stage, code.stage.unknowns, 1 + n_x, moving)
-        self._observed_rows = _rows(self._observed, code.stage.unknowns, 1 + n_x + n_z, moving)
-        self._directions = [
-            _Directions(groups, *[item.ctypes.data for item in (columns, *shared)])
-            for columns in self._columns
-        ]
-        self._keep = shared
-        self._weights, self._observed_weights = code.weights(), code.observed_weights()
+        n_inverse = stage.function.numel_out(2)
+        before = stage.n_weights
+        n_observed = observed.function.numel_out(1)
+        fixed = stage.program.fixed, observed.program.fixed
+        self._code, self._known = code, None
+        self._weights = aligned((before + n_observed + len(fixed[1]) + 1, code.lanes))
+        for own, first in zip(fixed, (before - len(fixed[0]), before + n_observed), strict=True):
+            self._weights[first : first + len(own)] = own[:, None]
+        self._points = aligned((1 + 2 * (n_x + 1) + n_z + 1 + n_inverse + 1, code.lanes))
+        self._lanes = aligned((1, code.lanes))
+        self._struct = (_P * 4)()
 
-    def _filled(self, n_columns: int, n_rows: int, first: int) -> NDArray[np.float64]:
-        columns = _aligned((self._groups, n_columns + n_rows, self._code.lanes))
-        stop = first + len(self._spread)
-        columns[:, first:stop] = self._spread.transpose(1, 0, 2)
-        return columns
-
-    @property
-    def state(self) -> NDArray[np.float64]:
-        """Tangents of the states, shape (n_states, n_directions)."""
-        return self._plain(self._x)
-
-    @state.setter
-    def state(self, values: NDArray[np.float64]) -> None:
-        self._enter(self._x, values)
-
-    def steps(
-        self, grid: Grid, way: Way, moment: Moment, times: tuple[Vector, Vector] | None = None
-    ) -> None:
-        """Take steps from a moment, moving its state and unknowns and the tangents in place.
-
-        ``times`` are the tangents of the begin and end of a part of a step [s], zero if None.
-        """
-        self._at(times)
-        status = self._code.call(
-            "vd_tangent_steps",
-            grid.method,
-            way.first,
-            way.n_steps,
-            *way.span,
-            grid.per_interval,
-            grid.start,
-            grid.interval,
-            moment.constants,
-            moment.state,
-            moment.unknowns,
-            self._weights,
-            ctypes.addressof(self._rows[0]),
-            ctypes.addressof(self._directions[0]),
-        )
-        self._code.check(status, moment.time)
-
-    def point(
-        self, moment: Moment, at: Vector | None = None
-    ) -> tuple[Vector, NDArray[np.float64], NDArray[np.float64]]:
-        """Return the rates, tangents of the unknowns and of the rates, by those of the states.
-
-        ``at`` are the tangents of the time [s].
-        """
-        self._at(None if at is None else (at, at))
-        rate = np.zeros(max(1, len(moment.state)))
-        status = self._code.call(
-            "vd_tangent_point",
-            *moment,
-            self._weights,
-            ctypes.addressof(self._rows[0]),
-            ctypes.addressof(self._directions[0]),
-            rate,
-            self._z,
-            self._rate,
-        )
-        self._code.check(status, moment.time)
-        return rate[: len(moment.state)], self._plain(self._z), self._plain(self._rate)
-
-    def values(
-        self, moment: Moment, at: Vector | None = None
-    ) -> tuple[Vector, NDArray[np.float64]]:
-        """Return what is observed and its tangents, after :meth:`point` at the same moment."""
-        self._at(None if at is None else (at, at))
-        values = np.zeros(max(1, self._code.n_values))
-        self._code.call(
-            "vd_tangent_values",
-            *moment,
-            self._observed_weights,
-            ctypes.addressof(self._observed_rows[0]),
-            ctypes.addressof(self._directions[1]),
-            self._z,
-            self._code.n_values,
-            values,
-            self._values,
-        )
-        return values[: self._code.n_values], self._plain(self._values)
-
-    def _at(self, times: tuple[Vector, Vector] | None) -> None:
-        zero = np.zeros(self.n_directions)
-        for room, values in zip((self._from, self._to), times or (zero, zero), strict=True):
-            room.reshape(-1)[: self.n_directions] = values
-
-    def _plain(self, lanes: NDArray[np.float64]) -> NDArray[np.float64]:
-        swapped = lanes.transpose(1, 0, 2)
-        return swapped.reshape(lanes.shape[1], lanes.shape[0] * lanes.shape[2])[
-            :, : self.n_directions
-        ].copy()
-
-    def _enter(self, lanes: NDArray[np.float64], values: NDArray[np.float64]) -> None:
-        if values.shape != (lanes.shape[1], self.n_directions):
-            raise InputError(f"tangents of shape {values.shape} do not fit")
-        spread = np.zeros((lanes.shape[1], lanes.shape[0] * lanes.shape[2]))
-        spread[:, : self.n_directions] = values
-        lanes[:] = spread.reshape(lanes.shape[1], lanes.shape[0], lanes.shape[2]).transpose(1, 0, 2)
+    def of(self, constants: Vector) -> Any:
+        """Return the address of all for some constants."""
+        if self._known is not constants:
+            self._known = constants
+            self._lanes = aligned((len(constants), self._code.lanes))
+            self._code.call("vd_share", len(constants), constants, self._lanes)
+            rooms = (constants, self._lanes, self._weights, self._points)
+            self._struct[:] = [item.ctypes.data for item in rooms]
+        return ctypes.addressof(self._struct)
 
 
-def _rows(
-    program: Program, unknowns: Any, first_constant: int, moving: NDArray[np.bool_]
-) -> tuple[_Rows, Any]:
-    """Return what C knows of a program whose constants move or rest, and the arrays pointed at."""
-    touched = program.touched(first_constant, moving)
-    arrays = [
-        np.ascontiguousarray(item, dtype=np.int32) for item in (*touched, program.targets, unknowns)
+def steps_of(grid: Grid, span: tuple[float, float] = (0.0, 1.0)) -> ctypes.Structure:
+    """Return what C knows of steps, or of a part of one."""
+    return _Steps(grid.method, grid.per_interval, grid.start, grid.interval, *span)
+
+
+class _Steps(ctypes.Structure):
+    _fields_ = [
+        ("method", _I),
+        ("per", _L),
+        *[(name, _D) for name in ("start", "interval", "from_", "to")],
     ]
-    sizes = (len(touched[0]), len(program.out), program.n_columns)
-    return _Rows(*sizes, *[item.ctypes.data for item in arrays]), arrays
 
 
-def _aligned(shape: tuple[int, ...]) -> NDArray[np.float64]:
-    """Return zeros that begin at a multiple of 64 bytes."""
-    size = int(np.prod(shape))
-    raw = np.zeros(size + 8)
-    first = -(raw.ctypes.data // 8) % 8
-    return raw[first : first + size].reshape(shape)
+def _address(item: Any) -> Any:
+    """Return an argument as C takes it: arrays and structures by their place."""
+    if isinstance(item, np.ndarray):
+        return item.ctypes.data
+    return ctypes.addressof(item) if isinstance(item, ctypes.Structure) else item

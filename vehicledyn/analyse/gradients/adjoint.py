@@ -13,7 +13,7 @@ from vehicledyn.base.errors import InputError
 from vehicledyn.kernel.back_code import BackCode
 from vehicledyn.kernel.engine import Method, Vector
 from vehicledyn.kernel.kernel import Kernel
-from vehicledyn.kernel.tangent_code import Grid, Moment, TangentCode
+from vehicledyn.kernel.tangent_code import Grid, TangentCode
 
 Floats = NDArray[np.float64]
 
@@ -71,26 +71,15 @@ def figure_adjoint(
     back = BackCode(code, grid, constants)
     state, guess = start
     unknowns = code.solved(grid.start, state, guess, constants)
-    record, end = back.record(n_intervals * grid.per_interval, (state, unknowns))
-    times = np.asarray(grid.start + grid.interval * np.arange(n_intervals + 1), dtype=float)
-
-    def sample(number: int) -> Moment:
-        if number == n_intervals:
-            return Moment(float(times[number]), end.state, end.unknowns, constants)
-        x, z = back.points(record, number * grid.per_interval, 1)
-        return Moment(float(times[number]), x[0], z[0], constants)
-
+    record = back.record(n_intervals, (state, unknowns))
+    samples, times = record.samples, record.samples.times
     n_channels = len(code.channels)
-    values = np.array([back.values(sample(k))[:n_channels] for k in range(n_intervals + 1)])
-    found, seeds = figure(times, values)
-    after = n_intervals
-    for number in np.flatnonzero(np.any(seeds != 0.0, axis=1))[::-1]:
-        back.back(record, int(number) * grid.per_interval, after * grid.per_interval)
-        after = int(number)
-        padded = np.zeros(code.n_values)
-        padded[:n_channels] = seeds[number]
-        back.seed(sample(after), padded)
-    back.back(record, 0, after * grid.per_interval)
+    found, seeds = figure(times, back.values(samples)[:, :n_channels])
+    padded = np.zeros((len(times), code.n_values))
+    padded[:, :n_channels] = seeds
+    by_state = back.seeded(samples, padded)
+    back.adjoint += by_state[-1]
+    back.back(record, 0, n_intervals * grid.per_interval, by_state)
     slopes = code.constant_slopes(kernel.parameters)
     by_parameter = np.asarray(slopes.T @ back.constants_adjoint)
     return FigureAdjoint(found, by_parameter, back.adjoint.copy(), record.n_bytes)

@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
-
 import numpy as np
 from numpy.typing import NDArray
 
 from vehicledyn.base.errors import NumericalError
+from vehicledyn.kernel.bundle import Bundle
 from vehicledyn.kernel.engine import Vector
-from vehicledyn.kernel.tangent_code import Bundle, Moment, TangentCode
+from vehicledyn.kernel.tangent_code import Moment, TangentCode
 
 Matrix = NDArray[np.float64]
 
@@ -74,5 +73,5 @@ def rate_slopes(code: TangentCode, balance: Balance, by_parameter: Matrix) -> tu
     bundle = Bundle(code, np.hstack([np.zeros((len(moved), n)), moved]))
     bundle.state = np.hstack([np.eye(n), np.zeros((n, by_parameter.shape[1]))])
     unknowns = code.solved(balance.time, state, guess, constants)
-    found: Any = bundle.point(Moment(balance.time, state, unknowns, constants))[2]
+    found = bundle.here(Moment(balance.time, state, unknowns, constants)).rate_slopes[0]
     return found[:, :n], found[:, n:]

@@ -20,9 +20,10 @@ from numpy.typing import NDArray
 
 from vehicledyn.base.errors import NumericalError
 from vehicledyn.integrate.events import EventWatch, Point
+from vehicledyn.kernel.bundle import Bundle, Found
 from vehicledyn.kernel.engine import Count, Ledger, March, Method, Rows, Status, Vector
 from vehicledyn.kernel.kernel import Kernel
-from vehicledyn.kernel.tangent_code import Bundle, Grid, Moment, TangentCode, Way
+from vehicledyn.kernel.tangent_code import Grid, Moment, TangentCode, Way
 
 Matrix = NDArray[np.float64]
 
@@ -31,6 +32,9 @@ _GRAZING = 1e-6
 
 _AT_STEP = 1e-6
 """Part of a step that a change of the dependent coordinates may lie beside it."""
+
+_AT_ONCE = 64
+"""Intervals that are followed at once where nothing happens in them."""
 
 _SHORTEST, _REACH = 1e-9, 1.25
 """Parts of a step behind an event of a method of order one, as in a run without derivatives."""
@@ -135,12 +139,13 @@ def follow(
     run = _Run(Piece(grid.start, kernel, code), grid, start, directions, count)
     run.expect(later)
     run.sample()
-    for number in range(n_intervals):
-        run.interval()
+    for number in range(0, n_intervals, _AT_ONCE):
+        done = min(number + _AT_ONCE, n_intervals)
+        run.intervals(done - number)
         if run.watch.ended_by:
             break
         if progress is not None:
-            progress((number + 1) / n_intervals)
+            progress(done / n_intervals)
     record = run.record
     return MotionSlopes(
         np.array(record.times),
@@ -200,8 +205,8 @@ class _Run:
             grid.method, grid.start, grid.interval, grid.per_interval, state, unknowns, sides=sides
         )
         self.march.step = step
-        shape = (2, len(state)), (2, len(unknowns)), (2, len(self.kernel.equations.channels))
-        self._rows = Rows(*[np.empty(item) for item in shape])
+        sizes = len(state), len(unknowns), len(self.kernel.equations.channels)
+        self._rows = Rows(*[np.empty((_AT_ONCE + 1, size)) for size in sizes])
 
     def expect(self, later: Sequence[Piece]) -> None:
         """Take notice of changes of the dependent coordinates.
@@ -223,14 +228,13 @@ class _Run:
     def _change(self, piece: Piece) -> None:
         """Go on with other dependent coordinates: the same motion, with other states."""
         point = Point(self.time, self.march.state, self.march.unknowns)
-        values, slopes = self._values(point, None)
-        moment = Moment(*point, self.constants)
-        unknowns, e = self.bundle.point(moment)[1], self.kernel.equations
+        found, e = self._found(point, None), self.kernel.equations
+        values, slopes = found.values[0], found.value_slopes[0]
         channels = [e.channels[k].name for k in self.code.channels]
         known = dict(zip(channels, zip(values, slopes, strict=False), strict=False))
         for items, numbers, rows in (
             (e.states, point.state, self.bundle.state),
-            (e.unknowns, point.unknowns, unknowns),
+            (e.unknowns, point.unknowns, found.unknown_slopes[0]),
         ):
             names = [item.name for item in items]
             known |= dict(zip(names, zip(numbers, rows, strict=True), strict=True))
@@ -256,36 +260,38 @@ class _Run:
         self.record.take(self.time, values, slopes)
 
     def _values(self, point: Point, moved: Vector | None) -> tuple[Vector, Matrix]:
-        moment = Moment(*point, self.constants)
-        self.bundle.point(moment, moved)
-        return self.bundle.values(moment, moved)
+        found = self._found(point, moved)
+        return found.values[0], found.value_slopes[0]
 
-    def interval(self) -> None:
-        """Go on to the next sample, or to the event that ends the motion."""
-        due = self.grid.per_interval
+    def _found(self, point: Point, moved: Vector | None) -> Found:
+        return self.bundle.here(Moment(*point, self.constants), moved)
+
+    def intervals(self, count: int) -> None:
+        """Go on by so many samples, or to the event that ends the motion."""
+        due = count * self.grid.per_interval
         while due:
             if self._later and self._later[0][0] <= self.march.step:
                 self._change(self._later.pop(0)[1])
             ahead = self._later[0][0] - self.march.step if self._later else due
-            wanted = min(due, ahead)
-            state, unknowns, first = (
-                self.march.state.copy(),
-                self.march.unknowns.copy(),
-                self.march.step,
-            )
-            status = self.kernel.advance(self.march, wanted, self._rows)
+            state, unknowns = self.march.state.copy(), self.march.unknowns.copy()
+            first = self.march.step
+            status = self.kernel.advance(self.march, min(due, ahead), self._rows)
             taken = int(self.march.ledger.counts[Count.STEPS])
-            moment = Moment(self.time, state, unknowns, self.constants)
-            self.bundle.steps(self.grid, Way(first, taken), moment)
+            moment = Moment(self.march.time(first), state, unknowns, self.constants)
+            samples = self.bundle.steps(self.grid, Way(first, taken), moment)
+            found = self.bundle.found(samples, self.constants)
+            for item in zip(samples.times, found.values, found.value_slopes, strict=True):
+                self.record.take(*item)
             due -= taken
             if status is Status.EVENT:
                 self._step_with_events()
                 if self.watch.ended_by:
                     return
                 due -= 1
+                if self.march.step % self.grid.per_interval == 0:
+                    self.sample()
             elif status is not Status.SOLVED:
                 raise NumericalError(self.kernel.failure(status, self.time, self.march.ledger))
-        self.sample()
 
     def _step_with_events(self) -> None:
         """Take the step that is due in parts, as a run without derivatives does."""

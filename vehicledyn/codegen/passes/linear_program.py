@@ -33,7 +33,7 @@ class Program:
 
     Row k writes column ``out[k]`` from ``columns`` and ``which`` weights ``starts[k]`` to
     ``starts[k + 1]``; ``targets`` are the columns of the results. ``fixed`` are the values of the
-    last weights, which are plain numbers.
+    last weights, which are plain numbers, the last of them one.
     """
 
     n_columns: int
@@ -44,41 +44,55 @@ class Program:
     targets: Index
     fixed: NDArray[np.float64]
 
-    def transposed(self, sources: int) -> Program:
-        """Return the program of the adjoints: row k is that of column ``out[k]``, last first.
+    def transposed(self, sources: Sequence[int], one: int) -> Program:
+        """Return the program of the adjoints of some sources.
 
-        Columns keep their numbers; behind the rows come the ``sources``, last first as well.
+        Its own sources are the adjoints of the results; behind them columns keep their order. The
+        weight ``one`` is the number one.
         """
+        n = len(self.targets)
         users: dict[int, list[tuple[int, int]]] = {}
+        for k, target in enumerate(self.targets):
+            users.setdefault(int(target), []).append((k, one))
         for k, target in enumerate(self.out):
             for i in range(self.starts[k], self.starts[k + 1]):
-                users.setdefault(int(self.columns[i]), []).append((int(target), int(self.which[i])))
-        out = [*map(int, self.out[::-1]), *range(sources - 1, -1, -1)]
+                entry = (n + int(target), int(self.which[i]))
+                users.setdefault(int(self.columns[i]), []).append(entry)
+        out = [*map(int, self.out[::-1]), *sources]
         entries = [users.get(column, []) for column in out]
         flat = [item for own in entries for item in own]
-        return Program(
-            self.n_columns,
-            np.array(out, np.int32),
-            np.cumsum([0, *map(len, entries)]).astype(np.int32),
-            np.array([column for column, _ in flat], np.int32),
-            np.array([place for _, place in flat], np.int32),
-            np.arange(sources, dtype=np.int32),
-            self.fixed,
+        lists = (
+            [n + column for column in out],
+            np.cumsum([0, *map(len, entries)]),
+            [column for column, _ in flat],
+            [place for _, place in flat],
+            [n + column for column in sources],
         )
+        arrays = (np.array(item, dtype=np.int32) for item in lists)
+        return Program(n + self.n_columns, *arrays, self.fixed)
 
-    def touched(self, first: int, moving: NDArray[np.bool_]) -> tuple[Index, ...]:
-        """Return rows, starts, columns and weights of the entries by constants that move.
+    def with_values(self, unknowns: Index, observed: Program, before: int) -> Program:
+        """Return this program of rates with unknowns and observed values among its results.
 
-        ``first`` is the column of the first constant, ``moving`` (n_constants,) says which move.
+        The sources of ``observed`` are time, states, unknowns and constants; its weights lie
+        behind ``before`` others.
         """
-        row_of = np.repeat(np.arange(len(self.out)), np.diff(self.starts))
-        active = np.zeros(self.n_columns, dtype=bool)
-        active[first : first + moving.size] = moving
-        kept = np.flatnonzero(active[self.columns])
-        rows, counts = np.unique(row_of[kept], return_counts=True)
-        starts = np.concatenate([[0], np.cumsum(counts)])
-        found = (rows, starts, self.columns[kept], self.which[kept])
-        return tuple(np.asarray(item, dtype=np.int32) for item in found)
+        n_x, n_z = len(self.targets), len(unknowns)
+        n_sources = observed.n_columns - len(observed.out)
+        of_source = np.concatenate(
+            [np.arange(1 + n_x), unknowns, np.arange(1 + n_x, n_sources - n_z)]
+        )
+        own = self.n_columns + np.arange(len(observed.out))
+        renamed = np.concatenate([of_source, own]).astype(np.int32)
+        return Program(
+            self.n_columns + len(own),
+            np.concatenate([self.out, renamed[observed.out]]),
+            np.concatenate([self.starts, self.starts[-1] + observed.starts[1:]]).astype(np.int32),
+            np.concatenate([self.columns, renamed[observed.columns]]),
+            np.concatenate([self.which, observed.which + np.int32(before)]),
+            np.concatenate([self.targets, unknowns, renamed[observed.targets]]).astype(np.int32),
+            np.concatenate([self.fixed, observed.fixed]),
+        )
 
 
 @dataclass
@@ -139,7 +153,7 @@ class _Writer:
         inverse, number = which <= _INVERSE, (which < 0) & (which > _INVERSE)
         which[inverse] = n_own + (_INVERSE - which[inverse])
         which[number] = n_own + n_inverse - 1 - which[number]
-        numbers = np.array(self.weights.numbers, dtype=float)
+        numbers = np.array([*self.weights.numbers, 1.0])
         lists = (self.out, self.starts, self.columns, which, targets)
         out, starts, columns, places, ends = (np.array(item, dtype=np.int32) for item in lists)
         return Program(self.n_columns, out, starts, columns, places, ends, numbers)
@@ -154,13 +168,19 @@ class StageProgram:
 
     ``function``: (t, x, z, c) -> rates, weights, ∂g/∂z of the blocks one after the other, by
     columns. Behind the weights lie -(∂g/∂z)⁻¹ of the blocks, then the fixed ones. ``unknowns`` are
-    the columns of z, the first ``n_block_rows`` rows lead to them.
+    the columns of z.
     """
 
     function: Any
     program: Program
     unknowns: Index
-    n_block_rows: int
+
+    @property
+    def n_weights(self) -> int:
+        """Number of weights, those of the inverses and the fixed ones among them."""
+        return int(self.function.numel_out(1) + self.function.numel_out(2)) + len(
+            self.program.fixed
+        )
 
 
 def stage_program(equations: Equations, functions: KernelFunctions) -> StageProgram:
@@ -190,7 +210,6 @@ def stage_program(equations: Equations, functions: KernelFunctions) -> StageProg
             for i in range(n)
         ]
         n_inverse += n * n
-    n_block_rows = len(writer.out)
     rate = inlined(functions.rates(*symbols))
     sources = [0, *range(1, 1 + n_x), *unknowns, *of_c]
     targets, values = _written(writer, rate, symbols, sources)
@@ -199,7 +218,7 @@ def stage_program(equations: Equations, functions: KernelFunctions) -> StageProg
         "linearise", symbols, [casadi.densify(item) for item in _cse(results)]
     )
     program = writer.program(targets, n_inverse)
-    return StageProgram(function, program, np.array(unknowns, np.int32), n_block_rows)
+    return StageProgram(function, program, np.array(unknowns, np.int32))
 
 
 @dataclass(frozen=True)

@@ -116,17 +116,24 @@ def shared_texts(
     wide: WideFunctions | None = None,
     copies: Copies | None = None,
     mirrored: dict[int, Signed] | None = None,
+    *,
+    sampled: bool = True,
 ) -> list[str]:
     """Return what all kernels have: functions of the model, tables and steps.
 
-    ``wide`` and ``copies`` are for kernels of one lane, ``mirrored`` for those of several, see
+    Without ``sampled`` the outputs are left out. ``wide`` and ``copies`` are for kernels of one lane, ``mirrored`` for those of several, see
     :func:`vehicledyn.codegen.printers.c_printer.print_function`.
     """
     print_one = _printer(equations, wide, copies, mirrored)
-    return [
+    texts = [
         print_function(functions.prepare, "prepare", ["p"], tables=equations.tables),
         print_one(functions.rates, "rates", wide),
-        print_one(functions.outputs, "outputs", wide, selectable=mirrored is not None),
+    ]
+    if sampled:
+        selectable = mirrored is not None
+        texts.append(print_one(functions.outputs, "outputs", wide, selectable=selectable))
+    return [
+        *texts,
         *_model_texts(equations, functions, print_one),
     ]
 

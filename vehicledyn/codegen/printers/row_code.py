@@ -1,118 +1,134 @@
-"""Print the rows of a linear program as straight C for several directions side by side.
+"""Print the Jacobian that the rows of a linear program come to as straight C.
 
-A row's sum stays in a register as long as the rows after it in the same function want it. What
-the constants contribute is left out: which of them move is known at run time only.
+The derivatives of each row by the sources that reach it are sums over the row's entries; most rows
+are reached by few sources. Those that are wanted in one piece of the code only stay in registers.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from vehicledyn.codegen.passes.linear_program import Program
 
 _PIECE = 400
-"""Entries a C function holds at most."""
+"""Products a C function holds at most."""
 
 
-def print_rows(program: Program, constants: range, name: str, kept: Sequence[int] = ()) -> str:
-    """Return C functions ``name(w, b, t)`` that write the rows into the columns t.
+@dataclass
+class _Value:
+    """A derivative of a row: where it arises, and the last piece that reads it."""
 
-    Parameters
-    ----------
-    program
-        The rows.
-    constants
-        The columns of the sources that are constants.
-    name
-        Name of the function; ``b`` holds what the constants contribute to each row.
-    kept
-        Columns that are written whatever uses them, besides the targets.
+    piece: int
+    last: int = -1
+    place: int = -1
+
+
+@dataclass
+class _Code:
+    """Rows as they are printed: sums by (column, source), weights by number."""
+
+    program: Program
+    n_sources: int
+    pieces: list[list[int]] = field(default_factory=list)
+    reach: dict[int, list[int]] = field(default_factory=dict)
+    values: dict[tuple[int, int], _Value] = field(default_factory=dict)
+
+    def entries(self, k: int) -> list[tuple[int, int]]:
+        """Return the entries (column, weight) of a row that sources reach."""
+        p = self.program
+        own = range(p.starts[k], p.starts[k + 1])
+        found = [(int(p.columns[i]), int(p.which[i])) for i in own]
+        return [item for item in found if item[0] in self.reach]
+
+
+def print_jacobian(program: Program, n_sources: int, name: str) -> tuple[str, list[tuple[int, int]]]:
+    """Return C functions ``name(w, j)``, and which derivatives they write, in their order.
+
+    These are pairs of a result and one of the first ``n_sources`` columns by which it is derived,
+    result by result.
     """
-    touched = [any(c in constants for c in _columns(program, k)) for k in range(len(program.out))]
-    style = _Style(name, constants, range(0), touched)
-    return _printed(program, style, {*map(int, program.targets), *kept})
-
-
-def print_rows_back(program: Program, added: range, name: str, seeded: Sequence[int]) -> str:
-    """Return C functions ``name(w, b, t)`` that write adjoints into the columns t.
-
-    Parameters
-    ----------
-    program
-        The transposed rows.
-    added
-        Columns to which is added, where others are written.
-    name
-        Name of the function; ``b`` holds the seeds of rows.
-    seeded
-        Columns that have seeds.
-    """
-    own = set(seeded)
-    touched = [int(column) in own for column in program.out]
-    return _printed(program, _Style(name, range(0), added, touched), set(map(int, program.targets)))
-
-
-@dataclass(frozen=True)
-class _Style:
-    """Name of the function, columns left out, columns added to, rows that begin with b."""
-
-    name: str
-    left_out: range
-    added: range
-    touched: list[bool]
-
-
-def _printed(program: Program, style: _Style, kept: set[int]) -> str:
-    pieces, name = list(_pieces(program)), style.name
-    last_use = dict.fromkeys(kept, len(pieces))
-    for number, piece in enumerate(pieces):
-        for k in piece:
-            for column in _columns(program, k):
-                last_use[column] = max(last_use.get(column, 0), number)
-    texts = []
-    for number, piece in enumerate(pieces):
-        head = f"static VD_APART void {name}_{number}(const double *w, const real *b, real *t) {{"
-        lines, own = [head], set[int]()
-        for k in piece:
-            target = int(program.out[k])
-            text = _sum(program, k, style.left_out, own, touched=style.touched[k])
-            if target in style.added:
-                lines.append(f"  t[{target}] += {text};")
-                continue
-            own.add(target)
-            lines.append(f"  const real r{target} = {text};")
-            if last_use.get(target, -1) > number:
-                lines.append(f"  t[{target}] = r{target};")
+    code = _Code(program, n_sources)
+    code.reach.update({k: [k] for k in range(n_sources)})
+    _cut(code, _needed(program))
+    results = {int(column): k for k, column in enumerate(program.targets)}
+    pattern = [(results[c], s) for c in map(int, program.targets) for s in code.reach.get(c, [])]
+    number = {item: k for k, item in enumerate(pattern)}
+    texts, free, size = [], [], 0
+    ending: dict[int, list[int]] = {}
+    for piece, rows in enumerate(code.pieces):
+        lines = [f"static VD_APART void {name}_{piece}(const real *w, real *t, real *j) {{"]
+        for k in rows:
+            target, entries = int(program.out[k]), code.entries(k)
+            used = [which for column, which in entries]
+            lines += [f"  const real w{k}_{n} = w[{which}];" for n, which in enumerate(used)]
+            for source in code.reach[target]:
+                terms = [
+                    (n, column)
+                    for n, (column, _) in enumerate(entries)
+                    if source in code.reach[column]
+                ]
+                lines.append(f"  const real r{target}_{source} = {_sum(code, k, terms, source, piece)};")
+                value = code.values[target, source]
+                if target in results:
+                    place = number[results[target], source]
+                    lines.append(f"  j[{place}] = r{target}_{source};")
+                if value.last > piece:
+                    if not free:
+                        free.append(size)
+                        size += 1
+                    value.place = free.pop()
+                    ending.setdefault(value.last, []).append(value.place)
+                    lines.append(f"  t[{value.place}] = r{target}_{source};")
+        free += ending.pop(piece, [])
         texts.append("\n".join([*lines, "}"]))
-    calls = "".join(f"\n  {name}_{number}(w, b, t);" for number in range(len(pieces)))
-    head = f"static void {name}(const double *w, const real *b, real *t) {{{calls}\n}}"
-    return "\n".join([*texts, head])
+    calls = "".join(f"\n  {name}_{piece}(w, t, j);" for piece in range(len(code.pieces)))
+    texts.append(
+        f"static void {name}(const real *w, real *j) {{\n  real t[{max(1, size)}];{calls}\n}}"
+    )
+    return "\n".join(texts), pattern
 
 
-def _columns(program: Program, k: int) -> list[int]:
-    return [int(item) for item in program.columns[program.starts[k] : program.starts[k + 1]]]
+def _needed(program: Program) -> list[int]:
+    """Return the rows that results need."""
+    needed, rows = set(map(int, program.targets)), []
+    for k in range(len(program.out) - 1, -1, -1):
+        if int(program.out[k]) in needed:
+            rows.append(k)
+            needed.update(map(int, program.columns[program.starts[k] : program.starts[k + 1]]))
+    return rows[::-1]
 
 
-def _pieces(program: Program) -> Iterator[list[int]]:
-    piece: list[int] = []
-    entries = 0
-    for k in range(len(program.out)):
-        piece.append(k)
-        entries += int(program.starts[k + 1] - program.starts[k])
-        if entries >= _PIECE:
-            yield piece
-            piece, entries = [], 0
-    if piece:
-        yield piece
-
-
-def _sum(program: Program, k: int, constants: range, own: set[int], *, touched: bool) -> str:
-    text = f"b[{k}]" if touched else ""
-    for i in range(program.starts[k], program.starts[k + 1]):
-        column, weight = int(program.columns[i]), int(program.which[i])
-        if column in constants:
+def _cut(code: _Code, rows: list[int]) -> None:
+    """Find which sources reach each row, and cut the rows into pieces."""
+    size = _PIECE
+    for k in rows:
+        entries = code.entries(k)
+        sources = sorted({s for column, _ in entries for s in code.reach[column]})
+        if not sources:
             continue
-        value = f"r{column}" if column in own else f"t[{column}]"
-        text = f"vd_fma(vd_all(w[{weight}]), {value}, {text})" if text else f"w[{weight}] * {value}"
-    return text or "vd_all(0.0)"
+        if size >= _PIECE:
+            code.pieces.append([])
+            size = 0
+        target, piece = int(code.program.out[k]), len(code.pieces) - 1
+        code.pieces[-1].append(k)
+        code.reach[target] = sources
+        for column, _ in entries:
+            for source in code.reach[column]:
+                size += 1
+                if column >= code.n_sources:
+                    code.values[column, source].last = piece
+        code.values.update({(target, source): _Value(piece) for source in sources})
+
+
+def _sum(code: _Code, k: int, terms: list[tuple[int, int]], source: int, piece: int) -> str:
+    """Return the derivative of a row by a source."""
+    text = ""
+    for n, column in sorted(terms, key=lambda item: item[1] >= code.n_sources):
+        weight = f"w{k}_{n}"
+        if column < code.n_sources:
+            text = f"{text} + {weight}" if text else weight
+            continue
+        value = code.values[column, source]
+        given = f"r{column}_{source}" if value.piece == piece else f"t[{value.place}]"
+        text = f"vd_fma({weight}, {given}, {text})" if text else f"{weight} * {given}"
+    return text

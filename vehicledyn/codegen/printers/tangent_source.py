@@ -1,6 +1,8 @@
-"""Assemble the C source that carries tangents of a motion, several directions side by side."""
+"""Assemble the C source that carries derivatives of a motion, several points side by side."""
 
 from __future__ import annotations
+
+from typing import Any
 
 from vehicledyn.codegen.ir.table_rows import ROW
 from vehicledyn.codegen.passes.kernel_functions import KernelFunctions
@@ -14,7 +16,7 @@ from vehicledyn.codegen.printers.kernel_source import (
     shared_texts,
     wide_units,
 )
-from vehicledyn.codegen.printers.row_code import print_rows, print_rows_back
+from vehicledyn.codegen.printers.row_code import print_jacobian
 from vehicledyn.codegen.printers.row_printer import Copies
 from vehicledyn.codegen.printers.wide_functions import WideFunctions
 from vehicledyn.codegen.toolchain.compiler import UNIT_BREAK, suitable_lanes
@@ -24,7 +26,7 @@ _ARGUMENTS = ("t", "x", "z", "c")
 
 
 def tangent_lanes() -> int:
-    """Return how many directions are carried side by side."""
+    """Return how many points, and how many directions, are carried side by side."""
     return 8 if suitable_lanes() == 8 else 4
 
 
@@ -36,9 +38,9 @@ def tangent_source(
     *,
     back: bool = False,
 ) -> str:
-    """Return the C source: one unit for the motion, one for its tangents.
+    """Return the C source: units for the motion, for its derivatives, and for what follows them.
 
-    With ``back`` the adjoints of the motion are among the first.
+    With ``back`` the adjoints of the motion are among the last.
     """
     lanes = suitable_lanes()
     in_rows, tables = lanes >= PLACES, equations.tables
@@ -46,50 +48,61 @@ def tangent_source(
     wide = WideFunctions(lanes)
     head = [shared_source("real.h"), shared_source("elementary.c")]
     head += [shared_source("fours.h")] if in_rows else []
-    texts = shared_texts(equations, functions, wide, copies if in_rows else None)
-    printed = [
-        print_function(
-            function, name, _ARGUMENTS, tables=tables, copies=copies if in_rows else None
-        )
-        for function, name in ((stage.function, "linearise"), (observed.function, "observe"))
+    texts = shared_texts(equations, functions, wide, copies if in_rows else None, sampled=False)
+    motion = [*head, *texts, copies.text, shared_source("stage_points.c")]
+    units = [
+        _apart(stage.function, "linearise", equations),
+        _apart(observed.function, "observe", equations),
+        "\n".join(motion),
+        *wide_units(wide),
+        _by_state(equations, stage),
+        _following(equations, stage, observed, back=back),
     ]
-    sizes = {
-        "NU": stage.function.numel_out(1),
-        "NI": stage.function.numel_out(2),
-    }
-    names = [f"#define {name} {size}" for name, size in sizes.items()]
-    motion = [*head, *texts, *printed, copies.text, *names, shared_source("linearise.c")]
-    motion += _back(equations, functions, stage, observed) if back else []
-    return UNIT_BREAK.join(
-        ["\n".join(motion), *wide_units(wide), _directions(equations, functions, stage, observed)]
+    return UNIT_BREAK.join(units)
+
+
+def _apart(function: Any, name: str, equations: Equations) -> str:
+    """Return a unit with a function at several points side by side."""
+    results = [f"r{k}" for k in range(function.n_out())]
+    given = ", ".join(f"const real *{item}" for item in _ARGUMENTS)
+    given += "".join(f", real *{item}" for item in results)
+    call = ", ".join([*_ARGUMENTS, *results])
+    return "\n".join(
+        [
+            *lane_head(tangent_lanes()),
+            print_function(function, name, _ARGUMENTS, tables=equations.tables),
+            f"void vd_{name}_apart({given}) {{\n  {name}({call});\n}}\n",
+        ]
     )
 
 
-def _back(
-    equations: Equations, functions: KernelFunctions, stage: StageProgram, observed: PointProgram
-) -> list[str]:
-    """Return the functions of adjoints."""
-    n_x, n_z, n_c = len(equations.states), len(equations.unknowns), functions.prepare.numel_out(0)
-    first = 1 + n_x + n_z
-    seeded = [*stage.program.targets.tolist(), *stage.unknowns.tolist()]
-    rows, ends = stage.program.transposed(1 + n_x + n_c), observed.program
-    own = ends.transposed(first + n_c)
-    return [
-        print_rows_back(rows, range(1 + n_x, 1 + n_x + n_c), "stage_back", seeded),
-        print_rows_back(own, range(first, first + n_c), "point_back", ends.targets.tolist()),
-        shared_source("back.c"),
-    ]
+def _by_state(equations: Equations, stage: StageProgram) -> str:
+    """Return the unit of the derivatives of rates by time and states."""
+    text, pattern = print_jacobian(stage.program, 1 + len(equations.states), "by_state")
+    numbers = [len(pattern), *[k for pair in pattern for k in pair]]
+    return "\n".join(
+        [
+            *lane_head(tangent_lanes()),
+            text,
+            "void vd_by_state_apart(const real *w, real *j) {\n  by_state(w, j);\n}",
+            listed("VD_EXPORT const int", "vd_pattern", numbers),
+        ]
+    )
 
 
-def _directions(
-    equations: Equations, functions: KernelFunctions, stage: StageProgram, observed: PointProgram
+def _following(
+    equations: Equations, stage: StageProgram, observed: PointProgram, *, back: bool
 ) -> str:
-    n_x, n_z, n_c = len(equations.states), len(equations.unknowns), functions.prepare.numel_out(0)
-    first = 1 + n_x + n_z
+    """Return the unit that follows derivatives through a motion."""
+    n_own, n_inverse = stage.function.numel_out(1), stage.function.numel_out(2)
     sizes = {
-        "NX": n_x,
-        "NZ": n_z,
+        "NX": len(equations.states),
+        "NZ": len(equations.unknowns),
         "NQ": len(equations.positions),
+        "NU": n_own,
+        "NI": n_inverse,
+        "NO": observed.function.numel_out(0),
+        "NBEFORE": stage.n_weights,
     }
     return "\n".join(
         [
@@ -97,10 +110,8 @@ def _directions(
             *[f"#define {name} {size}" for name, size in sizes.items()],
             listed("static const int", "positions", equations.positions),
             listed("static const int", "velocities", equations.velocities),
-            print_rows(
-                stage.program, range(1 + n_x, 1 + n_x + n_c), "stage_rows", stage.unknowns.tolist()
-            ),
-            print_rows(observed.program, range(first, first + n_c), "point_rows"),
+            shared_source("passes.c"),
             shared_source("tangents_ahead.c"),
+            *([shared_source("back.c")] if back else []),
         ]
     )

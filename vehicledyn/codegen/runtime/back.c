@@ -1,95 +1,129 @@
-/* Adjoints of a motion with steps of rk4, for one case: what a change of the states before a step
-   does to a number drawn from the motion, from what one of those behind it does. */
+/* Adjoints of a motion with steps of rk4: what a change of the states before a step does to a
+   number drawn from the motion, from what one of those behind it does. Those of the constants add
+   up, for several stages side by side. */
 
 /* Take steps and keep states and unknowns at the begin of each. */
-VD_EXPORT int vd_record(long long step, long long n_steps, long long per, double start,
-                        double interval, const double *c, double *x, double *z, double *memory,
-                        double *xs, double *zs) {
-  const struct march march = begin_march(RK4, per, start, interval);
-  struct course course;
-  begin_course(&course);
+VD_EXPORT int vd_record(const struct steps *way, long long step, long long n_steps,
+                        const double *c, double *x, double *z, double *xs, double *zs) {
+  double times[VD_STAGES + 1], memory[1 + 2 * NZR];
+  double at[VD_STAGES * NXR], of[VD_STAGES * NZR], ks[VD_STAGES * NXR];
+  memset(memory, 0, sizeof memory);
   for (long long k = 0; k < n_steps; k++) {
     memcpy(xs + k * NX, x, NX * sizeof(double));
     memcpy(zs + k * NZ, z, NZ * sizeof(double));
-    take_step(&march, step + k, 0.0, 1.0, c, x, z, memory, &course);
-    if (!course.alive) break;
-  }
-  return course.status[0];
-}
-
-/* Adjoints of the rates' inputs: t holds columns, those of constants add up. */
-static void rates_back(const double *w, const int *targets, const double *rate_bar, double *b,
-                       double *t, double *x_bar) {
-  for (int i = 0; i < NX; i++) b[targets[i]] = rate_bar[i];
-  stage_back(w, b, t);
-  memcpy(x_bar, t + 1, NX * sizeof(double));
-}
-
-/* One step: the stages anew, then their adjoints from last to first. w has room for the weights
-   of four stages, n_weights each. */
-static int step_back(const double *times, double h, const double *c, const double *x,
-                     const double *z, double *w, long long n_weights, const int *targets,
-                     double *b, double *t, double *x_bar) {
-  static const double share[4] = {0.0, 0.5, 0.5, 1.0}, weight[4] = {1.0, 2.0, 2.0, 1.0};
-  double k[NX1], xs[NX1], zs[NZ1], rate_bar[NX1], stage_bar[NX1], total[NX1];
-  memcpy(xs, x, NX * sizeof(double));
-  memcpy(zs, z, NZ * sizeof(double));
-  for (int stage = 0; stage < 4; stage++) {
-    int status = stage ? vd_solve_point(times[stage], xs, zs, c) : 0;
-    if (!status) status = vd_linearise(times[stage], xs, zs, c, k, w + stage * n_weights);
+    stage_times(way, step + k, times);
+    const int status =
+        vd_stage_points(way->method, times, step_of(way), c, x, z, memory, at, of, ks);
     if (status) return status;
-    if (stage < 3)
-      for (int i = 0; i < NX; i++) xs[i] = x[i] + share[stage + 1] * h * k[i];
   }
+  return 0;
+}
+
+/* A plan that goes back, with room for its places and results, and where these add up. */
+struct back_pass {
+  const int *plan;
+  long long n_results;
+  real *slots, *results, *sums;
+};
+
+static void add_up(const struct back_pass *b, const real *w, const real *bars) {
+  pass_one(b->plan, w, bars, b->slots, b->results);
+  for (long long i = 0; i < b->n_results; i++) b->sums[i] = b->sums[i] + b->results[i];
+}
+
+/* to = J' bar, the first place being that of time. */
+static void rates_back(const struct slopes *s, int lane, const double *bar, double *to) {
+  const double *all = (const double *)s->results + lane;
+  memset(to, 0, (1 + NX) * sizeof(double));
+  for (int k = 0; k < NX; k++)
+    for (int i = s->starts[k]; i < s->starts[k + 1]; i++)
+      to[s->sources[i]] += all[(long long)s->values[i] * VD_LANES] * bar[k];
+}
+
+/* One step whose stages are in lanes: their adjoints from last to first. */
+static void step_back(const struct slopes *s, int lane, double h, real *bars, double *x_bar) {
+  static const double share[4] = {0.0, 0.5, 0.5, 1.0}, weight[4] = {1.0, 2.0, 2.0, 1.0};
+  double rate_bar[NXR], stage_bar[1 + NX], total[NXR];
   memcpy(total, x_bar, NX * sizeof(double));
   memset(stage_bar, 0, sizeof stage_bar);
   for (int stage = 3; stage >= 0; stage--) {
     const double later = stage < 3 ? share[stage + 1] * h : 0.0;
-    for (int i = 0; i < NX; i++)
-      rate_bar[i] = h / 6.0 * weight[stage] * x_bar[i] + later * stage_bar[i];
-    rates_back(w + stage * n_weights, targets, rate_bar, b, t, stage_bar);
-    for (int i = 0; i < NX; i++) total[i] += stage_bar[i];
+    for (int i = 0; i < NX; i++) {
+      rate_bar[i] = h / 6.0 * weight[stage] * x_bar[i] + later * stage_bar[1 + i];
+      ((double *)(bars + i))[lane + stage] = rate_bar[i];
+    }
+    rates_back(s, lane + stage, rate_bar, stage_bar);
+    for (int i = 0; i < NX; i++) total[i] += stage_bar[1 + i];
   }
   memcpy(x_bar, total, NX * sizeof(double));
-  return SOLVED;
 }
 
-/* Go back over n_steps steps whose begins are kept in xs and zs. */
-VD_EXPORT int vd_steps_back(long long first, long long n_steps, long long per, double start,
-                            double interval, const double *c, const double *xs,
-                            const double *zs, double *w, long long n_weights,
-                            const int *targets, double *b, double *t, double *x_bar) {
-  const double h = interval / (double)per;
-  for (long long k = n_steps - 1; k >= 0; k--) {
-    const long long step = first + k;
-    const double times[4] = {time_of(step, INSIDE, start, interval, per),
-                             time_of(step, 0.5, start, interval, per),
-                             time_of(step, 0.5, start, interval, per),
-                             time_of(step, 1.0 - INSIDE, start, interval, per)};
-    const int status = step_back(times, h, c, xs + k * NX, zs + k * NZ, w, n_weights, targets, b,
-                                 t, x_bar);
+/* Go back over n_steps steps whose begins are kept in xs and zs. seeds (intervals, NX) are added
+   where a step begins an interval. */
+VD_EXPORT int vd_steps_back(const struct steps *way, long long first, long long n_steps,
+                            const struct numbers *given, const double *xs, const double *zs,
+                            const struct slopes *s, const struct back_pass *b,
+                            const double *seeds, double *x_bar) {
+  enum { MOST = VD_LANES / VD_STAGES };
+  const double h = step_of(way);
+  double t[VD_LANES + 1], at[VD_LANES][NXR], of[VD_LANES][NZR], ks[VD_LANES][NXR];
+  double x[NXR], z[NZR], times[VD_STAGES + 1];
+  real bars[NXR];
+  for (long long end = n_steps; end > 0;) {
+    const int count = end < MOST ? (int)end : MOST;
+    const long long begin = end - count;
+    for (int k = 0; k < count; k++) {
+      double memory[1 + 2 * NZR];
+      const int own = k * VD_STAGES;
+      memset(memory, 0, sizeof memory);
+      memcpy(x, xs + (begin + k) * NX, NX * sizeof(double));
+      memcpy(z, zs + (begin + k) * NZ, NZ * sizeof(double));
+      stage_times(way, first + begin + k, times);
+      memcpy(t + own, times, VD_STAGES * sizeof(double));
+      const int status = vd_stage_points(way->method, times, h, given->c, x, z, memory,
+                                         &at[0][0] + own * NX, &of[0][0] + own * NZ,
+                                         &ks[0][0] + own * NX);
+      if (status) return status;
+    }
+    const int status = weigh(given->points, count * VD_STAGES, t, &at[0][0], &of[0][0],
+                             given->lanes, given->w);
     if (status) return status;
+    find_slopes(s, given->w);
+    memset(bars, 0, sizeof bars);
+    for (int k = count - 1; k >= 0; k--) {
+      step_back(s, k * VD_STAGES, h, bars, x_bar);
+      const long long step = first + begin + k;
+      if (step % way->per) continue;
+      for (int i = 0; i < NX; i++) x_bar[i] += seeds[step / way->per * NX + i];
+    }
+    add_up(b, given->w, bars);
+    end = begin;
   }
-  return SOLVED;
+  return 0;
 }
 
-/* Add to x_bar and to the constants in t what seeds of observed values at a point do. b and t are
-   those of the stage, own_b and own_t those of what is observed. */
-VD_EXPORT int vd_values_back(double time, const double *x, const double *z, const double *c,
-                             double *w, double *own_w, const int *rates, const int *unknowns,
-                             const int *own_targets, long long n_values,
-                             const double *seeds, double *b, double *t, double *own_b,
-                             double *own_t, double *x_bar) {
-  double values[n_values + 1], rate[NX1];
-  vd_observe(time, x, z, c, values, own_w);
-  const int status = vd_linearise(time, x, z, c, rate, w);
-  if (status) return status;
-  for (long long i = 0; i < n_values; i++) own_b[own_targets[i]] = seeds[i];
-  point_back(own_w, own_b, own_t);
-  for (int i = 0; i < NX; i++) b[rates[i]] = 0.0;
-  for (int i = 0; i < NZ; i++) b[unknowns[i]] = own_t[1 + NX + i];
-  stage_back(w, b, t);
-  for (int i = 0; i < NZ; i++) b[unknowns[i]] = 0.0;
-  for (int i = 0; i < NX; i++) x_bar[i] += own_t[1 + i] + t[1 + i];
-  return SOLVED;
+/* What seeds (count, NO) of observed values at points do: x_bars (count, NX) by the states, as
+   results that state_results number, and by constants, which add up. */
+VD_EXPORT int vd_values_back(long long count, const double *t, const double *x, const double *z,
+                             const struct numbers *given, const struct back_pass *b,
+                             const int *state_results, const double *seeds, double *x_bars) {
+  real observed[NO + 1], bars[NX + NZ + NO + 1];
+  for (long long first = 0; first < count; first += VD_LANES) {
+    const int some = count - first < VD_LANES ? (int)(count - first) : VD_LANES;
+    const int status = weigh(given->points, some, t + first, x + first * NX, z + first * NZ,
+                             given->lanes, given->w);
+    if (status) return status;
+    vd_observe_apart(&given->points->t, given->points->x, given->points->z, given->lanes,
+                     observed, given->w + NBEFORE);
+    memset(bars, 0, sizeof bars);
+    for (int lane = 0; lane < some; lane++)
+      for (int i = 0; i < NO; i++)
+        ((double *)(bars + NX + NZ + i))[lane] = seeds[(first + lane) * NO + i];
+    add_up(b, given->w, bars);
+    for (int lane = 0; lane < some; lane++)
+      for (int i = 0; i < NX; i++)
+        x_bars[(first + lane) * NX + i] =
+            state_results[i] < 0 ? 0.0 : VD_LANE(b->results[state_results[i]], lane);
+  }
+  return 0;
 }

@@ -1,173 +1,193 @@
-/* Tangents of a motion with fixed steps, VD_LANES directions side by side; derivatives of what the
-   steps compute, not of the motion that they approximate. */
+/* Tangents of a motion with fixed steps; derivatives of what the steps compute, not of the motion
+   that they approximate. The Jacobians of several stages are found side by side, then the tangents
+   go from stage to stage, VD_LANES directions side by side. */
 
-enum { RK4 = 0, SYMPLECTIC_EULER = 1 };
-
-int vd_solve_point(double t, const double *x, double *z, const double *c);
-int vd_linearise(double t, const double *x, const double *z, const double *c, double *rate,
-                 double *w);
-void vd_observe(double t, const double *x, const double *z, const double *c, double *values,
-                double *w);
-
-/* What moving constants contribute to rows: entries starts[k] to starts[k + 1] go to row out[k]. */
-struct rows {
-  long long n_touched, n_rows, n_columns;
-  const int *out, *starts, *columns, *which, *targets, *unknowns;
-};
-
-/* The directions of a run: n groups of VD_LANES each, and room for them: columns and then rows. */
+/* The directions of a run: n groups of VD_LANES each. x (NX, n) are those of the states, from and
+   to (n) those of the begin and the end of a part of a step; room is for stages, moved for what
+   constants that move add at each point (VD_LANES, results, n), zero where they add nothing. */
 struct directions {
   long long n;
-  real *columns, *x, *from, *to, *room;
+  real *x, *from, *to, *room, *moved;
 };
 
-typedef void (*row_function)(const double *w, const real *b, real *t);
+/* Numbers of a run: constants as given and in lanes, room for weights and points. */
+struct numbers {
+  const double *c;
+  const real *lanes;
+  real *w;
+  struct points *points;
+};
 
-static void push(row_function write, const struct rows *rows, const double *w, real *t) {
-  real *b = t + rows->n_columns;
-  const int *column = rows->columns, *which = rows->which;
-  for (long long k = 0; k < rows->n_touched; k++) {
-    const int end = rows->starts[k + 1];
-    real sum = t[*column++] * w[*which++];
-    for (int i = rows->starts[k] + 1; i < end; i++)
-      sum = vd_fma(vd_all(w[*which++]), t[*column++], sum);
-    b[rows->out[k]] = sum;
-  }
-  write(w, b, t);
-}
-
-static double time_of(long long step, double part, double start, double interval,
-                      long long per_interval) {
-  return start + interval * ((double)(step / per_interval) +
-                             ((double)(step % per_interval) + part) / (double)per_interval);
-}
-
-#define INSIDE 1e-8
-enum { NXR = NX > 0 ? NX : 1, NZR = NZ > 0 ? NZ : 1 };
-
-/* Rates of a stage and their tangents: x is what the stage is given, part its place in the step. */
-static void tangents_of(const struct rows *rows, const struct directions *d, double part,
-                        const real *xs, const double *w, real *rate) {
-  for (long long g = 0; g < d->n; g++) {
-    real *t = d->columns + g * (rows->n_columns + rows->n_rows);
-    t[0] = (1.0 - part) * d->from[g] + part * d->to[g];
-    memcpy(t + 1, xs + g * NX, NX * sizeof(real));
-    push(stage_rows, rows, w, t);
-    for (int i = 0; i < NX; i++) rate[g * NX + i] = t[rows->targets[i]];
+static void spread_moved(const struct slopes *s, long long n, int count, real *moved) {
+  double *to = (double *)moved;
+  const long long point = s->n_targets * n * VD_LANES;
+  for (long long k = 0; k < s->n_moved; k++) {
+    const double *from = (const double *)(s->results + s->moved_values[k]);
+    double *own = to + s->moved_targets[k] * n * VD_LANES + s->moved_directions[k];
+    for (int lane = 0; lane < count; lane++) own[lane * point] = from[lane];
   }
 }
 
-/* xs = x + a h k, and its tangents with those of the step's length. */
-static void move(const struct directions *d, double a, double h, const double *x, const double *k,
-                 const real *dk, double *xs, real *dxs) {
-  for (int i = 0; i < NX; i++) xs[i] = x[i] + a * h * k[i];
-  for (long long g = 0; g < d->n; g++) {
-    const real longer = a * (d->to[g] - d->from[g]);
-    for (int i = 0; i < NX; i++)
-      dxs[g * NX + i] = d->x[g * NX + i] + (a * h) * dk[g * NX + i] + longer * k[i];
+#define VD_COMBINE(name, width, begin, add, end)                                                  \
+  static void name(const struct slopes *s, int lane, long long n, const real *moved,              \
+                   const real *given, real *found) {                                              \
+    const double *all = (const double *)s->results + lane;                                        \
+    const int *value = s->values, *source = s->sources;                                           \
+    for (long long k = 0; k < s->n_targets; k++, moved += n, found += n) {                        \
+      begin;                                                                                      \
+      for (const int *last = s->values + s->starts[k + 1]; value < last; value++, source++) {     \
+        const real weight = vd_all(all[(long long)*value * VD_LANES]);                            \
+        const real *g = given + *source * n;                                                      \
+        add;                                                                                      \
+      }                                                                                           \
+      end;                                                                                        \
+    }                                                                                             \
   }
+
+VD_COMBINE(combine_one, 1, real a = moved[0], a = vd_fma(weight, g[0], a), found[0] = a)
+VD_COMBINE(combine_two, 2, real a = moved[0]; real b = moved[1], a = vd_fma(weight, g[0], a);
+           b = vd_fma(weight, g[1], b), found[0] = a;
+           found[1] = b)
+VD_COMBINE(combine_three, 3, real a = moved[0]; real b = moved[1]; real c = moved[2],
+           a = vd_fma(weight, g[0], a);
+           b = vd_fma(weight, g[1], b); c = vd_fma(weight, g[2], c), found[0] = a;
+           found[1] = b; found[2] = c)
+
+/* Tangents of results at a point by those of time and states, (1 + NX, n). */
+static void combine(const struct slopes *s, int lane, long long n, const real *moved,
+                    const real *given, real *found) {
+  moved += lane * s->n_targets * n;
+  long long k = 0;
+  for (; n - k > 3; k += 3) combine_three(s, lane, n, moved + k, given + k, found + k);
+  if (n - k == 3) combine_three(s, lane, n, moved + k, given + k, found + k);
+  if (n - k == 2) combine_two(s, lane, n, moved + k, given + k, found + k);
+  if (n - k == 1) combine_one(s, lane, n, moved + k, given + k, found + k);
 }
 
-static int step_rk4(const struct rows *rows, const struct directions *d, const double *times,
-                    double h, const double *c, double *x, double *z, double *w) {
+/* to = x + a h dk, and what a change of the step's length adds, along rates k. */
+static void move(const struct directions *d, double a, double h, const double *k, const real *dk,
+                 real *to) {
+  const long long n = d->n;
+  for (int i = 0; i < NX; i++)
+    for (long long g = 0; g < n; g++)
+      to[i * n + g] = d->x[i * n + g] + (a * h) * dk[i * n + g] +
+                      (a * k[i]) * (d->to[g] - d->from[g]);
+}
+
+/* Tangents of the time at a place in the step. */
+static void place(const struct directions *d, double part, real *given) {
+  for (long long g = 0; g < d->n; g++) given[g] = (1.0 - part) * d->from[g] + part * d->to[g];
+}
+
+static void tangents_rk4(const struct slopes *s, const struct directions *d, int lane, double h,
+                         const double *ks) {
   static const double share[4] = {0.0, 0.5, 0.5, 1.0}, weight[4] = {1.0, 2.0, 2.0, 1.0};
-  static const double place[4] = {INSIDE, 0.5, 0.5, 1.0 - INSIDE};
-  double k[NXR], xs[NXR], zs[NZR], sum[NXR];
-  const long long size = d->n * NX;
-  real *dxs = d->room, *dk = d->room + size, *dsum = d->room + 2 * size;
-  memcpy(xs, x, NX * sizeof(double));
-  memcpy(zs, z, NZ * sizeof(double));
-  memcpy(dxs, d->x, size * sizeof(real));
+  static const double at[4] = {INSIDE, 0.5, 0.5, 1.0 - INSIDE};
+  const long long n = d->n, size = NX * n;
+  real *given = d->room, *dk = given + size + n, *sum = dk + size;
+  double rate[NXR];
+  memset(rate, 0, sizeof rate);
+  memset(sum, 0, size * sizeof(real));
+  memcpy(given + n, d->x, size * sizeof(real));
   for (int stage = 0; stage < 4; stage++) {
-    int status = stage ? vd_solve_point(times[stage], xs, zs, c) : 0;
-    if (!status) status = vd_linearise(times[stage], xs, zs, c, k, w);
-    if (status) return status;
-    tangents_of(rows, d, place[stage], dxs, w, dk);
-    if (!stage) {
-      memset(sum, 0, sizeof sum);
-      memset(dsum, 0, size * sizeof(real));
-    }
-    for (int i = 0; i < NX; i++) sum[i] += weight[stage] * k[i];
-    for (long long i = 0; i < size; i++) dsum[i] += weight[stage] * dk[i];
-    if (stage < 3) move(d, share[stage + 1], h, x, k, dk, xs, dxs);
+    const double *k = ks + stage * NX;
+    place(d, at[stage], given);
+    combine(s, lane + stage, n, d->moved, given, dk);
+    for (int i = 0; i < NX; i++) rate[i] += weight[stage] * k[i];
+    for (long long i = 0; i < size; i++) sum[i] += weight[stage] * dk[i];
+    if (stage < 3) move(d, share[stage + 1], h, k, dk, given + n);
   }
-  for (int i = 0; i < NX; i++) x[i] += h / 6.0 * sum[i];
-  for (long long g = 0; g < d->n; g++) {
-    const real longer = (d->to[g] - d->from[g]) * (1.0 / 6.0);
-    for (int i = 0; i < NX; i++) {
-      real *own = d->x + g * NX + i;
-      *own += (h / 6.0) * dsum[g * NX + i] + longer * sum[i];
-    }
-  }
-  memcpy(z, zs, NZ * sizeof(double));
-  return vd_solve_point(times[4], x, z, c);
+  move(d, 1.0 / 6.0, h, rate, sum, d->x);
 }
 
-static int step_symplectic(const struct rows *rows, const struct directions *d,
-                           const double *times, double h, const double *c, double *x, double *z,
-                           double *w) {
-  double k[NXR], xs[NXR];
-  real *dxs = d->room, *dk = d->room + d->n * NX;
-  const int status = vd_linearise(times[0], x, z, c, k, w);
-  if (status) return status;
-  tangents_of(rows, d, INSIDE, d->x, w, dk);
-  move(d, 1.0, h, x, k, dk, xs, dxs);
+static void tangents_symplectic(const struct slopes *s, const struct directions *d, int lane,
+                                double h, const double *k, const double *next) {
+  const long long n = d->n, size = NX * n;
+  real *given = d->room, *dk = given + size + n, *moved = dk + size;
+  place(d, INSIDE, given);
+  memcpy(given + n, d->x, size * sizeof(real));
+  combine(s, lane, n, d->moved, given, dk);
+  move(d, 1.0, h, k, dk, moved);
   for (int i = 0; i < NQ; i++) {
     const int p = positions[i], v = velocities[i];
-    xs[p] = x[p] + h * xs[v];
-    for (long long g = 0; g < d->n; g++)
-      dxs[g * NX + p] = d->x[g * NX + p] + h * dxs[g * NX + v] + (d->to[g] - d->from[g]) * xs[v];
+    for (long long g = 0; g < n; g++)
+      moved[p * n + g] =
+          d->x[p * n + g] + h * moved[v * n + g] + next[v] * (d->to[g] - d->from[g]);
   }
-  memcpy(x, xs, NX * sizeof(double));
-  memcpy(d->x, dxs, d->n * NX * sizeof(real));
-  return vd_solve_point(times[4], x, z, c);
+  memcpy(d->x, moved, size * sizeof(real));
 }
 
-/* Take n_steps steps, or a part of one from one fraction of it to another. */
-VD_EXPORT int vd_tangent_steps(int method, long long step, long long n_steps, double from,
-                               double to, long long per, double start, double interval,
-                               const double *c, double *x, double *z, double *w,
-                               const struct rows *rows, const struct directions *d) {
-  const double part = to - from, h = interval / (double)per * part;
-  for (long long last = step + n_steps; step < last; step++) {
-    const double times[5] = {
-        time_of(step, from + INSIDE * part, start, interval, per),
-        time_of(step, from + 0.5 * part, start, interval, per),
-        time_of(step, from + 0.5 * part, start, interval, per),
-        time_of(step, to - INSIDE * part, start, interval, per),
-        to < 1.0 ? time_of(step, to, start, interval, per)
-                 : time_of(step + 1, 0.0, start, interval, per)};
-    const int status = method == RK4 ? step_rk4(rows, d, times, h, c, x, z, w)
-                                     : step_symplectic(rows, d, times, h, c, x, z, w);
+/* Take n_steps steps, or a part of one. States, unknowns and tangents at the ends of whole
+   intervals are written to xs, zs and dxs, row after row. */
+VD_EXPORT int vd_tangent_steps(const struct steps *way, long long step, long long n_steps,
+                               const struct numbers *given, double *x, double *z,
+                               const struct slopes *s, const struct directions *d, double *xs,
+                               double *zs, real *dxs) {
+  const int stages = stages_of(way), most = VD_LANES / stages;
+  const double h = step_of(way);
+  double t[VD_LANES], memory[1 + 2 * NZR], ends[VD_LANES][NXR + NZR];
+  double at[VD_LANES][NXR], of[VD_LANES][NZR], ks[VD_LANES][NXR];
+  memset(memory, 0, sizeof memory);
+  for (long long last = step + n_steps; step < last;) {
+    const int count = last - step < most ? (int)(last - step) : most;
+    for (int k = 0; k < count; k++) {
+      double *end = ends[k], times[VD_STAGES + 1];
+      const int first = k * stages;
+      stage_times(way, step + k, times);
+      memcpy(t + first, times, stages * sizeof(double));
+      const int status = vd_stage_points(way->method, times, h, given->c, x, z, memory,
+                                         &at[0][0] + first * NX, &of[0][0] + first * NZ,
+                                         &ks[0][0] + first * NX);
+      if (status) return status;
+      memcpy(end, x, NX * sizeof(double));
+      memcpy(end + NX, z, NZ * sizeof(double));
+    }
+    const int status = weigh(given->points, count * stages, t, &at[0][0], &of[0][0], given->lanes,
+                             given->w);
     if (status) return status;
+    find_slopes(s, given->w);
+    spread_moved(s, d->n, count * stages, d->moved);
+    for (int k = 0; k < count; k++, step++) {
+      const double *own = &ks[0][0] + k * stages * NX;
+      if (way->method == RK4)
+        tangents_rk4(s, d, k * stages, h, own);
+      else
+        tangents_symplectic(s, d, k, h, own, ends[k]);
+      if (way->to < 1.0 || (step + 1) % way->per) continue;
+      memcpy(xs, ends[k], NX * sizeof(double));
+      memcpy(zs, ends[k] + NX, NZ * sizeof(double));
+      memcpy(dxs, d->x, NX * d->n * sizeof(real));
+      xs += NX, zs += NZ, dxs += NX * d->n;
+    }
   }
   return 0;
 }
 
-/* Tangents of unknowns (n, NZ) and rates (n, NX) at a point, by those of x, time and constants. */
-VD_EXPORT int vd_tangent_point(double t, const double *x, const double *z, const double *c,
-                               double *w, const struct rows *rows, const struct directions *d,
-                               double *rate, real *dz, real *dk) {
-  const int status = vd_linearise(t, x, z, c, rate, w);
-  if (status) return status;
-  tangents_of(rows, d, 0.0, d->x, w, dk);
-  for (long long g = 0; g < d->n; g++)
-    for (int i = 0; i < NZ; i++)
-      dz[g * NZ + i] = d->columns[g * (rows->n_columns + rows->n_rows) + rows->unknowns[i]];
-  return 0;
-}
-
-/* Observed values at a point and their tangents (n, n_values). */
-VD_EXPORT void vd_tangent_values(double t, const double *x, const double *z, const double *c,
-                                 double *w, const struct rows *rows, const struct directions *d,
-                                 const real *dz, long long n_values, double *values, real *dy) {
-  vd_observe(t, x, z, c, values, w);
-  for (long long g = 0; g < d->n; g++) {
-    real *column = d->columns + g * (rows->n_columns + rows->n_rows);
-    column[0] = d->from[g];
-    memcpy(column + 1, d->x + g * NX, NX * sizeof(real));
-    memcpy(column + 1 + NX, dz + g * NZ, NZ * sizeof(real));
-    push(point_rows, rows, w, column);
-    for (long long i = 0; i < n_values; i++) dy[g * n_values + i] = column[rows->targets[i]];
+/* Results at points and their tangents (count, results, n), by those of time (count, n) and states
+   (count, NX, n). Values are those observed, rates those of the states. */
+VD_EXPORT int vd_tangent_points(long long count, const double *t, const double *x, const double *z,
+                                const struct numbers *given, const struct slopes *s,
+                                const struct directions *d, const real *dt, const real *dx,
+                                double *rates, double *values, real *found) {
+  const long long n = d->n;
+  real observed[NO + 1];
+  for (long long first = 0; first < count; first += VD_LANES) {
+    const int some = count - first < VD_LANES ? (int)(count - first) : VD_LANES;
+    const int status =
+        weigh(given->points, some, t + first, x + first * NX, z + first * NZ, given->lanes, given->w);
+    if (status) return status;
+    vd_observe_apart(&given->points->t, given->points->x, given->points->z, given->lanes, observed,
+                     given->w + NBEFORE);
+    find_slopes(s, given->w);
+    spread_moved(s, n, some, d->moved);
+    for (int lane = 0; lane < some; lane++) {
+      const long long point = first + lane;
+      memcpy(d->room, dt + point * n, n * sizeof(real));
+      memcpy(d->room + n, dx + point * NX * n, NX * n * sizeof(real));
+      combine(s, lane, n, d->moved, d->room, found + point * s->n_targets * n);
+      for (int i = 0; i < NX; i++) rates[point * NX + i] = VD_LANE(given->points->rate[i], lane);
+      for (int i = 0; i < NO; i++) values[point * NO + i] = VD_LANE(observed[i], lane);
+    }
   }
+  return 0;
 }

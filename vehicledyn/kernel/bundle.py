@@ -1,0 +1,170 @@
+"""Directions of a motion carried side by side: tangents of its states, by lanes."""
+
+from __future__ import annotations
+
+import ctypes
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vehicledyn.base.errors import InputError
+from vehicledyn.codegen.passes.linear_program import Program
+from vehicledyn.kernel.engine import Vector
+from vehicledyn.kernel.plans import Passes, SlopeMap, aligned, passes
+from vehicledyn.kernel.tangent_code import Grid, Moment, TangentCode, Way, steps_of
+
+Array = NDArray[np.float64]
+
+_P = ctypes.c_void_p
+
+
+class _Directions(ctypes.Structure):
+    _fields_ = [
+        ("n", ctypes.c_longlong),
+        *[(name, _P) for name in ("x", "from_", "to", "room", "moved")],
+    ]
+
+
+class Samples(NamedTuple):
+    """Points of a motion: times (n,) [s], states, unknowns, tangents of the states by lanes."""
+
+    times: Vector
+    states: Array
+    unknowns: Array
+    tangents: Array
+
+
+@dataclass(frozen=True)
+class Found:
+    """What is found at n points: rates, observed values, and tangents of rates, unknowns, values.
+
+    Tangents have the shape (n, ..., n_directions).
+    """
+
+    rates: Array
+    values: Array
+    rate_slopes: Array
+    unknown_slopes: Array
+    value_slopes: Array
+
+
+class Bundle:
+    """Directions carried side by side.
+
+    Parameters
+    ----------
+    code
+        The compiled code.
+    constants
+        Tangents of the constants, shape (n_constants, n_directions).
+    """
+
+    def __init__(self, code: TangentCode, constants: Array) -> None:
+        n_x, lanes = len(code.equations.states), code.lanes
+        self._code, self.n_directions = code, constants.shape[1]
+        groups = self._groups = max(1, -(-self.n_directions // lanes))
+        self._x = aligned((n_x, groups, lanes))
+        self._at = aligned((2, groups, lanes))
+        whole = code.whole
+        room = aligned((1 + n_x + n_x + len(whole.targets), groups, lanes))
+        seeds = np.vstack([np.zeros((1 + n_x, self.n_directions)), constants])
+        self._maps: list[SlopeMap] = []
+        self._directions: list[_Directions] = []
+        self._kept = [room]
+        for program, by_state in zip((code.stage.program, whole), code.by_state, strict=True):
+            self._enter_map(program, by_state, passes(code.call, program, seeds), room)
+        self._numbers = code.numbers()
+
+    def _enter_map(self, program: Program, known: Passes, moved: Passes, room: Array) -> None:
+        lanes, n_targets = self._code.lanes, len(program.targets)
+        added = aligned((lanes, n_targets, self._groups, lanes))
+        self._kept.append(added)
+        self._maps.append(SlopeMap.of(n_targets, known, moved, lanes))
+        arrays = (self._x, self._at[0], self._at[1], room, added)
+        addresses = [item.ctypes.data for item in arrays]
+        self._directions.append(_Directions(self._groups, *addresses))
+
+    @property
+    def state(self) -> Array:
+        """Tangents of the states, shape (n_states, n_directions)."""
+        return self._plain(self._x)
+
+    @state.setter
+    def state(self, values: Array) -> None:
+        if values.shape != (self._x.shape[0], self.n_directions):
+            raise InputError(f"tangents of shape {values.shape} do not fit")
+        self._x.reshape(len(self._x), -1)[:, : self.n_directions] = values
+
+    def steps(
+        self, grid: Grid, way: Way, moment: Moment, times: tuple[Vector, Vector] | None = None
+    ) -> Samples:
+        """Take steps from a moment, moving its state and unknowns and the tangents in place.
+
+        Returns the points at the ends of whole intervals. ``times`` are the tangents of the begin
+        and end of a part of a step [s], zero if None.
+        """
+        zero = np.zeros(self.n_directions)
+        for room, values in zip(self._at, times or (zero, zero), strict=True):
+            room.reshape(-1)[: self.n_directions] = values
+        per = grid.per_interval
+        ends = range(way.first // per + 1, (way.first + way.n_steps) // per + 1)
+        count = len(ends) if way.span[1] == 1.0 else 0
+        instants = grid.start + grid.interval * np.array(ends[:count], dtype=float)
+        sizes = len(moment.state), len(moment.unknowns)
+        states, unknowns = (np.empty((count, size)) for size in sizes)
+        tangents = aligned((count, *self._x.shape))
+        status = self._code.call(
+            "vd_tangent_steps",
+            steps_of(grid, way.span),
+            way.first,
+            way.n_steps,
+            self._numbers.of(moment.constants),
+            moment.state,
+            moment.unknowns,
+            self._maps[0].slopes,
+            self._directions[0],
+            states,
+            unknowns,
+            tangents,
+        )
+        self._code.check(status, moment.time)
+        return Samples(instants, states, unknowns, tangents)
+
+    def here(self, moment: Moment, at: Vector | None = None) -> Found:
+        """Return what is found at a moment; ``at`` are the tangents of its time [s]."""
+        time, state, unknowns, constants = moment
+        samples = Samples(np.array([time]), state[None], unknowns[None], self._x[None])
+        return self.found(samples, constants, at)
+
+    def found(self, points: Samples, constants: Vector, at: Vector | None = None) -> Found:
+        """Return what is found at points; ``at`` are the tangents of their times [s]."""
+        e, count = self._code.equations, len(points.times)
+        n_x, n_z, n_values = len(e.states), len(e.unknowns), self._code.n_values
+        times = aligned((count, self._groups, self._code.lanes))
+        if at is not None:
+            times.reshape(count, -1)[:, : self.n_directions] = at
+        rates, values = np.empty((count, n_x)), np.empty((count, n_values))
+        found = aligned((count, n_x + n_z + n_values, self._groups, self._code.lanes))
+        arrays = [np.ascontiguousarray(item, dtype=float) for item in points[:3]]
+        status = self._code.call(
+            "vd_tangent_points",
+            count,
+            *arrays,
+            self._numbers.of(constants),
+            self._maps[1].slopes,
+            self._directions[1],
+            times,
+            points.tangents,
+            rates,
+            values,
+            found,
+        )
+        self._code.check(status, float(points.times[0]) if count else 0.0)
+        parts = np.split(self._plain(found), [n_x, n_x + n_z], axis=1)
+        return Found(rates, values, *parts)
+
+    def _plain(self, lanes: Array) -> Array:
+        flat = lanes.reshape(*lanes.shape[:-2], lanes.shape[-2] * lanes.shape[-1])
+        return flat[..., : self.n_directions].copy()
