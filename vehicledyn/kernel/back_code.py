@@ -1,7 +1,7 @@
 """Adjoints of a motion: one number's derivatives by everything, for the price of a few runs.
 
-The motion is kept at the begins of its steps; of long ones only some are kept, and the others
-computed again from these, so that memory stays bounded.
+The motion is kept at the stages of its steps; of long ones only some begins of steps are kept, and
+the others computed again from these, so that memory stays bounded.
 """
 
 from __future__ import annotations
@@ -15,24 +15,28 @@ from numpy.typing import NDArray
 from vehicledyn.kernel.bundle import Bundle, Samples
 from vehicledyn.kernel.engine import Vector
 from vehicledyn.kernel.plans import BackSums, SlopeMap, passes
-from vehicledyn.kernel.tangent_code import Grid, Moment, TangentCode, steps_of
+from vehicledyn.kernel.tangent_code import Grid, TangentCode, steps_of
 
 _MOST_BYTES = 64_000_000
 """Memory for steps that are kept, above which only some are."""
 
+_STAGES = 4
+"""Stages of a step."""
+
 
 @dataclass(frozen=True)
 class Record:
-    """A motion on the way back: every ``stride`` steps states and unknowns at the begin of one.
+    """A motion on the way back: states and unknowns at the begin of every ``stride`` steps.
 
-    ``samples`` are the points where intervals begin, and the end; ``n_bytes`` is what is kept at
-    most of the others.
+    ``stages`` are those of all stages, None where they are too many to be kept. ``samples`` are
+    the points where intervals begin, and the end; ``n_bytes`` is what is kept of the others.
     """
 
     n_steps: int
     stride: int
     states: NDArray[np.float64]
     unknowns: NDArray[np.float64]
+    stages: tuple[Vector, Vector] | None
     samples: Samples
     n_bytes: int
 
@@ -77,63 +81,61 @@ class BackCode:
         """Return a motion to go back over."""
         per = self._grid.per_interval
         n_steps, width = n_intervals * per, 8 * (self._n_x + self._n_z)
-        stride = 1 if n_steps * width <= _MOST_BYTES else max(1, ceil(sqrt(n_steps)))
-        each = n_steps if stride == 1 else stride
+        kept = n_steps * _STAGES * width <= _MOST_BYTES
+        each = n_steps if kept else max(1, ceil(sqrt(n_steps)))
         n_kept = -(-n_steps // each)
         states, unknowns = np.empty((n_kept, self._n_x)), np.empty((n_kept, self._n_z))
         at = np.empty((n_intervals + 1, self._n_x)), np.empty((n_intervals + 1, self._n_z))
         state, guess = (np.array(item, dtype=float) for item in start)
-        room = np.empty((each, self._n_x)), np.empty((each, self._n_z))
+        room = self._stage_room(each)
         for k in range(n_kept):
             first, count = k * each, min(each, n_steps - k * each)
             states[k], unknowns[k] = state, guess
             self._take(first, count, (state, guess), room)
             begins = np.arange(-(-first // per), -(-(first + count) // per))
-            for kept, found in zip(at, room, strict=True):
-                kept[begins] = found[begins * per - first]
+            for samples, found in zip(at, room, strict=True):
+                samples[begins] = found[(begins * per - first) * _STAGES]
         at[0][-1], at[1][-1] = state, guess
         times = self._grid.start + self._grid.interval * np.arange(n_intervals + 1, dtype=float)
-        samples = Samples(times, *at, np.zeros(0))
-        if stride == 1:
-            return Record(n_steps, 1, *room, samples, width * n_steps)
-        return Record(n_steps, stride, states, unknowns, samples, width * (n_kept + stride))
+        n_bytes = width * (each * _STAGES + (0 if kept else n_kept))
+        stages = room if kept else None
+        return Record(
+            n_steps, each, states, unknowns, stages, Samples(times, *at, np.zeros(0)), n_bytes
+        )
 
-    def points(self, record: Record, first: int, count: int) -> tuple[Vector, Vector]:
-        """Return states and unknowns at the begins of some steps, computed again if not kept."""
-        if record.stride == 1:
-            chosen = slice(first, first + count)
-            return record.states[chosen], record.unknowns[chosen]
-        block, offset = divmod(first, record.stride)
-        room = np.empty((offset + count, self._n_x)), np.empty((offset + count, self._n_z))
+    def _stage_room(self, count: int) -> tuple[Vector, Vector]:
+        return np.empty((count * _STAGES, self._n_x)), np.empty((count * _STAGES, self._n_z))
+
+    def _stages(self, record: Record, block: int, count: int) -> tuple[Vector, Vector]:
+        """Return states and unknowns of the stages of a block, computed again if not kept."""
+        if record.stages is not None:
+            return record.stages
+        room = self._stage_room(count)
         start = record.states[block].copy(), record.unknowns[block].copy()
-        self._take(block * record.stride, offset + count, start, room)
-        return room[0][offset:].copy(), room[1][offset:].copy()
+        self._take(block * record.stride, count, start, room)
+        return room
 
-    def back(self, record: Record, first: int, last: int, seeds: Vector) -> None:
-        """Carry the adjoint from the begin of step ``last`` back to that of step ``first``.
+    def back(self, record: Record, seeds: Vector) -> None:
+        """Carry the adjoint from the end to the start.
 
         ``seeds`` (n_intervals + 1, n_states) are added at the begin of each interval on the way.
         """
-        while last > first:
-            begin = max(first, (last - 1) // record.stride * record.stride)
-            if record.stride == 1:
-                begin = first
-            xs, zs = self.points(record, begin, last - begin)
+        for block in range(len(record.states) - 1, -1, -1):
+            first = block * record.stride
+            count = min(record.stride, record.n_steps - first)
             status = self._code.call(
                 "vd_steps_back",
                 self._steps,
-                begin,
-                last - begin,
+                first,
+                count,
                 self._numbers.of(self._constants),
-                np.ascontiguousarray(xs),
-                np.ascontiguousarray(zs),
+                *self._stages(record, block, count),
                 self._map.slopes,
                 self._sums.back,
                 seeds,
                 self.adjoint,
             )
-            self._code.check(status, self._time(begin))
-            last = begin
+            self._code.check(status, self._time(first))
 
     def seeded(self, samples: Samples, seeds: Vector) -> Vector:
         """Return what seeds (n, n_values) of observed values do by the states there."""
@@ -167,4 +169,3 @@ class BackCode:
     def _time(self, step: int) -> float:
         whole, rest = divmod(step, self._grid.per_interval)
         return self._grid.start + self._grid.interval * (whole + rest / self._grid.per_interval)
-

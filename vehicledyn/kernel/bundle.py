@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from vehicledyn.base.errors import InputError
 from vehicledyn.codegen.passes.linear_program import Program
-from vehicledyn.kernel.engine import Vector
+from vehicledyn.kernel.engine import Sides, Status, Vector
 from vehicledyn.kernel.plans import Passes, SlopeMap, aligned, passes
 from vehicledyn.kernel.tangent_code import Grid, Moment, TangentCode, Way, steps_of
 
@@ -97,24 +97,40 @@ class Bundle:
             raise InputError(f"tangents of shape {values.shape} do not fit")
         self._x.reshape(len(self._x), -1)[:, : self.n_directions] = values
 
-    def steps(
-        self, grid: Grid, way: Way, moment: Moment, times: tuple[Vector, Vector] | None = None
-    ) -> Samples:
-        """Take steps from a moment, moving its state and unknowns and the tangents in place.
+    def part(self, grid: Grid, way: Way, moment: Moment, times: tuple[Vector, Vector]) -> None:
+        """Take a part of a step, moving the state and unknowns of a moment and the tangents.
 
-        Returns the points at the ends of whole intervals. ``times`` are the tangents of the begin
-        and end of a part of a step [s], zero if None.
+        ``times`` are the tangents of its begin and end [s].
+        """
+        self._enter_times(times)
+        status = self._steps(grid, way, moment, None)[0]
+        self._code.check(status, moment.time)
+
+    def march(
+        self, grid: Grid, way: Way, moment: Moment, sides: Sides
+    ) -> tuple[Status, int, Samples]:
+        """Take whole steps, moving the state and unknowns of a moment and the tangents.
+
+        Returns how it ended, the number of steps taken, and the points at the ends of intervals. A
+        step that fails, or in which an event fires, is not taken; ``sides`` (n_events,) are the
+        signs of the functions of events, as in :class:`vehicledyn.kernel.engine.March`.
         """
         zero = np.zeros(self.n_directions)
-        for room, values in zip(self._at, times or (zero, zero), strict=True):
+        self._enter_times((zero, zero))
+        status, taken, samples = self._steps(grid, way, moment, sides)
+        return Status(status), taken, samples
+
+    def _enter_times(self, times: tuple[Vector, Vector]) -> None:
+        for room, values in zip(self._at, times, strict=True):
             room.reshape(-1)[: self.n_directions] = values
-        per = grid.per_interval
-        ends = range(way.first // per + 1, (way.first + way.n_steps) // per + 1)
-        count = len(ends) if way.span[1] == 1.0 else 0
-        instants = grid.start + grid.interval * np.array(ends[:count], dtype=float)
-        sizes = len(moment.state), len(moment.unknowns)
-        states, unknowns = (np.empty((count, size)) for size in sizes)
-        tangents = aligned((count, *self._x.shape))
+
+    def _steps(
+        self, grid: Grid, way: Way, moment: Moment, sides: Sides | None
+    ) -> tuple[int, int, Samples]:
+        per, (n_x, n_z) = grid.per_interval, (len(moment.state), len(moment.unknowns))
+        most = (way.first + way.n_steps) // per - way.first // per
+        states, unknowns = np.empty((most, n_x)), np.empty((most, n_z))
+        tangents, taken = aligned((most, *self._x.shape)), np.zeros(1, np.int64)
         status = self._code.call(
             "vd_tangent_steps",
             steps_of(grid, way.span),
@@ -123,14 +139,18 @@ class Bundle:
             self._numbers.of(moment.constants),
             moment.state,
             moment.unknowns,
+            sides,
             self._maps[0].slopes,
             self._directions[0],
             states,
             unknowns,
             tangents,
+            taken,
         )
-        self._code.check(status, moment.time)
-        return Samples(instants, states, unknowns, tangents)
+        ends = np.arange(way.first // per, (way.first + int(taken[0])) // per) + 1.0
+        times, count = np.asarray(grid.start + grid.interval * ends, dtype=float), len(ends)
+        samples = Samples(times, states[:count], unknowns[:count], tangents[:count])
+        return status, int(taken[0]), samples
 
     def here(self, moment: Moment, at: Vector | None = None) -> Found:
         """Return what is found at a moment; ``at`` are the tangents of its time [s]."""

@@ -20,7 +20,7 @@ from vehicledyn.codegen.passes.linear_program import Program
 Ints = NDArray[np.int32]
 _L, _P = ctypes.c_longlong, ctypes.c_void_p
 
-ABREAST = 4
+ABREAST = 8
 """Directions of a plan, as passes.c has them."""
 
 Call = Callable[..., int]
@@ -77,7 +77,7 @@ class Plan:
 
 @dataclass(frozen=True)
 class Passes:
-    """Plans with seeds of their sources, four directions each.
+    """Plans with seeds of their sources, eight directions each.
 
     ``entries`` (n, 3): target, direction and place among the results of all passes, of which
     ``n_before`` come from elsewhere.
@@ -148,7 +148,9 @@ class SlopeMap:
             kept.append(array)
             return int(array.ctypes.data)
 
-        whole = [(p, s) for own in (known, moved) for p, s in zip(own.plans, own.seeds, strict=True)]
+        whole = [
+            (p, s) for own in (known, moved) for p, s in zip(own.plans, own.seeds, strict=True)
+        ]
         firsts = np.cumsum([known.n_before, *[ABREAST * p.n_results for p, _ in whole]])
         rows = (_Pass * max(1, len(whole)))()
         for k, (one, seeds) in enumerate(whole):

@@ -10,7 +10,6 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from vehicledyn.base.errors import MissingPartError, NumericalError
 from vehicledyn.codegen.ir.table_rows import TableRows
@@ -38,7 +37,7 @@ _SIGNATURES: dict[str, tuple[Any, Sequence[Any]]] = {
     "vd_solve_point": (_I, [_D, _P, _P, _P]),
     "vd_plan": (_L, [_P] * 5),
     "vd_share": (None, [_L, _P, _P]),
-    "vd_tangent_steps": (_I, [_P, _L, _L, *[_P] * 8]),
+    "vd_tangent_steps": (_I, [_P, _L, _L, *[_P] * 10]),
     "vd_tangent_points": (_I, [_L, *[_P] * 11]),
 }
 _BACK: dict[str, tuple[Any, Sequence[Any]]] = {
@@ -227,7 +226,8 @@ class Numbers:
         before = stage.n_weights
         n_observed = observed.function.numel_out(1)
         fixed = stage.program.fixed, observed.program.fixed
-        self._code, self._known = code, None
+        self._code = code
+        self._known: Vector | None = None
         self._weights = aligned((before + n_observed + len(fixed[1]) + 1, code.lanes))
         for own, first in zip(fixed, (before - len(fixed[0]), before + n_observed), strict=True):
             self._weights[first : first + len(own)] = own[:, None]

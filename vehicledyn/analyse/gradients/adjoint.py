@@ -79,7 +79,7 @@ def figure_adjoint(
     padded[:, :n_channels] = seeds
     by_state = back.seeded(samples, padded)
     back.adjoint += by_state[-1]
-    back.back(record, 0, n_intervals * grid.per_interval, by_state)
+    back.back(record, by_state)
     slopes = code.constant_slopes(kernel.parameters)
     by_parameter = np.asarray(slopes.T @ back.constants_adjoint)
     return FigureAdjoint(found, by_parameter, back.adjoint.copy(), record.n_bytes)

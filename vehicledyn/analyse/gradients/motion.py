@@ -14,6 +14,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
+from typing import NoReturn
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,7 +22,7 @@ from numpy.typing import NDArray
 from vehicledyn.base.errors import NumericalError
 from vehicledyn.integrate.events import EventWatch, Point
 from vehicledyn.kernel.bundle import Bundle, Found
-from vehicledyn.kernel.engine import Count, Ledger, March, Method, Rows, Status, Vector
+from vehicledyn.kernel.engine import Ledger, March, Method, Rows, Status, Vector
 from vehicledyn.kernel.kernel import Kernel
 from vehicledyn.kernel.tangent_code import Grid, Moment, TangentCode, Way
 
@@ -205,8 +206,6 @@ class _Run:
             grid.method, grid.start, grid.interval, grid.per_interval, state, unknowns, sides=sides
         )
         self.march.step = step
-        sizes = len(state), len(unknowns), len(self.kernel.equations.channels)
-        self._rows = Rows(*[np.empty((_AT_ONCE + 1, size)) for size in sizes])
 
     def expect(self, later: Sequence[Piece]) -> None:
         """Take notice of changes of the dependent coordinates.
@@ -273,12 +272,13 @@ class _Run:
             if self._later and self._later[0][0] <= self.march.step:
                 self._change(self._later.pop(0)[1])
             ahead = self._later[0][0] - self.march.step if self._later else due
-            state, unknowns = self.march.state.copy(), self.march.unknowns.copy()
-            first = self.march.step
-            status = self.kernel.advance(self.march, min(due, ahead), self._rows)
-            taken = int(self.march.ledger.counts[Count.STEPS])
-            moment = Moment(self.march.time(first), state, unknowns, self.constants)
-            samples = self.bundle.steps(self.grid, Way(first, taken), moment)
+            way = Way(self.march.step, min(due, ahead))
+            before = self.march.state.copy(), self.march.unknowns.copy()
+            moment = Moment(self.time, self.march.state, self.march.unknowns, self.constants)
+            status, taken, samples = self.bundle.march(self.grid, way, moment, self.march.sides)
+            if status not in (Status.SOLVED, Status.EVENT):
+                self._refuse(status, way, before)
+            self.march.step += taken
             found = self.bundle.found(samples, self.constants)
             for item in zip(samples.times, found.values, found.value_slopes, strict=True):
                 self.record.take(*item)
@@ -290,8 +290,20 @@ class _Run:
                 due -= 1
                 if self.march.step % self.grid.per_interval == 0:
                     self.sample()
-            elif status is not Status.SOLVED:
-                raise NumericalError(self.kernel.failure(status, self.time, self.march.ledger))
+
+    def _refuse(self, status: Status, way: Way, before: tuple[Vector, Vector]) -> NoReturn:
+        """Raise what a run without derivatives raises where it fails, or that tangents do."""
+        march = replace(self.march, state=before[0], unknowns=before[1])
+        found = self.kernel.advance(march, way.n_steps, self._rows())
+        if found not in (Status.SOLVED, Status.EVENT):
+            raise NumericalError(self.kernel.failure(found, march.time(march.step), march.ledger))
+        self.code.check(status, self.time)
+        raise NumericalError(f"the motion has no tangents near t = {self.time:.9g} s")
+
+    def _rows(self) -> Rows:
+        e = self.kernel.equations
+        sizes = len(e.states), len(e.unknowns), len(e.channels)
+        return Rows(*[np.empty((_AT_ONCE + 1, size)) for size in sizes])
 
     def _step_with_events(self) -> None:
         """Take the step that is due in parts, as a run without derivatives does."""
@@ -340,7 +352,7 @@ class _Run:
     def _part(self, span: tuple[float, float], times: tuple[Vector, Vector]) -> None:
         state, unknowns = self.march.state.copy(), self.march.unknowns.copy()
         moment = Moment(self.time, state, unknowns, self.constants)
-        self.bundle.steps(self.grid, Way(self.march.step, 1, span), moment, times)
+        self.bundle.part(self.grid, Way(self.march.step, 1, span), moment, times)
 
     def _cross(
         self, before: Point, after: Point, begin: float, end: float, moved: Vector

@@ -61,15 +61,15 @@ class Program:
         out = [*map(int, self.out[::-1]), *sources]
         entries = [users.get(column, []) for column in out]
         flat = [item for own in entries for item in own]
-        lists = (
-            [n + column for column in out],
-            np.cumsum([0, *map(len, entries)]),
-            [column for column, _ in flat],
-            [place for _, place in flat],
-            [n + column for column in sources],
+        return Program(
+            n + self.n_columns,
+            np.array([n + column for column in out], dtype=np.int32),
+            np.cumsum([0, *map(len, entries)], dtype=np.int32),
+            np.array([column for column, _ in flat], dtype=np.int32),
+            np.array([place for _, place in flat], dtype=np.int32),
+            np.array([n + column for column in sources], dtype=np.int32),
+            self.fixed,
         )
-        arrays = (np.array(item, dtype=np.int32) for item in lists)
-        return Program(n + self.n_columns, *arrays, self.fixed)
 
     def with_values(self, unknowns: Index, observed: Program, before: int) -> Program:
         """Return this program of rates with unknowns and observed values among its results.

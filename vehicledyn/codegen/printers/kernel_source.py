@@ -53,7 +53,7 @@ def portable_source(equations: Equations, functions: KernelFunctions) -> str:
 
 def _units(equations: Equations, functions: KernelFunctions, lanes: int) -> Iterator[str]:
     events = [
-        _events(equations, functions),
+        events_text(equations, functions),
         print_function(functions.resets, "resets", _ARGUMENTS, tables=equations.tables),
     ]
     wide = WideFunctions(lanes)
@@ -74,7 +74,8 @@ def _units(equations: Equations, functions: KernelFunctions, lanes: int) -> Iter
     yield from wide_units(wide)
     prepare = print_function(functions.prepare, "prepare", ["p"], tables=equations.tables)
     texts = [prepare, *texts, *_model_texts(equations, functions, print_one)]
-    yield "\n".join([*head, *texts, *events, copies.text, shared_source("loop.c")])
+    runtime = map(shared_source, ("event_sides.c", "loop.c"))
+    yield "\n".join([*head, *texts, *events, copies.text, *runtime])
 
 
 _GIVEN = "const real *t, const real *x, const real *z, const real *c, real *r"
@@ -101,12 +102,13 @@ def lane_source(equations: Equations, functions: KernelFunctions, lanes: int) ->
     mirrored = mirrored_constants(read_function(functions.prepare, equations.tables))
     texts = [
         *shared_texts(equations, functions, mirrored=mirrored),
-        _events(equations, functions),
+        events_text(equations, functions),
     ]
     return "\n".join([*lane_head(lanes), *texts, shared_source("batch.c")])
 
 
-def _events(equations: Equations, functions: KernelFunctions) -> str:
+def events_text(equations: Equations, functions: KernelFunctions) -> str:
+    """Return the text of the functions of the events."""
     return print_function(functions.events, "events", _ARGUMENTS, tables=equations.tables)
 
 
@@ -121,7 +123,8 @@ def shared_texts(
 ) -> list[str]:
     """Return what all kernels have: functions of the model, tables and steps.
 
-    Without ``sampled`` the outputs are left out. ``wide`` and ``copies`` are for kernels of one lane, ``mirrored`` for those of several, see
+    Without ``sampled`` the outputs are left out. ``wide`` and ``copies`` are for kernels of one
+    lane, ``mirrored`` for those of several, see
     :func:`vehicledyn.codegen.printers.c_printer.print_function`.
     """
     print_one = _printer(equations, wide, copies, mirrored)

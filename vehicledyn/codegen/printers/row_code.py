@@ -41,7 +41,9 @@ class _Code:
         return [item for item in found if item[0] in self.reach]
 
 
-def print_jacobian(program: Program, n_sources: int, name: str) -> tuple[str, list[tuple[int, int]]]:
+def print_jacobian(
+    program: Program, n_sources: int, name: str
+) -> tuple[str, list[tuple[int, int]]]:
     """Return C functions ``name(w, j)``, and which derivatives they write, in their order.
 
     These are pairs of a result and one of the first ``n_sources`` columns by which it is derived,
@@ -53,7 +55,9 @@ def print_jacobian(program: Program, n_sources: int, name: str) -> tuple[str, li
     results = {int(column): k for k, column in enumerate(program.targets)}
     pattern = [(results[c], s) for c in map(int, program.targets) for s in code.reach.get(c, [])]
     number = {item: k for k, item in enumerate(pattern)}
-    texts, free, size = [], [], 0
+    texts: list[str] = []
+    free: list[int] = []
+    size = 0
     ending: dict[int, list[int]] = {}
     for piece, rows in enumerate(code.pieces):
         lines = [f"static VD_APART void {name}_{piece}(const real *w, real *t, real *j) {{"]
@@ -67,7 +71,9 @@ def print_jacobian(program: Program, n_sources: int, name: str) -> tuple[str, li
                     for n, (column, _) in enumerate(entries)
                     if source in code.reach[column]
                 ]
-                lines.append(f"  const real r{target}_{source} = {_sum(code, k, terms, source, piece)};")
+                lines.append(
+                    f"  const real r{target}_{source} = {_sum(code, k, terms, source, piece)};"
+                )
                 value = code.values[target, source]
                 if target in results:
                     place = number[results[target], source]

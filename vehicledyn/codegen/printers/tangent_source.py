@@ -10,6 +10,7 @@ from vehicledyn.codegen.passes.linear_program import PointProgram, StageProgram
 from vehicledyn.codegen.passes.slp_rows import PLACES
 from vehicledyn.codegen.printers.c_printer import print_function
 from vehicledyn.codegen.printers.kernel_source import (
+    events_text,
     lane_head,
     listed,
     shared_source,
@@ -49,7 +50,8 @@ def tangent_source(
     head = [shared_source("real.h"), shared_source("elementary.c")]
     head += [shared_source("fours.h")] if in_rows else []
     texts = shared_texts(equations, functions, wide, copies if in_rows else None, sampled=False)
-    motion = [*head, *texts, copies.text, shared_source("stage_points.c")]
+    runtime = map(shared_source, ("event_sides.c", "stage_points.c"))
+    motion = [*head, *texts, events_text(equations, functions), copies.text, *runtime]
     units = [
         _apart(stage.function, "linearise", equations),
         _apart(observed.function, "observe", equations),

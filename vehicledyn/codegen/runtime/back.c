@@ -2,18 +2,15 @@
    number drawn from the motion, from what one of those behind it does. Those of the constants add
    up, for several stages side by side. */
 
-/* Take steps and keep states and unknowns at the begin of each. */
+/* Take steps and keep states and unknowns of their stages. */
 VD_EXPORT int vd_record(const struct steps *way, long long step, long long n_steps,
                         const double *c, double *x, double *z, double *xs, double *zs) {
-  double times[VD_STAGES + 1], memory[1 + 2 * NZR];
-  double at[VD_STAGES * NXR], of[VD_STAGES * NZR], ks[VD_STAGES * NXR];
+  double times[VD_STAGES + 1], memory[1 + 2 * NZR], ks[VD_STAGES * NXR];
   memset(memory, 0, sizeof memory);
-  for (long long k = 0; k < n_steps; k++) {
-    memcpy(xs + k * NX, x, NX * sizeof(double));
-    memcpy(zs + k * NZ, z, NZ * sizeof(double));
+  for (long long k = 0; k < n_steps; k++, xs += VD_STAGES * NX, zs += VD_STAGES * NZ) {
     stage_times(way, step + k, times);
     const int status =
-        vd_stage_points(way->method, times, step_of(way), c, x, z, memory, at, of, ks);
+        vd_stage_points(way->method, times, step_of(way), c, x, z, memory, xs, zs, ks);
     if (status) return status;
   }
   return 0;
@@ -58,7 +55,7 @@ static void step_back(const struct slopes *s, int lane, double h, real *bars, do
   memcpy(x_bar, total, NX * sizeof(double));
 }
 
-/* Go back over n_steps steps whose begins are kept in xs and zs. seeds (intervals, NX) are added
+/* Go back over n_steps steps whose stages are kept in xs and zs. seeds (intervals, NX) are added
    where a step begins an interval. */
 VD_EXPORT int vd_steps_back(const struct steps *way, long long first, long long n_steps,
                             const struct numbers *given, const double *xs, const double *zs,
@@ -66,27 +63,18 @@ VD_EXPORT int vd_steps_back(const struct steps *way, long long first, long long 
                             const double *seeds, double *x_bar) {
   enum { MOST = VD_LANES / VD_STAGES };
   const double h = step_of(way);
-  double t[VD_LANES + 1], at[VD_LANES][NXR], of[VD_LANES][NZR], ks[VD_LANES][NXR];
-  double x[NXR], z[NZR], times[VD_STAGES + 1];
+  double t[VD_LANES], times[VD_STAGES + 1];
   real bars[NXR];
   for (long long end = n_steps; end > 0;) {
     const int count = end < MOST ? (int)end : MOST;
     const long long begin = end - count;
     for (int k = 0; k < count; k++) {
-      double memory[1 + 2 * NZR];
-      const int own = k * VD_STAGES;
-      memset(memory, 0, sizeof memory);
-      memcpy(x, xs + (begin + k) * NX, NX * sizeof(double));
-      memcpy(z, zs + (begin + k) * NZ, NZ * sizeof(double));
       stage_times(way, first + begin + k, times);
-      memcpy(t + own, times, VD_STAGES * sizeof(double));
-      const int status = vd_stage_points(way->method, times, h, given->c, x, z, memory,
-                                         &at[0][0] + own * NX, &of[0][0] + own * NZ,
-                                         &ks[0][0] + own * NX);
-      if (status) return status;
+      memcpy(t + k * VD_STAGES, times, VD_STAGES * sizeof(double));
     }
-    const int status = weigh(given->points, count * VD_STAGES, t, &at[0][0], &of[0][0],
-                             given->lanes, given->w);
+    const int status =
+        weigh(given->points, count * VD_STAGES, t, xs + begin * VD_STAGES * NX,
+              zs + begin * VD_STAGES * NZ, given->lanes, given->w);
     if (status) return status;
     find_slopes(s, given->w);
     memset(bars, 0, sizeof bars);

@@ -1,11 +1,11 @@
 /* Derivatives at several points side by side, a lane for each.
    A program has columns: sources, then rows, each a sum of weights times columns before it. A plan
-   holds the rows of a program that lead from some sources to its results, for four directions at
+   holds the rows of a program that lead from some sources to its results, for eight directions at
    once where it goes ahead, and for one where it goes back. */
 
 #include <stdlib.h>
 
-enum { VD_ABREAST = 4 };
+enum { VD_ABREAST = 8 };
 
 struct program {
   long long n_rows, n_columns, n_targets;
@@ -80,7 +80,13 @@ VD_EXPORT long long vd_plan(const struct program *p, unsigned char *bits, int *p
   return next - plan;
 }
 
-/* Four directions ahead: seeds are those of the sources, numbers that all points share. */
+#define VD_EIGHT(act) act(0) act(1) act(2) act(3) act(4) act(5) act(6) act(7)
+#define VD_BEGIN(k) real a##k = zero;
+#define VD_ADD_SEED(k) a##k = vd_fma(weight, vd_all(s[k]), a##k);
+#define VD_ADD(k) a##k = vd_fma(weight, s[k], a##k);
+#define VD_PUT(k) to[k] = a##k;
+
+/* Eight directions ahead: seeds are those of the sources, numbers that all points share. */
 static void pass_ahead(const int *plan, const real *w, const double *seeds, real *slots,
                        real *results) {
   const real zero = vd_all(0.0);
@@ -88,29 +94,23 @@ static void pass_ahead(const int *plan, const real *w, const double *seeds, real
   for (plan += 2; rows > 0; rows--) {
     const int slot = plan[0], result = plan[1], inner = plan[3];
     int own = plan[2];
-    real a = zero, b = zero, c = zero, d = zero;
+    VD_EIGHT(VD_BEGIN)
     for (plan += 4; own > 0; own--, plan += 2) {
       const real weight = w[plan[0]];
       const double *s = seeds + VD_ABREAST * plan[1];
-      a = vd_fma(weight, vd_all(s[0]), a);
-      b = vd_fma(weight, vd_all(s[1]), b);
-      c = vd_fma(weight, vd_all(s[2]), c);
-      d = vd_fma(weight, vd_all(s[3]), d);
+      VD_EIGHT(VD_ADD_SEED)
     }
     for (const int *end = plan + 2 * inner; plan < end; plan += 2) {
       const real weight = w[plan[0]], *s = slots + VD_ABREAST * plan[1];
-      a = vd_fma(weight, s[0], a);
-      b = vd_fma(weight, s[1], b);
-      c = vd_fma(weight, s[2], c);
-      d = vd_fma(weight, s[3], d);
+      VD_EIGHT(VD_ADD)
     }
     if (slot >= 0) {
       real *to = slots + VD_ABREAST * slot;
-      to[0] = a, to[1] = b, to[2] = c, to[3] = d;
+      VD_EIGHT(VD_PUT)
     }
     if (result >= 0) {
       real *to = results + VD_ABREAST * result;
-      to[0] = a, to[1] = b, to[2] = c, to[3] = d;
+      VD_EIGHT(VD_PUT)
     }
   }
 }
@@ -211,7 +211,8 @@ static double time_of(long long step, double part, double start, double interval
 enum { RK4 = 0, SYMPLECTIC_EULER = 1 };
 enum { VD_STAGES = 4, NXR = NX > 0 ? NX : 1, NZR = NZ > 0 ? NZ : 1 };
 
-int vd_solve_point(double t, const double *x, double *z, const double *c);
+int vd_end_of_step(double t, const double *x, const double *z, const double *c, int *sides,
+                   int is_sample);
 int vd_stage_points(int method, const double *times, double h, const double *c, double *x,
                     double *z, double *memory, double *xs, double *zs, double *ks);
 

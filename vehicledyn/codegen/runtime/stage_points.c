@@ -34,6 +34,17 @@ int vd_inverses(const double *jacobian, double *inverse) {
   return SOLVED;
 }
 
+/* Tell how a step ends: with an event where the signs in sides are watched, or inaccurate where an
+   interval ends. */
+int vd_end_of_step(double t, const double *x, const double *z, const double *c, int *sides,
+                   int is_sample) {
+  struct course course;
+  if (sides && NE && event_fires(t, x, z, c, sides)) return EVENT;
+  begin_course(&course);
+  if (is_sample) check_residuals(t, x, z, c, &course);
+  return course.status[0];
+}
+
 /* A stage: its unknowns, solved from the guess in z, and its rates. */
 static int enter_stage(double t, const double *x, double *z, const double *c, double *rate) {
   const int status = vd_solve_point(t, x, z, c);

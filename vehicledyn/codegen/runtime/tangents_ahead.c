@@ -117,48 +117,73 @@ static void tangents_symplectic(const struct slopes *s, const struct directions 
   memcpy(d->x, moved, size * sizeof(real));
 }
 
-/* Take n_steps steps, or a part of one. States, unknowns and tangents at the ends of whole
-   intervals are written to xs, zs and dxs, row after row. */
+/* Points of the stages of some steps, and those behind the steps. */
+struct trail {
+  double t[VD_LANES], x[VD_LANES][NXR], z[VD_LANES][NZR], k[VD_LANES][NXR];
+  double ends[VD_LANES][NXR], ends_z[VD_LANES][NZR], memory[1 + 2 * NZR];
+};
+
+/* Take up to count steps and return how many were taken; a step that fails or in which an event
+   fires is not. sides are none where events are not watched. */
+static int take_steps(const struct steps *way, long long step, int count, const double *c,
+                      double *x, double *z, int *sides, struct trail *trail, int *status) {
+  const int stages = stages_of(way);
+  for (int k = 0; k < count; k++, step++) {
+    double *end = trail->ends[k], *end_z = trail->ends_z[k], times[VD_STAGES + 1];
+    const int first = k * stages;
+    stage_times(way, step, times);
+    memcpy(trail->t + first, times, stages * sizeof(double));
+    memcpy(end, x, NX * sizeof(double));
+    memcpy(end_z, z, NZ * sizeof(double));
+    *status = vd_stage_points(way->method, times, step_of(way), c, end, end_z, trail->memory,
+                              &trail->x[0][0] + first * NX, &trail->z[0][0] + first * NZ,
+                              &trail->k[0][0] + first * NX);
+    if (!*status && sides)
+      *status = vd_end_of_step(times[VD_STAGES], end, end_z, c, sides, !((step + 1) % way->per));
+    if (*status) return k;
+    memcpy(x, end, NX * sizeof(double));
+    memcpy(z, end_z, NZ * sizeof(double));
+  }
+  return count;
+}
+
+/* Take n_steps steps, or a part of one, unless one fails or an event fires in it. States, unknowns
+   and tangents at the ends of whole intervals are written to xs, zs and dxs, row after row; taken
+   is the number of steps. */
 VD_EXPORT int vd_tangent_steps(const struct steps *way, long long step, long long n_steps,
-                               const struct numbers *given, double *x, double *z,
+                               const struct numbers *given, double *x, double *z, int *sides,
                                const struct slopes *s, const struct directions *d, double *xs,
-                               double *zs, real *dxs) {
+                               double *zs, real *dxs, long long *taken) {
   const int stages = stages_of(way), most = VD_LANES / stages;
   const double h = step_of(way);
-  double t[VD_LANES], memory[1 + 2 * NZR], ends[VD_LANES][NXR + NZR];
-  double at[VD_LANES][NXR], of[VD_LANES][NZR], ks[VD_LANES][NXR];
-  memset(memory, 0, sizeof memory);
-  for (long long last = step + n_steps; step < last;) {
-    const int count = last - step < most ? (int)(last - step) : most;
-    for (int k = 0; k < count; k++) {
-      double *end = ends[k], times[VD_STAGES + 1];
-      const int first = k * stages;
-      stage_times(way, step + k, times);
-      memcpy(t + first, times, stages * sizeof(double));
-      const int status = vd_stage_points(way->method, times, h, given->c, x, z, memory,
-                                         &at[0][0] + first * NX, &of[0][0] + first * NZ,
-                                         &ks[0][0] + first * NX);
-      if (status) return status;
-      memcpy(end, x, NX * sizeof(double));
-      memcpy(end + NX, z, NZ * sizeof(double));
-    }
-    const int status = weigh(given->points, count * stages, t, &at[0][0], &of[0][0], given->lanes,
-                             given->w);
-    if (status) return status;
+  const long long last = step + n_steps;
+  struct trail trail;
+  memset(trail.memory, 0, sizeof trail.memory);
+  *taken = 0;
+  for (int status = 0; step < last && !status;) {
+    const int wanted = last - step < most ? (int)(last - step) : most;
+    const int count =
+        take_steps(way, step, wanted, given->c, x, z, sides, &trail, &status);
+    if (!count) return status;
+    const int failed = weigh(given->points, count * stages, trail.t, &trail.x[0][0],
+                             &trail.z[0][0], given->lanes, given->w);
+    if (failed) return failed;
     find_slopes(s, given->w);
     spread_moved(s, d->n, count * stages, d->moved);
     for (int k = 0; k < count; k++, step++) {
-      const double *own = &ks[0][0] + k * stages * NX;
+      const double *rates = &trail.k[0][0] + k * stages * NX;
       if (way->method == RK4)
-        tangents_rk4(s, d, k * stages, h, own);
+        tangents_rk4(s, d, k * stages, h, rates);
       else
-        tangents_symplectic(s, d, k, h, own, ends[k]);
+        tangents_symplectic(s, d, k, h, rates, trail.ends[k]);
       if (way->to < 1.0 || (step + 1) % way->per) continue;
-      memcpy(xs, ends[k], NX * sizeof(double));
-      memcpy(zs, ends[k] + NX, NZ * sizeof(double));
+      memcpy(xs, trail.ends[k], NX * sizeof(double));
+      memcpy(zs, trail.ends_z[k], NZ * sizeof(double));
       memcpy(dxs, d->x, NX * d->n * sizeof(real));
       xs += NX, zs += NZ, dxs += NX * d->n;
     }
+    *taken += count;
+    if (status) return status;
   }
   return 0;
 }
