@@ -14,10 +14,12 @@ from numpy.typing import NDArray
 from vehicledyn.base.garbage import without_collection
 from vehicledyn.codegen.ir.table_rows import TableRows
 from vehicledyn.codegen.passes.kernel_functions import derive_functions
+from vehicledyn.codegen.passes.seam_cut import cut_at_seam
 from vehicledyn.codegen.printers.kernel_source import lane_source
 from vehicledyn.codegen.toolchain import cache
 from vehicledyn.codegen.toolchain.compiler import build_library, find_compiler
 from vehicledyn.kernel.engine import Vector
+from vehicledyn.kernel.seam_library import seam_library
 from vehicledyn.symbolic.equations import Equations
 
 _D, _I, _L, _P = ctypes.c_double, ctypes.c_int, ctypes.c_longlong, ctypes.c_void_p
@@ -140,6 +142,9 @@ def compile_lanes(equations: Equations, key: str, lanes: int) -> tuple[LaneEngin
     compiler = find_compiler()
 
     def build(folder: Path) -> Path:
+        cut = cut_at_seam(equations)
+        if cut is not None:
+            return seam_library(cut, compiler, folder, lanes)
         source = lane_source(equations, derive_functions(equations), lanes)
         return build_library(compiler, source, folder)
 

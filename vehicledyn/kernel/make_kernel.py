@@ -90,10 +90,18 @@ def _compiled(equations: Equations, compiler: Compiler, tell: Progress) -> Kerne
 
     def build(folder: Path) -> Path:
         from vehicledyn.codegen.passes.kernel_functions import derive_functions, operations_of
+        from vehicledyn.codegen.passes.seam_cut import cut_at_seam
         from vehicledyn.codegen.printers.kernel_source import comes_in_units, kernel_units
+        from vehicledyn.kernel.seam_library import seam_library
 
         started = time.perf_counter()
         tell("deriving the equations of the kernel", None)
+        cut = cut_at_seam(equations)
+        if cut is not None:
+            tell(f"compiling with {compiler.description}", None)
+            library = seam_library(cut, compiler, folder)
+            seconds["compilation"] = time.perf_counter() - started
+            return library
         functions = derive_functions(equations)
         total = sum(operations_of(functions).values())
         tell(f"compiling {total} operations with {compiler.description}", None)

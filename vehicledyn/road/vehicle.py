@@ -92,11 +92,6 @@ class RoadVehicle:
         number = ops.numeric([symbols], ops.column([expression]))
         return float(number([entry.value for entry in entries]).ravel()[0])
 
-    def with_pedal_moved_by(self, part: Part) -> RoadVehicle:
-        """Return the vehicle with a part in place of the switch of the same name."""
-        parts = tuple(part if p.name == part.name else p for p in self.system.parts)
-        return replace(self, system=replace(self.system, parts=parts))
-
     def with_parts(self, *parts: Part) -> RoadVehicle:
-        """Return the vehicle with more parts in its system."""
-        return replace(self, system=self.system.with_parts(*parts))
+        """Return the vehicle with parts acting on it, a foot in place of a pedal's switch."""
+        return replace(self, system=self.system.with_surroundings(*parts))

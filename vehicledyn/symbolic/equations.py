@@ -109,6 +109,23 @@ class Attitude:
 
 
 @dataclass(frozen=True)
+class Seam:
+    """What the surroundings of a model, such as driver and manoeuvre, hand to it.
+
+    ``values``, shape (n,), are functions of (t, x, z, p) by their ``names``. ``parts`` are the
+    surroundings; states and channels are theirs whose names begin with that of one.
+    """
+
+    names: tuple[str, ...]
+    values: Expression
+    parts: tuple[str, ...]
+
+    def owns(self, name: str) -> bool:
+        """Return whether a state or channel is one of the surroundings."""
+        return any(name.startswith(f"{part}.") for part in self.parts)
+
+
+@dataclass(frozen=True)
 class Equations:
     """Symbolic equations of a system, see the module's text for the meaning of the parts.
 
@@ -120,7 +137,7 @@ class Equations:
     that the expressions look up; like values of parameters, they are no part of what is
     compiled. ``structure`` holds facts for people (bodies, joints, degrees of freedom), never
     used in computing. ``constrained`` derives the same motion as residuals with multipliers,
-    where its author can.
+    where its author can. ``seam`` says where the model may be compiled apart from its surroundings.
     """
 
     name: str
@@ -146,6 +163,7 @@ class Equations:
     tables: tuple[CurveTable, ...] = ()
     structure: dict[str, Any] = field(default_factory=dict)
     constrained: Callable[[], ConstrainedEquations] | None = field(default=None, compare=False)
+    seam: Seam | None = None
 
     @property
     def speeds(self) -> tuple[int, ...]:

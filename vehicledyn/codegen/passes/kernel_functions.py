@@ -9,7 +9,7 @@ Parameters are all symbolic, so a good part of every expression does not change 
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Any
@@ -22,7 +22,7 @@ from vehicledyn.codegen.passes.split_calls import call_apart
 from vehicledyn.symbolic import ops
 from vehicledyn.symbolic.equations import Equations
 from vehicledyn.symbolic.table_calls import calls_in
-from vehicledyn.symbolic.tables import table_of
+from vehicledyn.symbolic.tables import CurveTable, table_of
 
 _NO_WORK = ("OP_INPUT", "OP_OUTPUT", "OP_CONST", "OP_PARAMETER")
 
@@ -59,13 +59,12 @@ def derive_functions(equations: Equations) -> KernelFunctions:
     expressions, constants, values = _apart(given, expressions)
     inputs = [time, state, unknown, constants]
     starts = wave_starts(equations)
-    waves = []
-    for k, start in enumerate(starts):
-        stop = starts[k + 1] if k + 1 < len(starts) else len(equations.blocks)
-        parts = [casadi.vec(item) for item in expressions[4 + 2 * start : 4 + 2 * stop]]
-        waves.append(casadi.Function(f"wave_{k}", inputs, [casadi.vertcat(*parts)]))
+    waves = [
+        casadi.Function(f"wave_{k}", inputs, [column])
+        for k, column in enumerate(_wave_columns(equations, starts, expressions[4:]))
+    ]
     return KernelFunctions(
-        prepare=_prepare(equations, values),
+        prepare=_prepare(equations.parameter, values, equations.tables),
         rates=casadi.Function("rates", inputs, expressions[:1]),
         outputs=casadi.Function("outputs", inputs, expressions[1:2]),
         blocks=tuple(
@@ -79,7 +78,59 @@ def derive_functions(equations: Equations) -> KernelFunctions:
     )
 
 
-def _prepare(equations: Equations, values: Any) -> Any:
+def kernel_columns(equations: Equations) -> tuple[list[str], list[Any], tuple[int, ...]]:
+    """Return names and columns of what a kernel computes, and the first block of each wave."""
+    starts = wave_starts(equations)
+    waves = _wave_columns(equations, starts, block_expressions(equations))
+    names = ["rates", "outputs", "events", "resets", *(f"wave_{k}" for k in range(len(waves)))]
+    columns = [equations.rate, equations.output, *event_expressions(equations), *waves]
+    return names, columns, starts
+
+
+def _wave_columns(equations: Equations, starts: tuple[int, ...], blocks: list[Any]) -> list[Any]:
+    """Return residuals and Jacobians of the blocks of each wave in one column."""
+    import casadi
+
+    stops = [*starts[1:], len(equations.blocks)]
+    return [
+        casadi.vertcat(*[casadi.vec(item) for item in blocks[2 * start : 2 * stop]])
+        for start, stop in zip(starts, stops, strict=False)
+    ]
+
+
+def apart_in_functions(
+    names: Sequence[str],
+    inputs: list[Any],
+    results: Sequence[Sequence[Any]],
+    tables: Sequence[CurveTable],
+    room: int = 0,
+) -> tuple[Any, dict[str, Any]]:
+    """Return ``prepare``: p -> c, and functions by name of the other inputs and c.
+
+    Parameters
+    ----------
+    names
+        Names of the functions.
+    inputs
+        Columns of symbols, the parameters last.
+    results
+        SX columns of each function.
+    tables
+        All that is looked up.
+    room
+        How many further numbers c has at its end.
+    """
+    import casadi
+
+    flat, constants, values = _apart(inputs, [item for items in results for item in items])
+    given = [*inputs[:-1], casadi.vertcat(constants, casadi.SX.sym("room", room))]
+    functions, rest = {}, iter(flat)
+    for name, items in zip(names, results, strict=True):
+        functions[name] = casadi.Function(name, given, [next(rest) for _ in items])
+    return _prepare(inputs[-1], values, tables), functions
+
+
+def _prepare(parameter: Any, values: Any, tables: Sequence[CurveTable]) -> Any:
     """Return the function of the constants; those opposite or equal to another are made of it.
 
     Written apart they may differ in their last bit, as their products are fused with other sums;
@@ -87,13 +138,13 @@ def _prepare(equations: Equations, values: Any) -> Any:
     """
     import casadi
 
-    written = casadi.Function("prepare", [equations.parameter], [values])
-    found = mirrored_constants(read_function(written, equations.tables))
+    written = casadi.Function("prepare", [parameter], [values])
+    found = mirrored_constants(read_function(written, tables))
     items = casadi.vertsplit(values) if values.numel() else []
     for element, (other, sign) in found.items():
         items[element] = items[other] if sign > 0 else -items[other]
     column = casadi.vertcat(casadi.SX(0, 1), *items)
-    return casadi.Function("prepare", [equations.parameter], [column])
+    return casadi.Function("prepare", [parameter], [column])
 
 
 def apart_from_parameters(inputs: list[Any], expressions: list[Any]) -> tuple[Any, Any]:

@@ -83,7 +83,7 @@ def print_function(
         :mod:`vehicledyn.codegen.passes.signed_constants`.
     selectable
         Whether a function ``name_selected`` is printed as well, which takes the pieces to compute,
-        as bits, before its arrays; ``name_needs`` holds those that each element of the first
+        as bits, before its arrays; ``name_need`` gives those that an element of the first
         result needs.
 
     Raises
@@ -211,6 +211,7 @@ def _function(
         [
             *texts,
             f"static const {bits} {body.name}_needs[] = {{{numbers}}};\n",
+            f"static {bits} {body.name}_need(int k) {{\n  return {body.name}_needs[k];\n}}\n",
             _definition(f"{body.name}_selected", [f"{bits} pieces", *arrays], calls),
             _definition(body.name, arrays, [f"{body.name}_selected(-1ULL, {arguments});"]),
         ]

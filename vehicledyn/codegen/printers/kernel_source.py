@@ -6,6 +6,7 @@ A large kernel comes in units, so that the compiler works on one while the next 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -172,7 +173,7 @@ def _model_texts(
     """Return what follows rates and outputs: blocks, tables and steps."""
     return [
         *[print_one(wave, f"wave_{k}") for k, wave in enumerate(functions.waves)],
-        _tables(equations, functions),
+        kernel_tables(equations, KernelSizes.of(functions)),
         shared_source("steps.c"),
     ]
 
@@ -182,7 +183,34 @@ def shared_source(name: str) -> str:
     return (Path(__file__).parents[1] / "runtime" / name).read_text(encoding="utf-8")
 
 
-def _tables(equations: Equations, functions: KernelFunctions) -> str:
+@dataclass(frozen=True)
+class KernelSizes:
+    """What the tables of a kernel tell of its functions.
+
+    ``wave_starts`` are the first blocks of its waves, ``wave_sizes`` their numbers of results;
+    ``operations`` are those of :data:`~vehicledyn.codegen.passes.kernel_functions.COUNTED`.
+    """
+
+    wave_starts: tuple[int, ...]
+    wave_sizes: tuple[int, ...]
+    constants: int
+    new_values: int
+    operations: dict[str, int]
+
+    @classmethod
+    def of(cls, functions: KernelFunctions) -> KernelSizes:
+        """Return the sizes of functions."""
+        return cls(
+            functions.wave_starts,
+            tuple(wave.numel_out(0) for wave in functions.waves),
+            functions.prepare.numel_out(0),
+            functions.resets.numel_out(0),
+            operations_of(functions),
+        )
+
+
+def kernel_tables(equations: Equations, of: KernelSizes) -> str:
+    """Return what the loop must know of a model: sizes, blocks, events and counts."""
     n_states, n_unknowns = len(equations.states), len(equations.unknowns)
     blocks = equations.blocks
     sizes = {
@@ -192,17 +220,16 @@ def _tables(equations: Equations, functions: KernelFunctions) -> str:
         "NZ1": max(1, n_unknowns),
         "NY": len(equations.channels),
         "NB": len(blocks),
-        "NV": max([1, *[wave.numel_out(0) for wave in functions.waves]]),
-        "NWAVES": len(functions.waves),
+        "NV": max([1, *of.wave_sizes]),
+        "NWAVES": len(of.wave_sizes),
         "NW": max([1, *[block.stop - block.start for block in blocks]]),
         "NQ": len(equations.positions),
         "NE": len(equations.events),
         "NE1": max(1, len(equations.events)),
     }
-    counts = operations_of(functions)
     starts = [block.start for block in blocks] + [n_unknowns]
     signature = ", ".join(["const real *"] * 4 + ["real *"])
-    names = [f"wave_{k}" for k in range(len(functions.waves))] or ["0"]
+    names = [f"wave_{k}" for k in range(len(of.wave_sizes))] or ["0"]
     return "\n".join(
         [
             *[f"#define {name} {size}" for name, size in sizes.items()],
@@ -214,27 +241,26 @@ def _tables(equations: Equations, functions: KernelFunctions) -> str:
             listed("static const int", "fires_falling", _fires(equations, "falling")),
             f"typedef void (*wave_function)({signature});",
             listed("static const wave_function", "wave_functions", names),
-            listed("static const int", "wave_start", [*functions.wave_starts, len(blocks)]),
-            listed("static const int", "wave_of", _waves_of(functions, len(blocks))),
-            listed("static const int", "value_start", _value_starts(equations, functions)),
-            f"VD_EXPORT const int vd_constants = {functions.prepare.numel_out(0)};",
-            f"VD_EXPORT const int vd_new_values = {functions.resets.numel_out(0)};",
-            listed("VD_EXPORT const int", "vd_operations", [counts[key] for key in COUNTED]),
+            listed("static const int", "wave_start", [*of.wave_starts, len(blocks)]),
+            listed("static const int", "wave_of", _waves_of(of.wave_starts, len(blocks))),
+            listed("static const int", "value_start", _value_starts(equations, of.wave_starts)),
+            f"VD_EXPORT const int vd_constants = {of.constants};",
+            f"VD_EXPORT const int vd_new_values = {of.new_values};",
+            listed("VD_EXPORT const int", "vd_operations", [of.operations[k] for k in COUNTED]),
         ]
     )
 
 
-def _waves_of(functions: KernelFunctions, n_blocks: int) -> list[int]:
+def _waves_of(starts: tuple[int, ...], n_blocks: int) -> list[int]:
     """Return the wave of each block."""
-    starts = functions.wave_starts
     return [sum(start <= k for start in starts) - 1 for k in range(n_blocks)]
 
 
-def _value_starts(equations: Equations, functions: KernelFunctions) -> list[int]:
+def _value_starts(equations: Equations, wave_starts: tuple[int, ...]) -> list[int]:
     """Return where the values of each block begin among those of its wave."""
     starts, place = [], 0
     for k, block in enumerate(equations.blocks):
-        place = 0 if k in functions.wave_starts else place
+        place = 0 if k in wave_starts else place
         starts.append(place)
         size = block.stop - block.start
         place += size + size * size

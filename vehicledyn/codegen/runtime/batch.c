@@ -36,7 +36,7 @@ static void take_sample(const real *y, const struct course *course, int n_channe
 /* Pieces of the outputs that some channels need. */
 static unsigned long long pieces_of(int n_channels, const int *channels) {
   unsigned long long pieces = 0;
-  for (int k = 0; k < n_channels; k++) pieces |= outputs_needs[channels[k]];
+  for (int k = 0; k < n_channels; k++) pieces |= outputs_need(channels[k]);
   return pieces;
 }
 

@@ -130,8 +130,13 @@ def library_suffix() -> str:
     return ".dll" if sys.platform == "win32" else ".so"
 
 
-def build_library(compiler: Compiler, source: str | Iterable[str], folder: Path) -> Path:
-    """Compile a source text in a folder and return the library's path.
+def build_library(
+    compiler: Compiler,
+    source: str | Iterable[str],
+    folder: Path,
+    objects: Iterable[Path] = (),
+) -> Path:
+    """Compile a source text in a folder and return the library's path, ``objects`` linked in.
 
     ``UNIT_BREAK`` parts the text into units that do not see each other's definitions. Units may
     come one by one too: each is compiled while the next is being made, several at once.
@@ -145,13 +150,29 @@ def build_library(compiler: Compiler, source: str | Iterable[str], folder: Path)
     """
     library = folder / f"kernel{library_suffix()}"
     units = source.split(UNIT_BREAK) if isinstance(source, str) else source
-    paths = _compiled_units(compiler, units, folder)
+    paths = [*_compiled_units(compiler, units, folder), *objects]
     command = [*compiler.command, *compiler.options, *map(str, paths), "-o", str(library)]
     limit = _LEAST_LIMIT + (_LIMIT_OF_LETTER * len(source) if isinstance(source, str) else 0.0)
     _run([*command, "-lm"] if sys.platform != "win32" else command, limit)
     if not library.is_file():
         raise CompilationError(f"{compiler.command[0]} wrote no library")
     return library
+
+
+def build_object(compiler: Compiler, units: Iterable[str], folder: Path) -> Path:
+    """Compile units in a folder and return the path of one object file that holds them.
+
+    Raises
+    ------
+    CompilationError
+        If the compiler fails.
+    OSError
+        If a source cannot be written.
+    """
+    made = folder / "object.o"
+    paths = _compiled_units(compiler, iter(units), folder)
+    _run([*compiler.command, "-r", "-nostdlib", *map(str, paths), "-o", str(made)], _LEAST_LIMIT)
+    return made
 
 
 def _compiled_units(compiler: Compiler, units: Iterable[str], folder: Path) -> list[Path]:

@@ -30,10 +30,12 @@ def fingerprint(equations: Equations) -> str:
     e = equations
     inputs = [e.time, e.state, e.algebraic, e.parameter]
     results = [e.rate, e.residual, e.output, *event_expressions(e)]
+    results += [] if e.seam is None else [e.seam.values]
     function = casadi.Function("equations", inputs, results)
     facts = [casadi.CasadiMeta.version(), repr(e.positions), repr(e.velocities)]
     facts += [f"{block.start}:{block.stop}:{block.tolerance!r}" for block in e.blocks]
     facts += [event.direction for event in e.events]
+    facts += [] if e.seam is None else [*e.seam.names, *e.seam.parts]
     return hashlib.sha256(
         "\n".join([*facts, function_text(function, e.tables)]).encode()
     ).hexdigest()

@@ -22,6 +22,7 @@ from vehicledyn.symbolic.equations import (
     Block,
     Equations,
     ParameterValue,
+    Seam,
     Variable,
     with_tables,
 )
@@ -177,8 +178,29 @@ def collect(
         slopes=finished(_slopes(loops, contact, implicit, unknowns=algebraic)),
         reset=finished(ops.column(found.new_values)),
         structure=_structure(system, symbols, loops, roles, multipliers),
+        seam=_seam(system, solved, moved, finished),
     )
     return with_tables(equations)
+
+
+def _seam(
+    system: System, solved: Solved, moved: dict[str, Motion], finished: _Finish
+) -> Seam | None:
+    """Return what the surroundings hand to the rest: motions, forces, and numbers of wrenches."""
+    if not system.surroundings:
+        return None
+    values: dict[str, Scalar] = {}
+    for part in system.surroundings:
+        loads = solved.loads[part]
+        for name, acceleration in loads.accelerations.items():
+            motion = moved[name]
+            values[name] = motion.position
+            values[f"{name}, rate"] = motion.velocity
+            values[f"{name}, acceleration"] = acceleration
+        values |= {f"{name}, force of {part}": f for name, f in loads.joint_forces.items()}
+        values |= {f"{name} of {part}": value for name, value in loads.handed.items()}
+    column = ops.column([ops.scalar(value) for value in values.values()])
+    return Seam(tuple(values), finished(column), system.surroundings)
 
 
 def _reaction_residuals(

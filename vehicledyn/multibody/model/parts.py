@@ -114,7 +114,9 @@ class Loads:
     ``wrenches`` act on bodies, ``joint_forces`` on coordinates by name [N or N m],
     ``rates`` are the derivatives of the part's states by short name, ``residuals`` the
     equations of its algebraic unknowns (functions of positions and time only, in the order
-    of the unknowns), ``accelerations`` those of the coordinates it drives.
+    of the unknowns), ``accelerations`` those of the coordinates it drives. ``handed`` are
+    numbers that wrenches are made from, by name: where they stand for all that a driver or a
+    manoeuvre makes of the motion, the system is compiled apart from it.
     """
 
     wrenches: tuple[Wrench, ...] = ()
@@ -122,6 +124,7 @@ class Loads:
     rates: dict[str, Scalar] = field(default_factory=dict)
     residuals: tuple[Scalar, ...] = ()
     accelerations: dict[str, Scalar] = field(default_factory=dict)
+    handed: dict[str, Scalar] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)

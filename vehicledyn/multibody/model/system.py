@@ -49,6 +49,8 @@ class System:
     constraint_method: ConstraintMethod = "auto"
     brought: frozenset[str] = field(default=frozenset(), repr=False)
     """Names of the bodies, cuts and constraints that parts brought."""
+    surroundings: tuple[str, ...] = ()
+    """Names of the parts that are no parts of the model but act on it, such as a driver."""
 
     def __post_init__(self) -> None:
         """Put what parts bring among the bodies, cuts and constraints."""
@@ -68,6 +70,13 @@ class System:
     def with_parts(self, *parts: Part) -> System:
         """Return the system with more parts."""
         return replace(self, parts=(*self.parts, *parts))
+
+    def with_surroundings(self, *parts: Part) -> System:
+        """Return the system with more parts that act on it; one takes the place of its namesake."""
+        named = {part.name: part for part in parts}
+        kept = tuple(named.pop(part.name, part) for part in self.parts)
+        names = dict.fromkeys((*self.surroundings, *(part.name for part in parts)))
+        return replace(self, parts=(*kept, *named.values()), surroundings=tuple(names))
 
     def with_starts(self, starts: dict[str, float]) -> System:
         """Return the system with other start values of coordinates, and of rates as NAME_rate."""

@@ -139,7 +139,7 @@ class DrivingTest(RoadManoeuvre):
         braking = self.braking(vehicle, target) or (lambda seen: brake(seen.time))
         if own is not None:
             foot = Foot(own.switch, lambda seen: braking(seen) / own.torque)
-            vehicle = vehicle.with_pedal_moved_by(foot)
+            vehicle = vehicle.with_parts(foot)
         pedals = Pedals(
             "drive",
             vehicle.chassis,
@@ -156,7 +156,7 @@ class DrivingTest(RoadManoeuvre):
         pedal = vehicle.throttle
         if pedal is not None:
             foot = Foot(pedal.switch, lambda seen: pedals.wanted(seen) / pedal.torque)
-            vehicle = vehicle.with_pedal_moved_by(foot)
+            vehicle = vehicle.with_parts(foot)
         return vehicle.with_parts(pedals, wind, sensor)
 
     def target_speed(

@@ -63,8 +63,11 @@ class Pedals(BasePart):
         if self.shaft:
             forces[self.shaft] = self._drive(situation)
             return Loads(joint_forces=forces, rates=rates)
-        wrenches = tuple(w for c in self.corners for w in self._shafts(situation, c))
-        return Loads(wrenches=wrenches, joint_forces=forces, rates=rates)
+        torque = self._drive(situation)
+        wrenches = tuple(w for c in self.corners for w in self._shafts(situation, c, torque))
+        return Loads(
+            wrenches=wrenches, joint_forces=forces, rates=rates, handed={"torque": torque}
+        )
 
     def outputs(self, situation: Situation) -> tuple[Output, ...]:
         """Return drive and brake torque."""
@@ -87,11 +90,13 @@ class Pedals(BasePart):
         torque = self.brake(situation) * share / alike
         return -torque * ops.tanh(situation.kinematics.rate(corner.spin) / _LOCKED)
 
-    def _shafts(self, situation: Situation, corner: Corner) -> tuple[Wrench, Wrench]:
+    def _shafts(
+        self, situation: Situation, corner: Corner, torque: Scalar
+    ) -> tuple[Wrench, Wrench]:
         """Return what a drive shaft with joints does to a wheel and to the chassis."""
         kinematics = situation.kinematics
         axis, nothing = rotations.axis_vector(2), ops.vector(0.0, 0.0, 0.0)
-        share = self._drive(situation) / len(self.corners)
+        share = torque / len(self.corners)
         to_chassis = kinematics.rotation(self.chassis).T
         reaction = -share * (to_chassis @ (kinematics.rotation(corner.body) @ axis))
         return (

@@ -24,7 +24,8 @@ class SideWind(BasePart):
         force = ops.scalar(self.force(situation.time))
         pushed = ops.vector(0.0, force, 0.0)
         return Loads(
-            wrenches=(Wrench(self.chassis, pushed, ops.vector(0.0, 0.0, self.ahead * force)),)
+            wrenches=(Wrench(self.chassis, pushed, ops.vector(0.0, 0.0, self.ahead * force)),),
+            handed={"force": force},
         )
 
     def outputs(self, situation: Situation) -> tuple[Output, ...]:

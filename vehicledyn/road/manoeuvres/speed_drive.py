@@ -33,7 +33,8 @@ class SpeedDrive(BasePart):
         rates = {"speed_error_integral": self._error(situation)}
         if self.shaft:
             return Loads(joint_forces={self.shaft: self._torque(situation)}, rates=rates)
-        share = self._torque(situation) / len(self.wheels)
+        torque = self._torque(situation)
+        share = torque / len(self.wheels)
         kinematics = situation.kinematics
         nothing = ops.vector(0.0, 0.0, 0.0)
         to_chassis = kinematics.rotation(self.chassis).T
@@ -43,7 +44,7 @@ class SpeedDrive(BasePart):
             reaction = -share * (to_chassis @ (kinematics.rotation(wheel) @ axis))
             wrenches.append(Wrench(wheel, nothing, share * axis))
             wrenches.append(Wrench(self.chassis, nothing, reaction))
-        return Loads(wrenches=tuple(wrenches), rates=rates)
+        return Loads(wrenches=tuple(wrenches), rates=rates, handed={"torque": torque})
 
     def outputs(self, situation: Situation) -> tuple[Output, ...]:
         """Return the total torque."""
