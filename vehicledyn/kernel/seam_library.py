@@ -19,9 +19,7 @@ from vehicledyn.codegen.toolchain.compiler import Compiler, build_library, build
 from vehicledyn.codegen.toolchain.fingerprint import generator_fingerprint
 
 
-def seam_library(
-    cut: SeamCut, compiler: Compiler, folder: Path, lanes: int | None = None
-) -> Path:
+def seam_library(cut: SeamCut, compiler: Compiler, folder: Path, lanes: int | None = None) -> Path:
     """Return the library of a kernel, built in a folder; its model is kept for other surroundings.
 
     With ``lanes`` it carries so many cases side by side, without it is that of one case.

@@ -27,7 +27,7 @@ class Rebuild:
         self._codes = casadi.OP_INPUT, casadi.OP_CONST, casadi.OP_CALL
         self._makers = casadi.SX, casadi.SX.unary, casadi.SX.binary
 
-    def value(self, node: Node, values: list[Any]) -> Any:
+    def value(self, node: Node, values: list[Any] | dict[int, Any]) -> Any:
         """Return what a node stands for, from the values of the nodes before it."""
         code, operands, detail = node
         given, constant, call = self._codes

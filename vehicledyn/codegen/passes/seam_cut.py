@@ -74,9 +74,7 @@ class SeamCut:
         e, graph = self.equations, self._graph
         given = [e.time, e.state, e.algebraic, graph.handed_symbols, e.parameter]
         values = graph.rebuilt(graph.order, handed=True)
-        columns = [
-            _column([values[k] for k in items]) for items in graph.model_results.values()
-        ]
+        columns = [_column([values[k] for k in items]) for items in graph.model_results.values()]
         prepare, functions = apart_in_functions(
             list(graph.model_results), given, [[column] for column in columns], e.tables
         )

@@ -94,9 +94,7 @@ def _entry(name: str, chosen: bool) -> str:
         f"void vd_model_{name}({_given(chosen)}) {{\n  {own}({bits}{', '.join(_MODEL)}, r);\n}}\n"
     )
     if chosen:
-        text += (
-            f"unsigned long long vd_model_{name}_need(int k) {{\n  return {name}_need(k);\n}}\n"
-        )
+        text += f"unsigned long long vd_model_{name}_need(int k) {{\n  return {name}_need(k);\n}}\n"
     return text
 
 
