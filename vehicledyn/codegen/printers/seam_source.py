@@ -138,11 +138,10 @@ def _joined(cut: SeamCut, name: str, first: int, *, chosen: bool) -> str:
     model, own = cut.model_places[name], cut.own_places[name]
     there = model == list(range(len(model)))
     bits, function = ("pieces, ", f"{name}_selected") if chosen else ("", name)
-    room = {"u": len(cut.handed), "own": len(own), "found": 0 if there else len(model)}
+    room = {"u": len(cut.handed), "own": len(own)} | ({} if there else {"found": len(model)})
     lines = [
         f"void vd_model_{name}({_given(chosen)});",
         listed("static const int", f"{name}_model_places", model),
-        listed("static const int", f"{name}_own_places", own),
         f"static void {function}({_BITS if chosen else ''}const real *t, const real *x, "
         "const real *z, const real *c, real *r) {",
         *(f"  real {array}[{max(1, size)}];" for array, size in room.items()),
@@ -153,7 +152,7 @@ def _joined(cut: SeamCut, name: str, first: int, *, chosen: bool) -> str:
         lines.append(
             f"  for (int k = 0; k < {len(model)}; k++) r[{name}_model_places[k]] = found[k];"
         )
-    lines += [f"  for (int k = 0; k < {len(own)}; k++) r[{name}_own_places[k]] = own[k];", "}"]
+    lines += [*(f"  r[{place}] = own[{k}];" for k, place in enumerate(own)), "}"]
     if chosen:
         lines += [
             f"unsigned long long vd_model_{name}_need(int k);",
