@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vehicledyn.results.store.layout import RESTART, EventRecord
+from vehicledyn.results.store.values import texts
 
 Floats = NDArray[np.float64]
 
@@ -99,6 +100,15 @@ def read_events(file: h5py.File) -> list[EventRecord]:
     group = file[RESTART]
     pairs = zip(group["event_at"][()].tolist(), group["event_name"][()], strict=False)
     return [EventRecord(at, bytes(name).decode("utf-8", "replace")) for at, name in pairs]
+
+
+def read_ended_events(file: h5py.File) -> list[EventRecord]:
+    """Return the events of a run that has ended."""
+    group = file["events"]
+    if "at" not in group:
+        return []
+    pairs = zip(group["at"][()].tolist(), texts(group["name"]), strict=True)
+    return [EventRecord(at, name) for at, name in pairs]
 
 
 def _scale(group: h5py.Group, name: str, length: int) -> h5py.Dataset:

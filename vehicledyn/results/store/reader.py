@@ -27,7 +27,7 @@ from vehicledyn.results.store.animation_section import (
 from vehicledyn.results.store.column import Column
 from vehicledyn.results.store.consistency import require_groups, require_stored
 from vehicledyn.results.store.decimation import ColumnRange, column_range, portions, thinned
-from vehicledyn.results.store.history import History, read_events, read_history
+from vehicledyn.results.store.history import History, read_ended_events, read_events, read_history
 from vehicledyn.results.store.layout import (
     ENDED,
     STATUSES,
@@ -254,14 +254,7 @@ class Result(contextlib.AbstractContextManager["Result"]):
     def events(self) -> tuple[EventRecord, ...]:
         """Events in the order in which they happened."""
         with self._reading():
-            group = self._file["events"]
-            if "at" not in group:
-                return ()
-            instants = group["at"][()].tolist()
-            return tuple(
-                EventRecord(at, name)
-                for at, name in zip(instants, texts(group["name"]), strict=True)
-            )
+            return tuple(read_ended_events(self._file))
 
     @property
     def summary(self) -> dict[str, SummaryEntry]:
