@@ -134,6 +134,9 @@ PICTURES = {
     "assembled_car": Picture(("chassis.y",), "m", "Place y", "chassis.x"),
     "car_and_caravan": Picture(("caravan.body.yaw",), "deg", "Articulation angle"),
     "car_of_parts": Picture(("chassis.y",), "m", "Place y", "chassis.x"),
+    "coach_flexible_body": Picture(
+        ("body.middle_z", "body.bolster_1_z"), "mm", "Deflection of the car body"
+    ),
     "coach_of_two_bogies": Picture(("car.y", "bogie_1.wheelset_1.y"), "mm", "Place y"),
     "double_wishbone_axle": Picture(("chassis.height",), "mm", "Height of the chassis"),
     "five_link_axle": Picture(("chassis.height",), "mm", "Height of the chassis"),

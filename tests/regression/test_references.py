@@ -17,6 +17,7 @@ OF_SEVERAL_FILES = (  # whose results keep the texts of all files
     "automatic_sedan",
     "car_and_caravan",
     "car_of_parts",
+    "coach_flexible_body",
     "coach_of_two_bogies",
     "manual_sedan",
     "off_road_truck_rough",
