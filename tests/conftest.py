@@ -24,6 +24,12 @@ if "VEHICLEDYN_CACHE" not in os.environ:
     _kernels = tempfile.TemporaryDirectory(prefix="vehicledyn-tests-")
     os.environ["VEHICLEDYN_CACHE"] = _kernels.name
 
+if "VEHICLEDYN_TEST_SERVERS" not in os.environ:
+    # The same holds for the process that runs the program for tests, see programs.
+    _servers = tempfile.TemporaryDirectory(prefix="vehicledyn-servers-")
+    os.environ["VEHICLEDYN_TEST_SERVERS"] = _servers.name
+    os.environ["VEHICLEDYN_TEST_OWNER"] = str(os.getpid())
+
 os.environ["PYTHONSAFEPATH"] = "1"  # programs started by tests import the installed package too
 os.environ["MPLBACKEND"] = "agg"
 

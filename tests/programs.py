@@ -2,11 +2,13 @@
 
 Every start of the program imports a second's worth of packages. Where the system can fork, a
 server imports them once, and each command runs in a fork of it: a process of its own, with its own
-folder, environment and output. Lines that need a shell and other programs start as usual.
+folder, environment and output. Lines that need a shell and other programs start as usual. Processes
+of one check share the server, whose socket is in the folder that VEHICLEDYN_TEST_SERVERS names.
 """
 
 import array
 import contextlib
+import hashlib
 import json
 import os
 import re
@@ -17,6 +19,7 @@ import subprocess
 import sys
 import tempfile
 import threading
+import time
 from pathlib import Path
 
 TIMEOUT = 300
@@ -73,17 +76,11 @@ def _at_start(environment):
 
 
 class _Server:
-    """A process that has imported the program and forks for each command."""
+    """A connection to a process that has imported the program and forks for each command."""
 
     def __init__(self):
-        ours, theirs = socket.socketpair()
-        with theirs:
-            self._process = subprocess.Popen(
-                [sys.executable, _SERVER, str(theirs.fileno())],
-                pass_fds=[theirs.fileno()], stdin=subprocess.DEVNULL,
-            )  # fmt: skip
-        self._socket, self._answers = ours, ours.makefile("r")
-        self.environment = _at_start(os.environ)
+        self._socket = _connection()
+        self._answers = self._socket.makefile("r")
 
     def call(self, words, folder, environment):
         request = {"words": words, "folder": str(folder), "environment": environment}
@@ -115,6 +112,42 @@ class _Server:
             self._socket.settimeout(None)
 
 
+def _connection():
+    """Connect to the server of this environment, which the first to ask for it starts."""
+    import fcntl
+
+    folder = Path(os.environ["VEHICLEDYN_TEST_SERVERS"])
+    folder.mkdir(exist_ok=True, mode=0o700)
+    facts = [sys.executable, *sorted(_at_start(os.environ).items())]
+    place = folder / hashlib.sha256(repr(facts).encode()).hexdigest()[:16]
+    with place.with_suffix(".lock").open("w") as lock:
+        fcntl.flock(lock, fcntl.LOCK_EX)
+        if not place.exists():
+            owner = os.environ["VEHICLEDYN_TEST_OWNER"]
+            _started.append(subprocess.Popen(
+                [sys.executable, _SERVER, place, owner], start_new_session=True,
+                stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL,
+            ))  # fmt: skip
+        return _connected(place)
+
+
+def _connected(place):
+    """Return a connection to a socket; its server may take a while until it listens."""
+    deadline = time.monotonic() + TIMEOUT
+    while True:
+        found = socket.socket(socket.AF_UNIX)
+        try:
+            found.connect(str(place))
+        except OSError:
+            found.close()
+            if time.monotonic() > deadline:
+                raise
+            time.sleep(0.02)
+        else:
+            return found
+
+
+_started = []
 _servers = {}
 
 

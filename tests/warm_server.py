@@ -1,4 +1,7 @@
-"""Imports the program once and runs each command it is sent in a fork; see ``programs``."""
+"""Imports the program once and runs each command it is sent in a fork; see ``programs``.
+
+``warm_server.py SOCKET OWNER`` serves whoever connects to the socket until the process OWNER ends.
+"""
 
 import gc
 import importlib
@@ -125,9 +128,37 @@ def _code_of(end):
     return end.code or 0
 
 
+def _serve_all(listening, owner):
+    """Serve each connection in a fork while the owner lives."""
+    signal.signal(signal.SIGCHLD, signal.SIG_IGN)  # nobody waits for them
+    listening.settimeout(1.0)
+    while _lives(owner):
+        try:
+            connection, _ = listening.accept()
+        except TimeoutError:
+            continue
+        with connection:
+            if os.fork() == 0:
+                signal.signal(signal.SIGCHLD, signal.SIG_DFL)
+                listening.close()
+                connection.setblocking(True)
+                serve(connection)
+                os._exit(0)
+
+
+def _lives(process):
+    try:
+        os.kill(process, 0)
+    except ProcessLookupError:
+        return False
+    return True
+
+
 if __name__ == "__main__":
     signal.signal(signal.SIGINT, signal.default_int_handler)
-    load()
-    freeze()
-    with socket.socket(fileno=int(sys.argv[1])) as connection:
-        serve(connection)
+    with socket.socket(socket.AF_UNIX) as waiting:
+        waiting.bind(sys.argv[1])
+        load()
+        freeze()
+        waiting.listen(64)
+        _serve_all(waiting, int(sys.argv[2]))

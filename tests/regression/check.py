@@ -9,6 +9,7 @@ Compilers, their options and the interpreter differ by rounding only, below 1e-1
 does is far above.
 """
 
+import os
 import sys
 import tempfile
 import threading
@@ -27,6 +28,8 @@ _printing = threading.Lock()
 
 def main(folder):
     """Check all scenarios; return whether all agree."""
+    os.environ.setdefault("VEHICLEDYN_TEST_SERVERS", tempfile.mkdtemp())
+    os.environ.setdefault("VEHICLEDYN_TEST_OWNER", str(os.getpid()))
     compiles = "CasADi interprets" not in call(["vehicledyn", "doctor"], ROOT).stdout
     brief = brief_durations()
     paths = [p for folder in ("", "systems") for p in (ROOT / "scenarios" / folder).glob("*.yaml")]
