@@ -1,4 +1,4 @@
-"""Locked wheels on a slope, every tyre law: a place of rest that is asymptotically stable.
+"""Standing, stopping and rolling back: rest on a slope of every tyre law, and motion through it.
 
 At rest all rates vanish but for those of places along the slope, which nothing moves; all other
 motions decay. So a car that has come to rest creeps by nothing, however long it stands.
@@ -9,13 +9,14 @@ import pytest
 from scipy.optimize import least_squares
 from test_contact_patch import PATCH
 from test_tyres import EXAMPLES, tyre
-from test_wheel import LOADED, RELAXED, Rig
+from test_wheel import GRAVITY, LOADED, MASS, RADIUS, RELAXED, SPIN_INERTIA, STIFFNESS, Rig
 
 from vehicledyn.road.surfaces.plane import Plane
 
 pytestmark = pytest.mark.long
 
 STEP = 1e-6
+SLOPE, SPEED = 0.1, 0.8
 CASES = [(kind, RELAXED) for kind in sorted(EXAMPLES)]
 CASES += [(kind, PATCH) for kind in ("brush", "file", "tmeasy")]
 
@@ -57,3 +58,32 @@ def test_locked_wheels_rest_on_a_20_percent_slope_without_creep(kind, relaxation
     unheld = 2 if law.pulls_along else 4  # places; without force along, motion and deflection too
     assert all(abs(rate) < 1e-3 for rate in rates[:unheld])
     assert max(rate.real for rate in rates[unheld:]) < -0.1
+
+
+@pytest.mark.parametrize("relaxation", [RELAXED, PATCH, None], ids=["first_order", "patch", "none"])
+@pytest.mark.parametrize("kind", ["brush", "tmeasy"])
+def test_a_wheel_rolls_up_a_slope_stops_and_rolls_back(kind, relaxation):
+    """v = v_0 - g sin θ t m/(m + I/r²), through rest and into reverse, without a jump."""
+    rig = Rig(
+        turning=False,
+        surface=Plane(slope_x=SLOPE, slope_y=0.0),
+        relaxation=relaxation,
+        tyre=tyre(kind),
+        damping=3e3,
+    )
+    cosine = 1.0 / np.sqrt(1.0 + SLOPE**2)
+    rolling = RADIUS - MASS * GRAVITY * cosine / STIFFNESS
+    state = rig.state(
+        z=rolling / cosine,
+        x_rate=SPEED * cosine,
+        z_rate=SPEED * SLOPE * cosine,
+        spin_rate=SPEED / rolling,
+    )
+    falling = GRAVITY * SLOPE * cosine * MASS / (MASS + SPIN_INERTIA / rolling**2)
+    for _ in range(8):
+        state = rig.run(state, 0.25)
+        assert np.isfinite(state).all()
+    wanted = SPEED - 2.0 * falling
+    assert wanted < -1.0
+    assert state[rig["x_rate"]] / cosine == pytest.approx(wanted, abs=0.02)
+    assert state[rig["spin_rate"]] * rolling == pytest.approx(wanted, abs=0.02)
