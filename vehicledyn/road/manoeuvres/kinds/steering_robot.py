@@ -22,8 +22,8 @@ MOST_SAMPLES = 100_000
 class SteeringRobot(DrivingTest):
     """Turn the steering wheel as in a recorded run, by samples at equal distances of time.
 
-    A cubic spline goes through the samples; before the first and behind the last the angle is
-    held. The robot follows as a damped second-order system with a largest rate. The speed is held
+    Straight lines join the samples; before the first and behind the last the angle is held. The
+    robot follows as a damped second-order system with a largest rate. The speed is held
     by the ``speed_control``, or by a towing force at the chassis's origin along its axis, as in
     comparisons with programs that do so.
     """
@@ -51,10 +51,13 @@ class SteeringRobot(DrivingTest):
 
     def record(self) -> Callable[[Scalar], Scalar]:
         """Return the recorded angle as a function of time."""
+        import numpy as np
+
         from vehicledyn.symbolic import ops
         from vehicledyn.symbolic.tables import CurveTable
 
-        curve = CurveTable.through("steering", self.begin, self.interval, self.angles)
+        lines = np.column_stack([self.angles[:-1], np.diff(self.angles)])
+        curve = CurveTable("steering", self.begin, self.interval, lines)
         end = self.begin + (len(self.angles) - 1) * self.interval
         return lambda time: curve.value(ops.minimum(ops.maximum(time, self.begin), end))
 
