@@ -134,6 +134,9 @@ PICTURES = {
     "assembled_car": Picture(("chassis.y",), "m", "Place y", "chassis.x"),
     "car_and_caravan": Picture(("caravan.body.yaw",), "deg", "Articulation angle"),
     "car_of_parts": Picture(("chassis.y",), "m", "Place y", "chassis.x"),
+    "jeep_leaf_springs": Picture(
+        ("left_front.tip_z", "right_front.tip_z"), "mm", "Deflection of the leaves"
+    ),
     "coach_flexible_body": Picture(
         ("body.middle_z", "body.bolster_1_z"), "mm", "Deflection of the car body"
     ),

@@ -2,9 +2,12 @@
 
 from pathlib import Path
 
+import casadi as ca
 import numpy as np
 import pytest
+from scipy.integrate import quad
 from scipy.linalg import eigh
+from system_texts import equations
 
 from vehicledyn.multibody.elements.flexible.flexible_body import FlexibleBody
 
@@ -48,3 +51,37 @@ def test_car_body_of_the_coach():
     assert wanted < frequency < 1.003 * wanted
     fine = FlexibleBody("body", body="car", file=file, interface=ends, modes=20).component_modes
     assert fine.frequencies[0] / (2.0 * np.pi) == pytest.approx(wanted, rel=1e-4)
+
+
+def sunk(folder, text, mass):
+    """Return how far the chassis is above the axle under weight, by the linearised system [m]."""
+    changed = text.replace("{value: 500 kg", f"{{value: {mass} kg")
+    assert changed.count(f"{mass} kg") == 1
+    e = equations(folder, changed.replace("value: 9.81 m/s^2", "value: 0.01 m/s^2"))
+    n = len(e.states) // 2
+    zero = np.zeros(2 * n)
+    inputs = [e.time, e.state, e.parameter]
+    matrix = ca.Function("a", inputs, [ca.jacobian(e.rate, e.state), e.rate])
+    slopes, rate = matrix(0.0, zero, [p.value for p in e.parameters])
+    q = -np.linalg.solve(np.array(slopes)[n:, :n], np.array(rate)[n:, 0])
+    names = [s.name for s in e.states]
+    return q[names.index("chassis.z")] - q[names.index("axle.z")]
+
+
+@pytest.mark.long
+@pytest.mark.parametrize(
+    ("stiff", "shapes", "error"), [(1.0, 3, 1e-3), (1.0, 6, 1e-5), (1e4, 3, 3e-6)]
+)
+def test_leaf_springs_have_the_rate_of_tapered_beams(tmp_path, stiff, shapes, error):
+    """Four halves, each in line with its bushing: ∫ (L - x)²/EI dx; stiff ones leave the rubber.
+
+    Three shapes of a beam that tapers to a quarter are a little too stiff, six are exact enough.
+    """
+    text = (SYSTEMS / "jeep_leaf_springs.yaml").read_text(encoding="utf-8")
+    for word, value in (("bending: {value: 2400", 2400), ("end_bending: {value: 600", 600)):
+        assert text.count(f" {word} ") == 1
+        text = text.replace(f" {word} ", f" {word.split(':')[0]}: {{value: {value * stiff} ")
+    text = text.replace("modes: {z: 3}", f"modes: {{z: {shapes}}}")
+    rate = 100.0 * 0.01 / (sunk(tmp_path, text, 400) - sunk(tmp_path, text, 500))
+    soft, _ = quad(lambda x: (0.55 - x) ** 2 / (2400.0 - 1800.0 * x / 0.55), 0.0, 0.55)
+    assert rate == pytest.approx(4.0 / (soft / stiff + 1.0 / 800e3), rel=error)
