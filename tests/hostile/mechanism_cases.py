@@ -162,6 +162,20 @@ limits:
   max(upper.angle): {{at_most: 3 rad}}
 """,
 }
+ROBUST = """\
+least_squares: {max(upper.angle): {target: 1 rad, size: 10 mrad}}
+optimiser: ipopt
+explore: 8
+scatter: {length: {kind: normal, mean: 1 m, deviation: 10 mm}}
+deviations: 2
+choices: {parameters.mass: [1 kg, 2 kg]}
+"""
+VARIANTS = [
+    *STUDIES.items(),
+    ("optimise", STUDIES["optimise"].replace("minimise: max(upper.angle)\n", ROBUST)),
+    ("uncertainty", STUDIES["uncertainty"].replace("sequence", "reliability")),
+    ("uncertainty", STUDIES["uncertainty"].replace("sequence", "polynomial_chaos")),
+]
 MEASURED = "time [s],upper.angle [rad]\n" + "".join(f"{k / 500}, 0.1\n" for k in range(11))
 POINTS = "angle [deg], radius [mm]\n" + "".join(f"{k}, {30 + k % 4}\n" for k in range(0, 360, 15))
 
@@ -237,10 +251,10 @@ def beam(rng, name):
 
 def gradient_study(rng, name):
     """Return a spoilt study that optimises, identifies or propagates uncertainty."""
-    verb = rng.choice(list(STUDIES))
+    verb, text = rng.choice(VARIANTS)
     is_data = verb == "identify" and rng.random() < 0.4
     files = yaml_cases.around({
-        "study.yaml": STUDIES[verb].encode() if is_data else _yaml(STUDIES[verb], rng),
+        "study.yaml": text.encode() if is_data else _yaml(text, rng),
         "measured.csv": _lines(MEASURED, rng) if is_data else MEASURED.encode(),
     })  # fmt: skip
     long = re.search(rb'duration"?: *"?[0-9.e+]{5}', files["study.yaml"])  # of sound, long runs

@@ -46,6 +46,10 @@ variables:
 minimise: bump/rms(body.height)
 """,
 }
+STUDIES["optimise by least squares"] = STUDIES["optimise"].replace(
+    "minimise: rms(body.height)",
+    "least_squares: {rms(body.height): {target: 0.9 m, size: 1 cm}}",
+)
 
 
 @pytest.fixture

@@ -89,7 +89,7 @@ def _parameter_study(data: Any) -> Callable[[Path, list[str]], object] | None:
         from vehicledyn.studies.manoeuvre_optimisation.file import load_manoeuvre
 
         return load_manoeuvre
-    if "minimise" in keys:
+    if keys & {"minimise", "least_squares"}:
         from vehicledyn.studies.optimisation.file import load_optimisation
 
         return load_optimisation
