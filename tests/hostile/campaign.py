@@ -95,7 +95,6 @@ def attack(number, *, first=0, kinds=None, processes=2, keep=None, tell=None):
     counts = shares(number, kinds)
     if counts.keys() & {"result", "table", "resumed", "command"}:
         result_cases.seeds()
-        resume_cases.checkpoint()
     numbered = [(kind, k) for kind, count in counts.items() for k in range(first, first + count)]
     random.Random(1).shuffle(numbered)
     table = Table()

@@ -20,6 +20,10 @@ SETS = ["--set", "duration=40 ms", "--set", "output.interval=5 ms",
         "--set", "solver={kind: rk4, step: 1 ms}"]  # fmt: skip
 QUIET = ["--backend", "interpreted", "--no-plots", "-q"]
 PENDULUM = "scenarios/systems/double_pendulum.yaml"
+HUNT = ["hunt", "systems/simple_wheelset.yaml", "--from", "50 m/s", "--to", "70 m/s",
+        "--points", "8", "--no-simulation", *QUIET, "-o", "hunt.h5"]  # fmt: skip
+CHECKPOINT = "hunt.h5.checkpoint"
+"""What a hunting study keeps until it is finished."""
 SEEDS = {
     "run.h5": ["run", PENDULUM, "-o", "run.h5", *SETS, *QUIET],
     "car.h5": ["run", "scenarios/iltis_ramp_steer.yaml", "-o", "car.h5", *SETS, *QUIET,
@@ -37,8 +41,7 @@ SEEDS = {
                    *SETS[:4], *QUIET],
     "contact.h5": ["profiles", "S1002", "60E1", "--shift", "-2:2:2", "--amplitude", "2:3:1", "-o",
                    "contact.h5"],
-    "hunt.h5": ["hunt", "systems/simple_wheelset.yaml", "--from", "50 m/s", "--to", "70 m/s",
-                "--points", "8", "--no-simulation", *QUIET, "-o", "hunt.h5"],
+    "hunt.h5": HUNT,
 }  # fmt: skip
 TABLES = {
     "equilibrium.h5": ["equilibrium", PENDULUM, "-o", "equilibrium.h5"],
@@ -53,7 +56,7 @@ WITHOUT_OPTIMUM = 3
 
 @functools.cache
 def seeds():
-    """Return whole results of every kind by name, computed by the program itself.
+    """Return whole results of every kind by name, computed by the program itself, and a checkpoint.
 
     Processes of one check share them in the folder CHECKED_RESULTS: the first computes them.
     """
@@ -69,15 +72,19 @@ def seeds():
 
 
 def _computed_seeds():
-    found = {}
+    from vehicledyn.results.hdf5.checkpoint import Checkpoint
+
+    found, removed = {}, Checkpoint.remove
     with tempfile.TemporaryDirectory(prefix="hostile-seeds-") as name:
         folder = Path(name)
         harness.write(yaml_cases.around(_inputs()), folder)
         for file, command in (SEEDS | TABLES).items():
+            Checkpoint.remove = Checkpoint.close if file == "hunt.h5" else removed
             outcome = harness._run_in(folder, Case(file, {}, command), limited=False)
             if outcome.code not in (0, WITHOUT_OPTIMUM if file == "manoeuvre.h5" else 0):
                 raise RuntimeError(f"{command}: {outcome}")
             found[file] = (folder / file).read_bytes()
+        found[CHECKPOINT] = (folder / CHECKPOINT).read_bytes()
         for file, write in result_tables.WRITERS.items():
             write(folder / file)
             found[file] = (folder / file).read_bytes()
