@@ -30,6 +30,7 @@ def main(folder):
     """Check all scenarios; return whether all agree."""
     os.environ.setdefault("VEHICLEDYN_TEST_SERVERS", tempfile.mkdtemp())
     os.environ.setdefault("VEHICLEDYN_TEST_OWNER", str(os.getpid()))
+    os.environ.update(PYTHONSAFEPATH="1", MPLBACKEND="agg")  # as tests do, which share the server
     compiles = "CasADi interprets" not in call(["vehicledyn", "doctor"], ROOT).stdout
     brief = brief_durations()
     paths = [p for folder in ("", "systems") for p in (ROOT / "scenarios" / folder).glob("*.yaml")]
