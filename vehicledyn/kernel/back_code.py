@@ -62,8 +62,8 @@ class BackCode:
         n_values, n_c = code.n_values, code.n_constants
         one, of_c = code.stage.n_weights - 1, range(1 + n_x, 1 + n_x + n_c)
         back = code.stage.program.transposed(of_c, one), range(n_x)
-        ends = code.whole.transposed([*range(1, 1 + n_x), *of_c], one)
-        behind = range(n_x + n_z, n_x + n_z + n_values)
+        ends = code.seen.transposed([*range(1, 1 + n_x), *of_c], one)
+        behind = range(n_z, n_z + n_values)
         self._sums = BackSums.of(code.call, *back, lanes)
         self._ends = BackSums.of(code.call, ends, behind, lanes)
         nothing = passes(code.call, code.stage.program, np.zeros((1, 0)))

@@ -38,14 +38,12 @@ class Samples(NamedTuple):
 
 @dataclass(frozen=True)
 class Found:
-    """What is found at n points: rates, observed values, and tangents of rates, unknowns, values.
+    """What is found at n points: observed values, and tangents of unknowns and values.
 
     Tangents have the shape (n, ..., n_directions).
     """
 
-    rates: Array
     values: Array
-    rate_slopes: Array
     unknown_slopes: Array
     value_slopes: Array
 
@@ -67,13 +65,13 @@ class Bundle:
         groups = self._groups = max(1, -(-self.n_directions // lanes))
         self._x = aligned((n_x, groups, lanes))
         self._at = aligned((2, groups, lanes))
-        whole = code.whole
-        room = aligned((1 + n_x + n_x + len(whole.targets), groups, lanes))
+        seen = code.seen
+        room = aligned((1 + 3 * n_x, groups, lanes))
         seeds = np.vstack([np.zeros((1 + n_x, self.n_directions)), constants])
         self._maps: list[SlopeMap] = []
         self._directions: list[_Directions] = []
         self._kept = [room]
-        for program, by_state in zip((code.stage.program, whole), code.by_state, strict=True):
+        for program, by_state in zip((code.stage.program, seen), code.by_state, strict=True):
             self._enter_map(program, by_state, passes(code.call, program, seeds), room)
         self._numbers = code.numbers()
 
@@ -160,30 +158,39 @@ class Bundle:
 
     def found(self, points: Samples, constants: Vector, at: Vector | None = None) -> Found:
         """Return what is found at points; ``at`` are the tangents of their times [s]."""
-        e, count = self._code.equations, len(points.times)
-        n_x, n_z, n_values = len(e.states), len(e.unknowns), self._code.n_values
+        values, slopes = self._points(1, points, constants, at)
+        return Found(values, *np.split(slopes, [len(self._code.equations.unknowns)], axis=1))
+
+    def rate_slopes(self, moment: Moment) -> Array:
+        """Return the tangents of the rates at a moment, shape (n_states, n_directions)."""
+        time, state, unknowns, constants = moment
+        samples = Samples(np.array([time]), state[None], unknowns[None], self._x[None])
+        return np.asarray(self._points(0, samples, constants, None)[1][0])
+
+    def _points(
+        self, number: int, points: Samples, constants: Vector, at: Vector | None
+    ) -> tuple[Array, Array]:
+        """Return observed values at points, and the tangents of the results of a map."""
+        count, slopes = len(points.times), self._maps[number]
         times = aligned((count, self._groups, self._code.lanes))
         if at is not None:
             times.reshape(count, -1)[:, : self.n_directions] = at
-        rates, values = np.empty((count, n_x)), np.empty((count, n_values))
-        found = aligned((count, n_x + n_z + n_values, self._groups, self._code.lanes))
-        arrays = [np.ascontiguousarray(item, dtype=float) for item in points[:3]]
+        values = np.empty((count, self._code.n_values))
+        found = aligned((count, slopes.n_targets, self._groups, self._code.lanes))
         status = self._code.call(
             "vd_tangent_points",
             count,
-            *arrays,
+            *[np.ascontiguousarray(item, dtype=float) for item in points[:3]],
             self._numbers.of(constants),
-            self._maps[1].slopes,
-            self._directions[1],
+            slopes.slopes,
+            self._directions[number],
             times,
             points.tangents,
-            rates,
             values,
             found,
         )
         self._code.check(status, float(points.times[0]) if count else 0.0)
-        parts = np.split(self._plain(found), [n_x, n_x + n_z], axis=1)
-        return Found(rates, values, *parts)
+        return values, self._plain(found)
 
     def _plain(self, lanes: Array) -> Array:
         flat = lanes.reshape(*lanes.shape[:-2], lanes.shape[-2] * lanes.shape[-1])

@@ -38,7 +38,7 @@ _SIGNATURES: dict[str, tuple[Any, Sequence[Any]]] = {
     "vd_plan": (_L, [_P] * 5),
     "vd_share": (None, [_L, _P, _P]),
     "vd_tangent_steps": (_I, [_P, _L, _L, *[_P] * 10]),
-    "vd_tangent_points": (_I, [_L, *[_P] * 11]),
+    "vd_tangent_points": (_I, [_L, *[_P] * 10]),
 }
 _BACK: dict[str, tuple[Any, Sequence[Any]]] = {
     "vd_record": (_I, [_P, _L, _L, *[_P] * 5]),
@@ -167,8 +167,8 @@ class TangentCode:
         return casadi.Function("constant_slopes", [p], [slopes])
 
     @cached_property
-    def whole(self) -> Program:
-        """The program of rates, unknowns and what is observed."""
+    def seen(self) -> Program:
+        """The program of unknowns and what is observed."""
         stage = self.stage
         return stage.program.with_values(
             stage.unknowns, self.observed.program, self.stage.n_weights
@@ -176,13 +176,13 @@ class TangentCode:
 
     @cached_property
     def by_state(self) -> tuple[Passes, Passes]:
-        """Passes by time and states: to the rates, which are compiled, and to all results."""
+        """Passes by time and states: to the rates, which are compiled, and to what is seen."""
         one = np.eye(1 + len(self.equations.states))
         count = _I.in_dll(self._library, "vd_pattern").value
         pattern = np.array((_I * (1 + 2 * count)).in_dll(self._library, "vd_pattern")[1:])
         entries = np.column_stack([pattern.reshape(count, 2), np.arange(count)])
         to_rates = Passes([], [], entries.astype(np.int64), count)
-        return to_rates, passes(self.call, self.whole, one)
+        return to_rates, passes(self.call, self.seen, one)
 
     def numbers(self) -> Numbers:
         """Return room for what is computed at points."""

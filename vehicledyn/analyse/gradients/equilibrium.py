@@ -74,5 +74,5 @@ def rate_slopes(code: TangentCode, balance: Balance, by_parameter: Matrix) -> tu
     bundle = Bundle(code, np.hstack([np.zeros((len(moved), n)), moved]))
     bundle.state = np.hstack([np.eye(n), np.zeros((n, by_parameter.shape[1]))])
     unknowns = code.solved(balance.time, state, guess, constants)
-    found = bundle.here(Moment(balance.time, state, unknowns, constants)).rate_slopes[0]
+    found = bundle.rate_slopes(Moment(balance.time, state, unknowns, constants))
     return found[:, :n], found[:, n:]

@@ -72,7 +72,7 @@ class Program:
         )
 
     def with_values(self, unknowns: Index, observed: Program, before: int) -> Program:
-        """Return this program of rates with unknowns and observed values among its results.
+        """Return this program of rates with unknowns and observed values as its results instead.
 
         The sources of ``observed`` are time, states, unknowns and constants; its weights lie
         behind ``before`` others.
@@ -90,7 +90,7 @@ class Program:
             np.concatenate([self.starts, self.starts[-1] + observed.starts[1:]]).astype(np.int32),
             np.concatenate([self.columns, renamed[observed.columns]]),
             np.concatenate([self.which, observed.which + np.int32(before)]),
-            np.concatenate([self.targets, unknowns, renamed[observed.targets]]).astype(np.int32),
+            np.concatenate([unknowns, renamed[observed.targets]]).astype(np.int32),
             np.concatenate([self.fixed, observed.fixed]),
         )
 

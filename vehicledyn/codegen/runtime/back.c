@@ -95,7 +95,7 @@ VD_EXPORT int vd_steps_back(const struct steps *way, long long first, long long 
 VD_EXPORT int vd_values_back(long long count, const double *t, const double *x, const double *z,
                              const struct numbers *given, const struct back_pass *b,
                              const int *state_results, const double *seeds, double *x_bars) {
-  real observed[NO + 1], bars[NX + NZ + NO + 1];
+  real observed[NO + 1], bars[NZ + NO + 1];
   for (long long first = 0; first < count; first += VD_LANES) {
     const int some = count - first < VD_LANES ? (int)(count - first) : VD_LANES;
     const int status = weigh(given->points, some, t + first, x + first * NX, z + first * NZ,
@@ -106,7 +106,7 @@ VD_EXPORT int vd_values_back(long long count, const double *t, const double *x, 
     memset(bars, 0, sizeof bars);
     for (int lane = 0; lane < some; lane++)
       for (int i = 0; i < NO; i++)
-        ((double *)(bars + NX + NZ + i))[lane] = seeds[(first + lane) * NO + i];
+        ((double *)(bars + NZ + i))[lane] = seeds[(first + lane) * NO + i];
     add_up(b, given->w, bars);
     for (int lane = 0; lane < some; lane++)
       for (int i = 0; i < NX; i++)

@@ -189,11 +189,11 @@ VD_EXPORT int vd_tangent_steps(const struct steps *way, long long step, long lon
 }
 
 /* Results at points and their tangents (count, results, n), by those of time (count, n) and states
-   (count, NX, n). Values are those observed, rates those of the states. */
+   (count, NX, n). Values are those observed. */
 VD_EXPORT int vd_tangent_points(long long count, const double *t, const double *x, const double *z,
                                 const struct numbers *given, const struct slopes *s,
                                 const struct directions *d, const real *dt, const real *dx,
-                                double *rates, double *values, real *found) {
+                                double *values, real *found) {
   const long long n = d->n;
   real observed[NO + 1];
   for (long long first = 0; first < count; first += VD_LANES) {
@@ -210,7 +210,6 @@ VD_EXPORT int vd_tangent_points(long long count, const double *t, const double *
       memcpy(d->room, dt + point * n, n * sizeof(real));
       memcpy(d->room + n, dx + point * NX * n, NX * n * sizeof(real));
       combine(s, lane, n, d->moved, d->room, found + point * s->n_targets * n);
-      for (int i = 0; i < NX; i++) rates[point * NX + i] = VD_LANE(given->points->rate[i], lane);
       for (int i = 0; i < NO; i++) values[point * NO + i] = VD_LANE(observed[i], lane);
     }
   }
