@@ -97,6 +97,27 @@ def test_constraint_solutions_carry_tangents():
         assert np.max(error) < 1e-8 * max(np.max(np.abs(richardson)), 1.0)
 
 
+@pytest.mark.parametrize("count", [9, 17, 27, 33])
+def test_many_directions_are_sums_of_few(count):
+    """Any number of directions, in groups of eight: tangents are linear in them."""
+    equations, grid = slider_crank(), Grid(Method.RK4, 0.0, 0.1, 10)
+    few = followed(equations, grid, 3, by_state=[0, 1])
+    kernel, code = compile_kernel(equations), TangentCode(equations, range(len(equations.channels)))
+    n_p, n_x = len(equations.parameters), len(equations.states)
+    mixed = np.random.default_rng(count).normal(size=(n_p + n_x, count))
+    start = np.array([s.start for s in equations.states])
+    guess = np.array([u.start for u in equations.unknowns])
+    many = follow(
+        code,
+        kernel,
+        grid,
+        n_intervals=3,
+        start=(start, kernel.solve_unknowns(0.0, start, guess)),
+        directions=(mixed[:n_p], mixed[n_p:]),
+    )
+    assert many.slopes == pytest.approx(few.slopes @ mixed, rel=1e-12, abs=1e-12)
+
+
 def moved(values, k, by):
     """Return values with one of them changed."""
     other = values.copy()

@@ -10,6 +10,7 @@ from vehicledyn.codegen.passes.linear_program import PointProgram, StageProgram
 from vehicledyn.codegen.passes.slp_rows import PLACES
 from vehicledyn.codegen.printers.c_printer import print_function
 from vehicledyn.codegen.printers.kernel_source import (
+    comes_in_units,
     events_text,
     lane_head,
     listed,
@@ -52,26 +53,25 @@ def tangent_source(
     texts = shared_texts(equations, functions, wide, copies if in_rows else None, sampled=False)
     runtime = map(shared_source, ("event_sides.c", "stage_points.c"))
     motion = [*head, *texts, events_text(equations, functions), copies.text, *runtime]
-    units = [
+    at_points = [
         _apart(stage.function, "linearise", equations),
         _apart(observed.function, "observe", equations),
-        "\n".join(motion),
-        *wide_units(wide),
         _by_state(equations, stage),
         _following(equations, stage, observed, back=back),
     ]
-    return UNIT_BREAK.join(units)
+    parts = at_points if comes_in_units(functions) else ["\n".join(at_points)]
+    units = ["\n".join([*lane_head(tangent_lanes()), text]) for text in parts]
+    return UNIT_BREAK.join([*units, "\n".join(motion), *wide_units(wide)])
 
 
 def _apart(function: Any, name: str, equations: Equations) -> str:
-    """Return a unit with a function at several points side by side."""
+    """Return the text of a function at several points side by side."""
     results = [f"r{k}" for k in range(function.n_out())]
     given = ", ".join(f"const real *{item}" for item in _ARGUMENTS)
     given += "".join(f", real *{item}" for item in results)
     call = ", ".join([*_ARGUMENTS, *results])
     return "\n".join(
         [
-            *lane_head(tangent_lanes()),
             print_function(function, name, _ARGUMENTS, tables=equations.tables),
             f"void vd_{name}_apart({given}) {{\n  {name}({call});\n}}\n",
         ]
@@ -79,12 +79,11 @@ def _apart(function: Any, name: str, equations: Equations) -> str:
 
 
 def _by_state(equations: Equations, stage: StageProgram) -> str:
-    """Return the unit of the derivatives of rates by time and states."""
+    """Return the text of the derivatives of rates by time and states."""
     text, pattern = print_jacobian(stage.program, 1 + len(equations.states), "by_state")
     numbers = [len(pattern), *[k for pair in pattern for k in pair]]
     return "\n".join(
         [
-            *lane_head(tangent_lanes()),
             text,
             "void vd_by_state_apart(const real *w, real *j) {\n  by_state(w, j);\n}",
             listed("VD_EXPORT const int", "vd_pattern", numbers),
@@ -95,7 +94,7 @@ def _by_state(equations: Equations, stage: StageProgram) -> str:
 def _following(
     equations: Equations, stage: StageProgram, observed: PointProgram, *, back: bool
 ) -> str:
-    """Return the unit that follows derivatives through a motion."""
+    """Return the text that follows derivatives through a motion."""
     n_own, n_inverse = stage.function.numel_out(1), stage.function.numel_out(2)
     sizes = {
         "NX": len(equations.states),
@@ -108,7 +107,6 @@ def _following(
     }
     return "\n".join(
         [
-            *lane_head(tangent_lanes()),
             *[f"#define {name} {size}" for name, size in sizes.items()],
             listed("static const int", "positions", equations.positions),
             listed("static const int", "velocities", equations.velocities),
