@@ -75,8 +75,12 @@ def _units(equations: Equations, functions: KernelFunctions, lanes: int) -> Iter
     yield from wide_units(wide)
     prepare = print_function(functions.prepare, "prepare", ["p"], tables=equations.tables)
     texts = [prepare, *texts, *_model_texts(equations, functions, print_one)]
-    runtime = map(shared_source, ("event_sides.c", "loop.c"))
-    yield "\n".join([*head, *texts, *events, copies.text, *runtime])
+    yield "\n".join([*head, *texts, *events, copies.text, loop_source()])
+
+
+def loop_source() -> str:
+    """Return what a kernel of one lane offers, behind its functions, tables and steps."""
+    return "\n".join(map(shared_source, ("event_sides.c", "loop.c")))
 
 
 _GIVEN = "const real *t, const real *x, const real *z, const real *c, real *r"

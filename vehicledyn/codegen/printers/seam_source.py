@@ -21,6 +21,7 @@ from vehicledyn.codegen.printers.kernel_source import (
     kernel_tables,
     lane_head,
     listed,
+    loop_source,
     shared_source,
     wide_units,
 )
@@ -124,7 +125,7 @@ def surroundings_source(cut: SeamCut, facts: ModelFacts, lanes: int | None) -> s
             "void vd_model_lay_out(real *c);\n"
             f"static void lay_out(real *c) {{\n  vd_model_lay_out(c + {first});\n}}\n"
         )
-    loop = shared_source("loop.c" if lanes is None else "batch.c")
+    loop = loop_source() if lanes is None else shared_source("batch.c")
     return "\n".join([*lane_head(lanes or 1), *texts, loop])
 
 
