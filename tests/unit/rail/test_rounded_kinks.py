@@ -9,7 +9,7 @@ import pytest
 import vehicledyn as vd
 import vehicledyn.catalogue
 from vehicledyn.analyses.preparation.rounded_kinks import NOTICED
-from vehicledyn.base.errors import AccuracyWarning
+from vehicledyn.base.errors import AccuracyWarning, NumericalError
 from vehicledyn.base.parameters import read_part
 from vehicledyn.rail.track.riding_line import rounding
 
@@ -49,3 +49,17 @@ def test_equilibria_and_modes_near_a_kink_say_so_too():
     for analysis in (vd.equilibrium, vd.modes):
         text = analysis(scenario, backend="interpreted").report.as_text()
         assert "begins to change (wheels at 48.5 m)" in text
+
+
+@pytest.mark.long
+@pytest.mark.parametrize(("place", "said"), [("130 m", True), ("10 m", False)])
+def test_no_balance_in_a_curve_says_how_to_start_there(place, said, monkeypatch):
+    def fail(*_, **__):
+        raise NumericalError("no equilibrium")
+
+    monkeypatch.setattr("vehicledyn.analyse.equilibrium.find_equilibrium", fail)
+    changes = {"track": {**RAILS, "segments": SEGMENTS}, "parameters.begin": place}
+    scenario = vd.load("curving_wheelset").changed({**changes, "start": "static"})
+    with pytest.raises(NumericalError) as raised:
+        vd.equilibrium(scenario, backend="interpreted")
+    assert ("along the tangent of a curve of 600 m" in str(raised.value)) is said

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vehicledyn.analyses.preparation.build_model import build_subject
+from vehicledyn.analyses.preparation.curved_starts import curve_advice
 from vehicledyn.analyses.preparation.error_locations import told_with_places
 from vehicledyn.analyses.preparation.mass_checks import refuse_idle_start
 from vehicledyn.analyses.preparation.prepared import (
@@ -24,6 +25,7 @@ from vehicledyn.analyses.preparation.prepared import (
 from vehicledyn.analyses.preparation.runnable import Subject
 from vehicledyn.analyses.preparation.start_rates import start_rates
 from vehicledyn.analyses.preparation.vague_starts import refuse_vague_start
+from vehicledyn.base.errors import NumericalError
 from vehicledyn.base.interrupts import undisturbed
 from vehicledyn.files.scenario.target import Target
 from vehicledyn.kernel.make_kernel import Backend, compile_kernel
@@ -172,19 +174,23 @@ def equilibrium_point(
     start = _closed(prepared, state, balanced_speed)
     refuse_idle_start(prepared, subject.balance_time, start.state, start.unknowns)
     free, rates = subject.balance_pairs(e, balanced_speed)
-    found = find_equilibrium(
-        e,
-        prepared.kernel,
-        time=subject.balance_time,
-        state=start.state,
-        unknowns=start.unknowns,
-        free=free,
-        balanced=rates,
-        tolerance=BALANCE_TOLERANCE,
-        derivatives=slopes or prepared.slopes,
-        settling=_let_down(prepared, start) or subject.settling,
-        not_held=partial(not_held, subject),
-    )
+    try:
+        found = find_equilibrium(
+            e,
+            prepared.kernel,
+            time=subject.balance_time,
+            state=start.state,
+            unknowns=start.unknowns,
+            free=free,
+            balanced=rates,
+            tolerance=BALANCE_TOLERANCE,
+            derivatives=slopes or prepared.slopes,
+            settling=_let_down(prepared, start) or subject.settling,
+            not_held=partial(not_held, subject),
+        )
+    except NumericalError as error:
+        advice = curve_advice(prepared, start.state, start.unknowns)
+        raise NumericalError(f"{error}{advice}", about=error.about) from error
     final = found.state.copy()
     if kind == "static":
         velocities = [k for k in e.speeds if k not in free]
