@@ -134,6 +134,9 @@ PICTURES = {
     "assembled_car": Picture(("chassis.y",), "m", "Place y", "chassis.x"),
     "car_and_caravan": Picture(("caravan.body.yaw",), "deg", "Articulation angle"),
     "car_of_parts": Picture(("chassis.y",), "m", "Place y", "chassis.x"),
+    "flexible_axle_wheelset": Picture(
+        ("left_half.tip_z", "right_half.tip_z"), "mm", "Bending of the axle at the wheels"
+    ),
     "jeep_leaf_springs": Picture(
         ("left_front.tip_z", "right_front.tip_z"), "mm", "Deflection of the leaves"
     ),

@@ -5,6 +5,7 @@ from pathlib import Path
 import casadi as ca
 import numpy as np
 import pytest
+from finite_elements import straight
 from scipy.integrate import quad
 from scipy.linalg import eigh
 from system_texts import equations
@@ -85,3 +86,57 @@ def test_leaf_springs_have_the_rate_of_tapered_beams(tmp_path, stiff, shapes, er
     rate = 100.0 * 0.01 / (sunk(tmp_path, text, 400) - sunk(tmp_path, text, 500))
     soft, _ = quad(lambda x: (0.55 - x) ** 2 / (2400.0 - 1800.0 * x / 0.55), 0.0, 0.55)
     assert rate == pytest.approx(4.0 / (soft / stiff + 1.0 / 800e3), rel=error)
+
+
+def bare_wheelset(folder, shapes):
+    """Return the equations of the wheelset with a flexible axle without rails and springs."""
+    text = (SYSTEMS / "flexible_axle_wheelset.yaml").read_text(encoding="utf-8")
+    text = text[: text.index("track: {kind")].replace("modes: {y: 2, z: 2}", shapes)
+    text = text[: text.index("springs:")] + text[text.index("drives:") :]
+    lines = [line for line in text.splitlines() if "profile: S1002" not in line]
+    return equations(folder, "\n".join(lines).replace("    rail_wheels:\n", ""))
+
+
+def with_wheels():
+    """Return frequencies [Hz] of the axle of finite elements with discs at the wheels."""
+    section = np.pi * 0.08**2
+    second = 0.25 * section * 0.08**2
+    bending = 210e9 * second
+    given = {"axial": 210e9 * section, "torsion": 2.0 * 80.8e9 * second, "mass": 7850.0 * section}
+    density = 7850.0 * section
+    axle = straight(1.5, 12, {**given, "bending": (bending, bending), "polar": 1e-6})
+    heavy = axle.mass.toarray()
+    mass, stub = 0.5 * (1500.0 - 2.0 * density), 0.25 * density
+    across = 450.0 - mass * 0.75**2 - 2.0 * density / 6.0
+    for node, outwards in ((1, -1.0), (13, 1.0)):
+        rows = np.arange(6 * node - 6, 6 * node)
+        heavy[rows, rows] += [mass, mass, mass, 60.0, across, across]
+        moved = np.eye(3, 6)
+        moved[1, 5], moved[2, 4] = 0.125 * outwards, -0.125 * outwards
+        turned = np.diag([0.0, 0.0, 0.0, 0.0, 1.0, 1.0]) * stub * 0.25**2 / 12.0
+        heavy[np.ix_(rows, rows)] += stub * moved.T @ moved + turned
+    squares = eigh(axle.stiffness.toarray(), heavy, eigvals_only=True)
+    return np.sqrt(np.abs(squares[6:12])) / (2.0 * np.pi)
+
+
+@pytest.mark.long
+def test_wheelset_with_a_flexible_axle(tmp_path):
+    """It weighs as the rigid one; bending is that of finite elements, torsion that of two discs."""
+    e = bare_wheelset(tmp_path, "modes: {y: 4, z: 4}")
+    n = len(e.states) // 2
+    names = [s.name for s in e.states]
+    kinetic = e.output[[c.name for c in e.channels].index("energy.kinetic")]
+    inputs = [e.time, e.state, e.parameter]
+    own = [n + names.index(f"axle.{name}") for name in ("longitudinal", "vertical", "yaw", "roll")]
+    mass = ca.Function("m", inputs, [ca.hessian(kinetic, e.state)[0]])
+    matrix = ca.Function("a", inputs, [ca.jacobian(e.rate, e.state)])
+    at = (0.0, np.zeros(e.state.numel()), [p.value for p in e.parameters])
+    inertia = np.diag(np.array(mass(*at)))[own]
+    assert inertia == pytest.approx([1500.0, 1500.0, 900.0, 900.0], rel=1e-6)
+    values = np.linalg.eigvals(np.array(matrix(*at)))
+    found = np.sort(np.abs(values[values.imag > 1.0])) / (2.0 * np.pi)
+    for wanted in with_wheels()[:5]:
+        assert np.abs(found / wanted - 1.0).min() < 1e-4
+    stiffness = 80.8e9 * 0.5 * np.pi * 0.08**4 / 1.5
+    torsion = np.sqrt(2.0 * stiffness / 60.0) / (2.0 * np.pi)
+    assert np.abs(found / torsion - 1.0).min() < 1e-4
