@@ -135,7 +135,7 @@ PICTURES = {
     "car_and_caravan": Picture(("caravan.body.yaw",), "deg", "Articulation angle"),
     "car_of_parts": Picture(("chassis.y",), "m", "Place y", "chassis.x"),
     "flexible_axle_wheelset": Picture(
-        ("left_half.tip_z", "right_half.tip_z"), "mm", "Bending of the axle at the wheels"
+        ("left_half.tip_z", "right_half.tip_z"), "mm", "Bending of the axle"
     ),
     "jeep_leaf_springs": Picture(
         ("left_front.tip_z", "right_front.tip_z"), "mm", "Deflection of the leaves"
