@@ -21,6 +21,7 @@ from vehicledyn.analyse.gradients.sampled_run import sampled_run
 from vehicledyn.analyses.sensitivity.motion_study import MotionStudy
 from vehicledyn.analyses.sensitivity.names import directions
 from vehicledyn.interface.targets import read_scenario
+from vehicledyn.kernel.make_kernel import compile_kernel
 
 COUNTS = (1, 8, 20)
 
@@ -32,9 +33,11 @@ def prepared(name: str, channel: str, seconds: float, *, back: bool = False) -> 
 
 
 def plain(study: MotionStudy) -> Callable[[], object]:
-    """Return a run without derivatives."""
+    """Return a run without derivatives, compiled whether or not that pays for one."""
     start = (study.start.state, study.start.unknowns)
-    return lambda: sampled_run(study.prepared.kernel, study.grid, study.n_intervals, start)
+    kernel = compile_kernel(study.prepared.equations)
+    kernel.set_parameters(study.prepared.kernel.parameters)
+    return lambda: sampled_run(kernel, study.grid, study.n_intervals, start)
 
 
 def forward(study: MotionStudy, count: int) -> Callable[[], object]:

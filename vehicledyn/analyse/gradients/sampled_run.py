@@ -25,7 +25,9 @@ def sampled_run(
     """
     e = kernel.equations
     unknowns = kernel.solve_unknowns(grid.start, *start)
-    march = March(grid.method, grid.start, grid.interval, grid.per_interval, start[0], unknowns)
+    sides = np.zeros(len(e.events), dtype=np.intc)
+    steps = (grid.method, grid.start, grid.interval, grid.per_interval)
+    march = March(*steps, start[0], unknowns, sides=sides)
     sizes = (len(e.states), len(e.unknowns), len(e.channels))
     rows = Rows(*[np.empty((n_intervals + 1, size)) for size in sizes])
     first = kernel.outputs(grid.start, start[0], unknowns)
