@@ -425,6 +425,15 @@ def test_critical_speeds_at_the_end_of_all_numbers(figure):
     assert (outcome.code, outcome.faults) == (0, []), outcome
 
 
+def test_responses_that_end_where_they_begin_leave_no_warning():
+    def change(file):
+        file["frequency"][-1] = file["frequency"][0]
+
+    outcome = run(Case("response", {"response.h5": changed("response.h5", change)},
+                       ["plot", "response.h5"], outputs=("response_plots",)))  # fmt: skip
+    assert outcome.faults == [], outcome
+
+
 def test_lengths_whose_squares_overflow_leave_no_warning():
     name = "systems/parallelogram.yaml"
     text = yaml_cases.system_texts()[name].replace(

@@ -45,8 +45,9 @@ def _figure(table: ResponseTable, output: int, inputs: list[int]) -> Figure:
     target, unit = table.outputs[output], table.inputs[inputs[0]].unit
     if np.isfinite(magnitudes[:, inputs, output]).any() and magnitudes[:, inputs, output].any():
         upper.set_yscale("log")
-    if len(table.frequency) > 1:
-        upper.set_xlim(float(table.frequency[0]), float(table.frequency[-1]))
+    first, last = (float(table.frequency[k]) if len(table.frequency) else 0.0 for k in (0, -1))
+    if abs(last - first) > 1e-9 * max(abs(first), abs(last)):
+        upper.set_xlim(first, last)
         steps = np.diff(table.frequency)
         if not np.allclose(steps, steps[0]):
             upper.set_xscale("log")
