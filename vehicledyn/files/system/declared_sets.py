@@ -23,7 +23,7 @@ from vehicledyn.multibody.model.ground import GROUND
 FAMILIES = ("element", "sensor", "constraint")
 """Catalogues of system files that are made from those of the same name with _type."""
 
-_VECTORS = ("polar", "axial", "diagonal")
+_VECTORS = ("polar", "axial", "sectional", "diagonal")
 _RESERVED = {"kind", "family", "name"}
 
 

@@ -14,7 +14,7 @@ from vehicledyn.files.system.declared_sets import DeclaredSet, coordinate_names
 from vehicledyn.files.system.joints import Coordinate, JointSet
 from vehicledyn.files.system.sets import BodySet, SystemFile
 
-_VECTORS = ("polar", "axial", "diagonal")
+_VECTORS = ("polar", "axial", "sectional", "diagonal")
 
 
 @dataclass(frozen=True)

@@ -37,7 +37,9 @@ class UniversalWheel(BaseConstraint):
     body: str = body_name("The hub; it may have spins_about")
     axis: Literal[1, 2, 3] = choice("Axis of the wheel in its body")
     radius: Scalar = number("m", "Radius R over the rollers", above=0.0)
-    roller_angle: Scalar = number("rad", "Angle γ from the axle to the roller's axis at the ground")
+    roller_angle: Scalar = number(
+        "rad", "Angle γ from the axle to the roller's axis at the ground", nature="handed"
+    )
     centre: Sequence[Scalar] = vector(
         "m", "Centre of the wheel in the axes of the body", default=ORIGIN
     )

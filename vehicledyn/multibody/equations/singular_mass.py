@@ -39,6 +39,9 @@ _DENSE = 150
 That costs the cube of their number, and finds motions together as well as joints by themselves.
 """
 
+_NAMED = 8
+"""Most coordinates or bodies of a motion that are named."""
+
 
 @dataclass(frozen=True)
 class Idle:
@@ -280,4 +283,6 @@ def _sparse(motions: Array) -> list[Array]:
 
 
 def _listed(words: Sequence[str]) -> str:
+    if len(words) > _NAMED:
+        words = [*words[: _NAMED - 1], f"{len(words) - _NAMED + 1} more"]
     return " and ".join(filter(None, (", ".join(words[:-1]), words[-1])))

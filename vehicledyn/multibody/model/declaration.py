@@ -10,9 +10,11 @@ from __future__ import annotations
 from dataclasses import MISSING, field
 from typing import Any, Literal
 
-Nature = Literal["scalar", "polar", "axial", "diagonal", "side"]
-"""How a mirror image changes a value: not at all, as a place or force, as a torque, as three
-numbers along the axes (not at all), as "left" and "right"."""
+Nature = Literal["scalar", "polar", "axial", "sectional", "handed", "diagonal", "side"]
+"""How a mirror image changes a value: not at all, as a place or force, as a torque, as a torque in
+the axes of a section along a line, whose y axis alone turns round whatever the plane, as the
+angle of a thread (its sign changes in every mirror), as three numbers along the axes (not at all),
+as "left" and "right"."""
 
 Variables = Literal["time", "motion"]
 """What a function depends on: the time, or also all coordinates and rates."""
@@ -27,6 +29,7 @@ def number(
     default: Any = MISSING,
     least: float | None = None,
     above: float | None = None,
+    nature: Nature = "scalar",
     turns_with: tuple[str, ...] = (),
 ) -> Any:
     """Declare a number, which may be a symbol.
@@ -41,12 +44,14 @@ def number(
         Number where nothing is said; without it the field is required.
     least, above
         Bounds: not less than, or greater than.
+    nature
+        How a mirror image changes it.
     turns_with
         Fields with names of coordinates: a mirror image that turns one of them round changes the
         sign of the number; or of a flag, whether it is set.
     """
     facts = {"least": least, "above": above, "turns_with": turns_with or None}
-    return _declared(default, "number", description, measure=unit, **facts)
+    return _declared(default, "number", description, measure=unit, nature=nature, **facts)
 
 
 def vector(unit: str, description: str, *, default: Any = MISSING, nature: Nature = "polar") -> Any:

@@ -14,7 +14,7 @@ images; their coordinates obey the same rule.
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -84,10 +84,16 @@ def mirror_image(group: MirrorSet, outside: Outside | None = None) -> Image:
         {c.name for c in (*outside.coordinates, *coordinates) if c.is_turned_by_mirror(axis)},
         {**beside(outside.constraints), **renewed((*group.cuts, *group.constraints))},
         {**beside(outside.switches), **renewed(group.switches)},
+        {**beside(outside.elements), **renewed(group.elements)},
     )
     for section in (name for name in Sections.model_fields if name != "assemblies"):
         entries: dict[str, Any] = image.sections.setdefault(section, {})
         for name, item in getattr(group, section).items():
+            words = renamed.without_image(
+                {name: item} if section == "initial" else item, group.plane
+            )
+            if words:
+                image.problems.append(((section, name), words))
             if section == "initial":
                 new, value = _mirrored_start(name, item, renamed)
             else:
@@ -97,8 +103,8 @@ def mirror_image(group: MirrorSet, outside: Outside | None = None) -> Image:
                 image.problems.append(((section, name), words))
             elif new in entries:
                 image.problems.append(((section, name), f"its image '{new}' is made twice"))
-            elif getattr(getattr(item, "made_from", None), "has_no_mirror_image", False):
-                words = "its matrices are not mirrored; write it and its image beside the group"
+            elif why := getattr(getattr(item, "made_from", None), "has_no_mirror_image", ""):
+                words = f"{why}; write it and its image beside the group"
                 image.problems.append(((section, name), words))
             entries[new], image.old[section, new] = value, name
     return image
@@ -138,6 +144,47 @@ class _Names:
     turned: set[str]
     constraints: Mapping[str, str] = field(default_factory=dict)
     switches: Mapping[str, str] = field(default_factory=dict)
+    elements: Mapping[str, str] = field(default_factory=dict)
+
+    def of(self, what: str, name: str | None) -> str | None:
+        """Return the new name of a body, constraint or coordinate; its own where it has none."""
+        if name is None or what == "body":
+            return name and self.body(name)
+        known = self.constraints if what == "constraint" else self.coordinates
+        return known.get(name, name)
+
+    def body(self, name: str) -> str:
+        """Return the new name of a body, also of one that an element brings."""
+        bringing = self._bringing(name)
+        if bringing is None or name in self.bodies:
+            return self.bodies.get(name, name)
+        return self.elements[bringing] + name.removeprefix(bringing)
+
+    def without_image(self, item: Any, plane: str) -> str:
+        """Return which name in a part has no image that is known, and what to do; "" for none.
+
+        The mirror motion of the coordinates that an element brings is not known. The axes of its
+        frames are mirrored across their y axis, as bodies of the file are where the plane is y.
+        """
+        for what, name in _mentioned(item):
+            bringing = self._bringing(name)
+            if bringing is None or self.elements[bringing] == bringing:
+                continue
+            if what == "body":
+                if plane == "y":
+                    continue
+                words = f"'{name}' belongs to an element, whose frames are mirrored across y only"
+            else:
+                words = f"the mirror motion of '{name}' of the element '{bringing}' is not known"
+            return f"{words}; write both sides, or use 'repeat'"
+        return ""
+
+    def _bringing(self, name: str) -> str | None:
+        """Return the element that brings a body or coordinate, None where none does."""
+        if name in self.bodies or name in self.coordinates:
+            return None
+        heads = (name[:k] for k, letter in enumerate(name) if letter == ".")
+        return next((head for head in heads if head in self.elements), None)
 
     def expressions(self) -> dict[str, Expression]:
         """Return what stands for each coordinate and rate in the expressions of the image."""
@@ -147,6 +194,26 @@ class _Names:
             found[old] = named(new, sign=sign)
             found[f"{old}_rate"] = named(f"{new}_rate", sign=sign)
         return found | {old: named(new) for old, new in self.switches.items()}
+
+
+def _mentioned(item: Any) -> Iterator[tuple[str, str]]:
+    """Yield the names of bodies and quantities in a part, each with what it names."""
+    if isinstance(item, Expression):
+        yield from (("quantity", name) for name in item.names)
+    elif isinstance(item, dict):
+        for key, entry in item.items():
+            yield "quantity", str(key)
+            yield from _mentioned(entry)
+    elif isinstance(item, tuple):
+        for entry in item:
+            yield from _mentioned(entry)
+    elif isinstance(item, SystemSet):
+        for name in type(item).model_fields:
+            value, what = getattr(item, name), fact(type(item), name, "names")
+            if what is None:
+                yield from _mentioned(value)
+            elif isinstance(value, str):
+                yield str(what), value
 
 
 def _replaced(name: str, pieces: _Pieces) -> str:
@@ -246,9 +313,10 @@ def _turned_numbers(item: DeclaredSet, image: SystemSet, renamed: _Names) -> Sys
 def _mirrored_field(item: SystemSet, name: str, axis: int, renamed: _Names, pieces: _Pieces) -> Any:
     value, what = getattr(item, name), fact(type(item), name, "names")
     if what is not None:
-        known = {"body": renamed.bodies, "constraint": renamed.constraints}
-        return known.get(what, renamed.coordinates).get(value, value)
+        return renamed.of(what, value)
     nature = fact(type(item), name, "nature")
+    if nature == "handed":
+        return value.negated() if isinstance(value, Expression) else -value
     if isinstance(value, Expression):
         return _mirrored_expression(value, nature, axis).replaced(renamed.expressions())
     if nature == "side" and axis == AXES["y"]:
@@ -261,6 +329,8 @@ def _mirrored_field(item: SystemSet, name: str, axis: int, renamed: _Names, piec
 def _mirrored_expression(value: Expression, nature: str | None, axis: int) -> Expression:
     if nature == "polar":
         return value.mirrored(axis)
+    if nature == "sectional":
+        return value.mirrored(AXES["y"], -1.0)
     return value.mirrored(axis, -1.0) if nature == "axial" else value
 
 

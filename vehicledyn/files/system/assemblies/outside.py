@@ -13,7 +13,7 @@ _CONSTRAINTS = ("cuts", "constraints")
 
 @dataclass(frozen=True)
 class Outside:
-    """Bodies, coordinates, constraints and switches that a mirror group may refer to.
+    """Bodies, coordinates, constraints, switches and elements that a mirror group may refer to.
 
     Where the image of a name stands outside too, as where another group made both sides, it is
     the image; all others are their own images.
@@ -23,6 +23,7 @@ class Outside:
     coordinates: tuple[Coordinate, ...] = ()
     constraints: frozenset[str] = frozenset()
     switches: frozenset[str] = frozenset()
+    elements: frozenset[str] = frozenset()
 
     def with_sections(self, sections: Mapping[str, Mapping[str, Any]]) -> Outside:
         """Return the same with what the sections of a file or group hold."""
@@ -32,6 +33,7 @@ class Outside:
             (*self.coordinates, *made),
             self.constraints.union(*(sections[name] for name in _CONSTRAINTS)),
             self.switches.union(sections["switches"]),
+            self.elements.union(sections["elements"]),
         )
 
     def with_images(
@@ -48,6 +50,7 @@ class Outside:
             (*both.coordinates, *(replace(c, name=renamed_coordinate(c.name)) for c in made)),
             both.constraints.union(*(map(renamed, sections[name]) for name in _CONSTRAINTS)),
             both.switches.union(map(renamed, sections["switches"])),
+            both.elements.union(map(renamed, sections["elements"])),
         )
 
 

@@ -32,7 +32,7 @@ _OF_NODE = ("origin", "phi", "psi", "AP")
 
 @dataclass(frozen=True, eq=False)
 class Taylor:
-    """A matrix to first order in the amplitudes q: ``constant`` + Σ q_k ``linear``[:, k].
+    """A matrix to first order in the amplitudes q: ``constant`` + Σ q_k ``linear[:, k]``.
 
     Shapes (rows, columns) and (rows, n, columns); ``line`` is where it begins.
     """

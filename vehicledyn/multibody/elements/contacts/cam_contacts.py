@@ -11,7 +11,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Literal
+from typing import ClassVar, Literal
 
 import numpy as np
 
@@ -45,6 +45,8 @@ _UP = {1: (0.0, 0.0, 1.0), 2: (0.0, 0.0, 1.0), 3: (0.0, 1.0, 0.0)}
 @dataclass(frozen=True, kw_only=True)
 class CamContact(ContactPart):
     """A cam that touches a follower; the base of the contacts of cams."""
+
+    has_no_mirror_image: ClassVar[str] = "the outline of its cam is not mirrored"
 
     cam_body: str = body_name("Body of the cam")
     follower_body: str = body_name("Body of the follower, or of its roller")

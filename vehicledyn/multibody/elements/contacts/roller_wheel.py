@@ -44,7 +44,9 @@ class RollerWheel(BasePart):
     radius: float = choice("Radius R over the rollers, in m", unit="m")
     rollers: int = choice("Number of rollers, at least 3")
     roller_angle: float = choice(
-        "Angle γ from the axle to the roller's axis at the ground, in degrees", unit="deg"
+        "Angle γ from the axle to the roller's axis at the ground, in degrees",
+        unit="deg",
+        nature="handed",
     )
     roller_radius: float = choice("Radius r of the rollers at their middle, in m", unit="m")
     roller_mass: Scalar = number("kg", "Mass of a roller", above=0.0)

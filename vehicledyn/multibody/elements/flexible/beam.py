@@ -79,6 +79,7 @@ class Beam(BasePart):
         "Of the unloaded axis, an arc or helix: twist over length about x, curvature about y and "
         "about z, in the axes of any section; for 'model: exact' and 'segments'",
         default=ORIGIN,
+        nature="sectional",
     )
     section: Section | None = group("Shape of the section", default=None)
     material: Material | None = group("Material", default=None)

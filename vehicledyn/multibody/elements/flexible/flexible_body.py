@@ -64,7 +64,7 @@ class FlexibleBody(BasePart):
     `<name>.<node>`.
     """
 
-    has_no_mirror_image: ClassVar[bool] = True
+    has_no_mirror_image: ClassVar[str] = "its matrices are not mirrored"
 
     body: str = body_name("Body that carries its frame, or ground")
     at: Sequence[Scalar] = vector(
