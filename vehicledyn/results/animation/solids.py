@@ -69,7 +69,8 @@ def _tube(moment: SceneState, shape: Plain, has_hull: bool) -> list[Face]:
     level = moment.level(shape["coloured_by"])
     if level is not None:
         own = level_colour(*level)
-    return prism(a, b, shape["radius"], own, sides=8)
+    is_flat = 4.0 * shape["radius"] > np.linalg.norm(b - a)
+    return prism(a, b, shape["radius"], own, sides=32 if is_flat else 8)
 
 
 def _coil(moment: SceneState, shape: Plain, _: bool) -> list[Face]:
