@@ -26,7 +26,9 @@ TIMEOUT = 300
 """Longest time of a command [s]."""
 
 _SHELL = re.compile(r"[|;&<>$`*?~#\\\n(){}!]")
-_READ_AT_START = re.compile(r"PYTHON|MPL|OMP_|OPENBLAS_|LD_|LC_|LANG|COLUMNS|TERM|NO_COLOR|CI$")
+_READ_AT_START = re.compile(
+    r"PYTHON|MPL|OMP_|OPENBLAS_|LD_|LC_|LANG|COLUMNS|TERM|NO_COLOR|CI$|_TYPER_"
+)
 _SERVER = Path(__file__).parent / "warm_server.py"
 
 
