@@ -197,7 +197,7 @@ def draw(random, coarse):
     return name, find("solver", kind)(step=step), interval
 
 
-def campaign(number, seed, coarse):
+def campaign(number, seed, coarse=0.5):
     """Run and print so many combinations; return the findings."""
     random, found = np.random.default_rng(seed), []
     while len(found) < number:
