@@ -30,13 +30,10 @@ Matrix = NDArray[np.float64]
 
 _GRAZING = 1e-6
 """Rate of an event function at its zero, as a part of its mean rate in the step before it."""
-
 _AT_STEP = 1e-6
 """Part of a step that a change of the dependent coordinates may lie beside it."""
-
 _AT_ONCE = 64
 """Intervals that are followed at once where nothing happens in them."""
-
 _SHORTEST, _REACH = 1e-9, 1.25
 """Parts of a step behind an event of a method of order one, as in a run without derivatives."""
 

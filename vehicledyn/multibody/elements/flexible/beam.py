@@ -78,9 +78,8 @@ class Beam(BasePart):
         "1/m",
         "Of the unloaded axis, an arc or helix: twist over length about x, curvature about y and "
         "about z, in the axes of any section; for 'model: exact' and 'segments'",
-        default=ORIGIN,
-        nature="sectional",
-    )
+        default=ORIGIN, nature="sectional",
+    )  # fmt: skip
     section: Section | None = group("Shape of the section", default=None)
     material: Material | None = group("Material", default=None)
     stiffness: Stiffness | None = group("Stiffness and mass, in place of a section", default=None)
