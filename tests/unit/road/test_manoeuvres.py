@@ -19,8 +19,10 @@ UNSTEERED = {"straight", "coast_down", "acceleration", "straight_braking", "cros
 RELAXATIONS = {
     "first_order": "{kind: first_order, longitudinal: 0.2 m, lateral: 0.4 m}",
     "of_tyre": "{kind: of_tyre}",
+    "contact_patch": "{kind: contact_patch, mass: 1.5 kg, half_length: 60 mm, "
+    "longitudinal_damping: 400 N*s/m, lateral_damping: 400 N*s/m}",
 }
-TYRES = {"of_tyre": "{file: passenger_R0394_mf61.tir}"}
+TYRES = dict.fromkeys(("of_tyre", "contact_patch"), "{file: passenger_R0394_mf61.tir}")
 
 
 def drive(folder, **changes):
