@@ -1,5 +1,6 @@
 """The sockets of a process and all its descendants, as Linux reports them."""
 
+import os
 import re
 from pathlib import Path
 
@@ -24,7 +25,11 @@ def family_of(root):
 
 
 def open_sockets(process):
-    """Return network sockets and listening Unix sockets that a process holds, as table lines."""
+    """Return network sockets and listening Unix sockets that a process holds, as table lines.
+
+    The server in which tests run commands is none of the program's.
+    """
+    servers = os.environ.get("VEHICLEDYN_TEST_SERVERS", "/nowhere")
     inodes = set()
     for link in Path(f"/proc/{process}/fd").iterdir():
         try:
@@ -39,6 +44,7 @@ def open_sockets(process):
         found += [f"{name}: {line}" for line in lines if line.split()[9] in inodes]
     for line in Path(f"/proc/{process}/net/unix").read_text().splitlines()[1:]:
         words = line.split()
-        if words[6] in inodes and int(words[3], 16) & LISTENING_UNIX:
+        is_of_tests = words[-1].startswith(f"{servers}/")
+        if words[6] in inodes and int(words[3], 16) & LISTENING_UNIX and not is_of_tests:
             found.append(f"unix: {line}")
     return found
