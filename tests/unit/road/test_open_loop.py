@@ -3,7 +3,7 @@
 import pytest
 from pydantic import ValidationError
 
-from vehicledyn.road.manoeuvres.kinds.open_loop import OpenLoop
+from vehicledyn.road.manoeuvres.kinds.recorded.open_loop import OpenLoop
 
 
 def test_values_lie_on_straight_lines():

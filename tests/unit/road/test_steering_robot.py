@@ -9,7 +9,7 @@ from pydantic import ValidationError
 from vehicledyn.multibody.equations.derivation import derive
 from vehicledyn.multibody.model.bodies import Body, Joint
 from vehicledyn.multibody.model.system import System
-from vehicledyn.road.manoeuvres.kinds.steering_robot import SteeringRobot
+from vehicledyn.road.manoeuvres.kinds.recorded.steering_robot import SteeringRobot
 from vehicledyn.road.manoeuvres.robot import Robot, Towing
 from vehicledyn.symbolic import ops
 from vehicledyn.symbolic.parameters import ParameterTable
