@@ -13,8 +13,8 @@ if TYPE_CHECKING:
     from vehicledyn.analyses.preparation.prepared import Prepared
     from vehicledyn.multibody.equations.singular_mass import Idle
 
-_TOLD = 3
-"""Most motions that are told."""
+_NAMED = 3
+"""Most motions that are named."""
 Vector = NDArray[np.float64]
 _HARDLY = 1e-3
 """Share of inertia below which a motion is named as a likely cause of a failure [1]."""
@@ -88,9 +88,9 @@ def _told(prepared: Prepared, found: list[Idle]) -> str:
     from vehicledyn.multibody.equations.singular_mass import owners_of
 
     owners = owners_of(prepared.subject.system)
-    told = [idle.words(owners) for idle in found[:_TOLD]]
-    hidden = len(found) - len(told)
-    return "; ".join([*told, *([f"and {hidden} more motions"] if hidden else [])])
+    named = [idle.words(owners) for idle in found[:_NAMED]]
+    hidden = len(found) - len(named)
+    return "; ".join([*named, *([f"and {hidden} more motions"] if hidden else [])])
 
 
 def _idle(

@@ -1,4 +1,4 @@
-"""Print the Jacobian that the rows of a linear program come to as straight C.
+"""Print the Jacobian of the rows of a linear program as straight C.
 
 The derivatives of each row by the sources that reach it are sums over the row's entries; most rows
 are reached by few sources. Those that are wanted in one piece of the code only stay in registers.

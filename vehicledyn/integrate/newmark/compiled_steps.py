@@ -86,7 +86,7 @@ class CompiledLoop(ABC, Generic[P]):
 
     @property
     def place(self) -> P:
-        """Where the run has come to."""
+        """Where the run is."""
         return self._place("at", self.record.at)
 
     def step(self, place: P, end: float) -> P | None:
@@ -225,7 +225,7 @@ class CompiledSteps(CompiledLoop[ReducedPlace]):
         arrays["at.change"][:] = 0.0 if place.change is None else place.change
 
     def find_jacobian(self) -> None:
-        """Find the Jacobian at the place that the run has come to."""
+        """Find the Jacobian at the place that the run has reached."""
         record = self.record
         self._arrays["jacobian"][:] = self._form.jacobian(self.place.point)
         record.is_stale, record.has_jacobian, record.factored = 0, FRESH_JACOBIAN, 0.0
