@@ -89,6 +89,11 @@ ELEMENTS = {
         "length: 1 m, stiffness: {mass_per_length: 1 kg/m, z: 9 N*m^2}, modes: {z: 2}",
         lambda s: (2.0, 0.0, 0.0),
     ),
+    "power_assistance": (
+        "coordinate: b.x, torque: 2 N*m, speed: b.x_rate, torques: [0, 4], speeds: [0, 8], "
+        "assistance: [0, 8, 0, 4], damping: 0.5 N*m*s/rad",
+        lambda s: (3.0 + 2.0, 0.0, 0.0),
+    ),
     "spring": (
         "coordinate: b.x, law: {kind: spring_damper, stiffness: 5 N/m, damping: 2 N*s/m}",
         lambda s: (-5.0 * s["b.x"] - 2.0 * s["b.x_rate"], 0.0, 0.0),
@@ -98,6 +103,10 @@ ELEMENTS = {
         "pump: b.x, turbine: b.y, ratio: 0, speed_ratios: [0, 1], torque_ratios: [1, 1], "
         "capacities: [2, 0]",
         lambda s: (-2.0 * s["b.x_rate"] * abs(s["b.x_rate"]), 0.0, 0.0),
+    ),
+    "torsion_bar": (
+        "coordinate: b.x, other: b.y, stiffness: 5 N*m/rad, damping: 2 N*m*s/rad",
+        lambda s: (-5.0 * 0.3 + 2.0 * 4.7, 5.0 * 0.3 - 2.0 * 4.7, 0.0),
     ),
     "wrench": ("body: b, force: [2 N, 0, 3 N/s * time]", lambda s: (2.0, 0.0, 6.0)),
 }

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
+from vehicledyn.multibody.model.bodies import Joint, Turn
 from vehicledyn.multibody.model.parts import Part
 from vehicledyn.multibody.model.system import System
 from vehicledyn.road.surfaces.surface import RoadSurface
@@ -95,3 +96,15 @@ class RoadVehicle:
     def with_parts(self, *parts: Part) -> RoadVehicle:
         """Return the vehicle with parts acting on it, a foot in place of a pedal's switch."""
         return replace(self, system=self.system.with_surroundings(*parts))
+
+    def with_free_steering(self) -> RoadVehicle:
+        """Return the vehicle whose rack nothing drives; forces move it."""
+
+        def freed(item: Joint | Turn) -> Joint | Turn:
+            is_rack = isinstance(item, Joint) and item.name == self.rack
+            return replace(item, role="independent") if is_rack else item
+
+        bodies = tuple(
+            replace(body, joints=tuple(map(freed, body.joints))) for body in self.system.bodies
+        )
+        return replace(self, system=replace(self.system, bodies=bodies))

@@ -2,15 +2,20 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 from pydantic import model_validator
 
 from vehicledyn.base.parameters import quantity
 from vehicledyn.base.registry import register
-from vehicledyn.road.manoeuvres.driving_test import DrivingTest
+from vehicledyn.road.manoeuvres.driving_test import PREFIX, DrivingTest
 from vehicledyn.road.manoeuvres.steering_signal import SteeringSignal
 from vehicledyn.road.manoeuvres.time_table import KNOTS, TimeTable
 
-_LISTS = ("angles", "drive_torques", "brake_torques")
+if TYPE_CHECKING:
+    from vehicledyn.road.vehicle import RoadVehicle
+
+_LISTS = ("angles", "hand_torques", "drive_torques", "brake_torques")
 
 
 @register("manoeuvre", "open_loop")
@@ -20,10 +25,16 @@ class OpenLoop(DrivingTest):
     A list that is left out is zero. Torques act as in the standards' tests: a car with pedals of
     its own has them pressed by torque over that of the full pedal. With a speed control the drive
     torque is added to what it wants.
+
+    With ``hand_torques`` the steering wheel is free and moves by these torques (free control);
+    torques of zero let it go. ``angles`` must then be left out.
     """
 
     times: tuple[float, ...] = quantity("s", f"Times, growing, {KNOTS} at most")
     angles: tuple[float, ...] = quantity("rad", "Steering-wheel angles to the left", default=())
+    hand_torques: tuple[float, ...] = quantity(
+        "N*m", "Torques of the hands on a free steering wheel, to the left", default=()
+    )
     drive_torques: tuple[float, ...] = quantity("N*m", "Drive torques", default=())
     brake_torques: tuple[float, ...] = quantity(
         "N*m", "Brake torques of all wheels together", default=()
@@ -36,11 +47,25 @@ class OpenLoop(DrivingTest):
             if len(getattr(self, name)) not in (0, len(self.times)):
                 count = f"{len(getattr(self, name))} values and {len(self.times)} times"
                 raise ValueError(f"{name}: {count}; give as many")
+        if self.angles and self.hand_torques:
+            raise ValueError("hand_torques: the steering wheel has angles already; give one list")
         if not 0 < len(self.times) <= KNOTS:
             raise ValueError(f"times: takes 1 to {KNOTS} times, not {len(self.times)}")
         if any(b <= a for a, b in zip(self.times, self.times[1:], strict=False)):
             raise ValueError("times: must grow; sort the table")
         return self
+
+    def fit(self, vehicle: RoadVehicle) -> RoadVehicle:
+        """Return the vehicle steered by angle, or by torque where there are any."""
+        if not self.hand_torques:
+            return super().fit(vehicle)
+        from vehicledyn.multibody.elements.coordinate_forces import CoordinateForce
+
+        table, name = vehicle.system.table, f"{PREFIX}.hand_torque"
+        torque = self._table(self.hand_torques).enter(table, name, "N*m", "torque of the hands")
+        per_rack = vehicle.steering_gain * vehicle.steering_ratio
+        hands = CoordinateForce("hands", vehicle.rack, lambda seen: torque(seen.time) * per_rack)
+        return self.with_pedals(vehicle.with_free_steering()).with_parts(hands)
 
     def steering(self) -> SteeringSignal:
         """Return the steering by the table."""
