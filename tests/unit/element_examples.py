@@ -78,6 +78,10 @@ ELEMENTS = {
         f"body: b, file: {FRAME}, interface: {{left: 3, right: 16}}, modes: 1",
         lambda s: (0.0, 0.0, 0.0),
     ),
+    "leaf_friction": (
+        "a: {body: ground, point: [4 m, 0, 0]}, b: b, limit: 8 N, transition: 2 mm",
+        lambda s: (0.0, 0.0, 0.0),
+    ),
     "link": (
         "a: {body: ground, point: [0, 0, 4 m]}, b: b, direction: [0, 0, 1], law: {kind: "
         "spring_damper, stiffness: 5 N/m, free_length: 1 m, damping: 9 N*s/m}",

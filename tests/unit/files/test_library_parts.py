@@ -160,3 +160,13 @@ def test_the_trailing_arm_feels_its_wheel_load_by_the_torsion_bar():
         torques.append(next(abs(found[name]) for name in names if name in found))
     assert torques[0] == pytest.approx(p["torsion_bar.load"] * p["arm.length"], rel=1e-12)
     assert torques[1] - torques[0] == pytest.approx(p["torsion_bar.stiffness"] * 0.02, rel=1e-9)
+
+
+def test_the_friction_of_leaf_springs_grows_with_their_load():
+    """H = μ (P + k s) with s the travel of the axle below each spring, and F = H z."""
+    part = Part("frictional_leaf_spring_axle")
+    shares = {"left_leaf_friction__share": 1.0, "right_leaf_friction__share": -0.5}
+    found = part.at(axle__beam__travel=0.01, axle__beam__roll=0.02, **shares)
+    loads = [32.4e3 + 250e3 * (0.01 + y * 0.02) for y in (0.42, -0.42)]
+    forces = [found[f"{side}_leaf_friction.force"] for side in ("left", "right")]
+    assert forces == pytest.approx([0.06 * loads[0], -0.03 * loads[1]], rel=1e-12)

@@ -67,19 +67,8 @@ class Link(BasePart):
         if self.direction is None:
             line = LineOfAction.between(kinematics, self.a, self.b)
             return line, line.length, line.rate
-        body_a, body_b = self.a.body, self.b.body
-        pair = kinematics.between(body_a, body_b)
-        rotation_a = pair.rotation(body_a)
-        where = pair.position(body_b, self.b.point) - pair.position(body_a)
-        foot = rotation_a.T @ where
-        axis = ops.vector(*self.direction)
-        length = ops.dot(axis, ops.vector(*self.a.point) - foot)
-        direction = -(rotation_a @ axis)
-        # Both forces act at B's point, so that the pair has no moment.
-        line = LineOfAction(
-            kinematics, Attachment(body_a, _items(foot)), self.b, direction, length, rotation_a
-        )
-        return line, length, kinematics.time_derivative(length)
+        line = LineOfAction.along(kinematics, self.a, self.b, self.direction)
+        return line, line.length, line.rate
 
 
 @dataclass(frozen=True)
@@ -100,6 +89,23 @@ class LineOfAction:
         reach = pair.position(b.body, b.point) - pair.position(a.body, a.point)
         length = ops.norm(reach)
         return cls(kinematics, a, b, reach / length, length, pair.rotation(a.body))
+
+    @classmethod
+    def along(
+        cls, kinematics: Kinematics, a: Attachment, b: Attachment, direction: Sequence[Scalar]
+    ) -> LineOfAction:
+        """Return the line through B along a unit vector in A's axes; the length runs from B to A.
+
+        Both forces act at B's point, so that the pair has no moment.
+        """
+        pair = kinematics.between(a.body, b.body)
+        rotation_a = pair.rotation(a.body)
+        where = pair.position(b.body, b.point) - pair.position(a.body)
+        foot = rotation_a.T @ where
+        axis = ops.vector(*direction)
+        length = ops.dot(axis, ops.vector(*a.point) - foot)
+        there = Attachment(a.body, _items(foot))
+        return cls(kinematics, there, b, -(rotation_a @ axis), length, rotation_a)
 
     @property
     def rate(self) -> Scalar:
