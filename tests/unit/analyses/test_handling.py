@@ -14,6 +14,8 @@ from vehicledyn.base.errors import InputError, NumericalError
 from vehicledyn.interface.targets import read_target
 from vehicledyn.road.manoeuvres import frequency_test
 from vehicledyn.road.manoeuvres.driving_test import DrivingTest
+from vehicledyn.road.manoeuvres.kinds.braking.split_braking import SplitBraking
+from vehicledyn.road.manoeuvres.kinds.braking.straight_braking import StraightBraking
 from vehicledyn.road.manoeuvres.kinds.fishhook import Fishhook
 from vehicledyn.road.manoeuvres.kinds.pulse_steer import PulseSteer
 from vehicledyn.road.manoeuvres.kinds.step_steer import StepSteer
@@ -160,6 +162,67 @@ def test_a_fishhook_reports_when_its_first_roll_ends(small_car):
     assert np.interp(at, run.signals.time, rates) < np.radians(1.5)
     before = (run.signals.time >= test.turned_at) & (run.signals.time < at - 1e-9)
     assert (rates[before] >= np.radians(1.5)).all()
+
+
+def split_run(small_car, side):
+    test = SplitBraking(
+        speed_control=small_car.car.control, torque=2500.0, brake_at=0.1, build_up=0.01,
+        low_friction=0.1, low_side=side, start=-10.0,
+    )  # fmt: skip
+    return drive(small_car.car, test, small_car.straight(SPEED), 1.2)
+
+
+def test_split_friction_turns_the_car_by_the_moment_of_its_brake_forces(small_car):
+    """I_z ψ̈ = (track/2) (F_left - F_right) at first, then with the moment of lateral forces too.
+
+    I_z is that of the body, of hubs and wheels and of the distances of their 25 kg.
+    """
+    places = {"front": 1.115, "rear": -1.385}  # m, from the common centre of mass
+    half_track, corner = 0.7, 25.0
+    inertia = 1400.0 + 900.0 * 0.015**2 + 4 * 0.5
+    inertia += 2 * corner * sum(x**2 + half_track**2 for x in places.values())
+    run = split_run(small_car, "right")
+    time, channels = run.signals.time, run.recording.channels
+
+    def forces(axle, name):
+        left, right = (channels[f"{axle}_{s}.tyre.{name}"] for s in ("left", "right"))
+        return left, right
+
+    first = 0.0 * time
+    across = 0.0 * time
+    for axle, x in places.items():
+        left, right = forces(axle, "longitudinal_force")
+        first += half_track * (right - left)
+        across += x * sum(forces(axle, "lateral_force")) + sum(forces(axle, "aligning_moment"))
+
+    def gained(moment, begin, end):
+        kept = (time > begin - 1e-6) & (time < end + 1e-6)
+        return float(np.trapezoid(moment[kept], time[kept])) / inertia
+
+    rate = dict(zip(np.round(time, 2), run.signals.yaw_rate, strict=True))
+    assert rate[0.13] - rate[0.11] == pytest.approx(gained(first, 0.11, 0.13), rel=0.05)
+    assert rate[0.3] - rate[0.13] == pytest.approx(gained(first + across, 0.13, 0.3), rel=0.01)
+    assert gained(first, 0.13, 0.3) > 1.1 * (rate[0.3] - rate[0.13])
+
+
+def test_the_other_side_slippery_mirrors_the_motion(small_car):
+    right, left = (split_run(small_car, side).signals for side in ("right", "left"))
+    assert right.y[-1] > 0.2
+    for name in ("y", "yaw", "yaw_rate", "roll", "sideslip"):
+        mirrored = -getattr(left, name)
+        assert getattr(right, name) == pytest.approx(mirrored, abs=1e-10), name
+    assert right.x == pytest.approx(left.x, abs=1e-10)
+
+
+def test_the_slippery_side_is_gone_in_the_next_test(small_car):
+    before = drive_straight(small_car)
+    split_run(small_car, "left")
+    assert drive_straight(small_car).speed.tolist() == before.speed.tolist()
+
+
+def drive_straight(small_car):
+    test = StraightBraking(speed_control=small_car.car.control, torque=2500.0, brake_at=0.1)
+    return drive(small_car.car, test, small_car.straight(SPEED), 0.5).signals
 
 
 def test_what_is_no_road_vehicle_is_refused():

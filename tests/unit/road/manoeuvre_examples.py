@@ -42,6 +42,7 @@ MANOEUVRES = {
     "straight_braking": "{kind: straight_braking, torque: 900 N*m, brake_at: 0}",
     "swept_sine": "{kind: swept_sine, amplitude: 1 deg, sweep_time: 0.2 s, first: 5 Hz, "
     "last: 15 Hz, begin: 0}",
+    "split_braking": "{kind: split_braking, torque: 900 N*m, brake_at: 0, low_friction: 0.1}",
     "trailer_sway": "{kind: trailer_sway, amplitude: 2 deg, width: 0.1 s, begin: 0}",
     "weave": "{kind: weave, amplitude: 1 deg, frequency: 10 Hz, begin: 0}",
     "ramp_steer": "{kind: ramp_steer, rate: 10 mm/s, ramp_time: 0.1 s}",

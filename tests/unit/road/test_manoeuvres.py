@@ -15,7 +15,14 @@ from vehicledyn.road.standards.signals import Signals
 
 pytestmark = pytest.mark.long
 
-UNSTEERED = {"straight", "coast_down", "acceleration", "straight_braking", "crosswind"}
+UNSTEERED = {
+    "straight",
+    "coast_down",
+    "acceleration",
+    "straight_braking",
+    "split_braking",
+    "crosswind",
+}
 RELAXATIONS = {
     "first_order": "{kind: first_order, longitudinal: 0.2 m, lateral: 0.4 m}",
     "of_tyre": "{kind: of_tyre}",

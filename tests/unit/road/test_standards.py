@@ -5,9 +5,12 @@ import math
 import numpy as np
 import pytest
 
+import vehicledyn.catalogue  # noqa: F401
 from vehicledyn.base.errors import InputError
+from vehicledyn.base.registry import find
 from vehicledyn.road.manoeuvres.steering_signal import SteeringSignal, sine_with_dwell
 from vehicledyn.road.manoeuvres.time_table import TimeTable
+from vehicledyn.road.standards.braking import STOPPED, deceleration_figures
 from vehicledyn.road.standards.evasion import (
     Lane,
     double_lane_change,
@@ -55,6 +58,25 @@ def test_an_oscillator_overshoots_by_the_closed_form():
         math.exp(-math.pi * damping / math.sqrt(1.0 - damping**2)), rel=1e-5
     )
     assert found.peak_time == pytest.approx(math.pi / damped, abs=1e-3)
+
+
+def test_a_constant_deceleration_is_its_own_mean_and_stops_after_its_way():
+    speed, slower = 30.0, 6.0
+    found = {e.name: e.value for e in deceleration_figures(
+        signals(forward_speed=np.maximum(speed - slower * TIME, 0.0)))}  # fmt: skip
+    assert found["initial_speed"] == speed
+    assert found["mean_deceleration"] == pytest.approx(slower, rel=1e-9)
+    way = (speed**2 - STOPPED**2) / (2.0 * slower)
+    assert found["stopping_distance"] == pytest.approx(way, rel=1e-6)
+    still = deceleration_figures(signals(forward_speed=speed + 0.0 * TIME))
+    assert [e.name for e in still] == ["initial_speed"]
+
+
+@pytest.mark.parametrize("kind", ["straight_braking", "split_braking", "acceleration"])
+def test_torques_on_wheels_of_a_given_rate_are_refused(kind):
+    test = find("manoeuvre", kind)(torque=900.0)
+    assert not test.problems(free_wheels=True)
+    assert "wheel_spin: free" in "".join(test.problems(free_wheels=False))
 
 
 def test_a_pulse_gives_the_response_of_a_first_order_lag():

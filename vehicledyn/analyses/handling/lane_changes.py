@@ -1,17 +1,18 @@
-"""Lane changes between cones with MacAdam's driver: a kernel of their own, since he steers."""
+"""Tests with MacAdam's driver: lane changes and split friction, with a kernel of their own."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable
 
-from vehicledyn.analyses.handling.standard_tests import StandardTests
+from vehicledyn.analyses.handling.standard_tests import SPLIT_DURATION, SPLIT_SPEED, StandardTests
 from vehicledyn.analyses.handling.steady_turn import Turn
 from vehicledyn.analyses.handling.test_run import DrivenTest, drive, figures_of, sheet_of
 from vehicledyn.analyses.handling.tested_car import TestedCar
 from vehicledyn.kernel.make_kernel import Backend
 from vehicledyn.results.tables.handling_table import KeyFigure
 from vehicledyn.road.drivers.macadam import MacAdam
+from vehicledyn.road.manoeuvres.kinds.braking.split_braking import SplitBraking
 from vehicledyn.road.manoeuvres.kinds.double_lane_change import DoubleLaneChange
 from vehicledyn.road.manoeuvres.kinds.obstacle_avoidance import ObstacleAvoidance
 from vehicledyn.road.manoeuvres.lane_change_test import LaneChangeTest
@@ -56,6 +57,22 @@ def run_lane_changes(tests: StandardTests, *, backend: Backend) -> None:
     driven = TestedCar(car.target, backend=backend, progress=tests.progress, test=first)
     for name, make in (("double_lane_change", double), ("obstacle_avoidance", avoidance)):
         _until_left(tests, driven, name, make)
+    if tests.split_torque is not None and driven.has_slippery_side:
+        _steer_on_split_friction(tests, driven, tests.split_torque)
+
+
+def _steer_on_split_friction(tests: StandardTests, car: TestedCar, torque: float) -> None:
+    """Brake with one side of the road slippery while the driver keeps the path (ISO 14512)."""
+    driver = driver_of(tests, SPLIT_SPEED)
+    test = SplitBraking(speed_control=car.control, torque=torque, driver=driver)
+    name, words = "split_braking_steered", "split braking, steered"
+    tests.progress(words, None)
+    start = car.like(tests.solver.car, tests.straight_at(SPLIT_SPEED))
+    run = drive(car, test, start, SPLIT_DURATION, driver.numbers())
+    if run.ended_by:
+        tests.notes.append(f"{words}: {run.note()}; recorded until then")
+    tests.figures += figures_of(car, name, run)
+    tests.sheets[name] = sheet_of(run)
 
 
 def _until_left(

@@ -16,7 +16,9 @@ from vehicledyn.base.errors import InputError, NumericalError
 from vehicledyn.results.tables.handling_table import TRUTH, KeyFigure, Sheet
 from vehicledyn.road.manoeuvres.driving_test import DrivingTest
 from vehicledyn.road.manoeuvres.frequency_test import FREQUENCIES
-from vehicledyn.road.manoeuvres.kinds.braking_in_turn import BrakingInTurn
+from vehicledyn.road.manoeuvres.kinds.braking.braking_in_turn import BrakingInTurn
+from vehicledyn.road.manoeuvres.kinds.braking.split_braking import SplitBraking
+from vehicledyn.road.manoeuvres.kinds.braking.straight_braking import StraightBraking
 from vehicledyn.road.manoeuvres.kinds.crosswind import Crosswind
 from vehicledyn.road.manoeuvres.kinds.fishhook import Fishhook
 from vehicledyn.road.manoeuvres.kinds.j_turn import JTurn
@@ -24,7 +26,6 @@ from vehicledyn.road.manoeuvres.kinds.pulse_steer import PulseSteer
 from vehicledyn.road.manoeuvres.kinds.single_sine import SingleSine
 from vehicledyn.road.manoeuvres.kinds.slowly_increasing_steer import SlowlyIncreasingSteer
 from vehicledyn.road.manoeuvres.kinds.step_steer import StepSteer
-from vehicledyn.road.manoeuvres.kinds.straight_braking import StraightBraking
 from vehicledyn.road.manoeuvres.kinds.swept_sine import SweptSine
 from vehicledyn.road.manoeuvres.kinds.weave import Weave
 from vehicledyn.road.manoeuvres.sine_dwell_test import SineDwellTest
@@ -36,6 +37,9 @@ _TOWN, _MOTORWAY = 80.0 / 3.6, 100.0 / 3.6
 _MILE = 0.44704
 ROLLOVER_SPEEDS = tuple(speed * _MILE for speed in (35.0, 40.0, 45.0, 47.5, 50.0))
 """Entry speeds of the rollover tests, 35 to 50 mile/h [m/s]."""
+
+SPLIT_SPEED, SPLIT_DURATION = _MOTORWAY, 8.0
+"""Initial speed on split friction [m/s]; a mean deceleration of 3.7 m/s² stops it within [s]."""
 
 _LARGEST_ANGLE = math.radians(270.0)
 _CAP = math.radians(300.0)
@@ -50,6 +54,8 @@ class StandardTests:
     figures: list[KeyFigure] = field(default_factory=list)
     sheets: dict[str, Sheet] = field(default_factory=dict)
     notes: list[str] = field(default_factory=list)
+    split_torque: float | None = None
+    """Brake torque of the test on split friction, once it is known [N m]."""
     _straight: dict[float, CarPoint] = field(default_factory=dict)
 
     def run_all(self) -> None:
@@ -190,6 +196,12 @@ class StandardTests:
         torque = self._brake_torque(_MOTORWAY, 6.0)
         straight = StraightBraking(speed_control=self._control, torque=torque)
         self._run("straight_braking", straight, _MOTORWAY, 7.0)
+        self.split_torque = torque
+        if self.solver.car.has_slippery_side:
+            split = SplitBraking(speed_control=self._control, torque=torque)
+            self._run("split_braking", split, SPLIT_SPEED, SPLIT_DURATION)
+        else:
+            self.notes.append("split braking: left out: the tyres' law has no friction")
 
     def crosswind(self) -> None:
         """Let a gust of 1 kN, 0.5 m ahead of the origin, act at 100 km/h."""

@@ -16,14 +16,17 @@ from numpy.typing import NDArray
 from vehicledyn.analyses.preparation.build_model import build_tested
 from vehicledyn.analyses.preparation.prepare import equilibrium_point, prepare
 from vehicledyn.analyses.preparation.prepared import Prepared, Progress
+from vehicledyn.analyses.preparation.road_runnable import RoadSubject
 from vehicledyn.base.errors import InputError
 from vehicledyn.files.scenario.target import Target
 from vehicledyn.kernel.engine import Ledger
 from vehicledyn.kernel.make_kernel import Backend
 from vehicledyn.road.manoeuvres.driving_test import DrivingTest
+from vehicledyn.road.manoeuvres.kinds.braking.split_braking import slippery_side
 from vehicledyn.road.manoeuvres.speed_control import SpeedControl
 from vehicledyn.road.manoeuvres.time_table import KNOTS
 from vehicledyn.road.vehicle import RoadVehicle
+from vehicledyn.road.wheel.road_wheel import RoadWheel
 from vehicledyn.symbolic.ops import Scalar
 
 Vector = NDArray[np.float64]
@@ -74,10 +77,11 @@ class TestedCar:
             target,
             backend=backend,
             progress=progress,
-            change=lambda _: build_tested(target, test),
+            change=lambda _: _tested(target, test),
         )
         self.vehicle: RoadVehicle = self.prepared.subject.vehicle  # type: ignore[attr-defined]
         self.kernel, self.equations = self.prepared.kernel, self.prepared.equations
+        self.has_slippery_side = _feel_friction(self.prepared.subject)  # type: ignore[arg-type]
         self.control = CONTROL
         self._places = {p.name: k for k, p in enumerate(self.equations.parameters)}
         self._states = {s.name: k for k, s in enumerate(self.equations.states)}
@@ -160,3 +164,18 @@ class TestedCar:
         self.kernel.set_parameters(point.parameters)
         values: Any = self.kernel.outputs(0.0, point.state, point.unknowns)
         return {name: float(values[k]) for name, k in self.channel.items()}
+
+
+def _tested(target: Target, test: DrivingTest) -> RoadSubject:
+    """Return the vehicle with its test, on a road whose one side may become slippery.
+
+    That side has the friction of the road, until a test sets another; it is left out where tyres
+    of a law of one's own feel no friction.
+    """
+    subject = build_tested(target, test, (slippery_side(1.0, "right", 0.0, 0.0),))
+    return subject if _feel_friction(subject) else build_tested(target, test)
+
+
+def _feel_friction(subject: RoadSubject) -> bool:
+    wheels = [part for part in subject.system.parts if isinstance(part, RoadWheel)]
+    return all(wheel.tyre.feels_friction for wheel in wheels)

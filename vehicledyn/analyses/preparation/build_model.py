@@ -16,6 +16,7 @@ from vehicledyn.rail.track.track_set import TrackChoice
 from vehicledyn.road.limits import limited
 from vehicledyn.road.manoeuvres.kinds.straight import Straight
 from vehicledyn.road.manoeuvres.manoeuvre import RoadManoeuvre
+from vehicledyn.road.patches.patch import FrictionPatch
 from vehicledyn.road.surfaces.surface import RoadSurface
 from vehicledyn.road.tyres.tyre import Tyre
 from vehicledyn.road.vehicle import RoadVehicle
@@ -66,8 +67,12 @@ def build_vehicle(target: Target) -> RoadVehicle:
     return limited(manoeuvre_of(target).fit(vehicle))
 
 
-def build_tested(target: Target, test: RoadManoeuvre) -> RoadSubject:
+def build_tested(
+    target: Target, test: RoadManoeuvre, patches: tuple[FrictionPatch, ...] = ()
+) -> RoadSubject:
     """Return the vehicle of a target on free wheels in another manoeuvre than its own.
+
+    ``patches`` lie over those of its road.
 
     Raises
     ------
@@ -75,9 +80,12 @@ def build_tested(target: Target, test: RoadManoeuvre) -> RoadSubject:
         If the scenario lacks a part that the vehicle needs.
     """
     from vehicledyn.files.building.builders import BUILDERS
+    from vehicledyn.files.building.values import RoadChoice
 
     written, choice = _asked(target)
-    free = None if choice is None else replace(choice, free_wheels=True)
+    if choice is None and patches and written.kind == "system":
+        choice = RoadChoice()
+    free = None if choice is None else replace(choice, free_wheels=True, patches=patches)
     vehicle: RoadVehicle = BUILDERS[written.kind].vehicle(written, free)
     if not vehicle.free_wheels:
         raise InputError(
@@ -104,6 +112,7 @@ def _choice(target: Target, s: Scenario) -> RoadChoice:
         front_tyre=_tyre(target, s, "front"),
         rear_tyre=_tyre(target, s, "rear"),
         surface=_road(target, s),
+        patches=manoeuvre_of(target).patches(),
         free_wheels=s.wheel_spin != "prescribed",
         speed=s.speed or 0.0,
         contact=s.contact or "disc",

@@ -71,7 +71,7 @@ def _options(model: CatalogueModel, choice: RoadChoice) -> RoadOptions:
     return RoadOptions(
         front_tyre=choice.front_tyre,  # type: ignore[arg-type]
         rear_tyre=choice.rear_tyre,  # type: ignore[arg-type]
-        surface=choice.surface,  # type: ignore[arg-type]
+        surface=choice.laid(choice.surface),  # type: ignore[arg-type]
         free_wheels=choice.free_wheels,
         speed=choice.speed,
         contact=choice.contact,

@@ -14,6 +14,8 @@ from vehicledyn.files.expressions.parameters import Entry
 from vehicledyn.files.system.read import SystemModel
 from vehicledyn.rail.track.track import Track
 from vehicledyn.rail.track.track_set import TrackChoice
+from vehicledyn.road.patches.patch import FrictionPatch
+from vehicledyn.road.surfaces.surface import RoadSurface
 from vehicledyn.symbolic.parameters import ParameterTable
 
 
@@ -21,13 +23,14 @@ from vehicledyn.symbolic.parameters import ParameterTable
 class RoadChoice:
     """What a scenario chooses for the wheels of a system; None leaves it to the file.
 
-    ``speed`` is the forward speed at the start [m/s], ``track`` the railway track of the
-    scenario, its files read.
+    ``speed`` is the forward speed at the start [m/s], ``patches`` what the manoeuvre lays over
+    the road, ``track`` the railway track of the scenario, its files read.
     """
 
     front_tyre: ParameterSet | None = None
     rear_tyre: ParameterSet | None = None
     surface: ParameterSet | None = None
+    patches: tuple[FrictionPatch, ...] = ()
     free_wheels: bool = True
     speed: float = 0.0
     contact: str = "disc"
@@ -35,6 +38,12 @@ class RoadChoice:
     track: Track | None = None
     creep: ParameterSet | None = None
     rail_contact: ParameterSet | None = None
+
+    def laid(self, road: ParameterSet | None) -> ParameterSet | None:
+        """Return a road with the patches of the manoeuvre over its own."""
+        if not self.patches or not isinstance(road, RoadSurface):
+            return road
+        return road.model_copy(update={"patches": [*road.patches, *self.patches]})
 
 
 class Values:

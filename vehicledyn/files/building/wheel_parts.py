@@ -78,10 +78,12 @@ def spin_of(values: Values, wheel: WheelSet) -> str:
 
 def surface_numbers(values: Values) -> ParameterSet | None:
     """Return the road with numbers."""
-    if values.choice.surface is not None:
-        return values.choice.surface
+    choice = values.choice
+    if choice.surface is not None:
+        return choice.laid(choice.surface)
     road = values.model.file.road
-    return road.placed(values.model.path.parent) if isinstance(road, RoadSurface) else road
+    placed = road.placed(values.model.path.parent) if isinstance(road, RoadSurface) else road
+    return choice.laid(placed)
 
 
 def _need_road(

@@ -36,6 +36,16 @@ class DrivingTest(RoadManoeuvre):
         "1", "Part of the brake torque at the front wheels", default=0.65, ge=0, le=1
     )
 
+    def problems(self, *, free_wheels: bool) -> list[str]:
+        """Return also that wheels of a given rate cannot be driven or braked."""
+        found = super().problems(free_wheels=free_wheels)
+        torques = self.drive_torque().values + self.brake_torque().values
+        if not free_wheels and any(torques):
+            found.append(
+                "drive and brake torques need 'wheel_spin: free'; prescribed wheels keep their rate"
+            )
+        return found
+
     def steering(self) -> SteeringSignal:
         """Return the steering angle by time."""
         return SteeringSignal()

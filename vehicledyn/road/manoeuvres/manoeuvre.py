@@ -13,6 +13,7 @@ from vehicledyn.road.manoeuvres.speed_control import SpeedControl
 
 if TYPE_CHECKING:
     from vehicledyn.results.store.layout import SceneItem, SummaryEntry
+    from vehicledyn.road.patches.patch import FrictionPatch
     from vehicledyn.road.vehicle import RoadVehicle
 
 
@@ -34,6 +35,10 @@ class RoadManoeuvre(ParameterSet):
         if self.speed_control is not None and not free_wheels:
             return ["speed_control needs 'wheel_spin: free'; prescribed wheels are not driven"]
         return []
+
+    def patches(self) -> tuple[FrictionPatch, ...]:
+        """Return patches of friction that the manoeuvre lays over those of the road."""
+        return ()
 
     def fit(self, vehicle: RoadVehicle) -> RoadVehicle:
         """Return the vehicle with steering and drive."""

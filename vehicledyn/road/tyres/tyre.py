@@ -128,6 +128,11 @@ class Tyre(ParameterSet):
         """
         return ops.minimum(loaded_radius, radius)
 
+    @property
+    def feels_friction(self) -> bool:
+        """Whether the law has a friction, so that patches of another may change it."""
+        return self.friction_field in type(self).model_fields
+
     def on_ground(self, friction: Scalar) -> Tyre:
         """Return the tyre on ground whose friction over that of the tyre's own road is given [1].
 
@@ -138,7 +143,7 @@ class Tyre(ParameterSet):
         """
         if isinstance(friction, float) and friction == 1.0:
             return self
-        if self.friction_field not in type(self).model_fields:
+        if not self.feels_friction:
             raise InputError(
                 f"tyres of the kind '{self.kind}' have no field '{self.friction_field}', so they "
                 "cannot feel patches of other friction; leave out the road's patches"

@@ -26,6 +26,8 @@ TESTS = {
     "j_turn": "J-turn, last speed",
     "braking_in_turn": "Braking in a turn (ISO 7975)",
     "straight_braking": "Straight braking (ISO 21994)",
+    "split_braking": "Braking on split friction (ISO 14512), steering wheel held",
+    "split_braking_steered": "Braking on split friction (ISO 14512), steered",
     "crosswind": "Side wind (ISO 12021), 1 kN",
     "double_lane_change": "Double lane change (ISO 3888-1)",
     "obstacle_avoidance": "Obstacle avoidance (ISO 3888-2), last speed passed",
@@ -38,6 +40,7 @@ _PANELS = (
     ("lateral_acceleration", "Lateral acceleration", "m/s^2", 1.0),
     ("sideslip", "Side-slip angle", "deg", _DEGREES),
 )
+_ASIDE = ("y", "Deviation from the path", "m", 1.0)
 _BRAKED = ("forward_speed", "Speed", "m/s", 1.0)
 
 
@@ -54,7 +57,9 @@ def handling_figures(tables: Sequence[HandlingTable]) -> Iterator[tuple[str, Fig
 def _test(tables: Sequence[HandlingTable], name: str, title: str) -> Figure:
     figure = new_figure(tables, title, 0.62)
     panels = list(_PANELS)
-    if "braking" in name:
+    if "split" in name:
+        panels = [_BRAKED, *_PANELS[:2], _ASIDE]
+    elif "braking" in name:
         panels[0] = _BRAKED
     for axes, (signal, label, unit, scale) in zip(
         figure.subplots(2, 2, sharex=True).flat, panels, strict=True

@@ -25,14 +25,12 @@ class StraightBraking(DrivingTest):
 
     The summary has the stopping distance from the begin of braking, where the run is long enough;
     the mean fully developed deceleration, of the way between 80 % and 10 % of the initial speed;
-    and the heading at the end. On a road of two frictions the heading shows the yaw that the
-    different brake forces of the sides bring about (ISO 14512).
+    and the heading at the end. ``split_braking`` is the test on a road of two frictions.
 
     References
     ----------
-    ISO 21994, Passenger cars - Stopping distance at straight-line braking with ABS. ISO 14512,
-    Passenger cars - Straight-ahead braking on surfaces with split coefficient of friction. Mean
-    fully developed deceleration: UN R13-H, annex 3.
+    ISO 21994, Passenger cars - Stopping distance at straight-line braking with ABS. Mean fully
+    developed deceleration: UN R13-H, annex 3.
     """
 
     torque: float = quantity("N*m", "Brake torque of all wheels together", gt=0)
@@ -55,31 +53,13 @@ class StraightBraking(DrivingTest):
         self, signals: Signals, recording: Recording, vehicle: RoadVehicle
     ) -> Iterator[SummaryEntry]:
         """Yield distances, deceleration and heading."""
-        import numpy as np
+        from vehicledyn.road.standards.braking import deceleration_figures
 
         braked = signals.between(self.brake_at, float(signals.time[-1]))
         if len(braked.time) < 2:
             return
-        way = np.concatenate([[0.0], np.cumsum(np.diff(braked.time) * 0.5 * (
-            braked.speed[1:] + braked.speed[:-1]))])  # fmt: skip
-        first = float(braked.speed[0])
-        yield from entry("initial_speed", first, "m/s", "Speed at which the brakes begin")
-        falling = -braked.speed  # rises, as interpolation needs it
-        if braked.speed.min() <= _STOPPED:
-            stop = float(np.interp(-_STOPPED, falling, way))
-            yield from entry(
-                "stopping_distance", stop, "m", "Way from the begin of braking to rest"
-            )
-        if first > _STOPPED and braked.speed.min() <= 0.1 * first:
-            ways = np.interp([-0.8 * first, -0.1 * first], falling, way)
-            mean = (0.8**2 - 0.1**2) * first**2 / (2.0 * (ways[1] - ways[0]))
-            words = "Mean fully developed deceleration, between 80 % and 10 % of the speed"
-            yield from entry("mean_deceleration", float(mean), "m/s^2", words)
+        yield from deceleration_figures(braked)
         turned = float(braked.yaw[-1] - braked.yaw[0])
         yield from entry("heading_change", turned, "rad", "Heading at the end against the begin")
         aside = float(abs(braked.y - braked.y[0]).max())
         yield from entry("lateral_deviation", aside, "m", "Largest lateral deviation while braking")
-
-
-_STOPPED = 0.1
-"""Speed that counts as standing [m/s]."""
