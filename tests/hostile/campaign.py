@@ -5,6 +5,7 @@ import random
 from collections import Counter, defaultdict
 from dataclasses import dataclass, field
 
+import analysed_cases
 import command_cases
 import finite_element_cases
 import harness
@@ -39,9 +40,11 @@ KINDS = {
     "beam": mechanism_cases.beam,
     "finite_elements": finite_element_cases.finite_elements,
     "gradient_study": mechanism_cases.gradient_study,
+    "analysed": analysed_cases.analysed,
+    "fitted": analysed_cases.fitted,
 }
 TOLD = 200  # cases after which a long campaign says how far it is
-WEIGHTS = {"scenario": 3, "system": 3, "option": 2, "result": 4, "table": 2}
+WEIGHTS = {"scenario": 3, "system": 3, "option": 2, "result": 4, "table": 2, "analysed": 2}
 
 
 @dataclass

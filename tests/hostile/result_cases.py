@@ -3,6 +3,7 @@
 import fcntl
 import functools
 import io
+import json
 import os
 import pickle
 import tempfile
@@ -10,6 +11,7 @@ from pathlib import Path
 
 import harness
 import mechanism_cases
+import mutations
 import result_tables
 import road_file_cases
 import table_cases
@@ -243,6 +245,8 @@ def _like(old, rng):
              "running"]  # fmt: skip
     if array.ndim == 0:
         text = str(old)
+        if text[:1] in ("{", "[") and rng.random() < 0.7:
+            return _spoilt_json(text, rng)
         return rng.choice([*texts, text[: len(text) // 2], text.replace("1", "1e308"), text * 2])
     new = array.astype(object)
     flat = new.reshape(-1)
@@ -250,6 +254,17 @@ def _like(old, rng):
     if rng.random() < 0.3:
         flat[:] = flat[0]
     return new
+
+
+def _spoilt_json(text, rng):
+    """Return a description in JSON, of plots or shapes say, with values and keys changed."""
+    try:
+        data = json.loads(text)
+    except ValueError:
+        return text[::-1]
+    for _ in range(rng.choice([1, 1, 2, 3])):
+        mutations.spoil_data(data, [data], rng)
+    return json.dumps(data).encode("utf-8", "replace").decode()
 
 
 def _reshaped(old, rng):

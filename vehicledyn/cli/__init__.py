@@ -9,7 +9,8 @@ import sys
 from typing import NoReturn
 
 from vehicledyn.base.errors import VehicledynError
-from vehicledyn.cli.exit_codes import BUG, INPUT, INTERRUPTED, code_of_error
+from vehicledyn.cli.exit_codes import INPUT, INTERRUPTED, code_of_error
+from vehicledyn.cli.unforeseen import told
 
 __all__ = ["main"]
 
@@ -38,10 +39,8 @@ def main() -> NoReturn:
     except OSError as error:
         where = f"{error.filename}: " if error.filename else ""
         _leave(f"{where}{error.strerror or error}", INPUT)
-    except Exception as error:  # the edge of the program: whatever comes here is a bug
-        text = " ".join(f"{type(error).__name__}: {error}".split())
-        hint = "Set VEHICLEDYN_TRACEBACK=1 to see where, and please report it."
-        _leave(f"this is a bug of vehicledyn: {text}. {hint}", BUG)
+    except Exception as error:  # the edge of the program
+        _leave(*told(error))
 
 
 def _open_closed_streams() -> None:
@@ -59,13 +58,15 @@ def _run() -> NoReturn:
     gc.set_threshold(*_COLLECTED_AFTER)
     # Other packages' plugins of pydantic have no part in this; looking for them takes a while.
     os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")
+    from vehicledyn.cli.foreign_warnings import told_in_words
     from vehicledyn.cli.verbs import command_for
 
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(errors="backslashreplace")
-    command_for(sys.argv[1:])(prog_name="vehicledyn")
-    sys.exit(0)
+    with told_in_words():
+        command_for(sys.argv[1:])(prog_name="vehicledyn")
+        sys.exit(0)
 
 
 def _leave(text: str, code: int) -> NoReturn:

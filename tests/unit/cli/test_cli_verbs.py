@@ -5,15 +5,18 @@ import json
 import math
 import re
 import sys
+import warnings
 from pathlib import Path
 from types import SimpleNamespace
 
+import numpy as np
 import pytest
 
 import vehicledyn
 from vehicledyn.analyses.simulation.run_outcome import RunOutcome, ShownEntry
 from vehicledyn.base.errors import InputError, MissingPartError, NumericalError, StoppedError
 from vehicledyn.cli import main
+from vehicledyn.cli.foreign_warnings import told_in_words
 from vehicledyn.cli.progress_bar import Progress
 from vehicledyn.cli.terminal import show_progress, to_json
 
@@ -139,6 +142,10 @@ def test_failed_run_passes_its_exit_code_and_messages_on(call, write, pipeline):
         (MissingPartError("no compiler"), 4, "no compiler\n"),
         (PermissionError(13, "Permission denied", "a.h5"), 2, "a.h5: Permission denied\n"),
         (MemoryError(), 2, "out of memory\n"),
+        (ZeroDivisionError("float division by zero"), 3, "the computation failed on numbers ("),
+        (ValueError("array must not contain infs or NaNs"), 3, "the computation failed on numb"),
+        (RecursionError("maximum depth"), 2, "what is given is nested too deeply ("),
+        (ValueError("no definite answer"), 70, "this is a bug of vehicledyn: ValueError: "),
         (KeyError("wheel\nbase"), 70, "this is a bug of vehicledyn: KeyError: "),
     ],
 )
@@ -148,6 +155,25 @@ def test_every_error_is_one_message_and_an_exit_code(call, write, pipeline, erro
     assert (got, out) == (code, "")
     assert err.startswith(words)
     assert len(err.splitlines()) == 1
+
+
+@pytest.mark.parametrize(
+    ("code", "words"),
+    [
+        ("np.float64(1e308) * 10.0", "warning: numbers left the range that a computer's numbers"),
+        ("warnings.warn('odd', UserWarning)", "warning of "),
+        ("raise SystemExit(2)", ""),
+    ],
+)
+def test_what_libraries_warn_of_is_one_sentence(capsys, code, words):
+    with warnings.catch_warnings(), pytest.raises(SystemExit), told_in_words():
+        warnings.simplefilter("default")
+        np.float64(-1e308) * 10.0 if "Exit" in code else None
+        exec(code)
+        sys.exit(0)
+    told = capsys.readouterr().err
+    assert told.startswith(words)
+    assert len(told.splitlines()) == bool(words)
 
 
 def test_interrupt_exits_with_130(call, write, pipeline):

@@ -44,6 +44,7 @@ _USUAL = {
 """Coefficients that are fitted to a force where none are named."""
 
 _DEPENDENT = 1e-10
+_MOST_TRIALS = 300
 """Ratio of singular values below which coefficients cannot be told apart by the data [1]."""
 
 
@@ -244,10 +245,18 @@ class _Problem:
                 f"{source}: {len(slopes)} values for {len(start)} coefficients: give more lines "
                 "or fewer coefficients"
             )
-        found = least_squares(
-            self.residuals, start, self.jacobian, x_scale="jac", xtol=1e-14, ftol=1e-14, gtol=1e-14
-        )
-        if not found.success:
+        if not (np.isfinite(slopes).all() and np.isfinite(self.residuals(start)).all()):
+            raise InputError(
+                f"{source}: the start values give no finite forces at these loads and slips"
+            )
+        try:
+            found = least_squares(
+                self.residuals, start, self.jacobian, x_scale="jac", max_nfev=_MOST_TRIALS,
+                xtol=1e-14, ftol=1e-14, gtol=1e-14,
+            )  # fmt: skip
+        except (ValueError, np.linalg.LinAlgError) as error:
+            raise NumericalError(f"{source}: the fit comes to what is no number: {error}") from None
+        if not (found.success and np.isfinite(found.jac).all()):
             raise NumericalError(f"{source}: the fit does not converge: {found.message}")
         size = np.linalg.norm(found.jac, axis=0)
         scaled = found.jac / np.where(size > 0.0, size, 1.0)

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from vehicledyn.results.plots.canvas import new_canvas
 from vehicledyn.results.plots.measured_figure import draw_measured
 from vehicledyn.results.plots.plot_style import BLUE, VERMILION, WIDTH, axis_label, plain
 from vehicledyn.results.tables.contact_table import SIDES, ContactTable
@@ -28,9 +29,7 @@ def contact_figures(table: ContactTable) -> Iterator[tuple[str, Figure]]:
 
 
 def _draw_contact(table: ContactTable) -> Figure:
-    from matplotlib.figure import Figure
-
-    figure = Figure(figsize=(WIDTH, 0.31 * WIDTH), layout="constrained")
+    figure = new_canvas(WIDTH, 0.31 * WIDTH)
     left, right = figure.subplots(1, 2, sharey=True)
     for number, (axes, side) in enumerate(((left, SIDES[0]), (right, SIDES[1]))):
         lines = _draw_side(axes, table, number)
@@ -72,9 +71,7 @@ def _draw_side(axes: Axes, table: ContactTable, number: int) -> Any:
 
 
 def _draw_geometry(table: ContactTable) -> Figure:
-    from matplotlib.figure import Figure
-
-    figure = Figure(figsize=(WIDTH, 0.75 * WIDTH), layout="constrained")
+    figure = new_canvas(WIDTH, 0.75 * WIDTH)
     (places, angles), (difference, conicity) = figure.subplots(2, 2)
     curves = table.curves
     for number, (side, colour) in enumerate(zip(SIDES, (BLUE, VERMILION), strict=True)):

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from vehicledyn.base.errors import errors_of
 from vehicledyn.results.plots.absent_contacts import shown_values
 from vehicledyn.results.plots.arrangement import arranged
+from vehicledyn.results.plots.canvas import new_canvas
 from vehicledyn.results.plots.path_figure import draw_path
 from vehicledyn.results.plots.plot_description import Panel, Plot, TimePlot, unit_factor
 from vehicledyn.results.plots.plot_style import (
@@ -69,9 +70,8 @@ def draw_figure(result: Result, plot: Plot, *, beside: Sequence[Result] = ()) ->
 def new_figure(height: float) -> Figure:
     """Return an empty figure of the report's width on a canvas without a window."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.figure import Figure
 
-    figure = Figure(figsize=(WIDTH, height), layout="constrained")
+    figure = new_canvas(WIDTH, height)
     FigureCanvasAgg(figure)
     return figure
 

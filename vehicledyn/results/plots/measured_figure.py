@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from vehicledyn.results.plots.canvas import new_canvas
 from vehicledyn.results.plots.plot_style import BLUE, VERMILION, WIDTH, axis_label, plain
 from vehicledyn.results.tables.contact_table import MeasuredProfile
 
@@ -26,9 +27,7 @@ def draw_measured(title: str, profiles: dict[str, MeasuredProfile]) -> Figure:
     Above are the points used, those of the file that means stand for, outliers left out and the
     bridges of gaps; below is the distance of the points from the curve.
     """
-    from matplotlib.figure import Figure
-
-    figure = Figure(figsize=(WIDTH, 0.62 * WIDTH), layout="constrained")
+    figure = new_canvas(WIDTH, 0.62 * WIDTH)
     panels = figure.subplots(2, len(profiles), squeeze=False, sharex="col")
     for column, (name, profile) in enumerate(profiles.items()):
         above, below = panels[:, column]

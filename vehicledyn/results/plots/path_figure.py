@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vehicledyn.base.errors import InputError
+from vehicledyn.results.plots.canvas import drawable
 from vehicledyn.results.plots.overlay import SCENERY
 from vehicledyn.results.plots.plot_description import PathPlot, unit_factor
 from vehicledyn.results.plots.plot_style import BLUE, ORANGE, WIDTH, axis_label
@@ -27,6 +28,8 @@ ROW_LENGTH = 58.0  # m, the longest row that shows a body of 4 m clearly
 MARGIN = 1.0  # m round the drawing
 OUTLINE_SPACING = 6.0  # m between two outlines along the path
 ROW_OVERLAP = 4.0  # m that a row repeats of its neighbour, so that no cone is cut in two
+MOST_ROWS = 12  # of a longer course the overview is drawn alone
+MOST_OUTLINES = 1000
 OVERVIEW_HEIGHT = 1.5  # inch
 
 
@@ -56,7 +59,8 @@ def draw_path(
     """Return the figure of a path, with room for the paths of results to be laid over it.
 
     A slender course is shown twice: whole, with the lateral scale stretched, and cut into
-    rows true to scale. Any other course is shown once, true to scale.
+    rows true to scale, unless these were more than ``MOST_ROWS``. Any other course is shown
+    once, true to scale.
     """
     course = _course(result, plot)
     if beside:
@@ -71,6 +75,10 @@ def draw_path(
         return figure
     rows = math.ceil(length / ROW_LENGTH)
     row_height = 0.9 * WIDTH * width * rows / length + 0.5
+    if rows > MOST_ROWS:
+        figure = new_figure(OVERVIEW_HEIGHT + 1.2)
+        _draw_overview(figure.subplots(), course)
+        return figure
     figure = new_figure(OVERVIEW_HEIGHT + rows * row_height + 1.2)
     axes = figure.subplots(rows + 1, 1, height_ratios=[OVERVIEW_HEIGHT, *[row_height] * rows])
     _draw_overview(axes[0], course)
@@ -90,7 +98,7 @@ def _course(result: Result, plot: PathPlot) -> _Course:
     outline = scene["outline"].values if plot.heading and "outline" in scene else None
     columns = [_values(result, plot.x, "m"), _values(result, plot.y, "m")]
     columns += [_values(result, plot.heading, "rad")] if plot.heading else []
-    table = np.stack(columns, axis=1)
+    table = drawable(np.stack(columns, axis=1))
     table = table[np.all(np.isfinite(table), axis=1)]
     if not len(table):
         raise InputError(f"{result.path}: plot '{plot.name}' has no finite positions to show")
@@ -180,7 +188,8 @@ def _draw_outlines(axes: Axes, course: _Course) -> None:
     travelled = np.cumsum(
         np.hypot(np.diff(course.x, prepend=course.x[0]), np.diff(course.y, prepend=course.y[0]))
     )
-    samples = np.searchsorted(travelled, np.arange(0.0, travelled[-1] + 1e-9, OUTLINE_SPACING))
+    spacing = max(OUTLINE_SPACING, travelled[-1] / MOST_OUTLINES)
+    samples = np.searchsorted(travelled, np.arange(0.0, travelled[-1] + 1e-9, spacing))
     cosine, sine = np.cos(course.heading[samples]), np.sin(course.heading[samples])
     forward, left = course.outline[:, 0], course.outline[:, 1]
     corners = np.stack(

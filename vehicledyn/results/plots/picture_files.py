@@ -17,6 +17,8 @@ from vehicledyn.results.plots.scales import leave_out_unbounded
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
+_LONGEST_NAME = 100
+
 # No dates or versions: equal results give equal pictures.
 METADATA: dict[str, dict[str, Any]] = {
     "png": {"Software": None},
@@ -41,12 +43,28 @@ def save_figures(
     written = []
     try:
         with folder_for_files(folder), matplotlib.rc_context(STYLE):
-            for name, figure in figures:
+            taken: set[str] = set()
+            for given, figure in figures:
+                name = _free_name(given, taken)
                 settle(figure)
                 written += [save(figure, folder / f"{name}.{kind}", kind) for kind in formats]
     except OSError as error:
         raise write_failed(folder, error) from error
     return written
+
+
+def _free_name(name: str, taken: set[str]) -> str:
+    """Return a name for a file, short and one of its own: quantities may differ in signs alone.
+
+    >>> taken = set()
+    >>> [_free_name(name, taken) for name in ("a", "b", "a")]
+    ['a', 'b', 'a_2']
+    """
+    stem = name[:_LONGEST_NAME]
+    ends = ("", *(f"_{number}" for number in range(2, len(taken) + 2)))
+    found = next(stem + end for end in ends if (stem + end).casefold() not in taken)
+    taken.add(found.casefold())
+    return found
 
 
 def check_formats(formats: Sequence[str]) -> None:

@@ -30,6 +30,8 @@ from vehicledyn.base.errors import InputError, errors_of, unknown_name
 from vehicledyn.base.units import parse_unit
 
 _LONGEST = 100
+_MOST_PLOTS, _MOST_PANELS, _MOST_LINES = 1000, 30, 200
+"""Panels and lines of a figure that is drawn as described, not arranged by its drawing."""
 _FILE_NAME = re.compile(rf"[^./\\\x00-\x1f\x7f][^/\\\x00-\x1f\x7f]{{0,{_LONGEST - 1}}}")
 
 
@@ -88,7 +90,10 @@ def read_plots(descriptions: Iterable[Mapping[str, Any]], source: str | Path) ->
 
 
 def _read_plots(descriptions: Iterable[Mapping[str, Any]]) -> tuple[Plot, ...]:
-    plots = tuple(_read_plot(description) for description in descriptions)
+    given = list(descriptions)
+    if len(given) > _MOST_PLOTS:
+        raise InputError(f"describes {len(given)} plots; at most {_MOST_PLOTS} are drawn")
+    plots = tuple(_read_plot(description) for description in given)
     names = [plot.name for plot in plots]
     for name in names:
         if names.count(name) > 1:
@@ -128,7 +133,10 @@ def _read_plot(description: Mapping[str, Any]) -> Plot:
             if not panels:
                 raise InputError(f"plot '{name}' has no panels")
             x, x_unit = (str(description.get(key) or "") for key in ("x", "x_unit"))
-            return TimePlot(name, title, panels, x, x_unit, bool(description.get("arranged")))
+            is_arranged = bool(description.get("arranged"))
+            if not is_arranged:
+                _check_size(name, panels)
+            return TimePlot(name, title, panels, x, x_unit, is_arranged)
         if kind == "path":
             return PathPlot(
                 name,
@@ -141,6 +149,14 @@ def _read_plot(description: Mapping[str, Any]) -> Plot:
     except KeyError as error:
         raise InputError(f"plot '{name}' says nothing of its {error}") from None
     raise InputError(f"plot '{name}': {unknown_name('kind', str(kind), ('time', 'path'))}")
+
+
+def _check_size(plot: str, panels: tuple[Panel, ...]) -> None:
+    if len(panels) > _MOST_PANELS:
+        raise InputError(f"plot '{plot}' has {len(panels)} panels, more than {_MOST_PANELS}")
+    lines = max(len(panel.channels) for panel in panels)
+    if lines > _MOST_LINES:
+        raise InputError(f"plot '{plot}': a panel has {lines} lines, more than {_MOST_LINES}")
 
 
 def _list(plot: str, value: Any) -> list[Any]:

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from vehicledyn.results.plots.canvas import new_canvas
 from vehicledyn.results.plots.plot_style import BLUE, VERMILION, WIDTH, axis_label, plain
 from vehicledyn.results.tables.track_table import TrackTable
 
@@ -28,12 +29,10 @@ def track_figures(table: TrackTable) -> Iterator[tuple[str, Figure]]:
 
 
 def _draw_plan(table: TrackTable) -> Figure:
-    from matplotlib.figure import Figure
-
     x, y = table["x"], table["y"]
     across = (np.ptp(y) + 1.0) / (np.ptp(x) + 1.0)
     height = WIDTH * min(max(across, 0.35), 1.3)
-    figure = Figure(figsize=(WIDTH, height), layout="constrained")
+    figure = new_canvas(WIDTH, height)
     axes = figure.subplots()
     axes.plot(x, y, color=BLUE)
     _mark(axes, table)
@@ -56,9 +55,7 @@ def _mark(axes: Axes, table: TrackTable) -> None:
 
 
 def _draw_design(table: TrackTable) -> Figure:
-    from matplotlib.figure import Figure
-
-    figure = Figure(figsize=(WIDTH, 0.8 * WIDTH), layout="constrained")
+    figure = new_canvas(WIDTH, 0.8 * WIDTH)
     rows = figure.subplots(len(_DESIGN), 1, sharex=True)
     for axes, name in zip(rows, _DESIGN, strict=True):
         axes.plot(table["s"], table[name], color=BLUE)
@@ -69,9 +66,7 @@ def _draw_design(table: TrackTable) -> Figure:
 
 
 def _draw_rails(table: TrackTable) -> Figure:
-    from matplotlib.figure import Figure
-
-    figure = Figure(figsize=(WIDTH, 0.55 * WIDTH), layout="constrained")
+    figure = new_canvas(WIDTH, 0.55 * WIDTH)
     rows = figure.subplots(2, 1, sharex=True)
     for axes, way, label in zip(rows, _RAILS, ("To the left", "Upwards"), strict=True):
         for side, colour in (("left", BLUE), ("right", VERMILION)):

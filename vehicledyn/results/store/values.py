@@ -13,6 +13,9 @@ from vehicledyn.results.store.layout import SceneItem, SummaryEntry
 
 Floats = NDArray[np.float64]
 
+_PLACES = ("cones", "outline")
+_FARTHEST = 1e12  # m
+
 
 @dataclass(frozen=True)
 class Series:
@@ -56,13 +59,22 @@ def _scalar(dataset: h5py.Dataset) -> float | int | bool | str:
 
 
 def scene_item(dataset: h5py.Dataset) -> SceneItem:
-    """Return an item of the scene."""
+    """Return an item of the scene; raise ValueError for what is no table of places."""
     own = {"units", "long_name", "DIMENSION_LIST"}
+    values = np.asarray(dataset[()], dtype=float)
+    name = dataset.name.rpartition("/")[2]
+    if name in _PLACES and (values.ndim != 2 or values.shape[1] != 2):
+        raise ValueError(f"scene/{name} has the shape {values.shape}, not (n, 2)")
+    if not (np.abs(values) <= _FARTHEST).all():
+        raise ValueError(f"scene/{name} holds what is no number or farther than {_FARTHEST:g} m")
+    attributes = {k: plain(v) for k, v in dataset.attrs.items() if k not in own}
+    if not isinstance(attributes.get("radius", 0.0), float | int):
+        raise ValueError(f"scene/{name}: its radius is no number")
     return SceneItem(
-        values=np.asarray(dataset[()], dtype=float),
+        values=values,
         unit=str(dataset.attrs["units"]),
         description=str(dataset.attrs["long_name"]),
-        attributes={k: plain(v) for k, v in dataset.attrs.items() if k not in own},
+        attributes=attributes,
     )
 
 

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from vehicledyn.results.plots.canvas import new_canvas
 from vehicledyn.results.plots.plot_style import (
     BLACK,
     BLUE,
@@ -40,9 +41,7 @@ def cam_figures(table: CamTable) -> Iterator[tuple[str, Figure]]:
 
 
 def _figure(table: CamTable, title: str, height: float) -> Figure:
-    from matplotlib.figure import Figure
-
-    figure = Figure(figsize=(WIDTH, height * WIDTH), layout="constrained")
+    figure = new_canvas(WIDTH, height * WIDTH)
     figure.suptitle(f"{title}\n{plain(table.title)}", fontsize=9.5, x=0.01, ha="left")
     return figure
 

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from vehicledyn.results.plots.canvas import new_canvas
 from vehicledyn.results.plots.plot_style import LINE_STYLES, PALETTE, WIDTH, axis_label, plain
 from vehicledyn.results.tables.handling_table import HandlingTable
 
@@ -35,9 +36,7 @@ def steady_figures(tables: Sequence[HandlingTable]) -> Iterator[tuple[str, Figur
 
 def new_figure(tables: Sequence[HandlingTable], title: str, height: float) -> Figure:
     """Return an empty figure whose title names the cars."""
-    from matplotlib.figure import Figure
-
-    figure = Figure(figsize=(WIDTH, height * WIDTH), layout="constrained")
+    figure = new_canvas(WIDTH, height * WIDTH)
     names = " (lines), ".join(table.model for table in tables)
     shown = f"{title}\n{names}{' (dashed)' if len(tables) > 1 else ''}"
     text = "\n".join(plain(line) for line in shown.splitlines())

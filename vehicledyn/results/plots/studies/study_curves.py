@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vehicledyn.base.units import shown
+from vehicledyn.results.plots.canvas import new_canvas
 from vehicledyn.results.plots.plot_description import unit_factor
 from vehicledyn.results.plots.plot_style import (
     BLUE,
@@ -54,10 +55,8 @@ class Varied(NamedTuple):
 
 def grid_of(count: int, title: str, *, share_x: bool = False) -> tuple[Figure, list[Axes]]:
     """Return a figure with a number of panels; those at the bottom have tick labels."""
-    from matplotlib.figure import Figure
-
     rows, columns = -(-count // COLUMNS), min(count, COLUMNS)
-    figure = Figure(figsize=(WIDTH, 0.6 + _ROW * rows), layout="constrained")
+    figure = new_canvas(WIDTH, 0.6 + _ROW * rows)
     grid = figure.subplots(rows, columns, squeeze=False, sharex=share_x)
     for axes in grid.ravel()[count:]:
         axes.set_visible(False)

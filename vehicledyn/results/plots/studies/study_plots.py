@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from vehicledyn.base.errors import InputError, unknown_name
+from vehicledyn.results.plots.canvas import new_canvas
 from vehicledyn.results.plots.picture_files import check_formats, save_figures
 from vehicledyn.results.plots.plot_description import unit_factor
 from vehicledyn.results.plots.plot_style import BLUE, STYLE, WIDTH, plain
@@ -162,14 +163,12 @@ def _bins(values: Any) -> Any:
 
 
 def _effects(file: StudyFile, values: dict[str, Any], axes_values: dict[str, Any]) -> Figure:
-    from matplotlib.figure import Figure
-
     names = list(axes_values)
     table = np.array(
         [[rank_correlation(column, axes_values[n]) for n in names] for column in values.values()]
     )
     height = 1.6 + 0.22 * len(names)
-    figure = Figure(figsize=(WIDTH, height), layout="constrained")
+    figure = new_canvas(WIDTH, height)
     axes = figure.subplots()
     image = axes.imshow(table.T, cmap="RdBu_r", vmin=-1.0, vmax=1.0, aspect="auto")
     axes.grid(visible=False)

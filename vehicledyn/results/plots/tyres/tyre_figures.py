@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from vehicledyn.results.plots.canvas import new_canvas
 from vehicledyn.results.plots.plot_style import LINE_STYLES, PALETTE, WIDTH, axis_label, plain
 from vehicledyn.results.tables.tyre_table import TyreTable
 
@@ -27,9 +28,7 @@ def tyre_figures(tables: list[TyreTable]) -> Iterator[tuple[str, Figure]]:
 
 
 def _figure(tables: list[TyreTable], title: str, height: float) -> Figure:
-    from matplotlib.figure import Figure
-
-    figure = Figure(figsize=(WIDTH, height * WIDTH), layout="constrained")
+    figure = new_canvas(WIDTH, height * WIDTH)
     names = " (lines), ".join(table.title for table in tables)
     shown = f"{title}\n{names}{' (dashed)' if len(tables) > 1 else ''}"
     text = "\n".join(plain(line) for line in shown.splitlines())

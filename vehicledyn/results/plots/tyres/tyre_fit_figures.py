@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from vehicledyn.results.plots.canvas import new_canvas
 from vehicledyn.results.plots.plot_style import BLUE, VERMILION, WIDTH, axis_label
 
 if TYPE_CHECKING:
@@ -27,9 +28,7 @@ def fit_figures(
 
 
 def _draw(name: str, inputs: Mapping[str, Array], measured: Array, fitted: Array) -> Figure:
-    from matplotlib.figure import Figure
-
-    figure = Figure(figsize=(WIDTH, 0.5 * WIDTH), layout="constrained")
+    figure = new_canvas(WIDTH, 0.5 * WIDTH)
     left, right = figure.subplots(1, 2)
     along = name == "longitudinal_force"
     slip = inputs["longitudinal_slip"] if along else inputs["slip_angle"] * 180.0 / math.pi
