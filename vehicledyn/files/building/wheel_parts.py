@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 from vehicledyn.base.errors import InputError
 from vehicledyn.base.parameters import ParameterSet
 from vehicledyn.files.building.values import Values
@@ -10,6 +12,7 @@ from vehicledyn.multibody.elements.drives import ConstantRate
 from vehicledyn.multibody.model.parts import Part
 from vehicledyn.road.surfaces.surface import RoadSurface
 from vehicledyn.road.tyres.tyre import Tyre
+from vehicledyn.road.wheel.contact_tread import Tread
 from vehicledyn.road.wheel.road_wheel import RoadWheel
 
 
@@ -58,6 +61,7 @@ def wheel_parts(values: Values) -> list[Part]:
             relaxation=relaxed,  # type: ignore[arg-type]
             slips_at=wheel.slips_at,
             crown=None if wheel.crown is None else values.value(wheel.crown),
+            tread=None if wheel.width is None else Tread(values.value(wheel.width), wheel.strips),
         )
         parts.append(part)
         if not values.choice.free_wheels:
@@ -93,18 +97,7 @@ def _need_road(
     problems = []
     if surface is None:
         problems.append("road: missing: the system has wheels, give it a road")
-    for name, wheel in wheels.items():
-        if wheel.crown is None:
-            continue
-        if values.choice.contact != "disc":
-            problems.append(
-                f"wheels.{name}.crown: the contact '{values.choice.contact}' is that of a thin "
-                "disc; choose contact 'disc', or leave the crown out"
-            )
-        elif values.number(wheel.crown) > values.number(wheel.radius):
-            problems.append(
-                f"wheels.{name}.crown: a tread's radius across the wheel is at most the wheel's"
-            )
+    problems += [p for name, wheel in wheels.items() for p in _tread_problems(values, name, wheel)]
     problems += [
         f"wheels.{name}.tyre: missing: give the wheel a tyre, or the scenario 'tyres'"
         for name, wheel in wheels.items()
@@ -112,3 +105,18 @@ def _need_road(
     ]
     if problems:
         raise InputError("\n".join(f"{values.model.path}: {problem}" for problem in problems))
+
+
+def _tread_problems(values: Values, name: str, wheel: WheelSet) -> Iterator[str]:
+    """Yield what is wrong with the tread of a wheel across it."""
+    shapes = [field for field in ("crown", "width") if getattr(wheel, field) is not None]
+    if len(shapes) > 1:
+        yield f"wheels.{name}.width: a tread is round by its crown or flat; give one of them"
+    for field in shapes:
+        if values.choice.contact != "disc":
+            yield (
+                f"wheels.{name}.{field}: the contact '{values.choice.contact}' is that of a thin "
+                f"disc; choose contact 'disc', or leave the {field} out"
+            )
+    if wheel.crown is not None and values.number(wheel.crown) > values.number(wheel.radius):
+        yield f"wheels.{name}.crown: a tread's radius across the wheel is at most the wheel's"

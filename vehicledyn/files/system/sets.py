@@ -119,6 +119,12 @@ class WheelSet(SystemSet):
     crown: Scalar | None = measured(
         "m", "Radius of the tread across a wheel, a torus; else a disc", default=None, above=0.0
     )
+    width: Scalar | None = measured(
+        "m", "Width of a flat tread, a cylinder; else a disc", default=None, above=0.0
+    )
+    strips: int = Field(
+        default=4, ge=1, le=32, description="Strips of a flat tread on ground that is not one plane"
+    )
     tyre: ParameterSet | None = part(
         "tyre", "Tyre law, if the scenario does not choose it", default=None
     )

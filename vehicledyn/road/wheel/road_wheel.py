@@ -19,6 +19,7 @@ from vehicledyn.road.wheel.contact_below import (
     contact_of_lowest_point,
     contact_on_tangent_plane,
 )
+from vehicledyn.road.wheel.contact_tread import Tread, contact_of_tread
 from vehicledyn.road.wheel.relaxation import WheelRelaxation
 from vehicledyn.road.wheel.slip import (
     SlipFloors,
@@ -100,6 +101,9 @@ class RoadWheel(BasePart):
     crown
         Radius of the tread across a wheel that is a torus; None for a thin disc. Other contacts
         than "disc" take no notice of it [m].
+    tread
+        Flat tread of a wheel with a width (:mod:`vehicledyn.road.wheel.contact_tread`), in place
+        of all other contacts; None for a thin disc.
     """
 
     body: str
@@ -115,6 +119,7 @@ class RoadWheel(BasePart):
     ground_rate: Scalar = 0.0
     slips_at: str = "centre"
     crown: Scalar | None = None
+    tread: Tread | None = None
 
     def states(self) -> tuple[Variable, ...]:
         """Return the deflections of the contact patch, if slip is transient."""
@@ -248,6 +253,8 @@ class RoadWheel(BasePart):
 
     def _contact(self, situation: Situation) -> Contact:
         centre, axis = self._pose(situation)
+        if self.tread is not None:
+            return contact_of_tread(self.surface, centre, axis, self.radius, self.tread)
         if self.contact in _BELOW:
             return _BELOW[self.contact](self.surface, centre, axis, self.radius)
         if self.surface.is_flat:
@@ -289,7 +296,7 @@ class RoadWheel(BasePart):
     @property
     def _is_implicit(self) -> bool:
         """Whether the contact point is an unknown of the equations."""
-        return self.contact == "disc" and not self.surface.is_flat
+        return self.contact == "disc" and self.tread is None and not self.surface.is_flat
 
     def _pose(self, situation: Situation) -> tuple[Vec, Vec]:
         """Return wheel centre [m] and unit spin axis in world axes."""
