@@ -14,7 +14,7 @@ class Unit(NamedTuple):
     """Factor to SI and the exponents of metre, kilogram, second and radian."""
 
     factor: float
-    dimension: tuple[int, int, int, int]
+    dimension: tuple[float, float, float, float]
 
 
 _NONE = (0, 0, 0, 0)
@@ -61,7 +61,10 @@ _SUPERSCRIPTS = str.maketrans("⁻⁰¹²³⁴⁵⁶⁷⁸⁹", "-0123456789")
 _NUMBER = re.compile(
     r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(.*?)\s*$", re.DOTALL | re.ASCII
 )
-_FACTOR = re.compile(r"\s*(\*\*|[*/·]?)\s*([A-Za-zµ°%]+|1)(?:\s*(?:\^|\*\*)?\s*([+-]?\d+))?\s*")
+_FACTOR = re.compile(
+    r"\s*(\*\*|[*/·]?)\s*([A-Za-zµ°%]+|1)"
+    r"(?:\s*(?:\^|\*\*)?\s*([+-]?\d+)((?<=\^\d)\.\d{1,2})?)?\s*"
+)
 
 
 @lru_cache(maxsize=2048)
@@ -76,12 +79,13 @@ def parse_unit(text: str) -> Unit:
     superscripts = re.sub(r"([⁻⁰¹²³⁴⁵⁶⁷⁸⁹]+)", lambda m: "^" + m[1].translate(_SUPERSCRIPTS), text)
     rest = superscripts.replace("(", " ").replace(")", " ").strip() or "1"
     grouped = "(" in superscripts
-    factor, dimension, seen_slash = 1.0, [0, 0, 0, 0], False
+    factor, seen_slash = 1.0, False
+    dimension: list[float] = [0, 0, 0, 0]
     while rest:
         match = _FACTOR.match(rest)
         if match is None or match[1] == "**":
             raise InputError(f"'{text}' is not a unit")
-        operator, name, exponent = match.groups()
+        operator, name, exponent, part = match.groups()
         if name not in UNITS:
             guess = nearest_name(name, UNITS)
             hint = f"; did you mean '{guess}'?" if guess else ""
@@ -90,7 +94,8 @@ def parse_unit(text: str) -> Unit:
         inverse = operator == "/" or (grouped and seen_slash)
         if len((exponent or "").lstrip("+-0")) > 1:
             raise InputError(f"'{text}' is not a unit: the exponent {exponent} is too large")
-        power = int(exponent or 1) * (-1 if inverse else 1)
+        size = int(exponent or 1) if part is None else float(exponent + part)
+        power = -size if inverse else size
         factor *= UNITS[name].factor ** power
         dimension = [d + power * e for d, e in zip(dimension, UNITS[name].dimension, strict=True)]
         rest = rest[match.end() :]

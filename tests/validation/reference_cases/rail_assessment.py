@@ -22,12 +22,10 @@ from vehicledyn.results.assessment.weighting import (
     W_B_ISO,
     W_C,
     W_D,
-    Step,
-    Weighting,
+    W_K,
 )
 
 TABLE, METER = "ISO 2631-1, one-third octaves", "ISO 8041, at 100 rad/s"
-W_K = Weighting("W_k", 12.5, 0.63, Step(2.37, 0.91, 3.35, 0.91, (2.37 / 3.35) ** 2))
 HALF_DIGIT = 0.005
 """Half the third digit of a factor that begins with 1.00, relative."""
 TIME = np.arange(0.0, 300.0025, 5e-3)

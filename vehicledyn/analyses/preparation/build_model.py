@@ -64,7 +64,8 @@ def build_vehicle(target: Target) -> RoadVehicle:
     from vehicledyn.files.building.builders import BUILDERS
 
     vehicle: RoadVehicle = BUILDERS[target.written.kind].vehicle(*_asked(target))
-    return limited(manoeuvre_of(target).fit(vehicle))
+    manoeuvre = manoeuvre_of(target)
+    return limited(manoeuvre.with_seat(manoeuvre.fit(vehicle)))
 
 
 def build_tested(

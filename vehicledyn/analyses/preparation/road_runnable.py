@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, Self
 
 from vehicledyn.analyses.preparation.ports import Ports, WheelPort
 from vehicledyn.analyses.preparation.runnable import Vector, index_of, start_values
+from vehicledyn.analyses.preparation.seat_figures import seat_channels, seat_figures
 from vehicledyn.base.shapes import Hull, Shape
 from vehicledyn.multibody.elements.driveline.half_shaft import HalfShaft
 from vehicledyn.multibody.model.bodies import Joint
@@ -142,12 +143,13 @@ class RoadSubject:
         return self.manoeuvre.plots(self.vehicle)
 
     def channels(self, _: Equations) -> list[str]:
-        """Return the channels of the manoeuvre's key figures."""
-        return self.manoeuvre.channels(self.vehicle)
+        """Return the channels of the manoeuvre's key figures and of those of seats."""
+        return [*self.manoeuvre.channels(self.vehicle), *seat_channels(self.system)]
 
     def summarise(self, recording: Recording) -> list[SummaryEntry]:
-        """Return the key figures of the manoeuvre."""
-        return self.manoeuvre.summarise(recording, self.vehicle)
+        """Return the key figures of the manoeuvre, and the vibration at seats."""
+        figures = self.manoeuvre.summarise(recording, self.vehicle)
+        return [*figures, *seat_figures(self.system, recording)]
 
 
 def _revolving(system: System) -> set[str]:

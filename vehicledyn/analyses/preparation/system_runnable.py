@@ -15,6 +15,7 @@ from vehicledyn.analyses.preparation.energy_figures import (
 )
 from vehicledyn.analyses.preparation.ports import Ports
 from vehicledyn.analyses.preparation.runnable import Vector, start_values
+from vehicledyn.analyses.preparation.seat_figures import seat_channels, seat_figures
 from vehicledyn.multibody.model.bodies import Joint
 from vehicledyn.multibody.model.ground import GROUND
 from vehicledyn.multibody.model.parts import Part
@@ -181,11 +182,17 @@ class SystemSubject:
         units = {c.name: c.unit for c in equations.channels}
         wanted = [*self._coordinates(set(units)), _GAP, _OPENING, *ENERGIES, POWER]
         wanted += [f"{part.name}.angle_of_attack" for part in self._elastic_wheels()]
+        wanted += seat_channels(self.system)
         return [*(name for name in wanted if name in units), *_assessed(units, wanted)]
 
     def summarise(self, recording: Recording) -> list[SummaryEntry]:
-        """Return ranges of coordinates, errors of loops and energy, the assessment on rails."""
-        return [*self._general(recording), *_assessment(recording), *self._contact(recording)]
+        """Return ranges of coordinates, errors of loops and energy, the assessments."""
+        return [
+            *self._general(recording),
+            *_assessment(recording),
+            *self._contact(recording),
+            *seat_figures(self.system, recording),
+        ]
 
     def _elastic_wheels(self) -> list[Part]:
         return [part for part in self.system.parts if getattr(part, "settles_on_rails", False)]

@@ -11,6 +11,7 @@ from vehicledyn.multibody.elements.motion_sensors import (
     Accelerometer,
     BodySensor,
     FloorSensor,
+    SeatSensor,
     SequenceSensor,
 )
 from vehicledyn.multibody.model.bodies import Body, Joint, Turn
@@ -128,9 +129,9 @@ class _Writer:
             elif isinstance(part, Accelerometer):
                 point = self._numbers(part.point)
                 sensors[part.name] = {"kind": "accelerometer", "body": part.body, "point": point}
-            elif isinstance(part, FloorSensor):
-                point = self._numbers(part.point)
-                sensors[part.name] = {"kind": "floor", "body": part.body, "point": point}
+            elif isinstance(part, FloorSensor | SeatSensor):
+                kind, point = "seat" if part.is_seat else "floor", self._numbers(part.point)
+                sensors[part.name] = {"kind": kind, "body": part.body, "point": point}
             elif isinstance(part, SequenceSensor):
                 sequence = list(part.sequence)
                 sensors[part.name] = {"kind": "angles", "body": part.body, "sequence": sequence}

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Literal, TypeAlias
+from typing import ClassVar, Literal, TypeAlias
 
 from vehicledyn.base.registry import register
 from vehicledyn.multibody.model.declaration import ORIGIN, body_name, choice, vector
@@ -91,26 +91,53 @@ class FloorSensor(BasePart):
     on a canted floor it feels a part of the weight.
     """
 
+    is_seat: ClassVar[bool] = False
+
     body: str = body_name("The body")
     point: Sequence[Scalar] = vector("m", "The point in the axes of the body", default=ORIGIN)
 
     def outputs(self, situation: Situation) -> tuple[Output, ...]:
         """Return the three accelerations and the roll rate."""
-        if situation.forces is None:
-            raise ForcesUnknownError(f"sensor '{self.name}': gravity is known to outputs only")
-        kinematics, gravity = situation.kinematics, situation.forces.gravity
-        to_body = kinematics.rotation(self.body).T
-        felt = to_body @ (kinematics.acceleration(self.body, self.point) - gravity)
-        weight = ops.sqrt(ops.dot(gravity, gravity))
-        values = (felt[0], felt[1], felt[2] - weight)
         text = f"acceleration felt on the floor of {self.body}"
-        found = []
-        for word, value in zip(_WORDS, values, strict=True):
-            name = f"{self.name}.{word}"
-            channel = Channel(name, "m/s^2", f"{word.capitalize()} {text}", "body")
-            found.append(Output(channel, value))
+        felt = _felt(situation, self.name, self.body, self.point, text)
         roll = Channel(f"{self.name}.roll_rate", "rad/s", f"Roll rate of {self.body}", "body")
-        return (*found, Output(roll, kinematics.angular_velocity(self.body)[0]))
+        rate = situation.kinematics.angular_velocity(self.body)[0]
+        return (*felt, Output(roll, rate))
+
+
+@register("sensor_type", "seat")
+@dataclass(frozen=True)
+class SeatSensor(BasePart):
+    """What an accelerometer on a seat shows; the run's summary has its vibration by ISO 2631-1.
+
+    Axes and values are those of a sensor of the kind "floor".
+    """
+
+    is_seat: ClassVar[bool] = True
+
+    body: str = body_name("The body that the seat is fixed to")
+    point: Sequence[Scalar] = vector("m", "The seat in the axes of the body", default=ORIGIN)
+
+    def outputs(self, situation: Situation) -> tuple[Output, ...]:
+        """Return the three accelerations."""
+        text = f"acceleration felt on a seat of {self.body}"
+        return _felt(situation, self.name, self.body, self.point, text)
+
+
+def _felt(
+    situation: Situation, name: str, body: str, point: Sequence[Scalar], text: str
+) -> tuple[Output, ...]:
+    """Return a - g less |g| upwards at a point, in the axes of its body [m/s²]."""
+    if situation.forces is None:
+        raise ForcesUnknownError(f"sensor '{name}': gravity is known to outputs only")
+    kinematics, gravity = situation.kinematics, situation.forces.gravity
+    to_body = kinematics.rotation(body).T
+    felt = to_body @ (kinematics.acceleration(body, point) - gravity)
+    values = (felt[0], felt[1], felt[2] - ops.sqrt(ops.dot(gravity, gravity)))
+    return tuple(
+        Output(Channel(f"{name}.{word}", "m/s^2", f"{word.capitalize()} {text}", "body"), value)
+        for word, value in zip(_WORDS, values, strict=True)
+    )
 
 
 @register("sensor_type", "angles")

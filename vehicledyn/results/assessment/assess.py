@@ -1,4 +1,4 @@
-"""The assessment of a run: safety of wheels and axles, comfort, wear, and what is left out."""
+"""The assessment of a run: safety of wheels and axles, comfort, vibration, wear, remarks."""
 
 from __future__ import annotations
 
@@ -43,6 +43,7 @@ from vehicledyn.results.assessment.signal import BLOCK, Floats, Signal, signal_o
 from vehicledyn.results.assessment.stability import WINDOW as STRETCH
 from vehicledyn.results.assessment.stability import AxleStability, assess_stability
 from vehicledyn.results.assessment.subjects import Subjects, find_subjects
+from vehicledyn.results.assessment.vibration import Vibration, assess_vibration
 from vehicledyn.results.assessment.wear import WheelWear, assess_wear
 
 FASTEST_RATE = 200e3
@@ -74,6 +75,7 @@ class Assessment:
     stability: list[AxleStability] = field(default_factory=list)
     behaviour: list[BodyAcceleration] = field(default_factory=list)
     comfort: list[Comfort] = field(default_factory=list)
+    vibration: list[Vibration] = field(default_factory=list)
     transitions: list[TransitionComfort] = field(default_factory=list)
     wear: list[WheelWear] = field(default_factory=list)
     remarks: list[str] = field(default_factory=list)
@@ -86,6 +88,7 @@ def assess(
     *,
     begin: float | None = None,
     end: float | None = None,
+    vibration: bool = False,
 ) -> Assessment:
     """Return the assessment of a run, or of a section of it.
 
@@ -99,6 +102,8 @@ def assess(
         SI units by name.
     begin, end
         Limits of the section; the whole run if absent [s].
+    vibration
+        Whether vibration at sensors is assessed by ISO 2631-1 as well.
 
     Raises
     ------
@@ -132,6 +137,8 @@ def assess(
         return found
     _assess_safety(found, subjects, samples, distance)
     _assess_ride(found, subjects, samples)
+    if vibration:
+        found.vibration.extend(assess_vibration(s, samples) for s in _sensors(subjects, samples))
     _assess_transitions(found, subjects, samples, distance)
     return found
 
@@ -241,7 +248,7 @@ def _bends(samples: Samples, axle: str, curvature: Signal | None) -> bool:
 
 
 def _assess_ride(found: Assessment, subjects: Subjects, samples: Samples) -> None:
-    sensors = [s for s in subjects.sensors if any(_has(samples, s, d) for d in DIRECTIONS)]
+    sensors = _sensors(subjects, samples)
     if not sensors:
         if subjects.axles:
             found.remarks.append("comfort is left out: there is no accelerometer")
@@ -260,6 +267,10 @@ def _assess_ride(found: Assessment, subjects: Subjects, samples: Samples) -> Non
         return
     found.comfort.extend(assess_comfort(sensor, samples) for sensor in sensors)
     found.remarks.extend(_comfort_remarks(found.comfort, samples))
+
+
+def _sensors(subjects: Subjects, samples: Samples) -> list[str]:
+    return [s for s in subjects.sensors if any(_has(samples, s, d) for d in DIRECTIONS)]
 
 
 def _assess_transitions(

@@ -40,6 +40,7 @@ class AssessmentReport:
             _wear(self.assessment),
             _behaviour(self.assessment),
             _comfort(self.assessment.comfort),
+            _vibration(self.assessment),
             _transitions(self.assessment),
             _remarks(self.assessment),
         )
@@ -93,6 +94,7 @@ def assess_result(
                 units,
                 begin=begin,
                 end=end,
+                vibration=True,
             ),
         )
 
@@ -180,6 +182,20 @@ def _comfort(comfort: Sequence[Comfort]) -> list[str]:
         for one in comfort
     ]
     return _table("Comfort (C_C: largest of 5 s, m/s^2)", head, rows)
+
+
+def _vibration(found: Assessment) -> list[str]:
+    rows = [
+        (
+            f"{one.name}.{direction}",
+            *(f"{v:.4g}" for v in (axis.rms, axis.transient, axis.dose, axis.crest_factor)),
+        )
+        for one in found.vibration
+        for direction, axis in one.axes.items()
+    ]
+    rows += [(f"{v.name}, total", f"{v.total:.4g}", "", "", "") for v in found.vibration if v.total]
+    head = ("a_w m/s^2", "MTVV m/s^2", "VDV m/s^1.75", "crest factor")
+    return _table("Vibration, ISO 2631-1", head, rows)
 
 
 def _transitions(found: Assessment) -> list[str]:

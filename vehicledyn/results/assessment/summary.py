@@ -7,6 +7,7 @@ from collections.abc import Iterator
 
 from vehicledyn.results.assessment.assess import Assessment
 from vehicledyn.results.assessment.comfort import Comfort
+from vehicledyn.results.assessment.vibration import Vibration
 from vehicledyn.results.store.layout import SummaryEntry
 
 
@@ -24,6 +25,31 @@ def summarise_assessment(found: Assessment) -> list[SummaryEntry]:
         remarks = "; ".join(found.remarks)
         entries.append(SummaryEntry("assessment_remarks", remarks, "", ""))
     return [e for e in entries if not isinstance(e.value, float) or math.isfinite(e.value)]
+
+
+def summarise_vibration(found: Vibration) -> Iterator[SummaryEntry]:
+    """Yield the vibration at a seat by direction and altogether; what does not exist is left out.
+
+    Parameters
+    ----------
+    found
+        Vibration whose name begins those of the entries.
+    """
+    for direction, axis in found.axes.items():
+        for key, value, unit, words in (
+            ("weighted", axis.rms, "m/s^2", "Weighted {} acceleration, rms (ISO 2631-1)"),
+            ("mtvv", axis.transient, "m/s^2", "Largest running rms of 1 s, {} (ISO 2631-1)"),
+            ("vdv", axis.dose, "m/s^1.75", "Vibration dose value, {} (ISO 2631-1)"),
+            ("crest_factor", axis.crest_factor, "1", "Crest factor, {} (ISO 2631-1)"),
+        ):
+            if math.isfinite(value):
+                name = f"{found.name}.{key}_{direction}"
+                yield SummaryEntry(name, value, unit, words.format(direction))
+    if found.total is not None:
+        words = "Vibration total value, rms of all directions (ISO 2631-1)"
+        yield SummaryEntry(f"{found.name}.vibration_total", found.total, "m/s^2", words)
+        words = "Likely reaction in public transport (ISO 2631-1)"
+        yield SummaryEntry(f"{found.name}.reaction", found.reaction, "", words)
 
 
 def _safety(found: Assessment) -> Iterator[SummaryEntry]:

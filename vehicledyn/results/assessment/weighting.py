@@ -1,4 +1,4 @@
-"""Frequency weightings of accelerations that people feel: W_b, W_c, W_d, and Sperling's B.
+"""Frequency weightings of accelerations that people feel: W_b, W_c, W_d, W_k, and Sperling's B.
 
 Each W is a product of four transfer functions of the angular frequency s = 2πi f::
 
@@ -73,6 +73,8 @@ W_B = Weighting("W_b", 16.0, 0.63, Step(2.5, 0.8, 4.0, 0.8, 0.4))
 """Vertical, EN 12299."""
 W_B_ISO = Weighting("W_b", 16.0, 0.55, Step(2.5, 0.9, 4.0, 0.95, 0.4))
 """Vertical, ISO 2631-4; ISO 8041 writes its gain as 1.024 = 0.4 (f₆/f₅)²."""
+W_K = Weighting("W_k", 12.5, 0.63, Step(2.37, 0.91, 3.35, 0.91, (2.37 / 3.35) ** 2))
+"""Vertical on the seat, ISO 2631-1."""
 W_C = Weighting("W_c", 8.0, 0.63)
 """Forward at the back of a seat, EN 12299 and ISO 2631-1."""
 W_D = Weighting("W_d", 2.0, 0.63)

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 from pydantic import Field
 
-from vehicledyn.base.parameters import ParameterSet
+from vehicledyn.base.parameters import ParameterSet, quantity
 from vehicledyn.road.manoeuvres import figures, key_figures
 from vehicledyn.road.manoeuvres.channel_recorder import Recording
 from vehicledyn.road.manoeuvres.speed_control import SpeedControl
@@ -20,11 +20,16 @@ if TYPE_CHECKING:
 class RoadManoeuvre(ParameterSet):
     """Base of the manoeuvres; by itself the car goes straight on with the rack held.
 
-    ``speed_control`` drives the wheels; without it nothing does.
+    ``speed_control`` drives the wheels; without it nothing does. The summary of a run with a
+    ``seat`` has the vibration there.
     """
 
     speed_control: SpeedControl | None = Field(
         default=None, description="Controller that holds the speed; free wheels only"
+    )
+
+    seat: tuple[float, float, float] | None = quantity(
+        "m", "Seat in the axes of the chassis, whose vibration ISO 2631-1 assesses", default=None
     )
 
     coordinate_fields: ClassVar[tuple[str, ...]] = ()
@@ -45,6 +50,17 @@ class RoadManoeuvre(ParameterSet):
         if self.speed_control is None:
             return vehicle
         return self.speed_control.fit(vehicle)
+
+    def with_seat(self, vehicle: RoadVehicle) -> RoadVehicle:
+        """Return a vehicle with a sensor at the seat, if one is given."""
+        if self.seat is None:
+            return vehicle
+        from vehicledyn.multibody.elements.motion_sensors import SeatSensor
+
+        table, words = vehicle.system.table, "Seat in the axes of the chassis"
+        place = zip("xyz", self.seat, strict=True)
+        point = tuple(table.add(f"seat.{axis}", value, "m", words) for axis, value in place)
+        return vehicle.with_parts(SeatSensor("seat", vehicle.chassis, point))
 
     def scene(self, vehicle: RoadVehicle) -> dict[str, SceneItem]:
         """Return static things to show in pictures."""
