@@ -18,6 +18,7 @@ import numpy as np
 from damage import SCENARIO, STUDY, SYSTEMS
 from harness import call
 from mechanism_cases import CAM, STUDIES
+from table_cases import LAYOUT, MOTION
 
 LOST = 1.0  # s
 SAME = (".c", ".h", ".csv", ".json", ".dxf", ".yaml")
@@ -27,13 +28,17 @@ SLOW = 2.5  # how much slower a busy machine may be
 
 @dataclass(frozen=True)
 class Victim:
-    """A command, the file it writes, how it goes on with what a kill left, further files."""
+    """A command, the file it writes, how it goes on with what a kill left, further files.
+
+    ``codes`` are the exit codes of the whole: a search for a motion may end without an optimum.
+    """
 
     name: str
     command: list
     output: str
     go_on: list = field(default_factory=list)
     beside: tuple = ()
+    codes: tuple = (0, 1)
 
 
 VICTIMS = [
@@ -62,6 +67,20 @@ VICTIMS = [
          "crank.angle=-60 deg:300 deg:400", "--no-plots", "-o", "k.h5"], "k.h5",
     ),
     Victim("optimise", ["optimise", "best.yaml", "-o", "o.h5"], "o.h5", ["--resume"]),
+    Victim(
+        "optimise-manoeuvre", ["optimise-manoeuvre", "swing.yaml", "-o", "w.h5"], "w.h5",
+        ["--resume"], codes=(0, 3),
+    ),
+    Victim("linearise", ["linearise", "short.yaml", "-u", "force:upper.angle", "-y", "upper.angle",
+                         "-o", "l.npz"], "l.npz"),
+    Victim(
+        "inverse",
+        ["inverse", str(SYSTEMS.parent / "scenarios/systems/slider_crank.yaml"), "--motion",
+         "motion.csv", "--set", "duration=60 ms", "--set", "output.interval=0.1 ms",
+         "--no-plots", "-o", "v.h5"], "v.h5",
+    ),
+    Victim("profiles", ["profiles", "S1002", "60E1", "-o", "n.h5"], "n.h5"),
+    Victim("track", ["track", "track.yaml", "-o", "q.h5"], "q.h5"),
     Victim("cam", ["cam", "cam.yaml", "-o", "c.h5"], "c.h5"),
     Victim("drawn cam", ["cam", "cam.yaml", "--profile", "c.dxf"], "c.dxf"),
     Victim("identify", ["identify", "known.yaml", "-o", "i.h5"], "i.h5", ["--resume"]),
@@ -108,6 +127,11 @@ class Campaign:
             .replace("scenarios/systems/double_pendulum.yaml", "short.yaml")
             .replace("duration: 20 ms", "duration: 2 s")
             .replace("number: 4", "number: 64"),
+            "swing.yaml": STUDIES["optimise-manoeuvre"]
+            .replace("scenarios/systems/double_pendulum.yaml", "short.yaml")
+            .replace("most_iterations: 4", "most_iterations: 40"),
+            "motion.csv": MOTION,
+            "track.yaml": LAYOUT,
             "short.yaml": SCENARIO,
             "long.yaml": SCENARIO.replace("3 s", "300 s"),
             "best.yaml": STUDIES["optimise"]
@@ -148,7 +172,7 @@ class Campaign:
             begin = time.time()
             code = start(folder, victim.command).wait()
             self._seconds[victim.name] = time.time() - begin
-            assert code in (0, 1), (victim.name, code)
+            assert code in victim.codes, (victim.name, code)
         self._whole[victim.name] = folder / victim.output
 
     def _faults(self, victim, folder, at):
@@ -218,11 +242,11 @@ class Campaign:
                 if result.is_whole or not len(result.time):
                     return
         code = start(folder, [*victim.command, *victim.go_on]).wait()
-        if code not in (0, 1):
+        if code not in victim.codes:
             yield f"cannot be continued: exit code {code}"
             return
         shutil.copy(self._whole[victim.name], folder / "whole.h5")
-        if victim.name in ("hunt", "optimise", "identify", "uncertainty"):
+        if victim.name in ("hunt", "optimise", "optimise-manoeuvre", "identify", "uncertainty"):
             return
         with contextlib.suppress(FileNotFoundError):
             code = start(folder, ["compare", path.name, "whole.h5"]).wait()

@@ -609,3 +609,9 @@ def test_an_experiment_without_signals():
     })  # fmt: skip
     command = ["identify", "study.yaml", "-o", "out.h5"]
     refused(Case("identify", files, command, ("out.h5",)), "needs signals")
+
+
+def test_more_starts_than_memory_holds():
+    text = mechanism_cases.STUDIES["optimise"] + "starts: 1000000000\n"
+    files = yaml_cases.around({"study.yaml": text.encode()})
+    refused(Case("starts", files, ["validate", "study.yaml"]), "a whole number of at most 10000")

@@ -23,6 +23,7 @@ _OPTIONAL = (
     "most_runs", "starts", "explore", "seed", "front", "scatter", "deviations", "choices",
 )  # fmt: skip
 _MOST_CHOICES = 1000
+_MOST_STARTS = 10_000
 _VARIABLE = ("from", "to", "start")
 _LIMITS, _TARGET = ("at_least", "at_most"), ("target", "size")
 
@@ -164,10 +165,11 @@ def load_optimisation(path: Path, overrides: Sequence[str] = ()) -> Optimisation
     weights, front = _weights(form), _front(form)
     limits = tuple(Limit(n, v.get("at_least"), v.get("at_most")) for n, v in _limits(form))
     tolerance = form.number("tolerance", 1e-8, least=0.0)
-    most_runs, starts, seed = (
+    most_runs, seed = (
         int(form.number(key, default, least=1, whole=True))
-        for key, default in (("most_runs", 200), ("starts", 1), ("seed", 1))
+        for key, default in (("most_runs", 200), ("seed", 1))
     )
+    starts = int(form.number("starts", 1, least=1, most=_MOST_STARTS, whole=True))
     targets = tuple(
         Target(name, item["target"], item["size"])
         for name, item in form.entries(("least_squares",), _TARGET, needed=_TARGET)
