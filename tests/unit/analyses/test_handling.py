@@ -6,6 +6,7 @@ import pytest
 import vehicledyn
 from vehicledyn.analyses.handling.circle import constant_radius, constant_speed, constant_steering
 from vehicledyn.analyses.handling.cornering_modes import CorneringModes
+from vehicledyn.analyses.handling.equal_curvature import gradients_on_circle
 from vehicledyn.analyses.handling.steady_turn import SteadyTurn, Turn, solver_for
 from vehicledyn.analyses.handling.test_run import drive, figures_of
 from vehicledyn.analyses.handling.tested_car import CONTROL, TestedCar
@@ -85,6 +86,15 @@ def test_the_three_methods_of_the_circle_agree_on_the_gradient(small_car):
     for first in (0.25, 2.0):
         found = [curve.gradient("understeer_angle", 4.0, first=first) for curve in curves]
         assert max(found) / min(found) < 1.02
+
+
+def test_at_one_curvature_the_three_methods_have_one_gradient(small_car):
+    circle = constant_radius(small_car, 30.0, last=4.2)
+    found = gradients_on_circle(small_car, circle, 30.0, first=2.0, last=4.0)
+    assert len(found) == 3
+    by_line = circle.gradient("understeer_angle", 4.0, first=2.0)
+    assert list(found.values()) == pytest.approx([found["constant_radius"]] * 3, rel=0.005)
+    assert found["constant_radius"] == pytest.approx(by_line, rel=0.02)
 
 
 def test_a_steady_turn_is_where_a_simulated_step_ends(small_car):

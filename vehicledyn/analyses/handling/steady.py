@@ -16,6 +16,7 @@ from vehicledyn.analyses.handling.circle import (
     constant_steering,
 )
 from vehicledyn.analyses.handling.cornering_modes import CorneringModes
+from vehicledyn.analyses.handling.equal_curvature import equal_curvature_figures
 from vehicledyn.analyses.handling.steady_turn import SteadyTurn, solver_for
 from vehicledyn.analyses.handling.tested_car import CONTROL, TestedCar
 from vehicledyn.analyses.handling.yaw_moment import yaw_moments
@@ -85,6 +86,10 @@ def steady_sheets(solver: SteadyTurn, wish: SteadyWish, progress: Progress) -> H
     }
     sheets |= {name: _sheet(curve) for name, curve in curves.items() if curve.points}
     figures = [f for name, c in curves.items() for f in _circle_figures(name, c)]
+    progress("comparing the methods at one curvature", None)
+    figures += equal_curvature_figures(
+        solver, radius, wish.radius, first=GRADIENT_FROM, last=GRADIENT_UP_TO
+    )
     progress("finding modes along lateral acceleration", None)
     sheets["modes"], found = _modes(solver, speed)
     figures += found
@@ -115,8 +120,10 @@ def _sheet(curve: SteadyCurve) -> Sheet:
 
 
 def _circle_figures(test: str, curve: SteadyCurve) -> Iterator[KeyFigure]:
-    """Yield gradients between 2 and 4 m/s² and the limit of a circle."""
+    """Yield gradients between 2 and 4 m/s², the circles they are of, and the limit."""
     lateral = curve.values["lateral_acceleration"]
+    if test != "constant_radius":
+        yield from _radii(test, curve)
     for name, title, text in _GRADIENTS:
         if len(lateral) and lateral[0] <= GRADIENT_FROM < GRADIENT_UP_TO <= lateral[-1]:
             slope = curve.gradient(name, GRADIENT_UP_TO, first=GRADIENT_FROM)
@@ -125,6 +132,16 @@ def _circle_figures(test: str, curve: SteadyCurve) -> Iterator[KeyFigure]:
     if np.isfinite(curve.limit):
         words = "Largest lateral acceleration of a steady turn"
         yield KeyFigure(test, "limit", curve.limit, "m/s^2", words)
+
+
+def _radii(test: str, curve: SteadyCurve) -> Iterator[KeyFigure]:
+    """Yield the radii between which a test changes its circle while the gradient is taken."""
+    lateral = curve.values["lateral_acceleration"]
+    for at in (GRADIENT_FROM, GRADIENT_UP_TO):
+        if len(lateral) and lateral[0] <= at <= lateral[-1]:
+            radius = 1.0 / float(np.interp(at, lateral, curve.values["curvature"]))
+            words = f"Radius of the circle at {at:g} m/s^2"
+            yield KeyFigure(test, f"radius_at_{at:g}", radius, "m", words)
 
 
 def _modes(solver: SteadyTurn, curve: SteadyCurve) -> tuple[Sheet, list[KeyFigure]]:
