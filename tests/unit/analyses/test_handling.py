@@ -224,6 +224,12 @@ def test_the_other_side_slippery_mirrors_the_motion(small_car):
     assert right.x == pytest.approx(left.x, abs=1e-10)
 
 
+def test_the_tested_car_has_the_mass_of_its_file(small_car):
+    assert small_car.car.mass == pytest.approx(1000.0, rel=1e-8)
+    front = sum(small_car.car.wheel_loads[f"front_{side}"] for side in ("left", "right"))
+    assert front / (9.81 * 1000.0) == pytest.approx(1.385 / 2.5, rel=2e-3)
+
+
 def test_the_slippery_side_is_gone_in_the_next_test(small_car):
     before = drive_straight(small_car)
     split_run(small_car, "left")

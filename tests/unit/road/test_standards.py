@@ -8,6 +8,7 @@ import pytest
 import vehicledyn.catalogue  # noqa: F401
 from vehicledyn.base.errors import InputError
 from vehicledyn.base.registry import find
+from vehicledyn.road.manoeuvres.sine_dwell_test import SineDwellTest, Verdict
 from vehicledyn.road.manoeuvres.steering_signal import SteeringSignal, sine_with_dwell
 from vehicledyn.road.manoeuvres.time_table import TimeTable
 from vehicledyn.road.standards.braking import STOPPED, deceleration_figures
@@ -70,6 +71,37 @@ def test_a_constant_deceleration_is_its_own_mean_and_stops_after_its_way():
     assert found["stopping_distance"] == pytest.approx(way, rel=1e-6)
     still = deceleration_figures(signals(forward_speed=speed + 0.0 * TIME))
     assert [e.name for e in still] == ["initial_speed"]
+
+
+def test_an_unsteady_start_and_a_lost_speed_are_reported_and_a_steady_test_is_not():
+    control = {"proportional_gain": "400 N*s", "integral_gain": "100 N"}
+    step = find("manoeuvre", "step_steer")(angle=0.1, begin=1.0, speed_control=control)
+    turns = np.where(TIME > 1.0, 0.3, 0.0)
+    assert step.conditions(signals(forward_speed=22.0 + 0.0 * TIME, yaw_rate=turns)) == []
+    (start,) = step.conditions(signals(forward_speed=22.0 + 0.0 * TIME, yaw_rate=0.1 * TIME))
+    assert "yaw rate changes by 2.865 deg/s in the 0.5 s before the input" in start
+    (speed,) = step.conditions(signals(forward_speed=22.0 - 0.5 * np.maximum(TIME - 1.0, 0.0)))
+    assert "79.2 km/h by up to -34.2 km/h" in speed
+    assert "by more than 2 km/h from t = 2.11 s on" in speed
+
+
+def test_the_speed_is_judged_only_where_the_test_holds_it():
+    control = {"proportional_gain": "400 N*s", "integral_gain": "100 N"}
+    for kind, given, holds in (
+        ("weave", {"amplitude": 0.1}, True),
+        ("fishhook", {"angle": 0.1}, False),
+        ("split_braking", {"torque": 900.0}, False),
+        ("constant_steer", {"angle": 0.1, "last_speed_change": 3.0}, False),
+    ):
+        assert find("manoeuvre", kind)(speed_control=control, **given).holds_speed() == holds
+        assert not find("manoeuvre", kind)(**given).holds_speed()
+
+
+def test_a_sine_with_dwell_coasts_and_asks_less_of_a_heavy_car():
+    assert SineDwellTest(amplitude=1.0).throttle().at(1.0) == 0.0
+    aside = Verdict(0.1, 0.1, 1.6)
+    assert aside.is_responsive(3600.0)
+    assert not aside.is_responsive(3500.0)
 
 
 @pytest.mark.parametrize("kind", ["straight_braking", "split_braking", "acceleration"])

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import replace
 
 from vehicledyn.analyses.handling.lane_changes import run_lane_changes
@@ -12,7 +13,7 @@ from vehicledyn.analyses.handling.tested_car import CONTROL, TestedCar
 from vehicledyn.analyses.preparation.prepared import Progress
 from vehicledyn.files.scenario.target import Target
 from vehicledyn.kernel.make_kernel import Backend
-from vehicledyn.results.tables.handling_table import HandlingTable
+from vehicledyn.results.tables.handling_table import HandlingTable, KeyFigure
 from vehicledyn.road.manoeuvres.driving_test import DrivingTest
 
 
@@ -48,6 +49,20 @@ def handling_table(target: Target, *, backend: Backend, progress: Progress) -> H
         steady,
         title="Handling tests",
         sheets={**steady.sheets, **tests.sheets},
-        figures=[*steady.figures, *tests.figures],
+        figures=[*_conditions(car), *steady.figures, *tests.figures],
         notes=tuple(notes),
     )
+
+
+def _conditions(car: TestedCar) -> Iterator[KeyFigure]:
+    """Yield the car as it is tested, which reports give by ISO 15037-1."""
+    loads, name = car.wheel_loads, "conditions"
+    words = "Mass on the wheels, as loaded in the model (ISO 15037-1, loading conditions)"
+    yield KeyFigure(name, "mass", car.mass, "kg", words)
+    front = sum(loads[corner.name] for corner in car.vehicle.corners if corner.is_front)
+    share = front / sum(loads.values())
+    yield KeyFigure(name, "front_share", share, "1", "Part of it on the front wheels")
+    wheelbase = car.worth(car.vehicle.wheelbase)
+    yield KeyFigure(name, "wheelbase", wheelbase, "m", "Wheelbase")
+    words = "Steering-wheel angle over that of the front wheels"
+    yield KeyFigure(name, "steering_ratio", car.steering_ratio, "1", words)

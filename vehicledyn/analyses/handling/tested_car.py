@@ -6,6 +6,7 @@ serves steady states and all open-loop tests.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
@@ -152,6 +153,18 @@ class TestedCar:
         """
         point = equilibrium_point(self.prepared, 0.0, "static")
         return CarPoint(point.state, point.unknowns, self.kernel.parameters)
+
+    @cached_property
+    def wheel_loads(self) -> dict[str, float]:
+        """Loads of the wheels at rest, by name [N]."""
+        outputs = self.outputs(self.standing)
+        return {c.name: outputs[f"{c.name}.tyre.normal_force"] for c in self.vehicle.corners}
+
+    @property
+    def mass(self) -> float:
+        """Mass on the wheels as it is tested [kg]."""
+        weight = math.hypot(*(self.worth(g) for g in self.vehicle.system.gravity))
+        return sum(self.wheel_loads.values()) / weight
 
     def rates(self, state: Vector, unknowns: Vector, time: float = 0.0) -> tuple[Vector, Vector]:
         """Return the rates and the unknowns that close the loops, from a guess of these."""

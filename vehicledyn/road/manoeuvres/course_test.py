@@ -130,6 +130,10 @@ class CourseTest(DrivingTest):
         settings = self.settings()
         return {n: v for n, v in settings.items() if not n.startswith(f"{PREFIX}.steering.")}
 
+    def holds_speed(self) -> bool:
+        """Return that the speed may fall on the way, or follow a profile."""
+        return False
+
     def channels(self, vehicle: RoadVehicle) -> list[str]:
         """Return also where the car is on its path and beside it."""
         return [*super().channels(vehicle), PATH_ERROR, STATION]

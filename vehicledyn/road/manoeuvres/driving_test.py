@@ -9,11 +9,12 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from typing import TYPE_CHECKING, Any
 
-from vehicledyn.base.parameters import quantity
+from vehicledyn.base.parameters import field_unit, quantity
 from vehicledyn.road.manoeuvres.channel_recorder import Recording
 from vehicledyn.road.manoeuvres.manoeuvre import RoadManoeuvre
 from vehicledyn.road.manoeuvres.steering_signal import SteeringSignal
 from vehicledyn.road.manoeuvres.time_table import TimeTable
+from vehicledyn.road.standards.entries import entry
 
 if TYPE_CHECKING:
     from vehicledyn.multibody.model.parts import Situation
@@ -181,6 +182,27 @@ class DrivingTest(RoadManoeuvre):
         """Return a brake torque by the motion in place of that by time, or None [N m]."""
         return None
 
+    def input_at(self) -> float | None:
+        """Return when the test's input begins [s], None where that is no time."""
+        for name in ("brake_at", "release_at", "begin"):
+            if name in type(self).model_fields and field_unit(type(self), name) == "s":
+                return float(getattr(self, name))
+        return None
+
+    def holds_speed(self) -> bool:
+        """Return whether the test keeps the speed of its start."""
+        changes = *self.speed_change().values, *self.drive_torque().values
+        is_held = self.speed_control is not None and all(self.throttle().values)
+        return is_held and not any((*changes, *self.brake_torque().values))
+
+    def conditions(self, signals: Signals) -> list[str]:
+        """Return where the test leaves the conditions of ISO 15037-1, one sentence each."""
+        from vehicledyn.road.standards.conditions import speed_remarks, start_remarks
+
+        at = self.input_at()
+        start = [] if at is None else [*start_remarks(signals, at)]
+        return [*start, *(speed_remarks(signals) if self.holds_speed() else ())]
+
     def channels(self, vehicle: RoadVehicle) -> list[str]:
         """Return the channels of the test's quantities and of the general key figures."""
         from vehicledyn.road.standards.signals import signal_channels
@@ -199,7 +221,11 @@ class DrivingTest(RoadManoeuvre):
         if recording.count < 2:
             return general
         signals = Signals.of(recording.time[:], recording.channels, vehicle.chassis)
-        return [*self.quantities(signals, recording, vehicle), *general]
+        entries = [*self.quantities(signals, recording, vehicle), *general]
+        remarks = "; ".join(self.conditions(signals))
+        words = "Departures from the conditions of ISO 15037-1"
+        told = entry("test_conditions", remarks, "", words) if remarks else ()
+        return [*entries, *told]
 
     def quantities(
         self, signals: Signals, recording: Recording, vehicle: RoadVehicle

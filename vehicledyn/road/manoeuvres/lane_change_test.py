@@ -83,6 +83,10 @@ class LaneChangeTest(DrivingTest):
                 f"wheels; the driver's rack_stop lets them turn by {math.degrees(most):.3g} deg"
             )
 
+    def holds_speed(self) -> bool:
+        """Return that the speed may fall on the way, or follow a profile."""
+        return False
+
     def channels(self, vehicle: RoadVehicle) -> list[str]:
         """Return also the channel that shows how far the car is from its path."""
         return [*super().channels(vehicle), _PATH_ERROR]

@@ -10,10 +10,14 @@ import numpy as np
 from vehicledyn.base.parameters import quantity
 from vehicledyn.road.manoeuvres.driving_test import DrivingTest
 from vehicledyn.road.manoeuvres.steering_signal import SteeringSignal, sine_with_dwell
+from vehicledyn.road.manoeuvres.time_table import TimeTable
 from vehicledyn.road.standards.signals import Signals
 
-MOST_FIRST, MOST_SECOND, LEAST_DISPLACEMENT = 0.35, 0.20, 1.83
-"""Limits of the yaw-rate ratios [1] and of the displacement of cars up to 3,500 kg [m]."""
+MOST_FIRST, MOST_SECOND = 0.35, 0.20
+"""Limits of the yaw-rate ratios [1]."""
+
+LEAST_DISPLACEMENT, LEAST_OF_HEAVY, HEAVY = 1.83, 1.52, 3500.0
+"""Least displacement of cars up to a mass, and beyond it [m, m, kg]."""
 
 _DISPLACED = 1.07
 
@@ -31,10 +35,10 @@ class Verdict:
         """Whether the yaw rate falls as it must."""
         return self.first_ratio <= MOST_FIRST and self.second_ratio <= MOST_SECOND
 
-    @property
-    def is_responsive(self) -> bool:
-        """Whether the car moves aside as far as it must."""
-        return self.displacement >= LEAST_DISPLACEMENT
+    def is_responsive(self, mass: float) -> bool:
+        """Return whether a car of a mass [kg] moves aside as far as it must."""
+        least = LEAST_DISPLACEMENT if mass <= HEAVY else LEAST_OF_HEAVY
+        return self.displacement >= least
 
 
 class SineDwellTest(DrivingTest):
@@ -47,6 +51,10 @@ class SineDwellTest(DrivingTest):
     def steering(self) -> SteeringSignal:
         """Return the sine with its dwell, from time zero on."""
         return sine_with_dwell(self.amplitude, self.frequency, self.dwell)
+
+    def throttle(self) -> TimeTable:
+        """Return the throttle, released with the steering: the car coasts through the test."""
+        return TimeTable((0.0, 0.1), (1.0, 0.0))
 
     def verdict(self, signals: Signals) -> Verdict:
         """Return the quantities that decide; infinite ratios where the run ended before."""
