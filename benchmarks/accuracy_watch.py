@@ -5,9 +5,10 @@ step to two hundred times it. The truth is a run with RK4 or ``rkc`` at an eight
 Printed are, per run, how far its worst key figure is off, what the watch says and what it
 costs; and in the end how many bad runs (more than 5 % off, or ended early) it finds, how many good
 ones (less than 1 % off) it warns of, and what it says of those between. ``--coarse 10`` draws steps
-from ten times the scenario's own upwards, of which most are bad. ``--cost`` measures the
-processor time of integrations with and without the watch, which take turns, and compares it with
-that of the whole run: from the scenario in memory, its kernel compiled, to the closed file.
+from ten times the scenario's own upwards, of which most are bad; ``--coarsest 10`` none beyond ten
+times it, of which most are good. ``--cost`` measures the processor time of integrations with and
+without the watch, which take turns, and compares it with that of the whole run: from the scenario
+in memory, its kernel compiled, to the closed file.
 """
 
 from __future__ import annotations
@@ -180,12 +181,12 @@ def judge(name, solver, interval):
     return Finding(error, worst, said.verdict, told, said.extra_steps / outcome.steps)
 
 
-def draw(random, coarse):
+def draw(random, coarse, coarsest):
     """Return a scenario, a method with a step, and the sampling interval [s]."""
     name = NAMES[random.integers(len(NAMES))]
     loaded, _, _ = prepared(name)
     s = loaded.scenario
-    wanted = own_step(loaded) * 10.0 ** random.uniform(np.log10(coarse), 2.3)
+    wanted = own_step(loaded) * 10.0 ** random.uniform(*np.log10((coarse, coarsest)))
     whole = round(s.duration / s.output.interval)
     multiples = [m for m in range(1, whole // 20) if whole % m == 0]
     times = min(multiples, key=lambda m: abs(np.log(m * s.output.interval / max(wanted, 1e-9))))
@@ -197,11 +198,11 @@ def draw(random, coarse):
     return name, find("solver", kind)(step=step), interval
 
 
-def campaign(number, seed, coarse=0.5):
+def campaign(number, seed, coarse=0.5, coarsest=200.0):
     """Run and print so many combinations; return the findings."""
     random, found = np.random.default_rng(seed), []
     while len(found) < number:
-        name, solver, interval = draw(random, coarse)
+        name, solver, interval = draw(random, coarse, coarsest)
         finding = judge(name, solver, interval)
         if finding is None:
             continue
@@ -284,12 +285,16 @@ def main():
     parser.add_argument(
         "--coarse", type=float, default=0.5, help="smallest multiple of the own step"
     )
+    parser.add_argument(
+        "--coarsest", type=float, default=200.0, help="largest multiple of the own step"
+    )
     parser.add_argument("--cost", type=int, metavar="REPETITIONS", default=0)
     arguments = parser.parse_args()
     if arguments.cost:
         cost(arguments.cost)
         return
-    print("\n".join(summary(campaign(arguments.number, arguments.seed, arguments.coarse))))
+    chosen = arguments.number, arguments.seed, arguments.coarse, arguments.coarsest
+    print("\n".join(summary(campaign(*chosen))))
 
 
 if __name__ == "__main__":

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from copy import copy
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
-from vehicledyn.analyse.newton import NewtonResult, settle, solve_damped
+from vehicledyn.analyse.newton import Evaluate, NewtonResult, settle, solve_damped
 from vehicledyn.base.errors import NumericalError
 from vehicledyn.kernel.derivatives import Derivatives, Slopes
 from vehicledyn.kernel.engine import Ledger, Vector
@@ -142,16 +143,14 @@ def find_equilibrium(
     """
     if len(free) != len(balanced):
         raise ValueError(f"{len(free)} free states cannot balance {len(balanced)} rates")
-    problem = _Balance(
+    problem = Balance(
         kernel, derivatives or Derivatives(equations), time, list(free), list(balanced)
     )
     problem.start(state, unknowns)
-    limits = [_LARGEST_TURN if equations.states[k].unit == "rad" else np.inf for k in problem.free]
     begin = problem.state[problem.free]
-    largest = np.array(limits)
+    largest = largest_steps(equations, free)
     if settling is not None:
-        evaluate = problem.roughly if kernel.backend == "compiled" else problem.evaluate
-        begin = settle(evaluate, begin, longest=settling, largest_step=largest)
+        begin = settle(problem.quickest, begin, longest=settling, largest_step=largest)
     found = problem.solved_roughly(begin, tolerance, largest)
     if found is None:
         found = solve_damped(problem.evaluate, begin, tolerance=tolerance, largest_step=largest)
@@ -168,8 +167,14 @@ def find_equilibrium(
     return EquilibriumPoint(final_state, final_unknowns, residual, found.iterations)
 
 
+def largest_steps(equations: Equations, free: Sequence[int]) -> Vector:
+    """Return how far each free state may move at once, shape (n_free,) [units of the states]."""
+    turns = [equations.states[k].unit == "rad" for k in free]
+    return np.where(turns, _LARGEST_TURN, np.inf)
+
+
 @dataclass
-class _Balance:
+class Balance:
     """The balanced rates as a function of the free states, with closed loops."""
 
     kernel: Kernel
@@ -186,6 +191,17 @@ class _Balance:
         self._follow = np.zeros((self._unknowns.size, len(self.free)))
         if self._unknowns.size:
             self._follow = self._derive(self.state, self._unknowns).unknowns[:, self.free]
+
+    def at(self, time: float) -> Balance:
+        """Return the same at another time [s]; the loops are followed from here."""
+        moved = copy(self)
+        moved.time, moved._follow = time, self._follow.copy()
+        return moved
+
+    @property
+    def quickest(self) -> Evaluate:
+        """Rates and Jacobian in the quickest way that there is."""
+        return self.roughly if self.kernel.backend == "compiled" else self.evaluate
 
     def solved_roughly(
         self, begin: Vector, tolerance: float, largest: Vector
@@ -252,7 +268,7 @@ def _per_second(unit: str) -> str:
     return f"{unit}^2" if unit.endswith("/s") else f"{unit}/s"
 
 
-def _loose(equations: Equations, problem: _Balance, point: Vector, worst: int) -> list[str]:
+def _loose(equations: Equations, problem: Balance, point: Vector, worst: int) -> list[str]:
     """Return states that can move together without any rate taking notice, few at most.
 
     None are returned if that of the rate which is worst in balance is not among them.

@@ -7,10 +7,13 @@ import numpy as np
 import pytest
 
 import vehicledyn as vd
+import vehicledyn.analyse.equilibrium
 import vehicledyn.catalogue
+from vehicledyn.analyses.preparation.prepare import BALANCE_TOLERANCE, equilibrium_point, prepare
 from vehicledyn.analyses.preparation.rounded_kinks import NOTICED
 from vehicledyn.base.errors import AccuracyWarning, NumericalError
 from vehicledyn.base.parameters import read_part
+from vehicledyn.interface.targets import read_target
 from vehicledyn.rail.track.riding_line import rounding
 
 SEGMENTS = [
@@ -63,3 +66,27 @@ def test_no_balance_in_a_curve_says_how_to_start_there(place, said, monkeypatch)
     with pytest.raises(NumericalError) as raised:
         vd.equilibrium(scenario, backend="interpreted")
     assert ("along the tangent of a curve of 600 m" in str(raised.value)) is said
+
+
+@pytest.mark.long
+def test_a_balance_in_a_curve_that_is_not_found_there_is_followed_from_straight_track(monkeypatch):
+    """It is the one that the direct search finds, here where that does not fail."""
+    search, failed = vehicledyn.analyse.equilibrium.find_equilibrium, []
+
+    def fail_first(*arguments, time, **others):
+        if not failed:
+            failed.append(time)
+            raise NumericalError("no equilibrium")
+        return search(*arguments, time=time, **others)
+
+    changes = {"track": {**RAILS, "segments": SEGMENTS}, "parameters.begin": "130 m"}
+    scenario = vd.load("curving_wheelset").changed({**changes, "start": "static"})
+    prepared = prepare(
+        read_target(scenario, [], ("scenario",)), backend="interpreted", progress=lambda *_: None
+    )
+    direct = equilibrium_point(prepared, 0.0, "static")
+    monkeypatch.setattr("vehicledyn.analyse.equilibrium.find_equilibrium", fail_first)
+    led = equilibrium_point(prepared, 0.0, "static")
+    assert led.state == pytest.approx(direct.state, abs=1e-8)
+    assert led.residual <= BALANCE_TOLERANCE
+    assert "on straight track 87 m behind it" in led.remark and not direct.remark

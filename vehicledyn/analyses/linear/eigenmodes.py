@@ -128,7 +128,7 @@ def _modes_at(
     )
     remarks = [] if kind == "steady" else [unsteadiness(prepared, point)]
     if kind != "nominal":
-        remarks += rounded_kinks(prepared, point)
+        remarks += [point.remark, *rounded_kinks(prepared, point)]
     remark = "\n".join(filter(None, remarks))
     return ModesAtSpeed(speed, eigenmodes(linear.matrix, linear.names), "", remark), linear
 

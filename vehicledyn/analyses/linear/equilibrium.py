@@ -162,7 +162,7 @@ def find_equilibrium(
         coordinates,
         forces,
         stability,
-        tuple(rounded_kinks(prepared, point)),
+        tuple(filter(None, [point.remark, *rounded_kinks(prepared, point)])),
     )
 
 

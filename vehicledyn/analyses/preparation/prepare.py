@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from typing import TYPE_CHECKING, Literal
 
@@ -11,7 +11,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vehicledyn.analyses.preparation.build_model import build_subject
-from vehicledyn.analyses.preparation.curved_starts import curve_advice
+from vehicledyn.analyses.preparation.curved_starts import (
+    curve_advice,
+    led_into_curve,
+    straight_before,
+)
 from vehicledyn.analyses.preparation.error_locations import told_with_places
 from vehicledyn.analyses.preparation.mass_checks import refuse_idle_start
 from vehicledyn.analyses.preparation.prepared import (
@@ -32,6 +36,7 @@ from vehicledyn.kernel.make_kernel import Backend, compile_kernel
 from vehicledyn.multibody.model.parts import BasePart
 
 if TYPE_CHECKING:
+    from vehicledyn.analyse.equilibrium import EquilibriumPoint
     from vehicledyn.kernel.derivatives import Slopes
 
 Vector = NDArray[np.float64]
@@ -46,11 +51,15 @@ _LET_DOWN = 1e-3
 
 @dataclass(frozen=True)
 class Point:
-    """States and unknowns that fulfil the constraints; ``residual`` the largest unbalance."""
+    """States and unknowns that fulfil the constraints; ``residual`` the largest unbalance.
+
+    ``remark`` says how they were found, where that was not in the usual way.
+    """
 
     state: Vector
     unknowns: Vector
     residual: float = 0.0
+    remark: str = ""
 
 
 def prepare(
@@ -163,8 +172,6 @@ def equilibrium_point(
     balances all but the slow loss of speed at the speed itself, including the spin of free
     wheels.
     """
-    from vehicledyn.analyse.equilibrium import find_equilibrium
-
     if prepared.has_multipliers:
         return _by_partitioning(prepared, speed, kind)
     e, subject = prepared.equations, prepared.subject
@@ -173,30 +180,52 @@ def equilibrium_point(
     state = subject.still_state(e) if kind == "static" else moving
     start = _closed(prepared, state, balanced_speed)
     refuse_idle_start(prepared, subject.balance_time, start.state, start.unknowns)
-    free, rates = subject.balance_pairs(e, balanced_speed)
-    try:
-        found = find_equilibrium(
-            e,
-            prepared.kernel,
-            time=subject.balance_time,
-            state=start.state,
-            unknowns=start.unknowns,
-            free=free,
-            balanced=rates,
-            tolerance=BALANCE_TOLERANCE,
-            derivatives=slopes or prepared.slopes,
-            settling=_let_down(prepared, start) or subject.settling,
-            not_held=partial(not_held, subject),
-        )
-    except NumericalError as error:
-        advice = curve_advice(prepared, start.state, start.unknowns)
-        raise NumericalError(f"{error}{advice}", about=error.about) from error
+    found, remark = _balanced(prepared, start, balanced_speed, slopes or prepared.slopes)
+    free, _ = subject.balance_pairs(e, balanced_speed)
     final = found.state.copy()
     if kind == "static":
         velocities = [k for k in e.speeds if k not in free]
         final[velocities] = moving[velocities]
         set_speed(prepared, speed)
-    return _moving(prepared, Point(final, found.unknowns, found.residual))
+    return _moving(prepared, Point(final, found.unknowns, found.residual, remark))
+
+
+def _balanced(
+    prepared: Prepared, start: Point, speed: float, slopes: Slopes
+) -> tuple[EquilibriumPoint, str]:
+    """Return the equilibrium at a speed [m/s], and how it was found where not from the start."""
+    from vehicledyn.analyse.equilibrium import find_equilibrium
+
+    subject = prepared.subject
+    pairs = subject.balance_pairs(prepared.equations, speed)
+    search = partial(
+        find_equilibrium,
+        prepared.equations,
+        prepared.kernel,
+        free=pairs[0],
+        balanced=pairs[1],
+        tolerance=BALANCE_TOLERANCE,
+        derivatives=slopes,
+        not_held=partial(not_held, subject),
+    )
+    settling = _let_down(prepared, start) or subject.settling
+    begin = start.state, start.unknowns
+    try:
+        at = subject.balance_time
+        return search(time=at, state=begin[0], unknowns=begin[1], settling=settling), ""
+    except NumericalError as error:
+        entry = straight_before(prepared, *begin) if settling else None
+        advice = curve_advice(prepared, *begin)
+        if settling is None or entry is None:
+            raise NumericalError(f"{error}{advice}", about=error.about) from error
+        try:
+            found = led_into_curve(
+                prepared, entry, begin, search, pairs=pairs, slopes=slopes, settling=settling
+            )
+        except NumericalError as other:
+            tried = f"; nor does one follow from straight track: {other}"
+            raise NumericalError(f"{error}{tried}{advice}", about=error.about) from error
+        return found, entry.remark
 
 
 def not_held(subject: Subject) -> dict[str, str]:
@@ -217,7 +246,7 @@ def _by_partitioning(prepared: Prepared, speed: float, kind: Literal["static", "
     values.update(named(e.states, point.state))
     state = np.array([values[s.name] for s in prepared.equations.states])
     unknowns = np.array([values.get(u.name, u.start) for u in prepared.equations.unknowns])
-    return Point(state, unknowns, point.residual)
+    return Point(state, unknowns, point.residual, point.remark)
 
 
 def _let_down(prepared: Prepared, start: Point) -> float | None:
@@ -255,7 +284,7 @@ def _moving(prepared: Prepared, point: Point) -> Point:
         prepared.kernel, subject.given_rates, subject.balance_time, point.state, point.unknowns
     )
     refuse_vague_start(prepared.equations, state)
-    return Point(state, point.unknowns, point.residual)
+    return replace(point, state=state)
 
 
 def _closed(prepared: Prepared, state: Vector, speed: float) -> Point:

@@ -48,6 +48,7 @@ class Memory:
     state: list[float]
     unknowns: list[float]
     residual: float
+    remark: str
     parameters: list[float]
     look: dict[str, Any]
 

@@ -75,7 +75,8 @@ def _from_memory(loaded: LoadedScenario, memory: Memory) -> tuple[Prepared, Poin
     if kernel is None:
         return None
     kernel.set_parameters(memory.parameters)
-    start = Point(np.array(memory.state), np.array(memory.unknowns), memory.residual)
+    vectors = np.array(memory.state), np.array(memory.unknowns)
+    start = Point(*vectors, memory.residual, memory.remark)
     return Prepared(derived.subject, equations, kernel, derived, look=memory.look), start
 
 
@@ -86,6 +87,7 @@ def _memory_of(prepared: Prepared, start: Point) -> Memory:
         start.state.tolist(),
         start.unknowns.tolist(),
         float(start.residual),
+        start.remark,
         prepared.kernel.parameters.tolist(),
         prepared.look,
     )

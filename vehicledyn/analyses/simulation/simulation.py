@@ -120,7 +120,7 @@ def run_scenario(
     if loaded.scenario.start in (None, "nominal"):
         notes.extend(moved_starts(prepared, start))
     else:
-        notes.extend(rounded_kinks(prepared, start))
+        notes.extend(filter(None, [start.remark, *rounded_kinks(prepared, start)]))
     notes.extend(standing_wheels(prepared, start))
     notes.extend(kinked_drives(prepared.subject, loaded.scenario.duration))
     notes.extend(mended_profiles(loaded))
