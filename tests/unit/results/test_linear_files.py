@@ -108,11 +108,26 @@ def test_other_files_are_refused(tmp_path):
         read_response(path)
     (tmp_path / "text.h5").write_text("no")
     assert not holds_table(tmp_path / "text.h5")
-    with pytest.raises(InputError, match="its format is 'unknown'"):
+    with pytest.raises(InputError, match="is not an HDF5 file"):
         read_modes(tmp_path / "text.h5")
+    with h5py.File(tmp_path / "other.h5", "w") as file:
+        file["x"] = 1.0
+    with pytest.raises(InputError, match="its format is 'unknown'"):
+        read_modes(tmp_path / "other.h5")
     with h5py.File(path, "a") as file:
         del file["case_2/kind"]
     with pytest.raises(InputError, match="is damaged"):
+        read_modes(path)
+
+
+def test_a_file_whose_format_cannot_be_read_is_called_damaged(tmp_path):
+    path = tmp_path / "modes.h5"
+    write_modes(path, modes())
+    broken = bytearray(path.read_bytes())
+    place = broken.find(b"GCOL\1")
+    broken[place + 24 : place + 32] = (2**63 - 1).to_bytes(8, "little")
+    path.write_bytes(broken)
+    with pytest.raises(InputError, match=r"is damaged \(wrong checksum"):
         read_modes(path)
 
 

@@ -85,12 +85,13 @@ def old_file(path: Path, kind: str) -> Iterator[h5py.File]:
     InputError
         If there is no such file, or it is damaged, of another format or a newer version.
     """
-    found = format_of(path)
-    if found != kind:
-        raise InputError(f"{path}: holds no {kind} data (its format is '{found or 'unknown'}')")
     with reading(path, advice="compute it again"):
         file = open_file(Path(path))
     with file, reading(path, file, "compute it again"):
+        found = str(file.attrs.get("format", ""))
+        if found != kind:
+            file.check()
+            raise InputError(f"{path}: holds no {kind} data (its format is '{found or 'unknown'}')")
         if int(file.attrs["format_version"]) > FORMAT_VERSION:
             raise InputError(f"{path}: is of a newer version; update vehicledyn")
         require_stored(file)
