@@ -14,11 +14,13 @@ from vehicledyn.kernel.engine import Vector
 from vehicledyn.kernel.kernel import Kernel
 from vehicledyn.symbolic.equations import Equations
 
-_FIRST, _SHORTEST, _LONGEST = 1 / 16, 1 / 1024, 1 / 8
+_FIRST, _SHORTEST, _LONGEST = 1 / 16, 1 / 128, 1 / 8
 """Parts of the way that steps are long: the first, the last before the search settles, any."""
 
 _ITERATIONS = 15
 _MOST_STEPS = 400
+_MOST_RESTLESS = 10
+"""Places after each other at which nothing comes quite to rest before the search is given up."""
 
 
 def follow_equilibrium(
@@ -37,7 +39,9 @@ def follow_equilibrium(
 
     Natural continuation with a secant as predictor: steps shrink where Newton's method fails and
     grow where it does not. Over what changes at once, such as the curvature where an arc follows a
-    straight, the point settles as in strongly damped motion.
+    straight, the point settles as in strongly damped motion; on the way it may do so not quite, as
+    where hardly anything holds it. What is found at the end is an equilibrium where the residual
+    says so.
 
     Parameters
     ----------
@@ -60,7 +64,7 @@ def follow_equilibrium(
     Raises
     ------
     NumericalError
-        If no equilibrium is found at a time between.
+        If nothing comes to rest at several times between.
 
     References
     ----------
@@ -70,7 +74,7 @@ def follow_equilibrium(
     problem.start(begin.state, begin.unknowns)
     largest = largest_steps(equations, free)
     point, slope = problem.state[problem.free], np.zeros(len(free))
-    done, step, iterations = 0.0, _FIRST, begin.iterations
+    done, step, iterations, restless = 0.0, _FIRST, begin.iterations, 0
     for _ in range(_MOST_STEPS):
         part = min(step, 1.0 - done)
         time = times[0] + (done + part) * (times[1] - times[0])
@@ -83,15 +87,18 @@ def follow_equilibrium(
             trial = problem.at(time)
             found = _settled(trial, point, tolerance, largest, settling)
             slope = np.zeros(len(free))
+            restless = 0 if found.solved else restless + 1
+            if restless > _MOST_RESTLESS:
+                break
         else:
             slope = (found.point - point) / part
-            step = min(2.0 * step, _LONGEST)
+            step, restless = min(2.0 * step, _LONGEST), 0
         problem, point, done = trial, found.point, done + part
         iterations += found.iterations
         if done >= 1.0:
             residual = float(np.abs(found.residual).max(initial=0.0))
             return EquilibriumPoint(*problem.point(point), residual, iterations)
-    raise NumericalError(f"the search has come no further than t = {problem.time:.6g} s")
+    raise NumericalError(f"no equilibrium at t = {problem.time:.6g} s")
 
 
 def _corrected(
@@ -115,10 +122,13 @@ def _corrected(
 def _settled(
     problem: Balance, begin: Vector, tolerance: float, largest: Vector, longest: float
 ) -> NewtonResult:
-    """Return the equilibrium to which a strongly damped motion leads."""
+    """Return where a strongly damped motion leads, nearly an equilibrium if not quite."""
     near = settle(problem.quickest, begin, longest=longest, largest_step=largest)
-    found = solve_damped(problem.quickest, near, tolerance=tolerance, largest_step=largest)
-    if not found.solved:
-        worst = float(np.abs(found.residual).max())
-        raise NumericalError(f"no equilibrium at t = {problem.time:.6g} s: a rate of {worst:.3g}")
-    return found
+    return solve_damped(
+        problem.quickest,
+        near,
+        tolerance=tolerance,
+        max_iterations=_ITERATIONS,
+        largest_step=largest,
+        persistent=False,
+    )

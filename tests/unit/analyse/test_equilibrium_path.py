@@ -55,5 +55,5 @@ def test_a_place_that_moves_or_jumps_is_followed(jump):
 
 def test_a_path_that_ends_says_where():
     equations = held(lambda t: 0.5 * t + ca.if_else(t > 3.0, 1e6, 0.0))
-    with pytest.raises(NumericalError, match=r"no equilibrium at t = 3\.0\d* s"):
+    with pytest.raises(NumericalError, match=r"no equilibrium at t = 3\.\d+ s"):
         followed(equations)

@@ -32,7 +32,7 @@ CLEAR = 6.0
 FARTHEST = 2000
 """How far behind the start straight track is looked for [m]."""
 
-ON_THE_WAY = 1e-4
+ON_THE_WAY = 1e-3
 """Largest acceleration that counts as balanced on the way [m/s², rad/s²]."""
 
 _MOMENT = 1e-3
