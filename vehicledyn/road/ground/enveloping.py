@@ -82,6 +82,43 @@ class Cam:
         result[order] = highest
         return result
 
+    def even_lift(self, z: Array, step: float) -> Array:
+        """Return the heights of the lowest point over outlines with corners at equal distances.
+
+        Parameters
+        ----------
+        z
+            Heights of the corners of one outline a column, shape (n, m) [m].
+        step
+            Distance of the corners [m].
+
+        Returns
+        -------
+        Array
+            Heights with the lowest point at every corner from which the cam lies within the
+            outline, shape (n - 2 k, m) with k steps to the end of the cam [m].
+        """
+        reach = self.steps_to_end(step)
+        count = len(z) - 2 * reach
+        highest = np.full((count, z.shape[1]), -np.inf)
+        for k in range(-reach, reach + 1):
+            rest = self.outline(np.array(k * step))
+            if np.isfinite(rest):
+                np.maximum(highest, z[reach + k : reach + k + count] - rest, out=highest)
+        slope = np.diff(z, axis=0) / step
+        touch = self.place_of_slope(slope)
+        before = np.arange(len(slope))[:, None] - reach
+        at = np.ceil(before - touch / step).astype(int)
+        height = z[:-1] + slope * ((at - before) * step + touch) - self.outline(touch)
+        column = np.broadcast_to(np.arange(z.shape[1]), at.shape)
+        inside = (at >= 0) & (at < count)
+        np.maximum.at(highest, (at[inside], column[inside]), height[inside])
+        return highest
+
+    def steps_to_end(self, step: float) -> int:
+        """Return the number of steps [m] that cover half the length of the cam."""
+        return int(np.ceil(self.length / step - 1e-9))
+
     def _near(self, places: Array, first: float, last: float) -> slice:
         """Return the sorted places from which the cam reaches a stretch of the outline."""
         low = np.searchsorted(places, first - self.length)

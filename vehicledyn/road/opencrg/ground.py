@@ -97,18 +97,22 @@ class CrgGround:
 
     def height(self, x: Any, y: Any) -> Any:
         """Return the height of the ground [m]."""
-        u, v, _, _ = self._place(x, y)
+        u, v, _, _ = self.place(x, y)
+        return self.on_line(u, v)
+
+    def on_line(self, u: Any, v: Any) -> Any:
+        """Return the height at a place along and beside the reference line [m]."""
         return self._smoothed(u, self.grid.value(u, v))[0]
 
     def gradient(self, x: Any, y: Any) -> tuple[Any, Any]:
         """Return the slopes along x and y [1]."""
-        u, v, by_u, by_v = self._place(x, y)
+        u, v, by_u, by_v = self.place(x, y)
         along, across = self.grid.slopes(u, v)
         _, scale, rate = self._smoothed(u, self.grid.value(u, v))
         along, across = scale * along + rate, scale * across
         return along * by_u[0] + across * by_v[0], along * by_u[1] + across * by_v[1]
 
-    def _place(self, x: Any, y: Any) -> tuple[Any, Any, Any, Any]:
+    def place(self, x: Any, y: Any) -> tuple[Any, Any, Any, Any]:
         """Return u and v with their gradients in the world."""
         line = self.road.line
         if self.is_straight:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, ClassVar
 from vehicledyn.base.parameters import quantity
 from vehicledyn.base.registry import register
 from vehicledyn.road.surfaces.file_surface import FileSurface
-from vehicledyn.road.surfaces.surface import SteepPlace
+from vehicledyn.road.surfaces.surface import Lines, SteepPlace, lines_of_grid
 from vehicledyn.symbolic.ops import Scalar
 
 if TYPE_CHECKING:
@@ -47,6 +47,10 @@ class Heightfield(FileSurface):
         """Return whether places lie on the grid."""
         found: NDArray[np.bool_] = self.ground().covers(x - self.x, y - self.y)
         return found
+
+    def lines(self) -> Lines:
+        """Return the extent of the grid and its lines along x."""
+        return lines_of_grid(self.ground(), self.x, self.y)
 
     def steepest(self) -> SteepPlace:
         """Return the steepest place between neighbouring nodes."""

@@ -10,6 +10,7 @@ from pydantic import Field
 from vehicledyn.base.errors import InputError
 from vehicledyn.base.registry import register
 from vehicledyn.road.surfaces.file_surface import FileSurface
+from vehicledyn.road.surfaces.surface import Lines, Slopes
 from vehicledyn.symbolic.ops import Scalar
 
 if TYPE_CHECKING:
@@ -49,6 +50,22 @@ class OpenCrgRoad(FileSurface):
         """Return the slopes along x and y [1]."""
         along, across = self.ground().gradient(x, y)
         return along, across
+
+    def lines(self) -> Lines:
+        """Return the extent of the reference line and the long sections."""
+        road = self.ground().road
+        across = tuple(map(float, road.v))
+        straight = self.interpolation == "linear"
+        return Lines(road.line.start, road.line.stop, across, straight)
+
+    def on_line(self, u: Scalar, v: Scalar) -> Scalar:
+        """Return the height at a place of the reference line [m]."""
+        return self.ground().on_line(u, v)
+
+    def line_place(self, x: Scalar, y: Scalar) -> tuple[Scalar, Scalar, Slopes, Slopes]:
+        """Return the place along and across the reference line [m], with their gradients."""
+        u, v, by_u, by_v = self.ground().place(x, y)
+        return u, v, by_u, by_v
 
     def covers(self, x: Array, y: Array) -> NDArray[np.bool_]:
         """Return whether places lie on the grid, or where its borders repeat it."""

@@ -11,7 +11,7 @@ from vehicledyn.base.parameters import quantity
 from vehicledyn.base.problems import Problem, refusal
 from vehicledyn.base.registry import register
 from vehicledyn.road.surfaces.file_surface import FileSurface
-from vehicledyn.road.surfaces.surface import SteepPlace
+from vehicledyn.road.surfaces.surface import Lines, SteepPlace
 from vehicledyn.symbolic.ops import Scalar
 
 if TYPE_CHECKING:
@@ -49,6 +49,12 @@ class ProfileRoad(FileSurface):
     def gradient(self, x: Scalar, y: Scalar) -> tuple[Scalar, Scalar]:
         """Return the slope along x [1]; the slope along y is zero."""
         return self.ground().slope(x - self.start), 0.0
+
+    def lines(self) -> Lines:
+        """Return the extent of the curve, which is equal across the road."""
+        table: CurveTable = self.ground()
+        first, last = (place + self.start for place in (table.start, table.stop))
+        return Lines(first, last, (-1.0, 1.0), straight=True)
 
     def steepest(self) -> SteepPlace:
         """Return the steepest place of the curve, which is equal across the road."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from abc import abstractmethod
 from pathlib import Path
-from typing import TYPE_CHECKING, ClassVar, NamedTuple
+from typing import TYPE_CHECKING, ClassVar, NamedTuple, TypeAlias
 
 from vehicledyn.base.parameters import ParameterSet, part
 from vehicledyn.road.patches.patch import FrictionPatch, friction_at
@@ -16,7 +16,11 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
+    from vehicledyn.symbolic.bicubic_grids import BicubicGrid
+
     Array = NDArray[np.float64]
+
+Slopes: TypeAlias = tuple[Scalar, Scalar]
 
 
 class SteepPlace(NamedTuple):
@@ -25,6 +29,18 @@ class SteepPlace(NamedTuple):
     slope: float
     x: float
     y: float
+
+
+class Lines(NamedTuple):
+    """Where a surface has data: first and last place along it and its lines across [m].
+
+    ``straight`` says that it is straight across from line to line.
+    """
+
+    first: float
+    last: float
+    across: tuple[float, ...]
+    straight: bool = False
 
 
 class RoadSurface(ParameterSet):
@@ -62,6 +78,18 @@ class RoadSurface(ParameterSet):
         """Return the steepest place of ground that comes from a file; None for other ground."""
         return None
 
+    def lines(self) -> Lines | None:
+        """Return where the surface has data along and across; None for surfaces by formulas."""
+        return None
+
+    def on_line(self, u: Scalar, v: Scalar) -> Scalar:
+        """Return the height at a place along and across [m]: of the world, or of its own line."""
+        return self.height(u, v)
+
+    def line_place(self, x: Scalar, y: Scalar) -> tuple[Scalar, Scalar, Slopes, Slopes]:
+        """Return the place along and across of a place of the world [m], with their gradients."""
+        return x, y, (1.0, 0.0), (0.0, 1.0)
+
     def covers(self, x: Array, y: Array) -> NDArray[np.bool_]:
         """Return whether there are data at places [m, m] of the world, shape (n,)."""
         import numpy as np
@@ -77,3 +105,11 @@ def ground_normal(surface: RoadSurface, x: Scalar, y: Scalar) -> Vec:
     """Return the upward unit normal of the ground in world axes, n ∝ (-∂z/∂x, -∂z/∂y, 1)."""
     slope_x, slope_y = surface.gradient(x, y)
     return ops.unit(ops.vector(-slope_x, -slope_y, 1.0))
+
+
+def lines_of_grid(grid: BicubicGrid, x: float, y: float) -> Lines:
+    """Return the lines of a square grid that is moved by x and y [m]."""
+    along, across = grid.values.shape
+    first = x + grid.x
+    places = tuple(y + grid.y + grid.step * k for k in range(across))
+    return Lines(first, first + grid.step * (along - 1), places)
