@@ -4,6 +4,7 @@ import io
 import json
 import re
 from pathlib import Path
+from types import SimpleNamespace
 
 import mechanism_cases
 import numpy as np
@@ -14,6 +15,11 @@ import table_cases
 import yaml_cases
 from harness import Case, run
 
+from vehicledyn.base.errors import InputError
+from vehicledyn.results.animation.film import draw_film
+from vehicledyn.results.assessment.even_samples import even_samples
+from vehicledyn.results.assessment.signal import signal_of
+from vehicledyn.results.assessment.sliding import sliding_mean
 from vehicledyn.results.plots.figures import new_figure
 from vehicledyn.results.plots.scales import leave_room
 
@@ -615,3 +621,41 @@ def test_more_starts_than_memory_holds():
     text = mechanism_cases.STUDIES["optimise"] + "starts: 1000000000\n"
     files = yaml_cases.around({"study.yaml": text.encode()})
     refused(Case("starts", files, ["validate", "study.yaml"]), "a whole number of at most 10000")
+
+
+def test_gaps_between_samples_are_not_filled_without_end():
+    time = np.append(0.005 * np.arange(20.0), 1e9)
+    with pytest.raises(InputError, match="leave gaps beside steps of"):
+        even_samples(time, {})
+    with pytest.raises(InputError, match="is too long to assess"):
+        sliding_mean(signal_of(np.array([0.0, 1e300])), signal_of(np.zeros(2)), window=2.0, every=1)
+
+
+def test_a_film_of_more_pictures_than_anyone_sees(tmp_path):
+    scene = SimpleNamespace(time=np.array([0.0, 1e12]))
+    given = {"view": "angle", "rate": 15, "speed": 1.0, "progress": lambda *_: None}
+    with pytest.raises(InputError, match="pictures is too long, 20000 at most"):
+        draw_film(scene, tmp_path / "a.gif", **given)
+
+
+def test_a_path_longer_than_pictures_true_to_scale_show():
+    files = {"car.h5": changed("car.h5", far_away)}
+    outcome = run(Case("path", files, ["plot", "car.h5", "--only", "path"], ("car_plots",)))
+    assert (outcome.code, outcome.faults) == (0, []), outcome
+    assert outcome.seconds < 5.0
+
+
+def far_away(file):
+    file.pop("checksums", None)
+    for name in ("chassis/x", "chassis/y"):
+        values = file[name][()]
+        file[name][...] = values * 1e5
+    file["chassis/x"][-1] = 1e7
+
+
+def test_forces_of_more_samples_than_memory_holds():
+    command = ["inverse", "scenarios/systems/slider_crank.yaml", "-o", "out.h5"]
+    command += ["--set", "duration=1 s", "--set", "output.interval=20 ns"]
+    files = yaml_cases.around({"motion.csv": table_cases.MOTION.encode()})
+    case = Case("inverse", files, [*command, "--motion", "motion.csv"])
+    refused(case, "gives 50000001 samples, and forces of at most")

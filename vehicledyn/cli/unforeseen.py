@@ -6,7 +6,7 @@ import re
 
 from vehicledyn.cli.exit_codes import BUG, INPUT, NUMERICAL
 
-_NO_NUMBERS = re.compile(r"\b(nans?|infs?|infinity|(non-?|not |in)finite|finite)\b", re.IGNORECASE)
+_NO_NUMBERS = re.compile(r"\b(nans?|infs?|infinity|math domain|(non-?|in)?finite)\b", re.IGNORECASE)
 """In the words with which NumPy, SciPy and Python refuse what is no finite number."""
 
 _WHERE = "set VEHICLEDYN_TRACEBACK=1 to see where"
@@ -21,6 +21,8 @@ def told(error: Exception) -> tuple[str, int]:
     words = " ".join(f"{type(error).__name__}: {error}".split())
     if isinstance(error, RecursionError):
         return f"what is given is nested too deeply ({words})", INPUT
+    if isinstance(error, UnicodeError):
+        return f"a text holds signs that cannot be written ({words}); change it", INPUT
     if _is_numerical(error):
         text = (
             f"the computation failed on numbers ({words}): one of those given is far too large or "

@@ -33,6 +33,7 @@ from vehicledyn.symbolic.equations import Channel
 
 Array = NDArray[np.float64]
 _CHUNK = 256
+_MOST_SAMPLES = 1_000_000
 _LINES = 6
 _SHOWN_IN = {"rad": "deg", "rad/s": "deg/s"}
 
@@ -102,7 +103,14 @@ def find_forces(
     progress("deriving the inverse dynamics", None)
     system = build_subject(loaded).system
     s = loaded.scenario
-    times = np.linspace(0.0, s.duration, round(s.duration / s.output.interval) + 1)
+    samples = round(s.duration / s.output.interval) + 1
+    if samples > _MOST_SAMPLES:
+        raise InputError(
+            f"output.interval: {s.output.interval:g} s gives {samples} samples, and forces of at "
+            f"most {_MOST_SAMPLES} are found at once; take a longer one or a shorter duration",
+            about=["output.interval"],
+        )
+    times = np.linspace(0.0, s.duration, samples)
     motion, inverse = _prepared(loaded, system, table)
     tables = motion.at(times) if motion is not None else _no_motion(len(times))
     kernel = compile_kernel(inverse.equations, backend=backend, progress=progress)

@@ -8,6 +8,7 @@ from subprocess import CalledProcessError
 
 import numpy as np
 
+from vehicledyn.base.argument_names import argument
 from vehicledyn.base.errors import InputError, MissingPartError
 from vehicledyn.base.files.whole_file import whole_file
 from vehicledyn.results.animation.scene import AnimatedScene
@@ -16,6 +17,7 @@ from vehicledyn.results.hdf5.output import write_failed
 from vehicledyn.results.plots.plot_style import STYLE
 
 FILMS = (".gif", ".mp4")
+MOST_PICTURES = 20_000
 
 
 def draw_film(
@@ -64,6 +66,12 @@ def draw_film(
             f"{'.mp4' if ending == '.gif' else '.gif'} or the page"
         )
     begin, end = float(scene.time[0]), float(scene.time[-1])
+    count = (end - begin) * rate / speed
+    if not count <= MOST_PICTURES:
+        raise InputError(
+            f"{target}: a film of {count:.3g} pictures is too long, {MOST_PICTURES} at most; "
+            f"show a part of it, or give a higher {argument('speed')}"
+        )
     times = np.arange(begin, end + 1e-9, speed / rate)
     writer = animation.writers[name](fps=rate)
     try:

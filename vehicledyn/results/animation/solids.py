@@ -25,6 +25,8 @@ COIL, TYRE, RIM, HULL, FORCE, CONE, RAIL, SLEEPER = (
 )  # fmt: skip
 BODIES = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9")
 STYLES = {"rod": ROD, "pin": PIN, "guide": GUIDE, "joint": JOINT, "steel": STEEL, "rubber": TYRE}
+_LONGEST_TRACK, _MOST_SLEEPERS = 3e5, 3000
+"""Length [m] of the longest track drawn, and sleepers that are drawn of it in one picture."""
 ARROW_REACH, ARROW_LIMIT = 0.28, 0.7
 """Length of the arrow of a usual force and of the longest arrow, in sizes of the vehicle."""
 
@@ -209,6 +211,8 @@ def _track(scene: AnimatedScene, place: Array, reach: float) -> list[Face]:
         return []
     way = np.linalg.norm(np.diff(scene.track[:, 0], axis=0), axis=1)
     along = np.concatenate([[0.0], np.cumsum(way)])
+    if not along[-1] < _LONGEST_TRACK:
+        return []
     stations = np.arange(0.0, along[-1], 0.6)
     edges = np.stack(
         [
@@ -217,7 +221,7 @@ def _track(scene: AnimatedScene, place: Array, reach: float) -> list[Face]:
         ],
         axis=1,
     )
-    edges = edges[np.linalg.norm(edges[:, 0] - place, axis=1) < reach]
+    edges = edges[np.linalg.norm(edges[:, 0] - place, axis=1) < reach][:_MOST_SLEEPERS]
     faces = []
     for (left, right), (left_next, right_next) in pairwise(edges):
         over, along = 0.35 * (left - right), 0.2 * (left_next - left)

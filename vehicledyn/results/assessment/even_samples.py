@@ -12,6 +12,8 @@ from vehicledyn.base.errors import InputError
 from vehicledyn.results.assessment.signal import BLOCK, Floats, Signal, signal_of
 
 _UNEVEN = 1e-6
+_MOST_TIMES = 100
+"""As many even steps as samples at most; more stand for gaps of a damaged file."""
 
 
 @dataclass(frozen=True)
@@ -106,7 +108,7 @@ def even_samples(
     steps = _Steps.of(known)
     instants, step = known, steps.typical
     if not steps.even:
-        count = int(np.floor((steps.last - steps.first) / step + _UNEVEN)) + 1
+        count = _even_count(steps, known.count)
         first = steps.first
         instants = Signal(count, lambda a, b: np.asarray(first + step * np.arange(a, b)))
     kept = _between(instants, step, begin, end)
@@ -119,6 +121,17 @@ def even_samples(
         return column if steps.even else _interpolated(known, column, instants)
 
     return Samples(instants, step, LazyChannels(channels, read), kept)
+
+
+def _even_count(steps: _Steps, samples: int) -> int:
+    """Return how many even steps replace uneven ones; an InputError if they are far too many."""
+    whole = np.floor((steps.last - steps.first) / steps.typical + _UNEVEN) + 1
+    if not whole <= _MOST_TIMES * samples:
+        raise InputError(
+            f"nothing to assess there: {samples} samples from {steps.first:.6g} to "
+            f"{steps.last:.6g} s leave gaps beside steps of {steps.typical:.3g} s"
+        )
+    return int(whole)
 
 
 @dataclass(frozen=True)

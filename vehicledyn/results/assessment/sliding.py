@@ -8,7 +8,10 @@ from itertools import pairwise
 
 import numpy as np
 
+from vehicledyn.base.errors import InputError
 from vehicledyn.results.assessment.signal import BLOCK, Floats, Signal, stored
+
+_LONGEST = 1e7  # m
 
 
 @dataclass(frozen=True)
@@ -40,6 +43,8 @@ def sliding_mean(distance: Signal, values: Signal, *, window: float, every: floa
     """
     begin = distance.at(0)
     room = distance.at(-1) - begin - window
+    if not room <= _LONGEST:
+        raise InputError(f"a way of {room + window:.3g} m is too long to assess")
     count = int(np.floor(room / every + 1e-9)) + 1 if room >= 0.0 else 0
     ahead = round(window / every)
     grid = even_places(begin, every, count + ahead if count else 0)
@@ -102,6 +107,8 @@ def integral_between(places: Floats, values: Floats, wanted: Floats) -> Floats:
 
 def block_rms(values: Signal, step: float, duration: float) -> Floats:
     """Return root mean squares of successive windows of a duration [s]; an odd rest is left."""
+    if step > duration:
+        return np.empty(0)
     count = int(np.floor((values.count - 1) * step / duration + 1e-9))
     edges = np.round(np.arange(count + 1) * duration / step).astype(int)
     return np.array([np.sqrt(np.mean(values.part(a, b) ** 2)) for a, b in pairwise(edges)])

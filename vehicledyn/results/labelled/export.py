@@ -132,7 +132,7 @@ def _portions(columns: Sequence[Column]) -> Iterator[list[np.ndarray[Any, Any]]]
 
 
 def _write_csv(path: Path, columns: Sequence[Column], data: LabelledSet) -> None:
-    with path.open("w", encoding="utf-8", newline="") as file:
+    with path.open("w", encoding="utf-8", errors="backslashreplace", newline="") as file:
         writer = csv.writer(file, lineterminator="\n")
         writer.writerow([name for name, *_ in columns])
         writer.writerow([unit for _, _, unit, _ in columns])
@@ -159,16 +159,17 @@ def _write_mat(path: Path, columns: Sequence[Column], data: LabelledSet) -> None
 
 def _matlab_names(names: Sequence[str]) -> list[str]:
     """Return names of letters, digits and underscores, each another."""
-    found: list[str] = []
+    found: dict[str, None] = {}
+    numbers: dict[str, int] = {}
     for name in names:
         plain = _NO_LETTER.sub("_", name)
         stem = plain if plain[:1].isalpha() else f"x{plain}"
-        word, number = stem[:_LONGEST_NAME], 1
-        while word in (*found, "columns", "about"):
-            number += 1
-            word = f"{stem[: _LONGEST_NAME - 5]}_{number}"
-        found.append(word)
-    return found
+        word, short = stem[:_LONGEST_NAME], stem[: _LONGEST_NAME - 6]
+        while word in found or word in ("columns", "about"):
+            numbers[short] = numbers.get(short, 1) + 1
+            word = f"{short}_{numbers[short]}"
+        found[word] = None
+    return list(found)
 
 
 def _write_parquet(path: Path, columns: Sequence[Column], data: LabelledSet) -> None:
