@@ -129,7 +129,7 @@ def moving(equations):
 @pytest.mark.parametrize("constraints", ["index3", "stabilised_index2"])
 @pytest.mark.parametrize("weights", WEIGHTS[::2])
 def test_multipliers(held, interpreted, weights, constraints, tolerance):
-    """Residuals are rounded otherwise, which the multipliers of undamped steps show most."""
+    """Residuals are rounded otherwise: Newton's method may stop one iteration earlier or later."""
     for kernel in held:
 
         def go(kernel=kernel):
@@ -145,7 +145,7 @@ def test_multipliers(held, interpreted, weights, constraints, tolerance):
         assert np.ptp(one[0].states[:, 0]) > 0.1
         for name in ("samples", "steps", "smallest_step", "largest_step"):
             assert getattr(one[1], name) == pytest.approx(getattr(other[1], name), rel=1e-12), name
-        assert one[1].evaluations == pytest.approx(other[1].evaluations, rel=0.02)
+        assert one[1].evaluations == pytest.approx(other[1].evaluations, abs=one[1].steps)
 
 
 def test_python_is_called_for_few_jacobians_of_steps_with_multipliers(held, monkeypatch):
